@@ -1,0 +1,98 @@
+//! CSV in and out: header row, `.` decimals, every digit that the value has.
+
+use std::io::{Read, Write};
+use std::path::Path;
+
+use crate::{Courses, CoursesError};
+
+impl Courses {
+    /// Writes `time_s` and all channels; numbers are printed so that they read back bit for bit.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn write_csv(&self, sink: impl Write) -> Result<(), CoursesError> {
+        let mut writer = csv::Writer::from_writer(sink);
+        writer.write_record(
+            std::iter::once("time_s").chain(self.channels().iter().map(|c| c.name.as_str())),
+        )?;
+        let mut row: Vec<String> = Vec::with_capacity(self.channels().len() + 1);
+        for (k, t) in self.time_s().iter().enumerate() {
+            row.clear();
+            row.push(t.to_string());
+            row.extend(self.channels().iter().map(|c| c.values[k].to_string()));
+            writer.write_record(&row)?;
+        }
+        writer.flush().map_err(csv::Error::from)?;
+        Ok(())
+    }
+
+    /// Writes a CSV file; see [`Courses::write_csv`].
+    ///
+    /// # Errors
+    /// The file cannot be made or written.
+    pub fn save_csv(&self, path: &Path) -> Result<(), CoursesError> {
+        let io = |source| CoursesError::Io { path: path.to_path_buf(), source };
+        let file = std::fs::File::create(path).map_err(io)?;
+        self.write_csv(std::io::BufWriter::new(file))
+    }
+
+    /// Reads what [`Courses::write_csv`] wrote, or any CSV with a `time_s` column.
+    ///
+    /// # Errors
+    /// Malformed CSV, no time column, a cell that is no number (row and column are named),
+    /// time that does not increase.
+    pub fn read_csv(source: impl Read) -> Result<Self, CoursesError> {
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(source);
+        let names: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
+        let time_column = names.iter().position(|n| n == "time_s").ok_or(CoursesError::NoTime)?;
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
+        for (row, record) in reader.records().enumerate() {
+            for (column, text) in record?.iter().enumerate() {
+                let value = text.parse().map_err(|_| CoursesError::Cell {
+                    row: row + 1,
+                    column: names[column].clone(),
+                    text: text.to_owned(),
+                })?;
+                columns[column].push(value);
+            }
+        }
+        let mut courses = Self::new(std::mem::take(&mut columns[time_column]))?;
+        for (column, name) in names.into_iter().enumerate() {
+            if column != time_column {
+                courses.push(name, std::mem::take(&mut columns[column]))?;
+            }
+        }
+        Ok(courses)
+    }
+
+    /// Reads a CSV file; see [`Courses::read_csv`].
+    ///
+    /// # Errors
+    /// The file cannot be opened, or its content is faulty.
+    pub fn load_csv(path: &Path) -> Result<Self, CoursesError> {
+        let file = std::fs::File::open(path)
+            .map_err(|source| CoursesError::Io { path: path.to_path_buf(), source })?;
+        Self::read_csv(std::io::BufReader::new(file))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn round_trip_is_exact() {
+        let mut courses = Courses::new(vec![0.0, 1e-4, 0.1 + 0.2]).unwrap();
+        courses.push("a_n", vec![1.0 / 3.0, -1e-300, f64::MAX]).unwrap();
+        let mut bytes = Vec::new();
+        courses.write_csv(&mut bytes).unwrap();
+        assert_eq!(Courses::read_csv(bytes.as_slice()).unwrap(), courses);
+    }
+
+    #[test]
+    fn bad_cell_is_named() {
+        let error = Courses::read_csv("time_s,a_n\n0,1\n1,x\n".as_bytes()).unwrap_err();
+        assert_eq!(error.to_string(), "row 2, column `a_n`: `x` is not a number");
+        assert!(matches!(Courses::read_csv("t,a\n0,1\n".as_bytes()), Err(CoursesError::NoTime)));
+    }
+}

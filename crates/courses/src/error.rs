@@ -1,0 +1,55 @@
+//! What can be wrong with courses.
+
+use std::path::PathBuf;
+
+/// Faults of building, reading or writing [`Courses`](crate::Courses).
+#[derive(Debug, thiserror::Error)]
+pub enum CoursesError {
+    /// A channel's length differs from the time column's.
+    #[error("channel `{name}` has {got} values, the time column has {expected}")]
+    Length {
+        /// Channel name.
+        name: String,
+        /// Values given.
+        got: usize,
+        /// Values needed.
+        expected: usize,
+    },
+    /// Two channels of one name.
+    #[error("channel `{0}` appears twice")]
+    Duplicate(String),
+    /// Times are not strictly increasing and finite.
+    #[error("time does not increase at row {row}: {before} s is followed by {after} s")]
+    Time {
+        /// Row number, the first data row being 1.
+        row: usize,
+        /// Time of the row before.
+        before: f64,
+        /// Time of this row.
+        after: f64,
+    },
+    /// A cell is not a number.
+    #[error("row {row}, column `{column}`: `{text}` is not a number")]
+    Cell {
+        /// Row number, the first data row being 1.
+        row: usize,
+        /// Column name.
+        column: String,
+        /// What stands there.
+        text: String,
+    },
+    /// There is no `time_s` column.
+    #[error("no column `time_s`: the first row must name the columns")]
+    NoTime,
+    /// The CSV itself is malformed.
+    #[error("malformed CSV: {0}")]
+    Csv(#[from] csv::Error),
+    /// A file cannot be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+}

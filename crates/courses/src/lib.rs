@@ -1,0 +1,12 @@
+//! Courses: named channels over time, the one result type of every engine.
+//!
+//! A channel's name carries its unit as a suffix (`input_torque_n_m`); numbered
+//! channels of one kind end in `_<index>` (`external_sleeve_force_n_3`) and form a
+//! *group*. All values are SI and finite unless a run diverged.
+
+mod csv_file;
+mod error;
+mod store;
+
+pub use error::CoursesError;
+pub use store::{Channel, Courses, group_of};

@@ -1,0 +1,145 @@
+//! The store itself: a time column and channels of the same length.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use crate::CoursesError;
+
+/// One named column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Name with its unit as suffix.
+    pub name: String,
+    /// One value per sample.
+    pub values: Vec<f64>,
+}
+
+/// Channels over a common, strictly increasing time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Courses {
+    time_s: Vec<f64>,
+    channels: Vec<Channel>,
+    index: HashMap<String, usize>,
+}
+
+impl Courses {
+    /// Courses without channels over the times `time_s` (s, strictly increasing).
+    ///
+    /// # Errors
+    /// [`CoursesError::Time`] names the first row that does not increase.
+    pub fn new(time_s: Vec<f64>) -> Result<Self, CoursesError> {
+        for (row, pair) in time_s.windows(2).enumerate() {
+            // Written so that a NaN on either side is caught as well.
+            if !matches!(pair[0].partial_cmp(&pair[1]), Some(std::cmp::Ordering::Less)) {
+                return Err(CoursesError::Time { row: row + 2, before: pair[0], after: pair[1] });
+            }
+        }
+        Ok(Self { time_s, channels: Vec::new(), index: HashMap::new() })
+    }
+
+    /// Adds a channel with one value per sample.
+    ///
+    /// # Errors
+    /// The length differs from the time column's, or the name is taken.
+    pub fn push(&mut self, name: impl Into<String>, values: Vec<f64>) -> Result<(), CoursesError> {
+        let name = name.into();
+        if values.len() != self.time_s.len() {
+            return Err(CoursesError::Length { name, got: values.len(), expected: self.time_s.len() });
+        }
+        if self.index.contains_key(&name) {
+            return Err(CoursesError::Duplicate(name));
+        }
+        self.index.insert(name.clone(), self.channels.len());
+        self.channels.push(Channel { name, values });
+        Ok(())
+    }
+
+    /// Sample times, s.
+    #[must_use]
+    pub fn time_s(&self) -> &[f64] {
+        &self.time_s
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// True without any sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
+    /// All channels in the order they were added.
+    #[must_use]
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The values of one channel.
+    #[must_use]
+    pub fn channel(&self, name: &str) -> Option<&[f64]> {
+        self.index.get(name).map(|&i| self.channels[i].values.as_slice())
+    }
+
+    /// The numbered channels `prefix_0, prefix_1, ...` in the order of their numbers.
+    #[must_use]
+    pub fn group(&self, prefix: &str) -> Vec<&[f64]> {
+        (0..).map_while(|k| self.channel(&format!("{prefix}_{k}"))).collect()
+    }
+
+    /// Sample indices with `from_s <= t <= to_s`, widened by a rounding's breadth at both ends.
+    #[must_use]
+    pub fn window(&self, from_s: f64, to_s: f64) -> Range<usize> {
+        let slack = 1e-9 * to_s.abs().max(1e-9);
+        let start = self.time_s.partition_point(|&t| t < from_s - slack);
+        let end = self.time_s.partition_point(|&t| t <= to_s + slack);
+        start..end.max(start)
+    }
+}
+
+/// Splits `external_sleeve_force_n_3` into its group `external_sleeve_force_n` and index 3.
+/// A name without a numeric suffix is its own group.
+#[must_use]
+pub fn group_of(name: &str) -> (&str, Option<usize>) {
+    match name.rsplit_once('_') {
+        Some((prefix, digits)) if !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()) => {
+            (prefix, digits.parse().ok())
+        }
+        _ => (name, None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn window_takes_both_ends() {
+        let courses = Courses::new((0..=10).map(|k| f64::from(k) * 0.1).collect()).unwrap();
+        assert_eq!(courses.window(0.3, 0.6), 3..7);
+        assert_eq!(courses.window(2.0, 3.0), 11..11);
+    }
+
+    #[test]
+    fn faults_are_named() {
+        assert!(matches!(Courses::new(vec![0.0, 1.0, 1.0]), Err(CoursesError::Time { row: 3, .. })));
+        assert!(Courses::new(vec![0.0, f64::NAN]).is_err());
+        let mut courses = Courses::new(vec![0.0, 1.0]).unwrap();
+        assert!(courses.push("a_n", vec![1.0]).is_err());
+        courses.push("a_n", vec![1.0, 2.0]).unwrap();
+        assert!(matches!(courses.push("a_n", vec![1.0, 2.0]), Err(CoursesError::Duplicate(_))));
+    }
+
+    #[test]
+    fn groups() {
+        assert_eq!(group_of("external_sleeve_force_n_12"), ("external_sleeve_force_n", Some(12)));
+        assert_eq!(group_of("input_torque_n_m"), ("input_torque_n_m", None));
+        let mut courses = Courses::new(vec![0.0]).unwrap();
+        courses.push("f_n_0", vec![1.0]).unwrap();
+        courses.push("f_n_1", vec![2.0]).unwrap();
+        assert_eq!(courses.group("f_n"), vec![&[1.0][..], &[2.0][..]]);
+    }
+}

@@ -1,0 +1,51 @@
+//! The contact forces of a whole gearbox as a function of its bodies' states.
+
+use pinwheel_mbs::{BodyState, Wrench};
+
+use crate::layout::Sleeve;
+
+/// One touching pair of wheel and sleeve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairContact {
+    /// Wheel number (0, 1, ...), not a body index.
+    pub wheel: usize,
+    /// The sleeve.
+    pub sleeve: Sleeve,
+    /// W, the wheel's point closest to the sleeve centre; both forces act here. Ground frame, m.
+    pub point: [f64; 2],
+    /// n, unit vector from the sleeve centre P to W. Ground frame.
+    pub normal: [f64; 2],
+    /// delta > 0, m.
+    pub penetration_m: f64,
+    /// v_n = d(delta)/dt, m/s.
+    pub normal_rate_m_s: f64,
+    /// v_t along t = R90 n, sleeve relative to wheel, m/s.
+    pub tangential_rate_m_s: f64,
+    /// K, N/m^1.5.
+    pub stiffness: f64,
+    /// F_n >= 0, N: pushes the sleeve along -n, the wheel along +n.
+    pub normal_force_n: f64,
+    /// Force along t on the sleeve, N (opposite sign to v_t); the wheel takes its reaction.
+    pub friction_force_n: f64,
+}
+
+impl PairContact {
+    /// Force on the sleeve in the ground frame, N. The wheel takes the opposite, at the same point.
+    #[must_use]
+    pub fn force_on_sleeve(&self) -> [f64; 2] {
+        let [nx, ny] = self.normal;
+        let (fn_, ft) = (self.normal_force_n, self.friction_force_n);
+        [-fn_ * nx - ft * ny, -fn_ * ny + ft * nx]
+    }
+}
+
+/// Contact forces of a gearbox. `bodies` and `loads` are in [`Layout`](crate::Layout) order.
+///
+/// Implementations keep no history: the same states give the same bits.
+pub trait ContactField: Send {
+    /// Adds every body's contact load (force, and moment about the centre of mass) to `loads`.
+    fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]);
+
+    /// Visits every touching pair (penetration > 0), wheel by wheel, external before internal.
+    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact));
+}

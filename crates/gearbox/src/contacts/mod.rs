@@ -1,0 +1,5 @@
+//! Contacts between wheels and sleeves.
+
+mod field;
+
+pub use field::{ContactField, PairContact};

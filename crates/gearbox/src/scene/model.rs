@@ -1,0 +1,299 @@
+//! The scene: everything a run depends on, as the TOML file names it.
+//!
+//! Every key has a default (the paper's value), every unit is in the key's name.
+
+use serde::{Deserialize, Serialize};
+
+/// A complete scene. SI units; angles counter-clockwise; see the field groups.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Scene {
+    /// Name shown in reports.
+    pub name: String,
+    /// Why this scene exists, one sentence (optional).
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub description: String,
+    /// Geometry.
+    pub gear: Gear,
+    /// Masses and moments of inertia.
+    pub mass: Masses,
+    /// Motion of the input and load of the output.
+    pub drive: Drive,
+    /// Contact law and detection.
+    pub contact: Contact,
+    /// Formulation, integrator and sampling.
+    pub solver: Solver,
+}
+
+/// Geometry (Tab. 1 and Fig. 3 of the paper).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Gear {
+    /// e, m.
+    pub eccentricity_m: f64,
+    /// zk; a wheel has zs = zk - 1 lobes.
+    pub external_sleeves: usize,
+    /// m, short-width coefficient, 0 < m < 1.
+    pub shortening: f64,
+    /// q, m.
+    pub external_sleeve_radius_m: f64,
+    /// zi, sleeves on the output shaft.
+    pub internal_sleeves: usize,
+    /// Radius of an internal sleeve, m. Fig. 3 is not available: an assumption.
+    pub internal_sleeve_radius_m: f64,
+    /// Radius of the circle the internal sleeves sit on, m. An assumption.
+    pub internal_circle_radius_m: f64,
+    /// Radius of a wheel's hole, m (sleeve radius + e without clearance). An assumption.
+    pub hole_radius_m: f64,
+    /// Wheels, evenly phased on the eccentric.
+    pub wheels: usize,
+    /// d, m: external sleeves sit at R + d.
+    pub backlash_m: f64,
+}
+
+/// Mass and moment of inertia about the centre of mass of one rigid body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyMass {
+    /// kg
+    pub mass_kg: f64,
+    /// kg m^2
+    pub moment_kg_m2: f64,
+}
+
+/// Tab. 2 of the paper.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Masses {
+    /// The driven shaft with its eccentrics.
+    pub input_shaft: BodyMass,
+    /// The loaded shaft without its sleeves.
+    pub output_shaft: BodyMass,
+    /// One cycloidal wheel.
+    pub wheel: BodyMass,
+    /// One sleeve on the output shaft.
+    pub internal_sleeve: BodyMass,
+    /// One sleeve on the housing.
+    pub external_sleeve: BodyMass,
+}
+
+/// How a run starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Start {
+    /// Rates of the ideal mesh, load at once: external sleeves at rest, internal sleeves turn with the output.
+    Kinematic,
+    /// Statically loaded: no start-up transient.
+    Equilibrium,
+}
+
+/// Motion and load (Tab. 3).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Drive {
+    /// omega, rad/s.
+    pub input_speed_rad_s: f64,
+    /// Load on the output shaft, N m; positive opposes the motion of a positive input speed.
+    pub output_torque_n_m: f64,
+    /// Initial state.
+    pub start: Start,
+    /// The load rises linearly from 0 over this time, s; 0: at once.
+    pub load_ramp_s: f64,
+}
+
+/// How the contact point is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Detection {
+    /// Closest point of the exact curve.
+    Exact,
+    /// Nearest of discrete points, as published.
+    Points,
+}
+
+/// Contact law (Eq. 20-24) and detection.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Contact {
+    /// Name of the normal law; `pinwheel laws` lists them.
+    pub law: String,
+    /// E of both bodies, Pa.
+    pub young_pa: f64,
+    /// Poisson's ratio of both bodies.
+    pub poisson: f64,
+    /// H, factor on the Hertzian stiffness.
+    pub stiffness_multiplier: f64,
+    /// C, N s/m.
+    pub damping_n_s_m: f64,
+    /// Penetration at which S reaches 1, m.
+    pub ramp_m: f64,
+    /// mu; 0: no friction.
+    pub friction_coefficient: f64,
+    /// Sliding speed at which friction reaches mu F_n, m/s.
+    pub friction_ramp_m_s: f64,
+    /// How the contact point is found.
+    pub detection: Detection,
+    /// Points on a wheel's profile (points detection only).
+    pub wheel_points: usize,
+    /// Points on a hole (points detection only).
+    pub hole_points: usize,
+}
+
+/// Which equations are integrated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Formulation {
+    /// Centre-pinned bodies eliminated exactly: one angle per free body.
+    Reduced,
+    /// All bodies, three coordinates each, joints by multipliers (Eq. 2).
+    Lagrange,
+}
+
+/// How the Lagrange form keeps its constraints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stabilisation {
+    /// As published: only the accelerations are constrained.
+    None,
+    /// Baumgarte's feedback of position and velocity errors.
+    Baumgarte,
+    /// Positions and velocities are put back onto the constraints at every stage.
+    Projection,
+}
+
+/// Formulation, integrator, sampling.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Solver {
+    /// Which equations are integrated.
+    pub formulation: Formulation,
+    /// Name of the integrator (`rk2`, `rk2-midpoint`, `rk4`, ...).
+    pub integrator: String,
+    /// Step of fixed-step methods, s.
+    pub step_s: f64,
+    /// Relative error per step of adaptive methods.
+    pub tolerance: f64,
+    /// End time, s.
+    pub duration_s: f64,
+    /// Courses hold 0, sample_s, 2 sample_s, ..., duration_s.
+    pub sample_s: f64,
+    /// Constraint stabilisation of the Lagrange form.
+    pub stabilisation: Stabilisation,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            name: "unnamed".to_owned(),
+            description: String::new(),
+            gear: Gear::default(),
+            mass: Masses::default(),
+            drive: Drive::default(),
+            contact: Contact::default(),
+            solver: Solver::default(),
+        }
+    }
+}
+
+impl Default for Gear {
+    fn default() -> Self {
+        Self {
+            eccentricity_m: 0.0028,
+            external_sleeves: 16,
+            shortening: 0.7,
+            external_sleeve_radius_m: 0.006,
+            internal_sleeves: 8,
+            internal_sleeve_radius_m: 0.006,
+            internal_circle_radius_m: 0.038,
+            hole_radius_m: 0.0088,
+            wheels: 2,
+            backlash_m: 0.0,
+        }
+    }
+}
+
+impl Default for Masses {
+    fn default() -> Self {
+        let body = |mass_kg, moment_kg_m2| BodyMass { mass_kg, moment_kg_m2 };
+        Self {
+            input_shaft: body(0.2341, 1.846e-6),
+            output_shaft: body(1.6345, 1.373e-4),
+            wheel: body(0.5998, 1.57538e-4),
+            internal_sleeve: body(0.048, 1.1013e-5),
+            external_sleeve: body(0.048, 1.1013e-5),
+        }
+    }
+}
+
+impl Default for Drive {
+    fn default() -> Self {
+        Self {
+            input_speed_rad_s: 52.34,
+            output_torque_n_m: 22.0,
+            start: Start::Kinematic,
+            load_ramp_s: 0.0,
+        }
+    }
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Self {
+            law: "paper".to_owned(),
+            young_pa: 2.0e11,
+            poisson: 0.3,
+            stiffness_multiplier: 0.01,
+            damping_n_s_m: 8.0,
+            ramp_m: 1.0e-5,
+            friction_coefficient: 0.0,
+            friction_ramp_m_s: 5.0e-5,
+            detection: Detection::Exact,
+            wheel_points: 4000,
+            hole_points: 100,
+        }
+    }
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self {
+            formulation: Formulation::Reduced,
+            integrator: "rk2".to_owned(),
+            step_s: 1.0e-5,
+            tolerance: 1.0e-6,
+            duration_s: 0.6,
+            sample_s: 1.0e-4,
+            stabilisation: Stabilisation::Projection,
+        }
+    }
+}
+
+impl Gear {
+    /// zs, lobes of a wheel.
+    #[must_use]
+    pub fn lobes(&self) -> usize {
+        self.external_sleeves - 1
+    }
+
+    /// R = e zk/m, m: radius of the circle the external sleeves sit on without backlash.
+    #[must_use]
+    pub fn pitch_radius_m(&self) -> f64 {
+        self.eccentricity_m * self.external_sleeves as f64 / self.shortening
+    }
+}
+
+impl Solver {
+    /// Number of samples: 0, sample_s, 2 sample_s, ... and the end itself.
+    #[must_use]
+    pub fn sample_times_s(&self) -> Vec<f64> {
+        let whole = (self.duration_s / self.sample_s * (1.0 + 1e-12)).floor() as usize;
+        let mut times: Vec<f64> = (0..=whole).map(|k| k as f64 * self.sample_s).collect();
+        // The end belongs to the courses even when it is no multiple of the sampling step.
+        match times.last_mut() {
+            Some(last) if self.duration_s - *last > 1e-9 * self.sample_s => times.push(self.duration_s),
+            Some(last) => *last = self.duration_s,
+            None => {}
+        }
+        times
+    }
+}

@@ -1,0 +1,29 @@
+//! Pose, velocity and load of a planar rigid body.
+
+/// Pose and velocity of a body's centre of mass in the ground frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BodyState {
+    /// Position, m.
+    pub x: f64,
+    /// Position, m.
+    pub y: f64,
+    /// Angle, rad, counter-clockwise, not wrapped.
+    pub angle: f64,
+    /// Velocity, m/s.
+    pub vx: f64,
+    /// Velocity, m/s.
+    pub vy: f64,
+    /// Angular velocity, rad/s.
+    pub rate: f64,
+}
+
+/// Force at, and moment about, a body's centre of mass, in the ground frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Wrench {
+    /// N
+    pub fx: f64,
+    /// N
+    pub fy: f64,
+    /// N m, counter-clockwise.
+    pub moment: f64,
+}
