@@ -1,1 +1,21 @@
-//! Skeleton.
+//! Contact between curves: closest points, penetration laws, friction.
+//!
+//! Pure functions of gap, rate and curvature; nothing here knows of bodies or time.
+//! Planar, SI units; vectors are `[x, y]`, rotations unit complex numbers.
+
+mod closest;
+mod complex;
+mod epitrochoid;
+mod friction;
+mod hertz;
+mod hole;
+mod law;
+mod points;
+
+pub use complex::Complex;
+pub use epitrochoid::{CurveError, CurvePoint, Epitrochoid, Foot};
+pub use friction::RegularisedCoulomb;
+pub use hertz::HertzStiffness;
+pub use hole::Hole;
+pub use law::{NormalLaw, PaperLaw, ramp};
+pub use points::{HolePoints, ProfilePoints, Vertex};

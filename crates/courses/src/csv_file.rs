@@ -31,7 +31,10 @@ impl Courses {
     /// # Errors
     /// The file cannot be made or written.
     pub fn save_csv(&self, path: &Path) -> Result<(), CoursesError> {
-        let io = |source| CoursesError::Io { path: path.to_path_buf(), source };
+        let io = |source| CoursesError::Io {
+            path: path.to_path_buf(),
+            source,
+        };
         let file = std::fs::File::create(path).map_err(io)?;
         self.write_csv(std::io::BufWriter::new(file))
     }
@@ -42,9 +45,14 @@ impl Courses {
     /// Malformed CSV, no time column, a cell that is no number (row and column are named),
     /// time that does not increase.
     pub fn read_csv(source: impl Read) -> Result<Self, CoursesError> {
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(source);
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .from_reader(source);
         let names: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
-        let time_column = names.iter().position(|n| n == "time_s").ok_or(CoursesError::NoTime)?;
+        let time_column = names
+            .iter()
+            .position(|n| n == "time_s")
+            .ok_or(CoursesError::NoTime)?;
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
         for (row, record) in reader.records().enumerate() {
             for (column, text) in record?.iter().enumerate() {
@@ -70,8 +78,10 @@ impl Courses {
     /// # Errors
     /// The file cannot be opened, or its content is faulty.
     pub fn load_csv(path: &Path) -> Result<Self, CoursesError> {
-        let file = std::fs::File::open(path)
-            .map_err(|source| CoursesError::Io { path: path.to_path_buf(), source })?;
+        let file = std::fs::File::open(path).map_err(|source| CoursesError::Io {
+            path: path.to_path_buf(),
+            source,
+        })?;
         Self::read_csv(std::io::BufReader::new(file))
     }
 }
@@ -83,7 +93,9 @@ mod tests {
     #[test]
     fn round_trip_is_exact() {
         let mut courses = Courses::new(vec![0.0, 1e-4, 0.1 + 0.2]).unwrap();
-        courses.push("a_n", vec![1.0 / 3.0, -1e-300, f64::MAX]).unwrap();
+        courses
+            .push("a_n", vec![1.0 / 3.0, -1e-300, f64::MAX])
+            .unwrap();
         let mut bytes = Vec::new();
         courses.write_csv(&mut bytes).unwrap();
         assert_eq!(Courses::read_csv(bytes.as_slice()).unwrap(), courses);
@@ -92,7 +104,13 @@ mod tests {
     #[test]
     fn bad_cell_is_named() {
         let error = Courses::read_csv("time_s,a_n\n0,1\n1,x\n".as_bytes()).unwrap_err();
-        assert_eq!(error.to_string(), "row 2, column `a_n`: `x` is not a number");
-        assert!(matches!(Courses::read_csv("t,a\n0,1\n".as_bytes()), Err(CoursesError::NoTime)));
+        assert_eq!(
+            error.to_string(),
+            "row 2, column `a_n`: `x` is not a number"
+        );
+        assert!(matches!(
+            Courses::read_csv("t,a\n0,1\n".as_bytes()),
+            Err(CoursesError::NoTime)
+        ));
     }
 }

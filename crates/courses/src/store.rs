@@ -30,11 +30,22 @@ impl Courses {
     pub fn new(time_s: Vec<f64>) -> Result<Self, CoursesError> {
         for (row, pair) in time_s.windows(2).enumerate() {
             // Written so that a NaN on either side is caught as well.
-            if !matches!(pair[0].partial_cmp(&pair[1]), Some(std::cmp::Ordering::Less)) {
-                return Err(CoursesError::Time { row: row + 2, before: pair[0], after: pair[1] });
+            if !matches!(
+                pair[0].partial_cmp(&pair[1]),
+                Some(std::cmp::Ordering::Less)
+            ) {
+                return Err(CoursesError::Time {
+                    row: row + 2,
+                    before: pair[0],
+                    after: pair[1],
+                });
             }
         }
-        Ok(Self { time_s, channels: Vec::new(), index: HashMap::new() })
+        Ok(Self {
+            time_s,
+            channels: Vec::new(),
+            index: HashMap::new(),
+        })
     }
 
     /// Adds a channel with one value per sample.
@@ -44,7 +55,11 @@ impl Courses {
     pub fn push(&mut self, name: impl Into<String>, values: Vec<f64>) -> Result<(), CoursesError> {
         let name = name.into();
         if values.len() != self.time_s.len() {
-            return Err(CoursesError::Length { name, got: values.len(), expected: self.time_s.len() });
+            return Err(CoursesError::Length {
+                name,
+                got: values.len(),
+                expected: self.time_s.len(),
+            });
         }
         if self.index.contains_key(&name) {
             return Err(CoursesError::Duplicate(name));
@@ -81,13 +96,17 @@ impl Courses {
     /// The values of one channel.
     #[must_use]
     pub fn channel(&self, name: &str) -> Option<&[f64]> {
-        self.index.get(name).map(|&i| self.channels[i].values.as_slice())
+        self.index
+            .get(name)
+            .map(|&i| self.channels[i].values.as_slice())
     }
 
     /// The numbered channels `prefix_0, prefix_1, ...` in the order of their numbers.
     #[must_use]
     pub fn group(&self, prefix: &str) -> Vec<&[f64]> {
-        (0..).map_while(|k| self.channel(&format!("{prefix}_{k}"))).collect()
+        (0..)
+            .map_while(|k| self.channel(&format!("{prefix}_{k}")))
+            .collect()
     }
 
     /// Sample indices with `from_s <= t <= to_s`, widened by a rounding's breadth at both ends.
@@ -105,7 +124,9 @@ impl Courses {
 #[must_use]
 pub fn group_of(name: &str) -> (&str, Option<usize>) {
     match name.rsplit_once('_') {
-        Some((prefix, digits)) if !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()) => {
+        Some((prefix, digits))
+            if !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()) =>
+        {
             (prefix, digits.parse().ok())
         }
         _ => (name, None),
@@ -125,17 +146,26 @@ mod tests {
 
     #[test]
     fn faults_are_named() {
-        assert!(matches!(Courses::new(vec![0.0, 1.0, 1.0]), Err(CoursesError::Time { row: 3, .. })));
+        assert!(matches!(
+            Courses::new(vec![0.0, 1.0, 1.0]),
+            Err(CoursesError::Time { row: 3, .. })
+        ));
         assert!(Courses::new(vec![0.0, f64::NAN]).is_err());
         let mut courses = Courses::new(vec![0.0, 1.0]).unwrap();
         assert!(courses.push("a_n", vec![1.0]).is_err());
         courses.push("a_n", vec![1.0, 2.0]).unwrap();
-        assert!(matches!(courses.push("a_n", vec![1.0, 2.0]), Err(CoursesError::Duplicate(_))));
+        assert!(matches!(
+            courses.push("a_n", vec![1.0, 2.0]),
+            Err(CoursesError::Duplicate(_))
+        ));
     }
 
     #[test]
     fn groups() {
-        assert_eq!(group_of("external_sleeve_force_n_12"), ("external_sleeve_force_n", Some(12)));
+        assert_eq!(
+            group_of("external_sleeve_force_n_12"),
+            ("external_sleeve_force_n", Some(12))
+        );
         assert_eq!(group_of("input_torque_n_m"), ("input_torque_n_m", None));
         let mut courses = Courses::new(vec![0.0]).unwrap();
         courses.push("f_n_0", vec![1.0]).unwrap();

@@ -1,0 +1,274 @@
+//! Closest point on the epitrochoid: Newton where it is certain, a global search elsewhere.
+//!
+//! With r = P - C(a), s = r . n and t = r . tangent, the foot has t = 0 and
+//! dt/d(arc) = -(1 + kappa s), so one Newton step moves along the arc by t/(1 + kappa s).
+//!
+//! Two certificates make the local search exact, both from the reach rho of the curve:
+//! * *outside*: a ball of radius rho that touches C from outside contains no point of C. If P
+//!   lies in the one touching at C(a), that is if `|r|^2 < 2 rho s`, P is outside, whatever a is.
+//! * *foot*: a stationary point with |s| < rho is the closest point of the whole curve.
+
+use crate::{Complex, Epitrochoid, Foot};
+
+/// Newton has converged when the tangential residual is below this share of R; the step that
+/// follows squares the error away.
+const TANGENTIAL_TOLERANCE: f64 = 1.5e-8;
+/// Newton steps before the global search takes over; the usual number is 1 to 3.
+const MAX_STEPS: usize = 12;
+
+/// Result of the local search.
+enum Local {
+    /// P is outside for certain.
+    Outside,
+    /// The closest point of the whole curve.
+    Foot(Foot),
+    /// Not certain.
+    Unknown,
+}
+
+impl Epitrochoid {
+    /// The foot of `p` if `p` lies inside the curve (penetration), searched from the parameter with
+    /// e^{ia} = `unit` and e^{i zk a} = `multiple`. `None`: `p` is on or outside the curve.
+    ///
+    /// The result does not depend on the start but for rounding.
+    #[must_use]
+    #[inline]
+    pub fn penetrating_foot(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Foot> {
+        match self.local_search(p, unit, multiple, true) {
+            Local::Outside => None,
+            Local::Foot(foot) => (foot.distance < 0.0).then_some(foot),
+            Local::Unknown => self.penetrating_foot_by_search(p),
+        }
+    }
+
+    /// The rare case, kept out of the hot path.
+    #[cold]
+    #[inline(never)]
+    fn penetrating_foot_by_search(&self, p: Complex) -> Option<Foot> {
+        if p.norm() >= self.pitch_radius + self.eccentricity {
+            return None;
+        }
+        let foot = self.closest(p);
+        (foot.distance < 0.0).then_some(foot)
+    }
+
+    fn local_search(&self, p: Complex, unit: Complex, multiple: Complex, reject: bool) -> Local {
+        let (mut u, mut v) = (unit, multiple);
+        let tolerance = TANGENTIAL_TOLERANCE * self.pitch_radius;
+        let mut last_step = false;
+        for _ in 0..MAX_STEPS {
+            let at = self.at_unit(u, v);
+            let r = p - at.position;
+            let s = r.dot(at.normal);
+            if reject && r.norm2() < 2.0 * self.reach_outside * s {
+                return Local::Outside;
+            }
+            if last_step {
+                let certain = s > -self.reach_inside && s < self.reach_outside;
+                return if certain {
+                    Local::Foot(Foot {
+                        unit: u,
+                        at,
+                        distance: s,
+                    })
+                } else {
+                    Local::Unknown
+                };
+            }
+            let t = r.dot(at.normal.turned());
+            let slope = 1.0 + at.curvature * s;
+            if slope < 0.05 {
+                return Local::Unknown; // near the evolute: Newton does not know where to go
+            }
+            let da = t / (slope * at.speed);
+            if !(da.abs() < 0.5) {
+                return Local::Unknown;
+            }
+            let turn = Complex::unit_near_zero(da);
+            u = u * turn;
+            v = v * turn.powu(self.sleeves);
+            last_step = t.abs() < tolerance;
+        }
+        Local::Unknown
+    }
+
+    /// The closest point of the whole curve to any `p`.
+    ///
+    /// Samples the part of the curve that can be closer than the best point known, brackets every
+    /// local minimum of the distance, and refines each by bisection-safeguarded Newton.
+    #[must_use]
+    pub fn closest(&self, p: Complex) -> Foot {
+        const PER_LOBE: f64 = 40.0;
+        let tau = std::f64::consts::TAU;
+        // The closest point is not farther than the one at P's own polar angle, which bounds its polar angle;
+        // the polar angle of C(a) differs from a by at most asin(e/R).
+        let start = p.arg();
+        let bound = (p - self.at(start).position).norm();
+        let half = if bound < p.norm() {
+            ((bound / p.norm()).asin() + (self.eccentricity / self.pitch_radius).asin()) * 1.001
+        } else {
+            std::f64::consts::PI
+        };
+        let step = tau / (PER_LOBE * f64::from(self.lobes()));
+        let count = (half / step).ceil() as i64 + 1;
+        let squared = |a: f64| (p - self.at(a).position).norm2();
+        let mut best: Option<(f64, f64)> = None;
+        let (mut before, mut here) = (
+            squared(start - (count as f64 + 1.0) * step),
+            squared(start - count as f64 * step),
+        );
+        for k in -count..=count {
+            let a = start + k as f64 * step;
+            let after = squared(a + step);
+            if here <= before && here <= after {
+                let refined = self.refine(p, a - step, a + step);
+                let value = squared(refined);
+                if best.is_none_or(|(least, _)| value < least) {
+                    best = Some((value, refined));
+                }
+            }
+            (before, here) = (here, after);
+        }
+        // A full turn always holds a minimum; the start stands in for the impossible rest.
+        let a = best.map_or(start, |(_, a)| a);
+        let unit = Complex::unit(a);
+        let at = self.at_unit(unit, unit.powu(self.sleeves));
+        Foot {
+            unit,
+            at,
+            distance: (p - at.position).dot(at.normal),
+        }
+    }
+
+    /// The minimum of |P - C(a)| between `low` and `high`, where (P - C) . C' falls through zero.
+    fn refine(&self, p: Complex, mut low: f64, mut high: f64) -> f64 {
+        let mut a = 0.5 * (low + high);
+        for _ in 0..80 {
+            let at = self.at(a);
+            let r = p - at.position;
+            let t = r.dot(at.normal.turned());
+            if t > 0.0 {
+                low = a;
+            } else {
+                high = a;
+            }
+            let slope = 1.0 + at.curvature * r.dot(at.normal);
+            let newton = a + t / (slope * at.speed);
+            let inside = slope > 0.0 && newton > low && newton < high;
+            let next = if inside { newton } else { 0.5 * (low + high) };
+            if (next - a).abs() <= 1e-16 * a.abs().max(1.0) {
+                return next;
+            }
+            a = next;
+        }
+        a
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Least distance to C by a dense scan refined by golden section: slow, simple, independent.
+    fn brute(curve: &Epitrochoid, p: Complex) -> f64 {
+        let n = 400 * curve.lobes();
+        let step = std::f64::consts::TAU / f64::from(n);
+        let distance = |a: f64| (p - curve.at(a).position).norm();
+        let mut order: Vec<(f64, f64)> = (0..n)
+            .map(|k| (distance(f64::from(k) * step), f64::from(k) * step))
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        order
+            .iter()
+            .take(12)
+            .map(|&(_, a)| {
+                let (mut low, mut high) = (a - step, a + step);
+                for _ in 0..100 {
+                    let (x, y) = (
+                        low + 0.381_966 * (high - low),
+                        low + 0.618_034 * (high - low),
+                    );
+                    if distance(x) < distance(y) {
+                        high = y
+                    } else {
+                        low = x
+                    }
+                }
+                distance(0.5 * (low + high))
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Even-odd test against a dense polygon.
+    fn inside(curve: &Epitrochoid, p: Complex) -> bool {
+        let n = 4000 * curve.lobes();
+        let at = |k: u32| {
+            curve
+                .at(std::f64::consts::TAU * f64::from(k % n) / f64::from(n))
+                .position
+        };
+        let mut odd = false;
+        for k in 0..n {
+            let (a, b) = (at(k), at(k + 1));
+            if (a.im > p.im) != (b.im > p.im)
+                && p.re < a.re + (p.im - a.im) / (b.im - a.im) * (b.re - a.re)
+            {
+                odd = !odd;
+            }
+        }
+        odd
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+
+        /// Any point around any gear: the global search finds what brute force finds.
+        #[test]
+        fn closest_is_global(zk in 3_u32..40, m in 0.2_f64..0.95, radius in 0.0_f64..1.5, angle in -3.2_f64..3.2) {
+            let curve = Epitrochoid::new(0.0028, zk, m).unwrap();
+            let p = Complex::unit(angle).scale(radius * curve.pitch_radius());
+            let foot = curve.closest(p);
+            let scale = curve.pitch_radius();
+            prop_assert!((foot.distance.abs() - brute(&curve, p)).abs() < 1e-9 * scale, "{foot:?}");
+        }
+
+        /// Sleeves of random gears in random poses of the wheel near its mesh, backlash to 1 mm:
+        /// inside exactly when brute force says so, and then with its distance.
+        #[test]
+        fn penetration_is_global(
+            zk in 4_u32..40, m in 0.3_f64..0.9, backlash in 0.0_f64..1e-3,
+            sleeve in 0_u32..40, input in 0.0_f64..7.0, lag in -0.02_f64..0.02, shift in 0.0_f64..2e-4, towards in 0.0_f64..7.0,
+        ) {
+            let curve = Epitrochoid::new(0.0028, zk, m).unwrap();
+            let zs = f64::from(curve.lobes());
+            let theta = (std::f64::consts::PI - input) / zs + lag;
+            let beta = std::f64::consts::TAU * f64::from(sleeve % zk) / f64::from(zk);
+            let centre = Complex::unit(input).scale(0.0028) + Complex::unit(towards).scale(shift);
+            let p = (Complex::unit(beta).scale(curve.pitch_radius() + backlash) - centre) * Complex::unit(-theta);
+            let start = Complex::unit(beta - theta);
+            let found = curve.penetrating_foot(p, start, start.powu(zk));
+            let distance = brute(&curve, p);
+            if distance > 1e-9 {
+                prop_assert_eq!(found.is_some(), inside(&curve, p));
+            }
+            if let Some(foot) = found {
+                prop_assert!((foot.distance + distance).abs() < 1e-12, "{} {}", foot.distance, distance);
+            }
+        }
+    }
+
+    #[test]
+    fn local_and_global_search_agree_to_rounding() {
+        let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap();
+        for k in 0..400 {
+            let at = curve.at(0.0157 * f64::from(k));
+            let p = at.position - at.normal.scale(1e-5 * f64::from(k % 7 + 1));
+            let start = Complex::unit(0.0157 * f64::from(k) + 1e-3 * f64::from(k % 5 - 2));
+            let local = curve.penetrating_foot(p, start, start.powu(16)).unwrap();
+            let global = curve.closest(p);
+            assert!((local.distance - global.distance).abs() < 1e-16);
+            assert!((local.at.position - at.position).norm() < 1e-14);
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! Planar vectors and rotations as complex numbers.
+//!
+//! Angles enter the hot path only as unit numbers: a rotation by a small angle is a short
+//! series, a multiple angle a power, and no sine is evaluated per contact. (num-complex would do,
+//! but for its `norm`, which is a `hypot` and several times slower than the root it guards.)
+
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// x + i y.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Complex {
+    /// Real part, x.
+    pub re: f64,
+    /// Imaginary part, y.
+    pub im: f64,
+}
+
+impl Complex {
+    /// 1, the rotation by nothing.
+    pub const ONE: Self = Self { re: 1.0, im: 0.0 };
+
+    /// x + i y.
+    #[must_use]
+    #[inline]
+    pub const fn new(re: f64, im: f64) -> Self {
+        Self { re, im }
+    }
+
+    /// e^{i angle}.
+    #[must_use]
+    #[inline]
+    pub fn unit(angle: f64) -> Self {
+        let (im, re) = angle.sin_cos();
+        Self { re, im }
+    }
+
+    /// e^{i angle} for an angle that is usually small: below 2^-6 rad a series that is exact to rounding.
+    #[must_use]
+    #[inline]
+    pub fn unit_near_zero(angle: f64) -> Self {
+        if angle.abs() > 0.015_625 {
+            return Self::unit(angle);
+        }
+        let x2 = angle * angle;
+        Self {
+            re: 1.0 - x2 * (0.5 - x2 * (1.0 / 24.0 - x2 * (1.0 / 720.0))),
+            im: angle * (1.0 - x2 * (1.0 / 6.0 - x2 * (1.0 / 120.0 - x2 * (1.0 / 5040.0)))),
+        }
+    }
+
+    /// x - i y: the inverse of a rotation.
+    #[must_use]
+    #[inline]
+    pub const fn conj(self) -> Self {
+        Self {
+            re: self.re,
+            im: -self.im,
+        }
+    }
+
+    /// Turned by +90 degrees.
+    #[must_use]
+    #[inline]
+    pub const fn turned(self) -> Self {
+        Self {
+            re: -self.im,
+            im: self.re,
+        }
+    }
+
+    /// Scalar product of two vectors.
+    #[must_use]
+    #[inline]
+    pub const fn dot(self, other: Self) -> f64 {
+        self.re * other.re + self.im * other.im
+    }
+
+    /// z component of the vector product: the moment of the force `other` at the arm `self`.
+    #[must_use]
+    #[inline]
+    pub const fn cross(self, other: Self) -> f64 {
+        self.re * other.im - self.im * other.re
+    }
+
+    /// Squared length.
+    #[must_use]
+    #[inline]
+    pub const fn norm2(self) -> f64 {
+        self.dot(self)
+    }
+
+    /// Length.
+    #[must_use]
+    #[inline]
+    pub fn norm(self) -> f64 {
+        self.norm2().sqrt()
+    }
+
+    /// Argument in (-pi, pi].
+    #[must_use]
+    #[inline]
+    pub fn arg(self) -> f64 {
+        self.im.atan2(self.re)
+    }
+
+    /// Scaled by a real factor.
+    #[must_use]
+    #[inline]
+    pub const fn scale(self, factor: f64) -> Self {
+        Self {
+            re: self.re * factor,
+            im: self.im * factor,
+        }
+    }
+
+    /// Power by squaring; for a unit number the rotation by `exponent` times its angle.
+    #[must_use]
+    #[inline]
+    pub fn powu(self, mut exponent: u32) -> Self {
+        let (mut base, mut power) = (self, Self::ONE);
+        while exponent > 1 {
+            if exponent & 1 == 1 {
+                power = power * base;
+            }
+            base = base * base;
+            exponent >>= 1;
+        }
+        if exponent == 1 { power * base } else { power }
+    }
+
+    /// As `[x, y]`.
+    #[must_use]
+    #[inline]
+    pub const fn to_array(self) -> [f64; 2] {
+        [self.re, self.im]
+    }
+}
+
+impl From<[f64; 2]> for Complex {
+    #[inline]
+    fn from([re, im]: [f64; 2]) -> Self {
+        Self { re, im }
+    }
+}
+
+impl Add for Complex {
+    type Output = Self;
+    #[inline]
+    fn add(self, o: Self) -> Self {
+        Self {
+            re: self.re + o.re,
+            im: self.im + o.im,
+        }
+    }
+}
+
+impl Sub for Complex {
+    type Output = Self;
+    #[inline]
+    fn sub(self, o: Self) -> Self {
+        Self {
+            re: self.re - o.re,
+            im: self.im - o.im,
+        }
+    }
+}
+
+impl Mul for Complex {
+    type Output = Self;
+    #[inline]
+    fn mul(self, o: Self) -> Self {
+        Self {
+            re: self.re * o.re - self.im * o.im,
+            im: self.re * o.im + self.im * o.re,
+        }
+    }
+}
+
+impl Neg for Complex {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self {
+            re: -self.re,
+            im: -self.im,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn series_is_exact_to_rounding() {
+        for k in -1000..=1000 {
+            let angle = f64::from(k) * 2e-5;
+            let (a, b) = (Complex::unit_near_zero(angle), Complex::unit(angle));
+            assert!((a - b).norm() < 3e-16, "{angle}: {a:?} {b:?}");
+        }
+    }
+
+    #[test]
+    fn powers_are_multiple_angles() {
+        for n in 0..70 {
+            let difference = Complex::unit(0.1234).powu(n) - Complex::unit(0.1234 * f64::from(n));
+            assert!(difference.norm() < 1e-14, "{n}");
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! The epitrochoid C on which sleeve centres stand in contact.
+//!
+//! ```text
+//! C(a)  = R e^{ia} + e e^{i zk a},           R = e zk/m            (Eq. 1 without the offset q)
+//! C'(a) = i T,  T = R (e^{ia} + m e^{i zk a}),  |T|^2 = R^2 (1 + m^2 + 2 m c),  c = cos(zs a)
+//! n     = T/|T|            outward unit normal, at angle a + gamma of Eq. 1
+//! kappa = (1 + m^2 zk + m (1 + zk) c) / (R (1 + m^2 + 2 m c)^{3/2})
+//! ```
+//! The wheel's profile is C - q n. A sleeve of radius q penetrates the wheel by exactly minus
+//! the signed distance of its centre from C, so contact is one closest-point problem on this
+//! smooth curve. kappa > 0 where C bulges outwards (lobe), < 0 in a pit.
+
+use crate::Complex;
+
+/// Why a curve cannot be made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CurveError {
+    /// Fewer than 3 sleeves, or a length or the shortening out of range.
+    Parameters,
+}
+
+/// Position, direction and curvature at one parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvePoint {
+    /// C(a), m.
+    pub position: Complex,
+    /// Outward unit normal.
+    pub normal: Complex,
+    /// |dC/da|, m.
+    pub speed: f64,
+    /// kappa, 1/m.
+    pub curvature: f64,
+}
+
+/// The point of the curve closest to a given point P.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Foot {
+    /// e^{ia} at the foot; its argument is the parameter a.
+    pub unit: Complex,
+    /// The curve there.
+    pub at: CurvePoint,
+    /// (P - C) . n, m: positive outside.
+    pub distance: f64,
+}
+
+impl Foot {
+    /// Parameter a in (-pi, pi].
+    #[must_use]
+    pub fn parameter(&self) -> f64 {
+        self.unit.arg()
+    }
+}
+
+/// C for given R, e, zk (m = e zk/R), with the radii inside which closest points are certain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Epitrochoid {
+    pub(crate) pitch_radius: f64,
+    pub(crate) eccentricity: f64,
+    pub(crate) sleeves: u32,
+    pub(crate) shortening: f64,
+    /// A ball of this radius touching C from outside (inside) meets C only where it touches.
+    pub(crate) reach_outside: f64,
+    pub(crate) reach_inside: f64,
+}
+
+impl Epitrochoid {
+    /// The curve of eccentricity `e` (m), `sleeves` = zk external sleeves and shortening m (0 < m < 1).
+    ///
+    /// # Errors
+    /// [`CurveError::Parameters`] if a value is out of range or not finite.
+    pub fn new(eccentricity: f64, sleeves: u32, shortening: f64) -> Result<Self, CurveError> {
+        let valid = eccentricity.is_finite()
+            && eccentricity > 0.0
+            && shortening > 0.0
+            && shortening < 1.0
+            && (3..=100_000).contains(&sleeves);
+        if !valid {
+            return Err(CurveError::Parameters);
+        }
+        let pitch_radius = eccentricity * f64::from(sleeves) / shortening;
+        let mut curve = Self {
+            pitch_radius,
+            eccentricity,
+            sleeves,
+            shortening,
+            reach_outside: 0.0,
+            reach_inside: 0.0,
+        };
+        (curve.reach_outside, curve.reach_inside) = curve.reaches();
+        Ok(curve)
+    }
+
+    /// R, m.
+    #[must_use]
+    pub fn pitch_radius(&self) -> f64 {
+        self.pitch_radius
+    }
+
+    /// zs = zk - 1.
+    #[must_use]
+    pub fn lobes(&self) -> u32 {
+        self.sleeves - 1
+    }
+
+    /// The curve at parameter `a`, rad.
+    #[must_use]
+    pub fn at(&self, a: f64) -> CurvePoint {
+        let unit = Complex::unit(a);
+        self.at_unit(unit, unit.powu(self.sleeves))
+    }
+
+    /// The curve at e^{ia} = `unit`, with e^{i zk a} = `multiple`.
+    #[must_use]
+    #[inline]
+    pub fn at_unit(&self, unit: Complex, multiple: Complex) -> CurvePoint {
+        let (r, m) = (self.pitch_radius, self.shortening);
+        let cos_lobe = unit.dot(multiple); // cos(zs a)
+        let stretch2 = 1.0 + m * m + 2.0 * m * cos_lobe; // (|T|/R)^2
+        let stretch = stretch2.sqrt();
+        let inverse = 1.0 / stretch;
+        CurvePoint {
+            position: unit.scale(r) + multiple.scale(self.eccentricity),
+            normal: (unit + multiple.scale(m)).scale(inverse),
+            speed: r * stretch,
+            curvature: self.bend(cos_lobe) * inverse * inverse * inverse / r,
+        }
+    }
+
+    /// kappa R (1 + m^2 + 2 m c)^{3/2}: the numerator of the curvature.
+    #[inline]
+    fn bend(&self, cos_lobe: f64) -> f64 {
+        let (m, zk) = (self.shortening, f64::from(self.sleeves));
+        1.0 + m * m * zk + m * (1.0 + zk) * cos_lobe
+    }
+
+    /// kappa as a function of c = cos(zs a), 1/m.
+    #[must_use]
+    pub fn curvature(&self, cos_lobe: f64) -> f64 {
+        let m = self.shortening;
+        self.bend(cos_lobe) / (self.pitch_radius * (1.0 + m * m + 2.0 * m * cos_lobe).powf(1.5))
+    }
+
+    /// Largest curvature anywhere, 1/m: an offset q at or beyond its inverse undercuts the profile.
+    ///
+    /// Between the ends c = +-1 the extremum has d kappa/dc = 0, that is
+    /// `(1 + zk)(1 + m^2 + 2 m c) = 3 (1 + m^2 zk + m (1 + zk) c)`, linear in c.
+    #[must_use]
+    pub fn largest_curvature(&self) -> f64 {
+        let (m, zk) = (self.shortening, f64::from(self.sleeves));
+        let cos_lobe = ((1.0 + zk) * (1.0 + m * m) - 3.0 * (1.0 + m * m * zk)) / (m * (1.0 + zk));
+        let ends = self.curvature(1.0).max(self.curvature(-1.0));
+        if cos_lobe.abs() < 1.0 {
+            ends.max(self.curvature(cos_lobe))
+        } else {
+            ends
+        }
+    }
+
+    /// Reach of the curve to either side [Federer 1959]: inf |y - x|^2 / (2 |(y - x) . n_x|).
+    ///
+    /// Computed from samples of one lobe against the whole curve and lowered by the margin that
+    /// the sampling needs; the curvature bound, which the samples approach last, is exact.
+    fn reaches(&self) -> (f64, f64) {
+        const PER_LOBE: u32 = 48;
+        let lobes = self.lobes();
+        // Far lobes only matter across the wheel; thinning them keeps huge gears cheap.
+        let stride = (lobes / 256).max(1);
+        let step = std::f64::consts::TAU / f64::from(lobes * PER_LOBE);
+        let others: Vec<Complex> = (0..lobes * PER_LOBE)
+            .filter(|k| k / PER_LOBE < 3 || k / PER_LOBE >= lobes - 3 || k % stride == 0)
+            .map(|k| self.at(f64::from(k) * step).position)
+            .collect();
+        let (mut outside, mut inside) = (f64::INFINITY, f64::INFINITY);
+        for k in 0..PER_LOBE {
+            let x = self.at(f64::from(k) * step);
+            for y in &others {
+                let chord = *y - x.position;
+                let height = chord.dot(x.normal);
+                let radius = chord.norm2() / (2.0 * height.abs());
+                if chord.norm2() > 0.0 && radius.is_finite() {
+                    let side = if height > 0.0 {
+                        &mut outside
+                    } else {
+                        &mut inside
+                    };
+                    *side = side.min(radius);
+                }
+            }
+        }
+        let sharpest_pit = -self.curvature(-1.0);
+        if sharpest_pit > 0.0 {
+            outside = outside.min(1.0 / sharpest_pit);
+        }
+        inside = inside.min(1.0 / self.largest_curvature());
+        // A convex curve has no bound outside; keep it finite.
+        (0.9 * outside.min(10.0 * self.pitch_radius), 0.9 * inside)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// The paper's wheel (Tab. 1).
+    fn paper() -> Epitrochoid {
+        Epitrochoid::new(0.0028, 16, 0.7).unwrap()
+    }
+
+    #[test]
+    fn paper_radii_of_curvature() {
+        let curve = paper();
+        assert_relative_eq!(curve.pitch_radius(), 0.064, max_relative = 1e-15);
+        assert_relative_eq!(
+            1.0 / curve.curvature(1.0) - 0.006,
+            9.1607e-3,
+            max_relative = 1e-5
+        );
+        assert_relative_eq!(
+            1.0 / curve.curvature(-1.0) - 0.006,
+            -6.5647e-3,
+            max_relative = 1e-5
+        );
+        // R sqrt(27 (1 - m^2)(zk - 1)/(zk + 1)^3), at c = -0.1.
+        let closed: f64 = 0.064 * (27.0_f64 * 0.51 * 15.0 / 17.0_f64.powi(3)).sqrt();
+        assert_relative_eq!(
+            1.0 / curve.largest_curvature(),
+            closed,
+            max_relative = 1e-13
+        );
+        assert_relative_eq!(1.0 / curve.curvature(-0.1), closed, max_relative = 1e-13);
+    }
+
+    #[test]
+    fn normal_and_curvature_agree_with_differences() {
+        let curve = paper();
+        for k in 0..200 {
+            let (a, h) = (0.0314 * f64::from(k), 1e-5);
+            let (before, here, after) = (curve.at(a - h), curve.at(a), curve.at(a + h));
+            let tangent = (after.position - before.position).scale(0.5 / h);
+            assert_relative_eq!(tangent.norm(), here.speed, max_relative = 1e-7);
+            assert!(tangent.dot(here.normal).abs() < 1e-7 * here.speed);
+            let turn = before.normal.cross(after.normal).asin() / (2.0 * h);
+            assert_relative_eq!(
+                turn / here.speed,
+                here.curvature,
+                max_relative = 1e-5,
+                epsilon = 1e-2
+            );
+        }
+    }
+
+    #[test]
+    fn reach_is_just_below_the_sharpest_radii() {
+        let curve = paper();
+        assert_relative_eq!(curve.reach_outside, 0.9 * 0.5647e-3, max_relative = 1e-3);
+        assert_relative_eq!(curve.reach_inside, 0.9 * 13.12258e-3, max_relative = 1e-3);
+    }
+
+    #[test]
+    fn out_of_range_parameters_are_refused() {
+        for (e, zk, m) in [
+            (0.0, 16, 0.7),
+            (f64::NAN, 16, 0.7),
+            (0.0028, 2, 0.7),
+            (0.0028, 16, 1.0),
+            (0.0028, 16, 0.0),
+        ] {
+            assert!(Epitrochoid::new(e, zk, m).is_err());
+        }
+    }
+}

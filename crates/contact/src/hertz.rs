@@ -1,0 +1,66 @@
+//! Hertzian stiffness from the local curvature (Eq. 23, 24).
+//!
+//! ```text
+//! K = 4 H / (3 pi (h_c + h_p)) sqrt(R_c R_p / (R_c + R_p)),   h = (1 - nu^2)/(pi E)
+//! ```
+//! R_c is signed (negative in a pit, where the sleeve lies inside the wheel's curve). For a
+//! profile that is the inward offset of C by the sleeve radius q, R_c = 1/kappa_C - q and the
+//! radicand is q (1 - q kappa_C): no singularity at the inflections.
+
+/// K as a function of the effective radius.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HertzStiffness {
+    coefficient: f64,
+}
+
+impl HertzStiffness {
+    /// Both bodies of one material: Young's modulus (Pa), Poisson's ratio, multiplier H.
+    #[must_use]
+    pub fn new(young: f64, poisson: f64, multiplier: f64) -> Self {
+        let h = (1.0 - poisson * poisson) / (std::f64::consts::PI * young);
+        Self {
+            coefficient: 4.0 * multiplier / (3.0 * std::f64::consts::PI * 2.0 * h),
+        }
+    }
+
+    /// K, N/m^1.5, for R_c R_p/(R_c + R_p) = `radius`, m (> 0).
+    #[must_use]
+    #[inline]
+    pub fn of_radius(&self, radius: f64) -> f64 {
+        self.coefficient * radius.sqrt()
+    }
+
+    /// K of a sleeve of radius `q` on its own offset profile where C has curvature `kappa`.
+    #[must_use]
+    #[inline]
+    pub fn of_profile(&self, q: f64, kappa: f64) -> f64 {
+        self.of_radius(q * (1.0 - q * kappa))
+    }
+
+    /// K of a sleeve of radius `sleeve` in a hole of radius `hole` (R_c = -hole).
+    #[must_use]
+    pub fn of_hole(&self, sleeve: f64, hole: f64) -> f64 {
+        self.of_radius(hole * sleeve / (hole - sleeve))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn profile_form_is_equation_23() {
+        let steel = HertzStiffness::new(2.0e11, 0.3, 0.01);
+        let (q, kappa): (f64, f64) = (0.006, 65.96);
+        let rc: f64 = 1.0 / kappa - q;
+        let h: f64 = 0.91 / (std::f64::consts::PI * 2.0e11);
+        let k = 4.0 * 0.01 / (3.0 * std::f64::consts::PI * 2.0 * h) * (rc * q / (rc + q)).sqrt();
+        assert_relative_eq!(steel.of_profile(q, kappa), k, max_relative = 1e-14);
+        assert_relative_eq!(
+            steel.of_hole(0.006, 0.0088),
+            steel.of_radius(0.018_857_142_857_142_857),
+            max_relative = 1e-14
+        );
+    }
+}

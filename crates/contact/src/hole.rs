@@ -1,0 +1,48 @@
+//! A round hole in the wheel with a sleeve inside.
+
+use crate::Complex;
+
+/// Circle of radius `radius` about `centre` (wheel frame).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hole {
+    /// Centre, m.
+    pub centre: Complex,
+    /// Radius, m.
+    pub radius: f64,
+}
+
+impl Hole {
+    /// Penetration (m, > 0) of a sleeve of radius `sleeve` centred at `p`, and the unit vector from
+    /// the sleeve centre to the hole's closest point. `None` without contact.
+    #[must_use]
+    #[inline]
+    pub fn penetration(&self, p: Complex, sleeve: f64) -> Option<(f64, Complex)> {
+        let offset = p - self.centre;
+        let clearance = self.radius - sleeve;
+        let distance2 = offset.norm2();
+        if distance2 <= clearance * clearance {
+            return None;
+        }
+        let distance = distance2.sqrt();
+        let penetration = distance - clearance;
+        (penetration > 0.0).then(|| (penetration, offset.scale(1.0 / distance)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn penetration_is_signed_by_clearance() {
+        let hole = Hole {
+            centre: Complex::new(0.038, 0.0),
+            radius: 0.0088,
+        };
+        assert!(hole.penetration(Complex::new(0.0407, 0.0), 0.006).is_none());
+        let (depth, normal) = hole.penetration(Complex::new(0.0409, 0.0), 0.006).unwrap();
+        assert!((depth - 1e-4).abs() < 1e-15 && normal == Complex::ONE);
+        // A sleeve in the very centre touches nothing, whatever direction that is.
+        assert!(hole.penetration(hole.centre, 0.006).is_none());
+    }
+}

@@ -1,0 +1,185 @@
+//! Discrete contact points, as published, without the scan of all of them.
+//!
+//! The paper lists the points of the wheel that lie inside the sleeve and takes the one nearest
+//! to the sleeve's centre. Squared distances from P to the profile C - q n and to C itself are
+//! stationary at the same parameters (both normals are n), so the nearest vertex is one of the
+//! neighbours of the exact foot, which the closest-point search gives at a cost that does not
+//! depend on the number of points. A downhill walk from there guards coarse rows of points.
+
+use crate::{Complex, Epitrochoid, HertzStiffness};
+
+/// A discrete point of the wheel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Vertex {
+    /// Position in the wheel frame, m.
+    pub position: Complex,
+    /// Contact stiffness K there, N/m^1.5.
+    pub stiffness: f64,
+}
+
+/// Points of the profile at equal steps of the parameter a (a_k = 2 pi k/N).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProfilePoints {
+    vertices: Vec<Vertex>,
+    per_radian: f64,
+}
+
+impl ProfilePoints {
+    /// `count` points on the offset of `curve` by `q` (m), with the stiffness of the circle through
+    /// each point and its two neighbours (the paper's approximation of the curvature).
+    ///
+    /// `None` if a pit is so coarsely sampled that this circle is smaller than the sleeve: Eq. 23
+    /// then has no real value.
+    #[must_use]
+    pub fn new(curve: &Epitrochoid, q: f64, count: usize, hertz: &HertzStiffness) -> Option<Self> {
+        let step = std::f64::consts::TAU / count as f64;
+        let positions: Vec<Complex> = (0..count)
+            .map(|k| {
+                let at = curve.at(k as f64 * step);
+                at.position - at.normal.scale(q)
+            })
+            .collect();
+        let vertices = (0..count)
+            .map(|k| {
+                let (before, here, after) = (
+                    positions[(k + count - 1) % count],
+                    positions[k],
+                    positions[(k + 1) % count],
+                );
+                // 1/(R_c R_p/(R_c + R_p)) = 1/R_c + 1/R_p with 1/R_c signed.
+                let inverse_radius = circle_curvature(before, here, after) + 1.0 / q;
+                (inverse_radius > 1e-6 / q).then(|| Vertex {
+                    position: here,
+                    stiffness: hertz.of_radius(1.0 / inverse_radius),
+                })
+            })
+            .collect::<Option<Vec<_>>>()?;
+        Some(Self {
+            vertices,
+            per_radian: 1.0 / step,
+        })
+    }
+
+    /// The vertex nearest to `p` for a foot of parameter `a` (rad), with its squared distance (m^2).
+    #[must_use]
+    #[inline]
+    pub fn nearest(&self, p: Complex, a: f64) -> (&Vertex, f64) {
+        let n = self.vertices.len() as i64;
+        let vertex = |k: i64| &self.vertices[k.rem_euclid(n) as usize];
+        let distance2 = |k: i64| (p - vertex(k).position).norm2();
+        let low = (a * self.per_radian).floor() as i64;
+        let (mut best, mut least) = (low, distance2(low));
+        for direction in [1, -1] {
+            let mut k = if direction == 1 { low + 1 } else { low - 1 };
+            // n steps at most: the walk cannot go round for ever.
+            for _ in 0..n {
+                let value = distance2(k);
+                if value >= least {
+                    break;
+                }
+                (best, least) = (k, value);
+                k += direction;
+            }
+        }
+        (vertex(best), least)
+    }
+
+    /// All vertices, in the order of a.
+    #[must_use]
+    pub fn vertices(&self) -> &[Vertex] {
+        &self.vertices
+    }
+}
+
+/// Signed curvature (1/m) of the circle through three points, positive when they turn left.
+fn circle_curvature(a: Complex, b: Complex, c: Complex) -> f64 {
+    let area2 = (b - a).cross(c - a);
+    2.0 * area2 / ((b - a).norm() * (c - b).norm() * (c - a).norm())
+}
+
+/// Points of a hole at equal angles, the first along the wheel's x axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HolePoints {
+    directions: Vec<Complex>,
+    per_radian: f64,
+}
+
+impl HolePoints {
+    /// `count` points on a circle.
+    #[must_use]
+    pub fn new(count: usize) -> Self {
+        let step = std::f64::consts::TAU / count as f64;
+        Self {
+            directions: (0..count).map(|k| Complex::unit(k as f64 * step)).collect(),
+            per_radian: 1.0 / step,
+        }
+    }
+
+    /// Direction (unit vector from the hole's centre) of the point nearest to the direction of `offset`.
+    #[must_use]
+    #[inline]
+    pub fn nearest(&self, offset: Complex) -> Complex {
+        let n = self.directions.len() as i64;
+        let k = (offset.arg() * self.per_radian).round() as i64;
+        self.directions[k.rem_euclid(n) as usize]
+    }
+
+    /// All directions.
+    #[must_use]
+    pub fn directions(&self) -> &[Complex] {
+        &self.directions
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(300))]
+
+        /// The walk finds the vertex that a scan of all vertices finds, for any gear and number of points.
+        #[test]
+        fn nearest_vertex_is_the_scan_s(
+            zk in 4_u32..30, m in 0.3_f64..0.8, per_lobe in 8_usize..300, a in -3.2_f64..3.2, depth in 0.0_f64..2e-4,
+        ) {
+            let curve = Epitrochoid::new(0.0028, zk, m).unwrap();
+            let q = 0.45 / curve.largest_curvature();
+            let hertz = HertzStiffness::new(2e11, 0.3, 0.01);
+            let count = per_lobe * curve.lobes() as usize;
+            prop_assume!(ProfilePoints::new(&curve, q, count, &hertz).is_some());
+            let points = ProfilePoints::new(&curve, q, count, &hertz).unwrap();
+            let at = curve.at(a);
+            let p = at.position - at.normal.scale(depth);
+            let (_, found) = points.nearest(p, curve.closest(p).parameter());
+            let scan = points.vertices().iter().map(|v| (p - v.position).norm2()).fold(f64::INFINITY, f64::min);
+            prop_assert!(found == scan, "{found} {scan}");
+        }
+
+        /// Same for a hole.
+        #[test]
+        fn nearest_hole_point_is_the_scan_s(count in 8_usize..200, angle in -3.2_f64..3.2) {
+            let points = HolePoints::new(count);
+            let offset = Complex::unit(angle).scale(0.0028);
+            let found = points.nearest(offset).dot(offset);
+            let scan = points.directions().iter().map(|d| d.dot(offset)).fold(f64::MIN, f64::max);
+            prop_assert!((found - scan).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn fine_points_have_the_exact_curvature() {
+        let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap();
+        let hertz = HertzStiffness::new(2e11, 0.3, 0.01);
+        let points = ProfilePoints::new(&curve, 0.006, 40_000, &hertz).unwrap();
+        for k in (0..40_000).step_by(97) {
+            let kappa = curve
+                .at(std::f64::consts::TAU * k as f64 / 40_000.0)
+                .curvature;
+            let exact = hertz.of_profile(0.006, kappa);
+            let found = points.vertices()[k].stiffness;
+            assert!((found / exact - 1.0).abs() < 2e-3, "{k}: {found} {exact}");
+        }
+    }
+}
