@@ -1,0 +1,233 @@
+//! The comparison itself: participants and limits in, verdicts out.
+
+use std::collections::BTreeMap;
+
+use pinwheel_courses::Courses;
+
+use crate::comparison::{Comparison, EngineEntry, EngineSummary, Figures, Pair, PairEntry};
+use crate::judge::{Judge, Sides};
+use crate::limits::Limit;
+use crate::matrix::{self, track_of};
+use crate::metrics::PairMetrics;
+use crate::participant::{Context, Participant};
+use crate::quantities::{self, INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, Quantity};
+use crate::statistics::{Statistics, View};
+use crate::verdict::{Counts, Verdict};
+use crate::windows::{self, SETTLING_S, Window};
+use crate::{CompareError, grid};
+
+/// Compares every finished run with every other on its track, window by window.
+///
+/// `limits` is usually [`limits::TABLE`](crate::limits::TABLE). Runs that did not finish are
+/// listed with their reason and not judged. A single engine is no error: its figures and its
+/// balance with the load remain.
+///
+/// # Errors
+/// No participant, two of one name, or finished runs on different sample times.
+pub fn compare(
+    context: &Context,
+    participants: &[Participant],
+    limits: &[Limit],
+) -> Result<Comparison, CompareError> {
+    if participants.is_empty() {
+        return Err(CompareError::Empty);
+    }
+    for (k, participant) in participants.iter().enumerate() {
+        if participants[..k]
+            .iter()
+            .any(|other| other.name == participant.name)
+        {
+            return Err(CompareError::Duplicate(participant.name.clone()));
+        }
+    }
+    let finished: Vec<&Participant> = participants
+        .iter()
+        .filter(|p| p.status.is_finished())
+        .collect();
+    for pair in finished.windows(2) {
+        grid::check(pair[0], pair[1])?;
+    }
+    let nothing = Courses::default();
+    let (windows, absent_windows) = windows::windows(
+        finished.first().map_or(&nothing, |p| &p.courses),
+        context.settling_s.unwrap_or(SETTLING_S),
+    );
+    let quantities = quantities::derive(finished.iter().map(|p| &p.courses));
+    let judge = Judge {
+        limits,
+        friction: context.friction_coefficient > 0.0,
+    };
+
+    let engines: Vec<EngineSummary> = participants
+        .iter()
+        .map(|p| engine_summary(p, context, &windows, &quantities, judge))
+        .collect();
+    let mut pairs = Vec::new();
+    for (k, b) in finished.iter().enumerate() {
+        for a in &finished[..k] {
+            if let Some(track) = track_of(a, b) {
+                pairs.push(pair(Sides { track, a, b }, &windows, &quantities, judge));
+            }
+        }
+    }
+    let matrices = matrix::matrices(&finished, &pairs, &quantities, &windows);
+    let mut counts = Counts::default();
+    engines
+        .iter()
+        .flat_map(|e| &e.judged)
+        .for_each(|entry| counts.add(&entry.verdict));
+    pairs
+        .iter()
+        .flat_map(|p| &p.entries)
+        .for_each(|entry| counts.add(&entry.verdict));
+    Ok(Comparison {
+        context: context.clone(),
+        passed: counts.exceeded == 0 && counts.within > 0,
+        counts,
+        unfinished: participants.len() - finished.len(),
+        windows,
+        absent_windows,
+        quantities,
+        engines,
+        pairs,
+        matrices,
+    })
+}
+
+fn engine_summary(
+    participant: &Participant,
+    context: &Context,
+    windows: &[Window],
+    quantities: &[Quantity],
+    judge: Judge<'_>,
+) -> EngineSummary {
+    let (mut all_figures, mut judged) = (Vec::new(), Vec::new());
+    let windows = if participant.status.is_finished() {
+        windows
+    } else {
+        &[]
+    };
+    for window in windows {
+        let figures = figures(&participant.courses, context, window, quantities);
+        let output = quantities.iter().find(|q| q.name == OUTPUT_TORQUE);
+        if let Some((quantity, load_n_m)) = output.zip(context.load_n_m) {
+            let mean = figures
+                .quantities
+                .get(OUTPUT_TORQUE)
+                .map(|statistics| statistics.mean);
+            let found = judge.load(participant, quantity, window.kind, mean, load_n_m);
+            judged.extend(found.map(|(checks, verdict)| EngineEntry {
+                quantity: quantity.name.clone(),
+                window: window.kind,
+                checks,
+                verdict,
+            }));
+        }
+        all_figures.push(figures);
+    }
+    EngineSummary {
+        name: participant.name.clone(),
+        track: participant.track.clone(),
+        version: participant.version.clone(),
+        summary: participant.summary.clone(),
+        differences: participant.differences.clone(),
+        status: participant.status.clone(),
+        cost: participant.cost.clone(),
+        figures: all_figures,
+        judged,
+    }
+}
+
+fn figures(
+    courses: &Courses,
+    context: &Context,
+    window: &Window,
+    quantities: &[Quantity],
+) -> Figures {
+    let samples = courses.window(window.from_s, window.to_s);
+    let statistics: BTreeMap<String, Statistics> = quantities
+        .iter()
+        .filter_map(|quantity| {
+            let view = View::of(courses, quantity, samples.clone())?;
+            Some((quantity.name.clone(), Statistics::of(&view)?))
+        })
+        .collect();
+    let efficiency = || {
+        let mean = |name: &str| statistics.get(name).map(|s| s.mean);
+        let time_s = courses.time_s().get(samples.clone())?;
+        let angle_rad = courses.channel(OUTPUT_ANGLE)?.get(samples.clone())?;
+        let turned = angle_rad.last()? - angle_rad.first()?;
+        let output_speed = turned / (time_s.last()? - time_s.first()?);
+        let power_in = mean(INPUT_TORQUE)? * context.input_speed_rad_s?;
+        let efficiency = mean(OUTPUT_TORQUE)? * output_speed / power_in;
+        (power_in > 0.0 && efficiency.is_finite()).then_some(efficiency)
+    };
+    Figures {
+        window: window.kind,
+        efficiency: efficiency(),
+        quantities: statistics,
+    }
+}
+
+fn pair(sides: Sides<'_>, windows: &[Window], quantities: &[Quantity], judge: Judge<'_>) -> Pair {
+    let mut entries = Vec::new();
+    for window in windows {
+        for quantity in quantities {
+            entries.extend(pair_entry(sides, window, quantity, judge));
+        }
+    }
+    let Sides { track, a, b } = sides;
+    Pair {
+        a: a.name.clone(),
+        b: b.name.clone(),
+        track: track.to_owned(),
+        entries,
+    }
+}
+
+/// `None` if neither engine has the quantity.
+fn pair_entry(
+    sides: Sides<'_>,
+    window: &Window,
+    quantity: &Quantity,
+    judge: Judge<'_>,
+) -> Option<PairEntry> {
+    let Sides { a, b, .. } = sides;
+    let entry = |metrics, checks, verdict| {
+        let quantity = quantity.name.clone();
+        Some(PairEntry {
+            quantity,
+            window: window.kind,
+            metrics,
+            checks,
+            verdict,
+        })
+    };
+    let unjudged = |reason| entry(None, Vec::new(), Verdict::NotJudged { reason });
+    let has = |p: &Participant| {
+        quantity
+            .channels
+            .iter()
+            .filter(|name| p.courses.channel(name).is_some())
+            .count()
+    };
+    match (has(a), has(b)) {
+        (0, 0) => return None,
+        (0, _) => return unjudged(format!("{} has no `{}`", a.name, quantity.name)),
+        (_, 0) => return unjudged(format!("{} has no `{}`", b.name, quantity.name)),
+        _ => {}
+    }
+    let samples = a.courses.window(window.from_s, window.to_s);
+    let metrics = View::of(&a.courses, quantity, samples.clone())
+        .zip(View::of(&b.courses, quantity, samples.clone()))
+        .zip(a.courses.time_s().get(samples))
+        .and_then(|((of_a, of_b), time_s)| PairMetrics::of(&of_a, &of_b, time_s));
+    let Some(metrics) = metrics else {
+        return unjudged(format!(
+            "`{}` has channels that only one of the two has",
+            quantity.name
+        ));
+    };
+    let (checks, verdict) = judge.pair(sides, quantity, window.kind, &metrics);
+    entry(Some(metrics), checks, verdict)
+}

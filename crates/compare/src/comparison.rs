@@ -1,0 +1,165 @@
+//! The result of a comparison. Serialised, this is `summary.json`.
+//!
+//! Nothing here has a direction: no engine is the truth. What has one by nature (ratios,
+//! Sprague-Geers' M) is stored for the pair as named, `a` over `b`.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::metrics::PairMetrics;
+use crate::participant::{Context, Cost, Status};
+use crate::quantities::Quantity;
+use crate::statistics::Statistics;
+use crate::verdict::{Check, Counts, Verdict};
+use crate::windows::{AbsentWindow, Window, WindowKind};
+
+/// Everything that was compared, and how it turned out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// The scene.
+    pub context: Context,
+    /// True when nothing was exceeded and at least one limit was checked.
+    pub passed: bool,
+    /// Verdicts over all engines and pairs.
+    pub counts: Counts,
+    /// Engines that did not finish.
+    pub unfinished: usize,
+    /// Windows compared.
+    pub windows: Vec<Window>,
+    /// Windows that could not be, with the reason.
+    pub absent_windows: Vec<AbsentWindow>,
+    /// Quantities found in the courses.
+    pub quantities: Vec<Quantity>,
+    /// Every engine, finished or not, in the order given.
+    pub engines: Vec<EngineSummary>,
+    /// Every pair of finished engines that shares a track.
+    pub pairs: Vec<Pair>,
+    /// One matrix per track and window.
+    pub matrices: Vec<Matrix>,
+}
+
+/// One engine alone.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EngineSummary {
+    /// Name.
+    pub name: String,
+    /// Track.
+    pub track: String,
+    /// Version.
+    pub version: String,
+    /// One line on what it is.
+    pub summary: String,
+    /// How it differs from the native solver.
+    pub differences: String,
+    /// How the run ended.
+    pub status: Status,
+    /// What it cost.
+    pub cost: Cost,
+    /// Figures per window; empty unless finished.
+    pub figures: Vec<Figures>,
+    /// What was judged of this engine alone; empty unless finished.
+    pub judged: Vec<EngineEntry>,
+}
+
+/// One engine's figures in one window.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Figures {
+    /// Window.
+    pub window: WindowKind,
+    /// Per quantity, over all its channels: mean, min, max, rms, peak.
+    pub quantities: BTreeMap<String, Statistics>,
+    /// Power out over power in: mean `output_torque_n_m` * mean speed of `output_angle_rad` /
+    /// (mean `input_torque_n_m` * input speed). `None` without these channels or without positive
+    /// input power. Energy stored in the contacts is not counted, so it holds over whole periods.
+    pub efficiency: Option<f64>,
+}
+
+/// A verdict on one engine alone.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EngineEntry {
+    /// Quantity name.
+    pub quantity: String,
+    /// Window.
+    pub window: WindowKind,
+    /// Limits checked; empty when not judged.
+    pub checks: Vec<Check>,
+    /// The worst of the checks.
+    #[serde(flatten)]
+    pub verdict: Verdict,
+}
+
+/// Two engines side by side.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Pair {
+    /// First engine, in the order given.
+    pub a: String,
+    /// Second engine.
+    pub b: String,
+    /// The foreign engine's track, or `native` for two native runs.
+    pub track: String,
+    /// One entry per window and quantity.
+    pub entries: Vec<PairEntry>,
+}
+
+/// One quantity of a pair in one window.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PairEntry {
+    /// Quantity name.
+    pub quantity: String,
+    /// Window.
+    pub window: WindowKind,
+    /// Every metric; `None` where the channels cannot be compared (see the verdict's reason).
+    pub metrics: Option<PairMetrics>,
+    /// Limits checked; empty when not judged.
+    pub checks: Vec<Check>,
+    /// The worst of the checks.
+    #[serde(flatten)]
+    pub verdict: Verdict,
+}
+
+/// All engines of a track against each other in one window.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Matrix {
+    /// Track; native engines stand in every matrix.
+    pub track: String,
+    /// Window.
+    pub window: WindowKind,
+    /// Names of rows and columns.
+    pub engines: Vec<String>,
+    /// The cells below the diagonal, row by row: (1,0), (2,0), (2,1), ... The matrix is symmetric.
+    pub cells: Vec<Cell>,
+}
+
+/// One pair in a matrix.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cell {
+    /// Row, an index into the matrix's engines; larger than `column`.
+    pub row: usize,
+    /// Column.
+    pub column: usize,
+    /// Index into [`Comparison::pairs`].
+    pub pair: usize,
+    /// Largest relative L2 over forces and torques; `None` if there is none.
+    pub worst: Option<f64>,
+    /// The quantity that has it.
+    pub worst_quantity: Option<String>,
+    /// Largest relative L2 over forces (N).
+    pub force: Option<f64>,
+    /// Largest relative L2 over torques (N m).
+    pub torque: Option<f64>,
+    /// The worst verdict over the pair's quantities in this window.
+    #[serde(flatten)]
+    pub verdict: Verdict,
+}
+
+impl Matrix {
+    /// The cell of two engines in either order; `None` on the diagonal.
+    #[must_use]
+    pub fn cell(&self, i: usize, j: usize) -> Option<&Cell> {
+        let (row, column) = (i.max(j), i.min(j));
+        (row != column)
+            .then(|| self.cells.get(row * (row - 1) / 2 + column))
+            .flatten()
+    }
+}

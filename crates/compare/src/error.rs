@@ -1,0 +1,45 @@
+//! What can make a comparison impossible.
+
+/// Faults of [`compare`](crate::compare). What merely cannot be judged is no error but a verdict
+/// with its reason.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CompareError {
+    /// Two engines' sample times differ. Courses are never interpolated: that fakes errors of 1e-3.
+    #[error(
+        "sample {row} of `{b}` is at {time_b} s, of `{a}` at {time_a} s: write both on one grid"
+    )]
+    Grid {
+        /// First engine.
+        a: String,
+        /// Second engine.
+        b: String,
+        /// Sample number, the first being 0.
+        row: usize,
+        /// Time of the first engine's sample, s.
+        time_a: f64,
+        /// Time of the second engine's sample, s.
+        time_b: f64,
+    },
+    /// Two engines have a different number of samples on an otherwise equal grid.
+    #[error(
+        "`{a}` has {samples_a} samples and `{b}` {samples_b}; they part after {time_s} s: write both on one grid"
+    )]
+    Samples {
+        /// First engine.
+        a: String,
+        /// Second engine.
+        b: String,
+        /// Samples of the first engine.
+        samples_a: usize,
+        /// Samples of the second engine.
+        samples_b: usize,
+        /// Last time both have, s (-infinity if there is none).
+        time_s: f64,
+    },
+    /// Two participants of one name.
+    #[error("engine `{0}` appears twice: name each engine once")]
+    Duplicate(String),
+    /// Nobody takes part.
+    #[error("no engine to compare: name at least one")]
+    Empty,
+}

@@ -1,0 +1,186 @@
+//! Every limit in one table: what it applies to, how large it is, what was measured, and why.
+//!
+//! Patterns: `*` stands for any characters, `|` separates alternatives. The first row that fits a
+//! pair, window, quantity and metric is the one that counts, so stricter conditions stand first.
+
+use serde::Serialize;
+
+use crate::windows::WindowKind;
+
+/// What is held against a limit. All are free of direction and never negative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Metric {
+    /// RMS of the difference over the larger of the two RMS, all channels jointly.
+    RelativeL2,
+    /// Largest difference over the larger of the two peaks.
+    RelativeLinf,
+    /// Difference of the means over the larger of them.
+    Mean,
+    /// Difference of the peaks over the larger of them.
+    Peak,
+    /// Difference of the RMS values over the larger of them.
+    Rms,
+    /// Sprague-Geers comprehensive error C, magnitude taken larger over smaller.
+    SpragueGeers,
+    /// Of one engine alone: mean output torque against the load, over the load.
+    MeanAgainstLoad,
+}
+
+/// Which scenes a row applies to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Friction {
+    /// All.
+    Any,
+    /// mu = 0.
+    Without,
+    /// mu > 0.
+    With,
+}
+
+/// One row of the table.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Limit {
+    /// Track of the pair (see [`track`](crate::track)), a pattern.
+    pub track: &'static str,
+    /// One engine, a pattern.
+    pub engine: &'static str,
+    /// The other engine, a pattern; pairs fit in either order. Unused by one-engine metrics.
+    pub against: &'static str,
+    /// Frictionless scenes, those with friction, or all.
+    pub friction: Friction,
+    /// Largest step of `engine`, s; `None` for any.
+    pub step_at_most_s: Option<f64>,
+    /// Largest step of `against`, s; `None` for any.
+    pub against_step_at_most_s: Option<f64>,
+    /// Window.
+    pub window: WindowKind,
+    /// Quantity, a pattern.
+    pub quantity: &'static str,
+    /// Metric.
+    pub metric: Metric,
+    /// The limit itself.
+    pub limit: f64,
+    /// What was measured when it was set; `None` until then.
+    pub measured: Option<f64>,
+    /// Why it is what it is.
+    pub reason: &'static str,
+}
+
+/// Forces (N) and torques (N m) that stay below this are rounding, and are not judged: 16 digits
+/// of the 100 N of a sleeve, times some thousand for what 28 bodies and a solver add.
+pub const NEGLIGIBLE: f64 = 1e-9;
+
+/// One row per line of the table below, its reason on a second.
+macro_rules! rows {
+    ($($track:literal, $engine:literal, $step:expr, $against:literal, $against_step:expr,
+       $friction:ident, $window:ident, $quantity:literal, $metric:ident,
+       $limit:literal, $measured:expr, $reason:literal;)*) => {
+        &[$(Limit {
+            track: $track,
+            engine: $engine,
+            step_at_most_s: $step,
+            against: $against,
+            against_step_at_most_s: $against_step,
+            friction: Friction::$friction,
+            window: WindowKind::$window,
+            quantity: $quantity,
+            metric: Metric::$metric,
+            limit: $limit,
+            measured: $measured,
+            reason: $reason,
+        },)*]
+    };
+}
+
+/// The table. Columns: track, engine, its largest step, against, its largest step, friction,
+/// window, quantity, metric, limit, measured; then the reason.
+pub const TABLE: &[Limit] = rows! {
+    // Any engine, judged alone.
+    "*", "*", None, "the load", None, Any, Steady, "output_torque_n_m", MeanAgainstLoad, 1e-4, None,
+    "In the mean the contact forces on the output shaft balance the load, whatever the law and engine.";
+
+    // Native formulations against each other.
+    "native", "native*lagrange*|native*reduced*", None, "native*", None, Any, Transient, "*", RelativeL2, 1e-9, None,
+    "The same equations, step and method; the elimination is exact, so only rounding parts them.";
+    "native", "native*lagrange*|native*reduced*", None, "native*", None, Any, Steady, "*", RelativeL2, 1e-7, None,
+    "Rounding grows along the run; the frictionless gear is periodic, so it does not grow without bound.";
+
+    // rapier, shared law.
+    "shared-law", "rapier*", Some(1e-5), "native*", None, Without, Steady, "*", RelativeL2, 1e-4, Some(1.8e-5),
+    "Measured 1.8e-5 at 1e-5 s, times 5: semi-implicit Euler raised to second order.";
+    "shared-law", "rapier*", Some(2e-6), "native*", None, Without, Transient, "*", RelativeL2, 2e-4, Some(2.8e-5),
+    "Measured 2.8e-5 at 2e-6 s, times 7: the start-up rings at 1.2 kHz.";
+    "shared-law", "rapier*", Some(1e-5), "native*", None, Without, Transient, "*", RelativeL2, 1e-3, None,
+    "Second order from the figure at 2e-6 s: 25 times 2.8e-5 is 7e-4.";
+
+    // rapier, contact hook: exact normals and depths, rapier's own solver and Coulomb friction.
+    "own-contact", "rapier*hook*", Some(1e-5), "native*", Some(2e-7), With, Steady, "*", RelativeL2, 2e-3, Some(9e-4),
+    "Measured 5e-4 to 9e-4 at 1e-5 s, times 2, against a native run that resolves the friction.";
+    "own-contact", "rapier*hook*", Some(1e-5), "native*", Some(2e-7), With, Transient, "*", RelativeL2, 2e-3, Some(9e-4),
+    "Measured 5e-4 to 9e-4 at 1e-5 s, times 2, against a native run that resolves the friction.";
+    "own-contact", "rapier*hook*", Some(1e-5), "native*", None, Without, Steady, "*", RelativeL2, 2e-4, Some(5.7e-5),
+    "Measured 5.7e-5 at 1e-5 s, times 3.5.";
+
+    // rapier, colliders: polyline wheels and rapier's own spring; wave forms are not comparable.
+    "own-contact", "rapier*collider*", None, "native*", None, Any, Steady, "*_torque_n_m", Mean, 1.5e-2, Some(1e-2),
+    "Measured 1 to 1.5 %: rapier's spring is linear and its stiffness depends on pairwise masses.";
+    "own-contact", "rapier*collider*", None, "native*", None, Any, Steady, "*_force_n", Mean, 1e-1, Some(1e-1),
+    "Measured about 10 %: the load spreads over the sleeves otherwise under a linear spring.";
+};
+
+/// Whether `text` fits `pattern`: `*` stands for any characters, `|` separates alternatives.
+#[must_use]
+pub fn fits(pattern: &str, text: &str) -> bool {
+    pattern.split('|').any(|pattern| fits_one(pattern, text))
+}
+
+fn fits_one(pattern: &str, text: &str) -> bool {
+    match pattern.split_once('*') {
+        None => pattern == text,
+        Some((head, rest)) => text.strip_prefix(head).is_some_and(|tail| {
+            // Every place where the rest may begin; patterns are short.
+            std::iter::once(tail.len())
+                .chain(tail.char_indices().map(|(at, _)| at))
+                .any(|at| fits_one(rest, &tail[at..]))
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns() {
+        for (pattern, text, wanted) in [
+            ("*", "", true),
+            ("*", "anything", true),
+            ("native*", "native", true),
+            ("native*", "native-reduced", true),
+            ("native", "native-reduced", false),
+            ("*_force_n", "external_sleeve_force_n", true),
+            ("*_force_n", "force_n", false),
+            ("rapier*hook*", "rapier-contact-hook", true),
+            ("rapier*hook*", "rapier-shared-law", false),
+            ("a|b*", "bc", true),
+            ("a|b*", "ab", false),
+            ("", "a", false),
+        ] {
+            assert_eq!(fits(pattern, text), wanted, "{pattern} {text}");
+        }
+    }
+
+    #[test]
+    fn rows_are_sound() {
+        for row in TABLE {
+            assert!(row.limit > 0.0 && row.limit.is_finite(), "{row:?}");
+            assert!(
+                row.measured.is_none_or(|m| m > 0.0 && m <= row.limit),
+                "no margin: {row:?}"
+            );
+            assert!(row.reason.ends_with('.'), "{row:?}");
+        }
+    }
+}

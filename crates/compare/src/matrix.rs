@@ -1,0 +1,120 @@
+//! The pairwise matrices: all engines of one track against each other.
+//!
+//! Tracks are never mixed: a shared-law run cannot find an error in the law, an own-contact run
+//! differs by per cents on purpose; in one table each would hide the other. Native engines stand
+//! in every matrix.
+
+use crate::comparison::{Cell, Matrix, Pair};
+use crate::judge;
+use crate::participant::{Participant, track};
+use crate::quantities::Quantity;
+use crate::verdict::Verdict;
+use crate::windows::Window;
+
+/// The track two engines are compared on; `None` if they must not be.
+pub(crate) fn track_of<'a>(a: &'a Participant, b: &'a Participant) -> Option<&'a str> {
+    match (a.track.as_str(), b.track.as_str()) {
+        (a, b) if a == b => Some(a),
+        (track::NATIVE, other) | (other, track::NATIVE) => Some(other),
+        _ => None,
+    }
+}
+
+/// One matrix per track and window. `native` has one of its own only if no other track does.
+pub(crate) fn matrices(
+    finished: &[&Participant],
+    pairs: &[Pair],
+    quantities: &[Quantity],
+    windows: &[Window],
+) -> Vec<Matrix> {
+    let mut tracks: Vec<&str> = Vec::new();
+    for participant in finished {
+        if participant.track != track::NATIVE && !tracks.contains(&participant.track.as_str()) {
+            tracks.push(&participant.track);
+        }
+    }
+    tracks.sort_by_key(|name| match *name {
+        track::SHARED_LAW => 0,
+        track::OWN_CONTACT => 1,
+        _ => 2,
+    });
+    if tracks.is_empty() {
+        tracks.push(track::NATIVE);
+    }
+    let mut matrices = Vec::new();
+    for track in tracks {
+        let engines: Vec<String> = finished
+            .iter()
+            .filter(|p| p.track == track || p.track == track::NATIVE)
+            .map(|p| p.name.clone())
+            .collect();
+        if engines.len() < 2 {
+            continue;
+        }
+        for window in windows {
+            let cells = cells(&engines, pairs, quantities, window);
+            let track = track.to_owned();
+            matrices.push(Matrix {
+                track,
+                window: window.kind,
+                engines: engines.clone(),
+                cells,
+            });
+        }
+    }
+    matrices
+}
+
+fn cells(
+    engines: &[String],
+    pairs: &[Pair],
+    quantities: &[Quantity],
+    window: &Window,
+) -> Vec<Cell> {
+    let mut cells = Vec::new();
+    for row in 1..engines.len() {
+        for column in 0..row {
+            // Engines and pairs have one order, so the smaller index is always `a`.
+            let found = pairs
+                .iter()
+                .position(|p| p.a == engines[column] && p.b == engines[row]);
+            if let Some(pair) = found {
+                cells.push(cell(row, column, pair, &pairs[pair], quantities, window));
+            }
+        }
+    }
+    cells
+}
+
+fn cell(
+    row: usize,
+    column: usize,
+    pair: usize,
+    entries: &Pair,
+    quantities: &[Quantity],
+    window: &Window,
+) -> Cell {
+    let entries: Vec<_> = entries
+        .entries
+        .iter()
+        .filter(|e| e.window == window.kind)
+        .collect();
+    let largest = |wanted: fn(&Quantity) -> bool| {
+        entries
+            .iter()
+            .filter(|e| quantities.iter().any(|q| q.name == e.quantity && wanted(q)))
+            .filter_map(|e| Some((e.metrics.as_ref()?.relative_l2?, &e.quantity)))
+            .max_by(|(a, _), (b, _)| a.total_cmp(b))
+    };
+    let worst = largest(Quantity::is_load);
+    Cell {
+        row,
+        column,
+        pair,
+        worst: worst.map(|(value, _)| value),
+        worst_quantity: worst.map(|(_, name)| name.clone()),
+        force: largest(Quantity::is_force).map(|(value, _)| value),
+        torque: largest(Quantity::is_torque).map(|(value, _)| value),
+        verdict: judge::worst(entries.iter().map(|e| &e.verdict as &Verdict)),
+    }
+}

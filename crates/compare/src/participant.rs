@@ -1,0 +1,141 @@
+//! What goes into a comparison: runs of several engines on one scene, and what is known of the scene.
+
+use pinwheel_courses::Courses;
+use serde::Serialize;
+
+/// The tracks: kinds of comparison that are never mixed in one table.
+pub mod track {
+    /// The project's own solver; stands in the tables of every other track.
+    pub const NATIVE: &str = "native";
+    /// Foreign bodies, joints and time integration under one shared contact law.
+    pub const SHARED_LAW: &str = "shared-law";
+    /// The engine detects or resolves contact itself.
+    pub const OWN_CONTACT: &str = "own-contact";
+}
+
+/// One engine's run.
+#[derive(Debug, Clone)]
+pub struct Participant {
+    /// Engine name, unique within a comparison.
+    pub name: String,
+    /// Track, see [`track`]; other words make tracks of their own.
+    pub track: String,
+    /// Version of the engine.
+    pub version: String,
+    /// One line on what it is.
+    pub summary: String,
+    /// How it differs from the native solver, in plain words.
+    pub differences: String,
+    /// Its courses; shorter than the others', or empty, unless [`Status::Finished`].
+    pub courses: Courses,
+    /// What the run cost.
+    pub cost: Cost,
+    /// How the run ended.
+    pub status: Status,
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "state", rename_all = "kebab-case")]
+pub enum Status {
+    /// Complete courses; the only state that is judged.
+    Finished,
+    /// The numbers ran away; the courses until then are kept and shown, not judged.
+    Diverged {
+        /// When, s.
+        time_s: f64,
+        /// Which quantity, and its value.
+        quantity: String,
+    },
+    /// The engine cannot honour the scene.
+    Unsupported {
+        /// Which part of the scene, and why.
+        reason: String,
+    },
+    /// The engine is missing or broke.
+    Failed {
+        /// Its own words.
+        reason: String,
+    },
+}
+
+impl Status {
+    /// True for complete courses.
+    #[must_use]
+    pub fn is_finished(&self) -> bool {
+        *self == Self::Finished
+    }
+
+    /// One word for tables: `finished`, `diverged`, `unsupported`, `failed`.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Finished => "finished",
+            Self::Diverged { .. } => "diverged",
+            Self::Unsupported { .. } => "unsupported",
+            Self::Failed { .. } => "failed",
+        }
+    }
+
+    /// Why the run is not judged; `None` when finished.
+    #[must_use]
+    pub fn reason(&self) -> Option<String> {
+        match self {
+            Self::Finished => None,
+            Self::Diverged { time_s, quantity } => {
+                Some(format!("diverged at t = {time_s:.6} s: {quantity}"))
+            }
+            Self::Unsupported { reason } => Some(format!("cannot run this scene: {reason}")),
+            Self::Failed { reason } => Some(format!("failed: {reason}")),
+        }
+    }
+}
+
+/// What a run cost and which settings it had.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Cost {
+    /// Wall time, s.
+    pub wall_s: f64,
+    /// CPU time, s.
+    pub cpu_s: f64,
+    /// Evaluations of the right-hand side.
+    pub rhs_calls: u64,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps (adaptive methods).
+    pub rejected_steps: u64,
+    /// Degrees of freedom integrated.
+    pub degrees_of_freedom: usize,
+    /// Bodies moved.
+    pub bodies: usize,
+    /// Step, s (the mean accepted step of adaptive methods).
+    pub step_s: f64,
+    /// The engine's settings in words.
+    pub settings: String,
+    /// Remarks for the reader.
+    pub notes: Vec<String>,
+    /// Largest position error of any joint, m, where the engine has constraints.
+    pub joint_drift_m: Option<f64>,
+}
+
+/// What a comparison needs to know of the scene. Only `scene` and `duration_s` are needed for
+/// courses that are no gearbox's: what is `None` is left out of figures and verdicts.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Context {
+    /// Scene name.
+    pub scene: String,
+    /// Why the scene exists, one sentence, or empty.
+    pub description: String,
+    /// Simulated time, s.
+    pub duration_s: f64,
+    /// Torque of the load on the output shaft, N m. In the mean the contact forces balance it:
+    /// mean `output_torque_n_m` = -load.
+    pub load_n_m: Option<f64>,
+    /// Angular velocity of the driver, rad/s.
+    pub input_speed_rad_s: Option<f64>,
+    /// Coefficient of friction; 0 chooses the limits of frictionless scenes.
+    pub friction_coefficient: f64,
+    /// Time in which the start-up transient has decayed, s; `None` takes
+    /// [`SETTLING_S`](crate::windows::SETTLING_S). 0 for a run that starts in equilibrium.
+    pub settling_s: Option<f64>,
+}

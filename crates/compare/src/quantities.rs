@@ -1,0 +1,157 @@
+//! Quantities: a channel, or a group of numbered channels that are compared jointly.
+
+use pinwheel_courses::{Courses, group_of};
+use serde::Serialize;
+
+/// Torque the driver exerts on the input shaft, where courses have it.
+pub const INPUT_TORQUE: &str = "input_torque_n_m";
+/// Moment of the contact forces on the output shaft, where courses have it.
+pub const OUTPUT_TORQUE: &str = "output_torque_n_m";
+/// Angle of the output shaft, where courses have it.
+pub const OUTPUT_ANGLE: &str = "output_angle_rad";
+
+/// One thing that is compared, e.g. `external_sleeve_force_n` with its 16 channels.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Quantity {
+    /// Channel name, or the group's without the number.
+    pub name: String,
+    /// For readers, e.g. `External sleeve force`.
+    pub label: String,
+    /// Unit taken from the name's suffix, e.g. `N m`; empty if unknown.
+    pub unit: String,
+    /// Channel names in the order of their numbers.
+    pub channels: Vec<String>,
+}
+
+/// Suffixes of names and their units; longer ones first, as `_n_m` also ends in `_m`.
+const UNITS: [(&str, &str); 14] = [
+    ("_n_m", "N m"),
+    ("_rad_s2", "rad/s\u{b2}"),
+    ("_rad_s", "rad/s"),
+    ("_m_s2", "m/s\u{b2}"),
+    ("_m_s", "m/s"),
+    ("_kg", "kg"),
+    ("_pa", "Pa"),
+    ("_hz", "Hz"),
+    ("_rad", "rad"),
+    ("_n", "N"),
+    ("_w", "W"),
+    ("_j", "J"),
+    ("_m", "m"),
+    ("_s", "s"),
+];
+
+impl Quantity {
+    fn new(name: &str) -> Self {
+        let (stem, unit) = UNITS
+            .iter()
+            .find_map(|(suffix, unit)| {
+                name.strip_suffix(suffix)
+                    .filter(|stem| !stem.is_empty())
+                    .map(|stem| (stem, *unit))
+            })
+            .unwrap_or((name, ""));
+        let words = stem.replace('_', " ");
+        let mut letters = words.chars();
+        let label = letters.next().map_or_else(String::new, |first| {
+            first.to_uppercase().chain(letters).collect()
+        });
+        Self {
+            name: name.to_owned(),
+            label,
+            unit: unit.to_owned(),
+            channels: Vec::new(),
+        }
+    }
+
+    /// A force or a torque: what the matrices show.
+    #[must_use]
+    pub fn is_load(&self) -> bool {
+        self.is_force() || self.is_torque()
+    }
+
+    /// In newtons.
+    #[must_use]
+    pub fn is_force(&self) -> bool {
+        self.unit == "N"
+    }
+
+    /// In newton metres.
+    #[must_use]
+    pub fn is_torque(&self) -> bool {
+        self.unit == "N m"
+    }
+}
+
+/// The quantities of all courses together, in the order of their first appearance; numbered
+/// channels of one name form one quantity, ordered by number.
+#[must_use]
+pub fn derive<'a>(courses: impl IntoIterator<Item = &'a Courses>) -> Vec<Quantity> {
+    type Members = Vec<(Option<usize>, String)>;
+    let mut found: Vec<(Quantity, Members)> = Vec::new();
+    for channel in courses.into_iter().flat_map(Courses::channels) {
+        let (name, number) = group_of(&channel.name);
+        let place = found
+            .iter()
+            .position(|(q, _)| q.name == name)
+            .unwrap_or_else(|| {
+                found.push((Quantity::new(name), Vec::new()));
+                found.len() - 1
+            });
+        let members = &mut found[place].1;
+        if !members.iter().any(|(_, known)| *known == channel.name) {
+            members.push((number, channel.name.clone()));
+        }
+    }
+    found
+        .into_iter()
+        .map(|(mut quantity, mut members)| {
+            members.sort();
+            quantity.channels = members.into_iter().map(|(_, name)| name).collect();
+            quantity
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_give_labels_and_units() {
+        for (name, label, unit) in [
+            ("input_torque_n_m", "Input torque", "N m"),
+            ("external_sleeve_force_n", "External sleeve force", "N"),
+            ("output_angle_rad", "Output angle", "rad"),
+            ("wheel_speed_rad_s", "Wheel speed", "rad/s"),
+            ("odd", "Odd", ""),
+            ("_n", " n", ""),
+        ] {
+            let quantity = Quantity::new(name);
+            assert_eq!(
+                (quantity.label.as_str(), quantity.unit.as_str()),
+                (label, unit),
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn groups_are_joined_and_sorted() {
+        let mut first = Courses::new(vec![0.0]).unwrap();
+        for name in ["torque_n_m", "force_n_10", "force_n_2"] {
+            first.push(name, vec![0.0]).unwrap();
+        }
+        let mut second = Courses::new(vec![0.0]).unwrap();
+        for name in ["force_n_2", "force_n_0", "extra_w"] {
+            second.push(name, vec![0.0]).unwrap();
+        }
+        let quantities = derive([&first, &second]);
+        let names: Vec<_> = quantities.iter().map(|q| q.name.as_str()).collect();
+        assert_eq!(names, ["torque_n_m", "force_n", "extra_w"]);
+        assert_eq!(
+            quantities[1].channels,
+            ["force_n_0", "force_n_2", "force_n_10"]
+        );
+    }
+}

@@ -1,0 +1,168 @@
+//! Windows: the parts of a run that are compared apart from each other.
+//!
+//! The start-up transient is a hard test of integration and a poor one of geometry, the steady
+//! part the other way round; one figure over both would hide either.
+
+use pinwheel_courses::Courses;
+use serde::Serialize;
+
+/// Time in which the paper gearbox's start-up transient decays, s (measured: about 0.25 s, with
+/// 1.2 kHz at 2 % of critical damping). A steady window starts no earlier.
+pub const SETTLING_S: f64 = 0.25;
+/// Length of the transient window, s.
+pub const TRANSIENT_S: f64 = 0.05;
+/// Samples a window must hold: with fewer a mean square says nothing.
+pub const FEWEST_SAMPLES: usize = 10;
+
+/// Which part of the run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WindowKind {
+    /// After the start-up transient: the second half of the run.
+    Steady,
+    /// The first [`TRANSIENT_S`].
+    Transient,
+    /// The whole run; only where it has no steady window.
+    Whole,
+}
+
+impl WindowKind {
+    /// The word used in files and tables.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Steady => "steady",
+            Self::Transient => "transient",
+            Self::Whole => "whole",
+        }
+    }
+}
+
+/// A window that can be compared.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Window {
+    /// Which part.
+    pub kind: WindowKind,
+    /// Start, s, included.
+    pub from_s: f64,
+    /// End, s, included.
+    pub to_s: f64,
+    /// Samples in it.
+    pub samples: usize,
+}
+
+/// A window that cannot be compared.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AbsentWindow {
+    /// Which part.
+    pub kind: WindowKind,
+    /// Why it is not there.
+    pub reason: String,
+}
+
+/// The windows of a run with the sample times of `courses`, and those it is too short for.
+/// `settling_s`: time in which the start-up transient has decayed.
+#[must_use]
+pub fn windows(courses: &Courses, settling_s: f64) -> (Vec<Window>, Vec<AbsentWindow>) {
+    let (mut present, mut absent) = (Vec::new(), Vec::new());
+    let time_s = courses.time_s();
+    let (start, end) = match (time_s.first(), time_s.last()) {
+        (Some(&start), Some(&end)) => (start, end),
+        _ => (0.0, 0.0),
+    };
+    let duration = end - start;
+    let mut offer = |kind: WindowKind, from_s: f64, to_s: f64| {
+        let samples = courses.window(from_s, to_s).len();
+        if samples < FEWEST_SAMPLES {
+            let reason = format!("it would hold {samples} samples, fewer than {FEWEST_SAMPLES}");
+            absent.push(AbsentWindow { kind, reason });
+            return false;
+        }
+        present.push(Window {
+            kind,
+            from_s,
+            to_s,
+            samples,
+        });
+        true
+    };
+    // A rounding's breadth, as the duration is a sum of many steps.
+    let settled = duration / 2.0 * (1.0 + 1e-9) >= settling_s;
+    let steady = settled && offer(WindowKind::Steady, start + duration / 2.0, end);
+    offer(WindowKind::Transient, start, end.min(start + TRANSIENT_S));
+    if !steady && duration > TRANSIENT_S * (1.0 + 1e-9) {
+        offer(WindowKind::Whole, start, end);
+    }
+    if !settled {
+        let reason = format!(
+            "the run lasts {} s; the start-up transient takes {settling_s} s, so a steady window \
+             needs {} s",
+            rounded(duration),
+            2.0 * settling_s
+        );
+        absent.push(AbsentWindow {
+            kind: WindowKind::Steady,
+            reason,
+        });
+    }
+    (present, absent)
+}
+
+/// A time without the digits that only rounding has put there.
+fn rounded(time_s: f64) -> f64 {
+    (time_s * 1e9).round() / 1e9
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn times(count: u32) -> Courses {
+        Courses::new((0..=count).map(|k| f64::from(k) * 1e-4).collect()).unwrap()
+    }
+
+    #[test]
+    fn the_papers_run() {
+        let (present, absent) = windows(&times(6000), SETTLING_S);
+        let kinds: Vec<_> = present.iter().map(|w| (w.kind, w.samples)).collect();
+        assert_eq!(
+            kinds,
+            [(WindowKind::Steady, 3001), (WindowKind::Transient, 501)]
+        );
+        assert!((present[0].from_s - 0.3).abs() < 1e-12 && absent.is_empty());
+    }
+
+    #[test]
+    fn short_runs_say_what_is_missing() {
+        let (present, absent) = windows(&times(500), SETTLING_S);
+        assert_eq!(
+            present.iter().map(|w| w.kind).collect::<Vec<_>>(),
+            [WindowKind::Transient]
+        );
+        assert_eq!(
+            absent[0].reason,
+            "the run lasts 0.05 s; the start-up transient takes 0.25 s, so a steady window needs \
+             0.5 s"
+        );
+        let (present, _) = windows(&times(1500), SETTLING_S);
+        let kinds: Vec<_> = present.iter().map(|w| w.kind).collect();
+        assert_eq!(kinds, [WindowKind::Transient, WindowKind::Whole]);
+    }
+
+    #[test]
+    fn a_run_from_equilibrium_is_steady_at_once() {
+        let (present, _) = windows(&times(500), 0.0);
+        assert_eq!(
+            (present[0].kind, present[0].from_s),
+            (WindowKind::Steady, 0.025)
+        );
+    }
+
+    #[test]
+    fn too_few_samples() {
+        for time in [vec![], vec![0.0], vec![0.0, 0.3, 0.6]] {
+            let (present, absent) = windows(&Courses::new(time.clone()).unwrap(), SETTLING_S);
+            assert!(present.is_empty() && !absent.is_empty(), "{time:?}");
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! What a report is made from: a comparison, the courses behind it, and facts that only the caller
+//! knows. Every string may hold any characters: all are escaped.
+
+use pinwheel_compare::{Comparison, Participant};
+
+/// Everything on the page.
+#[derive(Debug, Clone)]
+pub struct ReportInput<'a> {
+    /// The comparison.
+    pub comparison: &'a Comparison,
+    /// The same participants the comparison was made from: their courses are drawn.
+    pub participants: &'a [Participant],
+    /// What was modelled, e.g. bodies, joints, contact law.
+    pub modelled: Vec<Fact>,
+    /// What was left out, and why.
+    pub left_out: Vec<Fact>,
+    /// Values that are assumptions, and what they rest on.
+    pub assumptions: Vec<Fact>,
+    /// Versions of the program and its parts, e.g. (`pinwheel`, `0.1.0`).
+    pub versions: Vec<(String, String)>,
+    /// The machine, e.g. (`processor`, ...), (`operating system`, ...).
+    pub machine: Vec<(String, String)>,
+    /// The command that repeats this comparison.
+    pub command: String,
+    /// The scene file with every key, as run.
+    pub scene_toml: String,
+    /// Date or run number shown in the footer; `None` keeps the page reproducible byte for byte.
+    pub made: Option<String>,
+}
+
+/// A statement and its reason.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fact {
+    /// What, e.g. `28 bodies`.
+    pub what: String,
+    /// Details or the reason; may be empty.
+    pub why: String,
+}
+
+impl Fact {
+    /// A fact from its two parts.
+    pub fn new(what: impl Into<String>, why: impl Into<String>) -> Self {
+        Self { what: what.into(), why: why.into() }
+    }
+}
