@@ -1,7 +1,27 @@
 //! Scenes: the TOML file, its presets and its checks.
 
+mod assumptions;
+mod check;
+mod derived;
+mod error;
+mod load;
 mod model;
+pub mod names;
+mod parse;
+mod presets;
+mod profile;
+mod suggest;
+#[cfg(test)]
+mod tests;
 
+pub use assumptions::{Assumption, assumptions};
+pub use check::check;
+pub use derived::{Derived, Frequency, derived};
+pub use error::{Fault, Place, SceneError};
 pub use model::{
-    BodyMass, Contact, Detection, Drive, Formulation, Gear, Masses, Scene, Solver, Stabilisation, Start,
+    BodyMass, Contact, Detection, Drive, Formulation, Gear, Masses, Scene, Solver, Stabilisation,
+    Start,
 };
+pub use parse::{MOST_BYTES, Override};
+pub use presets::{PRESETS, Preset, preset};
+pub use suggest::{did_you_mean, nearest};

@@ -214,7 +214,10 @@ impl Default for Gear {
 
 impl Default for Masses {
     fn default() -> Self {
-        let body = |mass_kg, moment_kg_m2| BodyMass { mass_kg, moment_kg_m2 };
+        let body = |mass_kg, moment_kg_m2| BodyMass {
+            mass_kg,
+            moment_kg_m2,
+        };
         Self {
             input_shaft: body(0.2341, 1.846e-6),
             output_shaft: body(1.6345, 1.373e-4),
@@ -290,7 +293,9 @@ impl Solver {
         let mut times: Vec<f64> = (0..=whole).map(|k| k as f64 * self.sample_s).collect();
         // The end belongs to the courses even when it is no multiple of the sampling step.
         match times.last_mut() {
-            Some(last) if self.duration_s - *last > 1e-9 * self.sample_s => times.push(self.duration_s),
+            Some(last) if self.duration_s - *last > 1e-9 * self.sample_s => {
+                times.push(self.duration_s)
+            }
             Some(last) => *last = self.duration_s,
             None => {}
         }

@@ -1,0 +1,5 @@
+//! Tests of the scene as a whole: presets, faults, fuzzing.
+
+mod faults;
+mod fuzz;
+mod presets;
