@@ -1,7 +1,15 @@
 //! Cycloidal gearboxes: scene, mechanism, contacts and the native run.
 
 pub mod contacts;
+mod gearbox;
+mod geometry;
+pub mod guard;
 mod layout;
+pub mod native;
+mod recorder;
 pub mod scene;
 
+pub use gearbox::{Gearbox, GearboxError};
+pub use geometry::Geometry;
 pub use layout::{Layout, Sleeve};
+pub use recorder::Recorder;

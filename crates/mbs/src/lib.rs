@@ -1,6 +1,21 @@
 //! Planar multibody systems: bodies, revolutes, drivers, the saddle-point system and
 //! integrators. Knows nothing of gears.
+//!
+//! A [`Mechanism`] is data. [`Lagrange`] and [`Reduced`] turn it into an [`OdeSystem`] under
+//! applied [`Forces`]; the [`integrators`] advance any such system.
 
+pub mod integrators;
+mod lagrange;
+mod mechanism;
+mod ode;
+mod reduced;
+mod saddle;
 mod state;
+mod tree;
 
+pub use lagrange::{Lagrange, Stabilisation};
+pub use mechanism::{Body, BodyId, Driver, Forces, Mechanism, MechanismError, Motion, Revolute};
+pub use ode::{Formulation, Observation, OdeSystem};
+pub use reduced::Reduced;
+pub use saddle::SaddlePoint;
 pub use state::{BodyState, Wrench};

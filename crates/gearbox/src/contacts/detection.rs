@@ -1,0 +1,146 @@
+//! How the contact point is found: the exact curve, or discrete points as published.
+
+use pinwheel_contact::{Complex, Epitrochoid, HertzStiffness, Hole, HolePoints, ProfilePoints};
+
+use crate::GearboxError;
+use crate::geometry::Geometry;
+use crate::scene::{self, Scene};
+
+/// A touching pair in the wheel's frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touch {
+    /// W, m from the wheel's centre.
+    pub(super) point: Complex,
+    /// n, from the sleeve centre to W.
+    pub(super) normal: Complex,
+    /// delta > 0, m.
+    pub(super) penetration: f64,
+    /// K, N/m^1.5.
+    pub(super) stiffness: f64,
+}
+
+/// Finds the contact of one sleeve centre `p` (wheel frame) with the wheel.
+pub(super) trait Detection: Send + 'static {
+    /// External sleeve: `unit` = e^{i a0} and `multiple` = e^{i zk a0} start the search.
+    fn profile(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Touch>;
+    /// Internal sleeve in hole `k` of `wheel`.
+    fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch>;
+}
+
+/// What both detections share.
+#[derive(Debug, Clone)]
+struct Shapes {
+    curve: Epitrochoid,
+    external_radius: f64,
+    internal_radius: f64,
+    holes: Vec<Vec<Hole>>,
+    hole_stiffness: f64,
+    hertz: HertzStiffness,
+}
+
+impl Shapes {
+    fn new(scene: &Scene, geometry: &Geometry) -> Self {
+        let (gear, contact) = (&scene.gear, &scene.contact);
+        let hertz = HertzStiffness::new(contact.young_pa, contact.poisson, contact.stiffness_multiplier);
+        let radius = gear.hole_radius_m;
+        Self {
+            curve: geometry.curve.clone(),
+            external_radius: gear.external_sleeve_radius_m,
+            internal_radius: gear.internal_sleeve_radius_m,
+            holes: geometry
+                .hole_centres
+                .iter()
+                .map(|wheel| wheel.iter().map(|&centre| Hole { centre, radius }).collect())
+                .collect(),
+            hole_stiffness: hertz.of_hole(gear.internal_sleeve_radius_m, radius),
+            hertz,
+        }
+    }
+}
+
+/// Closest point of the exact curve: delta is minus the signed distance of P from C.
+pub(super) struct Exact(Shapes);
+
+impl Exact {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry) -> Self {
+        Self(Shapes::new(scene, geometry))
+    }
+}
+
+impl Detection for Exact {
+    #[inline]
+    fn profile(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Touch> {
+        let foot = self.0.curve.penetrating_foot(p, unit, multiple)?;
+        let q = self.0.external_radius;
+        Some(Touch {
+            point: foot.at.position - foot.at.normal.scale(q),
+            normal: -foot.at.normal,
+            penetration: -foot.distance,
+            stiffness: self.0.hertz.of_profile(q, foot.at.curvature),
+        })
+    }
+
+    #[inline]
+    fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch> {
+        let hole = &self.0.holes[wheel][k];
+        let (penetration, normal) = hole.penetration(p, self.0.internal_radius)?;
+        Some(Touch {
+            point: hole.centre + normal.scale(hole.radius),
+            normal,
+            penetration,
+            stiffness: self.0.hole_stiffness,
+        })
+    }
+}
+
+/// The paper's points: W is the vertex nearest to P, delta = sleeve radius - |W - P|.
+///
+/// Vertices lie on the exact curves and are never closer to P than these, so the exact test
+/// decides first whether any can touch, and its foot tells which.
+pub(super) struct Points {
+    shapes: Shapes,
+    profile: ProfilePoints,
+    hole: HolePoints,
+}
+
+impl Points {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry) -> Result<Self, GearboxError> {
+        let shapes = Shapes::new(scene, geometry);
+        let scene::Contact { wheel_points, hole_points, .. } = scene.contact;
+        let profile = ProfilePoints::new(&shapes.curve, shapes.external_radius, wheel_points, &shapes.hertz)
+            .ok_or(GearboxError::TooFewPoints { wheel_points })?;
+        Ok(Self { shapes, profile, hole: HolePoints::new(hole_points) })
+    }
+
+    #[inline]
+    fn touch(p: Complex, point: Complex, radius: f64, stiffness: f64) -> Option<Touch> {
+        let arm = point - p;
+        let distance = arm.norm();
+        let penetration = radius - distance;
+        (penetration > 0.0 && distance > 0.0).then(|| Touch {
+            point,
+            normal: arm.scale(1.0 / distance),
+            penetration,
+            stiffness,
+        })
+    }
+}
+
+impl Detection for Points {
+    #[inline]
+    fn profile(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Touch> {
+        let foot = self.shapes.curve.penetrating_foot(p, unit, multiple)?;
+        let (vertex, _) = self.profile.nearest(p, foot.parameter());
+        Self::touch(p, vertex.position, self.shapes.external_radius, vertex.stiffness)
+    }
+
+    #[inline]
+    fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch> {
+        let hole = &self.shapes.holes[wheel][k];
+        hole.penetration(p, self.shapes.internal_radius)?;
+        // A hole's points start along the wheel's x axis.
+        let direction = self.hole.nearest(p - hole.centre);
+        let point = hole.centre + direction.scale(hole.radius);
+        Self::touch(p, point, self.shapes.internal_radius, self.shapes.hole_stiffness)
+    }
+}

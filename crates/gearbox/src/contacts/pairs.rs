@@ -1,0 +1,177 @@
+//! All pairs of wheels and sleeves: the scalar, readable contact loop.
+//!
+//! Everything happens in the wheel's frame, where curve and holes stand still: one rotation per
+//! wheel brings the sleeves in, one brings the sum of forces back. Forces of a pair act at W on
+//! both bodies, so action and reaction balance in force and in moment.
+
+use pinwheel_contact::{Complex, NormalLaw, RegularisedCoulomb};
+use pinwheel_mbs::{BodyState, Wrench};
+
+use super::detection::{Detection, Touch};
+use super::field::{ContactField, PairContact};
+use crate::geometry::Geometry;
+use crate::layout::{Layout, Sleeve};
+use crate::scene::Scene;
+
+/// The contact field of one law and one detection.
+pub(super) struct Pairs<L, D> {
+    layout: Layout,
+    law: L,
+    detection: D,
+    friction: RegularisedCoulomb,
+    external_directions: Vec<Complex>,
+    external_sleeves: u32,
+}
+
+/// A wheel's frame and motion.
+#[derive(Clone, Copy)]
+struct WheelFrame {
+    centre: Complex,
+    /// e^{i theta}, wheel frame to ground.
+    turn: Complex,
+    /// Velocity of the centre in the wheel's directions.
+    velocity: Complex,
+    rate: f64,
+}
+
+impl WheelFrame {
+    fn of(body: &BodyState) -> Self {
+        let turn = Complex::unit(body.angle);
+        Self {
+            centre: Complex::new(body.x, body.y),
+            turn,
+            velocity: Complex::new(body.vx, body.vy) * turn.conj(),
+            rate: body.rate,
+        }
+    }
+
+    #[inline]
+    fn point(&self, body: &BodyState) -> Complex {
+        (Complex::new(body.x, body.y) - self.centre) * self.turn.conj()
+    }
+}
+
+/// Rates and forces of a touch, still in the wheel's frame.
+#[derive(Clone, Copy)]
+struct Loaded {
+    touch: Touch,
+    /// W - P.
+    arm: Complex,
+    normal_rate: f64,
+    tangential_rate: f64,
+    normal_force: f64,
+    friction_force: f64,
+}
+
+impl Loaded {
+    /// Force on the sleeve.
+    #[inline]
+    fn on_sleeve(&self) -> Complex {
+        self.touch.normal.turned().scale(self.friction_force) - self.touch.normal.scale(self.normal_force)
+    }
+}
+
+impl<L: NormalLaw, D: Detection> Pairs<L, D> {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: L, detection: D) -> Self {
+        Self {
+            layout: Layout::of(&scene.gear),
+            law,
+            detection,
+            friction: RegularisedCoulomb {
+                coefficient: scene.contact.friction_coefficient,
+                ramp: scene.contact.friction_ramp_m_s,
+            },
+            external_directions: geometry.external_directions.clone(),
+            external_sleeves: scene.gear.external_sleeves as u32,
+        }
+    }
+
+    /// v_rel = (sleeve's material velocity at W, spin included) - (wheel's at W), then Eq. 20 and 21.
+    #[inline]
+    fn load(&self, touch: Touch, wheel: &WheelFrame, sleeve: &BodyState, p: Complex) -> Loaded {
+        let arm = touch.point - p;
+        let sleeve_velocity =
+            Complex::new(sleeve.vx, sleeve.vy) * wheel.turn.conj() + arm.turned().scale(sleeve.rate);
+        let wheel_velocity = wheel.velocity + touch.point.turned().scale(wheel.rate);
+        let relative = sleeve_velocity - wheel_velocity;
+        let normal_rate = relative.dot(touch.normal);
+        let tangential_rate = relative.dot(touch.normal.turned());
+        let normal_force = self.law.force(touch.stiffness, touch.penetration, normal_rate);
+        let friction_force = self.friction.force(normal_force, tangential_rate);
+        Loaded { touch, arm, normal_rate, tangential_rate, normal_force, friction_force }
+    }
+
+    /// Visits every touching pair of one wheel.
+    #[inline]
+    fn wheel_pairs(
+        &self,
+        wheel: usize,
+        bodies: &[BodyState],
+        frame: &WheelFrame,
+        mut visit: impl FnMut(Sleeve, usize, &Loaded),
+    ) {
+        // The ideal mesh has the foot of sleeve j at a0 = beta_j - theta, and zk beta_j is a whole turn.
+        let back = frame.turn.conj();
+        let multiple = back.powu(self.external_sleeves);
+        let first = self.layout.external_bodies().start;
+        for (j, &direction) in self.external_directions.iter().enumerate() {
+            let sleeve = &bodies[first + j];
+            let p = frame.point(sleeve);
+            if let Some(touch) = self.detection.profile(p, direction * back, multiple) {
+                visit(Sleeve::External(j), first + j, &self.load(touch, frame, sleeve, p));
+            }
+        }
+        let first = self.layout.internal_bodies().start;
+        for k in 0..self.layout.internal_sleeves {
+            let sleeve = &bodies[first + k];
+            let p = frame.point(sleeve);
+            if let Some(touch) = self.detection.hole(wheel, k, p) {
+                visit(Sleeve::Internal(k), first + k, &self.load(touch, frame, sleeve, p));
+            }
+        }
+    }
+}
+
+impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
+    fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
+        for (wheel, body) in self.layout.wheel_bodies().enumerate() {
+            let frame = WheelFrame::of(&bodies[body]);
+            let (mut force, mut moment) = (Complex::default(), 0.0);
+            self.wheel_pairs(wheel, bodies, &frame, |_, sleeve, pair| {
+                let on_sleeve = pair.on_sleeve();
+                force = force - on_sleeve;
+                moment -= pair.touch.point.cross(on_sleeve);
+                let ground = on_sleeve * frame.turn;
+                let load = &mut loads[sleeve];
+                load.fx += ground.re;
+                load.fy += ground.im;
+                load.moment += pair.arm.cross(on_sleeve);
+            });
+            let ground = force * frame.turn;
+            let load = &mut loads[body];
+            load.fx += ground.re;
+            load.fy += ground.im;
+            load.moment += moment;
+        }
+    }
+
+    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
+        for (wheel, body) in self.layout.wheel_bodies().enumerate() {
+            let frame = WheelFrame::of(&bodies[body]);
+            self.wheel_pairs(wheel, bodies, &frame, |sleeve, _, pair| {
+                visit(&PairContact {
+                    wheel,
+                    sleeve,
+                    point: (frame.centre + pair.touch.point * frame.turn).to_array(),
+                    normal: (pair.touch.normal * frame.turn).to_array(),
+                    penetration_m: pair.touch.penetration,
+                    normal_rate_m_s: pair.normal_rate,
+                    tangential_rate_m_s: pair.tangential_rate,
+                    stiffness: pair.touch.stiffness,
+                    normal_force_n: pair.normal_force,
+                    friction_force_n: pair.friction_force,
+                });
+            });
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! A compiled scene: geometry, bodies, joints and contacts.
+
+use pinwheel_mbs::{Body, BodyState, Driver, Mechanism, Motion, Revolute};
+
+use crate::contacts::{self, ContactField};
+use crate::geometry::Geometry;
+use crate::layout::Layout;
+use crate::scene::{BodyMass, Scene};
+
+/// Why a checked scene still cannot be modelled.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum GearboxError {
+    /// No such curve.
+    #[error("{0}")]
+    Geometry(String),
+    /// No such law.
+    #[error("no contact law `{0}`")]
+    UnknownLaw(String),
+    /// Too few points for the pits.
+    #[error(
+        "contact.wheel_points = {wheel_points} is too coarse for the pits of this profile: the circle through three \
+         neighbouring points is smaller than the sleeve; use more points"
+    )]
+    TooFewPoints {
+        /// The scene's value.
+        wheel_points: usize,
+    },
+    /// The mechanism cannot be solved.
+    #[error(transparent)]
+    Mechanism(#[from] pinwheel_mbs::MechanismError),
+    /// No such integrator.
+    #[error("no integrator `{0}`")]
+    UnknownIntegrator(String),
+}
+
+/// A scene turned into bodies, joints and contacts. Body order: [`Layout`].
+#[derive(Debug, Clone)]
+pub struct Gearbox {
+    /// The scene.
+    pub scene: Scene,
+    /// Body indices.
+    pub layout: Layout,
+    /// Derived geometry.
+    pub geometry: Geometry,
+}
+
+impl Gearbox {
+    /// Compiles a checked scene.
+    ///
+    /// # Errors
+    /// Parameters that only fail once the model is built (see [`GearboxError`]).
+    pub fn new(scene: &Scene) -> Result<Self, GearboxError> {
+        let geometry = Geometry::new(&scene.gear)?;
+        let gearbox = Self { scene: scene.clone(), layout: Layout::of(&scene.gear), geometry };
+        gearbox.contact_field()?;
+        Ok(gearbox)
+    }
+
+    /// A fresh contact field for this scene.
+    ///
+    /// # Errors
+    /// Unknown law, or points too coarse for the profile.
+    pub fn contact_field(&self) -> Result<Box<dyn ContactField>, GearboxError> {
+        contacts::field(&self.scene, &self.geometry)
+    }
+
+    /// True when sleeves can be turned by contact forces.
+    #[must_use]
+    pub fn has_friction(&self) -> bool {
+        self.scene.contact.friction_coefficient > 0.0
+    }
+
+    /// Load torque on the output shaft at time `t`, N m (counter-clockwise positive).
+    #[must_use]
+    pub fn load_torque(&self, t: f64) -> f64 {
+        let drive = &self.scene.drive;
+        let share = if drive.load_ramp_s > 0.0 { (t / drive.load_ramp_s).clamp(0.0, 1.0) } else { 1.0 };
+        drive.output_torque_n_m * share
+    }
+
+    /// Input angle and rate at time `t`.
+    #[must_use]
+    pub fn input_motion(&self) -> Motion {
+        Motion { angle: 0.0, rate: self.scene.drive.input_speed_rad_s, acceleration: 0.0 }
+    }
+
+    /// States at t = 0: rates of the ideal mesh, external sleeves at rest, internal ones turning with the output.
+    #[must_use]
+    pub fn initial_states(&self) -> Vec<BodyState> {
+        let (gear, speed) = (&self.scene.gear, self.scene.drive.input_speed_rad_s);
+        let slow = -speed / self.geometry.ratio();
+        let mut states = vec![BodyState::default(); self.layout.bodies()];
+        states[Layout::INPUT].rate = speed;
+        states[Layout::OUTPUT].rate = slow;
+        for (i, body) in self.layout.wheel_bodies().enumerate() {
+            let (s, c) = self.geometry.wheel_phases[i].sin_cos();
+            let e = gear.eccentricity_m;
+            states[body] = BodyState {
+                x: e * c,
+                y: e * s,
+                angle: self.geometry.ideal_wheel_angle(i, 0.0),
+                vx: -speed * e * s,
+                vy: speed * e * c,
+                rate: slow,
+            };
+        }
+        let circle = self.geometry.curve.pitch_radius() + gear.backlash_m;
+        for (direction, body) in self.geometry.external_directions.iter().zip(self.layout.external_bodies()) {
+            (states[body].x, states[body].y) = (circle * direction.re, circle * direction.im);
+        }
+        for (&[x, y], body) in self.geometry.internal_points.iter().zip(self.layout.internal_bodies()) {
+            states[body] = BodyState { x, y, angle: 0.0, vx: -slow * y, vy: slow * x, rate: slow };
+        }
+        states
+    }
+
+    /// Bodies, revolutes and the driver of the whole gearbox: 28 and 29 for the paper's.
+    #[must_use]
+    pub fn mechanism(&self) -> Mechanism {
+        let (layout, mass, gear) = (self.layout, &self.scene.mass, &self.scene.gear);
+        let starts = self.initial_states();
+        let body = |name: String, m: BodyMass, index: usize| Body {
+            name,
+            mass: m.mass_kg,
+            moment: m.moment_kg_m2,
+            start: starts[index],
+        };
+        let mut bodies = vec![
+            body("input shaft".into(), mass.input_shaft, Layout::INPUT),
+            body("output shaft".into(), mass.output_shaft, Layout::OUTPUT),
+        ];
+        let pin = |parent, parent_point, child| Revolute { parent, parent_point, child, child_point: [0.0; 2] };
+        let mut revolutes =
+            vec![pin(None, [0.0; 2], Layout::INPUT), pin(None, [0.0; 2], Layout::OUTPUT)];
+        for (i, index) in layout.wheel_bodies().enumerate() {
+            bodies.push(body(format!("wheel {i}"), mass.wheel, index));
+            let (s, c) = self.geometry.wheel_phases[i].sin_cos();
+            let eccentric = [gear.eccentricity_m * c, gear.eccentricity_m * s];
+            revolutes.push(pin(Some(Layout::INPUT), eccentric, index));
+        }
+        for (j, index) in layout.external_bodies().enumerate() {
+            bodies.push(body(format!("external sleeve {j}"), mass.external_sleeve, index));
+            revolutes.push(pin(None, [starts[index].x, starts[index].y], index));
+        }
+        for (k, index) in layout.internal_bodies().enumerate() {
+            bodies.push(body(format!("internal sleeve {k}"), mass.internal_sleeve, index));
+            revolutes.push(pin(Some(Layout::OUTPUT), self.geometry.internal_points[k], index));
+        }
+        let drivers = vec![Driver { parent: None, child: Layout::INPUT, motion: self.input_motion() }];
+        Mechanism { bodies, revolutes, drivers }
+    }
+}

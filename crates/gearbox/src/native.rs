@@ -1,0 +1,142 @@
+//! The native run: a scene's equations, integrated and recorded.
+
+use pinwheel_courses::{Courses, CoursesError};
+use pinwheel_mbs::integrators::{self, StepCounts, StepError, StepSettings};
+use pinwheel_mbs::{BodyState, Forces, Formulation, Lagrange, Reduced, Stabilisation, Wrench};
+
+use crate::contacts::ContactField;
+use crate::layout::Layout;
+use crate::scene;
+use crate::{Gearbox, GearboxError, Recorder, guard};
+
+/// Result of a run, complete or not.
+#[derive(Debug, Clone)]
+pub struct NativeRun {
+    /// Samples so far.
+    pub courses: Courses,
+    /// What the integrator did.
+    pub counts: StepCounts,
+    /// Velocities integrated.
+    pub degrees_of_freedom: usize,
+    /// Largest joint error at any sample, m.
+    pub joint_drift_m: f64,
+    /// Time reached, s.
+    pub end_s: f64,
+}
+
+/// Why a run did not reach its end.
+#[derive(Debug, thiserror::Error)]
+pub enum NativeError {
+    /// The scene cannot be modelled.
+    #[error(transparent)]
+    Model(#[from] GearboxError),
+    /// The numbers ran away; the samples before are kept.
+    #[error("diverged at t = {time_s:.6} s: {quantity}")]
+    Diverged {
+        /// When, s.
+        time_s: f64,
+        /// Which quantity.
+        quantity: String,
+        /// What there is.
+        partial: Box<NativeRun>,
+    },
+    /// The observer asked to stop.
+    #[error("stopped")]
+    Stopped,
+    /// Recording failed.
+    #[error(transparent)]
+    Courses(#[from] CoursesError),
+}
+
+/// Contact forces and the load as the mechanism's applied forces.
+struct GearForces<'a> {
+    gearbox: &'a Gearbox,
+    field: Box<dyn ContactField>,
+}
+
+impl Forces for GearForces<'_> {
+    fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
+        loads[Layout::OUTPUT].moment += self.gearbox.load_torque(time);
+        self.field.add_loads(bodies, loads);
+    }
+}
+
+/// Baumgarte's rate in units of 1/step: fast enough to matter, slow enough for explicit methods.
+const BAUMGARTE_PER_STEP: f64 = 0.1;
+
+/// Runs the scene; `watch` receives the simulated time at every sample and returns true to stop.
+///
+/// # Errors
+/// See [`NativeError`].
+pub fn run(gearbox: &Gearbox, watch: &mut dyn FnMut(f64) -> bool) -> Result<NativeRun, NativeError> {
+    let forces = GearForces { gearbox, field: gearbox.contact_field()? };
+    let mechanism = gearbox.mechanism();
+    match gearbox.scene.solver.formulation {
+        scene::Formulation::Reduced => {
+            // Without friction nothing turns a sleeve.
+            let sleeves = gearbox.layout.external_bodies().start..gearbox.layout.bodies();
+            let idle: Vec<usize> = if gearbox.has_friction() { Vec::new() } else { sleeves.collect() };
+            let system = Reduced::new(mechanism, forces, &idle).map_err(GearboxError::from)?;
+            integrate(gearbox, system, watch)
+        }
+        scene::Formulation::Lagrange => {
+            let stabilisation = match gearbox.scene.solver.stabilisation {
+                scene::Stabilisation::None => Stabilisation::None,
+                scene::Stabilisation::Projection => Stabilisation::Projection,
+                scene::Stabilisation::Baumgarte => {
+                    Stabilisation::Baumgarte { rate: BAUMGARTE_PER_STEP / gearbox.scene.solver.step_s }
+                }
+            };
+            let system = Lagrange::new(mechanism, forces, stabilisation).map_err(GearboxError::from)?;
+            integrate(gearbox, system, watch)
+        }
+    }
+}
+
+/// Steps through the run, samples between steps, guards every sample.
+fn integrate<F: Formulation>(
+    gearbox: &Gearbox,
+    mut system: F,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<NativeRun, NativeError> {
+    let solver = &gearbox.scene.solver;
+    let settings = StepSettings { step: solver.step_s, tolerance: solver.tolerance };
+    let mut y = system.initial();
+    let mut stepper = integrators::start::<F>(&solver.integrator, settings, 0.0, &y)
+        .ok_or_else(|| GearboxError::UnknownIntegrator(solver.integrator.clone()))?;
+    let mut field = gearbox.contact_field()?;
+    let mut recorder = Recorder::new(gearbox);
+    let mut joint_drift_m: f64 = 0.0;
+    let mut fault = None;
+    'samples: for t in solver.sample_times_s() {
+        while stepper.time() < t - 1e-9 * solver.step_s {
+            if let Err(error) = stepper.step(&mut system) {
+                let (StepError::NotFinite { time } | StepError::StepTooSmall { time }) = error;
+                fault = Some((time, error.to_string()));
+                break 'samples;
+            }
+        }
+        stepper.interpolate(&mut system, t, &mut y);
+        joint_drift_m = joint_drift_m.max(system.joint_error(t, &y));
+        let seen = system.observe(t, &y);
+        if let Err(quantity) = guard::check(gearbox, seen.bodies) {
+            fault = Some((t, quantity));
+            break;
+        }
+        recorder.record(t, seen.driver_torques[0], seen.bodies, field.as_mut());
+        if watch(t) {
+            return Err(NativeError::Stopped);
+        }
+    }
+    let run = NativeRun {
+        courses: recorder.finish()?,
+        counts: stepper.counts(),
+        degrees_of_freedom: system.degrees_of_freedom(),
+        joint_drift_m,
+        end_s: stepper.time(),
+    };
+    match fault {
+        None => Ok(run),
+        Some((time_s, quantity)) => Err(NativeError::Diverged { time_s, quantity, partial: Box::new(run) }),
+    }
+}

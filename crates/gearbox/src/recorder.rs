@@ -1,0 +1,100 @@
+//! Turns states at sample times into the contract's courses. Every engine records through this.
+
+use pinwheel_courses::Courses;
+use pinwheel_mbs::BodyState;
+
+use crate::Gearbox;
+use crate::contacts::ContactField;
+use crate::layout::{Layout, Sleeve};
+
+/// One sample's values, in column order after the time.
+#[derive(Debug, Clone)]
+pub struct Recorder {
+    layout: Layout,
+    time: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+    /// Force on each sleeve, external then internal, summed over the wheels.
+    forces: Vec<[f64; 2]>,
+}
+
+/// Columns before the sleeves.
+const HEAD: [&str; 3] = ["input_torque_n_m", "output_torque_n_m", "output_angle_rad"];
+
+impl Recorder {
+    /// An empty recording with room for the scene's samples.
+    #[must_use]
+    pub fn new(gearbox: &Gearbox) -> Self {
+        let layout = gearbox.layout;
+        let sleeves = layout.external_sleeves + layout.internal_sleeves;
+        let samples = gearbox.scene.solver.sample_times_s().len();
+        Self {
+            layout,
+            time: Vec::with_capacity(samples),
+            columns: vec![Vec::with_capacity(samples); HEAD.len() + sleeves],
+            forces: vec![[0.0; 2]; sleeves],
+        }
+    }
+
+    /// Records a sample from the bodies' states, with contact forces of our law.
+    /// `driver_torque`: on the input shaft, N m.
+    pub fn record(&mut self, t: f64, driver_torque: f64, bodies: &[BodyState], field: &mut dyn ContactField) {
+        let externals = self.layout.external_sleeves;
+        let mut forces = std::mem::take(&mut self.forces);
+        forces.fill([0.0; 2]);
+        field.touching(bodies, &mut |pair| {
+            let [fx, fy] = pair.force_on_sleeve();
+            let sum = match pair.sleeve {
+                Sleeve::External(j) => &mut forces[j],
+                Sleeve::Internal(k) => &mut forces[externals + k],
+            };
+            sum[0] += fx;
+            sum[1] += fy;
+        });
+        self.record_forces(t, driver_torque, bodies, &forces);
+        self.forces = forces;
+    }
+
+    /// Records a sample whose sleeve forces (ground frame, N, external then internal) are known.
+    pub fn record_forces(&mut self, t: f64, driver_torque: f64, bodies: &[BodyState], forces: &[[f64; 2]]) {
+        let output = bodies[Layout::OUTPUT];
+        let output_torque: f64 = self
+            .layout
+            .internal_bodies()
+            .zip(&forces[self.layout.external_sleeves..])
+            .map(|(body, &[fx, fy])| (bodies[body].x - output.x) * fy - (bodies[body].y - output.y) * fx)
+            .sum();
+        self.time.push(t);
+        let head = [driver_torque, output_torque, output.angle];
+        let values = head.into_iter().chain(forces.iter().map(|&[fx, fy]| fx.hypot(fy)));
+        for (column, value) in self.columns.iter_mut().zip(values) {
+            column.push(value);
+        }
+    }
+
+    /// Samples so far.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// True before the first sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// The courses recorded so far.
+    ///
+    /// # Errors
+    /// Samples were not recorded in increasing time.
+    pub fn finish(self) -> Result<Courses, pinwheel_courses::CoursesError> {
+        let mut courses = Courses::new(self.time)?;
+        let externals = (0..self.layout.external_sleeves).map(|j| format!("external_sleeve_force_n_{j}"));
+        let internals = (0..self.layout.internal_sleeves).map(|k| format!("internal_sleeve_force_n_{k}"));
+        let names = HEAD.iter().map(|&s| s.to_owned()).chain(externals).chain(internals);
+        for (name, values) in names.zip(self.columns) {
+            courses.push(name, values)?;
+        }
+        Ok(courses)
+    }
+}

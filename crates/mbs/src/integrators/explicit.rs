@@ -1,0 +1,139 @@
+//! Explicit Runge-Kutta methods with a fixed step, from their Butcher tableau.
+//!
+//! ```text
+//! k_i = f(t + c_i h, y + h sum_{j<i} a_ij k_j),   y+ = y + h sum b_i k_i
+//! ```
+//! Between steps the state is the cubic Hermite polynomial through both ends and their
+//! derivatives [Hairer, Norsett, Wanner 1993, II.6]; the derivative at the end is the first stage
+//! of the next step and is evaluated once. Times are n h, not sums of h.
+
+use super::{StepCounts, StepError, Stepper};
+use crate::OdeSystem;
+
+/// Coefficients; `a[i]` has i entries.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tableau {
+    /// Stage weights.
+    pub a: &'static [&'static [f64]],
+    /// Step weights.
+    pub b: &'static [f64],
+    /// Stage times.
+    pub c: &'static [f64],
+}
+
+/// A fixed-step run of one tableau.
+#[derive(Debug, Clone)]
+pub struct FixedStep {
+    tableau: &'static Tableau,
+    h: f64,
+    start: f64,
+    counts: StepCounts,
+    y: Vec<f64>,
+    /// State and derivative one step ago.
+    y_before: Vec<f64>,
+    f_before: Vec<f64>,
+    stages: Vec<Vec<f64>>,
+    /// `stages[0]` holds f at the current state.
+    fresh: bool,
+    scratch: Vec<f64>,
+}
+
+impl FixedStep {
+    /// Starts at (t, y) with step `h` (s).
+    #[must_use]
+    pub fn new(tableau: &'static Tableau, h: f64, t: f64, y: &[f64]) -> Self {
+        let n = y.len();
+        Self {
+            tableau,
+            h,
+            start: t,
+            counts: StepCounts::default(),
+            y: y.to_vec(),
+            y_before: y.to_vec(),
+            f_before: vec![0.0; n],
+            stages: vec![vec![0.0; n]; tableau.b.len()],
+            fresh: false,
+            scratch: vec![0.0; n],
+        }
+    }
+
+    fn evaluate_first_stage<S: OdeSystem>(&mut self, system: &mut S, t: f64) {
+        if !self.fresh {
+            system.derivative(t, &self.y, &mut self.stages[0]);
+            self.counts.evaluations += 1;
+            self.fresh = true;
+        }
+    }
+}
+
+impl<S: OdeSystem> Stepper<S> for FixedStep {
+    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+        let (h, t) = (self.h, <Self as Stepper<S>>::time(self));
+        self.evaluate_first_stage(system, t);
+        for i in 1..self.stages.len() {
+            let (known, rest) = self.stages.split_at_mut(i);
+            self.scratch.copy_from_slice(&self.y);
+            for (&a, k) in self.tableau.a[i].iter().zip(known.iter()) {
+                if a != 0.0 {
+                    axpy(a * h, k, &mut self.scratch);
+                }
+            }
+            system.derivative(t + self.tableau.c[i] * h, &self.scratch, &mut rest[0]);
+            self.counts.evaluations += 1;
+        }
+        self.scratch.copy_from_slice(&self.y);
+        for (&b, k) in self.tableau.b.iter().zip(&self.stages) {
+            if b != 0.0 {
+                axpy(b * h, k, &mut self.scratch);
+            }
+        }
+        let end = self.start + (self.counts.steps + 1) as f64 * h;
+        system.settle(end, &mut self.scratch);
+        if !self.scratch.iter().all(|x| x.is_finite()) {
+            return Err(StepError::NotFinite { time: end });
+        }
+        std::mem::swap(&mut self.y_before, &mut self.y);
+        std::mem::swap(&mut self.f_before, &mut self.stages[0]);
+        std::mem::swap(&mut self.y, &mut self.scratch);
+        self.fresh = false;
+        self.counts.steps += 1;
+        Ok(())
+    }
+
+    fn time(&self) -> f64 {
+        self.start + self.counts.steps as f64 * self.h
+    }
+
+    fn state(&self) -> &[f64] {
+        &self.y
+    }
+
+    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+        let (h, end) = (self.h, <Self as Stepper<S>>::time(self));
+        let s = 1.0 + (t - end) / h;
+        if (s - 1.0).abs() < 1e-9 || self.counts.steps == 0 {
+            y.copy_from_slice(&self.y);
+            return;
+        }
+        self.evaluate_first_stage(system, end);
+        let u = 1.0 - s;
+        let (w0, w1) = ((1.0 + 2.0 * s) * u * u, (1.0 + 2.0 * u) * s * s);
+        let (d0, d1) = (h * s * u * u, -h * s * s * u);
+        for (i, y) in y.iter_mut().enumerate() {
+            *y = w0 * self.y_before[i] + w1 * self.y[i] + d0 * self.f_before[i] + d1 * self.stages[0][i];
+        }
+        system.settle(t, y);
+    }
+
+    fn counts(&self) -> StepCounts {
+        self.counts
+    }
+}
+
+/// y += a x.
+#[inline]
+fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += a * x;
+    }
+}

@@ -1,0 +1,102 @@
+//! Integrators of y' = f(t, y). Each method is one file; [`METHODS`] is the registry.
+//!
+//! All methods hand out the state at any time inside the last step, so that samples never cut
+//! steps: a run takes the same steps whatever is recorded.
+
+mod explicit;
+mod heun;
+mod midpoint;
+mod rk4;
+
+pub use explicit::{FixedStep, Tableau};
+
+use crate::OdeSystem;
+
+/// Settings a method may use.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepSettings {
+    /// Step of fixed-step methods; first step of adaptive ones, s.
+    pub step: f64,
+    /// Relative error a step of adaptive methods.
+    pub tolerance: f64,
+}
+
+/// What a run of steps did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct StepCounts {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+    /// Evaluations of f.
+    pub evaluations: u64,
+}
+
+/// Why no further step can be made.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// The state or its derivative is not finite.
+    #[error("the state is no longer finite at t = {time} s")]
+    NotFinite {
+        /// Where, s.
+        time: f64,
+    },
+    /// An adaptive method cannot meet its tolerance.
+    #[error("the step fell below rounding at t = {time} s: the tolerance cannot be met")]
+    StepTooSmall {
+        /// Where, s.
+        time: f64,
+    },
+}
+
+/// A method in the course of a run.
+pub trait Stepper<S: OdeSystem> {
+    /// One accepted step.
+    ///
+    /// # Errors
+    /// See [`StepError`]; the state stays the last accepted one.
+    fn step(&mut self, system: &mut S) -> Result<(), StepError>;
+    /// End of the last accepted step, s.
+    fn time(&self) -> f64;
+    /// State there.
+    fn state(&self) -> &[f64];
+    /// Writes the state at `t`, which lies inside the last accepted step.
+    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]);
+    /// Counts so far.
+    fn counts(&self) -> StepCounts;
+}
+
+/// A method as listed for users.
+#[derive(Debug, Clone, Copy)]
+pub struct MethodInfo {
+    /// Name in scenes.
+    pub name: &'static str,
+    /// One line.
+    pub summary: &'static str,
+    /// Classical order.
+    pub order: u32,
+    /// Whether the step follows from a tolerance.
+    pub adaptive: bool,
+}
+
+/// All methods.
+pub const METHODS: &[MethodInfo] = &[heun::INFO, midpoint::INFO, rk4::INFO];
+
+/// Starts the method `name` at (t, y). `None`: no such method.
+#[must_use]
+pub fn start<S: OdeSystem>(
+    name: &str,
+    settings: StepSettings,
+    t: f64,
+    y: &[f64],
+) -> Option<Box<dyn Stepper<S>>> {
+    let fixed = |tableau| -> Option<Box<dyn Stepper<S>>> {
+        Some(Box::new(FixedStep::new(tableau, settings.step, t, y)))
+    };
+    match name {
+        "rk2" => fixed(&heun::TABLEAU),
+        "rk2-midpoint" => fixed(&midpoint::TABLEAU),
+        "rk4" => fixed(&rk4::TABLEAU),
+        _ => None,
+    }
+}

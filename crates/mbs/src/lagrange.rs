@@ -1,0 +1,362 @@
+//! The Lagrange form: three coordinates a body, joints by multipliers (Eq. 2-9).
+//!
+//! y = [x, y, angle of every body; their rates]. At every evaluation the constraints'
+//! accelerations are imposed: `D a = gamma` with, for a revolute with rotated arms s,
+//! `D_parent = [-1 0 s_y; 0 -1 -s_x]`, `D_child = [1 0 -s_y; 0 1 s_x]`,
+//! `gamma = rate_child^2 s_child - rate_parent^2 s_parent`, and for a driver `gamma = f''`.
+//!
+//! Only accelerations are constrained, so positions drift with the integrator's error
+//! (Heun at 1e-5 s: about 1e-9 m on the paper's wheels, but 4e-10 m inside every second stage,
+//! which is 1e-4 of a penetration). [`Stabilisation`] says what is done about it.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::mechanism::{Forces, Mechanism, MechanismError};
+use crate::ode::{Formulation, Observation, OdeSystem};
+use crate::saddle::{Rows, SaddlePoint, redundant};
+use crate::state::{BodyState, Wrench};
+use crate::tree::{Forest, turned};
+
+/// What keeps the joints together besides the accelerations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stabilisation {
+    /// Nothing, as published.
+    None,
+    /// [Baumgarte 1972]: gamma - 2 b dPhi/dt - b^2 Phi with the rate b, 1/s.
+    Baumgarte {
+        /// b, 1/s; b times the step must stay below about 1 for explicit methods.
+        rate: f64,
+    },
+    /// Every stage is evaluated, and every step ends, on the constraints: along the forest of joints
+    /// centres follow from angles, driven angles from time; loops are closed by Newton steps of
+    /// least kinetic energy, `M dq + D' mu = 0, D dq = -Phi`.
+    Projection,
+}
+
+/// Newton steps for closing loops.
+const LOOP_STEPS: usize = 8;
+/// Loops are closed when no joint is farther apart than this, m.
+const LOOP_TOLERANCE: f64 = 1e-14;
+
+/// Arms of one revolute in the ground's directions.
+#[derive(Debug, Clone, Copy, Default)]
+struct Arms {
+    parent: [f64; 2],
+    child: [f64; 2],
+}
+
+/// The equations of a mechanism under applied `F`.
+pub struct Lagrange<F> {
+    mechanism: Mechanism,
+    forces: F,
+    stabilisation: Stabilisation,
+    forest: Forest,
+    saddle: SaddlePoint,
+    bodies: Vec<BodyState>,
+    loads: Vec<Wrench>,
+    arms: Vec<Arms>,
+    reactions: Vec<[f64; 2]>,
+    torques: Vec<f64>,
+}
+
+impl<F: Forces> Lagrange<F> {
+    /// Checks the mechanism, does the symbolic work and tries one factorisation at the start.
+    ///
+    /// # Errors
+    /// Bad indices or values; constraints that depend on each other at t = 0.
+    pub fn new(
+        mechanism: Mechanism,
+        forces: F,
+        stabilisation: Stabilisation,
+    ) -> Result<Self, MechanismError> {
+        mechanism.check()?;
+        let n = mechanism.bodies.len();
+        let mut system = Self {
+            forces,
+            stabilisation,
+            forest: Forest::new(&mechanism),
+            saddle: SaddlePoint::new(&mechanism),
+            bodies: vec![BodyState::default(); n],
+            loads: vec![Wrench::default(); n],
+            arms: vec![Arms::default(); mechanism.revolutes.len()],
+            reactions: vec![[0.0; 2]; mechanism.revolutes.len()],
+            torques: vec![0.0; mechanism.drivers.len()],
+            mechanism,
+        };
+        let start = system.initial();
+        system.unpack(&start);
+        system.rotate_arms();
+        system.factor().map_err(|c| redundant(&system.mechanism, c))?;
+        Ok(system)
+    }
+
+    /// The mechanism being solved.
+    #[must_use]
+    pub fn mechanism(&self) -> &Mechanism {
+        &self.mechanism
+    }
+
+    fn unpack(&mut self, y: &[f64]) {
+        let (q, v) = y.split_at(3 * self.bodies.len());
+        for ((body, q), v) in self.bodies.iter_mut().zip(q.chunks_exact(3)).zip(v.chunks_exact(3)) {
+            *body = BodyState { x: q[0], y: q[1], angle: q[2], vx: v[0], vy: v[1], rate: v[2] };
+        }
+    }
+
+    fn pack(&self, y: &mut [f64]) {
+        let (q, v) = y.split_at_mut(3 * self.bodies.len());
+        for ((body, q), v) in self.bodies.iter().zip(q.chunks_exact_mut(3)).zip(v.chunks_exact_mut(3)) {
+            q.copy_from_slice(&[body.x, body.y, body.angle]);
+            v.copy_from_slice(&[body.vx, body.vy, body.rate]);
+        }
+    }
+
+    fn rotate_arms(&mut self) {
+        for (arms, joint) in self.arms.iter_mut().zip(&self.mechanism.revolutes) {
+            arms.parent = match joint.parent {
+                None => joint.parent_point,
+                Some(p) => turned(joint.parent_point, self.bodies[p].angle),
+            };
+            arms.child = turned(joint.child_point, self.bodies[joint.child].angle);
+        }
+    }
+
+    /// Puts M and D in place and factors; `Err` is the first dependent constraint.
+    fn factor(&mut self) -> Result<(), usize> {
+        let (arms, revolutes) = (&self.arms, self.mechanism.revolutes.len());
+        self.saddle.factor(|c| {
+            if c < revolutes {
+                let [px, py] = arms[c].parent;
+                let [sx, sy] = arms[c].child;
+                Rows {
+                    child: Matrix3::new(1.0, 0.0, -sy, 0.0, 1.0, sx, 0.0, 0.0, 0.0),
+                    parent: Matrix3::new(-1.0, 0.0, py, 0.0, -1.0, -px, 0.0, 0.0, 0.0),
+                }
+            } else {
+                Rows {
+                    child: Matrix3::new(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+                    parent: Matrix3::new(0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+                }
+            }
+        })
+    }
+
+    /// Phi and dPhi/dt of a revolute.
+    fn revolute_error(&self, k: usize) -> ([f64; 2], [f64; 2]) {
+        let joint = &self.mechanism.revolutes[k];
+        let ([px, py], [cx, cy]) = (self.arms[k].parent, self.arms[k].child);
+        let parent = joint.parent.map_or_else(BodyState::default, |p| self.bodies[p]);
+        let child = self.bodies[joint.child];
+        (
+            [child.x + cx - parent.x - px, child.y + cy - parent.y - py],
+            [
+                child.vx - child.rate * cy - parent.vx + parent.rate * py,
+                child.vy + child.rate * cx - parent.vy - parent.rate * px,
+            ],
+        )
+    }
+
+    /// Phi and dPhi/dt of a driver.
+    fn driver_error(&self, k: usize, t: f64) -> (f64, f64) {
+        let driver = &self.mechanism.drivers[k];
+        let parent = driver.parent.map_or_else(BodyState::default, |p| self.bodies[p]);
+        let (angle, rate, _) = driver.motion.at(t);
+        let child = self.bodies[driver.child];
+        (child.angle - parent.angle - angle, child.rate - parent.rate - rate)
+    }
+
+    /// Right-hand side gamma of Eq. 9, with Baumgarte's feedback if chosen.
+    fn set_gamma(&mut self, t: f64) {
+        let (b1, b2) = match self.stabilisation {
+            Stabilisation::Baumgarte { rate } => (2.0 * rate, rate * rate),
+            _ => (0.0, 0.0),
+        };
+        for k in 0..self.arms.len() {
+            let joint = &self.mechanism.revolutes[k];
+            let rate_parent = joint.parent.map_or(0.0, |p| self.bodies[p].rate);
+            let rate_child = self.bodies[joint.child].rate;
+            let (wp2, wc2) = (rate_parent * rate_parent, rate_child * rate_child);
+            let arms = self.arms[k];
+            let mut gamma = [
+                wc2 * arms.child[0] - wp2 * arms.parent[0],
+                wc2 * arms.child[1] - wp2 * arms.parent[1],
+            ];
+            if b1 != 0.0 {
+                let (phi, rate) = self.revolute_error(k);
+                gamma[0] -= b1 * rate[0] + b2 * phi[0];
+                gamma[1] -= b1 * rate[1] + b2 * phi[1];
+            }
+            *self.saddle.constraint(k) = Vector3::new(gamma[0], gamma[1], 0.0);
+        }
+        for k in 0..self.torques.len() {
+            let (_, _, acceleration) = self.mechanism.drivers[k].motion.at(t);
+            let (phi, rate) = if b1 == 0.0 { (0.0, 0.0) } else { self.driver_error(k, t) };
+            let gamma = acceleration - b1 * rate - b2 * phi;
+            *self.saddle.constraint(self.arms.len() + k) = Vector3::new(gamma, 0.0, 0.0);
+        }
+    }
+
+    /// Puts the bodies onto the constraints at time `t`.
+    fn project(&mut self, t: f64) {
+        for driver in &self.mechanism.drivers {
+            let (angle, rate, _) = driver.motion.at(t);
+            let parent = driver.parent.map_or_else(BodyState::default, |p| self.bodies[p]);
+            let child = &mut self.bodies[driver.child];
+            (child.angle, child.rate) = (parent.angle + angle, parent.rate + rate);
+        }
+        self.forest.place(&mut self.bodies);
+        if !self.forest.closures.is_empty() {
+            self.close_loops(t);
+        }
+    }
+
+    /// Newton's method on all constraints in the metric of the mass matrix, then one exact solve for the rates.
+    fn close_loops(&mut self, t: f64) {
+        for _ in 0..LOOP_STEPS {
+            self.rotate_arms();
+            let mut worst: f64 = 0.0;
+            for k in 0..self.arms.len() {
+                let (phi, _) = self.revolute_error(k);
+                worst = worst.max(phi[0].abs()).max(phi[1].abs());
+                *self.saddle.constraint(k) = Vector3::new(-phi[0], -phi[1], 0.0);
+            }
+            for k in 0..self.torques.len() {
+                let (phi, _) = self.driver_error(k, t);
+                *self.saddle.constraint(self.arms.len() + k) = Vector3::new(-phi, 0.0, 0.0);
+            }
+            if !(worst > LOOP_TOLERANCE) || self.correct().is_err() {
+                break;
+            }
+            for (k, body) in self.bodies.iter_mut().enumerate() {
+                let step = *self.saddle.body(k);
+                body.x += step.x;
+                body.y += step.y;
+                body.angle += step.z;
+            }
+        }
+        self.rotate_arms();
+        for k in 0..self.arms.len() {
+            let (_, rate) = self.revolute_error(k);
+            *self.saddle.constraint(k) = Vector3::new(-rate[0], -rate[1], 0.0);
+        }
+        for k in 0..self.torques.len() {
+            let (_, rate) = self.driver_error(k, t);
+            *self.saddle.constraint(self.arms.len() + k) = Vector3::new(-rate, 0.0, 0.0);
+        }
+        if self.correct().is_ok() {
+            for (k, body) in self.bodies.iter_mut().enumerate() {
+                let step = *self.saddle.body(k);
+                body.vx += step.x;
+                body.vy += step.y;
+                body.rate += step.z;
+            }
+        }
+    }
+
+    /// Solves M dq + D' mu = 0, D dq = what stands in the constraint rows.
+    fn correct(&mut self) -> Result<(), usize> {
+        self.factor()?;
+        for k in 0..self.bodies.len() {
+            *self.saddle.body(k) = Vector3::zeros();
+        }
+        self.saddle.solve();
+        Ok(())
+    }
+
+    /// Loads, factorisation and solution at the unpacked bodies.
+    fn evaluate(&mut self, t: f64) -> Result<(), usize> {
+        self.loads.fill(Wrench::default());
+        self.forces.apply(t, &self.bodies, &mut self.loads);
+        self.rotate_arms();
+        self.factor()?;
+        self.set_gamma(t);
+        for (k, load) in self.loads.iter().enumerate() {
+            *self.saddle.body(k) = Vector3::new(load.fx, load.fy, load.moment);
+        }
+        self.saddle.solve();
+        Ok(())
+    }
+
+    fn prepare(&mut self, t: f64, y: &[f64]) {
+        self.unpack(y);
+        if self.stabilisation == Stabilisation::Projection {
+            self.project(t);
+        }
+    }
+}
+
+impl<F: Forces> OdeSystem for Lagrange<F> {
+    fn dimension(&self) -> usize {
+        6 * self.bodies.len()
+    }
+
+    fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.prepare(t, y);
+        if self.evaluate(t).is_err() {
+            dydt.fill(f64::NAN);
+            return;
+        }
+        let (qd, vd) = dydt.split_at_mut(3 * self.bodies.len());
+        for (k, (qd, vd)) in qd.chunks_exact_mut(3).zip(vd.chunks_exact_mut(3)).enumerate() {
+            let body = self.bodies[k];
+            qd.copy_from_slice(&[body.vx, body.vy, body.rate]);
+            vd.copy_from_slice(self.saddle.body(k).as_slice());
+        }
+    }
+
+    fn settle(&mut self, t: f64, y: &mut [f64]) {
+        if self.stabilisation == Stabilisation::Projection {
+            self.unpack(y);
+            self.project(t);
+            self.pack(y);
+        }
+    }
+}
+
+impl<F: Forces> Formulation for Lagrange<F> {
+    fn initial(&self) -> Vec<f64> {
+        let n = self.mechanism.bodies.len();
+        let mut y = vec![0.0; 6 * n];
+        for (k, body) in self.mechanism.bodies.iter().enumerate() {
+            let s = body.start;
+            y[3 * k..3 * k + 3].copy_from_slice(&[s.x, s.y, s.angle]);
+            y[3 * (n + k)..3 * (n + k) + 3].copy_from_slice(&[s.vx, s.vy, s.rate]);
+        }
+        y
+    }
+
+    fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
+        self.prepare(t, y);
+        let solved = self.evaluate(t).is_ok();
+        for k in 0..self.reactions.len() {
+            let mu = *self.saddle.constraint(k);
+            self.reactions[k] = if solved { [-mu.x, -mu.y] } else { [f64::NAN; 2] };
+        }
+        for k in 0..self.torques.len() {
+            let mu = *self.saddle.constraint(self.arms.len() + k);
+            self.torques[k] = if solved { -mu.x } else { f64::NAN };
+        }
+        Observation {
+            time: t,
+            bodies: &self.bodies,
+            loads: &self.loads,
+            driver_torques: &self.torques,
+            reactions: Some(&self.reactions),
+        }
+    }
+
+    fn degrees_of_freedom(&self) -> usize {
+        3 * self.bodies.len()
+    }
+
+    fn joint_error(&mut self, _t: f64, y: &[f64]) -> f64 {
+        self.unpack(y);
+        self.rotate_arms();
+        (0..self.arms.len())
+            .map(|k| {
+                let ([x, y], _) = self.revolute_error(k);
+                x.hypot(y)
+            })
+            .fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,164 @@
+//! A planar mechanism as data: rigid bodies, revolute joints, drivers.
+//!
+//! Conventions (paper, Eq. 3-9): ground frame x right, y up, angles counter-clockwise; body
+//! coordinates are the position of the centre of mass and the angle. A revolute joins a point of
+//! a *parent* (body 1, or ground) to a point of a *child* (body 2):
+//! `Phi = r_child - r_parent = 0`. Its multiplier is the force **on the child** at the joint; the
+//! parent takes the opposite. A driver prescribes `angle_child - angle_parent = f(t)`; its
+//! multiplier is the torque **on the child**.
+
+use crate::BodyState;
+
+/// Index into [`Mechanism::bodies`].
+pub type BodyId = usize;
+
+/// A rigid body and where it starts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// For messages.
+    pub name: String,
+    /// kg, > 0.
+    pub mass: f64,
+    /// About the centre of mass, kg m^2, > 0.
+    pub moment: f64,
+    /// State at t = 0.
+    pub start: BodyState,
+}
+
+/// A revolute joint without friction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Revolute {
+    /// Body 1; `None` is the ground, whose frame the point is then given in.
+    pub parent: Option<BodyId>,
+    /// The joint in the parent's frame (from its centre of mass), m.
+    pub parent_point: [f64; 2],
+    /// Body 2.
+    pub child: BodyId,
+    /// The joint in the child's frame (from its centre of mass), m.
+    pub child_point: [f64; 2],
+}
+
+/// f(t) = angle + rate t + acceleration t^2/2.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Motion {
+    /// f(0), rad.
+    pub angle: f64,
+    /// f'(0), rad/s.
+    pub rate: f64,
+    /// f'', rad/s^2.
+    pub acceleration: f64,
+}
+
+impl Motion {
+    /// f, f' and f'' at `t`.
+    #[must_use]
+    #[inline]
+    pub fn at(&self, t: f64) -> (f64, f64, f64) {
+        (
+            self.angle + t * (self.rate + 0.5 * t * self.acceleration),
+            self.rate + t * self.acceleration,
+            self.acceleration,
+        )
+    }
+}
+
+/// A prescribed relative rotation (Eq. 4).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Driver {
+    /// What the angle is measured from; `None` is the ground.
+    pub parent: Option<BodyId>,
+    /// The driven body.
+    pub child: BodyId,
+    /// The prescribed angle.
+    pub motion: Motion,
+}
+
+/// Why a mechanism cannot be solved.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MechanismError {
+    /// A joint names a body that is not there, or joins a body to itself.
+    #[error("{joint} refers to body {body}, which does not exist or is its own partner")]
+    Body {
+        /// e.g. `revolute 3`.
+        joint: String,
+        /// The index given.
+        body: usize,
+    },
+    /// A mass, moment, point or motion that is not finite or not positive.
+    #[error("{what} must be finite and, for masses and moments, positive")]
+    Value {
+        /// Which value.
+        what: String,
+    },
+    /// More or contradictory constraints than coordinates, or the same one twice.
+    #[error("constraints are redundant: {constraint} adds nothing to the others")]
+    Redundant {
+        /// The first constraint found to depend on the others.
+        constraint: String,
+    },
+    /// The exact elimination does not apply.
+    #[error("the reduced form needs centre-pinned bodies: {0}; use the Lagrange form")]
+    NotReducible(String),
+}
+
+/// Bodies and their joints.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mechanism {
+    /// All bodies but the ground.
+    pub bodies: Vec<Body>,
+    /// All revolutes.
+    pub revolutes: Vec<Revolute>,
+    /// All drivers.
+    pub drivers: Vec<Driver>,
+}
+
+impl Mechanism {
+    /// Number of scalar constraints: two a revolute, one a driver.
+    #[must_use]
+    pub fn constraints(&self) -> usize {
+        2 * self.revolutes.len() + self.drivers.len()
+    }
+
+    /// Checks indices and values.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn check(&self) -> Result<(), MechanismError> {
+        let n = self.bodies.len();
+        let ends = |joint: String, parent: Option<BodyId>, child: BodyId| {
+            let bad = |body| Err(MechanismError::Body { joint: joint.clone(), body });
+            match parent {
+                _ if child >= n => bad(child),
+                Some(p) if p >= n || p == child => bad(p),
+                _ => Ok(()),
+            }
+        };
+        for body in &self.bodies {
+            let positive = body.mass > 0.0 && body.moment > 0.0;
+            if !(positive && body.mass.is_finite() && body.moment.is_finite()) {
+                return Err(MechanismError::Value { what: format!("mass and moment of `{}`", body.name) });
+            }
+        }
+        for (k, joint) in self.revolutes.iter().enumerate() {
+            ends(format!("revolute {k}"), joint.parent, joint.child)?;
+            let points = [joint.parent_point, joint.child_point];
+            if !points.iter().flatten().all(|x| x.is_finite()) {
+                return Err(MechanismError::Value { what: format!("points of revolute {k}") });
+            }
+        }
+        for (k, driver) in self.drivers.iter().enumerate() {
+            ends(format!("driver {k}"), driver.parent, driver.child)?;
+            let m = driver.motion;
+            if ![m.angle, m.rate, m.acceleration].iter().all(|x| x.is_finite()) {
+                return Err(MechanismError::Value { what: format!("motion of driver {k}") });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Applied loads as a function of time and of all bodies' states.
+pub trait Forces {
+    /// Adds every applied load to `loads` (body order of the mechanism).
+    fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [crate::Wrench]);
+}

@@ -1,0 +1,45 @@
+//! What an integrator needs to know of a system, and what a formulation tells of its state.
+
+use crate::{BodyState, Wrench};
+
+/// y' = f(t, y).
+pub trait OdeSystem {
+    /// Length of y.
+    fn dimension(&self) -> usize;
+
+    /// Writes f(t, y). A state that cannot be evaluated gives NaN, never a panic.
+    fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]);
+
+    /// Puts an accepted state back onto the invariants the system keeps; by default there are none.
+    fn settle(&mut self, _t: f64, _y: &mut [f64]) {}
+}
+
+/// A state seen from outside: poses, loads, reactions.
+#[derive(Debug, Clone, Copy)]
+pub struct Observation<'a> {
+    /// Time, s.
+    pub time: f64,
+    /// All bodies.
+    pub bodies: &'a [BodyState],
+    /// Applied loads on all bodies.
+    pub loads: &'a [Wrench],
+    /// Torque of each driver on its child, N m.
+    pub driver_torques: &'a [f64],
+    /// Force of each revolute on its child, N; `None` where the formulation does not know them.
+    pub reactions: Option<&'a [[f64; 2]]>,
+}
+
+/// Equations of motion of a mechanism in some coordinates.
+pub trait Formulation: OdeSystem {
+    /// State at t = 0.
+    fn initial(&self) -> Vec<f64>;
+
+    /// Evaluates everything at (t, y).
+    fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_>;
+
+    /// Velocities integrated.
+    fn degrees_of_freedom(&self) -> usize;
+
+    /// Largest position error of any joint at y, m.
+    fn joint_error(&mut self, t: f64, y: &[f64]) -> f64;
+}

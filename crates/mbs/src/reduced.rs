@@ -1,0 +1,236 @@
+//! The reduced form: exact elimination of centre-pinned bodies.
+//!
+//! A body that is carried at its centre of mass has translations which are known functions of its
+//! carrier's angle, and its own rotation does not react on the carrier. Its mass is lumped into
+//! the carrier and one equation per free angle remains, without multipliers:
+//!
+//! ```text
+//! carried body:  I a = moment
+//! carrier:       (I + sum m |s|^2) a = moment + sum (A s) x F
+//! driven carrier: torque = (I + sum m |s|^2) f'' - moment - sum (A s) x F
+//! ```
+//! Bodies that nothing turns (`idle`) keep their rate and are not integrated.
+//! The same motion as the Lagrange form, to rounding.
+
+use crate::mechanism::{BodyId, Forces, Mechanism, MechanismError};
+use crate::ode::{Formulation, Observation, OdeSystem};
+use crate::state::{BodyState, Wrench};
+
+/// A body carried by another.
+#[derive(Debug, Clone, Copy)]
+struct Carried {
+    body: BodyId,
+    carrier: BodyId,
+    arm: [f64; 2],
+}
+
+/// What moves a body's angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Angle {
+    /// Entry of y.
+    Free(usize),
+    /// Driver number.
+    Driven(usize),
+    /// Uniform rotation.
+    Idle,
+}
+
+/// The reduced equations of a mechanism under applied `F`.
+pub struct Reduced<F> {
+    mechanism: Mechanism,
+    forces: F,
+    angles: Vec<Angle>,
+    carried: Vec<Carried>,
+    carriers: Vec<BodyId>,
+    /// Lumped moment of inertia of every body.
+    inertia: Vec<f64>,
+    free: Vec<BodyId>,
+    bodies: Vec<BodyState>,
+    loads: Vec<Wrench>,
+    /// Moments about the pin, loads of carried bodies included.
+    moments: Vec<f64>,
+    /// e^{i angle} of the carriers.
+    turns: Vec<(f64, f64)>,
+    torques: Vec<f64>,
+}
+
+impl<F: Forces> Reduced<F> {
+    /// Eliminates the translations of `mechanism`; `idle` bodies must never receive a moment.
+    ///
+    /// # Errors
+    /// The mechanism is faulty, or not a forest of centre-pinned bodies whose carriers are pinned to the ground.
+    pub fn new(mechanism: Mechanism, forces: F, idle: &[BodyId]) -> Result<Self, MechanismError> {
+        mechanism.check()?;
+        let n = mechanism.bodies.len();
+        let no = |text: String| Err(MechanismError::NotReducible(text));
+        let mut pin: Vec<Option<(Option<BodyId>, [f64; 2])>> = vec![None; n];
+        for (k, joint) in mechanism.revolutes.iter().enumerate() {
+            let name = &mechanism.bodies[joint.child].name;
+            if joint.child_point != [0.0, 0.0] {
+                return no(format!("revolute {k} does not hold `{name}` at its centre of mass"));
+            }
+            if pin[joint.child].replace((joint.parent, joint.parent_point)).is_some() {
+                return no(format!("`{name}` is held twice"));
+            }
+        }
+        let mut angles = vec![Angle::Idle; n];
+        for (k, driver) in mechanism.drivers.iter().enumerate() {
+            if driver.parent.is_some() {
+                return no(format!("driver {k} acts between two bodies"));
+            }
+            angles[driver.child] = Angle::Driven(k);
+        }
+        let mut free = Vec::new();
+        for (body, angle) in angles.iter_mut().enumerate() {
+            if *angle == Angle::Idle && !idle.contains(&body) {
+                *angle = Angle::Free(free.len());
+                free.push(body);
+            }
+        }
+        let mut inertia: Vec<f64> = mechanism.bodies.iter().map(|b| b.moment).collect();
+        let mut bodies: Vec<BodyState> = mechanism.bodies.iter().map(|b| b.start).collect();
+        let (mut carried, mut carriers) = (Vec::new(), Vec::new());
+        for (body, pin) in pin.iter().enumerate() {
+            let name = &mechanism.bodies[body].name;
+            match *pin {
+                None => return no(format!("`{name}` is not held by any revolute")),
+                Some((None, [x, y])) => {
+                    (bodies[body].x, bodies[body].y) = (x, y);
+                    (bodies[body].vx, bodies[body].vy) = (0.0, 0.0);
+                }
+                Some((Some(carrier), arm)) => {
+                    let grounded = mechanism.revolutes.iter().any(|j| j.child == carrier && j.parent.is_none());
+                    if !grounded {
+                        return no(format!("the carrier of `{name}` is not pinned to the ground"));
+                    }
+                    inertia[carrier] += mechanism.bodies[body].mass * (arm[0] * arm[0] + arm[1] * arm[1]);
+                    carried.push(Carried { body, carrier, arm });
+                    if !carriers.contains(&carrier) {
+                        carriers.push(carrier);
+                    }
+                }
+            }
+        }
+        Ok(Self {
+            forces,
+            angles,
+            carried,
+            carriers,
+            inertia,
+            free,
+            loads: vec![Wrench::default(); n],
+            moments: vec![0.0; n],
+            turns: vec![(1.0, 0.0); n],
+            torques: vec![0.0; mechanism.drivers.len()],
+            bodies,
+            mechanism,
+        })
+    }
+
+    /// The mechanism being solved.
+    #[must_use]
+    pub fn mechanism(&self) -> &Mechanism {
+        &self.mechanism
+    }
+
+    /// Bodies whose angles are integrated, in the order of y.
+    #[must_use]
+    pub fn free_bodies(&self) -> &[BodyId] {
+        &self.free
+    }
+
+    /// Angles, then positions and velocities of carried bodies.
+    fn place(&mut self, t: f64, y: &[f64]) {
+        let n = self.free.len();
+        for (k, &body) in self.free.iter().enumerate() {
+            self.bodies[body].angle = y[k];
+            self.bodies[body].rate = y[n + k];
+        }
+        for driver in &self.mechanism.drivers {
+            let (angle, rate, _) = driver.motion.at(t);
+            self.bodies[driver.child].angle = angle;
+            self.bodies[driver.child].rate = rate;
+        }
+        for &carrier in &self.carriers {
+            let (s, c) = self.bodies[carrier].angle.sin_cos();
+            self.turns[carrier] = (c, s);
+        }
+        for carried in &self.carried {
+            let (c, s) = self.turns[carried.carrier];
+            let [ax, ay] = carried.arm;
+            let (rx, ry) = (c * ax - s * ay, s * ax + c * ay);
+            let base = self.bodies[carried.carrier];
+            let body = &mut self.bodies[carried.body];
+            (body.x, body.y) = (base.x + rx, base.y + ry);
+            (body.vx, body.vy) = (-base.rate * ry, base.rate * rx);
+        }
+    }
+
+    fn evaluate(&mut self, t: f64) {
+        self.loads.fill(Wrench::default());
+        self.forces.apply(t, &self.bodies, &mut self.loads);
+        for (moment, load) in self.moments.iter_mut().zip(&self.loads) {
+            *moment = load.moment;
+        }
+        for carried in &self.carried {
+            let base = self.bodies[carried.carrier];
+            let body = self.bodies[carried.body];
+            let load = self.loads[carried.body];
+            self.moments[carried.carrier] += (body.x - base.x) * load.fy - (body.y - base.y) * load.fx;
+        }
+    }
+}
+
+impl<F: Forces> OdeSystem for Reduced<F> {
+    fn dimension(&self) -> usize {
+        2 * self.free.len()
+    }
+
+    fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.place(t, y);
+        self.evaluate(t);
+        let n = self.free.len();
+        dydt[..n].copy_from_slice(&y[n..]);
+        for (k, &body) in self.free.iter().enumerate() {
+            dydt[n + k] = self.moments[body] / self.inertia[body];
+        }
+    }
+}
+
+impl<F: Forces> Formulation for Reduced<F> {
+    fn initial(&self) -> Vec<f64> {
+        let start = |body: &BodyId| self.mechanism.bodies[*body].start;
+        let angles = self.free.iter().map(|b| start(b).angle);
+        angles.chain(self.free.iter().map(|b| start(b).rate)).collect()
+    }
+
+    fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
+        self.place(t, y);
+        for (body, angle) in self.angles.iter().enumerate() {
+            if *angle == Angle::Idle {
+                let start = self.mechanism.bodies[body].start;
+                self.bodies[body].angle = start.angle + start.rate * t;
+            }
+        }
+        self.evaluate(t);
+        for (k, driver) in self.mechanism.drivers.iter().enumerate() {
+            let (_, _, acceleration) = driver.motion.at(t);
+            self.torques[k] = self.inertia[driver.child] * acceleration - self.moments[driver.child];
+        }
+        Observation {
+            time: t,
+            bodies: &self.bodies,
+            loads: &self.loads,
+            driver_torques: &self.torques,
+            reactions: None,
+        }
+    }
+
+    fn degrees_of_freedom(&self) -> usize {
+        self.free.len()
+    }
+
+    fn joint_error(&mut self, _t: f64, _y: &[f64]) -> f64 {
+        0.0
+    }
+}

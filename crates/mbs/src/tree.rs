@@ -1,0 +1,106 @@
+//! The spanning forest of the joints: bodies from the ground outwards.
+//!
+//! Along the forest every centre of mass follows from the angles by
+//! `r_child = r_parent + A_parent s_parent - A_child s_child`, exactly and without a solve.
+
+use crate::mechanism::{BodyId, Mechanism};
+use crate::state::BodyState;
+
+/// One revolute of the forest, in an order in which parents come before children.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Branch {
+    pub(crate) revolute: usize,
+    /// The body whose position follows.
+    pub(crate) body: BodyId,
+    /// The body (or ground) it follows from.
+    pub(crate) from: Option<BodyId>,
+    /// The joint's points in the frames of `from` and `body`.
+    pub(crate) from_point: [f64; 2],
+    pub(crate) body_point: [f64; 2],
+}
+
+/// Forest and what does not belong to it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Forest {
+    pub(crate) branches: Vec<Branch>,
+    /// Revolutes that close loops.
+    pub(crate) closures: Vec<usize>,
+}
+
+impl Forest {
+    /// Breadth first from the ground; islands without ground start at their first body.
+    pub(crate) fn new(mechanism: &Mechanism) -> Self {
+        let n = mechanism.bodies.len();
+        let mut reached = vec![false; n];
+        let mut used = vec![false; mechanism.revolutes.len()];
+        let mut branches = Vec::new();
+        loop {
+            let before = branches.len();
+            for (k, joint) in mechanism.revolutes.iter().enumerate() {
+                if used[k] {
+                    continue;
+                }
+                let parent_there = joint.parent.is_none_or(|p| reached[p]);
+                let branch = match (parent_there, reached[joint.child], joint.parent) {
+                    (true, false, from) => Branch {
+                        revolute: k,
+                        body: joint.child,
+                        from,
+                        from_point: joint.parent_point,
+                        body_point: joint.child_point,
+                    },
+                    (false, true, Some(parent)) => Branch {
+                        revolute: k,
+                        body: parent,
+                        from: Some(joint.child),
+                        from_point: joint.child_point,
+                        body_point: joint.parent_point,
+                    },
+                    _ => continue,
+                };
+                reached[branch.body] = true;
+                used[k] = true;
+                branches.push(branch);
+            }
+            if branches.len() == before {
+                match reached.iter().position(|r| !r) {
+                    Some(root) => reached[root] = true,
+                    None => break,
+                }
+            }
+        }
+        let closures = (0..used.len()).filter(|&k| !used[k]).collect();
+        Self { branches, closures }
+    }
+
+    /// Moves every body's centre to where its angle and its predecessor put it; velocities likewise.
+    pub(crate) fn place(&self, bodies: &mut [BodyState]) {
+        for branch in &self.branches {
+            let (mut x, mut y, mut vx, mut vy) = match branch.from {
+                None => (branch.from_point[0], branch.from_point[1], 0.0, 0.0),
+                Some(from) => {
+                    let b = bodies[from];
+                    let [ax, ay] = turned(branch.from_point, b.angle);
+                    (b.x + ax, b.y + ay, b.vx - b.rate * ay, b.vy + b.rate * ax)
+                }
+            };
+            let body = &mut bodies[branch.body];
+            let [ax, ay] = turned(branch.body_point, body.angle);
+            x -= ax;
+            y -= ay;
+            vx += body.rate * ay;
+            vy -= body.rate * ax;
+            (body.x, body.y, body.vx, body.vy) = (x, y, vx, vy);
+        }
+    }
+}
+
+/// A local point in the ground's directions; free for the centre of mass itself.
+#[inline]
+pub(crate) fn turned(point: [f64; 2], angle: f64) -> [f64; 2] {
+    if point == [0.0, 0.0] {
+        return point;
+    }
+    let (s, c) = angle.sin_cos();
+    [c * point[0] - s * point[1], s * point[0] + c * point[1]]
+}
