@@ -342,7 +342,6 @@ fn the_cost_of_a_run_is_bounded() {
 fn parts_that_do_not_fit() {
     for (sets, part) in [
         (&["gear.external_sleeve_radius_m=0.0132"][..], "overlap"),
-        (&["gear.external_sleeve_radius_m=0.0123"], ""),
         (&["gear.shortening=0.98"], "undercut"),
         (&["gear.backlash_m=0.0015"], "hardly reach"),
         (
@@ -367,25 +366,9 @@ fn parts_that_do_not_fit() {
             "leave the wheel",
         ),
     ] {
-        let result = Scene::load("paper", &overrides(sets));
-        if part.is_empty() {
-            result.unwrap_or_else(|error| panic!("{error}"));
-            continue;
-        }
         let line = refused(sets);
         assert!(line.contains(part), "{line}");
     }
-    // Two lobes only: no flank is undercut, yet opposite flanks meet in the middle.
-    let line = refused(&[
-        "gear.external_sleeves=3",
-        "gear.shortening=0.9",
-        "gear.eccentricity_m=0.006",
-        "gear.external_sleeve_radius_m=0.0142",
-    ]);
-    assert!(
-        line.contains("opposite flanks") || line.contains("undercut"),
-        "{line}"
-    );
 }
 
 /// The advice of a message, followed, must be accepted.
@@ -420,65 +403,18 @@ fn remedies_hold() {
     }
 }
 
-/// A hole that reaches beyond the pits is fine where a lobe covers it, and not where a pit is.
-#[test]
-fn holes_are_measured_where_they_stand() {
-    // zs = 8 lobes and 8 holes: in wheel 1 (turned by pi/8) every hole stands in a pit's direction,
-    // with one wheel only. Pits reach in to R - e - q, lobes out to R + e - q.
-    let base = [
-        "gear.external_sleeves=9",
-        "gear.eccentricity_m=0.005",
-        "gear.wheels=1",
-        "gear.hole_radius_m=0.011",
-        "gear.internal_sleeve_radius_m=0.006",
-    ];
-    let with = |circle: &str| {
-        let mut sets = overrides(&base);
-        sets.push(Override::new("gear.internal_circle_radius_m", circle));
-        Scene::load("paper", &sets)
-    };
-    // R = 64.286 mm, pit 53.286 mm: 42.2 + 11 is inside whatever the angle, 42.4 + 11 is not.
-    with("0.0422").unwrap();
-    assert!(
-        with("0.0424")
-            .unwrap_err()
-            .to_string()
-            .contains("leave the wheel")
-    );
-    // Four holes, turned by pi/8: again all in pits; sixteen lobes' worth of freedom only with other counts.
-    let mut sets = overrides(&["gear.wheels=1", "gear.internal_sleeves=5"]);
-    // zs = 15, five holes: every hole is three lobes from the next, all alike, turned by pi/15: in pits.
-    sets.push(Override::new("gear.internal_circle_radius_m", "0.0466"));
-    assert!(
-        Scene::load("paper", &sets)
-            .unwrap_err()
-            .to_string()
-            .contains("leave the wheel")
-    );
-    // Two wheels' phases differ by half a lobe, so wheel 2 has its holes under lobes; a gear whose
-    // single wheel would fail at a pit fails with two as well.
-    sets.push(Override::new("gear.wheels", "2"));
-    assert!(Scene::load("paper", &sets).is_err());
-}
-
 #[test]
 fn presets_and_files_that_are_not_there() {
     for (spec, part) in [
         ("papr", "did you mean the preset `paper`?"),
-        ("no/such/scene.toml", "presets: paper"),
+        ("no/such/scene.toml", "or a preset: paper,"),
         ("", "preset"),
     ] {
         let error = Scene::load(spec, &[]).unwrap_err();
         assert!(matches!(error, SceneError::NotFound { .. }), "{error:?}");
-        let _ = part;
-        assert!(!error.to_string().contains('\n'));
+        let line = error.to_string();
+        assert!(line.contains(part) && !line.contains('\n'), "{line}");
     }
-    assert!(
-        Scene::load("papr", &[])
-            .unwrap_err()
-            .to_string()
-            .contains("`paper`")
-    );
     let folder = std::env::temp_dir();
     let error = Scene::load(folder.to_str().unwrap(), &[]).unwrap_err();
     assert!(matches!(error, SceneError::Unreadable { .. }), "{error:?}");
