@@ -96,10 +96,11 @@ impl<'a> View<'a> {
     #[must_use]
     pub fn mean(&self) -> Option<f64> {
         // Scaled as the root mean square is, so that the sum cannot overflow.
-        let scale = self.peak()?;
-        if scale == 0.0 {
+        let peak = self.peak()?;
+        if peak == 0.0 {
             return Some(0.0);
         }
+        let scale = power_of_two_below(peak);
         let sum: f64 = self.values().map(|v| v / scale).sum();
         Some(sum / self.count() as f64 * scale)
     }
@@ -117,19 +118,26 @@ pub(crate) fn peak(values: impl Iterator<Item = f64>) -> Option<f64> {
     peak
 }
 
-/// Root mean square of finite values whose largest magnitude is `peak`: scaled by it, so that
-/// squares neither overflow nor vanish.
+/// The largest power of two not above `value` > 0: dividing by it rounds nothing.
+fn power_of_two_below(value: f64) -> f64 {
+    let power = f64::from_bits(value.to_bits() & 0x7ff0_0000_0000_0000);
+    if power > 0.0 { power } else { value }
+}
+
+/// Root mean square of finite values whose largest magnitude is `peak`: scaled down by it, so
+/// that squares neither overflow nor vanish.
 pub(crate) fn rms(values: impl Iterator<Item = f64>, peak: f64) -> Option<f64> {
     if peak == 0.0 {
         return Some(0.0);
     }
+    let scale = power_of_two_below(peak);
     let (mut sum, mut count) = (0.0, 0usize);
     for value in values {
-        let scaled = value / peak;
+        let scaled = value / scale;
         sum += scaled * scaled;
         count += 1;
     }
-    (count > 0).then(|| peak * (sum / count as f64).sqrt())
+    (count > 0).then(|| scale * (sum / count as f64).sqrt())
 }
 
 /// Mean, extremes, root mean square. All in the quantity's unit.

@@ -1,0 +1,57 @@
+//! Small gearbox-like courses for the tests of this crate.
+
+use pinwheel_compare::{Context, Cost, Participant, Status};
+use pinwheel_courses::Courses;
+
+/// A participant with these courses at a step of 1e-5 s.
+pub(crate) fn participant(name: &str, track: &str, courses: Courses) -> Participant {
+    Participant {
+        name: name.to_owned(),
+        track: track.to_owned(),
+        version: "1.0".to_owned(),
+        summary: String::new(),
+        differences: String::new(),
+        courses,
+        cost: Cost {
+            step_s: 1e-5,
+            ..Cost::default()
+        },
+        status: Status::Finished,
+    }
+}
+
+/// 0.6 s in steps of 1e-3 s; every sleeve force and the driver torque are `scale` times as large.
+pub(crate) fn courses(scale: f64) -> Courses {
+    let time: Vec<f64> = (0..=600).map(|k| f64::from(k) * 1e-3).collect();
+    let mut courses = Courses::new(time.clone()).unwrap();
+    let ripple = |t: f64, k: f64| scale * (60.0 + 40.0 * (140.0 * t + k).sin());
+    let of = |f: &dyn Fn(f64) -> f64| time.iter().map(|&t| f(t)).collect::<Vec<_>>();
+    courses
+        .push(
+            "input_torque_n_m",
+            of(&|t| scale * (1.45 + 0.02 * (838.0 * t).sin())),
+        )
+        .unwrap();
+    courses.push("output_torque_n_m", of(&|_| -22.0)).unwrap();
+    courses
+        .push("output_angle_rad", of(&|t| -52.34 / 15.0 * t))
+        .unwrap();
+    for k in 0..3 {
+        let force = of(&|t| ripple(t, f64::from(k)));
+        courses
+            .push(format!("external_sleeve_force_n_{k}"), force)
+            .unwrap();
+    }
+    courses
+}
+
+/// The paper's load and speed.
+pub(crate) fn context() -> Context {
+    Context {
+        scene: "paper".to_owned(),
+        duration_s: 0.6,
+        load_n_m: Some(22.0),
+        input_speed_rad_s: Some(52.34),
+        ..Context::default()
+    }
+}

@@ -1,0 +1,314 @@
+//! Whole comparisons with known outcomes.
+
+mod common;
+
+use common::{context, courses, participant};
+use pinwheel_compare::limits::{Friction, TABLE};
+use pinwheel_compare::{
+    CompareError, Limit, Metric, Participant, Status, Verdict, WindowKind, compare, track,
+};
+use pinwheel_courses::Courses;
+
+fn limit(engine: &'static str, limit: f64) -> Limit {
+    Limit {
+        track: "*",
+        engine,
+        step_at_most_s: None,
+        against: "native*",
+        against_step_at_most_s: None,
+        friction: Friction::Any,
+        window: WindowKind::Steady,
+        quantity: "*_force_n",
+        metric: Metric::RelativeL2,
+        limit,
+        measured: None,
+        reason: "Test.",
+    }
+}
+
+fn native() -> Participant {
+    participant("native", track::NATIVE, courses(1.0))
+}
+
+fn foreign(scale: f64) -> Participant {
+    participant("foreign", track::SHARED_LAW, courses(scale))
+}
+
+/// The verdict on the external forces of the first pair in the steady window.
+fn verdict(participants: &[Participant], limits: &[Limit]) -> Verdict {
+    let comparison = compare(&context(), participants, limits).unwrap();
+    let entry = comparison.pairs[0]
+        .entries
+        .iter()
+        .find(|e| e.quantity == "external_sleeve_force_n" && e.window == WindowKind::Steady);
+    entry.unwrap().verdict.clone()
+}
+
+#[test]
+fn within_and_exceeded() {
+    let pair = [native(), foreign(0.99)];
+    assert_eq!(verdict(&pair, &[limit("foreign", 0.0101)]), Verdict::Within);
+    assert_eq!(
+        verdict(&pair, &[limit("foreign", 0.0099)]),
+        Verdict::Exceeded
+    );
+    let passed = |limit| compare(&context(), &pair, &[limit]).unwrap().passed;
+    assert!(passed(limit("foreign", 0.0101)) && !passed(limit("foreign", 0.0099)));
+    assert!(
+        !passed(limit("another", 1.0)),
+        "nothing judged is not passed"
+    );
+}
+
+#[test]
+fn the_first_row_that_fits_counts() {
+    let pair = [native(), foreign(0.99)];
+    let strict = Limit {
+        step_at_most_s: Some(1e-6),
+        ..limit("foreign", 1e-9)
+    };
+    assert_eq!(
+        verdict(&pair, &[strict, limit("foreign", 0.1)]),
+        Verdict::Within
+    );
+    assert_eq!(
+        verdict(&pair, &[strict]),
+        Verdict::NotJudged {
+            reason: "the limit is for steps of foreign up to 1e-6 s; this run used 1e-5 s".into()
+        }
+    );
+    let fine = Limit {
+        step_at_most_s: Some(1e-5),
+        ..strict
+    };
+    assert_eq!(
+        verdict(&pair, &[fine, limit("foreign", 0.1)]),
+        Verdict::Exceeded
+    );
+    let other = Limit {
+        against_step_at_most_s: Some(2e-7),
+        ..limit("foreign", 0.1)
+    };
+    assert!(matches!(
+        verdict(&pair, &[other]),
+        Verdict::NotJudged { .. }
+    ));
+}
+
+#[test]
+fn friction_chooses_the_row() {
+    let pair = [native(), foreign(0.99)];
+    let with = Limit {
+        friction: Friction::With,
+        ..limit("foreign", 0.1)
+    };
+    assert_eq!(
+        verdict(&pair, &[with]),
+        Verdict::NotJudged {
+            reason: "the limit is for scenes with friction".into()
+        }
+    );
+    let mut rough = context();
+    rough.friction_coefficient = 0.1;
+    assert!(compare(&rough, &pair, &[with]).unwrap().passed);
+}
+
+#[test]
+fn two_foreign_engines_may_be_as_far_apart_as_their_limits_add_up_to() {
+    let other = participant("other", track::SHARED_LAW, courses(1.01));
+    let pair = [foreign(0.99), other];
+    // They are 0.02/1.01 apart.
+    let rows = |each| [limit("foreign", each), limit("other", each)];
+    assert_eq!(verdict(&pair, &rows(0.0099)), Verdict::Exceeded);
+    assert_eq!(verdict(&pair, &rows(0.00995)), Verdict::Within);
+}
+
+#[test]
+fn not_finite_is_exceeded_not_overlooked() {
+    let mut spoiled = Courses::new(courses(1.0).time_s().to_vec()).unwrap();
+    for channel in courses(1.0).channels() {
+        let mut values = channel.values.clone();
+        values[599] = f64::NAN;
+        spoiled.push(channel.name.clone(), values).unwrap();
+    }
+    let pair = [native(), participant("foreign", track::SHARED_LAW, spoiled)];
+    assert_eq!(verdict(&pair, &[limit("foreign", 10.0)]), Verdict::Exceeded);
+    let comparison = compare(&context(), &pair, TABLE).unwrap();
+    let judged = &comparison.engines[1].judged;
+    assert_eq!(
+        judged[0].verdict,
+        Verdict::Exceeded,
+        "its mean output torque is not finite either"
+    );
+}
+
+#[test]
+fn forces_that_are_only_rounding_are_not_judged() {
+    let pair = [
+        participant("native", track::NATIVE, courses(1e-13)),
+        foreign(-1e-13),
+    ];
+    assert!(matches!(
+        verdict(&pair, &[limit("foreign", 0.1)]),
+        Verdict::NotJudged { .. }
+    ));
+}
+
+#[test]
+fn load_balance() {
+    let comparison = compare(&context(), &[native()], TABLE).unwrap();
+    assert_eq!(comparison.engines[0].judged[0].verdict, Verdict::Within);
+    assert!(comparison.passed && comparison.pairs.is_empty() && comparison.matrices.is_empty());
+    let mut heavier = context();
+    heavier.load_n_m = Some(22.01);
+    assert_eq!(
+        compare(&heavier, &[native()], TABLE)
+            .unwrap()
+            .counts
+            .exceeded,
+        1
+    );
+    heavier.load_n_m = Some(0.0);
+    assert_eq!(
+        compare(&heavier, &[native()], TABLE)
+            .unwrap()
+            .counts
+            .not_judged,
+        1
+    );
+}
+
+#[test]
+fn efficiency() {
+    // 22 N m at omega/15 over 1.45 N m at omega.
+    let comparison = compare(&context(), &[native()], TABLE).unwrap();
+    let wanted = 22.0 / 15.0 / 1.45;
+    let found = comparison.engines[0].figures[0].efficiency.unwrap();
+    // The ripple's mean over the window's 40.01 periods is not quite zero.
+    assert!((found - wanted).abs() < 1e-4, "{found} {wanted}");
+}
+
+#[test]
+fn tracks_are_never_mixed() {
+    let own = participant("own", track::OWN_CONTACT, courses(0.9));
+    let all = [native(), own, foreign(0.99)];
+    let comparison = compare(&context(), &all, TABLE).unwrap();
+    let pairs: Vec<_> = comparison
+        .pairs
+        .iter()
+        .map(|p| (&*p.a, &*p.b, &*p.track))
+        .collect();
+    assert_eq!(
+        pairs,
+        [
+            ("native", "own", "own-contact"),
+            ("native", "foreign", "shared-law")
+        ]
+    );
+    let tables: Vec<_> = comparison
+        .matrices
+        .iter()
+        .map(|m| (&*m.track, m.window, m.engines.join(" ")))
+        .collect();
+    assert_eq!(
+        tables[0],
+        ("shared-law", WindowKind::Steady, "native foreign".into())
+    );
+    assert_eq!(
+        tables[2],
+        ("own-contact", WindowKind::Steady, "native own".into())
+    );
+    let cell = comparison.matrices[0].cell(0, 1).unwrap();
+    assert!((cell.worst.unwrap() - 0.01).abs() < 1e-12, "{cell:?}");
+    assert_eq!(comparison.matrices[0].cell(1, 1), None);
+}
+
+#[test]
+fn unfinished_runs_are_listed_not_judged() {
+    let mut broken = participant("broken", track::NATIVE, Courses::default());
+    broken.status = Status::Diverged {
+        time_s: 0.01,
+        quantity: "wheel angle NaN".into(),
+    };
+    let comparison = compare(&context(), &[broken, native(), foreign(1.0)], TABLE).unwrap();
+    assert_eq!((comparison.unfinished, comparison.pairs.len()), (1, 1));
+    assert_eq!(
+        comparison.engines[0].status.reason().unwrap(),
+        "diverged at t = 0.010000 s: wheel angle NaN"
+    );
+    let alone = [participant("x", "native", Courses::default())].map(|mut p| {
+        p.status = Status::Failed {
+            reason: "not installed".into(),
+        };
+        p
+    });
+    assert!(!compare(&context(), &alone, TABLE).unwrap().passed);
+}
+
+#[test]
+fn missing_channels_are_named() {
+    let mut few = Courses::new(courses(1.0).time_s().to_vec()).unwrap();
+    few.push("external_sleeve_force_n_0", vec![1.0; 601])
+        .unwrap();
+    let pair = [native(), participant("few", track::SHARED_LAW, few)];
+    let comparison = compare(&context(), &pair, TABLE).unwrap();
+    let reasons: Vec<_> = comparison.pairs[0]
+        .entries
+        .iter()
+        .map(|e| &e.verdict)
+        .collect();
+    let told = |reason: &str| {
+        reasons.contains(&&Verdict::NotJudged {
+            reason: reason.into(),
+        })
+    };
+    assert!(told("few has no `input_torque_n_m`"), "{reasons:?}");
+    assert!(told(
+        "`external_sleeve_force_n` has channels that only one of the two has"
+    ));
+}
+
+#[test]
+fn faults() {
+    let grid = |times: Vec<f64>| participant("other", track::NATIVE, Courses::new(times).unwrap());
+    let mut times = courses(1.0).time_s().to_vec();
+    times[17] += 1e-5;
+    let error = compare(&context(), &[native(), grid(times.clone())], TABLE).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "sample 17 of `other` is at 0.01701 s, of `native` at 0.017 s: write both on one grid"
+    );
+    times[17] = 0.017 + 1e-12;
+    assert!(
+        compare(&context(), &[native(), grid(times.clone())], TABLE).is_ok(),
+        "a rounding"
+    );
+    times.pop();
+    let error = compare(&context(), &[native(), grid(times)], TABLE).unwrap_err();
+    assert!(
+        matches!(error, CompareError::Samples { samples_b: 600, .. }),
+        "{error}"
+    );
+    assert!(matches!(
+        compare(&context(), &[], TABLE),
+        Err(CompareError::Empty)
+    ));
+    let twice = compare(&context(), &[native(), native()], TABLE);
+    assert_eq!(twice, Err(CompareError::Duplicate("native".into())));
+}
+
+#[test]
+fn summary_is_plain_json() {
+    let comparison = compare(&context(), &[native(), foreign(0.99)], TABLE).unwrap();
+    let json: serde_json::Value = serde_json::to_value(&comparison).unwrap();
+    let entry = &json["pairs"][0]["entries"][3];
+    assert_eq!(entry["quantity"], "external_sleeve_force_n");
+    assert_eq!(entry["window"], "steady");
+    assert_eq!(entry["verdict"], "not-judged");
+    assert!(entry["metrics"]["relative_l2"].as_f64().unwrap() > 0.0099);
+    assert_eq!(json["engines"][0]["status"]["state"], "finished");
+    assert_eq!(
+        json["engines"][0]["judged"][0]["checks"][0]["metric"],
+        "mean-against-load"
+    );
+}
