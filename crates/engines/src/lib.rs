@@ -1,5 +1,11 @@
-//! Engines behind one trait.
+//! Engines behind one trait: the native solver and the peers it is checked against.
 
 mod engine;
+mod native;
+#[cfg(feature = "rapier")]
+mod rapier;
+mod registry;
 
 pub use engine::{Control, Engine, EngineError, Run, RunStats, Track};
+pub use native::Native;
+pub use registry::{by_name, registry};

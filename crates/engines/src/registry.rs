@@ -1,0 +1,24 @@
+//! The list of engines. A new engine is a new file and one line here.
+
+use pinwheel_gearbox::scene::Scene;
+
+use crate::engine::Engine;
+use crate::native::Native;
+
+/// All engines of this build, native first.
+#[must_use]
+pub fn registry() -> Vec<Box<dyn Engine>> {
+    let mut engines: Vec<Box<dyn Engine>> = vec![Box::new(Native::REDUCED), Box::new(Native::LAGRANGE)];
+    #[cfg(feature = "rapier")]
+    engines.extend(crate::rapier::engines());
+    engines
+}
+
+/// The engine of a name; `native` is the native solver in the formulation that the scene asks for.
+#[must_use]
+pub fn by_name(name: &str, scene: &Scene) -> Option<Box<dyn Engine>> {
+    if name == "native" {
+        return Some(Box::new(Native::of(scene)));
+    }
+    registry().into_iter().find(|engine| engine.name() == name)
+}
