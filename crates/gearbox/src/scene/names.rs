@@ -1,15 +1,15 @@
-//! The names a scene may use for its law and its integrator.
-//!
-//! One function each, so that the lists can come from wherever laws and integrators are registered.
+//! The names a scene may use for its law and its integrator, from where they are registered.
+
+use pinwheel_mbs::integrators::METHODS;
 
 /// Normal contact laws.
 #[must_use]
-pub fn laws() -> &'static [&'static str] {
-    &["paper"]
+pub fn laws() -> Vec<&'static str> {
+    vec!["paper"]
 }
 
 /// Integrators.
 #[must_use]
-pub fn integrators() -> &'static [&'static str] {
-    &["rk2", "rk2-midpoint", "rk4"]
+pub fn integrators() -> Vec<&'static str> {
+    METHODS.iter().map(|method| method.name).collect()
 }

@@ -43,6 +43,7 @@ impl Profile {
     }
 
     /// The profile C - q n, m, in the wheel's frame.
+    #[cfg(test)]
     pub(super) fn offset_point(&self, a: f64) -> [f64; 2] {
         let (sin, cos) = a.sin_cos();
         let (sin_k, cos_k) = (self.pins * a).sin_cos();

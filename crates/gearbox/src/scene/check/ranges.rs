@@ -56,13 +56,13 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
         &scene.contact.law,
         "contact.law",
         "contact law",
-        names::laws(),
+        &names::laws(),
     )?;
     known(
         &scene.solver.integrator,
         "solver.integrator",
         "integrator",
-        names::integrators(),
+        &names::integrators(),
     )
 }
 
