@@ -86,7 +86,9 @@ impl<F: Forces> Lagrange<F> {
         let start = system.initial();
         system.unpack(&start);
         system.rotate_arms();
-        system.factor().map_err(|c| redundant(&system.mechanism, c))?;
+        system
+            .factor()
+            .map_err(|c| redundant(&system.mechanism, c))?;
         Ok(system)
     }
 
@@ -98,14 +100,31 @@ impl<F: Forces> Lagrange<F> {
 
     fn unpack(&mut self, y: &[f64]) {
         let (q, v) = y.split_at(3 * self.bodies.len());
-        for ((body, q), v) in self.bodies.iter_mut().zip(q.chunks_exact(3)).zip(v.chunks_exact(3)) {
-            *body = BodyState { x: q[0], y: q[1], angle: q[2], vx: v[0], vy: v[1], rate: v[2] };
+        for ((body, q), v) in self
+            .bodies
+            .iter_mut()
+            .zip(q.chunks_exact(3))
+            .zip(v.chunks_exact(3))
+        {
+            *body = BodyState {
+                x: q[0],
+                y: q[1],
+                angle: q[2],
+                vx: v[0],
+                vy: v[1],
+                rate: v[2],
+            };
         }
     }
 
     fn pack(&self, y: &mut [f64]) {
         let (q, v) = y.split_at_mut(3 * self.bodies.len());
-        for ((body, q), v) in self.bodies.iter().zip(q.chunks_exact_mut(3)).zip(v.chunks_exact_mut(3)) {
+        for ((body, q), v) in self
+            .bodies
+            .iter()
+            .zip(q.chunks_exact_mut(3))
+            .zip(v.chunks_exact_mut(3))
+        {
             q.copy_from_slice(&[body.x, body.y, body.angle]);
             v.copy_from_slice(&[body.vx, body.vy, body.rate]);
         }
@@ -145,7 +164,9 @@ impl<F: Forces> Lagrange<F> {
     fn revolute_error(&self, k: usize) -> ([f64; 2], [f64; 2]) {
         let joint = &self.mechanism.revolutes[k];
         let ([px, py], [cx, cy]) = (self.arms[k].parent, self.arms[k].child);
-        let parent = joint.parent.map_or_else(BodyState::default, |p| self.bodies[p]);
+        let parent = joint
+            .parent
+            .map_or_else(BodyState::default, |p| self.bodies[p]);
         let child = self.bodies[joint.child];
         (
             [child.x + cx - parent.x - px, child.y + cy - parent.y - py],
@@ -159,10 +180,15 @@ impl<F: Forces> Lagrange<F> {
     /// Phi and dPhi/dt of a driver.
     fn driver_error(&self, k: usize, t: f64) -> (f64, f64) {
         let driver = &self.mechanism.drivers[k];
-        let parent = driver.parent.map_or_else(BodyState::default, |p| self.bodies[p]);
+        let parent = driver
+            .parent
+            .map_or_else(BodyState::default, |p| self.bodies[p]);
         let (angle, rate, _) = driver.motion.at(t);
         let child = self.bodies[driver.child];
-        (child.angle - parent.angle - angle, child.rate - parent.rate - rate)
+        (
+            child.angle - parent.angle - angle,
+            child.rate - parent.rate - rate,
+        )
     }
 
     /// Right-hand side gamma of Eq. 9, with Baumgarte's feedback if chosen.
@@ -190,7 +216,11 @@ impl<F: Forces> Lagrange<F> {
         }
         for k in 0..self.torques.len() {
             let (_, _, acceleration) = self.mechanism.drivers[k].motion.at(t);
-            let (phi, rate) = if b1 == 0.0 { (0.0, 0.0) } else { self.driver_error(k, t) };
+            let (phi, rate) = if b1 == 0.0 {
+                (0.0, 0.0)
+            } else {
+                self.driver_error(k, t)
+            };
             let gamma = acceleration - b1 * rate - b2 * phi;
             *self.saddle.constraint(self.arms.len() + k) = Vector3::new(gamma, 0.0, 0.0);
         }
@@ -200,7 +230,9 @@ impl<F: Forces> Lagrange<F> {
     fn project(&mut self, t: f64) {
         for driver in &self.mechanism.drivers {
             let (angle, rate, _) = driver.motion.at(t);
-            let parent = driver.parent.map_or_else(BodyState::default, |p| self.bodies[p]);
+            let parent = driver
+                .parent
+                .map_or_else(BodyState::default, |p| self.bodies[p]);
             let child = &mut self.bodies[driver.child];
             (child.angle, child.rate) = (parent.angle + angle, parent.rate + rate);
         }
@@ -297,7 +329,11 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
             return;
         }
         let (qd, vd) = dydt.split_at_mut(3 * self.bodies.len());
-        for (k, (qd, vd)) in qd.chunks_exact_mut(3).zip(vd.chunks_exact_mut(3)).enumerate() {
+        for (k, (qd, vd)) in qd
+            .chunks_exact_mut(3)
+            .zip(vd.chunks_exact_mut(3))
+            .enumerate()
+        {
             let body = self.bodies[k];
             qd.copy_from_slice(&[body.vx, body.vy, body.rate]);
             vd.copy_from_slice(self.saddle.body(k).as_slice());
@@ -330,7 +366,11 @@ impl<F: Forces> Formulation for Lagrange<F> {
         let solved = self.evaluate(t).is_ok();
         for k in 0..self.reactions.len() {
             let mu = *self.saddle.constraint(k);
-            self.reactions[k] = if solved { [-mu.x, -mu.y] } else { [f64::NAN; 2] };
+            self.reactions[k] = if solved {
+                [-mu.x, -mu.y]
+            } else {
+                [f64::NAN; 2]
+            };
         }
         for k in 0..self.torques.len() {
             let mu = *self.saddle.constraint(self.arms.len() + k);

@@ -126,7 +126,12 @@ impl Mechanism {
     pub fn check(&self) -> Result<(), MechanismError> {
         let n = self.bodies.len();
         let ends = |joint: String, parent: Option<BodyId>, child: BodyId| {
-            let bad = |body| Err(MechanismError::Body { joint: joint.clone(), body });
+            let bad = |body| {
+                Err(MechanismError::Body {
+                    joint: joint.clone(),
+                    body,
+                })
+            };
             match parent {
                 _ if child >= n => bad(child),
                 Some(p) if p >= n || p == child => bad(p),
@@ -136,21 +141,30 @@ impl Mechanism {
         for body in &self.bodies {
             let positive = body.mass > 0.0 && body.moment > 0.0;
             if !(positive && body.mass.is_finite() && body.moment.is_finite()) {
-                return Err(MechanismError::Value { what: format!("mass and moment of `{}`", body.name) });
+                return Err(MechanismError::Value {
+                    what: format!("mass and moment of `{}`", body.name),
+                });
             }
         }
         for (k, joint) in self.revolutes.iter().enumerate() {
             ends(format!("revolute {k}"), joint.parent, joint.child)?;
             let points = [joint.parent_point, joint.child_point];
             if !points.iter().flatten().all(|x| x.is_finite()) {
-                return Err(MechanismError::Value { what: format!("points of revolute {k}") });
+                return Err(MechanismError::Value {
+                    what: format!("points of revolute {k}"),
+                });
             }
         }
         for (k, driver) in self.drivers.iter().enumerate() {
             ends(format!("driver {k}"), driver.parent, driver.child)?;
             let m = driver.motion;
-            if ![m.angle, m.rate, m.acceleration].iter().all(|x| x.is_finite()) {
-                return Err(MechanismError::Value { what: format!("motion of driver {k}") });
+            if ![m.angle, m.rate, m.acceleration]
+                .iter()
+                .all(|x| x.is_finite())
+            {
+                return Err(MechanismError::Value {
+                    what: format!("motion of driver {k}"),
+                });
             }
         }
         Ok(())

@@ -67,9 +67,14 @@ impl<F: Forces> Reduced<F> {
         for (k, joint) in mechanism.revolutes.iter().enumerate() {
             let name = &mechanism.bodies[joint.child].name;
             if joint.child_point != [0.0, 0.0] {
-                return no(format!("revolute {k} does not hold `{name}` at its centre of mass"));
+                return no(format!(
+                    "revolute {k} does not hold `{name}` at its centre of mass"
+                ));
             }
-            if pin[joint.child].replace((joint.parent, joint.parent_point)).is_some() {
+            if pin[joint.child]
+                .replace((joint.parent, joint.parent_point))
+                .is_some()
+            {
                 return no(format!("`{name}` is held twice"));
             }
         }
@@ -99,11 +104,17 @@ impl<F: Forces> Reduced<F> {
                     (bodies[body].vx, bodies[body].vy) = (0.0, 0.0);
                 }
                 Some((Some(carrier), arm)) => {
-                    let grounded = mechanism.revolutes.iter().any(|j| j.child == carrier && j.parent.is_none());
+                    let grounded = mechanism
+                        .revolutes
+                        .iter()
+                        .any(|j| j.child == carrier && j.parent.is_none());
                     if !grounded {
-                        return no(format!("the carrier of `{name}` is not pinned to the ground"));
+                        return no(format!(
+                            "the carrier of `{name}` is not pinned to the ground"
+                        ));
                     }
-                    inertia[carrier] += mechanism.bodies[body].mass * (arm[0] * arm[0] + arm[1] * arm[1]);
+                    inertia[carrier] +=
+                        mechanism.bodies[body].mass * (arm[0] * arm[0] + arm[1] * arm[1]);
                     carried.push(Carried { body, carrier, arm });
                     if !carriers.contains(&carrier) {
                         carriers.push(carrier);
@@ -176,7 +187,8 @@ impl<F: Forces> Reduced<F> {
             let base = self.bodies[carried.carrier];
             let body = self.bodies[carried.body];
             let load = self.loads[carried.body];
-            self.moments[carried.carrier] += (body.x - base.x) * load.fy - (body.y - base.y) * load.fx;
+            self.moments[carried.carrier] +=
+                (body.x - base.x) * load.fy - (body.y - base.y) * load.fx;
         }
     }
 }
@@ -201,7 +213,9 @@ impl<F: Forces> Formulation for Reduced<F> {
     fn initial(&self) -> Vec<f64> {
         let start = |body: &BodyId| self.mechanism.bodies[*body].start;
         let angles = self.free.iter().map(|b| start(b).angle);
-        angles.chain(self.free.iter().map(|b| start(b).rate)).collect()
+        angles
+            .chain(self.free.iter().map(|b| start(b).rate))
+            .collect()
     }
 
     fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
@@ -215,7 +229,8 @@ impl<F: Forces> Formulation for Reduced<F> {
         self.evaluate(t);
         for (k, driver) in self.mechanism.drivers.iter().enumerate() {
             let (_, _, acceleration) = driver.motion.at(t);
-            self.torques[k] = self.inertia[driver.child] * acceleration - self.moments[driver.child];
+            self.torques[k] =
+                self.inertia[driver.child] * acceleration - self.moments[driver.child];
         }
         Observation {
             time: t,

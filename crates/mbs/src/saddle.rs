@@ -6,10 +6,14 @@
 //! ```
 //! With mu = -lambda it is symmetric indefinite: [M D'; D 0][a; mu] = [F; gamma]. Its graph has a
 //! node for each body (3 unknowns), revolute (2) and driver (1), and an edge wherever a constraint
-//! touches a body. Nodes are eliminated in an order found once (least degree first; a constraint
-//! only after one of its bodies, which makes its pivot -D M^-1 D' and not zero). For any forest of
-//! joints there is no fill: eliminating a leaf body and then its joint adds the leaf's inertia to
-//! its carrier, so the cost is linear in the number of bodies. Loops cost the fill they need.
+//! touches a body. Nodes are eliminated in an order found once, least degree first. A constraint's
+//! pivot is zero until a body of its own is eliminated, so it waits:
+//! * a joint of the spanning forest (and a driver across it) for its outer body; the rows so chosen
+//!   are independent whatever the pose, because each has a body to itself;
+//! * a joint that closes a loop for all bodies, when its pivot is regular if D has full rank.
+//!
+//! For a forest there is no fill: eliminating a leaf body and then its joint adds the leaf's inertia
+//! to its carrier, so the cost is linear in the number of bodies. Loops cost the fill they need.
 //!
 //! Blocks are 3 x 3 with the unused rows and columns of smaller nodes held at identity, which
 //! keeps one code path and no branches; this is [George & Liu 1981] on 3 x 3 blocks.
@@ -17,6 +21,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::mechanism::{Mechanism, MechanismError};
+use crate::tree::Forest;
 
 /// A pivot whose smallest to largest stretch falls below this is singular: the constraint depends on others.
 const SINGULAR: f64 = 1e-13;
@@ -101,7 +106,7 @@ impl SaddlePoint {
         sizes.extend(mechanism.revolutes.iter().map(|_| 2));
         sizes.extend(mechanism.drivers.iter().map(|_| 1));
 
-        let order = elimination_order(bodies, &ends);
+        let order = elimination_order(bodies, &ends, &prerequisites(mechanism));
         let mut builder = Builder::new(nodes, &order);
         for (c, &(child, parent)) in ends.iter().enumerate() {
             builder.block(bodies + c, child);
@@ -121,7 +126,11 @@ impl SaddlePoint {
                 (slot(child), parent.map(&mut slot))
             })
             .collect();
-        let widest = pivots.iter().map(|p| p.below.1 - p.below.0).max().unwrap_or(0);
+        let widest = pivots
+            .iter()
+            .map(|p| p.below.1 - p.below.0)
+            .max()
+            .unwrap_or(0);
         let mass = mechanism
             .bodies
             .iter()
@@ -184,7 +193,8 @@ impl SaddlePoint {
                 *scaled = self.lower[entry.block] * inverse;
             }
             for update in &self.updates[pivot.updates.0..pivot.updates.1] {
-                let change = self.scratch[update.row] * self.lower[below[update.column].block].transpose();
+                let change =
+                    self.scratch[update.row] * self.lower[below[update.column].block].transpose();
                 match update.target {
                     Target::Diagonal(node) => self.diagonal[node] -= change,
                     Target::Block(block) => self.lower[block] -= change,
@@ -238,12 +248,50 @@ fn symmetric_inverse(m: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     }
     let inverse = 1.0 / determinant;
     let (ia, ib, ic) = (ca * inverse, cb * inverse, cc * inverse);
-    let (id, ie, iff) = ((a * f - c * c) * inverse, (b * c - a * e) * inverse, (a * d - b * b) * inverse);
+    let (id, ie, iff) = (
+        (a * f - c * c) * inverse,
+        (b * c - a * e) * inverse,
+        (a * d - b * b) * inverse,
+    );
     Some(Matrix3::new(ia, ib, ic, ib, id, ie, ic, ie, iff))
 }
 
-/// Least degree first; a constraint becomes eligible with the first of its bodies.
-fn elimination_order(bodies: usize, ends: &[(usize, Option<usize>)]) -> Vec<usize> {
+/// How many bodies must be gone before a constraint may be eliminated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Waits {
+    /// For this body.
+    Outer(usize),
+    /// For all of them.
+    All,
+}
+
+/// What each constraint waits for.
+fn prerequisites(mechanism: &Mechanism) -> Vec<Waits> {
+    let forest = Forest::new(mechanism);
+    let mut waits = vec![Waits::All; mechanism.revolutes.len()];
+    for branch in &forest.branches {
+        waits[branch.revolute] = Waits::Outer(branch.body);
+    }
+    waits.extend(mechanism.drivers.iter().map(|driver| {
+        let across = |b: &&crate::tree::Branch| {
+            (b.body, b.from) == (driver.child, driver.parent)
+                || (Some(b.body), b.from) == (driver.parent, Some(driver.child))
+        };
+        forest
+            .branches
+            .iter()
+            .find(across)
+            .map_or(Waits::All, |b| Waits::Outer(b.body))
+    }));
+    waits
+}
+
+/// Least degree first among those that need not wait.
+fn elimination_order(
+    bodies: usize,
+    ends: &[(usize, Option<usize>)],
+    waits: &[Waits],
+) -> Vec<usize> {
     use std::collections::BTreeSet;
     let nodes = bodies + ends.len();
     let mut neighbours: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); nodes];
@@ -253,27 +301,31 @@ fn elimination_order(bodies: usize, ends: &[(usize, Option<usize>)]) -> Vec<usiz
             neighbours[body].insert(bodies + c);
         }
     }
-    let mut eligible: Vec<bool> = (0..nodes).map(|k| k < bodies).collect();
     let mut left: BTreeSet<usize> = (0..nodes).collect();
+    let mut bodies_left = bodies;
     let mut order = Vec::with_capacity(nodes);
     while !left.is_empty() {
+        let eligible = |&k: &usize| {
+            k < bodies
+                || match waits[k - bodies] {
+                    Waits::Outer(body) => !left.contains(&body),
+                    Waits::All => bodies_left == 0,
+                }
+        };
+        // Constraints first among equals: it keeps carriers waiting until all they carry is in.
         let next = left
             .iter()
             .copied()
-            .filter(|&k| eligible[k])
-            // Constraints first among equals: it keeps carriers waiting until all they carry is in.
-            .min_by_key(|&k| (neighbours[k].len(), usize::from(k < bodies)))
-            .or_else(|| left.first().copied());
+            .filter(eligible)
+            .min_by_key(|&k| (neighbours[k].len(), usize::from(k < bodies)));
         let Some(k) = next else { break };
         left.remove(&k);
+        bodies_left -= usize::from(k < bodies);
         order.push(k);
         let around: Vec<usize> = std::mem::take(&mut neighbours[k]).into_iter().collect();
         for &i in &around {
             neighbours[i].remove(&k);
             neighbours[i].extend(around.iter().copied().filter(|&j| j != i));
-            if k < bodies {
-                eligible[i] = true;
-            }
         }
     }
     order
@@ -292,12 +344,20 @@ impl Builder {
         for (k, &node) in order.iter().enumerate() {
             position[node] = k;
         }
-        Self { position, blocks: std::collections::BTreeMap::new(), columns: vec![Vec::new(); nodes] }
+        Self {
+            position,
+            blocks: std::collections::BTreeMap::new(),
+            columns: vec![Vec::new(); nodes],
+        }
     }
 
     /// The block coupling two nodes, made if it is not there: rows of the later, columns of the earlier.
     fn block(&mut self, a: usize, b: usize) -> usize {
-        let (late, early) = if self.position[a] > self.position[b] { (a, b) } else { (b, a) };
+        let (late, early) = if self.position[a] > self.position[b] {
+            (a, b)
+        } else {
+            (b, a)
+        };
         let next = self.blocks.len();
         *self.blocks.entry((late, early)).or_insert_with(|| {
             self.columns[early].push(late);
@@ -317,12 +377,23 @@ impl Builder {
             }
             for (row, &i) in later.iter().enumerate() {
                 for (column, &j) in later.iter().enumerate().take(row + 1) {
-                    let target =
-                        if i == j { Target::Diagonal(i) } else { Target::Block(self.block(i, j)) };
-                    updates.push(Update { row, column, target });
+                    let target = if i == j {
+                        Target::Diagonal(i)
+                    } else {
+                        Target::Block(self.block(i, j))
+                    };
+                    updates.push(Update {
+                        row,
+                        column,
+                        target,
+                    });
                 }
             }
-            pivots.push(Pivot { node, below: (first.0, below.len()), updates: (first.1, updates.len()) });
+            pivots.push(Pivot {
+                node,
+                below: (first.0, below.len()),
+                updates: (first.1, updates.len()),
+            });
         }
         (pivots, below, updates)
     }

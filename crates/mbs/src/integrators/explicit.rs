@@ -120,7 +120,10 @@ impl<S: OdeSystem> Stepper<S> for FixedStep {
         let (w0, w1) = ((1.0 + 2.0 * s) * u * u, (1.0 + 2.0 * u) * s * s);
         let (d0, d1) = (h * s * u * u, -h * s * s * u);
         for (i, y) in y.iter_mut().enumerate() {
-            *y = w0 * self.y_before[i] + w1 * self.y[i] + d0 * self.f_before[i] + d1 * self.stages[0][i];
+            *y = w0 * self.y_before[i]
+                + w1 * self.y[i]
+                + d0 * self.f_before[i]
+                + d1 * self.stages[0][i];
         }
         system.settle(t, y);
     }

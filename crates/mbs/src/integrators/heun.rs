@@ -8,7 +8,11 @@
 
 use super::{MethodInfo, Tableau};
 
-pub(super) const TABLEAU: Tableau = Tableau { a: &[&[], &[1.0]], b: &[0.5, 0.5], c: &[0.0, 1.0] };
+pub(super) const TABLEAU: Tableau = Tableau {
+    a: &[&[], &[1.0]],
+    b: &[0.5, 0.5],
+    c: &[0.0, 1.0],
+};
 
 pub(super) const INFO: MethodInfo = MethodInfo {
     name: "rk2",

@@ -8,7 +8,11 @@
 
 use super::{MethodInfo, Tableau};
 
-pub(super) const TABLEAU: Tableau = Tableau { a: &[&[], &[0.5]], b: &[0.0, 1.0], c: &[0.0, 0.5] };
+pub(super) const TABLEAU: Tableau = Tableau {
+    a: &[&[], &[0.5]],
+    b: &[0.0, 1.0],
+    c: &[0.0, 0.5],
+};
 
 pub(super) const INFO: MethodInfo = MethodInfo {
     name: "rk2-midpoint",

@@ -1,0 +1,181 @@
+//! Every method of the registry passes the same tests.
+
+use pinwheel_mbs::OdeSystem;
+use pinwheel_mbs::integrators::{METHODS, StepSettings, Stepper, start};
+
+/// A smooth non-linear, non-autonomous problem with the solution y = (sin t, exp(cos t)).
+struct Smooth;
+
+impl OdeSystem for Smooth {
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        dydt[0] = y[1].ln() + (y[0] - t.sin()) * 0.5;
+        dydt[1] = -y[0] * y[1];
+    }
+}
+
+fn exact(t: f64) -> [f64; 2] {
+    [t.sin(), t.cos().exp()]
+}
+
+fn stepper(name: &str, step: f64, tolerance: f64) -> Box<dyn Stepper<Smooth>> {
+    start(name, StepSettings { step, tolerance }, 0.0, &exact(0.0)).expect("registered")
+}
+
+/// Error at t = 2 of the step ends, and the largest error of the interpolant on the way.
+fn errors(name: &str, step: f64) -> (f64, f64) {
+    let mut system = Smooth;
+    let mut run = stepper(name, step, 1e-8);
+    let mut y = [0.0; 2];
+    let mut inside: f64 = 0.0;
+    while run.time() < 2.0 - 1e-9 {
+        let before = run.time();
+        run.step(&mut system).unwrap();
+        for share in [0.25, 0.5, 0.9] {
+            let t = before + share * (run.time() - before);
+            run.interpolate(&mut system, t, &mut y);
+            inside = inside
+                .max((y[0] - exact(t)[0]).abs())
+                .max((y[1] - exact(t)[1]).abs());
+        }
+    }
+    let end = exact(run.time());
+    (
+        (run.state()[0] - end[0])
+            .abs()
+            .max((run.state()[1] - end[1]).abs()),
+        inside,
+    )
+}
+
+#[test]
+fn fixed_steps_have_their_order() {
+    for method in METHODS.iter().filter(|m| !m.adaptive) {
+        let (coarse, fine) = (errors(method.name, 0.02), errors(method.name, 0.01));
+        let order = (coarse.0 / fine.0).log2();
+        let expected = f64::from(method.order);
+        assert!(
+            (order - expected).abs() < 0.25,
+            "{}: order {order}",
+            method.name
+        );
+        // The interpolant is a cubic, order 4 at most, and never spoils a second-order method.
+        let dense = (coarse.1 / fine.1).log2();
+        assert!(
+            dense > expected.min(4.0) - 0.25,
+            "{}: interpolant's order {dense}",
+            method.name
+        );
+    }
+}
+
+#[test]
+fn adaptive_methods_follow_their_tolerance() {
+    for method in METHODS.iter().filter(|m| m.adaptive) {
+        let mut last = f64::INFINITY;
+        for tolerance in [1e-5, 1e-7, 1e-9, 1e-11] {
+            let mut system = Smooth;
+            let mut run = stepper(method.name, 0.1, tolerance);
+            let (mut worst, mut y): (f64, _) = (0.0, [0.0; 2]);
+            while run.time() < 2.0 {
+                let before = run.time();
+                run.step(&mut system).unwrap();
+                let middle = 0.5 * (before + run.time());
+                for t in [middle, run.time()] {
+                    run.interpolate(&mut system, t, &mut y);
+                    worst = worst
+                        .max((y[0] - exact(t)[0]).abs())
+                        .max((y[1] - exact(t)[1]).abs());
+                }
+            }
+            assert!(
+                worst < 30.0 * tolerance,
+                "{} at {tolerance}: {worst}",
+                method.name
+            );
+            assert!(worst < last, "{}: no gain at {tolerance}", method.name);
+            last = worst;
+        }
+    }
+}
+
+#[test]
+fn a_restart_continues_exactly() {
+    for method in METHODS.iter().filter(|m| !m.adaptive) {
+        let mut system = Smooth;
+        let mut whole = stepper(method.name, 1.0 / 64.0, 1e-8);
+        for _ in 0..10 {
+            whole.step(&mut system).unwrap();
+        }
+        let settings = StepSettings {
+            step: 1.0 / 64.0,
+            tolerance: 1e-8,
+        };
+        let mut rest =
+            start(method.name, settings, whole.time(), whole.state()).expect("registered");
+        for _ in 0..10 {
+            whole.step(&mut system).unwrap();
+            rest.step(&mut system).unwrap();
+        }
+        assert_eq!(whole.state(), rest.state(), "{}", method.name);
+    }
+}
+
+#[test]
+fn interpolation_does_not_disturb_the_run() {
+    for method in METHODS {
+        let mut system = Smooth;
+        let (mut watched, mut alone) = (
+            stepper(method.name, 0.05, 1e-6),
+            stepper(method.name, 0.05, 1e-6),
+        );
+        let mut y = [0.0; 2];
+        for _ in 0..20 {
+            watched.step(&mut system).unwrap();
+            alone.step(&mut system).unwrap();
+            let t = watched.time() - 0.013;
+            watched.interpolate(&mut system, t, &mut y);
+            assert_eq!(watched.state(), alone.state(), "{}", method.name);
+        }
+    }
+}
+
+/// y' = NaN from t = 1 on.
+struct Broken;
+
+impl OdeSystem for Broken {
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn derivative(&mut self, t: f64, _: &[f64], dydt: &mut [f64]) {
+        dydt[0] = if t < 1.0 { 1.0 } else { f64::NAN };
+    }
+}
+
+#[test]
+fn a_state_that_is_not_finite_is_an_error() {
+    for method in METHODS {
+        let settings = StepSettings {
+            step: 0.3,
+            tolerance: 1e-6,
+        };
+        let mut run: Box<dyn Stepper<Broken>> =
+            start(method.name, settings, 0.0, &[0.0]).expect("registered");
+        let outcome = (0..10_000).find_map(|_| run.step(&mut Broken).err());
+        assert!(outcome.is_some(), "{}", method.name);
+        assert!(run.state()[0].is_finite());
+    }
+}
+
+#[test]
+fn unknown_methods_are_refused() {
+    let settings = StepSettings {
+        step: 0.3,
+        tolerance: 1e-6,
+    };
+    assert!(start::<Smooth>("euler", settings, 0.0, &[0.0, 1.0]).is_none());
+}
