@@ -1,0 +1,73 @@
+"""Checks that turn a silent blow-up into an error.
+
+No engine here reports that its numbers ran away: MuJoCo resets its state, exudyn returns success with forces of 1e8 N.
+The limits are physical, not tuned: a force that would press a sleeve into its counterpart by its whole radius, and a
+wheel or output that left the mesh by a whole lobe, cannot belong to a working gearbox.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel_engines.errors import Diverged
+from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
+from pinwheel_engines.scene import Scene
+
+Floats = npt.NDArray[np.float64]
+
+
+class Guard:
+    """Watches one run at its samples."""
+
+    def __init__(self, engine: str, scene: Scene) -> None:
+        self.engine = engine
+        self.scene = scene
+        self.kinematics = Kinematics(scene.gear)
+        gear, contact = scene.gear, scene.contact
+        factor = 2.0 * contact.stiffness_multiplier * contact.young_pa / (3.0 * (1.0 - contact.poisson**2))
+        radius = max(gear.external_sleeve_radius_m, gear.internal_sleeve_radius_m)
+        # Hertz with the sleeve's radius as the reduced radius, pressed in by one radius.
+        self.force_limit_n = factor * math.sqrt(radius) * radius**1.5
+        clearance = max(0.0, gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m)
+        free_play = gear.backlash_m * math.sqrt(1.0 - gear.shortening**2) / (gear.eccentricity_m * gear.lobes)
+        lobe = 2.0 * math.pi / gear.lobes
+        self.wheel_limit_rad = lobe + free_play
+        self.output_limit_rad = lobe + free_play + 2.0 * clearance / gear.internal_circle_radius_m
+
+    def diverged(self, time_s: float, quantity: str) -> Diverged:
+        """The error to raise."""
+        return Diverged(self.engine, time_s, quantity)
+
+    def check_states(self, time_s: float, angles: Floats, rates: Floats) -> None:
+        """Raises Diverged on a non-finite angle or rate, an input off its speed, a wheel or output out of mesh."""
+        for name, values in (("angle", angles), ("rate", rates)):
+            bad = np.nonzero(~np.isfinite(values))[0]
+            if bad.size:
+                raise self.diverged(time_s, f"{name} of body {bad[0]} is {values[bad[0]]}")
+        omega = self.scene.drive.input_speed_rad_s
+        slip = abs(rates[INPUT] - omega)
+        # The drivers used here hold the speed to 1e-9 and better; a thousandth is no longer a driver.
+        if slip > 1e-3 * max(abs(omega), 1.0):
+            raise self.diverged(time_s, f"the input runs at {rates[INPUT]:.6g} rad/s instead of {omega:.6g}")
+        ideal, _ = self.kinematics.ideal(self.scene, time_s)
+        layout = self.kinematics.layout
+        off = np.abs(angles[layout.wheel_bodies] - ideal[layout.wheel_bodies])
+        if np.any(off > self.wheel_limit_rad):
+            i = int(np.argmax(off))
+            raise self.diverged(time_s, f"wheel {i} is {off[i]:.3g} rad away from the mesh, more than a lobe")
+        away = abs(angles[OUTPUT] - ideal[OUTPUT])
+        if away > self.output_limit_rad:
+            raise self.diverged(time_s, f"the output shaft is {away:.3g} rad away from the mesh")
+
+    def check_forces(self, time_s: float, forces_n: Floats, what: str = "sleeve force") -> None:
+        """Raises Diverged on a non-finite or impossible force."""
+        size = np.abs(forces_n)
+        bad = ~(size <= self.force_limit_n)
+        if np.any(bad):
+            worst = float(size.flat[int(np.argmax(bad))])
+            raise self.diverged(
+                time_s, f"{what} of {worst:.3g} N, above the {self.force_limit_n:.3g} N that press a sleeve in whole"
+            )

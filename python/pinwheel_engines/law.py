@@ -1,0 +1,240 @@
+"""The contact law (Eq. 10-24), written a second time from the equations alone, over arrays of states.
+
+A pair is a sleeve (centre P, radius r_s) and a wheel; W is the wheel's point closest to P.
+    n = (W - P)/|W - P|, t = R90 n                              Eq. 10-12
+    delta = r_s - |W - P|; pairs with delta <= 0 do nothing
+    v_rel = (sleeve's material velocity at W) - (wheel's), v_n = v_rel . n = d(delta)/dt, v_t = v_rel . t   Eq. 14-19
+    K = 4 H/(3 pi (h_c + h_p)) sqrt(R_c R_p/(R_c + R_p)), h = (1 - nu^2)/(pi E), R_c signed                 Eq. 23, 24
+    F_n = max(0, S(delta) (K delta^1.5 + C v_n)), S(x) = clamp(x/ramp, 0, 1)                                Eq. 20, 22
+    F_t = -mu F_n clamp(v_t/v_s, -1, 1) along t on the sleeve                                               Eq. 21, 22
+Both forces act at W on both bodies, so a pair balances in force and moment.
+
+Four slips of the printed equations are put right: n's rate of change (Eq. 16, 17) is not taken from an un-normalised
+velocity, friction acts against sliding in both directions (Eq. 22 gives none for v_t < 0), the sleeve's spin counts in
+v_rel, and the contact never pulls.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel_engines.errors import SceneError, Unsupported
+from pinwheel_engines.geometry import Epitrochoid, circle_curvature, nearest_vertex
+from pinwheel_engines.layout import Layout, hole_centres, turns
+from pinwheel_engines.scene import Scene
+
+Floats = npt.NDArray[np.float64]
+Points = npt.NDArray[np.complex128]
+Ints = npt.NDArray[np.intp]
+
+# States handled at once: keeps the scratch arrays of points detection within some 100 MB.
+STATES_AT_ONCE = 1024
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """All touching pairs of a batch of states, one entry a pair, in the order state, wheel, sleeve.
+
+    Bodies are indices of the layout; points and directions are complex numbers in the ground frame; forces as in the
+    module's equations, so the sleeve takes `-normal_force n + friction t`, the wheel its opposite.
+    """
+
+    state: Ints
+    wheel: Ints
+    sleeve: Ints
+    point_m: Points
+    normal: Points
+    penetration_m: Floats
+    normal_rate_m_s: Floats
+    tangential_rate_m_s: Floats
+    stiffness: Floats
+    normal_force_n: Floats
+    friction_force_n: Floats
+
+    @property
+    def force_on_sleeve_n(self) -> Points:
+        """Force on the sleeve, ground frame, N."""
+        return self.normal * (-self.normal_force_n + 1j * self.friction_force_n)
+
+
+class ContactLaw:
+    """The contact forces of one scene. Keeps no history: the same states give the same bits."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Raises Unsupported for a law other than `paper`, SceneError for points too coarse to have a stiffness."""
+        contact, gear = scene.contact, scene.gear
+        if contact.law != "paper":
+            raise Unsupported("the numpy contact law", f'contact.law = "{contact.law}"; it knows only "paper"')
+        self.scene = scene
+        self.layout = Layout.of(gear)
+        self.curve = Epitrochoid.of(gear)
+        # Eq. 23 and 24 with equal materials: pi (h_c + h_p) = 2 (1 - nu^2)/E.
+        compliance = 2.0 * (1.0 - contact.poisson**2) / (math.pi * contact.young_pa)
+        self.stiffness_factor = 4.0 * contact.stiffness_multiplier / (3.0 * math.pi * compliance)
+        r_c, r_p = -gear.hole_radius_m, gear.internal_sleeve_radius_m
+        self.hole_stiffness = self.stiffness_factor * math.sqrt(r_c * r_p / (r_c + r_p))
+        self._holes = hole_centres(gear)
+        layout = self.layout
+        wheels = np.arange(layout.wheel_bodies.start, layout.wheel_bodies.stop)
+        outer = np.arange(layout.external_bodies.start, layout.external_bodies.stop)
+        inner = np.arange(layout.internal_bodies.start, layout.internal_bodies.stop)
+        self._outer = np.meshgrid(wheels, outer, indexing="ij")
+        self._inner = np.meshgrid(wheels, inner, indexing="ij")
+        self.points = contact.detection == "points"
+        if self.points:
+            self._set_up_points()
+
+    def _set_up_points(self) -> None:
+        contact, gear, curve = self.scene.contact, self.scene.gear, self.curve
+        count = contact.wheel_points
+        a = 2.0 * math.pi * np.arange(count) / count
+        self._profile = curve.point(a) - gear.external_sleeve_radius_m * curve.normal(a)
+        curvature = circle_curvature(np.roll(self._profile, 1), self._profile, np.roll(self._profile, -1))
+        # R_c R_p/(R_c + R_p) in terms of 1/R_c: no singularity where the profile turns from lobe to pit.
+        softness = 1.0 + gear.external_sleeve_radius_m * curvature
+        if np.any(softness <= 0.0):
+            raise SceneError(
+                f"`contact.wheel_points` = {count} is too coarse: three neighbouring points make a pit that is narrower "
+                "than the sleeve; take more points"
+            )
+        self._profile_stiffness = self.stiffness_factor * np.sqrt(gear.external_sleeve_radius_m / softness)
+        self._rim = gear.hole_radius_m * turns(contact.hole_points)
+
+    def profile_stiffness(self, a: Floats) -> Floats:
+        """K at the profile's parameter a, N/m^1.5: R_c R_p/(R_c + R_p) = q (1 - q kappa_C)."""
+        q = self.scene.gear.external_sleeve_radius_m
+        return np.asarray(self.stiffness_factor * np.sqrt(q * (1.0 - q * self.curve.curvature(a))))
+
+    def contacts(self, states: Floats) -> Contacts:
+        """The touching pairs of states (n, bodies, 6)."""
+        outer = self._touching_profile(states)
+        inner = self._touching_holes(states)
+        state, wheel, sleeve, point, normal, delta, stiffness = (
+            np.concatenate(pair) for pair in zip(outer, inner, strict=True)
+        )
+        order = np.lexsort((sleeve, wheel, state))
+        state, wheel, sleeve = state[order], wheel[order], sleeve[order]
+        point, normal, delta, stiffness = point[order], normal[order], delta[order], stiffness[order]
+        v_rel = velocity_at(states[state, sleeve], point) - velocity_at(states[state, wheel], point)
+        relative = v_rel * np.conj(normal)
+        v_n, v_t = relative.real, relative.imag
+        contact = self.scene.contact
+        ramp = np.clip(delta / contact.ramp_m, 0.0, 1.0)
+        normal_force = np.maximum(0.0, ramp * (stiffness * delta**1.5 + contact.damping_n_s_m * v_n))
+        slide = np.clip(v_t / contact.friction_ramp_m_s, -1.0, 1.0)
+        friction = -contact.friction_coefficient * normal_force * slide
+        return Contacts(state, wheel, sleeve, point, normal, delta, v_n, v_t, stiffness, normal_force, friction)
+
+    def loads(self, states: Floats) -> Floats:
+        """Loads (n, bodies, 3) = fx, fy, moment about the centre of mass, of states (n, bodies, 6)."""
+        states = np.asarray(states, dtype=np.float64)
+        loads = np.zeros((*states.shape[:2], 3))
+        for start in range(0, states.shape[0], STATES_AT_ONCE):
+            part = slice(start, start + STATES_AT_ONCE)
+            self._add_loads(states[part], loads[part])
+        return loads
+
+    def _add_loads(self, states: Floats, loads: Floats) -> None:
+        found = self.contacts(states)
+        force = found.force_on_sleeve_n
+        count, bodies = states.shape[0], states.shape[1]
+        for body, acting in ((found.sleeve, force), (found.wheel, -force)):
+            centre = states[found.state, body, 0] + 1j * states[found.state, body, 1]
+            moment = np.imag(np.conj(found.point_m - centre) * acting)
+            slot = found.state * bodies + body
+            for column, value in enumerate((acting.real, acting.imag, moment)):
+                loads[:, :, column] += np.bincount(slot, value, count * bodies).reshape(count, bodies)
+
+    def _touching_profile(self, states: Floats) -> tuple[Ints, Ints, Ints, Points, Points, Floats, Floats]:
+        """External sleeves against the wheels' profiles."""
+        state, wheel, sleeve, local, turn = self._sleeves_in_wheel_frame(states, *self._outer)
+        q = self.scene.gear.external_sleeve_radius_m
+        # A sleeve can touch only when its centre is within the epitrochoid; a vertex within q implies it too.
+        within, a = self.curve.inside(local)
+        kept = np.nonzero(within)[0]
+        local, a = local[kept], a[kept]
+        if self.points:
+            vertex, apart = nearest_vertex(local, self._profile)
+            point = self._profile[vertex]
+            delta, stiffness = q - apart, self._profile_stiffness[vertex]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                normal = (point - local) / apart
+        else:
+            a, signed = self.curve.closest(local, a)
+            outward = self.curve.normal(a)
+            point, normal = self.curve.point(a) - q * outward, -outward
+            delta, stiffness = -signed, self.profile_stiffness(a)
+        return _on_ground(states, kept, state, wheel, sleeve, turn, point, normal, delta, stiffness)
+
+    def _touching_holes(self, states: Floats) -> tuple[Ints, Ints, Ints, Points, Points, Floats, Floats]:
+        """Internal sleeves against the holes."""
+        state, wheel, sleeve, local, turn = self._sleeves_in_wheel_frame(states, *self._inner)
+        gear = self.scene.gear
+        which_wheel = wheel - self.layout.wheel_bodies.start
+        which_hole = sleeve - self.layout.internal_bodies.start
+        hole = self._holes[which_wheel, which_hole]
+        from_centre = local - hole
+        away = np.abs(from_centre)
+        kept = np.nonzero(gear.internal_sleeve_radius_m - (gear.hole_radius_m - away) > 0.0)[0]
+        local, hole, from_centre, away = local[kept], hole[kept], from_centre[kept], away[kept]
+        if self.points:
+            vertex, apart = nearest_vertex(from_centre, self._rim)
+            point = hole + self._rim[vertex]
+            delta = gear.internal_sleeve_radius_m - apart
+            with np.errstate(divide="ignore", invalid="ignore"):
+                normal = (point - local) / apart
+        else:
+            normal = from_centre / away
+            point = hole + gear.hole_radius_m * normal
+            delta = gear.internal_sleeve_radius_m - (gear.hole_radius_m - away)
+        stiffness = np.full(kept.size, self.hole_stiffness)
+        return _on_ground(states, kept, state, wheel, sleeve, turn, point, normal, delta, stiffness)
+
+    @staticmethod
+    def _sleeves_in_wheel_frame(
+        states: Floats, wheels: Ints, sleeves: Ints
+    ) -> tuple[Ints, Ints, Ints, Points, Points]:
+        """Every pair of every state: indices, the sleeve's centre in the wheel's frame, e^{i wheel angle}."""
+        count = states.shape[0]
+        state = np.repeat(np.arange(count), wheels.size)
+        wheel, sleeve = np.tile(wheels.ravel(), count), np.tile(sleeves.ravel(), count)
+        w, s = states[state, wheel], states[state, sleeve]
+        turn = np.exp(1j * w[:, 2])
+        local = ((s[:, 0] - w[:, 0]) + 1j * (s[:, 1] - w[:, 1])) * np.conj(turn)
+        return state, wheel, sleeve, local, turn
+
+
+def _on_ground(
+    states: Floats,
+    kept: Ints,
+    state: Ints,
+    wheel: Ints,
+    sleeve: Ints,
+    turn: Points,
+    point: Points,
+    normal: Points,
+    delta: Floats,
+    stiffness: Floats,
+) -> tuple[Ints, Ints, Ints, Points, Points, Floats, Floats]:
+    """Turns the touching pairs among `kept` from the wheel's frame into the ground's."""
+    touching = delta > 0.0
+    pair = kept[touching]
+    state, wheel, sleeve, turn = state[pair], wheel[pair], sleeve[pair], turn[pair]
+    centre = states[state, wheel, 0] + 1j * states[state, wheel, 1]
+    ground = centre + point[touching] * turn
+    return state, wheel, sleeve, ground, normal[touching] * turn, delta[touching], stiffness[touching]
+
+
+def velocity_at(body: Floats, point: Points) -> Points:
+    """Material velocity, m/s, of bodies (n, 6) at points of the ground frame."""
+    arm = point - (body[:, 0] + 1j * body[:, 1])
+    return np.asarray(body[:, 3] + 1j * body[:, 4] + 1j * body[:, 5] * arm)
+
+
+def evaluate(scene: Scene, states: Floats) -> Floats:
+    """Loads (n, bodies, 3) = fx, fy, moment about the centre of mass, N and N m, of states (n, bodies, 6)."""
+    return ContactLaw(scene).loads(states)

@@ -1,0 +1,170 @@
+"""Which body stands where, how the mechanism moves without contact, and how a run starts.
+
+Body order everywhere: input shaft, output shaft, wheels, external sleeves, internal sleeves. One body's state is
+(x, y, angle, vx, vy, rate) of its centre of mass, one body's load (fx, fy, moment about it), ground frame, SI.
+
+Every body turns about its own centre of mass, which its carrier holds: wheels sit on the input shaft's eccentrics,
+internal sleeves on the output shaft, everything else on the ground. So a state is known from one absolute angle a body,
+in the order of the bodies; these angles are the *joint angles* `phi` of this package.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel_engines.scene import Gear, Scene
+
+Floats = npt.NDArray[np.float64]
+
+INPUT = 0
+OUTPUT = 1
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Body indices of one gear."""
+
+    wheels: int
+    external_sleeves: int
+    internal_sleeves: int
+
+    @staticmethod
+    def of(gear: Gear) -> Layout:
+        """The layout of a gear."""
+        return Layout(gear.wheels, gear.external_sleeves, gear.internal_sleeves)
+
+    @property
+    def wheel_bodies(self) -> slice:
+        """All wheels."""
+        return slice(2, 2 + self.wheels)
+
+    @property
+    def external_bodies(self) -> slice:
+        """All external sleeves."""
+        start = 2 + self.wheels
+        return slice(start, start + self.external_sleeves)
+
+    @property
+    def internal_bodies(self) -> slice:
+        """All internal sleeves."""
+        start = 2 + self.wheels + self.external_sleeves
+        return slice(start, start + self.internal_sleeves)
+
+    @property
+    def bodies(self) -> int:
+        """Number of bodies."""
+        return 2 + self.wheels + self.external_sleeves + self.internal_sleeves
+
+    @property
+    def carriers(self) -> list[int]:
+        """The body each body is pinned to; -1 is the ground."""
+        return (
+            [-1, -1]
+            + [INPUT] * self.wheels
+            + [-1] * self.external_sleeves
+            + [OUTPUT] * self.internal_sleeves
+        )  # fmt: skip
+
+
+class Kinematics:
+    """Positions and velocities of all bodies from their absolute angles, and loads back to torques on those angles."""
+
+    def __init__(self, gear: Gear) -> None:
+        self.gear = gear
+        self.layout = Layout.of(gear)
+        layout = self.layout
+        self.carriers = np.array(layout.carriers)
+        # Where each body's centre sits on its carrier (or the ground), m, as complex numbers.
+        self.offsets = np.zeros(layout.bodies, dtype=np.complex128)
+        self.offsets[layout.wheel_bodies] = gear.eccentricity_m * turns(gear.wheels)
+        self.offsets[layout.external_bodies] = (gear.pitch_radius_m + gear.backlash_m) * turns(gear.external_sleeves)
+        self.offsets[layout.internal_bodies] = gear.internal_circle_radius_m * turns(gear.internal_sleeves)
+        self._x = np.zeros(layout.bodies)
+        self._carried = np.nonzero(self.carriers >= 0)[0]
+        self._carriers = self.carriers[self._carried]
+        self._arms = self.offsets[self._carried]
+
+    def states(self, angles: Floats, rates: Floats, out: Floats | None = None) -> Floats:
+        """States (bodies, 6) from absolute angles, rad, and rates, rad/s, of all bodies."""
+        if out is None:
+            out = np.zeros((self.layout.bodies, 6))
+        arm = self._arms * np.exp(1j * angles[self._carriers])
+        swing = 1j * rates[self._carriers] * arm
+        out[:, 0], out[:, 1], out[:, 3:5] = self.offsets.real, self.offsets.imag, 0.0
+        out[self._carried, 0], out[self._carried, 1] = arm.real, arm.imag
+        out[self._carried, 3], out[self._carried, 4] = swing.real, swing.imag
+        out[:, 2], out[:, 5] = angles, rates
+        return out
+
+    def torques(self, angles: Floats, loads: Floats, out: Floats | None = None) -> Floats:
+        """Generalised torques (bodies,), N m, on the absolute angles from loads (bodies, 3): the transpose of `states`.
+
+        A carried body's force acts on its carrier's angle with the lever of the carrier's arm.
+        """
+        if out is None:
+            out = np.zeros(self.layout.bodies)
+        out[:] = loads[:, 2]
+        arm = self._arms * np.exp(1j * angles[self._carriers])
+        lever = arm.real * loads[self._carried, 1] - arm.imag * loads[self._carried, 0]
+        n = self.layout.wheels
+        out[INPUT] += lever[:n].sum()
+        out[OUTPUT] += lever[n:].sum()
+        return out
+
+    def lumped_moments(self, scene: Scene) -> Floats:
+        """Diagonal of the exact mass matrix in the absolute angles, kg m^2: carried masses lumped into their carrier."""
+        layout, mass, gear = self.layout, scene.mass, scene.gear
+        moments = np.zeros(layout.bodies)
+        wheels, sleeves = gear.wheels * mass.wheel.mass_kg, gear.internal_sleeves * mass.internal_sleeve.mass_kg
+        moments[INPUT] = mass.input_shaft.moment_kg_m2 + wheels * gear.eccentricity_m**2
+        moments[OUTPUT] = mass.output_shaft.moment_kg_m2 + sleeves * gear.internal_circle_radius_m**2
+        moments[layout.wheel_bodies] = mass.wheel.moment_kg_m2
+        moments[layout.external_bodies] = mass.external_sleeve.moment_kg_m2
+        moments[layout.internal_bodies] = mass.internal_sleeve.moment_kg_m2
+        return moments
+
+    def ideal(self, scene: Scene, time_s: float = 0.0) -> tuple[Floats, Floats]:
+        """Absolute angles and rates of the ideal mesh: output and wheels at -omega/zs, external sleeves at rest.
+
+        A wheel whose centre stands at e (cos f, sin f) fits at the angle (pi - f)/zs. Internal sleeves turn with the
+        output, which starts at 0.
+        """
+        layout, zs, omega = self.layout, self.gear.lobes, scene.drive.input_speed_rad_s
+        angles, rates = np.zeros(layout.bodies), np.zeros(layout.bodies)
+        angles[INPUT], rates[INPUT] = omega * time_s, omega
+        angles[OUTPUT], rates[OUTPUT] = -omega * time_s / zs, -omega / zs
+        f = wheel_phases(self.gear) + omega * time_s
+        angles[layout.wheel_bodies], rates[layout.wheel_bodies] = (math.pi - f) / zs, -omega / zs
+        angles[layout.internal_bodies], rates[layout.internal_bodies] = angles[OUTPUT], -omega / zs
+        return angles, rates
+
+    def output_torque(self, states: Floats, loads: Floats) -> float:
+        """Moment of the internal sleeves' contact forces on the output shaft, N m; they reach it through the pins."""
+        inner = self.layout.internal_bodies
+        x, y = states[inner, 0] - states[OUTPUT, 0], states[inner, 1] - states[OUTPUT, 1]
+        return float(np.sum(x * loads[inner, 1] - y * loads[inner, 0]))
+
+
+def turns(count: int) -> npt.NDArray[np.complex128]:
+    """`count` points of the unit circle at equal steps, the first at angle 0."""
+    return np.exp(2j * math.pi * np.arange(count) / count)
+
+
+def wheel_phases(gear: Gear) -> Floats:
+    """f of every wheel at input angle 0, rad: wheels stand evenly on the eccentric."""
+    return np.asarray(2.0 * math.pi * np.arange(gear.wheels) / gear.wheels)
+
+
+def hole_centres(gear: Gear) -> npt.NDArray[np.complex128]:
+    """Centres of the holes in each wheel's frame, m, shape (wheels, holes).
+
+    At the start hole k stands, seen from its wheel's centre, at angle 2 pi k/zi of the ground, as internal sleeve k does.
+    """
+    start = (math.pi - wheel_phases(gear)) / gear.lobes
+    return np.asarray(
+        gear.internal_circle_radius_m * turns(gear.internal_sleeves)[None, :] * np.exp(-1j * start)[:, None]
+    )

@@ -1,0 +1,241 @@
+"""MuJoCo, shared law: 28 hinges as a tree, RK4, contact torques in every stage through `mjcb_passive`.
+
+MuJoCo supplies bodies, joints, the mass matrix and the integration; its own contact is off. Joint angles are relative to
+the carrier. The driver is a rotor inertia (armature) of 1e12 kg m^2 on the input hinge: it holds the speed to one part in
+1e12 and its own deceleration tells the driver's torque, -armature * acceleration. After an RK4 step MuJoCo's
+accelerations belong to the fourth stage, so each sample is taken from a forward evaluation at the sample's own state.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel_engines.border import LawPointer, StageLaw, check_not_frozen
+from pinwheel_engines.errors import Cancelled, Diverged, EngineFailed
+from pinwheel_engines.guards import Guard
+from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
+from pinwheel_engines.mujoco.session import VERSION, Callback, callback_at, check_data, quiet_session
+from pinwheel_engines.result import Recorder, Result, RunStats
+from pinwheel_engines.scene import BodyMass, Scene
+from pinwheel_engines.start import initial_angles
+from pinwheel_engines.stepping import steps_between
+
+Floats = npt.NDArray[np.float64]
+
+NAME = "mujoco-shared-law"
+
+# Rotor inertia of the driver, kg m^2. The speed's relative error is torque * time/(armature * speed), 1e-14 here.
+ARMATURE_KG_M2 = 1.0e12
+
+
+def model_xml(scene: Scene, step_s: float) -> str:
+    """The mechanism as MJCF: one hinge a body, in the order of `layout`."""
+    kinematics = Kinematics(scene.gear)
+    layout, mass = kinematics.layout, scene.mass
+    masses: list[BodyMass] = [mass.input_shaft, mass.output_shaft]
+    masses += [mass.wheel] * layout.wheels
+    masses += [mass.external_sleeve] * layout.external_sleeves
+    masses += [mass.internal_sleeve] * layout.internal_sleeves
+
+    def body(index: int) -> str:
+        at, part = kinematics.offsets[index], masses[index]
+        j = repr(part.moment_kg_m2)
+        armature = f' armature="{ARMATURE_KG_M2!r}"' if index == INPUT else ""
+        inner = "".join(body(child) for child in range(layout.bodies) if layout.carriers[child] == index)
+        return (
+            f'<body name="b{index}" pos="{float(at.real)!r} {float(at.imag)!r} 0">'
+            f'<inertial pos="0 0 0" mass="{part.mass_kg!r}" diaginertia="{j} {j} {j}"/>'
+            f'<joint name="j{index}" type="hinge" axis="0 0 1"{armature}/>{inner}</body>\n'
+        )
+
+    bodies = "".join(body(index) for index in range(layout.bodies) if layout.carriers[index] < 0)
+    return (
+        f'<mujoco><compiler angle="radian" autolimits="true"/>'
+        f'<option integrator="RK4" timestep="{step_s!r}" gravity="0 0 0">'
+        '<flag contact="disable" constraint="disable" autoreset="disable"/></option>'
+        f"<worldbody>\n{bodies}</worldbody></mujoco>"
+    )
+
+
+def mujoco_layout(kinematics: Kinematics, model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, Any]:
+    """Where a compiled callback finds MuJoCo's numbers; all addresses stay valid until the run ends.
+
+    Addresses (integers): `qpos`, `qvel`, `qfrc_passive` (doubles, `coordinates` of each), `counters` (two 64-bit integers,
+    to be incremented by the callback: calls, and calls whose qpos or qvel differ from the call before), `data` (the
+    mjData this layout belongs to: the callback is process-wide and must leave any other one alone).
+    Lists, one entry a body: `coordinate` (its hinge's index in the three arrays), `carrier` (body it sits on, -1 for the
+    ground; its absolute angle is its hinge's plus its carrier's), `offset_x_m`, `offset_y_m` (its centre on its carrier).
+    The callback adds to `qfrc_passive`, per hinge, the torques of `Kinematics.torques` on absolute angles, plus for every
+    carried body its own torque once more on its carrier's hinge, because that hinge turns it too.
+    """
+    counters = np.zeros(2, dtype=np.int64)
+    coordinate = _coordinates(kinematics, model)
+    return {
+        "bodies": kinematics.layout.bodies,
+        "coordinates": int(model.nv),
+        "qpos": int(data.qpos.ctypes.data),
+        "qvel": int(data.qvel.ctypes.data),
+        "qfrc_passive": int(data.qfrc_passive.ctypes.data),
+        "data": int(data._address),
+        "counters": int(counters.ctypes.data),
+        "counters_array": counters,
+        "coordinate": coordinate.tolist(),
+        "carrier": kinematics.carriers.tolist(),
+        "offset_x_m": kinematics.offsets.real.tolist(),
+        "offset_y_m": kinematics.offsets.imag.tolist(),
+    }
+
+
+def _coordinates(kinematics: Kinematics, model: mujoco.MjModel) -> npt.NDArray[np.intp]:
+    """Index of every body's hinge in qpos and qvel."""
+    return np.array([model.joint(f"j{index}").qposadr[0] for index in range(kinematics.layout.bodies)], dtype=np.intp)
+
+
+class _Machine:
+    """Model, data and the contact torques of one run."""
+
+    def __init__(self, scene: Scene, step_s: float, law: StageLaw, initial: Floats | None) -> None:
+        self.scene, self.law = scene, law
+        self.kinematics = Kinematics(scene.gear)
+        self.model = mujoco.MjModel.from_xml_string(model_xml(scene, step_s))
+        self.data = mujoco.MjData(self.model)
+        self.coordinate = _coordinates(self.kinematics, self.model)
+        self.carried = np.nonzero(self.kinematics.carriers >= 0)[0]
+        self.carriers = self.kinematics.carriers[self.carried]
+        angles, rates = initial_angles(scene, initial)
+        for absolute, target in ((angles, self.data.qpos), (rates, self.data.qvel)):
+            relative = absolute.copy()
+            relative[self.carried] -= absolute[self.carriers]
+            target[self.coordinate] = relative
+        # The load is set by a callback while it ramps up, else once.
+        self.load_address = int(self.coordinate[OUTPUT])
+        self.data.qfrc_applied[self.load_address] = scene.drive.load_n_m(0.0)
+        self.torques = np.zeros(self.kinematics.layout.bodies)
+
+    def absolute(self) -> tuple[Floats, Floats]:
+        """Absolute angles and rates of all bodies."""
+        angles, rates = self.data.qpos[self.coordinate], self.data.qvel[self.coordinate]
+        angles[self.carried] += angles[self.carriers]
+        rates[self.carried] += rates[self.carriers]
+        return angles, rates
+
+    def add_contact_torques(self) -> None:
+        """The body of the passive-force callback when no compiled one is at hand."""
+        angles, rates = self.absolute()
+        self.kinematics.states(angles, rates, out=self.law.states)
+        loads = self.law.evaluate(self.data.time)
+        torques = self.kinematics.torques(angles, loads, out=self.torques)
+        np.add.at(torques, self.carriers, loads[self.carried, 2])
+        self.data.qfrc_passive[self.coordinate] += torques
+
+    def set_load(self) -> None:
+        """The body of the control callback while the load ramps up."""
+        self.data.qfrc_applied[self.load_address] = self.scene.drive.load_n_m(self.data.time)
+
+    def driver_torque(self) -> float:
+        """Torque of the driver on the input shaft at the state of the last forward evaluation, N m."""
+        return -ARMATURE_KG_M2 * float(self.data.qacc[self.coordinate[INPUT]])
+
+    def check_kinematics(self, states: Floats) -> None:
+        """Raises EngineFailed unless MuJoCo's own body positions agree with the states that the law is given."""
+        apart = np.max(np.abs(self.data.xipos[1:, :2][self._body_order()] - states[:, :2]))
+        # Positions are of order 0.1 m and come from products of a few rotations: some units in the last place.
+        if not apart < 1e-12:
+            raise EngineFailed(NAME, f"MuJoCo's body positions differ by {apart:.3g} m from those given to the law")
+
+    def _body_order(self) -> npt.NDArray[np.intp]:
+        if not hasattr(self, "_order"):
+            count = self.kinematics.layout.bodies
+            self._order = np.array([self.model.body(f"b{index}").id - 1 for index in range(count)], dtype=np.intp)
+        return self._order
+
+
+def run(
+    scene: Scene,
+    law: LawPointer | None = None,
+    on_progress: Callable[[float], bool] | None = None,
+    step_s: float | None = None,
+    initial: Floats | None = None,
+) -> Result:
+    """Runs a scene. `step_s` overrides the scene's step; `on_progress` gets simulated seconds, True stops the run.
+
+    Raises Diverged with the courses until then, FrozenForces, Cancelled, EngineFailed, Unsupported.
+    """
+    wanted = scene.solver.step_s if step_s is None else step_s
+    stage_law = StageLaw(scene, law)
+    guard = Guard(NAME, scene)
+    wall, cpu = time.perf_counter(), time.thread_time()
+    with quiet_session():
+        machine = _Machine(scene, wanted, stage_law, initial)
+        model, data = machine.model, machine.data
+        passive = Callback(machine.add_contact_torques)
+        layout = mujoco_layout(machine.kinematics, model, data)
+        address = law.attach_mujoco(layout) if law is not None and law.attach_mujoco is not None else None
+        mujoco.set_mjcb_passive(passive.pointer if address is None else callback_at(address))
+        control = Callback(machine.set_load)
+        if scene.drive.load_ramp_s > 0.0:
+            mujoco.set_mjcb_control(control.pointer)
+        else:
+            mujoco.set_mjcb_control(None)
+        recorder = Recorder(scene, machine.kinematics)
+        times = recorder.times_s
+        steps = 0
+
+        def counts() -> tuple[int, int]:
+            found = layout["counters_array"]
+            return stage_law.calls + int(found[0]), stage_law.changes + int(found[1])
+
+        def finish() -> Result:
+            samples = recorder.count
+            stats = RunStats(
+                wall_s=time.perf_counter() - wall,
+                cpu_s=time.thread_time() - cpu,
+                rhs_calls=counts()[0] - samples,
+                steps=steps,
+                degrees_of_freedom=int(model.nv),
+                bodies=machine.kinematics.layout.bodies,
+                step_s=wanted,
+                settings=f"RK4, {stage_law.name}{'' if address is None else ' called directly'}, "
+                f"driver as armature {ARMATURE_KG_M2:g} kg m^2",
+                versions={"mujoco": VERSION, "numpy": np.__version__},
+            )
+            return Result(NAME, recorder.columns(), stats)
+
+        try:
+            for k, instant in enumerate(times):
+                if k > 0:
+                    count, model.opt.timestep = steps_between(times[k - 1], instant, wanted)
+                    data.time = times[k - 1]
+                    mujoco.mj_step(model, data, count)
+                    steps += count
+                    passive.raise_kept()
+                    control.raise_kept()
+                    check_data(guard, data, float(instant))
+                mujoco.mj_forward(model, data)
+                passive.raise_kept()
+                angles, rates = machine.absolute()
+                guard.check_states(float(instant), angles, rates)
+                machine.kinematics.states(angles, rates, out=stage_law.states)
+                machine.check_kinematics(stage_law.states)
+                loads = stage_law.evaluate_at(float(instant))
+                guard.check_forces(float(instant), loads[:, :2])
+                recorder.record(stage_law.states, loads, machine.driver_torque())
+                if on_progress is not None and on_progress(float(instant)):
+                    raise Cancelled
+            calls, changes = counts()
+            check_not_frozen(NAME, steps, 4, calls - recorder.count, changes)
+        except Diverged as error:
+            error.partial = finish()
+            raise
+        finally:
+            mujoco.set_mjcb_passive(None)
+            if address is not None and law is not None and law.detach_mujoco is not None:
+                law.detach_mujoco()
+        return finish()
+

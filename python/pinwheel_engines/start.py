@@ -1,0 +1,98 @@
+"""How a run starts: the ideal mesh, or the same mesh under its load.
+
+`kinematic`: angles and rates of the ideal mesh. `equilibrium`: the output and the wheels are turned until the contact
+forces, without friction and damping, carry the load; the rates are the ideal ones. Both come as absolute angles and
+rates of all bodies (see `layout`).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel_engines.errors import SceneError
+from pinwheel_engines.law import ContactLaw
+from pinwheel_engines.layout import OUTPUT, Kinematics
+from pinwheel_engines.scene import Scene
+
+Floats = npt.NDArray[np.float64]
+
+
+def initial_angles(scene: Scene, given: Floats | None = None) -> tuple[Floats, Floats]:
+    """Absolute angles and rates at time 0. `given` (bodies, 6) overrules the scene; its positions follow its angles."""
+    kinematics = Kinematics(scene.gear)
+    if given is not None:
+        states = np.asarray(given, dtype=np.float64).reshape(-1, 6)
+        if states.shape[0] != kinematics.layout.bodies or not np.all(np.isfinite(states)):
+            raise SceneError(
+                f"the initial states must be {kinematics.layout.bodies} bodies of 6 finite numbers, "
+                f"not an array of shape {states.shape}"
+            )
+        return states[:, 2].copy(), states[:, 5].copy()
+    angles, rates = kinematics.ideal(scene)
+    if scene.drive.start == "equilibrium":
+        _load(scene, kinematics, angles, rates)
+    return angles, rates
+
+
+def _load(scene: Scene, kinematics: Kinematics, angles: Floats, rates: Floats) -> None:
+    """Turns the output and the wheels until the load at time 0 is carried."""
+    load = scene.drive.load_n_m(0.0)
+    if load == 0.0:
+        return
+    plain = dataclasses.replace(scene.contact, friction_coefficient=0.0, damping_n_s_m=0.0)
+    law = ContactLaw(dataclasses.replace(scene, contact=plain))
+    layout = kinematics.layout
+    wheels = np.arange(layout.wheel_bodies.start, layout.wheel_bodies.stop)
+    ideal = angles.copy()
+    sense = 1.0 if load > 0.0 else -1.0
+
+    def torques(turn: float, wheel_turns: Floats) -> Floats:
+        angles[OUTPUT] = ideal[OUTPUT] + sense * turn
+        angles[layout.internal_bodies] = ideal[layout.internal_bodies] + sense * turn
+        angles[wheels] = ideal[wheels] + sense * wheel_turns
+        states = kinematics.states(angles, rates)
+        return sense * kinematics.torques(angles, law.loads(states[None])[0])
+
+    def settle(turn: float) -> Floats:
+        """Wheel turns at which each wheel is in balance with the output held; the wheels do not touch each other."""
+        low = np.full(wheels.size, -0.5 * np.pi / scene.gear.lobes)
+        high = np.full(wheels.size, 0.5 * np.pi / scene.gear.lobes)
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            pushed_on = torques(turn, middle)[wheels] > 0.0
+            low, high = np.where(pushed_on, middle, low), np.where(pushed_on, high, middle)
+        return 0.5 * (low + high)
+
+    def excess(turn: float) -> float:
+        """Restoring torque of the contacts on the output less the load."""
+        return -torques(turn, settle(turn))[OUTPUT] - abs(load)
+
+    turn = _rising_root(excess, 0.25 * np.pi / scene.gear.lobes)
+    if turn is None:
+        raise SceneError(
+            "the gear cannot carry its load at rest, so `drive.start` = 'equilibrium' has no answer; use 'kinematic'"
+        )
+    torques(turn, settle(turn))
+
+
+def _rising_root(f: Callable[[float], float], end: float) -> float | None:
+    """Root of a function that is negative at 0 and rises, by the Illinois method; None when f(end) is still negative."""
+    low, high = 0.0, end
+    f_low, f_high = f(low), f(high)
+    if f_high < 0.0:
+        return None
+    for _ in range(100):
+        x = high - f_high * (high - low) / (f_high - f_low)
+        fx = f(x)
+        if fx == 0.0 or abs(high - low) < 1e-14:
+            return x
+        if fx * f_high < 0.0:
+            low, f_low = high, f_high
+        else:
+            f_low *= 0.5
+        high, f_high = x, fx
+    return high
