@@ -1,6 +1,7 @@
 //! Cycloidal gearboxes: scene, mechanism, contacts and the native run.
 
 pub mod contacts;
+mod explain;
 mod gearbox;
 mod geometry;
 pub mod guard;
@@ -9,6 +10,7 @@ pub mod native;
 mod recorder;
 pub mod scene;
 
+pub use explain::{Explanation, Statement, explain};
 pub use gearbox::{Gearbox, GearboxError};
 pub use geometry::Geometry;
 pub use layout::{Layout, Sleeve};

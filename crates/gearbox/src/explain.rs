@@ -1,0 +1,198 @@
+//! What a scene needs, what is left out of its model, and why.
+
+use serde::Serialize;
+
+use crate::scene::{Detection, Formulation, Scene, Stabilisation};
+use crate::{Gearbox, GearboxError};
+
+/// One statement with its reason.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Statement {
+    /// What is modelled or left out.
+    pub what: String,
+    /// Why.
+    pub why: String,
+}
+
+/// The model of a scene in words and counts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Explanation {
+    /// Bodies of the gearbox.
+    pub bodies: usize,
+    /// Joints of the gearbox, the driver included.
+    pub joints: usize,
+    /// Coordinates of the Lagrange form.
+    pub lagrange_coordinates: usize,
+    /// Scalar constraints of the Lagrange form.
+    pub constraints: usize,
+    /// Velocities that the chosen formulation integrates.
+    pub degrees_of_freedom: usize,
+    /// Wheel-sleeve pairs tested at every evaluation.
+    pub contact_pairs: usize,
+    /// What is in the model.
+    pub modelled: Vec<Statement>,
+    /// What is not.
+    pub left_out: Vec<Statement>,
+}
+
+/// Explains the model of a checked scene.
+///
+/// # Errors
+/// The scene cannot be modelled.
+pub fn explain(scene: &Scene) -> Result<Explanation, GearboxError> {
+    let gearbox = Gearbox::new(scene)?;
+    let mechanism = gearbox.mechanism();
+    let (layout, contact, solver) = (gearbox.layout, &scene.contact, &scene.solver);
+    let sleeves = layout.external_sleeves + layout.internal_sleeves;
+    let free_angles = layout.wheels + 1 + if gearbox.has_friction() { sleeves } else { 0 };
+    let lagrange = solver.formulation == Formulation::Lagrange;
+    let coordinates = 3 * mechanism.bodies.len();
+
+    let mut modelled = Vec::new();
+    let mut left_out = Vec::new();
+    let say = |list: &mut Vec<Statement>, what: String, why: &str| {
+        list.push(Statement {
+            what,
+            why: why.to_owned(),
+        });
+    };
+
+    if lagrange {
+        say(
+            &mut modelled,
+            format!(
+                "all {} bodies with 3 coordinates each, {} joints by multipliers",
+                mechanism.bodies.len(),
+                joints(&gearbox)
+            ),
+            "solver.formulation = \"lagrange\": the paper's Eq. 2",
+        );
+        say(
+            &mut modelled,
+            format!(
+                "joint stabilisation: {}",
+                match solver.stabilisation {
+                    Stabilisation::None => "none",
+                    Stabilisation::Baumgarte => "Baumgarte",
+                    Stabilisation::Projection => "projection at every stage",
+                }
+            ),
+            match solver.stabilisation {
+                Stabilisation::None => "as published; positions drift with the integrator's error",
+                Stabilisation::Baumgarte => {
+                    "position and velocity errors are fed back into the accelerations"
+                }
+                Stabilisation::Projection => "keeps every joint closed to rounding, in every stage",
+            },
+        );
+    } else {
+        let spins = if gearbox.has_friction() {
+            format!(", {sleeves} sleeve spins")
+        } else {
+            String::new()
+        };
+        say(
+            &mut modelled,
+            format!("{} wheel angles, the output angle{spins}", layout.wheels),
+            "the only angles that forces can change",
+        );
+        say(
+            &mut left_out,
+            format!(
+                "{} translations and their joint multipliers",
+                2 * mechanism.bodies.len()
+            ),
+            "every revolute holds its body at the centre of mass: positions follow from angles exactly, masses are lumped into the carriers",
+        );
+        say(
+            &mut left_out,
+            "the input shaft's equation".to_owned(),
+            "its angle is prescribed; the driver torque follows from the forces on the eccentrics",
+        );
+    }
+    if !gearbox.has_friction() {
+        if !lagrange {
+            say(
+                &mut left_out,
+                format!("{sleeves} sleeve spins"),
+                "friction_coefficient = 0: contact forces pass through the sleeve centres and turn no sleeve",
+            );
+        }
+        say(
+            &mut left_out,
+            "tangential contact velocities inside the integration".to_owned(),
+            "without friction no force depends on them",
+        );
+    }
+    say(
+        &mut modelled,
+        format!(
+            "{} wheel-sleeve pairs with the law `{}`",
+            layout.wheels * sleeves,
+            contact.law
+        ),
+        "every wheel can touch every external sleeve and its own holes",
+    );
+    match contact.detection {
+        Detection::Exact => {
+            say(
+                &mut modelled,
+                "closest point on the exact curves".to_owned(),
+                "contact.detection = \"exact\"",
+            );
+            say(
+                &mut left_out,
+                "discrete contact points".to_owned(),
+                "wheel_points and hole_points only matter with detection = \"points\"",
+            );
+        }
+        Detection::Points => say(
+            &mut modelled,
+            format!(
+                "{} points a wheel, {} a hole",
+                contact.wheel_points, contact.hole_points
+            ),
+            "contact.detection = \"points\": the nearest point within the sleeve, as published",
+        ),
+    }
+    if scene.gear.backlash_m > 0.0 {
+        say(
+            &mut modelled,
+            format!(
+                "backlash: external sleeves at R + {} mm",
+                scene.gear.backlash_m * 1e3
+            ),
+            "gear.backlash_m",
+        );
+    }
+    for (what, why) in [
+        (
+            "bending, bearings and housing",
+            "rigid bodies on ideal revolutes, as in the paper",
+        ),
+        (
+            "gravity",
+            "the plane of motion is horizontal in the paper's model; no force depends on it",
+        ),
+        (
+            "contacts between sleeves and shafts",
+            "sleeves turn on ideal bearings",
+        ),
+    ] {
+        say(&mut left_out, what.to_owned(), why);
+    }
+    Ok(Explanation {
+        bodies: mechanism.bodies.len(),
+        joints: joints(&gearbox),
+        lagrange_coordinates: coordinates,
+        constraints: mechanism.constraints(),
+        degrees_of_freedom: if lagrange { coordinates } else { free_angles },
+        contact_pairs: layout.wheels * sleeves,
+        modelled,
+        left_out,
+    })
+}
+
+fn joints(gearbox: &Gearbox) -> usize {
+    gearbox.layout.bodies() + 1
+}
