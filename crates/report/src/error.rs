@@ -10,6 +10,8 @@ pub enum ReportError {
     #[error("the charts' data cannot be written: {0}")]
     Data(#[from] serde_json::Error),
     /// The comparison names an engine without courses.
-    #[error("the comparison names `{0}`, which is not among the participants: pass the same list to both")]
+    #[error(
+        "the comparison names `{0}`, which is not among the participants: pass the same list to both"
+    )]
     UnknownEngine(String),
 }

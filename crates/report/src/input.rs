@@ -40,6 +40,9 @@ pub struct Fact {
 impl Fact {
     /// A fact from its two parts.
     pub fn new(what: impl Into<String>, why: impl Into<String>) -> Self {
-        Self { what: what.into(), why: why.into() }
+        Self {
+            what: what.into(),
+            why: why.into(),
+        }
     }
 }

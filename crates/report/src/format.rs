@@ -1,0 +1,209 @@
+//! Numbers as people read them: significant digits, no more than are known.
+
+/// What stands for a value that does not exist.
+pub(crate) const NONE: &str = "\u{2013}";
+
+/// A figure with five significant digits, e.g. `1.4529`, `100.42`, `-22.000`.
+pub(crate) fn figure(value: f64) -> String {
+    significant(value, 5)
+}
+
+/// A figure that may not exist.
+pub(crate) fn figure_or_none(value: Option<f64>) -> String {
+    value.map_or_else(|| NONE.to_owned(), figure)
+}
+
+/// `digits` significant digits; powers of ten outside 1e-3 .. 1e6.
+pub(crate) fn significant(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return "not finite".to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = exponent_after_rounding(value, digits);
+    if (-3..6).contains(&exponent) {
+        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+        minus(&format!("{value:.decimals$}"))
+    } else {
+        power(value, digits)
+    }
+}
+
+/// A relative difference with two significant digits: per cent from 1e-3 on, powers of ten below.
+pub(crate) fn relative(value: f64) -> String {
+    if value.is_finite() && value.abs() >= 1e-3 {
+        format!("{}\u{202f}%", significant(100.0 * value, 2))
+    } else if value == 0.0 {
+        "0".to_owned()
+    } else {
+        power(value, 2)
+    }
+}
+
+/// A relative difference that may not exist.
+pub(crate) fn relative_or_none(value: Option<f64>) -> String {
+    value.map_or_else(|| NONE.to_owned(), relative)
+}
+
+/// A limit: the digits it was written with.
+pub(crate) fn limit(value: f64) -> String {
+    if value >= 1e-3 {
+        return format!(
+            "{}\u{202f}%",
+            minus(&format!("{:.10}", 100.0 * value).trim_zeros())
+        );
+    }
+    let text = format!("{value:e}");
+    match text.split_once('e') {
+        Some(("1", exponent)) => format!("10{}", superscript(exponent)),
+        Some((mantissa, exponent)) => format!("{mantissa}\u{b7}10{}", superscript(exponent)),
+        None => text,
+    }
+}
+
+/// A duration with a prefix, e.g. `10 µs`, `0.42 s`, `3.1 min`.
+pub(crate) fn seconds(value: f64) -> String {
+    if !value.is_finite() {
+        return NONE.to_owned();
+    }
+    let (scaled, unit) = match value.abs() {
+        0.0 => return "0\u{202f}s".to_owned(),
+        v if v < 1e-6 => (value * 1e9, "ns"),
+        v if v < 1e-3 => (value * 1e6, "\u{b5}s"),
+        v if v < 0.1 => (value * 1e3, "ms"),
+        v if v < 120.0 => (value, "s"),
+        _ => (value / 60.0, "min"),
+    };
+    let text = significant(scaled, 3);
+    let text = if text.contains('.') {
+        text.trim_zeros()
+    } else {
+        text
+    };
+    format!("{text}\u{202f}{unit}")
+}
+
+/// A length of any size, e.g. `1.2 nm`.
+pub(crate) fn metres(value: f64) -> String {
+    let (scaled, unit) = match value.abs() {
+        0.0 => return "0".to_owned(),
+        v if v < 1e-12 => return format!("{}\u{202f}m", power(value, 2)),
+        v if v < 1e-9 => (value * 1e12, "pm"),
+        v if v < 1e-6 => (value * 1e9, "nm"),
+        v if v < 1e-3 => (value * 1e6, "\u{b5}m"),
+        v if v < 1.0 => (value * 1e3, "mm"),
+        _ => (value, "m"),
+    };
+    format!("{}\u{202f}{unit}", significant(scaled, 2))
+}
+
+/// A count in groups of three.
+pub(crate) fn count(value: u64) -> String {
+    let digits = value.to_string();
+    let mut text = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+trait TrimZeros {
+    /// Without zeros at the end of the decimals.
+    fn trim_zeros(&self) -> String;
+}
+
+impl TrimZeros for str {
+    fn trim_zeros(&self) -> String {
+        self.trim_end_matches('0').trim_end_matches('.').to_owned()
+    }
+}
+
+fn exponent_after_rounding(value: f64, digits: usize) -> i32 {
+    // The format rounds, so 9.99996 with five digits has exponent 1.
+    let text = format!("{value:.precision$e}", precision = digits.saturating_sub(1));
+    text.rsplit_once('e')
+        .and_then(|(_, exponent)| exponent.parse().ok())
+        .unwrap_or(0)
+}
+
+fn power(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return "not finite".to_owned();
+    }
+    let text = format!("{value:.precision$e}", precision = digits.saturating_sub(1));
+    match text.split_once('e') {
+        Some((mantissa, exponent)) => {
+            format!("{}\u{b7}10{}", minus(mantissa), superscript(exponent))
+        }
+        None => text,
+    }
+}
+
+fn minus(text: &str) -> String {
+    text.replacen('-', "\u{2212}", 1)
+}
+
+fn superscript(exponent: &str) -> String {
+    exponent
+        .chars()
+        .map(|c| match c {
+            '-' => '\u{207b}',
+            '1' => '\u{b9}',
+            '2' => '\u{b2}',
+            '3' => '\u{b3}',
+            digit => digit
+                .to_digit(10)
+                .and_then(|d| char::from_u32(0x2070 + d))
+                .unwrap_or(digit),
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures() {
+        for (value, text) in [
+            (1.452_88, "1.4529"),
+            (100.417_2, "100.42"),
+            (-22.0, "\u{2212}22.000"),
+            (9.999_96, "10.000"),
+            (0.0, "0"),
+            (1.234_56e-7, "1.2346\u{b7}10\u{207b}\u{2077}"),
+            (f64::NAN, "not finite"),
+        ] {
+            assert_eq!(figure(value), text);
+        }
+        assert_eq!(significant(123_456.0, 2), "123456");
+    }
+
+    #[test]
+    fn relatives_and_limits() {
+        assert_eq!(relative(0.0151), "1.5\u{202f}%");
+        assert_eq!(relative(1.84e-5), "1.8\u{b7}10\u{207b}\u{2075}");
+        assert_eq!(relative(0.0), "0");
+        assert_eq!(limit(1e-4), "10\u{207b}\u{2074}");
+        assert_eq!(limit(2e-3), "0.2\u{202f}%");
+        assert_eq!(limit(1.5e-2), "1.5\u{202f}%");
+        assert_eq!(limit(2.5e-9), "2.5\u{b7}10\u{207b}\u{2079}");
+        assert_eq!(limit(0.1), "10\u{202f}%");
+    }
+
+    #[test]
+    fn durations_and_counts() {
+        assert_eq!(seconds(1e-5), "10\u{202f}\u{b5}s");
+        assert_eq!(seconds(2e-7), "200\u{202f}ns");
+        assert_eq!(seconds(0.423), "0.423\u{202f}s");
+        assert_eq!(seconds(3600.0), "60\u{202f}min");
+        assert_eq!(seconds(0.0), "0\u{202f}s");
+        assert_eq!(metres(1.24e-9), "1.2\u{202f}nm");
+        assert_eq!(count(1_200_000), "1\u{202f}200\u{202f}000");
+        assert_eq!(count(999), "999");
+    }
+}

@@ -1,0 +1,219 @@
+//! The top of the page: the verdict in one sentence, and the figures people come for.
+
+use pinwheel_compare::comparison::EngineSummary;
+use pinwheel_compare::{Comparison, Quantity, WindowKind, quantities, track};
+
+use super::window_label;
+use crate::format;
+
+/// The verdict.
+pub(super) struct Banner {
+    /// `pass`, `fail` or `open`.
+    pub(super) class: &'static str,
+    pub(super) sign: &'static str,
+    pub(super) headline: String,
+    pub(super) within: usize,
+    pub(super) exceeded: usize,
+    pub(super) not_judged: usize,
+    pub(super) finished: usize,
+    /// Engine and reason of each run that did not finish.
+    pub(super) unfinished: Vec<(String, String)>,
+}
+
+/// One headline figure.
+pub(super) struct Tile {
+    pub(super) label: String,
+    pub(super) value: String,
+    pub(super) unit: String,
+    /// The second line, e.g. smallest and largest value.
+    pub(super) detail: String,
+    /// Whose figure it is and how far the engines are apart.
+    pub(super) spread: String,
+}
+
+pub(super) fn banner(comparison: &Comparison) -> Banner {
+    let counts = comparison.counts;
+    let limits = |n: usize| {
+        if n == 1 {
+            "1 limit".to_owned()
+        } else {
+            format!("{n} limits")
+        }
+    };
+    let (class, sign, headline) = if counts.exceeded > 0 {
+        let checked = limits(counts.within + counts.exceeded);
+        (
+            "fail",
+            "\u{2715}",
+            format!("{} of {checked} exceeded", counts.exceeded),
+        )
+    } else if comparison.unfinished > 0 {
+        let (count, runs) = match comparison.unfinished {
+            1 => ("1".to_owned(), "engine"),
+            n => (n.to_string(), "engines"),
+        };
+        ("fail", "!", format!("{count} {runs} did not finish"))
+    } else if counts.within > 0 {
+        let all = if counts.within == 1 {
+            "The one limit holds"
+        } else {
+            "All limits hold"
+        };
+        ("pass", "\u{2713}", all.to_owned())
+    } else {
+        (
+            "open",
+            "\u{25cb}",
+            "Nothing was judged: no limit applies".to_owned(),
+        )
+    };
+    Banner {
+        class,
+        sign,
+        headline,
+        within: counts.within,
+        exceeded: counts.exceeded,
+        not_judged: counts.not_judged,
+        finished: comparison
+            .engines
+            .iter()
+            .filter(|e| e.status.is_finished())
+            .count(),
+        unfinished: comparison
+            .engines
+            .iter()
+            .filter_map(|e| Some((e.name.clone(), e.status.reason()?)))
+            .collect(),
+    }
+}
+
+/// Headline figures: torques by their mean, forces by their largest value, and the efficiency;
+/// each the median of the engines that share the contact law, or of all if none does.
+pub(super) fn tiles(comparison: &Comparison) -> Vec<Tile> {
+    let Some(window) = comparison.windows.first().map(|w| w.kind) else {
+        return Vec::new();
+    };
+    let finished: Vec<&EngineSummary> = comparison
+        .engines
+        .iter()
+        .filter(|e| e.status.is_finished())
+        .collect();
+    let one_law: Vec<&EngineSummary> = finished
+        .iter()
+        .copied()
+        .filter(|e| e.track == track::NATIVE || e.track == track::SHARED_LAW)
+        .collect();
+    let engines = if one_law.is_empty() {
+        &finished
+    } else {
+        &one_law
+    };
+    let mut tiles: Vec<Tile> = comparison
+        .quantities
+        .iter()
+        .filter(|q| q.is_load())
+        .filter_map(|q| quantity_tile(comparison, engines, q, window))
+        .collect();
+    let efficiencies: Vec<f64> = engines
+        .iter()
+        .flat_map(|e| &e.figures)
+        .filter(|f| f.window == window)
+        .filter_map(|f| f.efficiency)
+        .collect();
+    if let Some(value) = median(&efficiencies) {
+        tiles.push(Tile {
+            label: "Efficiency".to_owned(),
+            value: format::significant(100.0 * value, 5),
+            unit: "%".to_owned(),
+            detail: window_label(comparison, window),
+            spread: spread(&efficiencies),
+        });
+    }
+    tiles
+}
+
+fn quantity_tile(
+    comparison: &Comparison,
+    engines: &[&EngineSummary],
+    quantity: &Quantity,
+    window: WindowKind,
+) -> Option<Tile> {
+    let statistics: Vec<_> = engines
+        .iter()
+        .flat_map(|e| &e.figures)
+        .filter(|f| f.window == window)
+        .filter_map(|f| f.quantities.get(&quantity.name))
+        .collect();
+    let all = |of: fn(&pinwheel_compare::statistics::Statistics) -> f64| {
+        statistics.iter().map(|s| of(s)).collect::<Vec<_>>()
+    };
+    let figure = |of| median(&all(of)).map(format::figure);
+    let (main, kind, detail) = if quantity.is_torque() {
+        let range = format!("{} to {}", figure(|s| s.min)?, figure(|s| s.max)?);
+        (all(|s| s.mean), "mean", range)
+    } else {
+        let rest = format!("mean {}, rms {}", figure(|s| s.mean)?, figure(|s| s.rms)?);
+        (all(|s| s.max), "largest", rest)
+    };
+    let label = match quantity.name.as_str() {
+        quantities::INPUT_TORQUE => "Driver torque",
+        _ => &quantity.label,
+    };
+    let load = match comparison.context.load_n_m {
+        Some(load) if quantity.name == quantities::OUTPUT_TORQUE => {
+            format!("; load {}", format::significant(load, 3))
+        }
+        _ => String::new(),
+    };
+    Some(Tile {
+        label: format!("{label}, {kind}"),
+        value: format::figure(median(&main)?),
+        unit: quantity.unit.clone(),
+        detail: format!("{detail}{load}"),
+        spread: spread(&main),
+    })
+}
+
+/// The middle value; of an even number the smaller of the two middle ones, so that it is always
+/// some engine's figure.
+fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len().checked_sub(1)? / 2).copied()
+}
+
+fn spread(values: &[f64]) -> String {
+    let (low, high) = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
+            (l.min(v), h.max(v))
+        });
+    let scale = low.abs().max(high.abs());
+    match values.len() {
+        0 | 1 => "one engine".to_owned(),
+        n if scale == 0.0 => format!("{n} engines agree"),
+        n => format!(
+            "{n} engines within {}",
+            format::relative((high - low) / scale)
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_are_someones_figure() {
+        assert_eq!(median(&[3.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), Some(2.0));
+        assert_eq!(median(&[]), None);
+    }
+
+    #[test]
+    fn spreads() {
+        assert_eq!(spread(&[2.0]), "one engine");
+        assert_eq!(spread(&[100.0, 99.0]), "2 engines within 1.0\u{202f}%");
+        assert_eq!(spread(&[0.0, 0.0]), "2 engines agree");
+    }
+}

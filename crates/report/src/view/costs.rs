@@ -1,0 +1,73 @@
+//! What every run cost. Wall times are of this machine; counts are not.
+
+use pinwheel_compare::Comparison;
+
+use crate::format;
+
+/// One engine's cost; text with the number it is sorted by.
+pub(super) struct CostRow {
+    pub(super) engine: String,
+    pub(super) style: usize,
+    pub(super) track: String,
+    pub(super) status: &'static str,
+    pub(super) wall: (String, String),
+    /// Wall time over the longest one's in per cent, for the bar.
+    pub(super) bar: String,
+    pub(super) cpu: (String, String),
+    pub(super) rhs_calls: (String, String),
+    pub(super) steps: (String, String),
+    pub(super) rejected: String,
+    pub(super) step: (String, String),
+    pub(super) degrees_of_freedom: String,
+    pub(super) bodies: String,
+    pub(super) drift: (String, String),
+    pub(super) settings: String,
+    pub(super) notes: Vec<String>,
+}
+
+pub(super) fn rows(comparison: &Comparison) -> Vec<CostRow> {
+    let longest = comparison
+        .engines
+        .iter()
+        .map(|e| e.cost.wall_s)
+        .fold(0.0, f64::max);
+    comparison
+        .engines
+        .iter()
+        .enumerate()
+        .map(|(style, engine)| {
+            let cost = &engine.cost;
+            let time = |value: f64| (format::seconds(value), value.to_string());
+            let count = |value: u64| (format::count(value), value.to_string());
+            CostRow {
+                engine: engine.name.clone(),
+                style,
+                track: engine.track.clone(),
+                status: engine.status.word(),
+                wall: time(cost.wall_s),
+                bar: format!(
+                    "{:.1}",
+                    100.0
+                        * if longest > 0.0 {
+                            cost.wall_s / longest
+                        } else {
+                            0.0
+                        }
+                ),
+                cpu: time(cost.cpu_s),
+                rhs_calls: count(cost.rhs_calls),
+                steps: count(cost.steps),
+                rejected: format::count(cost.rejected_steps),
+                step: time(cost.step_s),
+                degrees_of_freedom: cost.degrees_of_freedom.to_string(),
+                bodies: cost.bodies.to_string(),
+                drift: match cost.joint_drift_m {
+                    Some(drift) => (format::metres(drift), drift.to_string()),
+                    None => (format::NONE.to_owned(), String::new()),
+                },
+                settings: cost.settings.clone(),
+                notes: cost.notes.clone(),
+            }
+        })
+        .collect()
+}

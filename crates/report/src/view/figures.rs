@@ -1,0 +1,112 @@
+//! Headline figures of every engine of a track, window by window.
+
+use pinwheel_compare::comparison::EngineSummary;
+use pinwheel_compare::statistics::Statistics;
+use pinwheel_compare::{Comparison, Quantity, quantities, track};
+
+use super::window_label;
+use crate::format;
+
+/// One table: engines down, figures across.
+pub(super) struct FigureTable {
+    pub(super) window: String,
+    /// Quantities with their unit and number of columns.
+    pub(super) groups: Vec<ColumnGroup>,
+    pub(super) rows: Vec<FigureRow>,
+    pub(super) efficiency: bool,
+}
+
+/// The columns of one quantity.
+pub(super) struct ColumnGroup {
+    pub(super) label: String,
+    pub(super) unit: String,
+    pub(super) columns: Vec<&'static str>,
+}
+
+/// One engine's figures.
+pub(super) struct FigureRow {
+    pub(super) engine: String,
+    pub(super) style: usize,
+    /// Text and the number it is sorted by.
+    pub(super) cells: Vec<(String, String)>,
+    pub(super) efficiency: (String, String),
+}
+
+/// A name of a statistic and how to take it.
+type Column = (&'static str, fn(&Statistics) -> f64);
+
+fn columns(quantity: &Quantity) -> &'static [Column] {
+    if quantity.name == quantities::OUTPUT_TORQUE {
+        &[("mean", |s| s.mean)]
+    } else if quantity.is_torque() {
+        &[("mean", |s| s.mean), ("min", |s| s.min), ("max", |s| s.max)]
+    } else {
+        &[("max", |s| s.max), ("mean", |s| s.mean), ("rms", |s| s.rms)]
+    }
+}
+
+pub(super) fn tables(comparison: &Comparison, track: &str) -> Vec<FigureTable> {
+    let loads: Vec<&Quantity> = comparison
+        .quantities
+        .iter()
+        .filter(|q| q.is_load())
+        .collect();
+    comparison
+        .windows
+        .iter()
+        .map(|window| {
+            let rows: Vec<FigureRow> = comparison
+                .engines
+                .iter()
+                .enumerate()
+                .filter(|(_, e)| e.track == track || e.track == track::NATIVE)
+                .filter_map(|(style, engine)| row(engine, style, window.kind, &loads))
+                .collect();
+            FigureTable {
+                window: window_label(comparison, window.kind),
+                groups: loads
+                    .iter()
+                    .map(|q| ColumnGroup {
+                        label: q.label.clone(),
+                        unit: q.unit.clone(),
+                        columns: columns(q).iter().map(|(name, _)| *name).collect(),
+                    })
+                    .collect(),
+                efficiency: rows.iter().any(|row| row.efficiency.0 != format::NONE),
+                rows,
+            }
+        })
+        .filter(|table| !table.rows.is_empty() && !table.groups.is_empty())
+        .collect()
+}
+
+fn row(
+    engine: &EngineSummary,
+    style: usize,
+    window: pinwheel_compare::WindowKind,
+    loads: &[&Quantity],
+) -> Option<FigureRow> {
+    let figures = engine.figures.iter().find(|f| f.window == window)?;
+    let cell = |value: Option<f64>| {
+        (
+            format::figure_or_none(value),
+            value.map_or_else(String::new, |v| v.to_string()),
+        )
+    };
+    let cells = loads
+        .iter()
+        .flat_map(|q| {
+            let statistics = figures.quantities.get(&q.name);
+            columns(q)
+                .iter()
+                .map(move |(_, of)| cell(statistics.map(of)))
+        })
+        .collect();
+    let percent = figures.efficiency.map(|e| 100.0 * e);
+    Some(FigureRow {
+        engine: engine.name.clone(),
+        style,
+        cells,
+        efficiency: cell(percent),
+    })
+}

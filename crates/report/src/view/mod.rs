@@ -1,0 +1,178 @@
+//! The page as text: every number formatted, every word chosen, so that the templates only place
+//! things. Nothing here is escaped: the templates do that.
+
+mod banner;
+mod checks;
+mod costs;
+mod figures;
+mod matrices;
+mod pairs;
+mod tracks;
+
+use askama::Template;
+use pinwheel_compare::{Comparison, Verdict, WindowKind};
+
+use crate::chart_data::{ChartData, json_for_script};
+use crate::{Fact, ReportError, ReportInput};
+use banner::{Banner, Tile};
+use costs::CostRow;
+use tracks::TrackSection;
+
+/// The whole page.
+#[derive(Template)]
+#[template(path = "page.html")]
+pub(crate) struct Page<'a> {
+    scene: &'a str,
+    description: &'a str,
+    banner: Banner,
+    tiles: Vec<Tile>,
+    remarks: Vec<String>,
+    chart_notes: Vec<String>,
+    chart_json: Option<String>,
+    tracks: Vec<TrackSection>,
+    engines: Vec<EngineCard>,
+    costs: Vec<CostRow>,
+    modelled: &'a [Fact],
+    left_out: &'a [Fact],
+    assumptions: &'a [Fact],
+    versions: &'a [(String, String)],
+    machine: &'a [(String, String)],
+    command: &'a str,
+    scene_toml: &'a str,
+    made: Option<&'a str>,
+    assets: Assets,
+}
+
+/// Styles and scripts, embedded when the program is built.
+struct Assets {
+    plot_css: &'static str,
+    css: &'static str,
+    plot_js: &'static str,
+    charts_js: &'static str,
+    page_js: &'static str,
+}
+
+const ASSETS: Assets = Assets {
+    plot_css: include_str!("../../assets/vendor/uplot/uPlot.min.css"),
+    css: include_str!("../../assets/report.css"),
+    plot_js: include_str!("../../assets/vendor/uplot/uPlot.iife.min.js"),
+    charts_js: include_str!("../../assets/charts.js"),
+    page_js: include_str!("../../assets/report.js"),
+};
+
+/// One engine in words.
+struct EngineCard {
+    name: String,
+    version: String,
+    track: String,
+    summary: String,
+    differences: String,
+    /// Place in the list, which is its colour and dash.
+    style: usize,
+    /// Why it was not judged, if it was not.
+    trouble: Option<String>,
+}
+
+impl<'a> Page<'a> {
+    pub(crate) fn of(input: &'a ReportInput<'a>) -> Result<Self, ReportError> {
+        let comparison = input.comparison;
+        for engine in &comparison.engines {
+            if !input.participants.iter().any(|p| p.name == engine.name) {
+                return Err(ReportError::UnknownEngine(engine.name.clone()));
+            }
+        }
+        let charts = ChartData::of(input.participants, &comparison.windows);
+        Ok(Self {
+            scene: &comparison.context.scene,
+            description: &comparison.context.description,
+            banner: banner::banner(comparison),
+            tiles: banner::tiles(comparison),
+            remarks: comparison
+                .absent_windows
+                .iter()
+                .map(|w| format!("No {} window: {}.", w.kind.word(), w.reason))
+                .collect(),
+            chart_notes: charts.as_ref().map(|c| c.notes.clone()).unwrap_or_default(),
+            chart_json: charts.as_ref().map(json_for_script).transpose()?,
+            tracks: tracks::sections(comparison),
+            engines: engine_cards(comparison),
+            costs: costs::rows(comparison),
+            modelled: &input.modelled,
+            left_out: &input.left_out,
+            assumptions: &input.assumptions,
+            versions: &input.versions,
+            machine: &input.machine,
+            command: &input.command,
+            scene_toml: &input.scene_toml,
+            made: input.made.as_deref(),
+            assets: ASSETS,
+        })
+    }
+}
+
+fn engine_cards(comparison: &Comparison) -> Vec<EngineCard> {
+    comparison
+        .engines
+        .iter()
+        .enumerate()
+        .map(|(style, engine)| EngineCard {
+            name: engine.name.clone(),
+            version: engine.version.clone(),
+            track: engine.track.clone(),
+            summary: engine.summary.clone(),
+            differences: engine.differences.clone(),
+            style,
+            trouble: engine.status.reason(),
+        })
+        .collect()
+}
+
+/// A window in words, e.g. `Steady, 0.3–0.6 s`.
+fn window_label(comparison: &Comparison, kind: WindowKind) -> String {
+    let word = match kind {
+        WindowKind::Steady => "Steady",
+        WindowKind::Transient => "Transient",
+        WindowKind::Whole => "Whole run",
+    };
+    match comparison.windows.iter().find(|w| w.kind == kind) {
+        Some(window) => {
+            let tidy = |t: f64| (t * 1e9).round() / 1e9;
+            format!(
+                "{word}, {}\u{2013}{}\u{202f}s",
+                tidy(window.from_s),
+                tidy(window.to_s)
+            )
+        }
+        None => word.to_owned(),
+    }
+}
+
+/// A quantity in words; its name if the comparison does not list it.
+fn quantity_label<'a>(comparison: &'a Comparison, name: &'a str) -> &'a str {
+    comparison
+        .quantities
+        .iter()
+        .find(|q| q.name == name)
+        .map_or(name, |q| &q.label)
+}
+
+/// A verdict as class, mark and word; never by colour alone.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Mark {
+    class: &'static str,
+    sign: &'static str,
+    word: &'static str,
+}
+
+fn mark(verdict: &Verdict) -> Mark {
+    let (class, sign) = match verdict {
+        Verdict::Within => ("within", "\u{2713}"),
+        Verdict::Exceeded => ("exceeded", "\u{2715}"),
+        Verdict::NotJudged { .. } => ("unjudged", "\u{25cb}"),
+    };
+    Mark {
+        class,
+        sign,
+        word: verdict.word(),
+    }
+}
