@@ -4,18 +4,22 @@
 //! Planar, SI units; vectors are `[x, y]`, rotations unit complex numbers.
 
 mod closest;
+mod closest_lanes;
 mod complex;
 mod epitrochoid;
 mod friction;
 mod hertz;
 mod hole;
+mod lanes;
 mod law;
 mod points;
 
+pub use closest_lanes::FeetLanes;
 pub use complex::Complex;
 pub use epitrochoid::{CurveError, CurvePoint, Epitrochoid, Foot};
 pub use friction::RegularisedCoulomb;
 pub use hertz::HertzStiffness;
 pub use hole::Hole;
+pub use lanes::{ComplexLanes, LANES, Lanes, Mask};
 pub use law::{NormalLaw, PaperLaw, ramp};
 pub use points::{HolePoints, ProfilePoints, Vertex};
