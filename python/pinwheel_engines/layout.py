@@ -88,6 +88,30 @@ class Kinematics:
         self._carriers = self.carriers[self._carried]
         self._arms = self.offsets[self._carried]
 
+    def relative(self, absolute: Floats) -> Floats:
+        """Joint angles (or rates) against the carrier from absolute ones."""
+        joints = absolute.copy()
+        joints[self._carried] -= absolute[self._carriers]
+        return joints
+
+    def absolute(self, relative: Floats) -> Floats:
+        """Absolute angles (or rates) from those against the carrier; carriers stand on the ground."""
+        angles = relative.copy()
+        angles[self._carried] += relative[self._carriers]
+        return angles
+
+    def relative_torques(self, angles: Floats, loads: Floats) -> Floats:
+        """Generalised torques, N m, on the joint angles against the carrier; `angles` are absolute.
+
+        Turning a carrier turns what it carries, so a carried body's torque acts on its carrier's joint as well.
+        """
+        joints = self.torques(angles, loads)
+        n = self.layout.wheels
+        moments = loads[self._carried, 2]
+        joints[INPUT] += moments[:n].sum()
+        joints[OUTPUT] += moments[n:].sum()
+        return joints
+
     def states(self, angles: Floats, rates: Floats, out: Floats | None = None) -> Floats:
         """States (bodies, 6) from absolute angles, rad, and rates, rad/s, of all bodies."""
         if out is None:

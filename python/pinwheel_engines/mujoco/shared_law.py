@@ -106,33 +106,25 @@ class _Machine:
         self.model = mujoco.MjModel.from_xml_string(model_xml(scene, step_s))
         self.data = mujoco.MjData(self.model)
         self.coordinate = _coordinates(self.kinematics, self.model)
-        self.carried = np.nonzero(self.kinematics.carriers >= 0)[0]
-        self.carriers = self.kinematics.carriers[self.carried]
         angles, rates = initial_angles(scene, initial)
-        for absolute, target in ((angles, self.data.qpos), (rates, self.data.qvel)):
-            relative = absolute.copy()
-            relative[self.carried] -= absolute[self.carriers]
-            target[self.coordinate] = relative
+        self.data.qpos[self.coordinate] = self.kinematics.relative(angles)
+        self.data.qvel[self.coordinate] = self.kinematics.relative(rates)
         # The load is set by a callback while it ramps up, else once.
         self.load_address = int(self.coordinate[OUTPUT])
         self.data.qfrc_applied[self.load_address] = scene.drive.load_n_m(0.0)
-        self.torques = np.zeros(self.kinematics.layout.bodies)
+        self.body = np.array([self.model.body(f"b{i}").id for i in range(self.coordinate.size)], dtype=np.intp)
 
     def absolute(self) -> tuple[Floats, Floats]:
         """Absolute angles and rates of all bodies."""
-        angles, rates = self.data.qpos[self.coordinate], self.data.qvel[self.coordinate]
-        angles[self.carried] += angles[self.carriers]
-        rates[self.carried] += rates[self.carriers]
-        return angles, rates
+        kinematics, data = self.kinematics, self.data
+        return kinematics.absolute(data.qpos[self.coordinate]), kinematics.absolute(data.qvel[self.coordinate])
 
     def add_contact_torques(self) -> None:
         """The body of the passive-force callback when no compiled one is at hand."""
         angles, rates = self.absolute()
         self.kinematics.states(angles, rates, out=self.law.states)
         loads = self.law.evaluate(self.data.time)
-        torques = self.kinematics.torques(angles, loads, out=self.torques)
-        np.add.at(torques, self.carriers, loads[self.carried, 2])
-        self.data.qfrc_passive[self.coordinate] += torques
+        self.data.qfrc_passive[self.coordinate] += self.kinematics.relative_torques(angles, loads)
 
     def set_load(self) -> None:
         """The body of the control callback while the load ramps up."""
@@ -144,16 +136,10 @@ class _Machine:
 
     def check_kinematics(self, states: Floats) -> None:
         """Raises EngineFailed unless MuJoCo's own body positions agree with the states that the law is given."""
-        apart = np.max(np.abs(self.data.xipos[1:, :2][self._body_order()] - states[:, :2]))
+        apart = np.max(np.abs(self.data.xipos[self.body, :2] - states[:, :2]))
         # Positions are of order 0.1 m and come from products of a few rotations: some units in the last place.
         if not apart < 1e-12:
             raise EngineFailed(NAME, f"MuJoCo's body positions differ by {apart:.3g} m from those given to the law")
-
-    def _body_order(self) -> npt.NDArray[np.intp]:
-        if not hasattr(self, "_order"):
-            count = self.kinematics.layout.bodies
-            self._order = np.array([self.model.body(f"b{index}").id - 1 for index in range(count)], dtype=np.intp)
-        return self._order
 
 
 def run(

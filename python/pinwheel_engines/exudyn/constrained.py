@@ -1,0 +1,230 @@
+"""exudyn, shared law, constrained: 28 free bodies, 29 joints, Lagrange multipliers, an implicit second-order method.
+
+The closest relative of the published formulation: three coordinates a body, revolute joints and a driver as constraints
+(Eq. 2-8). Contact loads enter as the force of one generic object over all bodies, evaluated in every Newton iteration.
+The Newton matrix needs the contact forces only where they are stiff over a step: friction's dependence on velocities is
+given in closed form, everything else converges without (contraction about h^2 omega^2/4, 1e-3 at 1e-5 s).
+The driver's multiplier is minus the torque it exerts on the input shaft.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import exudyn as exu
+import exudyn.itemInterface as items
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel_engines.border import LawPointer, StageLaw, check_not_frozen
+from pinwheel_engines.errors import Cancelled, Diverged
+from pinwheel_engines.exudyn.session import VERSION, Kept, quiet_session, solve
+from pinwheel_engines.guards import Guard
+from pinwheel_engines.law import ContactLaw
+from pinwheel_engines.layout import OUTPUT, Kinematics
+from pinwheel_engines.result import Recorder, Result, RunStats
+from pinwheel_engines.scene import Scene
+from pinwheel_engines.start import initial_angles
+from pinwheel_engines.stepping import stretches
+
+Floats = npt.NDArray[np.float64]
+
+NAME = "exudyn-constrained-shared-law"
+
+# How the scene's users may call the integrators.
+INTEGRATORS = ("trapezoidal-index2", "generalized-alpha")
+
+
+def run(
+    scene: Scene,
+    law: LawPointer | None = None,
+    on_progress: Callable[[float], bool] | None = None,
+    step_s: float | None = None,
+    initial: Floats | None = None,
+    integrator: str = "trapezoidal-index2",
+) -> Result:
+    """Runs a scene. `step_s` overrides the scene's step; `on_progress` gets simulated seconds, True stops the run.
+
+    Raises Diverged with the courses until then, FrozenForces, Cancelled, EngineFailed, Unsupported.
+    """
+    wanted = scene.solver.step_s if step_s is None else step_s
+    kinematics = Kinematics(scene.gear)
+    stage_law = StageLaw(scene, law)
+    guard = Guard(NAME, scene)
+    recorder = Recorder(scene, kinematics)
+    kept = Kept()
+    wall, cpu = time.perf_counter(), time.thread_time()
+    progress = {"steps": 0}
+    drift = {"m": 0.0}
+    count = kinematics.layout.bodies
+
+    def force(_system: Any, time_s: float, _item: int, q: Floats, q_t: Floats) -> Floats:
+        stage_law.states[:, :3] = np.asarray(q).reshape(count, 3)
+        stage_law.states[:, 3:] = np.asarray(q_t).reshape(count, 3)
+        loads = stage_law.evaluate(time_s).copy()
+        loads[OUTPUT, 2] += scene.drive.load_n_m(time_s)
+        return loads.ravel()
+
+    jacobian = _jacobian(scene, count)
+    with quiet_session():
+        container = exu.SystemContainer()
+        system = container.AddSystem()
+        zeros = np.zeros(3 * count)
+        driver = _add_mechanism(
+            system,
+            scene,
+            kinematics,
+            initial_angles(scene, initial),
+            kept.function(force, zeros),
+            kept.function(jacobian, np.zeros((zeros.size, zeros.size))),
+        )
+        system.Assemble()
+
+        def sample(time_s: float) -> None:
+            data = system.systemData
+            q, q_t = data.GetODE2Coordinates().reshape(count, 3), data.GetODE2Coordinates_t().reshape(count, 3)
+            guard.check_states(time_s, q[:, 2], q_t[:, 2])
+            pinned = kinematics.states(q[:, 2], q_t[:, 2])
+            drift["m"] = max(drift["m"], float(np.max(np.abs(pinned[:, :2] - q[:, :2]))))
+            stage_law.states[:, :3], stage_law.states[:, 3:] = q, q_t
+            loads = stage_law.evaluate_at(time_s)
+            guard.check_forces(time_s, loads[:, :2])
+            torque = -float(system.GetObjectOutput(driver, exu.OutputVariableType.Force))
+            if time_s == 0.0:
+                # No multipliers before the first step: the torque that holds the input's speed.
+                torque = -float(kinematics.torques(q[:, 2], loads)[0])
+            guard.check_forces(time_s, np.array([torque]), "driver torque")
+            recorder.record(stage_law.states, loads, torque)
+            if on_progress is not None and on_progress(time_s):
+                raise Cancelled
+
+        def adjust(settings: Any) -> None:
+            # The residual is in N and N m; a step's forces are known to 1e-8 of them.
+            settings.timeIntegration.newton.useModifiedNewton = True
+            settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = True
+
+        def finish() -> Result:
+            stats = RunStats(
+                wall_s=time.perf_counter() - wall,
+                cpu_s=time.thread_time() - cpu,
+                rhs_calls=stage_law.calls,
+                steps=progress["steps"],
+                degrees_of_freedom=3 * count,
+                bodies=count,
+                step_s=wanted,
+                settings=f"{count} RigidBody2D, {count} JointRevolute2D, driver constraint, {integrator}, {stage_law.name}",
+                joint_drift_m=drift["m"],
+                versions={"exudyn": VERSION, "numpy": np.__version__},
+            )
+            return Result(NAME, recorder.columns(), stats)
+
+        solvers = exu.DynamicSolverType
+        solver = solvers.TrapezoidalIndex2 if integrator == INTEGRATORS[0] else solvers.GeneralizedAlpha
+        try:
+            sample(0.0)
+            parts = stretches(recorder.times_s, wanted)
+            progress["steps"] = solve(NAME, system, parts, kept, solver, sample, adjust)
+            # One evaluation a step is the least an implicit method can do.
+            check_not_frozen(NAME, progress["steps"], 1, stage_law.calls, stage_law.changes)
+        except Diverged as error:
+            error.partial = finish()
+            raise
+        return finish()
+
+
+def _add_mechanism(
+    system: Any,
+    scene: Scene,
+    kinematics: Kinematics,
+    start: tuple[Floats, Floats],
+    force: Callable[..., Any],
+    jacobian: Callable[..., Any],
+) -> Any:
+    """Bodies, joints, driver and the contact object; returns the driver's object number."""
+    layout, mass = kinematics.layout, scene.mass
+    parts = [mass.input_shaft, mass.output_shaft]
+    parts += [mass.wheel] * layout.wheels
+    parts += [mass.external_sleeve] * layout.external_sleeves
+    parts += [mass.internal_sleeve] * layout.internal_sleeves
+    states = kinematics.states(*start)
+    ground = system.AddObject(items.ObjectGround())
+    nodes, bodies = [], []
+    for part, state in zip(parts, states, strict=True):
+        # Reference coordinates stay 0, so that no user function has to know whether it sees them.
+        nodes.append(
+            system.AddNode(
+                items.NodeRigidBody2D(initialCoordinates=state[:3].tolist(), initialVelocities=state[3:].tolist())
+            )
+        )
+        bodies.append(
+            system.AddObject(
+                items.ObjectRigidBody2D(mass=part.mass_kg, inertia=part.moment_kg_m2, nodeNumber=nodes[-1])
+            )
+        )
+    for index, carrier in enumerate(layout.carriers):
+        at = kinematics.offsets[index]
+        seat = [float(at.real), float(at.imag), 0.0]
+        carrier_object = ground if carrier < 0 else bodies[carrier]
+        system.AddObject(
+            items.ObjectJointRevolute2D(
+                markerNumbers=[
+                    system.AddMarker(items.MarkerBodyPosition(bodyNumber=carrier_object, localPosition=seat)),
+                    system.AddMarker(items.MarkerBodyPosition(bodyNumber=bodies[index], localPosition=[0.0, 0.0, 0.0])),
+                ]
+            )
+        )
+    omega, phase = float(start[1][0]), float(start[0][0])
+    still = system.AddNode(items.NodePointGround(referenceCoordinates=[0.0, 0.0, 0.0]))
+    driver = system.AddObject(
+        items.ObjectConnectorCoordinate(
+            markerNumbers=[
+                system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=still, coordinate=0)),
+                system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=2)),
+            ],
+            offsetUserFunction=lambda _system, t, _item, _offset: phase + omega * t,
+            offsetUserFunction_t=lambda _system, t, _item, _offset: omega,
+        )
+    )
+    system.AddObject(
+        items.ObjectGenericODE2(
+            nodeNumbers=nodes,
+            massMatrix=np.zeros((3 * len(nodes), 3 * len(nodes))),
+            forceUserFunction=force,
+            jacobianUserFunction=jacobian,
+        )
+    )
+    return driver
+
+
+def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
+    """The contact object's user Jacobian: minus the derivative of its force, friction's velocities only."""
+    size = 3 * count
+    if scene.contact.friction_coefficient == 0.0:
+        nothing = np.zeros((size, size))
+        return lambda *_arguments: nothing
+    law = ContactLaw(scene)
+    contact = scene.contact
+
+    def friction(
+        _system: Any, _time: float, _item: int, q: Floats, q_t: Floats, _f_position: float, f_velocity: float
+    ) -> Floats:
+        states = np.hstack([np.asarray(q).reshape(count, 3), np.asarray(q_t).reshape(count, 3)])
+        found = law.contacts(states[None])
+        sticking = np.abs(found.tangential_rate_m_s) < contact.friction_ramp_m_s
+        slope = contact.friction_coefficient * found.normal_force_n / contact.friction_ramp_m_s * sticking
+        tangent = 1j * found.normal
+        matrix = np.zeros((size, size))
+        # v_t = row . velocities; the sleeve's and the wheel's part of the row.
+        for k in np.nonzero(slope > 0.0)[0]:
+            row = np.zeros(size)
+            for body, sign in ((found.sleeve[k], 1.0), (found.wheel[k], -1.0)):
+                arm = found.point_m[k] - complex(states[body, 0], states[body, 1])
+                lever = float(np.imag(np.conj(arm) * tangent[k]))
+                row[3 * body : 3 * body + 3] = sign * np.array([tangent[k].real, tangent[k].imag, lever])
+            touched = np.nonzero(row)[0]
+            matrix[np.ix_(touched, touched)] += f_velocity * slope[k] * np.outer(row[touched], row[touched])
+        return matrix
+
+    return friction

@@ -1,0 +1,146 @@
+"""exudyn, shared law, explicit: one kinematic tree of revolute joints, classical Runge-Kutta of order 4.
+
+exudyn supplies the tree's mass matrix and the integration; contact torques enter through the tree's force user function,
+which runs in every stage. Explicit solvers of exudyn ignore constraints, so the driver is a rotor inertia of 1e12 kg m^2
+on the input link and its torque is -inertia * acceleration, from the acceleration at the end of the step.
+The user function's coordinates include the reference coordinates, which are 0 here.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import exudyn as exu
+import exudyn.itemInterface as items
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel_engines.border import LawPointer, StageLaw, check_not_frozen
+from pinwheel_engines.errors import Cancelled, Diverged
+from pinwheel_engines.exudyn.session import VERSION, Kept, quiet_session, solve
+from pinwheel_engines.guards import Guard
+from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
+from pinwheel_engines.result import Recorder, Result, RunStats
+from pinwheel_engines.scene import Scene
+from pinwheel_engines.start import initial_angles
+from pinwheel_engines.stepping import stretches
+
+Floats = npt.NDArray[np.float64]
+
+NAME = "exudyn-explicit-shared-law"
+
+# Rotor inertia of the driver, kg m^2: the speed's relative error is torque * time/(inertia * speed), 1e-14 here.
+ROTOR_KG_M2 = 1.0e12
+
+
+def run(
+    scene: Scene,
+    law: LawPointer | None = None,
+    on_progress: Callable[[float], bool] | None = None,
+    step_s: float | None = None,
+    initial: Floats | None = None,
+) -> Result:
+    """Runs a scene. `step_s` overrides the scene's step; `on_progress` gets simulated seconds, True stops the run.
+
+    Raises Diverged with the courses until then, FrozenForces, Cancelled, EngineFailed, Unsupported.
+    """
+    wanted = scene.solver.step_s if step_s is None else step_s
+    kinematics = Kinematics(scene.gear)
+    stage_law = StageLaw(scene, law)
+    guard = Guard(NAME, scene)
+    recorder = Recorder(scene, kinematics)
+    kept = Kept()
+    wall, cpu = time.perf_counter(), time.thread_time()
+    progress = {"steps": 0}
+
+    def force(_system: Any, time_s: float, _item: int, q: Floats, q_t: Floats) -> Floats:
+        angles, rates = kinematics.absolute(np.asarray(q)), kinematics.absolute(np.asarray(q_t))
+        kinematics.states(angles, rates, out=stage_law.states)
+        torques = kinematics.relative_torques(angles, stage_law.evaluate(time_s))
+        torques[OUTPUT] += scene.drive.load_n_m(time_s)
+        return torques
+
+    with quiet_session():
+        container = exu.SystemContainer()
+        system = container.AddSystem()
+        count = kinematics.layout.bodies
+        angles, rates = initial_angles(scene, initial)
+        node = system.AddNode(
+            items.NodeGenericODE2(
+                referenceCoordinates=[0.0] * count,
+                initialCoordinates=kinematics.relative(angles).tolist(),
+                initialCoordinates_t=kinematics.relative(rates).tolist(),
+                numberOfODE2Coordinates=count,
+            )
+        )
+        _add_tree(system, scene, kinematics, node, kept.function(force, np.zeros(count)))
+        system.Assemble()
+
+        def sample(time_s: float) -> None:
+            data = system.systemData
+            angles, rates = kinematics.absolute(data.GetODE2Coordinates()), kinematics.absolute(data.GetODE2Coordinates_t())
+            guard.check_states(time_s, angles, rates)
+            kinematics.states(angles, rates, out=stage_law.states)
+            loads = stage_law.evaluate_at(time_s)
+            guard.check_forces(time_s, loads[:, :2])
+            torque = -ROTOR_KG_M2 * float(data.GetODE2Coordinates_tt()[INPUT])
+            if time_s == 0.0:
+                # exudyn has no accelerations before its first step: the torque that holds the input's speed.
+                torque = -float(kinematics.torques(angles, loads)[INPUT])
+            recorder.record(stage_law.states, loads, torque)
+            if on_progress is not None and on_progress(time_s):
+                raise Cancelled
+
+        def finish() -> Result:
+            stats = RunStats(
+                wall_s=time.perf_counter() - wall,
+                cpu_s=time.thread_time() - cpu,
+                rhs_calls=stage_law.calls,
+                steps=progress["steps"],
+                degrees_of_freedom=count,
+                bodies=count,
+                step_s=wanted,
+                settings=f"KinematicTree, RK44, {stage_law.name}, driver as rotor inertia {ROTOR_KG_M2:g} kg m^2",
+                versions={"exudyn": VERSION, "numpy": np.__version__},
+            )
+            return Result(NAME, recorder.columns(), stats)
+
+        try:
+            sample(0.0)
+            parts = stretches(recorder.times_s, wanted)
+            solver = exu.DynamicSolverType.RK44
+            progress["steps"] = solve(NAME, system, parts, kept, solver, sample)
+            # Four stages; the evaluation at the end of a step serves the next one's acceleration as well.
+            check_not_frozen(NAME, progress["steps"], 4, stage_law.calls, stage_law.changes)
+        except Diverged as error:
+            error.partial = finish()
+            raise
+        return finish()
+
+
+def _add_tree(system: Any, scene: Scene, kinematics: Kinematics, node: Any, force: Callable[..., Any]) -> None:
+    """The mechanism as one kinematic tree, links in the order of `layout`."""
+    layout, mass = kinematics.layout, scene.mass
+    parts = [mass.input_shaft, mass.output_shaft]
+    parts += [mass.wheel] * layout.wheels
+    parts += [mass.external_sleeve] * layout.external_sleeves
+    parts += [mass.internal_sleeve] * layout.internal_sleeves
+    unit = np.eye(3)
+    inertias = [np.diag([0.0, 0.0, part.moment_kg_m2]) for part in parts]
+    inertias[INPUT] = np.diag([0.0, 0.0, ROTOR_KG_M2 + mass.input_shaft.moment_kg_m2])
+    count = layout.bodies
+    system.AddObject(
+        items.ObjectKinematicTree(
+            nodeNumber=node,
+            jointTypes=[exu.JointType.RevoluteZ] * count,
+            linkParents=layout.carriers,
+            jointTransformations=exu.Matrix3DList([unit] * count),
+            jointOffsets=exu.Vector3DList([[float(z.real), float(z.imag), 0.0] for z in kinematics.offsets]),
+            linkInertiasCOM=exu.Matrix3DList(inertias),
+            linkCOMs=exu.Vector3DList([[0.0, 0.0, 0.0]] * count),
+            linkMasses=[part.mass_kg for part in parts],
+            forceUserFunction=force,
+        )
+    )

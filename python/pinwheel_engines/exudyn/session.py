@@ -1,0 +1,143 @@
+"""exudyn's process-wide settings, its solver settings, and the sampling of one run.
+
+exudyn prints to the console and writes `solution/...` into the working directory unless told not to; a run that blows up
+reports success. Here nothing is printed or written, every sample is checked, and a Python error inside a user function is
+kept and raised after the solver has stopped.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel_engines.errors import Diverged, EngineFailed
+from pinwheel_engines.stepping import Stretch
+
+Floats = npt.NDArray[np.float64]
+
+_TURN = threading.RLock()
+
+VERSION = str(exu.__version__)
+
+
+@contextmanager
+def quiet_session() -> Iterator[None]:
+    """Runs the body alone, with exudyn's console output and warnings off; both are put back at the end."""
+    with _TURN:
+        before = (exu.config.printToConsole, exu.config.suppressWarnings)
+        exu.config.printToConsole, exu.config.suppressWarnings = False, True
+        try:
+            yield
+        finally:
+            exu.config.printToConsole, exu.config.suppressWarnings = before
+
+
+def settings_for(stretch: Stretch) -> Any:
+    """Solver settings with fixed steps and no files."""
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.solution.sensors.active = False
+    time = settings.timeIntegration
+    time.startTime, time.endTime, time.numberOfSteps = stretch.start_s, stretch.end_s, stretch.steps
+    time.automaticStepSize = False
+    time.adaptiveStep = False
+    time.verboseMode = 0
+    time.verboseModeFile = 0
+    return settings
+
+
+class Kept:
+    """Wraps user functions so that a Python error is kept instead of crossing exudyn's C++ code."""
+
+    def __init__(self) -> None:
+        self.error: BaseException | None = None
+
+    def function(self, body: Callable[..., Any], failed: Any) -> Callable[..., Any]:
+        """`body` as a user function; after an error it answers `failed` and is called no more."""
+
+        def guarded(*arguments: Any) -> Any:
+            if self.error is None:
+                try:
+                    return body(*arguments)
+                except BaseException as error:
+                    self.error = error
+            return failed
+
+        return guarded
+
+    def raise_kept(self) -> None:
+        """Raises what a user function raised."""
+        if self.error is not None:
+            error, self.error = self.error, None
+            raise error
+
+
+def solve(
+    engine: str,
+    system: Any,
+    parts: list[Stretch],
+    kept: Kept,
+    solver: Any,
+    sample: Callable[[float], None],
+    adjust: Callable[[Any], None] = lambda _settings: None,
+) -> int:
+    """Integrates all stretches, calls `sample(time)` after every sample's last step; returns the number of steps.
+
+    `sample` may raise: the run stops and the error comes out here. exudyn's own errors become EngineFailed, or Diverged
+    when the Newton iteration of an implicit step failed.
+    """
+    done = 0
+    for number, stretch in enumerate(parts):
+        settings = settings_for(stretch)
+        adjust(settings)
+        counter = {"steps": 0}
+        size = (stretch.end_s - stretch.start_s) / stretch.steps
+
+        def after_step(
+            _system: Any,
+            time_s: float,
+            stretch: Stretch = stretch,
+            size: float = size,
+            counter: dict[str, int] = counter,
+        ) -> bool:
+            # Some solvers call this once before the first step.
+            if time_s - stretch.start_s < 0.5 * size:
+                return True
+            counter["steps"] += 1
+            if counter["steps"] % stretch.steps_a_sample == 0:
+                sample(time_s)
+            return True
+
+        system.SetPostStepUserFunction(kept.function(after_step, False))
+        if number > 0:
+            carry_over(system)
+        try:
+            system.SolveDynamic(settings, solverType=solver)
+        except Exception as error:
+            kept.raise_kept()
+            time_s = stretch.start_s + counter["steps"] * size
+            text = " ".join(str(error).split())
+            if counter["steps"] > 0 or "Newton" in text or "converge" in text.lower():
+                raise Diverged(engine, time_s, f"the solver gave up: {text[:200]}") from error
+            raise EngineFailed(engine, text[:400]) from error
+        finally:
+            system.SetPostStepUserFunction(0)
+        kept.raise_kept()
+        done += counter["steps"]
+        if counter["steps"] != stretch.steps:
+            raise EngineFailed(engine, f"the solver made {counter['steps']} steps instead of {stretch.steps}")
+    return done
+
+
+def carry_over(system: Any) -> None:
+    """Makes the current state the initial one of the next solver call."""
+    data, current, initial = system.systemData, exu.ConfigurationType.Current, exu.ConfigurationType.Initial
+    data.SetODE2Coordinates(data.GetODE2Coordinates(current), initial)
+    data.SetODE2Coordinates_t(data.GetODE2Coordinates_t(current), initial)
+    data.SetDataCoordinates(data.GetDataCoordinates(current), initial)
