@@ -1,1 +1,44 @@
-fn main() {}
+//! The program `pinwheel`: arguments, progress, exit codes, nothing else.
+//!
+//! Exit status: 0 done and within limits; 1 ran, but a limit was exceeded; 2 bad input or usage;
+//! 3 an engine is missing, diverged or failed; 130 stopped by the user.
+//! Results go to stdout, progress to stderr and only when that is a terminal.
+
+mod args;
+mod commands;
+mod engines;
+mod facts;
+mod failure;
+mod folder;
+mod interrupt;
+mod machine;
+mod progress;
+mod record;
+mod screen;
+mod table;
+
+use std::process::ExitCode;
+
+use crate::args::Command;
+use crate::failure::Failure;
+
+fn main() -> ExitCode {
+    let outcome = args::parse().and_then(|command| match command {
+        None => Ok(0),
+        Some(command) => interrupt::install().and_then(|()| dispatch(&command)),
+    });
+    let code = outcome.unwrap_or_else(|failure: Failure| {
+        screen::complain(&failure.message);
+        failure.code
+    });
+    ExitCode::from(code)
+}
+
+fn dispatch(command: &Command) -> Result<u8, Failure> {
+    match command {
+        Command::Run(args) => commands::run::run(args),
+        Command::Compare(args) => commands::compare::compare(args),
+        Command::Explain(args) => commands::explain::explain(args),
+        Command::Engines(args) => commands::engines::engines(args),
+    }
+}

@@ -12,18 +12,22 @@ const ROUNDING: f64 = 1e-12;
 
 /// Checks a gear whose single values are in range.
 pub(super) fn check(gear: &Gear) -> Result<(), Fault> {
-    external_sleeves(gear)?;
     profile(gear)?;
+    external_sleeves(gear)?;
     backlash(gear)?;
     internal_sleeves(gear)?;
     holes_inside_the_wheel(gear)
 }
 
+/// Half the distance of neighbouring external sleeves' centres, m.
+fn half_pitch(gear: &Gear) -> f64 {
+    (gear.pitch_radius_m() + gear.backlash_m) * (PI / gear.external_sleeves as f64).sin()
+}
+
 /// Neighbouring external sleeves must not touch on their circle of radius R + d.
 fn external_sleeves(gear: &Gear) -> Result<(), Fault> {
     let q = gear.external_sleeve_radius_m;
-    let half_pitch =
-        (gear.pitch_radius_m() + gear.backlash_m) * (PI / gear.external_sleeves as f64).sin();
+    let half_pitch = half_pitch(gear);
     if q >= half_pitch {
         return Err(Fault::new(
             &[
@@ -62,6 +66,7 @@ fn profile(gear: &Gear) -> Result<(), Fault> {
         "gear.external_sleeves",
     ];
     let smallest = curve.smallest_convex_radius();
+    let most = smallest.min(half_pitch(gear));
     // kappa <= 0 everywhere cannot happen on a closed curve, so `smallest` is positive.
     if q >= smallest {
         return Err(Fault::new(
@@ -73,7 +78,7 @@ fn profile(gear: &Gear) -> Result<(), Fault> {
             ),
             format!(
                 "make it smaller than {} m, or e zk/m larger, or the shortening smaller",
-                below(smallest)
+                below(most)
             ),
         ));
     }

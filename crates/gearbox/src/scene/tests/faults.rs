@@ -341,7 +341,11 @@ fn the_cost_of_a_run_is_bounded() {
 #[test]
 fn parts_that_do_not_fit() {
     for (sets, part) in [
-        (&["gear.external_sleeve_radius_m=0.0132"][..], "overlap"),
+        (&["gear.external_sleeve_radius_m=0.0132"][..], "undercut"),
+        (
+            &["gear.external_sleeve_radius_m=0.0131"],
+            "external sleeves overlap",
+        ),
         (&["gear.shortening=0.98"], "undercut"),
         (&["gear.backlash_m=0.0015"], "hardly reach"),
         (
@@ -381,6 +385,10 @@ fn remedies_hold() {
         ),
         (&["gear.hole_radius_m=0.0080"], "gear.hole_radius_m"),
         (&["gear.backlash_m=0.002"], "gear.backlash_m"),
+        (
+            &["gear.external_sleeve_radius_m=0.02"],
+            "gear.external_sleeve_radius_m",
+        ),
         (&["gear.hole_radius_m=0.0146"], "gear.hole_radius_m"),
         (&["solver.sample_s=1e-8"], "solver.sample_s"),
     ] {

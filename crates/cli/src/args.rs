@@ -1,0 +1,281 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::error::ErrorKind;
+use clap::{Args, Parser, Subcommand};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::scene::{Override, Scene};
+
+use crate::failure::Failure;
+use crate::screen;
+
+const EXAMPLES: &str = "\
+Examples:
+  pinwheel compare paper                         the paper's gearbox, every engine, one report
+  pinwheel run paper --engine native             one engine: courses.csv and run.json
+  pinwheel compare paper --set gear.backlash_m=0.0006 --out out/backlash
+  pinwheel explain my-gear.toml                  what is modelled, assumed and to be expected
+  pinwheel engines                               what there is to compare with
+
+A SCENE is the path of a TOML file or the name of a preset: paper, paper-2019, paper-friction,
+paper-rough, paper-refined, paper-geometric, backlash-0.6, steel, one-wheel, eleven-pins, forty-pins.
+
+Exit status: 0 done and within limits; 1 a limit was exceeded; 2 bad input or usage;
+3 an engine is missing, diverged or failed; 130 stopped.";
+
+/// Cross-validation of cycloidal gearbox dynamics: one scene, several engines, one report.
+#[derive(Debug, Parser)]
+#[command(name = "pinwheel", version, after_help = EXAMPLES, max_term_width = 100)]
+#[command(arg_required_else_help = true, disable_help_subcommand = true)]
+struct Program {
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run a scene on one engine and keep its courses.
+    Run(RunArgs),
+    /// Run a scene on several engines, compare them and write a report.
+    Compare(CompareArgs),
+    /// Say what a scene models, what it leaves out and what to expect of it.
+    Explain(ExplainArgs),
+    /// List the engines of this build.
+    Engines(EnginesArgs),
+}
+
+/// Which scene.
+#[derive(Debug, Args)]
+pub(crate) struct SceneArgs {
+    /// Scene file (TOML) or preset name.
+    pub(crate) scene: String,
+    /// Override a key of the scene, e.g. --set gear.backlash_m=0.0006; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+/// Where results go.
+#[derive(Debug, Args)]
+pub(crate) struct OutArgs {
+    /// Output folder; an earlier output there is replaced as a whole [default: out/<scene>-<command>].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Replace the output folder even if it holds files of other origin.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+/// `pinwheel run`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  pinwheel run paper
+  pinwheel run paper --engine native-lagrange --set solver.integrator=rk4 --out out/rk4
+
+Writes DIR/courses.csv and DIR/run.json. A run that diverges ends with status 3 and leaves what
+was computed until then in DIR/courses.partial.csv.")]
+pub(crate) struct RunArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// Engine, see `pinwheel engines`; `native` takes the formulation that the scene asks for.
+    #[arg(long, value_name = "NAME", default_value = "native")]
+    pub(crate) engine: String,
+    #[command(flatten)]
+    pub(crate) out: OutArgs,
+}
+
+/// `pinwheel compare`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  pinwheel compare paper
+  pinwheel compare paper --engines native-reduced,native-lagrange --set solver.duration_s=0.05
+
+Writes DIR/index.html (open it in a browser), DIR/summary.json and DIR/<engine>/courses.csv.
+Engines that cannot honour the scene are left out, with the reason in the report.")]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// Engines to compare, separated by commas [default: all that can run the scene].
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
+    pub(crate) engines: Vec<String>,
+    #[command(flatten)]
+    pub(crate) out: OutArgs,
+}
+
+/// `pinwheel explain`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  pinwheel explain paper
+  pinwheel explain my-gear.toml --set gear.wheels=3 --json")]
+pub(crate) struct ExplainArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// Write JSON, for programs.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `pinwheel engines`.
+#[derive(Debug, Args)]
+pub(crate) struct EnginesArgs {
+    /// Write JSON, for programs.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// The command to carry out; `None` when help or version was asked for and shown.
+pub(crate) fn parse() -> Result<Option<Command>, Failure> {
+    match Program::try_parse() {
+        Ok(program) => Ok(Some(program.command)),
+        Err(error) => match error.kind() {
+            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+                screen::show(&error.render().ansi().to_string())?;
+                Ok(None)
+            }
+            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+                screen::show_on_stderr(&error.render().ansi().to_string());
+                Err(Failure::input("no command given; see the examples above"))
+            }
+            _ => Err(Failure::input(on_one_line(&error.render().to_string()))),
+        },
+    }
+}
+
+/// clap's message without its layout: what is wrong, its tip, and where help is.
+fn on_one_line(message: &str) -> String {
+    let mut what: Vec<&str> = Vec::new();
+    let mut tips: Vec<&str> = Vec::new();
+    for line in message
+        .lines()
+        .map(str::trim)
+        .filter(|line| !line.is_empty())
+    {
+        if line.starts_with("Usage:") || line.starts_with("For more information") {
+            break;
+        }
+        match line.strip_prefix("tip: ") {
+            Some(tip) => tips.push(tip),
+            None => what.push(line.strip_prefix("error: ").unwrap_or(line)),
+        }
+    }
+    tips.push("see `pinwheel --help`");
+    format!("{}; {}", what.join(" "), tips.join("; "))
+}
+
+impl SceneArgs {
+    /// The checked scene, and proof that it can be modelled.
+    pub(crate) fn load(&self) -> Result<(Scene, Gearbox), Failure> {
+        let overrides: Vec<Override> = self
+            .set
+            .iter()
+            .map(|text| text.parse())
+            .collect::<Result<_, _>>()?;
+        let scene = Scene::load(&self.scene, &overrides)?;
+        let gearbox = Gearbox::new(&scene)
+            .map_err(|error| Failure::input(format!("{}: {error}", self.scene)))?;
+        Ok((scene, gearbox))
+    }
+
+    /// The arguments again, as one would type them.
+    pub(crate) fn typed(&self) -> String {
+        let mut words = quoted(&self.scene);
+        for set in &self.set {
+            words.push_str(" --set ");
+            words.push_str(&quoted(set));
+        }
+        words
+    }
+}
+
+impl OutArgs {
+    /// The folder asked for, or `out/<scene>-<command>`.
+    pub(crate) fn folder(&self, scene: &str, command: &str) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| {
+            let name: String = scene
+                .chars()
+                .map(|c| {
+                    if c.is_alphanumeric() || "-_.".contains(c) {
+                        c
+                    } else {
+                        '-'
+                    }
+                })
+                .collect();
+            // A leading dot would hide the folder, or leave it.
+            PathBuf::from("out").join(format!("{}-{command}", name.trim_start_matches('.')))
+        })
+    }
+}
+
+/// A word for a shell: in single quotes where it needs them.
+pub(crate) fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::*;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Program::command().debug_assert();
+    }
+
+    #[test]
+    fn every_preset_is_in_the_help() {
+        for preset in pinwheel_gearbox::scene::PRESETS {
+            assert!(EXAMPLES.contains(preset.name), "{}", preset.name);
+        }
+    }
+
+    #[test]
+    fn usage_errors_fit_on_a_line() {
+        for words in [
+            &["pinwheel", "rnu"][..],
+            &["pinwheel", "run"],
+            &["pinwheel", "run", "paper", "--egnine", "x"],
+            &["pinwheel", "run", "paper", "--set"],
+            &["pinwheel", "run", "paper", "more"],
+        ] {
+            let error = Program::try_parse_from(words).unwrap_err();
+            let line = on_one_line(&error.render().to_string());
+            assert!(
+                !line.contains('\n') && line.ends_with("see `pinwheel --help`"),
+                "{line}"
+            );
+        }
+    }
+
+    #[test]
+    fn default_folders_stay_inside_out() {
+        let out = OutArgs {
+            out: None,
+            force: false,
+        };
+        for (scene, folder) in [
+            ("paper", "out/paper-run"),
+            ("../evil", "out/-evil-run"),
+            ("a b/c", "out/a-b-c-run"),
+            ("..", "out/-run"),
+        ] {
+            assert_eq!(out.folder(scene, "run"), PathBuf::from(folder));
+        }
+    }
+
+    #[test]
+    fn shell_words() {
+        assert_eq!(quoted("gear.wheels=1"), "gear.wheels=1");
+        assert_eq!(quoted("it's"), "'it'\\''s'");
+        assert_eq!(quoted(""), "''");
+    }
+}

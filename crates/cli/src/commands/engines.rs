@@ -1,0 +1,65 @@
+//! `pinwheel engines`: what this build can compare.
+
+use pinwheel_engines::{Engine, registry};
+use serde::Serialize;
+
+use crate::args::EnginesArgs;
+use crate::failure::Failure;
+use crate::screen::{self, TITLE};
+use crate::table::{Cell, lines};
+
+/// One engine, for programs.
+#[derive(Debug, Serialize)]
+struct Listed {
+    name: &'static str,
+    track: &'static str,
+    version: String,
+    summary: &'static str,
+    differences: &'static str,
+}
+
+pub(crate) fn engines(args: &EnginesArgs) -> Result<u8, Failure> {
+    let listed: Vec<Listed> = registry()
+        .iter()
+        .map(|engine| describe(engine.as_ref()))
+        .collect();
+    if args.json {
+        let text = serde_json::to_string_pretty(&listed).map_err(|error| {
+            Failure::input(format!(
+                "the list cannot be written: {error}; leave out --json"
+            ))
+        })?;
+        screen::show(&text)?;
+        return Ok(0);
+    }
+    let title = |text: &str| Cell::text(text).styled(TITLE);
+    let mut rows = vec![vec![
+        title("engine"),
+        title("track"),
+        title("version"),
+        title(""),
+    ]];
+    rows.extend(listed.into_iter().map(|engine| {
+        vec![
+            Cell::text(engine.name),
+            Cell::text(engine.track),
+            Cell::text(engine.version),
+            Cell::text(engine.summary),
+        ]
+    }));
+    screen::show(&format!(
+        "{}\n`native` stands for the native engine in the formulation that the scene asks for.\nshared-law engines share the contact law and check the multibody side to many digits;\nown-contact engines find contact themselves and check geometry and law to a few per cent.",
+        lines(&rows)
+    ))?;
+    Ok(0)
+}
+
+fn describe(engine: &dyn Engine) -> Listed {
+    Listed {
+        name: engine.name(),
+        track: engine.track().as_str(),
+        version: engine.version(),
+        summary: engine.summary(),
+        differences: engine.differences(),
+    }
+}

@@ -1,0 +1,7 @@
+//! One file per command.
+
+pub(crate) mod compare;
+pub(crate) mod engines;
+pub(crate) mod explain;
+pub(crate) mod run;
+mod verdicts;

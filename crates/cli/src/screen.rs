@@ -1,0 +1,44 @@
+//! Writing to the terminal: colours only where they are seen, a closed pipe is no error.
+
+use std::io::{ErrorKind, Write as _};
+
+use anstyle::{AnsiColor, Style};
+
+use crate::failure::Failure;
+
+/// Titles.
+pub(crate) const TITLE: Style = Style::new().bold();
+/// Verdicts that hold.
+pub(crate) const GOOD: Style = AnsiColor::Green.on_default();
+/// Verdicts that do not.
+pub(crate) const BAD: Style = AnsiColor::Red.on_default().bold();
+/// What is there but not judged.
+pub(crate) const QUIET: Style = Style::new().dimmed();
+
+/// The text in a style; it is stripped again where nobody sees colours.
+pub(crate) fn styled(style: Style, text: &str) -> String {
+    format!("{style}{text}{style:#}")
+}
+
+/// Writes results to stdout, with a final newline.
+pub(crate) fn show(text: &str) -> Result<(), Failure> {
+    let mut stdout = anstream::stdout().lock();
+    match writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush()) {
+        // The reader (head, less) has seen enough.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        Err(error) => Err(Failure::input(format!(
+            "the results cannot be written to stdout: {error}; send them elsewhere"
+        ))),
+        Ok(()) => Ok(()),
+    }
+}
+
+/// Writes to stderr; if that fails there is nobody left to tell.
+pub(crate) fn show_on_stderr(text: &str) {
+    let _ = writeln!(anstream::stderr().lock(), "{}", text.trim_end());
+}
+
+/// `error: ...` on one line.
+pub(crate) fn complain(message: &str) {
+    show_on_stderr(&format!("{}: {message}", styled(BAD, "error")));
+}
