@@ -51,7 +51,11 @@ impl Gearbox {
     /// Parameters that only fail once the model is built (see [`GearboxError`]).
     pub fn new(scene: &Scene) -> Result<Self, GearboxError> {
         let geometry = Geometry::new(&scene.gear)?;
-        let gearbox = Self { scene: scene.clone(), layout: Layout::of(&scene.gear), geometry };
+        let gearbox = Self {
+            scene: scene.clone(),
+            layout: Layout::of(&scene.gear),
+            geometry,
+        };
         gearbox.contact_field()?;
         Ok(gearbox)
     }
@@ -74,14 +78,22 @@ impl Gearbox {
     #[must_use]
     pub fn load_torque(&self, t: f64) -> f64 {
         let drive = &self.scene.drive;
-        let share = if drive.load_ramp_s > 0.0 { (t / drive.load_ramp_s).clamp(0.0, 1.0) } else { 1.0 };
+        let share = if drive.load_ramp_s > 0.0 {
+            (t / drive.load_ramp_s).clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
         drive.output_torque_n_m * share
     }
 
     /// Input angle and rate at time `t`.
     #[must_use]
     pub fn input_motion(&self) -> Motion {
-        Motion { angle: 0.0, rate: self.scene.drive.input_speed_rad_s, acceleration: 0.0 }
+        Motion {
+            angle: 0.0,
+            rate: self.scene.drive.input_speed_rad_s,
+            acceleration: 0.0,
+        }
     }
 
     /// States at t = 0: rates of the ideal mesh, external sleeves at rest, internal ones turning with the output.
@@ -105,11 +117,28 @@ impl Gearbox {
             };
         }
         let circle = self.geometry.curve.pitch_radius() + gear.backlash_m;
-        for (direction, body) in self.geometry.external_directions.iter().zip(self.layout.external_bodies()) {
+        for (direction, body) in self
+            .geometry
+            .external_directions
+            .iter()
+            .zip(self.layout.external_bodies())
+        {
             (states[body].x, states[body].y) = (circle * direction.re, circle * direction.im);
         }
-        for (&[x, y], body) in self.geometry.internal_points.iter().zip(self.layout.internal_bodies()) {
-            states[body] = BodyState { x, y, angle: 0.0, vx: -slow * y, vy: slow * x, rate: slow };
+        for (&[x, y], body) in self
+            .geometry
+            .internal_points
+            .iter()
+            .zip(self.layout.internal_bodies())
+        {
+            states[body] = BodyState {
+                x,
+                y,
+                angle: 0.0,
+                vx: -slow * y,
+                vy: slow * x,
+                rate: slow,
+            };
         }
         states
     }
@@ -129,9 +158,16 @@ impl Gearbox {
             body("input shaft".into(), mass.input_shaft, Layout::INPUT),
             body("output shaft".into(), mass.output_shaft, Layout::OUTPUT),
         ];
-        let pin = |parent, parent_point, child| Revolute { parent, parent_point, child, child_point: [0.0; 2] };
-        let mut revolutes =
-            vec![pin(None, [0.0; 2], Layout::INPUT), pin(None, [0.0; 2], Layout::OUTPUT)];
+        let pin = |parent, parent_point, child| Revolute {
+            parent,
+            parent_point,
+            child,
+            child_point: [0.0; 2],
+        };
+        let mut revolutes = vec![
+            pin(None, [0.0; 2], Layout::INPUT),
+            pin(None, [0.0; 2], Layout::OUTPUT),
+        ];
         for (i, index) in layout.wheel_bodies().enumerate() {
             bodies.push(body(format!("wheel {i}"), mass.wheel, index));
             let (s, c) = self.geometry.wheel_phases[i].sin_cos();
@@ -139,14 +175,34 @@ impl Gearbox {
             revolutes.push(pin(Some(Layout::INPUT), eccentric, index));
         }
         for (j, index) in layout.external_bodies().enumerate() {
-            bodies.push(body(format!("external sleeve {j}"), mass.external_sleeve, index));
+            bodies.push(body(
+                format!("external sleeve {j}"),
+                mass.external_sleeve,
+                index,
+            ));
             revolutes.push(pin(None, [starts[index].x, starts[index].y], index));
         }
         for (k, index) in layout.internal_bodies().enumerate() {
-            bodies.push(body(format!("internal sleeve {k}"), mass.internal_sleeve, index));
-            revolutes.push(pin(Some(Layout::OUTPUT), self.geometry.internal_points[k], index));
+            bodies.push(body(
+                format!("internal sleeve {k}"),
+                mass.internal_sleeve,
+                index,
+            ));
+            revolutes.push(pin(
+                Some(Layout::OUTPUT),
+                self.geometry.internal_points[k],
+                index,
+            ));
         }
-        let drivers = vec![Driver { parent: None, child: Layout::INPUT, motion: self.input_motion() }];
-        Mechanism { bodies, revolutes, drivers }
+        let drivers = vec![Driver {
+            parent: None,
+            child: Layout::INPUT,
+            motion: self.input_motion(),
+        }];
+        Mechanism {
+            bodies,
+            revolutes,
+            drivers,
+        }
     }
 }

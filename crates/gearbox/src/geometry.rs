@@ -35,9 +35,12 @@ impl Geometry {
     /// Parameters for which there is no curve.
     pub fn new(gear: &Gear) -> Result<Self, GearboxError> {
         let sleeves = u32::try_from(gear.external_sleeves).unwrap_or(u32::MAX);
-        let curve = Epitrochoid::new(gear.eccentricity_m, sleeves, gear.shortening).map_err(|_| {
-            GearboxError::Geometry("no epitrochoid has this eccentricity, shortening and number of sleeves".into())
-        })?;
+        let curve =
+            Epitrochoid::new(gear.eccentricity_m, sleeves, gear.shortening).map_err(|_| {
+                GearboxError::Geometry(
+                    "no epitrochoid has this eccentricity, shortening and number of sleeves".into(),
+                )
+            })?;
         let spread = |n: usize| (0..n).map(move |k| TAU * k as f64 / n as f64);
         let wheel_phases: Vec<f64> = spread(gear.wheels).collect();
         let lobes = gear.external_sleeves as f64 - 1.0;
@@ -46,7 +49,9 @@ impl Geometry {
             .iter()
             .map(|phase| {
                 let start = (PI - phase) / lobes;
-                spread(gear.internal_sleeves).map(|a| Complex::unit(a - start).scale(rw)).collect()
+                spread(gear.internal_sleeves)
+                    .map(|a| Complex::unit(a - start).scale(rw))
+                    .collect()
             })
             .collect();
         Ok(Self {

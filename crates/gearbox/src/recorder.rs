@@ -37,7 +37,13 @@ impl Recorder {
 
     /// Records a sample from the bodies' states, with contact forces of our law.
     /// `driver_torque`: on the input shaft, N m.
-    pub fn record(&mut self, t: f64, driver_torque: f64, bodies: &[BodyState], field: &mut dyn ContactField) {
+    pub fn record(
+        &mut self,
+        t: f64,
+        driver_torque: f64,
+        bodies: &[BodyState],
+        field: &mut dyn ContactField,
+    ) {
         let externals = self.layout.external_sleeves;
         let mut forces = std::mem::take(&mut self.forces);
         forces.fill([0.0; 2]);
@@ -55,17 +61,27 @@ impl Recorder {
     }
 
     /// Records a sample whose sleeve forces (ground frame, N, external then internal) are known.
-    pub fn record_forces(&mut self, t: f64, driver_torque: f64, bodies: &[BodyState], forces: &[[f64; 2]]) {
+    pub fn record_forces(
+        &mut self,
+        t: f64,
+        driver_torque: f64,
+        bodies: &[BodyState],
+        forces: &[[f64; 2]],
+    ) {
         let output = bodies[Layout::OUTPUT];
         let output_torque: f64 = self
             .layout
             .internal_bodies()
             .zip(&forces[self.layout.external_sleeves..])
-            .map(|(body, &[fx, fy])| (bodies[body].x - output.x) * fy - (bodies[body].y - output.y) * fx)
+            .map(|(body, &[fx, fy])| {
+                (bodies[body].x - output.x) * fy - (bodies[body].y - output.y) * fx
+            })
             .sum();
         self.time.push(t);
         let head = [driver_torque, output_torque, output.angle];
-        let values = head.into_iter().chain(forces.iter().map(|&[fx, fy]| fx.hypot(fy)));
+        let values = head
+            .into_iter()
+            .chain(forces.iter().map(|&[fx, fy]| fx.hypot(fy)));
         for (column, value) in self.columns.iter_mut().zip(values) {
             column.push(value);
         }
@@ -89,9 +105,15 @@ impl Recorder {
     /// Samples were not recorded in increasing time.
     pub fn finish(self) -> Result<Courses, pinwheel_courses::CoursesError> {
         let mut courses = Courses::new(self.time)?;
-        let externals = (0..self.layout.external_sleeves).map(|j| format!("external_sleeve_force_n_{j}"));
-        let internals = (0..self.layout.internal_sleeves).map(|k| format!("internal_sleeve_force_n_{k}"));
-        let names = HEAD.iter().map(|&s| s.to_owned()).chain(externals).chain(internals);
+        let externals =
+            (0..self.layout.external_sleeves).map(|j| format!("external_sleeve_force_n_{j}"));
+        let internals =
+            (0..self.layout.internal_sleeves).map(|k| format!("internal_sleeve_force_n_{k}"));
+        let names = HEAD
+            .iter()
+            .map(|&s| s.to_owned())
+            .chain(externals)
+            .chain(internals);
         for (name, values) in names.zip(self.columns) {
             courses.push(name, values)?;
         }

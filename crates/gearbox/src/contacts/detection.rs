@@ -41,7 +41,11 @@ struct Shapes {
 impl Shapes {
     fn new(scene: &Scene, geometry: &Geometry) -> Self {
         let (gear, contact) = (&scene.gear, &scene.contact);
-        let hertz = HertzStiffness::new(contact.young_pa, contact.poisson, contact.stiffness_multiplier);
+        let hertz = HertzStiffness::new(
+            contact.young_pa,
+            contact.poisson,
+            contact.stiffness_multiplier,
+        );
         let radius = gear.hole_radius_m;
         Self {
             curve: geometry.curve.clone(),
@@ -50,7 +54,12 @@ impl Shapes {
             holes: geometry
                 .hole_centres
                 .iter()
-                .map(|wheel| wheel.iter().map(|&centre| Hole { centre, radius }).collect())
+                .map(|wheel| {
+                    wheel
+                        .iter()
+                        .map(|&centre| Hole { centre, radius })
+                        .collect()
+                })
                 .collect(),
             hole_stiffness: hertz.of_hole(gear.internal_sleeve_radius_m, radius),
             hertz,
@@ -106,10 +115,23 @@ pub(super) struct Points {
 impl Points {
     pub(super) fn new(scene: &Scene, geometry: &Geometry) -> Result<Self, GearboxError> {
         let shapes = Shapes::new(scene, geometry);
-        let scene::Contact { wheel_points, hole_points, .. } = scene.contact;
-        let profile = ProfilePoints::new(&shapes.curve, shapes.external_radius, wheel_points, &shapes.hertz)
-            .ok_or(GearboxError::TooFewPoints { wheel_points })?;
-        Ok(Self { shapes, profile, hole: HolePoints::new(hole_points) })
+        let scene::Contact {
+            wheel_points,
+            hole_points,
+            ..
+        } = scene.contact;
+        let profile = ProfilePoints::new(
+            &shapes.curve,
+            shapes.external_radius,
+            wheel_points,
+            &shapes.hertz,
+        )
+        .ok_or(GearboxError::TooFewPoints { wheel_points })?;
+        Ok(Self {
+            shapes,
+            profile,
+            hole: HolePoints::new(hole_points),
+        })
     }
 
     #[inline]
@@ -131,7 +153,12 @@ impl Detection for Points {
     fn profile(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Touch> {
         let foot = self.shapes.curve.penetrating_foot(p, unit, multiple)?;
         let (vertex, _) = self.profile.nearest(p, foot.parameter());
-        Self::touch(p, vertex.position, self.shapes.external_radius, vertex.stiffness)
+        Self::touch(
+            p,
+            vertex.position,
+            self.shapes.external_radius,
+            vertex.stiffness,
+        )
     }
 
     #[inline]
@@ -141,6 +168,11 @@ impl Detection for Points {
         // A hole's points start along the wheel's x axis.
         let direction = self.hole.nearest(p - hole.centre);
         let point = hole.centre + direction.scale(hole.radius);
-        Self::touch(p, point, self.shapes.internal_radius, self.shapes.hole_stiffness)
+        Self::touch(
+            p,
+            point,
+            self.shapes.internal_radius,
+            self.shapes.hole_stiffness,
+        )
     }
 }

@@ -67,7 +67,8 @@ impl Loaded {
     /// Force on the sleeve.
     #[inline]
     fn on_sleeve(&self) -> Complex {
-        self.touch.normal.turned().scale(self.friction_force) - self.touch.normal.scale(self.normal_force)
+        self.touch.normal.turned().scale(self.friction_force)
+            - self.touch.normal.scale(self.normal_force)
     }
 }
 
@@ -90,15 +91,24 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
     #[inline]
     fn load(&self, touch: Touch, wheel: &WheelFrame, sleeve: &BodyState, p: Complex) -> Loaded {
         let arm = touch.point - p;
-        let sleeve_velocity =
-            Complex::new(sleeve.vx, sleeve.vy) * wheel.turn.conj() + arm.turned().scale(sleeve.rate);
+        let sleeve_velocity = Complex::new(sleeve.vx, sleeve.vy) * wheel.turn.conj()
+            + arm.turned().scale(sleeve.rate);
         let wheel_velocity = wheel.velocity + touch.point.turned().scale(wheel.rate);
         let relative = sleeve_velocity - wheel_velocity;
         let normal_rate = relative.dot(touch.normal);
         let tangential_rate = relative.dot(touch.normal.turned());
-        let normal_force = self.law.force(touch.stiffness, touch.penetration, normal_rate);
+        let normal_force = self
+            .law
+            .force(touch.stiffness, touch.penetration, normal_rate);
         let friction_force = self.friction.force(normal_force, tangential_rate);
-        Loaded { touch, arm, normal_rate, tangential_rate, normal_force, friction_force }
+        Loaded {
+            touch,
+            arm,
+            normal_rate,
+            tangential_rate,
+            normal_force,
+            friction_force,
+        }
     }
 
     /// Visits every touching pair of one wheel.
@@ -118,7 +128,11 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             let sleeve = &bodies[first + j];
             let p = frame.point(sleeve);
             if let Some(touch) = self.detection.profile(p, direction * back, multiple) {
-                visit(Sleeve::External(j), first + j, &self.load(touch, frame, sleeve, p));
+                visit(
+                    Sleeve::External(j),
+                    first + j,
+                    &self.load(touch, frame, sleeve, p),
+                );
             }
         }
         let first = self.layout.internal_bodies().start;
@@ -126,7 +140,11 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             let sleeve = &bodies[first + k];
             let p = frame.point(sleeve);
             if let Some(touch) = self.detection.hole(wheel, k, p) {
-                visit(Sleeve::Internal(k), first + k, &self.load(touch, frame, sleeve, p));
+                visit(
+                    Sleeve::Internal(k),
+                    first + k,
+                    &self.load(touch, frame, sleeve, p),
+                );
             }
         }
     }
