@@ -1,0 +1,280 @@
+// Charts from a declarative description, drawn by uPlot. Knows nothing of gears or of this page.
+//
+// PinwheelCharts.chart(host, spec) -> handle
+// spec = {
+//   x: { values, label, log },              values: numbers; log: logarithmic axis
+//   y: { label, log, floor, zero },         floor: smallest value a log axis need show
+//   series: [{ label, values, style, visible, points }],
+//                                           style: number of colour and dash; points: dots, no line
+//   height, group, describe,                group: charts that share crosshair and zoom
+//   onCursor(index | null)
+// }
+// handle = { update(part of a spec), show(k, on), range(from, to), redraw(), destroy() }
+'use strict';
+const PinwheelCharts = (() => {
+  // Told apart by dash as well as by colour (Okabe and Ito's palette, see report.css).
+  const DASHES = [[], [10, 4], [3, 3], [12, 3, 3, 3], [6, 2], [2, 5], [14, 3, 2, 3, 2, 3], [1, 2]];
+  const STYLES = DASHES.length;
+  const groups = new Map();
+
+  // Custom properties may hold light-dark() or color-mix(): let the browser resolve them.
+  const probe = document.createElement('i');
+  probe.hidden = true;
+  document.body.append(probe);
+  let known = new Map();
+  function colour(name) {
+    if (!known.has(name)) {
+      probe.style.color = `var(${name})`;
+      known.set(name, getComputedStyle(probe).color);
+    }
+    return known.get(name);
+  }
+  const lineColour = (style) => colour(`--line-${style % STYLES}`);
+
+  function swatch(style) {
+    const dash = DASHES[style % STYLES].join(' ');
+    const ns = 'http://www.w3.org/2000/svg';
+    const svg = document.createElementNS(ns, 'svg');
+    svg.setAttribute('viewBox', '0 0 28 8');
+    svg.setAttribute('width', '28');
+    svg.setAttribute('height', '8');
+    svg.setAttribute('aria-hidden', 'true');
+    const line = document.createElementNS(ns, 'path');
+    line.setAttribute('d', 'M1 4H27');
+    line.setAttribute('stroke', `var(--line-${style % STYLES})`);
+    line.setAttribute('stroke-width', '2.5');
+    if (dash) line.setAttribute('stroke-dasharray', dash);
+    svg.append(line);
+    return svg;
+  }
+
+  const SUPERSCRIPT = { '-': '⁻', 0: '⁰', 1: '¹', 2: '²', 3: '³', 4: '⁴', 5: '⁵', 6: '⁶', 7: '⁷', 8: '⁸', 9: '⁹' };
+  function number(value, digits) {
+    if (value === null || value === undefined || !Number.isFinite(value)) return '–';
+    if (value === 0) return '0';
+    const size = Math.abs(value);
+    if (size >= 1e-3 && size < 1e5) return value.toPrecision(digits).replace('-', '−');
+    const [mantissa, exponent] = value.toExponential(digits - 1).split('e');
+    return `${mantissa.replace('-', '−')}·10${[...String(Number(exponent))].map((c) => SUPERSCRIPT[c]).join('')}`;
+  }
+  // Axis numbers: no more decimals than the spacing needs; powers of ten when very small or large.
+  function ticks(values) {
+    const some = values.filter((v) => v !== null && v !== undefined);
+    if (some.length === 0) return values.map(() => '');
+    const largest = Math.max(...some.map(Math.abs));
+    const spacing = some.length > 1 ? Math.abs(some[1] - some[0]) : largest || 1;
+    if (largest !== 0 && (largest < 1e-3 || largest >= 1e5)) {
+      const digits = Math.min(6, Math.max(1, Math.floor(Math.log10(largest)) - Math.floor(Math.log10(spacing)) + 1));
+      return values.map((v) => (v === null || v === undefined ? '' : v === 0 ? '0' : number(v, digits)));
+    }
+    const decimals = Math.min(9, Math.max(0, -Math.floor(Math.log10(spacing) + 1e-9)));
+    return values.map((v) => (v === null || v === undefined ? '' : v.toFixed(decimals).replace('-', '−')));
+  }
+  // Only whole decades carry a number, and not all of them where there are many.
+  function decades(plot, values) {
+    const powers = values.filter((v) => v > 0 && Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-6);
+    const every = Math.ceil(powers.length / Math.max(2, Math.floor(plot.bbox.height / devicePixelRatio / 26)));
+    return values.map((v) => {
+      const power = Math.round(Math.log10(v));
+      return powers.includes(v) && power % every === 0 ? `10${[...String(power)].map((c) => SUPERSCRIPT[c]).join('')}` : '';
+    });
+  }
+
+  function yRange(spec) {
+    return (plot, low, high) => {
+      if (spec.y.log) {
+        if (!(high > 0)) return [1e-12, 1];
+        const from = Math.max(low > 0 ? low : 0, spec.y.floor || 0) || high / 10;
+        const bottom = 10 ** Math.floor(Math.log10(Math.min(from, high)));
+        const top = 10 ** Math.ceil(Math.log10(high) + 1e-9);
+        return [bottom, Math.max(top, bottom * 10)];
+      }
+      if (low === null || high === null || low === undefined) return [-1, 1];
+      if (spec.y.zero) { low = Math.min(low, 0); high = Math.max(high, 0); }
+      const breadth = high - low || Math.abs(high) * 0.01 || 1;
+      return [low - 0.06 * breadth, high + 0.06 * breadth];
+    };
+  }
+
+  function options(host, spec, state) {
+    const font = getComputedStyle(document.body).fontFamily;
+    const axis = {
+      stroke: () => colour('--ink-soft'),
+      grid: { stroke: () => colour('--rule'), width: 1 },
+      ticks: { stroke: () => colour('--rule'), width: 1, size: 5 },
+      font: `12px ${font}`,
+      labelFont: `12px ${font}`,
+      labelSize: 22,
+      labelGap: 2,
+    };
+    const measure = document.createElement('canvas').getContext('2d');
+    measure.font = axis.font;
+    return {
+      width: Math.max(host.clientWidth, 120),
+      height: spec.height,
+      legend: { show: false },
+      padding: [10, 12, 0, 0],
+      scales: {
+        x: { time: false, distr: spec.x.log ? 3 : 1 },
+        y: { distr: spec.y.log ? 3 : 1, range: yRange(spec) },
+      },
+      cursor: {
+        sync: spec.group ? { key: spec.group, setSeries: false } : undefined,
+        drag: { x: true, y: false, dist: 6, setScale: true },
+        points: { size: 7, width: 0 },
+      },
+      axes: [
+        { ...axis, label: spec.x.label, size: 34, values: (u, v) => (spec.x.log ? decades(u, v) : ticks(v)) },
+        {
+          ...axis,
+          label: spec.y.label,
+          values: (u, v) => (spec.y.log ? decades(u, v) : ticks(v)),
+          size: (u, texts) => 16 + Math.ceil(Math.max(24, ...(texts || []).map((t) => measure.measureText(t).width))),
+        },
+      ],
+      series: [{}].concat(spec.series.map((series) => ({
+        label: series.label,
+        show: series.visible !== false,
+        stroke: () => lineColour(series.style),
+        width: series.points ? 0 : 1.6,
+        dash: DASHES[series.style % STYLES],
+        points: series.points ? { show: true, size: 9, fill: () => lineColour(series.style) } : { show: false },
+        spanGaps: false,
+      }))),
+      hooks: {
+        setCursor: [(u) => {
+          const index = u.cursor.left >= 0 ? u.cursor.idx : null;
+          if (spec.onCursor) spec.onCursor(index === undefined ? null : index);
+        }],
+        setScale: [(u, key) => {
+          if (key === 'x' && !state.told) follow(state, u.scales.x.min, u.scales.x.max);
+        }],
+      },
+    };
+  }
+
+  // Charts of a group show the same stretch, whichever of them was zoomed.
+  function follow(leader, from, to) {
+    if (from === null || from === undefined || !leader.spec.group) return;
+    for (const other of groups.get(leader.spec.group) || []) {
+      if (other === leader) continue;
+      const scale = other.plot.scales.x;
+      if (scale.min === from && scale.max === to) continue;
+      other.told = true;
+      other.plot.batch(() => other.plot.setScale('x', { min: from, max: to }));
+      // uPlot applies scales in a microtask; later ones are the user's again.
+      queueMicrotask(() => queueMicrotask(() => { other.told = false; }));
+    }
+    if (leader.spec.onZoom) leader.spec.onZoom(from, to);
+  }
+
+  function keys(host, state) {
+    host.addEventListener('keydown', (event) => {
+      const { plot } = state;
+      const { min, max } = plot.scales.x;
+      const breadth = max - min;
+      const current = plot.cursor.idx ?? plot.valToIdx((min + max) / 2);
+      const step = Math.max(1, Math.round((plot.valToIdx(max) - plot.valToIdx(min)) / (event.shiftKey ? 20 : 200)));
+      const cursor = (index) => {
+        const bounded = Math.min(plot.valToIdx(max), Math.max(plot.valToIdx(min), index));
+        plot.setCursor({ left: plot.valToPos(plot.data[0][bounded], 'x'), top: plot.over.clientHeight / 2 });
+      };
+      const actions = {
+        ArrowLeft: () => cursor(current - step),
+        ArrowRight: () => cursor(current + step),
+        '+': () => state.handle.range(min + breadth / 4, max - breadth / 4),
+        '-': () => state.handle.range(min - breadth / 2, max + breadth / 2),
+        0: () => state.handle.range(null, null),
+        Escape: () => plot.setCursor({ left: -10, top: -10 }),
+      };
+      const action = actions[event.key === '=' ? '+' : event.key];
+      if (action) { action(); event.preventDefault(); }
+    });
+  }
+
+  // One finger reads values; the page still scrolls up and down.
+  function touch(state) {
+    const { over } = state.plot;
+    over.style.touchAction = 'pan-y';
+    const move = (event) => {
+      if (event.pointerType !== 'touch') return;
+      const box = over.getBoundingClientRect();
+      state.plot.setCursor({ left: event.clientX - box.left, top: event.clientY - box.top });
+    };
+    over.addEventListener('pointerdown', move);
+    over.addEventListener('pointermove', move);
+  }
+
+  function chart(host, first) {
+    const state = { spec: { height: 240, ...first }, told: false };
+    const data = () => [state.spec.x.values].concat(state.spec.series.map((s) => s.values));
+    function build() {
+      const kept = state.plot && { ...state.plot.scales.x };
+      if (state.plot) state.plot.destroy();
+      state.told = true;
+      state.plot = new uPlot(options(host, state.spec, state), data(), host);
+      if (kept && kept.min !== undefined && kept.min !== null) state.plot.setScale('x', { min: kept.min, max: kept.max });
+      queueMicrotask(() => queueMicrotask(() => { state.told = false; }));
+      touch(state);
+    }
+    host.tabIndex = 0;
+    host.setAttribute('role', 'img');
+    if (state.spec.describe) host.setAttribute('aria-label', state.spec.describe);
+    build();
+    keys(host, state);
+    const observer = new ResizeObserver(() => {
+      const width = Math.max(host.clientWidth, 120);
+      if (width !== state.plot.width) state.plot.setSize({ width, height: state.spec.height });
+    });
+    observer.observe(host);
+    if (state.spec.group) {
+      if (!groups.has(state.spec.group)) groups.set(state.spec.group, new Set());
+      groups.get(state.spec.group).add(state);
+    }
+    state.handle = {
+      /** New values or axes; the stretch shown stays. */
+      update(part) {
+        const log = state.spec.y.log;
+        state.spec = { ...state.spec, ...part };
+        if (part.describe) host.setAttribute('aria-label', part.describe);
+        if (part.series === undefined && part.y === undefined) return;
+        if (Boolean(log) !== Boolean(state.spec.y.log) || (part.y && part.y.label !== state.plot.axes[1].label)
+          || state.spec.series.length + 1 !== state.plot.series.length) {
+          build();
+          return;
+        }
+        const { min, max } = state.plot.scales.x;
+        state.told = true;
+        state.plot.batch(() => {
+          state.plot.setData(data(), false);
+          state.plot.setScale('x', { min, max });
+        });
+        queueMicrotask(() => queueMicrotask(() => { state.told = false; }));
+      },
+      /** Shows or hides one series. */
+      show(index, on) {
+        state.spec.series[index].visible = on;
+        state.plot.setSeries(index + 1, { show: on });
+      },
+      /** Shows the stretch from..to; null for everything. */
+      range(from, to) {
+        const x = state.spec.x.values;
+        const first = x[0];
+        const last = x[x.length - 1];
+        state.plot.setScale('x', { min: from === null ? first : Math.max(first, from), max: to === null ? last : Math.min(last, to) });
+      },
+      /** The stretch shown. */
+      shown() { return [state.plot.scales.x.min, state.plot.scales.x.max]; },
+      /** After a change of colours. */
+      redraw() { known = new Map(); state.plot.redraw(false, true); },
+      destroy() {
+        observer.disconnect();
+        if (state.spec.group) groups.get(state.spec.group).delete(state);
+        state.plot.destroy();
+      },
+    };
+    return state.handle;
+  }
+
+  return { chart, swatch, number };
+})();
