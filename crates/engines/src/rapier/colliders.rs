@@ -1,0 +1,280 @@
+//! rapier all by itself: polyline wheels and holes, round sleeves, its own collision detection,
+//! its own contact spring and its own Coulomb friction.
+
+use pinwheel_gearbox::scene::{Detection, Gear, Scene};
+use pinwheel_gearbox::{Gearbox, Sleeve};
+use pinwheel_mbs::{BodyState, Wrench};
+use rapier2d_f64::parry::query::PointQuery;
+use rapier2d_f64::prelude::*;
+
+use super::march::{Contacts, Grid, Sums, march, refusal};
+use super::outlines::{closed, hole_edge, wheel_edge};
+use super::spring::contact_frequency;
+use super::unsupported;
+use super::world::World;
+use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
+
+const NAME: &str = "rapier-own-contact-colliders";
+
+/// Points of a wheel's edge in a gear of 15 lobes; more lobes take more.
+const EDGE_POINTS: usize = 4000;
+const EDGE_LOBES: usize = 15;
+/// Points of a hole's edge: chords 0.3 micrometres deep in a hole of 8.8 mm.
+const HOLE_POINTS: usize = 400;
+
+/// Gauss-Seidel sweeps a step, as in the contact hook.
+const SWEEPS: usize = 20;
+
+/// Longest step, s, and fewest steps in a turn of the input. The spring is implicit, and means are
+/// all that is compared: five times finer steps move them by less than 0.05 %.
+const LONGEST_STEP_S: f64 = 1e-4;
+const STEPS_PER_TURN: f64 = 1200.0;
+
+/// See the module.
+pub(super) struct Colliders;
+
+impl Colliders {
+    fn compile(scene: &Scene) -> Result<(Gearbox, Grid, f64), EngineError> {
+        if let Some(reason) = refusal(scene) {
+            return Err(unsupported(NAME, reason));
+        }
+        if scene.contact.detection == Detection::Points {
+            return Err(unsupported(
+                NAME,
+                "it finds contacts itself, so contact.detection = \"points\" has no meaning for it; use \"exact\"",
+            ));
+        }
+        let refuse = |reason: String| unsupported(NAME, reason);
+        let grid = Grid::new(scene, step_s(scene)).map_err(refuse)?;
+        let gearbox = Gearbox::new(scene).map_err(|error| unsupported(NAME, error))?;
+        let mut field = gearbox.contact_field().map_err(|error| unsupported(NAME, error))?;
+        let frequency = contact_frequency(&gearbox, &mut *field).map_err(refuse)?;
+        Ok((gearbox, grid, frequency))
+    }
+}
+
+impl Engine for Colliders {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn track(&self) -> Track {
+        Track::OwnContact
+    }
+
+    fn version(&self) -> String {
+        super::version()
+    }
+
+    fn summary(&self) -> &'static str {
+        "rapier2d alone: its collision detection, contact spring and friction, on polyline wheels"
+    }
+
+    fn differences(&self) -> &'static str {
+        "Everything in contact is rapier's own. Wheels and holes are closed polylines made from Eq. 1 alone, sleeves are \
+         discs, contacts come from its collision detection (of several segments that touch a sleeve only the nearest \
+         counts), friction is exactly Coulomb and implicit. Its contact spring is linear, not K delta^1.5: one frequency \
+         serves all pairs, chosen so that its stiffness is right in the mean under the static load, and its implicit \
+         integration damps far more than the scene's law. Steps are its own and longer. A linear spring spreads the load \
+         over more sleeves, which raises mean forces and lowers peaks; and having a potential, it takes from the driver \
+         what the load demands, where the paper's law creates energy. So only means are comparable, torques to 1.5 % and \
+         forces to 10 %: peaks, wave forms and the start-up are not."
+    }
+
+    fn supports(&self, scene: &Scene) -> Result<(), EngineError> {
+        Self::compile(scene).map(|_| ())
+    }
+
+    fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
+        let (gearbox, grid, frequency) = Self::compile(scene)?;
+        let mut world = World::new(&gearbox, grid.step_s, SWEEPS);
+        world.contact_spring(SpringCoefficients {
+            natural_frequency: frequency,
+            damping_ratio: 0.0,
+        });
+        let mut contacts = Solid::new(&gearbox, &mut world, grid.step_s);
+        let stats = RunStats {
+            settings: format!(
+                "impulse revolutes, 1 substep, {SWEEPS} constraint sweeps, warm start; {} points a wheel, {HOLE_POINTS} \
+                 a hole; contact spring {frequency:.0} Hz",
+                edge_points(&scene.gear)
+            ),
+            notes: vec![format!(
+                "Steps of {} s of its own choice instead of solver.step_s; its contact law is not the scene's, so no \
+                 evaluation of that is counted.",
+                grid.step_s
+            )],
+            ..RunStats::default()
+        };
+        march(NAME, &gearbox, world, &mut contacts, &grid, stats, control)
+    }
+}
+
+fn edge_points(gear: &Gear) -> usize {
+    (EDGE_POINTS * gear.lobes()).div_ceil(EDGE_LOBES).max(EDGE_POINTS)
+}
+
+/// The longest allowed step that divides the sampling step.
+fn step_s(scene: &Scene) -> f64 {
+    let turn_s = std::f64::consts::TAU / scene.drive.input_speed_rad_s.abs();
+    let longest = LONGEST_STEP_S.min(turn_s / STEPS_PER_TURN);
+    let sample_s = scene.solver.sample_s;
+    sample_s / (sample_s / longest * (1.0 - 1e-9)).ceil().max(1.0)
+}
+
+/// A collider on a wheel and the sleeve it meets.
+struct Meeting {
+    edge: ColliderHandle,
+    ball: ColliderHandle,
+    wheel: usize,
+    sleeve: Sleeve,
+}
+
+/// The colliders.
+struct Solid {
+    step_s: f64,
+    meetings: Vec<Meeting>,
+}
+
+/// Which colliders may meet: edges external sleeves, and each hole its own sleeve.
+const EDGES: Group = Group::GROUP_1;
+const EXTERNALS: Group = Group::GROUP_2;
+const HOLES: Group = Group::GROUP_3;
+const INTERNALS: Group = Group::GROUP_4;
+
+impl Solid {
+    fn new(gearbox: &Gearbox, world: &mut World, step_s: f64) -> Self {
+        let (layout, gear) = (gearbox.layout, &gearbox.scene.gear);
+        let friction = gearbox.scene.contact.friction_coefficient;
+        // The tag of a hole and of its sleeve is the sleeve's number.
+        let mut add = |shape: ColliderBuilder, body: usize, own: Group, other: Group, tag: usize| {
+            let collider = shape
+                .density(0.0)
+                .friction(friction)
+                .friction_combine_rule(CoefficientCombineRule::Average)
+                .restitution(0.0)
+                .collision_groups(InteractionGroups::new(own, other, InteractionTestMode::And))
+                .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
+                .user_data(tag as u128);
+            world.attach(collider, body)
+        };
+        let disc = |radius: f64| ColliderBuilder::ball(radius);
+        let externals: Vec<ColliderHandle> = (0..layout.external_sleeves)
+            .map(|j| {
+                let body = layout.sleeve_body(Sleeve::External(j));
+                add(disc(gear.external_sleeve_radius_m), body, EXTERNALS, EDGES, 0)
+            })
+            .collect();
+        let internals: Vec<ColliderHandle> = (0..layout.internal_sleeves)
+            .map(|k| {
+                let body = layout.sleeve_body(Sleeve::Internal(k));
+                add(disc(gear.internal_sleeve_radius_m), body, INTERNALS, HOLES, k)
+            })
+            .collect();
+
+        let starts = gearbox.initial_states();
+        let points = edge_points(gear);
+        let mut meetings = Vec::new();
+        for (wheel, body) in layout.wheel_bodies().enumerate() {
+            let outline = ColliderBuilder::polyline(wheel_edge(gear, points), Some(closed(points)));
+            let edge = add(outline, body, EDGES, EXTERNALS, 0);
+            meetings.extend(externals.iter().enumerate().map(|(j, &ball)| Meeting {
+                edge,
+                ball,
+                wheel,
+                sleeve: Sleeve::External(j),
+            }));
+            for (k, &ball) in internals.iter().enumerate() {
+                let sleeve = Sleeve::Internal(k);
+                let centre = hole_centre(&starts[body], &starts[layout.sleeve_body(sleeve)]);
+                let outline = ColliderBuilder::polyline_with_flags(
+                    hole_edge(centre, gear.hole_radius_m, HOLE_POINTS),
+                    Some(closed(HOLE_POINTS)),
+                    PolylineFlags::ORIENTED,
+                );
+                let edge = add(outline, body, HOLES, INTERNALS, k);
+                meetings.push(Meeting { edge, ball, wheel, sleeve });
+            }
+        }
+        Self { step_s, meetings }
+    }
+}
+
+/// A hole stands to its wheel's centre as its sleeve stands to the output's, at the origin, at
+/// t = 0; in the wheel's frame, m.
+fn hole_centre(wheel: &BodyState, sleeve: &BodyState) -> Vector {
+    let (sin, cos) = wheel.angle.sin_cos();
+    Vector::new(cos * sleeve.x + sin * sleeve.y, cos * sleeve.y - sin * sleeve.x)
+}
+
+impl Contacts for Solid {
+    fn step(
+        &mut self,
+        world: &mut World,
+        _now: &[BodyState],
+        loads: &mut [Wrench],
+    ) -> Result<(), String> {
+        world.load(loads);
+        world.advance(&Nearest)
+    }
+
+    fn forces(&mut self, world: &World, _now: &[BodyState], share: f64, sums: &mut Sums) {
+        let per_impulse = 1.0 / (share * self.step_s);
+        for meeting in &self.meetings {
+            let contacts = world.physics.narrow_phase.contact_pair(meeting.edge, meeting.ball);
+            let Some(contacts) = contacts else { continue };
+            let sign = if contacts.collider1 == meeting.edge { 1.0 } else { -1.0 };
+            for manifold in contacts.manifolds() {
+                if manifold.data.solver_contacts.is_empty() {
+                    continue;
+                }
+                for point in &manifold.points {
+                    // rapier's normal points out of the first body and pushes the second along it;
+                    // its friction impulse is on the first, along minus the normal turned by 90 degrees.
+                    let (normal, turned) = (manifold.data.normal, manifold.data.normal.perp());
+                    let impulse =
+                        point.data.impulse * normal + point.data.tangent_impulse.x * turned;
+                    let force = sign * per_impulse * impulse;
+                    sums.add(meeting.wheel, meeting.sleeve, [force.x, force.y]);
+                }
+            }
+        }
+    }
+
+    fn law_calls(&self) -> u64 {
+        0
+    }
+}
+
+/// Of the segments that touch a sleeve, leaves only the nearest: the others are the same contact.
+struct Nearest;
+
+impl PhysicsHooks for Nearest {
+    fn modify_solver_contacts(&self, context: &mut ContactModificationContext<'_>) {
+        let first = &context.colliders[context.collider1];
+        let second = &context.colliders[context.collider2];
+        let Some(contact) = context.rigid_mut() else { return };
+        if contact.solver_contacts.is_empty() {
+            return;
+        }
+        let (edge, ball, segment) = if first.shape().as_polyline().is_some() {
+            (first, second, contact.manifold.subshape1)
+        } else {
+            (second, first, contact.manifold.subshape2)
+        };
+        let Some(line) = edge.shape().as_polyline() else { return };
+        let centre = edge.position().inverse_transform_point(ball.position().translation);
+        let count = line.num_segments() as u32;
+        let distance = |segment: u32| {
+            line.segment(segment % count).distance_to_local_point(centre, false)
+        };
+        // Distances fall and rise again once along the contact; two segments that meet at the
+        // nearest point are equally near, and then the first counts.
+        let here = distance(segment);
+        let nearest =
+            distance(segment + count - 1) > here && distance(segment + 1) >= here;
+        if !nearest || edge.user_data != ball.user_data {
+            contact.solver_contacts.clear();
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! Our normal force, rapier's contact solver: proxy colliders raise one contact per wheel and
+//! sleeve, and a hook writes the exact point, normal and load into it.
+//!
+//! rapier's contact is a spring of stiffness k = m w^2 with m the pair's effective mass. Implicit
+//! in time, it gives the impulse h k (depth - h v) over a step. With w so small that (h w)^2 is
+//! negligible, the depth that carries F_n is huge, h v vanishes beside it, and the contact
+//! transmits F_n h exactly. rapier's Coulomb friction, implicit and bounded by mu F_n h, does the
+//! rest.
+
+use pinwheel_gearbox::contacts::{ContactField, PairContact};
+use pinwheel_gearbox::scene::Scene;
+use pinwheel_gearbox::{Gearbox, Layout};
+use pinwheel_mbs::{BodyState, Wrench};
+use rapier2d_f64::prelude::*;
+
+use super::march::{Contacts, Grid, Sums, march, refusal, sleeve_slot};
+use super::unsupported;
+use super::world::World;
+use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
+
+const NAME: &str = "rapier-own-contact-hook";
+
+/// Gauss-Seidel sweeps a step. Friction couples the sleeves through the shafts: in the driver
+/// torque five leave 1.6e-2, ten 1.0e-3, twenty 8.9e-4, forty 8.6e-4 (mu = 0.1, steady, 1e-5 s).
+const SWEEPS: usize = 20;
+
+/// h w of the contact spring. Its square is the relative error of the transmitted force, and the
+/// depth it asks for still leaves the contact point exact to 1e-12 m.
+const STEP_TIMES_FREQUENCY: f64 = 1e-4;
+
+/// Laws whose whole force on a pair is normal at W, apart from friction.
+const NORMAL_LAWS: [&str; 1] = ["paper"];
+
+/// See the module.
+pub(super) struct ContactHook;
+
+impl ContactHook {
+    fn compile(scene: &Scene) -> Result<(Gearbox, Grid), EngineError> {
+        if let Some(reason) = refusal(scene) {
+            return Err(unsupported(NAME, reason));
+        }
+        let law = scene.contact.law.as_str();
+        if !NORMAL_LAWS.contains(&law) {
+            return Err(unsupported(
+                NAME,
+                format_args!(
+                    "rapier's contacts push along the normal only, which is not all that contact.law = \"{law}\" does; \
+                     use \"{}\"",
+                    NORMAL_LAWS.join("\" or \"")
+                ),
+            ));
+        }
+        let grid =
+            Grid::new(scene, scene.solver.step_s).map_err(|reason| unsupported(NAME, reason))?;
+        let gearbox = Gearbox::new(scene).map_err(|error| unsupported(NAME, error))?;
+        Ok((gearbox, grid))
+    }
+}
+
+impl Engine for ContactHook {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn track(&self) -> Track {
+        Track::OwnContact
+    }
+
+    fn version(&self) -> String {
+        super::version()
+    }
+
+    fn summary(&self) -> &'static str {
+        "rapier2d's contact solver and implicit Coulomb friction, with Pinwheel's points and normal forces"
+    }
+
+    fn differences(&self) -> &'static str {
+        "Bodies, joints and time integration as in rapier-shared-law, but the forces pass through rapier's own contact \
+         solver: a hook hands it the contact point, the normal and a depth under which its spring carries the normal \
+         force of the scene's law. Friction is rapier's: implicit, exactly Coulomb, so that a contact may stick, where \
+         the scene's friction creeps below its ramp speed (contact.friction_ramp_m_s is not used). Normal and friction \
+         forces are read from the impulses rapier applied, so a sample averages over one step. An instant at which a \
+         contact begins to slide or stick can therefore differ visibly in the driver torque, by one step."
+    }
+
+    fn supports(&self, scene: &Scene) -> Result<(), EngineError> {
+        Self::compile(scene).map(|_| ())
+    }
+
+    fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
+        let (gearbox, grid) = Self::compile(scene)?;
+        let field = gearbox.contact_field().map_err(|error| unsupported(NAME, error))?;
+        let mut world = World::new(&gearbox, grid.step_s, SWEEPS);
+        let mut contacts = Hooked::new(&gearbox, field, &mut world, grid.step_s);
+        let stats = RunStats {
+            settings: format!(
+                "impulse revolutes, leapfrog, 1 substep, {SWEEPS} constraint sweeps, warm start; contacts by hook"
+            ),
+            notes: Vec::new(),
+            ..RunStats::default()
+        };
+        march(NAME, &gearbox, world, &mut contacts, &grid, stats, control)
+    }
+}
+
+/// The table of pairs that our law fills and rapier's hook reads.
+struct Hooked {
+    layout: Layout,
+    field: Box<dyn ContactField>,
+    calls: u64,
+    friction: f64,
+    step_s: f64,
+    /// One per wheel.
+    wheels: Vec<ColliderHandle>,
+    /// External, then internal sleeves.
+    sleeves: Vec<ColliderHandle>,
+    /// At wheel * sleeves + sleeve; `None` where nothing touches.
+    table: Vec<Option<Load>>,
+}
+
+/// One contact as the hook writes it.
+#[derive(Clone, Copy)]
+struct Load {
+    pair: PairContact,
+    /// Depth under which rapier's spring carries the force, m.
+    depth: f64,
+}
+
+impl Hooked {
+    fn new(
+        gearbox: &Gearbox,
+        field: Box<dyn ContactField>,
+        world: &mut World,
+        step_s: f64,
+    ) -> Self {
+        let (layout, gear) = (gearbox.layout, &gearbox.scene.gear);
+        world.contact_spring(SpringCoefficients {
+            natural_frequency: STEP_TIMES_FREQUENCY / (step_s * std::f64::consts::TAU),
+            damping_ratio: 0.0,
+        });
+
+        // A wheel's proxy covers every sleeve wherever a run may take it: every pair always meets.
+        let reach = 2.0 * (gear.pitch_radius_m() + gear.backlash_m + gear.external_sleeve_radius_m);
+        let (wheel, sleeve) = (Group::GROUP_1, Group::GROUP_2);
+        let mut proxy = |body: usize, radius: f64, member: Group, filter: Group, tag: usize| {
+            let ball = ColliderBuilder::ball(radius)
+                .density(0.0)
+                .collision_groups(InteractionGroups::new(member, filter, InteractionTestMode::And))
+                .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
+                .user_data(tag as u128);
+            world.attach(ball, body)
+        };
+        let wheels: Vec<ColliderHandle> =
+            layout.wheel_bodies().enumerate().map(|(i, body)| proxy(body, reach, wheel, sleeve, i)).collect();
+        let externals = layout.external_bodies().map(|body| (body, gear.external_sleeve_radius_m));
+        let internals = layout.internal_bodies().map(|body| (body, gear.internal_sleeve_radius_m));
+        let sleeves: Vec<ColliderHandle> = externals
+            .chain(internals)
+            .enumerate()
+            .map(|(i, (body, radius))| proxy(body, radius, sleeve, wheel, layout.wheels + i))
+            .collect();
+        Self {
+            layout,
+            field,
+            calls: 0,
+            friction: gearbox.scene.contact.friction_coefficient,
+            step_s,
+            table: vec![None; wheels.len() * sleeves.len()],
+            wheels,
+            sleeves,
+        }
+    }
+}
+
+impl Contacts for Hooked {
+    fn step(
+        &mut self,
+        world: &mut World,
+        now: &[BodyState],
+        loads: &mut [Wrench],
+    ) -> Result<(), String> {
+        self.calls += 1;
+        self.table.fill(None);
+        let (layout, table, count) = (self.layout, &mut self.table, self.sleeves.len());
+        let per_inverse_mass = world.share() / (STEP_TIMES_FREQUENCY / self.step_s).powi(2);
+        self.field.touching(now, &mut |pair| {
+            let wheel = world.body(layout.wheel_bodies().start + pair.wheel);
+            let sleeve = world.body(layout.sleeve_body(pair.sleeve));
+            let inverse_mass = inverse_mass_along(wheel, pair) + inverse_mass_along(sleeve, pair);
+            let depth = pair.normal_force_n * inverse_mass * per_inverse_mass;
+            let slot = pair.wheel * count + sleeve_slot(layout, pair.sleeve);
+            table[slot] = Some(Load { pair: *pair, depth });
+        });
+        world.load(loads);
+        world.advance(&Hook {
+            table: &self.table,
+            wheels: self.wheels.len(),
+            sleeves: count,
+            friction: self.friction,
+        })
+    }
+
+    fn forces(&mut self, world: &World, _now: &[BodyState], share: f64, sums: &mut Sums) {
+        let per_impulse = 1.0 / (share * self.step_s);
+        for Load { pair, .. } in self.table.iter().flatten() {
+            let sleeve = self.sleeves[sleeve_slot(self.layout, pair.sleeve)];
+            let contacts = world.physics.narrow_phase.contact_pair(self.wheels[pair.wheel], sleeve);
+            let manifold = contacts.and_then(|contacts| contacts.manifolds().first());
+            let Some(manifold) = manifold.filter(|manifold| !manifold.data.solver_contacts.is_empty())
+            else {
+                continue;
+            };
+            if let Some(point) = manifold.points.first() {
+                // rapier's friction impulse is on the first body, along that body's normal force turned
+                // by 90 degrees: t on a wheel, where the sleeve takes the opposite, or -t on a sleeve.
+                let transmitted = PairContact {
+                    normal_force_n: point.data.impulse * per_impulse,
+                    friction_force_n: -point.data.tangent_impulse.x * per_impulse,
+                    ..*pair
+                };
+                sums.add(pair.wheel, pair.sleeve, transmitted.force_on_sleeve());
+            }
+        }
+    }
+
+    fn law_calls(&self) -> u64 {
+        self.calls
+    }
+}
+
+/// 1/m + (r x n)^2/I of a body at the contact point, 1/kg.
+fn inverse_mass_along(body: &RigidBody, pair: &PairContact) -> f64 {
+    let at = body.translation();
+    let lever = (pair.point[0] - at.x) * pair.normal[1] - (pair.point[1] - at.y) * pair.normal[0];
+    let own = &body.mass_properties().local_mprops;
+    own.inv_mass + lever * lever * own.inv_principal_inertia
+}
+
+/// Writes the table into rapier's contacts.
+struct Hook<'a> {
+    table: &'a [Option<Load>],
+    wheels: usize,
+    sleeves: usize,
+    friction: f64,
+}
+
+impl PhysicsHooks for Hook<'_> {
+    fn modify_solver_contacts(&self, context: &mut ContactModificationContext<'_>) {
+        let tag = |handle: ColliderHandle| context.colliders[handle].user_data as usize;
+        let (first, second) = (tag(context.collider1), tag(context.collider2));
+        let wheel_first = first < self.wheels;
+        let (wheel, sleeve) = if wheel_first { (first, second) } else { (second, first) };
+        let load = self.table[wheel * self.sleeves + sleeve - self.wheels];
+        let Some(contact) = context.rigid_mut() else { return };
+        let Some(Load { pair, depth }) = load.filter(|load| load.depth > 0.0) else {
+            contact.solver_contacts.clear();
+            return;
+        };
+        // rapier's normal points out of the first body: out of the wheel it is -n.
+        let n = Vector::new(pair.normal[0], pair.normal[1]);
+        let normal = if wheel_first { -n } else { n };
+        *contact.normal = normal;
+        *contact.friction = self.friction;
+        *contact.restitution = 0.0;
+        for solver in contact.solver_contacts.iter_mut() {
+            // rapier moves the first anchor by the depth along the normal and takes its lever arm
+            // to the middle of the two; half a depth before W, that middle is W.
+            let anchor = Vector::new(pair.point[0], pair.point[1]) - 0.5 * depth * normal;
+            solver.anchor1 = anchor;
+            solver.anchor2 = anchor;
+            solver.dist = -depth;
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! The run common to the three engines: steps, samples, guards, cost.
+//!
+//! A sample at t_n is taken after the step that leaves t_n, because only then the half-step
+//! velocities on both sides of it, and the impulses over it, are known.
+
+use std::time::Instant;
+
+use cpu_time::ThreadTime;
+use pinwheel_gearbox::scene::{Scene, Start};
+use pinwheel_gearbox::{Gearbox, Layout, Recorder, Sleeve, guard};
+use pinwheel_mbs::{BodyState, Wrench};
+
+use super::world::World;
+use crate::engine::{Control, EngineError, Run, RunStats};
+
+/// What differs between the engines: where the contact forces come from.
+pub(super) trait Contacts {
+    /// Takes one step of `world` under contact forces and `loads` (so far the load torque alone).
+    /// `now`: the states at t_n, velocities extrapolated.
+    ///
+    /// # Errors
+    /// What ran away.
+    fn step(
+        &mut self,
+        world: &mut World,
+        now: &[BodyState],
+        loads: &mut [Wrench],
+    ) -> Result<(), String>;
+
+    /// Adds up the contact forces at t_n; asked right after the step from t_n. `now`: the states
+    /// at t_n, velocities centred. `share`: of the step, see [`World::share`].
+    fn forces(&mut self, world: &World, now: &[BodyState], share: f64, sums: &mut Sums);
+
+    /// Evaluations of our contact law inside the steps so far.
+    fn law_calls(&self) -> u64;
+}
+
+/// Contact forces in the ground frame, N, summed over the pairs.
+pub(super) struct Sums {
+    layout: Layout,
+    /// On each sleeve, external then internal.
+    sleeves: Vec<[f64; 2]>,
+    /// On each wheel.
+    wheels: Vec<[f64; 2]>,
+}
+
+impl Sums {
+    fn new(layout: Layout) -> Self {
+        Self {
+            layout,
+            sleeves: vec![[0.0; 2]; layout.external_sleeves + layout.internal_sleeves],
+            wheels: vec![[0.0; 2]; layout.wheels],
+        }
+    }
+
+    /// Adds the force of a pair on its sleeve; the wheel takes the opposite.
+    pub(super) fn add(&mut self, wheel: usize, sleeve: Sleeve, force: [f64; 2]) {
+        let slot = sleeve_slot(self.layout, sleeve);
+        for axis in 0..2 {
+            self.sleeves[slot][axis] += force[axis];
+            self.wheels[wheel][axis] -= force[axis];
+        }
+    }
+
+    fn clear(&mut self) {
+        self.sleeves.fill([0.0; 2]);
+        self.wheels.fill([0.0; 2]);
+    }
+
+    /// Torque the driver exerts on the input shaft, N m, by virtual work: each eccentric hands its
+    /// wheel's contact force F on to the shaft, T = -sum E x F. The wheel's own inertia force
+    /// points along E and does no work at constant speed.
+    fn driver_torque(&self, bodies: &[BodyState]) -> f64 {
+        let shaft = &bodies[Layout::INPUT];
+        -self
+            .layout
+            .wheel_bodies()
+            .zip(&self.wheels)
+            .map(|(wheel, [fx, fy])| (bodies[wheel].x - shaft.x) * fy - (bodies[wheel].y - shaft.y) * fx)
+            .sum::<f64>()
+    }
+}
+
+/// Place of a sleeve among all sleeves, external before internal.
+pub(super) fn sleeve_slot(layout: Layout, sleeve: Sleeve) -> usize {
+    match sleeve {
+        Sleeve::External(j) => j,
+        Sleeve::Internal(k) => layout.external_sleeves + k,
+    }
+}
+
+/// Steps on the scene's sample grid.
+#[derive(Debug, Clone)]
+pub(super) struct Grid {
+    /// h, s.
+    pub(super) step_s: f64,
+    /// Node number and time of every sample.
+    samples: Vec<(u64, f64)>,
+}
+
+impl Grid {
+    /// Nodes at multiples of `step_s`, every sample on a node.
+    ///
+    /// # Errors
+    /// In words, with the remedy, if `step_s` divides the sampling step or the duration unevenly.
+    pub(super) fn new(scene: &Scene, step_s: f64) -> Result<Self, String> {
+        let solver = &scene.solver;
+        let whole = |ratio: f64| ratio > 0.5 && (ratio - ratio.round()).abs() <= 1e-6;
+        let per_sample = solver.sample_s / step_s;
+        if !whole(per_sample) {
+            return Err(format!(
+                "its steps are equal and its samples lie on them; choose solver.step_s so that \
+                 solver.sample_s = {} s is a whole number of steps, not {per_sample:.6}",
+                solver.sample_s
+            ));
+        }
+        let step_s = solver.sample_s / per_sample.round();
+        let mut samples = Vec::new();
+        for time in solver.sample_times_s() {
+            let node = time / step_s;
+            if time > 0.0 && !whole(node) {
+                return Err(format!(
+                    "its steps are equal and its samples lie on them; choose solver.duration_s as a whole number \
+                     of steps of {step_s} s, not {node:.6}"
+                ));
+            }
+            samples.push((node.round() as u64, time));
+        }
+        Ok(Self { step_s, samples })
+    }
+}
+
+/// What no rapier engine can honour, in words.
+pub(super) fn refusal(scene: &Scene) -> Option<String> {
+    (scene.drive.start == Start::Equilibrium).then(|| {
+        "it has no static solver to start from drive.start = \"equilibrium\"; use \"kinematic\"".to_owned()
+    })
+}
+
+/// Marches `contacts` over the grid. `stats` holds the settings and notes, the rest is filled in.
+///
+/// # Errors
+/// [`EngineError::Diverged`] with the courses until then, [`EngineError::Cancelled`], or
+/// [`EngineError::Failed`] if the samples do not make courses.
+pub(super) fn march(
+    engine: &str,
+    gearbox: &Gearbox,
+    mut world: World,
+    contacts: &mut dyn Contacts,
+    grid: &Grid,
+    mut stats: RunStats,
+    control: &Control<'_>,
+) -> Result<Run, EngineError> {
+    let (wall, cpu) = (Instant::now(), ThreadTime::now());
+    let layout = gearbox.layout;
+    let mut recorder = Recorder::new(gearbox);
+    let mut sums = Sums::new(layout);
+    let mut now: Vec<BodyState> = Vec::with_capacity(layout.bodies());
+    let mut loads = vec![Wrench::default(); layout.bodies()];
+    let mut samples = grid.samples.iter().peekable();
+    let mut drift: f64 = 0.0;
+    let mut node: u64 = 0;
+    let mut ran_away = None;
+
+    while let Some(&&(sample_node, sample_s)) = samples.peek() {
+        let time_s = node as f64 * grid.step_s;
+        world.at_node(&mut now);
+        loads.fill(Wrench::default());
+        loads[Layout::OUTPUT].moment = gearbox.load_torque(time_s);
+        let share = world.share();
+        if node == sample_node {
+            if let Err(quantity) = guard::check(gearbox, &now) {
+                ran_away = Some((sample_s, quantity));
+                break;
+            }
+            drift = drift.max(world.joint_drift());
+        }
+        if let Err(quantity) = contacts.step(&mut world, &now, &mut loads) {
+            ran_away = Some((time_s, quantity));
+            break;
+        }
+        if node == sample_node {
+            world.centre(&mut now);
+            sums.clear();
+            contacts.forces(&world, &now, share, &mut sums);
+            recorder.record_forces(sample_s, sums.driver_torque(&now), &now, &sums.sleeves);
+            if control.reached(sample_s) {
+                return Err(EngineError::Cancelled);
+            }
+            samples.next();
+        }
+        node += 1;
+    }
+
+    stats.wall_s = wall.elapsed().as_secs_f64();
+    stats.cpu_s = cpu.elapsed().as_secs_f64();
+    stats.rhs_calls = contacts.law_calls();
+    stats.steps = node;
+    // Every body but the driven one keeps its three velocities.
+    stats.degrees_of_freedom = 3 * (layout.bodies() - 1);
+    stats.bodies = layout.bodies();
+    stats.step_s = grid.step_s;
+    stats.joint_drift_m = Some(drift);
+    let courses = recorder.finish().map_err(|error| super::failed(engine, error))?;
+    let run = Run { courses, stats };
+    match ran_away {
+        None => Ok(run),
+        Some((time_s, quantity)) => Err(EngineError::Diverged {
+            engine: engine.to_owned(),
+            time_s,
+            quantity,
+            partial: Box::new(run),
+        }),
+    }
+}

@@ -1,0 +1,35 @@
+//! rapier2d (double precision) as a peer, three ways.
+//!
+//! - `rapier-shared-law`: its bodies, joints and time integration under our contact forces;
+//! - `rapier-own-contact-hook`: our normal force, its implicit Coulomb friction;
+//! - `rapier-own-contact-colliders`: its own collision detection and contact spring.
+
+mod colliders;
+mod contact_hook;
+mod march;
+mod outlines;
+mod shared_law;
+mod spring;
+mod world;
+
+use std::fmt::Display;
+
+use crate::engine::{Engine, EngineError};
+
+/// All rapier engines.
+pub(crate) fn engines() -> Vec<Box<dyn Engine>> {
+    vec![Box::new(shared_law::SharedLaw), Box::new(contact_hook::ContactHook), Box::new(colliders::Colliders)]
+}
+
+/// Name and version of the library behind all three.
+fn version() -> String {
+    format!("rapier2d-f64 {}", rapier2d_f64::VERSION)
+}
+
+fn unsupported(engine: &str, reason: impl Display) -> EngineError {
+    EngineError::Unsupported { engine: engine.to_owned(), reason: reason.to_string() }
+}
+
+fn failed(engine: &str, reason: impl Display) -> EngineError {
+    EngineError::Failed { engine: engine.to_owned(), reason: reason.to_string() }
+}

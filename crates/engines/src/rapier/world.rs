@@ -1,0 +1,259 @@
+//! The mechanism as rapier sees it: one rigid body each, impulse revolutes, and a prescribed
+//! input shaft.
+//!
+//! rapier is semi-implicit Euler, x_{n+1} = x_n + h v_{n+1}, which is leapfrog once its velocities
+//! are read as v_{n+1/2}: the world holds positions at t_n beside velocities half a step back, and
+//! [`World::at_node`] extrapolates the latter to t_n.
+
+use pinwheel_gearbox::scene::{BodyMass, Scene};
+use pinwheel_gearbox::{Gearbox, Layout};
+use pinwheel_mbs::{BodyState, Wrench};
+use rapier2d_f64::prelude::*;
+
+/// rapier's world of one gearbox and its way from step to step.
+pub(super) struct World {
+    /// rapier itself.
+    pub(super) physics: PhysicsWorld,
+    /// rapier's handles in [`Layout`] order.
+    handles: Vec<RigidBodyHandle>,
+    joints: Vec<ImpulseJointHandle>,
+    input_speed: f64,
+    step_s: f64,
+    /// Positions at t_n, velocities at t_{n-1/2} (at t_0 for n = 0).
+    states: Vec<BodyState>,
+    /// Velocities at t_{n-3/2}: vx, vy, rate.
+    earlier: Vec<[f64; 3]>,
+    taken: u64,
+}
+
+impl World {
+    /// Bodies at the gearbox's initial state, without colliders. `sweeps` is the number of
+    /// projected Gauss-Seidel sweeps over all constraints in a step.
+    pub(super) fn new(gearbox: &Gearbox, step_s: f64, sweeps: usize) -> Self {
+        let scene = &gearbox.scene;
+        let mut physics = PhysicsWorld::new();
+        physics.gravity = Vector::ZERO;
+        physics.integration_parameters = parameters(step_s, sweeps);
+
+        let states = gearbox.initial_states();
+        let handles: Vec<RigidBodyHandle> = states
+            .iter()
+            .enumerate()
+            .map(|(body, state)| {
+                physics.insert_body(rigid_body(state, mass_of(scene, gearbox.layout, body), body == Layout::INPUT))
+            })
+            .collect();
+        let ground = physics.insert_body(RigidBodyBuilder::fixed());
+        let joints = revolutes(gearbox.layout)
+            .map(|(carrier, carried)| {
+                let at = &states[carried];
+                let anchor = carrier.map_or(Vector::new(at.x, at.y), |carrier| in_frame_of(&states[carrier], at));
+                let joint = RevoluteJointBuilder::new()
+                    .local_anchor1(anchor)
+                    .local_anchor2(Vector::ZERO)
+                    .contacts_enabled(false);
+                let carrier = carrier.map_or(ground, |carrier| handles[carrier]);
+                physics.insert_impulse_joint(carrier, handles[carried], joint)
+            })
+            .collect();
+        let earlier = vec![[0.0; 3]; states.len()];
+        Self {
+            physics,
+            handles,
+            joints,
+            input_speed: scene.drive.input_speed_rad_s,
+            step_s,
+            states,
+            earlier,
+            taken: 0,
+        }
+    }
+
+    /// rapier's body of an index in [`Layout`] order.
+    pub(super) fn body(&self, index: usize) -> &RigidBody {
+        &self.physics.bodies[self.handles[index]]
+    }
+
+    /// Fixes a collider to a body.
+    pub(super) fn attach(&mut self, collider: ColliderBuilder, body: usize) -> ColliderHandle {
+        self.physics.insert_collider(collider, Some(self.handles[body]))
+    }
+
+    /// Sets the spring of all contacts.
+    pub(super) fn contact_spring(&mut self, spring: SpringCoefficients<f64>) {
+        let parameters = &mut self.physics.integration_parameters;
+        parameters.contact_softness = spring;
+        parameters.static_contact_softness = spring;
+    }
+
+    /// States at t_n, velocities extrapolated: v_n = 3/2 v_{n-1/2} - 1/2 v_{n-3/2}.
+    pub(super) fn at_node(&self, into: &mut Vec<BodyState>) {
+        into.clear();
+        into.extend(self.states.iter().zip(&self.earlier).map(|(state, earlier)| {
+            if self.taken == 0 {
+                return *state;
+            }
+            let ahead = |now: f64, before: f64| 1.5 * now - 0.5 * before;
+            BodyState {
+                vx: ahead(state.vx, earlier[0]),
+                vy: ahead(state.vy, earlier[1]),
+                rate: ahead(state.rate, earlier[2]),
+                ..*state
+            }
+        }));
+    }
+
+    /// Given the states at the node before the last step, replaces their velocities by the mean of
+    /// those half a step around it. At the start it leaves them: they are known.
+    pub(super) fn centre(&self, before: &mut [BodyState]) {
+        if self.taken <= 1 {
+            return;
+        }
+        for ((at, state), earlier) in before.iter_mut().zip(&self.states).zip(&self.earlier) {
+            at.vx = 0.5 * (state.vx + earlier[0]);
+            at.vy = 0.5 * (state.vy + earlier[1]);
+            at.rate = 0.5 * (state.rate + earlier[2]);
+        }
+    }
+
+    /// Share of a step over which the loads act: half of the first one, because the initial
+    /// velocities belong to t_0 and not to t_{-1/2}.
+    pub(super) fn share(&self) -> f64 {
+        if self.taken == 0 { 0.5 } else { 1.0 }
+    }
+
+    /// Replaces the loads on all bodies, multiplied by [`World::share`].
+    pub(super) fn load(&mut self, loads: &[Wrench]) {
+        let share = self.share();
+        for (handle, load) in self.handles.iter().zip(loads) {
+            let body = &mut self.physics.bodies[*handle];
+            body.reset_forces(false);
+            body.reset_torques(false);
+            body.add_force(Vector::new(share * load.fx, share * load.fy), false);
+            body.add_torque(share * load.moment, false);
+        }
+    }
+
+    /// One step of rapier; afterwards [`World::states`] belongs to the next node.
+    ///
+    /// # Errors
+    /// The body that rapier put aside because its state is no longer finite.
+    pub(super) fn advance(&mut self, hooks: &dyn PhysicsHooks) -> Result<(), String> {
+        let next_angle = self.input_speed * self.step_s * (self.taken + 1) as f64;
+        self.physics.bodies[self.handles[Layout::INPUT]].set_next_kinematic_rotation(Rotation::new(next_angle));
+        self.physics.step_with_events(hooks, &());
+        let quarantine = self.physics.quarantine();
+        if !quarantine.is_empty() {
+            let body = quarantine.bodies().first();
+            let body = body.and_then(|body| self.handles.iter().position(|handle| handle == body));
+            return Err(match body {
+                Some(body) => format!("body {body} is no longer finite; rapier put it aside"),
+                None => "a collider is no longer finite; rapier put it aside".to_owned(),
+            });
+        }
+        for ((handle, state), earlier) in self.handles.iter().zip(&mut self.states).zip(&mut self.earlier) {
+            let body = &self.physics.bodies[*handle];
+            let (at, velocity) = (body.translation(), body.linvel());
+            let now = [velocity.x, velocity.y, body.angvel()];
+            let before = [state.vx, state.vy, state.rate];
+            *earlier = if self.taken == 0 {
+                // v_{-1/2} of a start at v_0 with the acceleration of the first half step.
+                [0, 1, 2].map(|i| 2.0 * before[i] - now[i])
+            } else {
+                before
+            };
+            *state = BodyState {
+                x: at.x,
+                y: at.y,
+                angle: unwrapped(body.rotation().angle(), state.angle),
+                vx: now[0],
+                vy: now[1],
+                rate: now[2],
+            };
+        }
+        self.taken += 1;
+        Ok(())
+    }
+
+    /// Largest distance between the two anchors of any revolute, m.
+    pub(super) fn joint_drift(&self) -> f64 {
+        self.joints
+            .iter()
+            .filter_map(|joint| self.physics.impulse_joints.get(*joint))
+            .map(|joint| {
+                let (one, two) = (&self.physics.bodies[joint.body1()], &self.physics.bodies[joint.body2()]);
+                let a = one.position() * joint.data.local_anchor1();
+                let b = two.position() * joint.data.local_anchor2();
+                (a - b).length()
+            })
+            .fold(0.0, f64::max)
+    }
+}
+
+/// Every limit and heuristic of a game engine that would bend the equations, switched off.
+fn parameters(step_s: f64, sweeps: usize) -> IntegrationParameters {
+    IntegrationParameters {
+        dt: step_s,
+        // A substep would freeze our forces over several of its own: 97 % error with the default 4.
+        num_solver_iterations: 1,
+        num_internal_pgs_iterations: sweeps,
+        num_internal_stabilization_iterations: 0,
+        warmstart_joints: true,
+        normalized_max_linear_velocity: f64::MAX,
+        normalized_max_corrective_velocity: f64::MAX,
+        max_ccd_substeps: 0,
+        contact_recycling: false,
+        normalized_prediction_distance: 0.0,
+        ..IntegrationParameters::default()
+    }
+}
+
+fn rigid_body(state: &BodyState, mass: BodyMass, driven: bool) -> RigidBodyBuilder {
+    let builder = if driven { RigidBodyBuilder::kinematic_position_based() } else { RigidBodyBuilder::dynamic() };
+    builder
+        .translation(Vector::new(state.x, state.y))
+        .rotation(state.angle)
+        .linvel(Vector::new(state.vx, state.vy))
+        .angvel(state.rate)
+        .additional_mass_properties(MassProperties::new(Vector::ZERO, mass.mass_kg, mass.moment_kg_m2))
+        .gravity_scale(0.0)
+        .can_sleep(false)
+        .ccd_enabled(false)
+        .allow_fast_rotation(true)
+}
+
+fn mass_of(scene: &Scene, layout: Layout, body: usize) -> BodyMass {
+    let mass = &scene.mass;
+    if body == Layout::INPUT {
+        mass.input_shaft
+    } else if body == Layout::OUTPUT {
+        mass.output_shaft
+    } else if layout.wheel_bodies().contains(&body) {
+        mass.wheel
+    } else if layout.external_bodies().contains(&body) {
+        mass.external_sleeve
+    } else {
+        mass.internal_sleeve
+    }
+}
+
+/// Carrier (`None`: the ground) and carried body of every revolute; the pin is the carried
+/// body's centre of mass.
+fn revolutes(layout: Layout) -> impl Iterator<Item = (Option<usize>, usize)> {
+    std::iter::once((None, Layout::OUTPUT))
+        .chain(layout.wheel_bodies().map(|wheel| (Some(Layout::INPUT), wheel)))
+        .chain(layout.external_bodies().map(|sleeve| (None, sleeve)))
+        .chain(layout.internal_bodies().map(|sleeve| (Some(Layout::OUTPUT), sleeve)))
+}
+
+/// Where `point`'s centre stands in the frame of `carrier`.
+fn in_frame_of(carrier: &BodyState, point: &BodyState) -> Vector {
+    let (sin, cos) = carrier.angle.sin_cos();
+    let (dx, dy) = (point.x - carrier.x, point.y - carrier.y);
+    Vector::new(cos * dx + sin * dy, cos * dy - sin * dx)
+}
+
+/// The angle equal to `wrapped` modulo a turn that lies closest to `near`.
+fn unwrapped(wrapped: f64, near: f64) -> f64 {
+    wrapped + std::f64::consts::TAU * ((near - wrapped) / std::f64::consts::TAU).round()
+}
