@@ -10,6 +10,7 @@ mod mechanism;
 mod ode;
 mod reduced;
 mod saddle;
+pub mod sliding;
 mod state;
 mod tree;
 

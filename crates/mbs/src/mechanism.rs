@@ -8,6 +8,7 @@
 //! multiplier is the torque **on the child**.
 
 use crate::BodyState;
+use crate::sliding::Contact;
 
 /// Index into [`Mechanism::bodies`].
 pub type BodyId = usize;
@@ -175,4 +176,24 @@ impl Mechanism {
 pub trait Forces {
     /// Adds every applied load to `loads` (body order of the mechanism).
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [crate::Wrench]);
+
+    /// Adds every applied load but the friction of contacts, and lists these contacts.
+    ///
+    /// By default there is no friction to tell apart.
+    fn apply_without_friction(
+        &mut self,
+        time: f64,
+        bodies: &[BodyState],
+        loads: &mut [crate::Wrench],
+        contacts: &mut Vec<Contact>,
+    ) {
+        contacts.clear();
+        self.apply(time, bodies, loads);
+    }
+
+    /// Normal force (N) of contact `index` of the last list if it closed at `rate` (m/s, along its
+    /// normal, first body against second) at the same positions. `listed`: the force in the list.
+    fn normal_force(&self, _index: usize, listed: f64, _rate: f64) -> f64 {
+        listed
+    }
 }

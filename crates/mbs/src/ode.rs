@@ -10,6 +10,15 @@ pub trait OdeSystem {
     /// Writes f(t, y). A state that cannot be evaluated gives NaN, never a panic.
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]);
 
+    /// One stage of a method that treats a stiff part of f = e + i implicitly: solves
+    /// `y = y* + a i(t, y)` in place (`y` holds y*), then writes e and i at the solution.
+    ///
+    /// By default nothing is stiff and everything is e. What cannot be solved gives NaN.
+    fn split_stage(&mut self, t: f64, _a: f64, y: &mut [f64], e: &mut [f64], i: &mut [f64]) {
+        self.derivative(t, y, e);
+        i.fill(0.0);
+    }
+
     /// Puts an accepted state back onto the invariants the system keeps; by default there are none.
     fn settle(&mut self, _t: f64, _y: &mut [f64]) {}
 }

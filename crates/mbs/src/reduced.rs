@@ -11,9 +11,13 @@
 //! ```
 //! Bodies that nothing turns (`idle`) keep their rate and are not integrated.
 //! The same motion as the Lagrange form, to rounding.
+//!
+//! Friction may be treated implicitly ([`OdeSystem::split_stage`]): a contact's sliding speed is
+//! linear in the free rates, `u = offset + J v`, and `-J' F_t` is what its friction does to them.
 
 use crate::mechanism::{BodyId, Forces, Mechanism, MechanismError};
 use crate::ode::{Formulation, Observation, OdeSystem};
+use crate::sliding::{Contact, Row, SlidingStage};
 use crate::state::{BodyState, Wrench};
 
 /// A body carried by another.
@@ -52,6 +56,9 @@ pub struct Reduced<F> {
     /// e^{i angle} of the carriers.
     turns: Vec<(f64, f64)>,
     torques: Vec<f64>,
+    /// Carrier of every carried body.
+    carrier_of: Vec<Option<BodyId>>,
+    sliding: SlidingStage,
 }
 
 impl<F: Forces> Reduced<F> {
@@ -122,7 +129,14 @@ impl<F: Forces> Reduced<F> {
                 }
             }
         }
+        let mut carrier_of = vec![None; n];
+        for carried in &carried {
+            carrier_of[carried.body] = Some(carried.carrier);
+        }
+        let moving: Vec<f64> = free.iter().map(|&body| inertia[body]).collect();
         Ok(Self {
+            sliding: SlidingStage::new(moving, &vec![false; free.len()]),
+            carrier_of,
             forces,
             angles,
             carried,
@@ -136,6 +150,16 @@ impl<F: Forces> Reduced<F> {
             bodies,
             mechanism,
         })
+    }
+
+    /// Declares bodies that never touch each other and carry nothing: their rates are eliminated first when
+    /// friction is treated implicitly. Without them every contact problem is solved densely.
+    #[must_use]
+    pub fn with_leaves(mut self, leaves: &[BodyId]) -> Self {
+        let is_leaf: Vec<bool> = self.free.iter().map(|body| leaves.contains(body)).collect();
+        let moving = self.free.iter().map(|&body| self.inertia[body]).collect();
+        self.sliding = SlidingStage::new(moving, &is_leaf);
+        self
     }
 
     /// The mechanism being solved.
@@ -180,6 +204,11 @@ impl<F: Forces> Reduced<F> {
     fn evaluate(&mut self, t: f64) {
         self.loads.fill(Wrench::default());
         self.forces.apply(t, &self.bodies, &mut self.loads);
+        self.sum_moments();
+    }
+
+    /// Moments about the pins from the loads.
+    fn sum_moments(&mut self) {
         for (moment, load) in self.moments.iter_mut().zip(&self.loads) {
             *moment = load.moment;
         }
@@ -191,6 +220,40 @@ impl<F: Forces> Reduced<F> {
                 (body.x - base.x) * load.fy - (body.y - base.y) * load.fx;
         }
     }
+}
+
+/// How fast `contact` slides and closes, in the free rates.
+fn contact_rows(
+    contact: &Contact,
+    bodies: &[BodyState],
+    angles: &[Angle],
+    carrier_of: &[Option<BodyId>],
+) -> [Row; 2] {
+    let [x, y] = contact.point;
+    let [nx, ny] = contact.normal;
+    let directions = [[-ny, nx], [nx, ny]];
+    directions.map(|[dx, dy]| {
+        let mut row = Row::default();
+        for (&body, sign) in contact.bodies.iter().zip([1.0, -1.0]) {
+            let at = bodies[body];
+            let mut known = dx * at.vx + dy * at.vy;
+            let spin = (x - at.x) * dy - (y - at.y) * dx;
+            match angles[body] {
+                Angle::Free(dof) => row.push(dof, sign * spin),
+                _ => known += spin * at.rate,
+            }
+            if let Some(carrier) = carrier_of[body]
+                && let Angle::Free(dof) = angles[carrier]
+            {
+                let base = bodies[carrier];
+                let swing = (at.x - base.x) * dy - (at.y - base.y) * dx;
+                row.push(dof, sign * swing);
+                known -= swing * base.rate;
+            }
+            row.offset += sign * known;
+        }
+        row
+    })
 }
 
 impl<F: Forces> OdeSystem for Reduced<F> {
@@ -206,6 +269,34 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         for (k, &body) in self.free.iter().enumerate() {
             dydt[n + k] = self.moments[body] / self.inertia[body];
         }
+    }
+
+    fn split_stage(&mut self, t: f64, a: f64, y: &mut [f64], e: &mut [f64], i: &mut [f64]) {
+        self.place(t, y);
+        self.loads.fill(Wrench::default());
+        let contacts = &mut self.sliding.contacts;
+        self.forces
+            .apply_without_friction(t, &self.bodies, &mut self.loads, contacts);
+        self.sum_moments();
+        let n = self.free.len();
+        for (k, &body) in self.free.iter().enumerate() {
+            e[n + k] = self.moments[body] / self.inertia[body];
+        }
+        self.sliding.clear_rows();
+        for k in 0..self.sliding.contacts.len() {
+            let contact = self.sliding.contacts[k];
+            let [tangent, normal] =
+                contact_rows(&contact, &self.bodies, &self.angles, &self.carrier_of);
+            self.sliding.push(&contact, tangent, normal);
+        }
+        let forces = &self.forces;
+        let law = |k: usize, listed: f64, rate: f64| forces.normal_force(k, listed, rate);
+        let (v, rates) = (&mut y[n..], &mut i[n..]);
+        if !self.sliding.solve(a, v, &mut e[n..], rates, law) {
+            e.fill(f64::NAN);
+        }
+        e[..n].copy_from_slice(&y[n..]);
+        i[..n].fill(0.0);
     }
 }
 

@@ -5,10 +5,12 @@
 
 mod explicit;
 mod heun;
+mod imex;
 mod midpoint;
 mod rk4;
 
 pub use explicit::{FixedStep, Tableau};
+pub use imex::ImexFixed;
 
 use crate::OdeSystem;
 
@@ -80,7 +82,7 @@ pub struct MethodInfo {
 }
 
 /// All methods.
-pub const METHODS: &[MethodInfo] = &[heun::INFO, midpoint::INFO, rk4::INFO];
+pub const METHODS: &[MethodInfo] = &[heun::INFO, midpoint::INFO, rk4::INFO, imex::INFO];
 
 /// Starts the method `name` at (t, y). `None`: no such method.
 #[must_use]
@@ -97,6 +99,7 @@ pub fn start<S: OdeSystem>(
         "rk2" => fixed(&heun::TABLEAU),
         "rk2-midpoint" => fixed(&midpoint::TABLEAU),
         "rk4" => fixed(&rk4::TABLEAU),
+        "imex2" => Some(Box::new(ImexFixed::new(settings.step, t, y))),
         _ => None,
     }
 }

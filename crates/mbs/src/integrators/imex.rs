@@ -1,0 +1,168 @@
+//! IMEX Runge-Kutta ARS(2,2,2), order 2 [Ascher, Ruuth, Spiteri 1997, sec. 2.6]: the stiff part of
+//! f = e + i implicitly, the rest explicitly, both at the same two stages.
+//!
+//! ```text
+//! g = 1 - 1/sqrt 2,  d = 1 - 1/(2 g)
+//! Y1 = y + h g e(y)                       + h g i(Y1)                       at t + g h
+//! Y2 = y + h (d e(y) + (1-d) e(Y1))       + h ((1-g) i(Y1) + g i(Y2))       at t + h
+//! y+ = Y2
+//! ```
+//! The implicit part is L-stable and stiffly accurate: what relaxes within a step is at its rest at the
+//! end of the step. Y2 is the next step's y, so a step costs two evaluations, like Heun's. A system
+//! without an implicit part gets a second-order explicit method.
+//!
+//! The state inside a step is a step of that length from the same start: friction in the samples is then
+//! as settled as at the ends of steps, which no polynomial through them can promise.
+
+use super::{MethodInfo, StepCounts, StepError, Stepper};
+use crate::OdeSystem;
+
+pub(super) const INFO: MethodInfo = MethodInfo {
+    name: "imex2",
+    summary: "ARS(2,2,2), second order, fixed step, friction implicit: for scenes with friction",
+    order: 2,
+    adaptive: false,
+};
+
+/// g.
+pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+/// d.
+const DELTA: f64 = 1.0 - 0.5 / GAMMA;
+
+/// State with both parts of its derivative.
+#[derive(Debug, Clone)]
+pub(super) struct Point {
+    pub(super) y: Vec<f64>,
+    pub(super) e: Vec<f64>,
+    pub(super) i: Vec<f64>,
+}
+
+impl Point {
+    pub(super) fn new(y: &[f64]) -> Self {
+        let zeros = vec![0.0; y.len()];
+        Self {
+            y: y.to_vec(),
+            e: zeros.clone(),
+            i: zeros,
+        }
+    }
+
+    /// Evaluates both parts at a state that already is what it is.
+    pub(super) fn evaluate<S: OdeSystem>(&mut self, system: &mut S, t: f64) {
+        system.split_stage(t, 0.0, &mut self.y, &mut self.e, &mut self.i);
+    }
+}
+
+/// One step of length `h` from `from` at `t` into `to`; `stage` is room for Y1.
+pub(super) fn advance<S: OdeSystem>(
+    system: &mut S,
+    t: f64,
+    h: f64,
+    from: &Point,
+    stage: &mut Point,
+    to: &mut Point,
+) {
+    for (k, y) in stage.y.iter_mut().enumerate() {
+        *y = from.y[k] + h * GAMMA * from.e[k];
+    }
+    let a = h * GAMMA;
+    system.split_stage(t + a, a, &mut stage.y, &mut stage.e, &mut stage.i);
+    for (k, y) in to.y.iter_mut().enumerate() {
+        let explicit = DELTA * from.e[k] + (1.0 - DELTA) * stage.e[k];
+        *y = from.y[k] + h * (explicit + (1.0 - GAMMA) * stage.i[k]);
+    }
+    system.split_stage(t + h, a, &mut to.y, &mut to.e, &mut to.i);
+}
+
+/// A fixed-step run.
+#[derive(Debug, Clone)]
+pub struct ImexFixed {
+    h: f64,
+    start: f64,
+    counts: StepCounts,
+    before: Point,
+    now: Point,
+    stage: Point,
+    next: Point,
+    /// The derivatives at `now` are known.
+    fresh: bool,
+}
+
+impl ImexFixed {
+    /// Starts at (t, y) with step `h` (s).
+    #[must_use]
+    pub fn new(h: f64, t: f64, y: &[f64]) -> Self {
+        let point = Point::new(y);
+        Self {
+            h,
+            start: t,
+            counts: StepCounts::default(),
+            before: point.clone(),
+            now: point.clone(),
+            stage: point.clone(),
+            next: point,
+            fresh: false,
+        }
+    }
+}
+
+impl<S: OdeSystem> Stepper<S> for ImexFixed {
+    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+        let t = <Self as Stepper<S>>::time(self);
+        if !self.fresh {
+            self.now.evaluate(system, t);
+            self.counts.evaluations += 1;
+            self.fresh = true;
+        }
+        advance(
+            system,
+            t,
+            self.h,
+            &self.now,
+            &mut self.stage,
+            &mut self.next,
+        );
+        self.counts.evaluations += 2;
+        let end = self.start + (self.counts.steps + 1) as f64 * self.h;
+        let known = self.next.e.iter().chain(&self.next.i);
+        if !self.next.y.iter().chain(known).all(|x| x.is_finite()) {
+            return Err(StepError::NotFinite { time: end });
+        }
+        system.settle(end, &mut self.next.y);
+        std::mem::swap(&mut self.before, &mut self.now);
+        std::mem::swap(&mut self.now, &mut self.next);
+        self.counts.steps += 1;
+        Ok(())
+    }
+
+    fn time(&self) -> f64 {
+        self.start + self.counts.steps as f64 * self.h
+    }
+
+    fn state(&self) -> &[f64] {
+        &self.now.y
+    }
+
+    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+        let back = <Self as Stepper<S>>::time(self) - t;
+        if self.counts.steps == 0 || back.abs() < 1e-9 * self.h {
+            y.copy_from_slice(&self.now.y);
+            return;
+        }
+        let begin = self.start + (self.counts.steps - 1) as f64 * self.h;
+        advance(
+            system,
+            begin,
+            self.h - back,
+            &self.before,
+            &mut self.stage,
+            &mut self.next,
+        );
+        y.copy_from_slice(&self.next.y);
+        system.settle(t, y);
+    }
+
+    fn counts(&self) -> StepCounts {
+        self.counts
+    }
+}

@@ -1,0 +1,179 @@
+//! The Newton matrix of sliding contacts and its solution.
+//!
+//! Velocities are *hubs* or *leaves*; no contact joins two leaves. With the hubs last,
+//!
+//! ```text
+//! H = [ D  B' ]    D diagonal, one entry a leaf
+//!     [ B  S  ]    S hubs x hubs
+//! ```
+//! Leaves are eliminated one by one and the Schur complement `S - B D^-1 B'` is factored by
+//! Cholesky. H is a positive diagonal plus positive rank-one terms, so no pivoting is needed.
+
+use super::contact::Row;
+
+/// Which velocities are hubs, and room for one factorisation.
+#[derive(Debug, Clone)]
+pub struct Arrowhead {
+    /// Place among hubs or leaves.
+    place: Vec<Place>,
+    hubs: usize,
+    /// D.
+    leaf_diagonal: Vec<f64>,
+    /// B', one row of hubs a leaf.
+    border: Vec<f64>,
+    /// S, then its Cholesky factor (lower triangle, row major).
+    hub: Vec<f64>,
+    hub_rhs: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    Hub(usize),
+    Leaf(usize),
+}
+
+impl Arrowhead {
+    /// For as many velocities as `is_leaf` has entries.
+    #[must_use]
+    pub fn new(is_leaf: &[bool]) -> Self {
+        let (mut hubs, mut leaves) = (0, 0);
+        let place = is_leaf
+            .iter()
+            .map(|&leaf| {
+                let counter = if leaf { &mut leaves } else { &mut hubs };
+                *counter += 1;
+                if leaf {
+                    Place::Leaf(*counter - 1)
+                } else {
+                    Place::Hub(*counter - 1)
+                }
+            })
+            .collect();
+        Self {
+            place,
+            hubs,
+            leaf_diagonal: vec![0.0; leaves],
+            border: vec![0.0; leaves * hubs],
+            hub: vec![0.0; hubs * hubs],
+            hub_rhs: vec![0.0; hubs],
+        }
+    }
+
+    /// Number of velocities.
+    #[must_use]
+    pub fn dimension(&self) -> usize {
+        self.place.len()
+    }
+
+    /// H = diag(`inertia`).
+    pub fn reset(&mut self, inertia: &[f64]) {
+        self.border.fill(0.0);
+        self.hub.fill(0.0);
+        for (place, &m) in self.place.iter().zip(inertia) {
+            match *place {
+                Place::Hub(i) => self.hub[i * self.hubs + i] = m,
+                Place::Leaf(l) => self.leaf_diagonal[l] = m,
+            }
+        }
+    }
+
+    /// H += weight row row'. False if the row joins two leaves: H is no arrowhead then.
+    #[inline]
+    pub fn add(&mut self, weight: f64, row: &Row) -> bool {
+        let mut leaf = None;
+        for (dof, c) in row.entries() {
+            match self.place[dof] {
+                Place::Leaf(l) if leaf.is_none() => {
+                    leaf = Some((l, c));
+                    self.leaf_diagonal[l] += weight * c * c;
+                }
+                Place::Leaf(_) => return false,
+                Place::Hub(i) => {
+                    for (other, d) in row.entries() {
+                        if let Place::Hub(j) = self.place[other] {
+                            self.hub[i * self.hubs + j] += weight * c * d;
+                        }
+                    }
+                }
+            }
+        }
+        if let Some((l, c)) = leaf {
+            for (dof, d) in row.entries() {
+                if let Place::Hub(i) = self.place[dof] {
+                    self.border[l * self.hubs + i] += weight * c * d;
+                }
+            }
+        }
+        true
+    }
+
+    /// Overwrites `x` (the right-hand side) with the solution of H x = rhs; destroys H.
+    pub fn solve(&mut self, x: &mut [f64]) {
+        let m = self.hubs;
+        for (place, &value) in self.place.iter().zip(x.iter()) {
+            if let Place::Hub(i) = *place {
+                self.hub_rhs[i] = value;
+            }
+        }
+        for (place, &value) in self.place.iter().zip(x.iter()) {
+            let Place::Leaf(l) = *place else { continue };
+            let row = &self.border[l * m..(l + 1) * m];
+            let inverse = 1.0 / self.leaf_diagonal[l];
+            for i in 0..m {
+                let factor = row[i] * inverse;
+                if factor == 0.0 {
+                    continue;
+                }
+                for (s, &b) in self.hub[i * m..=i * m + i].iter_mut().zip(row) {
+                    *s -= factor * b;
+                }
+                self.hub_rhs[i] -= factor * value;
+            }
+        }
+        self.solve_hubs();
+        for (place, x) in self.place.iter().zip(x.iter_mut()) {
+            match *place {
+                Place::Hub(i) => *x = self.hub_rhs[i],
+                Place::Leaf(l) => {
+                    let row = &self.border[l * m..(l + 1) * m];
+                    let known: f64 = row.iter().zip(&self.hub_rhs).map(|(b, v)| b * v).sum();
+                    *x = (*x - known) / self.leaf_diagonal[l];
+                }
+            }
+        }
+    }
+
+    /// Cholesky of the lower triangle, forward and back substitution.
+    fn solve_hubs(&mut self) {
+        let (m, l) = (self.hubs, &mut self.hub);
+        for i in 0..m {
+            for j in 0..=i {
+                let (upper, row) = l.split_at_mut(i * m);
+                let left = if j == i {
+                    &row[..j]
+                } else {
+                    &upper[j * m..j * m + j]
+                };
+                let sum = row[j] - left.iter().zip(row.iter()).map(|(a, b)| a * b).sum::<f64>();
+                row[j] = if j == i {
+                    sum.sqrt()
+                } else {
+                    sum / upper[j * m + j]
+                };
+            }
+        }
+        let x = &mut self.hub_rhs;
+        for i in 0..m {
+            let known: f64 = l[i * m..i * m + i]
+                .iter()
+                .zip(x.iter())
+                .map(|(a, b)| a * b)
+                .sum();
+            x[i] = (x[i] - known) / l[i * m + i];
+        }
+        for i in (0..m).rev() {
+            let known: f64 = (i + 1..m).map(|k| l[k * m + i] * x[k]).sum();
+            x[i] = (x[i] - known) / l[i * m + i];
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! A touching pair as data, and what it is in generalised velocities.
+
+use crate::mechanism::BodyId;
+
+/// Two touching bodies, seen by an implicit treatment of their friction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// The two bodies; the normal points from the first into the second.
+    pub bodies: [BodyId; 2],
+    /// Where both forces act, ground frame, m.
+    pub point: [f64; 2],
+    /// Unit vector n from the first body into the second, ground frame. The tangent is R90 n.
+    pub normal: [f64; 2],
+    /// F_n >= 0, N: pushes the first body along -n.
+    pub normal_force: f64,
+    /// mu
+    pub coefficient: f64,
+    /// Sliding speed at which friction reaches mu F_n, m/s.
+    pub ramp: f64,
+}
+
+/// A rate that is linear in the generalised velocities: `offset + sum coefficients v`.
+///
+/// A contact of two bodies, each carried by another, depends on four velocities at most.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Row {
+    dofs: [u32; 4],
+    coefficients: [f64; 4],
+    count: u8,
+    /// What driven bodies contribute.
+    pub offset: f64,
+}
+
+impl Row {
+    /// Adds `coefficient` x velocity `dof`. At most four velocities; a fifth makes the row NaN.
+    #[inline]
+    pub fn push(&mut self, dof: usize, coefficient: f64) {
+        for k in 0..usize::from(self.count) {
+            if self.dofs[k] as usize == dof {
+                self.coefficients[k] += coefficient;
+                return;
+            }
+        }
+        let k = usize::from(self.count);
+        if k == self.dofs.len() {
+            self.offset = f64::NAN;
+            return;
+        }
+        self.dofs[k] = dof as u32;
+        self.coefficients[k] = coefficient;
+        self.count += 1;
+    }
+
+    /// (velocity, coefficient) pairs.
+    #[inline]
+    pub fn entries(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        (0..usize::from(self.count)).map(|k| (self.dofs[k] as usize, self.coefficients[k]))
+    }
+
+    /// The part that depends on the velocities.
+    #[must_use]
+    #[inline]
+    pub fn dot(&self, v: &[f64]) -> f64 {
+        self.entries().map(|(dof, c)| c * v[dof]).sum()
+    }
+
+    /// The rate at `v`.
+    #[must_use]
+    #[inline]
+    pub fn value(&self, v: &[f64]) -> f64 {
+        self.offset + self.dot(v)
+    }
+
+    /// `v += scale row`.
+    #[inline]
+    pub fn add_to(&self, scale: f64, v: &mut [f64]) {
+        for (dof, c) in self.entries() {
+            v[dof] += scale * c;
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! Contacts that resist sliding, as the convex problem their implicit treatment is.
+//!
+//! Given normal forces and positions, implicit Euler for regularised Coulomb friction is the
+//! optimality condition of a strictly convex function of the velocities. That has one solution,
+//! found by Newton's method from anywhere; the stiffness of the friction (1e6 1/s and more on a
+//! light sleeve) does not enter the step.
+
+mod arrowhead;
+mod contact;
+mod problem;
+mod stage;
+
+pub use arrowhead::Arrowhead;
+pub use contact::{Contact, Row};
+pub use problem::{SlidingProblem, Slip};
+pub use stage::SlidingStage;
