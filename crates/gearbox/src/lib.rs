@@ -2,6 +2,7 @@
 
 pub mod contacts;
 mod explain;
+mod friction;
 mod gearbox;
 mod geometry;
 pub mod guard;

@@ -2,10 +2,9 @@
 
 use pinwheel_courses::{Courses, CoursesError};
 use pinwheel_mbs::integrators::{self, StepCounts, StepError, StepSettings};
-use pinwheel_mbs::{BodyState, Forces, Formulation, Lagrange, Reduced, Stabilisation, Wrench};
+use pinwheel_mbs::{Formulation, Lagrange, Reduced, Stabilisation};
 
-use crate::contacts::ContactField;
-use crate::layout::Layout;
+use crate::friction::GearForces;
 use crate::scene;
 use crate::{Gearbox, GearboxError, Recorder, guard};
 
@@ -48,19 +47,6 @@ pub enum NativeError {
     Courses(#[from] CoursesError),
 }
 
-/// Contact forces and the load as the mechanism's applied forces.
-struct GearForces<'a> {
-    gearbox: &'a Gearbox,
-    field: Box<dyn ContactField>,
-}
-
-impl Forces for GearForces<'_> {
-    fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
-        loads[Layout::OUTPUT].moment += self.gearbox.load_torque(time);
-        self.field.add_loads(bodies, loads);
-    }
-}
-
 /// Baumgarte's rate in units of 1/step: fast enough to matter, slow enough for explicit methods.
 const BAUMGARTE_PER_STEP: f64 = 0.1;
 
@@ -68,26 +54,33 @@ const BAUMGARTE_PER_STEP: f64 = 0.1;
 ///
 /// # Errors
 /// See [`NativeError`].
-pub fn run(gearbox: &Gearbox, watch: &mut dyn FnMut(f64) -> bool) -> Result<NativeRun, NativeError> {
-    let forces = GearForces { gearbox, field: gearbox.contact_field()? };
+pub fn run(
+    gearbox: &Gearbox,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<NativeRun, NativeError> {
+    let forces = GearForces::new(gearbox)?;
     let mechanism = gearbox.mechanism();
     match gearbox.scene.solver.formulation {
         scene::Formulation::Reduced => {
             // Without friction nothing turns a sleeve.
-            let sleeves = gearbox.layout.external_bodies().start..gearbox.layout.bodies();
-            let idle: Vec<usize> = if gearbox.has_friction() { Vec::new() } else { sleeves.collect() };
-            let system = Reduced::new(mechanism, forces, &idle).map_err(GearboxError::from)?;
+            let sleeves: Vec<usize> =
+                (gearbox.layout.external_bodies().start..gearbox.layout.bodies()).collect();
+            let idle: &[usize] = if gearbox.has_friction() { &[] } else { &sleeves };
+            let system = Reduced::new(mechanism, forces, idle)
+                .map_err(GearboxError::from)?
+                .with_leaves(&sleeves);
             integrate(gearbox, system, watch)
         }
         scene::Formulation::Lagrange => {
             let stabilisation = match gearbox.scene.solver.stabilisation {
                 scene::Stabilisation::None => Stabilisation::None,
                 scene::Stabilisation::Projection => Stabilisation::Projection,
-                scene::Stabilisation::Baumgarte => {
-                    Stabilisation::Baumgarte { rate: BAUMGARTE_PER_STEP / gearbox.scene.solver.step_s }
-                }
+                scene::Stabilisation::Baumgarte => Stabilisation::Baumgarte {
+                    rate: BAUMGARTE_PER_STEP / gearbox.scene.solver.step_s,
+                },
             };
-            let system = Lagrange::new(mechanism, forces, stabilisation).map_err(GearboxError::from)?;
+            let system =
+                Lagrange::new(mechanism, forces, stabilisation).map_err(GearboxError::from)?;
             integrate(gearbox, system, watch)
         }
     }
@@ -100,7 +93,10 @@ fn integrate<F: Formulation>(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
     let solver = &gearbox.scene.solver;
-    let settings = StepSettings { step: solver.step_s, tolerance: solver.tolerance };
+    let settings = StepSettings {
+        step: solver.step_s,
+        tolerance: solver.tolerance,
+    };
     let mut y = system.initial();
     let mut stepper = integrators::start::<F>(&solver.integrator, settings, 0.0, &y)
         .ok_or_else(|| GearboxError::UnknownIntegrator(solver.integrator.clone()))?;
@@ -137,6 +133,10 @@ fn integrate<F: Formulation>(
     };
     match fault {
         None => Ok(run),
-        Some((time_s, quantity)) => Err(NativeError::Diverged { time_s, quantity, partial: Box::new(run) }),
+        Some((time_s, quantity)) => Err(NativeError::Diverged {
+            time_s,
+            quantity,
+            partial: Box::new(run),
+        }),
     }
 }

@@ -48,4 +48,7 @@ pub trait ContactField: Send {
 
     /// Visits every touching pair (penetration > 0), wheel by wheel, external before internal.
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact));
+
+    /// F_n of a pair that [`touching`](Self::touching) found, N, if it closed at `rate` (m/s) at the same positions.
+    fn normal_force(&self, pair: &PairContact, rate: f64) -> f64;
 }

@@ -173,6 +173,10 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
         }
     }
 
+    fn normal_force(&self, pair: &PairContact, rate: f64) -> f64 {
+        self.law.force(pair.stiffness, pair.penetration_m, rate)
+    }
+
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&bodies[body]);

@@ -1,0 +1,84 @@
+//! Contact forces and the load as the mechanism's applied forces, whole or with the friction told apart.
+
+use pinwheel_mbs::sliding::Contact;
+use pinwheel_mbs::{BodyState, Forces, Wrench};
+
+use crate::contacts::{ContactField, PairContact};
+use crate::layout::Layout;
+use crate::{Gearbox, GearboxError};
+
+/// Applied forces of a gearbox.
+pub(crate) struct GearForces<'a> {
+    gearbox: &'a Gearbox,
+    field: Box<dyn ContactField>,
+    /// Touching pairs of the last listing.
+    pairs: Vec<PairContact>,
+}
+
+impl<'a> GearForces<'a> {
+    pub(crate) fn new(gearbox: &'a Gearbox) -> Result<Self, GearboxError> {
+        let layout = gearbox.layout;
+        let most = layout.wheels * (layout.external_sleeves + layout.internal_sleeves);
+        Ok(Self {
+            gearbox,
+            field: gearbox.contact_field()?,
+            pairs: Vec::with_capacity(most),
+        })
+    }
+}
+
+impl Forces for GearForces<'_> {
+    fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
+        loads[Layout::OUTPUT].moment += self.gearbox.load_torque(time);
+        self.field.add_loads(bodies, loads);
+    }
+
+    fn apply_without_friction(
+        &mut self,
+        time: f64,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+        contacts: &mut Vec<Contact>,
+    ) {
+        contacts.clear();
+        if !self.gearbox.has_friction() {
+            self.apply(time, bodies, loads);
+            return;
+        }
+        loads[Layout::OUTPUT].moment += self.gearbox.load_torque(time);
+        let (layout, law) = (self.gearbox.layout, &self.gearbox.scene.contact);
+        let wheels = layout.wheel_bodies().start;
+        let pairs = &mut self.pairs;
+        pairs.clear();
+        self.field.touching(bodies, &mut |pair| {
+            let smooth = PairContact {
+                friction_force_n: 0.0,
+                ..*pair
+            };
+            let (sleeve, wheel) = (layout.sleeve_body(pair.sleeve), wheels + pair.wheel);
+            let [fx, fy] = smooth.force_on_sleeve();
+            let [x, y] = pair.point;
+            for (body, fx, fy) in [(sleeve, fx, fy), (wheel, -fx, -fy)] {
+                let (at, load) = (bodies[body], &mut loads[body]);
+                load.fx += fx;
+                load.fy += fy;
+                load.moment += (x - at.x) * fy - (y - at.y) * fx;
+            }
+            contacts.push(Contact {
+                bodies: [sleeve, wheel],
+                point: pair.point,
+                normal: pair.normal,
+                normal_force: pair.normal_force_n,
+                coefficient: law.friction_coefficient,
+                ramp: law.friction_ramp_m_s,
+            });
+            pairs.push(smooth);
+        });
+    }
+
+    fn normal_force(&self, index: usize, listed: f64, rate: f64) -> f64 {
+        self.pairs
+            .get(index)
+            .map_or(listed, |pair| self.field.normal_force(pair, rate))
+    }
+}
