@@ -1,0 +1,339 @@
+//! Whatever is wrong with what a user gives: one line on stderr that names the place, the key and
+//! the remedy, exit status 2, nothing on stdout, nothing written.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use pinwheel_tests::{Outcome, names_in, pinwheel, run_in};
+
+/// Asserts the form of a refusal and returns its line.
+fn refusal(outcome: &Outcome, what: &str) -> String {
+    assert_eq!(outcome.code, Some(2), "{what}: {outcome:?}");
+    assert_eq!(outcome.stdout, "", "{what}");
+    let line = outcome.stderr.trim_end_matches('\n');
+    assert!(!line.contains('\n'), "{what}: more than one line: {line}");
+    assert!(line.starts_with("error: "), "{what}: {line}");
+    // What is wrong; the remedy.
+    assert!(line.contains("; "), "{what}: no remedy: {line}");
+    line.to_owned()
+}
+
+/// Runs every command that takes a scene on `paper` with these overrides; all refuse alike.
+fn refused(sets: &[&str]) -> String {
+    let dir = tempfile::tempdir().unwrap();
+    let mut lines = ["run", "compare", "explain"].map(|command| {
+        let mut args = vec![command, "paper"];
+        sets.iter().for_each(|set| args.extend(["--set", set]));
+        refusal(&run_in(dir.path(), args), &sets.join(" "))
+    });
+    assert!(
+        names_in(dir.path()).is_empty(),
+        "{:?}",
+        names_in(dir.path())
+    );
+    assert_eq!(lines[0], lines[1]);
+    assert_eq!(lines[0], lines[2]);
+    std::mem::take(&mut lines[0])
+}
+
+/// Runs the text as a scene file called `mine.toml`.
+fn refused_file(text: impl AsRef<[u8]>) -> String {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("mine.toml"), text).unwrap();
+    let line = refusal(&run_in(dir.path(), ["run", "mine.toml"]), "mine.toml");
+    assert_eq!(names_in(dir.path()), ["mine.toml"]);
+    line
+}
+
+fn assert_parts(line: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(line.contains(part), "`{part}` is not in: {line}");
+    }
+}
+
+#[test]
+fn bad_input_unknown_key() {
+    let line = refused_file("name = \"mine\"\n\n[gear]\nhole_radius = 0.0088\n");
+    assert_parts(
+        &line,
+        &[
+            "mine.toml, line 4",
+            "`gear.hole_radius`",
+            "did you mean `gear.hole_radius_m`?",
+        ],
+    );
+    let line = refused(&["gear.baklash_m=0.0006"]);
+    assert_parts(
+        &line,
+        &[
+            "--set gear.baklash_m=0.0006",
+            "did you mean `gear.backlash_m`?",
+        ],
+    );
+}
+
+#[test]
+fn bad_input_missing_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let line = refusal(&run_in(dir.path(), ["run", "no/such.toml"]), "missing file");
+    assert_parts(
+        &line,
+        &[
+            "`no/such.toml`",
+            "give the path of a scene file or a preset",
+        ],
+    );
+    let line = refusal(&run_in(dir.path(), ["explain", "papr"]), "missing preset");
+    assert_parts(&line, &["`papr`", "did you mean the preset `paper`?"]);
+}
+
+#[test]
+fn bad_input_unreadable_files() {
+    let line = refused_file(b"[gear]\nwheels = 2 # \xff\n");
+    assert_parts(&line, &["mine.toml, line 2", "UTF-8"]);
+    let line = refused_file("[gear]\nwheels = 2\nwheels = 3\n");
+    assert_parts(&line, &["mine.toml, line 3", "duplicate key"]);
+    let line = refused_file("[gear\n");
+    assert_parts(&line, &["mine.toml, line 1", "not valid TOML"]);
+    let line = refused_file("#".repeat(2 << 20));
+    assert_parts(&line, &["longer than"]);
+    let dir = tempfile::tempdir().unwrap();
+    let line = refusal(&run_in(dir.path(), ["run", "."]), "a folder");
+    assert_parts(&line, &["cannot be read"]);
+}
+
+#[test]
+fn bad_input_wrong_type() {
+    let line = refused_file("[gear]\nwheels = \"two\"\n");
+    assert_parts(
+        &line,
+        &["mine.toml, line 2", "`gear.wheels`", "a whole number"],
+    );
+    let line = refused_file("[drive]\nstart = \"warm\"\n");
+    assert_parts(
+        &line,
+        &[
+            "mine.toml, line 2",
+            "`drive.start`",
+            "`kinematic`",
+            "`equilibrium`",
+        ],
+    );
+}
+
+#[test]
+fn bad_input_negative_radius() {
+    for key in [
+        "gear.external_sleeve_radius_m",
+        "gear.internal_sleeve_radius_m",
+        "gear.internal_circle_radius_m",
+        "gear.hole_radius_m",
+    ] {
+        let line = refused(&[&format!("{key}=-0.006")]);
+        assert_parts(&line, &[&format!("`{key}` is -0.006 m"), "metres"]);
+    }
+}
+
+#[test]
+fn bad_input_undercut_profile() {
+    // Smallest convex radius: 13.1226 mm.
+    let line = refused(&["gear.external_sleeve_radius_m=0.0132"]);
+    assert_parts(
+        &line,
+        &["`gear.external_sleeve_radius_m`", "undercut", "0.0131226 m"],
+    );
+}
+
+#[test]
+fn bad_input_overlapping_holes() {
+    let line = refused(&["gear.hole_radius_m=0.0146"]);
+    assert_parts(
+        &line,
+        &["`gear.hole_radius_m`", "neighbouring holes overlap"],
+    );
+}
+
+#[test]
+fn bad_input_holes_leaving_the_wheel() {
+    let line = refused(&["gear.internal_circle_radius_m=0.0525"]);
+    assert_parts(
+        &line,
+        &[
+            "leave the wheel",
+            "gear.internal_circle_radius_m at most 0.0464 m",
+        ],
+    );
+}
+
+#[test]
+fn bad_input_sleeve_larger_than_its_hole() {
+    let line = refused(&["gear.internal_sleeve_radius_m=0.009"]);
+    assert_parts(
+        &line,
+        &[
+            "`gear.internal_sleeve_radius_m`",
+            "larger than its hole of 0.0088 m",
+        ],
+    );
+}
+
+#[test]
+fn bad_input_zero_step() {
+    for key in ["solver.step_s", "solver.sample_s", "solver.duration_s"] {
+        let line = refused(&[&format!("{key}=0")]);
+        assert_parts(&line, &[&format!("`{key}` is 0 s"), "seconds"]);
+    }
+}
+
+#[test]
+fn bad_input_not_a_number() {
+    for (set, shown) in [
+        ("gear.eccentricity_m=nan", "`gear.eccentricity_m` is NaN m"),
+        (
+            "drive.output_torque_n_m=inf",
+            "`drive.output_torque_n_m` is inf N m",
+        ),
+        ("mass.wheel.mass_kg=-inf", "`mass.wheel.mass_kg` is -inf kg"),
+        ("solver.step_s=nan", "`solver.step_s` is NaN s"),
+    ] {
+        assert_parts(&refused(&[set]), &[shown]);
+    }
+}
+
+#[test]
+fn bad_input_a_million_sleeves() {
+    for key in ["gear.external_sleeves", "gear.internal_sleeves"] {
+        let line = refused(&[&format!("{key}=1000000")]);
+        assert_parts(&line, &[&format!("`{key}` is 1000000"), "from 3 to 1000"]);
+    }
+}
+
+/// The refusal comes before anything is allocated: 300 MB of address space are enough for it, while
+/// one column of courses for each of a million sleeves would take 48 GB.
+#[cfg(target_os = "linux")]
+#[test]
+fn bad_input_a_million_sleeves_allocates_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let output = Command::new("sh")
+        .arg("-c")
+        .arg("ulimit -v 300000 && exec \"$0\" \"$@\"")
+        .arg(pinwheel().get_program())
+        .args(["run", "paper", "--set", "gear.external_sleeves=1000000"])
+        .current_dir(dir.path())
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    refusal(&output.into(), "a million sleeves in 300 MB");
+}
+
+#[test]
+fn bad_input_memory_and_time_bounds() {
+    for (sets, part) in [
+        (
+            &["gear.wheels=64", "gear.external_sleeves=1000"][..],
+            "pairs of wheel and sleeve",
+        ),
+        (&["solver.sample_s=1e-9"], "samples"),
+        (&["solver.step_s=1e-12"], "steps"),
+        (&["solver.duration_s=1e-7"], "longer than the whole run"),
+    ] {
+        assert_parts(&refused(sets), &[part]);
+    }
+}
+
+#[test]
+fn bad_input_unknown_names() {
+    assert_parts(
+        &refused(&["contact.law=papr"]),
+        &["`contact.law`", "did you mean `paper`?"],
+    );
+    assert_parts(
+        &refused(&["solver.integrator=rk5"]),
+        &["`solver.integrator`", "no integrator"],
+    );
+    let dir = tempfile::tempdir().unwrap();
+    let line = refusal(
+        &run_in(dir.path(), ["run", "paper", "--engine", "native-reducd"]),
+        "unknown engine",
+    );
+    assert_parts(
+        &line,
+        &["`native-reducd`", "did you mean `native-reduced`?"],
+    );
+    let line = refusal(
+        &run_in(
+            dir.path(),
+            ["compare", "paper", "--engines", "native,native-reduced"],
+        ),
+        "one engine twice",
+    );
+    assert_parts(&line, &["native-reduced twice"]);
+}
+
+#[test]
+fn bad_input_too_few_points() {
+    let line = refused(&["contact.detection=points", "contact.wheel_points=119"]);
+    assert_parts(&line, &["`contact.wheel_points` is 119", "15 lobes", "at least 120"]);
+}
+
+#[test]
+fn bad_input_usage() {
+    let dir = tempfile::tempdir().unwrap();
+    for args in [
+        &["rnu", "paper"][..],
+        &["run"],
+        &["run", "paper", "--egnine", "native"],
+        &["run", "paper", "--set", "gear.wheels"],
+        &["run", "paper", "extra"],
+        &["compare", "paper", "--out"],
+    ] {
+        let line = refusal(&run_in(dir.path(), args), &args.join(" "));
+        assert!(
+            line.contains("--help") || line.contains("--set key=value"),
+            "{line}"
+        );
+    }
+    assert!(names_in(dir.path()).is_empty());
+}
+
+#[test]
+fn bad_input_output_folder_of_somebody_else() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("thesis");
+    std::fs::create_dir(&out).unwrap();
+    std::fs::write(out.join("chapter.tex"), "precious").unwrap();
+    for command in ["run", "compare"] {
+        let args = [
+            command,
+            "paper",
+            "--out",
+            "thesis",
+            "--set",
+            "solver.duration_s=0.001",
+        ];
+        let line = refusal(&run_in(dir.path(), args), command);
+        assert_parts(&line, &["--out thesis", "`chapter.tex`", "--force"]);
+        assert_eq!(
+            std::fs::read_to_string(out.join("chapter.tex")).unwrap(),
+            "precious"
+        );
+    }
+    for (out, part) in [("thesis/chapter.tex", "not a folder"), (".", "working in")] {
+        let args = ["run", "paper", "--force", "--out", out];
+        assert_parts(&refusal(&run_in(dir.path(), args), out), &[part]);
+    }
+    assert_eq!(names_in(dir.path()), ["thesis"]);
+    assert_eq!(names_in(&out), ["chapter.tex"]);
+}
+
+/// A folder that cannot be written is noticed before the run, not after it.
+#[test]
+fn bad_input_output_below_a_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    let out: &Path = &file.join("out");
+    let args = ["run", "paper", "--out", out.to_str().unwrap()];
+    let line = refusal(&run_in(dir.path(), args), "below a file");
+    assert_parts(&line, &["cannot be written", "another --out"]);
+}

@@ -1,0 +1,356 @@
+//! The program as a user meets it: what it writes, how it ends, how it is stopped.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use pinwheel_courses::Courses;
+use pinwheel_gearbox::scene::Scene;
+use pinwheel_tests::{Outcome, names_in, pinwheel, run_in};
+use serde_json::Value;
+
+/// A run short enough for tests: 5 ms, 51 samples.
+const SHORT: [&str; 2] = ["--set", "solver.duration_s=0.005"];
+
+fn json(path: PathBuf) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap()
+}
+
+fn done(outcome: Outcome) -> String {
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    assert_eq!(outcome.stderr, "", "progress belongs on terminals only");
+    outcome.stdout
+}
+
+#[test]
+fn program_run_writes_courses_and_their_record() {
+    let dir = tempfile::tempdir().unwrap();
+    let shown = done(run_in(
+        dir.path(),
+        ["run", "paper", "--engine", "native-lagrange"]
+            .iter()
+            .chain(&SHORT),
+    ));
+    assert!(shown.contains("out/paper-run/courses.csv"), "{shown}");
+    let out = dir.path().join("out/paper-run");
+    assert_eq!(names_in(&out), ["courses.csv", "run.json"]);
+
+    let courses = Courses::load_csv(&out.join("courses.csv")).unwrap();
+    assert_eq!(courses.len(), 51);
+    assert_eq!(courses.channels()[0].name, "input_torque_n_m");
+    assert_eq!(courses.group("external_sleeve_force_n").len(), 16);
+    assert_eq!(courses.group("internal_sleeve_force_n").len(), 8);
+
+    let record = json(out.join("run.json"));
+    assert_eq!(record["engine"], "native-lagrange");
+    assert_eq!(record["track"], "native");
+    assert_eq!(record["status"], "finished");
+    assert_eq!(record["steps"], 500);
+    assert_eq!(record["rhs_calls"], 1000);
+    assert_eq!(record["bodies"], 28);
+    for key in ["wall_s", "cpu_s", "degrees_of_freedom"] {
+        assert!(record[key].as_f64().unwrap() > 0.0, "{key}");
+    }
+    for key in ["version", "settings", "pinwheel_version"] {
+        assert!(!record[key].as_str().unwrap().is_empty(), "{key}");
+    }
+    assert!(record["machine"]["cores"].as_u64().unwrap() >= 1);
+    // The whole scene stands in the record: read back, it is the one that ran.
+    let scene: Scene = serde_json::from_value(record["scene"].clone()).unwrap();
+    let set = "solver.duration_s=0.005".parse().unwrap();
+    assert_eq!(scene, Scene::load("paper", &[set]).unwrap());
+}
+
+#[test]
+fn program_compare_writes_report_summary_and_courses() {
+    let dir = tempfile::tempdir().unwrap();
+    let args = [
+        "compare",
+        "paper",
+        "--engines",
+        "native-reduced,native-lagrange",
+        "--out",
+        "r",
+    ];
+    let shown = done(run_in(dir.path(), args.iter().chain(&SHORT)));
+    for part in [
+        "native-reduced / native-lagrange",
+        "within limits",
+        "report: r/index.html",
+    ] {
+        assert!(shown.contains(part), "{part} is not in:\n{shown}");
+    }
+    let out = dir.path().join("r");
+    assert_eq!(
+        names_in(&out),
+        [
+            "index.html",
+            "native-lagrange",
+            "native-reduced",
+            "summary.json"
+        ]
+    );
+    for engine in ["native-lagrange", "native-reduced"] {
+        assert_eq!(names_in(&out.join(engine)), ["courses.csv", "run.json"]);
+    }
+    let summary = json(out.join("summary.json"));
+    assert_eq!(summary["passed"], true);
+    assert_eq!(summary["engines"].as_array().unwrap().len(), 2);
+    assert_eq!(summary["counts"]["exceeded"], 0);
+    assert!(!summary["assumptions"].as_array().unwrap().is_empty());
+    let page = std::fs::read_to_string(out.join("index.html")).unwrap();
+    assert!(
+        page.contains("native-lagrange") && page.contains("pinwheel compare paper"),
+        "the page"
+    );
+}
+
+#[test]
+fn program_diverged_run_ends_with_3_and_keeps_what_there_is() {
+    let dir = tempfile::tempdir().unwrap();
+    let outcome = run_in(dir.path(), ["run", "steel", "--out", "s"]);
+    assert_eq!(outcome.code, Some(3), "{outcome:?}");
+    assert_eq!(outcome.stdout, "");
+    let line = outcome.stderr.trim_end();
+    assert!(
+        line.starts_with("error: native-reduced diverged at t = 0.0"),
+        "{line}"
+    );
+    assert!(
+        line.contains("courses.partial.csv") && !line.contains('\n'),
+        "{line}"
+    );
+    let out = dir.path().join("s");
+    assert_eq!(names_in(&out), ["courses.partial.csv", "run.json"]);
+    let record = json(out.join("run.json"));
+    assert_eq!(record["status"], "diverged");
+    let diverged_at = record["diverged_at_s"].as_f64().unwrap();
+    assert!(record["diverged_quantity"].as_str().unwrap().len() > 5);
+    let courses = Courses::load_csv(&out.join("courses.partial.csv")).unwrap();
+    assert!(!courses.is_empty() && courses.time_s().iter().all(|&t| t <= diverged_at));
+}
+
+#[test]
+fn program_compare_goes_on_when_engines_diverge() {
+    let dir = tempfile::tempdir().unwrap();
+    let args = [
+        "compare",
+        "steel",
+        "--engines",
+        "native-reduced,native-lagrange",
+        "--out",
+        "s",
+    ];
+    let outcome = run_in(
+        dir.path(),
+        args.iter().chain(&["--set", "solver.duration_s=0.05"]),
+    );
+    assert_eq!(outcome.code, Some(3), "{outcome:?}");
+    assert!(
+        outcome.stdout.contains("diverged at t = "),
+        "{}",
+        outcome.stdout
+    );
+    let out = dir.path().join("s");
+    assert_eq!(
+        names_in(&out.join("native-reduced")),
+        ["courses.partial.csv", "run.json"]
+    );
+    let summary = json(out.join("summary.json"));
+    assert_eq!(summary["engines"][0]["status"]["state"], "diverged");
+    assert_eq!(summary["passed"], false);
+    assert!(out.join("index.html").is_file());
+}
+
+#[test]
+fn program_missing_engine_ends_with_3() {
+    if cfg!(feature = "crossval") {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let outcome = run_in(
+        dir.path(),
+        ["run", "paper", "--engine", "exudyn-explicit-shared-law"],
+    );
+    assert_eq!(outcome.code, Some(3), "{outcome:?}");
+    assert!(
+        outcome.stderr.contains("--features crossval"),
+        "{}",
+        outcome.stderr
+    );
+    assert!(names_in(dir.path()).is_empty());
+}
+
+#[test]
+fn program_replaces_its_own_output_and_with_force_any() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("o");
+    let run = |more: &[&str]| {
+        let args = ["run", "paper", "--out", "o"];
+        run_in(dir.path(), args.iter().chain(&SHORT).chain(more))
+    };
+    done(run(&[]));
+    // An earlier comparison there goes as a whole.
+    std::fs::create_dir(out.join("native-reduced")).unwrap();
+    std::fs::write(out.join("native-reduced/courses.csv"), "old").unwrap();
+    done(run(&["--set", "name=second"]));
+    assert_eq!(names_in(&out), ["courses.csv", "run.json"]);
+    assert_eq!(json(out.join("run.json"))["scene"]["name"], "second");
+    // A file that is not ours stops it; --force does not mind.
+    std::fs::write(out.join("notes.txt"), "mine").unwrap();
+    assert_eq!(run(&[]).code, Some(2));
+    assert_eq!(names_in(&out), ["courses.csv", "notes.txt", "run.json"]);
+    done(run(&["--force"]));
+    assert_eq!(names_in(&out), ["courses.csv", "run.json"]);
+    assert_eq!(names_in(dir.path()), ["o"]);
+}
+
+#[test]
+fn program_lists_engines_and_explains_for_people_and_programs() {
+    let dir = tempfile::tempdir().unwrap();
+    let words = done(run_in(dir.path(), ["engines"]));
+    let listed: Value =
+        serde_json::from_str(&done(run_in(dir.path(), ["engines", "--json"]))).unwrap();
+    for engine in listed.as_array().unwrap() {
+        assert!(words.contains(engine["name"].as_str().unwrap()), "{engine}");
+        assert!(
+            ["native", "shared-law", "own-contact"].contains(&engine["track"].as_str().unwrap())
+        );
+    }
+    let words = done(run_in(dir.path(), ["explain", "paper"]));
+    for part in [
+        "28 planar bodies",
+        "27 degrees of freedom",
+        "15 : 1",
+        "13.1226 mm",
+        "Fig. 3",
+    ] {
+        assert!(words.contains(part), "{part} is not in:\n{words}");
+    }
+    let said: Value =
+        serde_json::from_str(&done(run_in(dir.path(), ["explain", "paper", "--json"]))).unwrap();
+    assert_eq!(said["derived"]["lobes"], 15);
+    assert_eq!(said["scene"]["name"], "paper");
+    assert!(names_in(dir.path()).is_empty(), "explaining writes nothing");
+}
+
+/// No escape codes outside terminals, help included.
+#[test]
+fn program_is_plain_where_nobody_sees_colours() {
+    let dir = tempfile::tempdir().unwrap();
+    for args in [
+        &["--help"][..],
+        &["run", "--help"],
+        &["engines"],
+        &["explain", "paper"],
+        &["rnu"],
+    ] {
+        let outcome = run_in(dir.path(), args);
+        assert!(
+            !outcome.stdout.contains('\x1b') && !outcome.stderr.contains('\x1b'),
+            "{args:?}"
+        );
+    }
+    assert!(run_in(dir.path(), ["--help"]).stdout.contains("Examples:"));
+}
+
+#[test]
+fn program_survives_a_closed_pipe() {
+    let dir = tempfile::tempdir().unwrap();
+    for args in [
+        &["explain", "paper"][..],
+        &["engines", "--json"],
+        &["--help"],
+    ] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = pinwheel()
+            .args(args)
+            .current_dir(dir.path())
+            .stdin(Stdio::null())
+            .stdout(writer)
+            .stderr(Stdio::piped())
+            .output()
+            .unwrap();
+        let outcome = Outcome::from(output);
+        assert_eq!(
+            (outcome.code, outcome.stderr.as_str()),
+            (Some(0), ""),
+            "{args:?}"
+        );
+    }
+}
+
+/// A run of a day's length, started in `dir`; returns once it has its unfinished folder there.
+#[cfg(unix)]
+fn endless(dir: &Path, more: &[&str]) -> Child {
+    let child = pinwheel()
+        .args(["run", "paper", "--out", "never"])
+        .args([
+            "--set",
+            "solver.duration_s=10000",
+            "--set",
+            "solver.sample_s=0.01",
+        ])
+        .args(more)
+        .current_dir(dir)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while names_in(dir).is_empty() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child
+}
+
+#[cfg(unix)]
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill")
+        .args(["-s", name, &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(sent.success());
+}
+
+#[cfg(unix)]
+#[test]
+fn program_stopped_leaves_nothing() {
+    for name in ["INT", "TERM"] {
+        let dir = tempfile::tempdir().unwrap();
+        let child = endless(dir.path(), &[]);
+        signal(&child, name);
+        let outcome = Outcome::from(child.wait_with_output().unwrap());
+        assert_eq!(outcome.code, Some(130), "{name}: {outcome:?}");
+        assert_eq!(outcome.stderr, "error: stopped; nothing was written\n");
+        assert_eq!(outcome.stdout, "");
+        assert!(
+            names_in(dir.path()).is_empty(),
+            "{:?}",
+            names_in(dir.path())
+        );
+    }
+}
+
+/// The engine looks at the flag at its samples; between two far ones only the second signal helps.
+#[cfg(unix)]
+#[test]
+fn program_stopped_twice_ends_at_once_and_leaves_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut child = endless(dir.path(), &["--set", "solver.sample_s=10000"]);
+    // Signals of one kind that wait merge into one, so they are repeated until the program is gone.
+    let code = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status.code();
+        }
+        signal(&child, "INT");
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    assert_eq!(code, Some(130));
+    assert!(
+        names_in(dir.path()).is_empty(),
+        "{:?}",
+        names_in(dir.path())
+    );
+}
