@@ -13,7 +13,7 @@ use crate::participant::{Context, Participant};
 use crate::quantities::{self, INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, Quantity};
 use crate::statistics::{Statistics, View};
 use crate::verdict::{Counts, Verdict};
-use crate::windows::{self, SETTLING_S, Window};
+use crate::windows::{self, SETTLING_S, Window, WindowKind};
 use crate::{CompareError, grid};
 
 /// Compares every finished run with every other on its track, window by window.
@@ -153,6 +153,10 @@ fn figures(
         })
         .collect();
     let efficiency = || {
+        // A start-up stores and returns energy: no efficiency there.
+        if window.kind == WindowKind::Transient {
+            return None;
+        }
         let mean = |name: &str| statistics.get(name).map(|s| s.mean);
         let time_s = courses.time_s().get(samples.clone())?;
         let angle_rad = courses.channel(OUTPUT_ANGLE)?.get(samples.clone())?;

@@ -71,7 +71,7 @@ pub struct Figures {
     pub quantities: BTreeMap<String, Statistics>,
     /// Power out over power in: mean `output_torque_n_m` * mean speed of `output_angle_rad` /
     /// (mean `input_torque_n_m` * input speed). `None` without these channels or without positive
-    /// input power. Energy stored in the contacts is not counted, so it holds over whole periods.
+    /// input power, and in the transient window, where energy is stored and returned.
     pub efficiency: Option<f64>,
 }
 

@@ -53,9 +53,13 @@ impl Quantity {
             .unwrap_or((name, ""));
         let words = stem.replace('_', " ");
         let mut letters = words.chars();
-        let label = letters.next().map_or_else(String::new, |first| {
-            first.to_uppercase().chain(letters).collect()
-        });
+        let label = if name == INPUT_TORQUE {
+            "Driver torque".to_owned()
+        } else {
+            letters.next().map_or_else(String::new, |first| {
+                first.to_uppercase().chain(letters).collect()
+            })
+        };
         Self {
             name: name.to_owned(),
             label,
@@ -120,7 +124,8 @@ mod tests {
     #[test]
     fn names_give_labels_and_units() {
         for (name, label, unit) in [
-            ("input_torque_n_m", "Input torque", "N m"),
+            ("input_torque_n_m", "Driver torque", "N m"),
+            ("output_torque_n_m", "Output torque", "N m"),
             ("external_sleeve_force_n", "External sleeve force", "N"),
             ("output_angle_rad", "Output angle", "rad"),
             ("wheel_speed_rad_s", "Wheel speed", "rad/s"),

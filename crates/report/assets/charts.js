@@ -70,18 +70,19 @@ const PinwheelCharts = (() => {
     const decimals = Math.min(9, Math.max(0, -Math.floor(Math.log10(spacing) + 1e-9)));
     return values.map((v) => (v === null || v === undefined ? '' : v.toFixed(decimals).replace('-', '−')));
   }
-  // Only whole decades carry a number, and not all of them where there are many.
-  function decades(plot, values) {
-    const powers = values.filter((v) => v > 0 && Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-6);
-    const every = Math.ceil(powers.length / Math.max(2, Math.floor(plot.bbox.height / devicePixelRatio / 26)));
-    return values.map((v) => {
-      const power = Math.round(Math.log10(v));
-      return powers.includes(v) && power % every === 0 ? `10${[...String(power)].map((c) => SUPERSCRIPT[c]).join('')}` : '';
-    });
-  }
+  // On a log axis only whole decades have a line and a number, and not all where there are many.
+  const decades = (size, breadth) => (plot, axis, low, high) => {
+    const [from, to] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
+    const every = Math.max(1, Math.ceil((to - from + 1) / Math.max(2, Math.floor(plot.over[size] / breadth))));
+    const powers = [];
+    for (let power = Math.ceil(from / every) * every; power <= to; power += every) powers.push(10 ** power);
+    return powers;
+  };
+  const powers = (values) => values.map((v) => `10${[...String(Math.round(Math.log10(v)))].map((c) => SUPERSCRIPT[c]).join('')}`);
 
-  function yRange(spec) {
+  function yRange(state) {
     return (plot, low, high) => {
+      const { spec } = state;
       if (spec.y.log) {
         if (!(high > 0)) return [1e-12, 1];
         const from = Math.max(low > 0 ? low : 0, spec.y.floor || 0) || high / 10;
@@ -96,7 +97,8 @@ const PinwheelCharts = (() => {
     };
   }
 
-  function options(host, spec, state) {
+  function options(host, state) {
+    const { spec } = state;
     const font = getComputedStyle(document.body).fontFamily;
     const axis = {
       stroke: () => colour('--ink-soft'),
@@ -116,7 +118,7 @@ const PinwheelCharts = (() => {
       padding: [10, 12, 0, 0],
       scales: {
         x: { time: false, distr: spec.x.log ? 3 : 1 },
-        y: { distr: spec.y.log ? 3 : 1, range: yRange(spec) },
+        y: { distr: spec.y.log ? 3 : 1, range: yRange(state) },
       },
       cursor: {
         sync: spec.group ? { key: spec.group, setSeries: false } : undefined,
@@ -124,12 +126,14 @@ const PinwheelCharts = (() => {
         points: { size: 7, width: 0 },
       },
       axes: [
-        { ...axis, label: spec.x.label, size: 34, values: (u, v) => (spec.x.log ? decades(u, v) : ticks(v)) },
+        { ...axis, label: spec.x.label, size: 34, values: (u, v) => (spec.x.log ? powers(v) : ticks(v)), ...(spec.x.log ? { splits: decades('clientWidth', 60), filter: (u, v) => v } : {}) },
         {
           ...axis,
           label: spec.y.label,
-          values: (u, v) => (spec.y.log ? decades(u, v) : ticks(v)),
-          size: (u, texts) => 16 + Math.ceil(Math.max(24, ...(texts || []).map((t) => measure.measureText(t).width))),
+          values: (u, v) => (spec.y.log ? powers(v) : ticks(v)),
+          ...(spec.y.log ? { splits: decades('clientHeight', 28), filter: (u, v) => v } : {}),
+          // One width for most charts, so that those above each other line up.
+          size: (u, texts) => 14 + Math.ceil(Math.max(40, ...(texts || []).map((t) => measure.measureText(t).width))),
         },
       ],
       series: [{}].concat(spec.series.map((series) => ({
@@ -144,7 +148,7 @@ const PinwheelCharts = (() => {
       hooks: {
         setCursor: [(u) => {
           const index = u.cursor.left >= 0 ? u.cursor.idx : null;
-          if (spec.onCursor) spec.onCursor(index === undefined ? null : index);
+          if (state.spec.onCursor) state.spec.onCursor(index === undefined ? null : index);
         }],
         setScale: [(u, key) => {
           if (key === 'x' && !state.told) follow(state, u.scales.x.min, u.scales.x.max);
@@ -177,7 +181,7 @@ const PinwheelCharts = (() => {
       const step = Math.max(1, Math.round((plot.valToIdx(max) - plot.valToIdx(min)) / (event.shiftKey ? 20 : 200)));
       const cursor = (index) => {
         const bounded = Math.min(plot.valToIdx(max), Math.max(plot.valToIdx(min), index));
-        plot.setCursor({ left: plot.valToPos(plot.data[0][bounded], 'x'), top: plot.over.clientHeight / 2 });
+        plot.setCursor({ left: plot.valToPos(plot.data[0][bounded], 'x'), top: plot.over.clientHeight / 2 }, true, true);
       };
       const actions = {
         ArrowLeft: () => cursor(current - step),
@@ -185,7 +189,7 @@ const PinwheelCharts = (() => {
         '+': () => state.handle.range(min + breadth / 4, max - breadth / 4),
         '-': () => state.handle.range(min - breadth / 2, max + breadth / 2),
         0: () => state.handle.range(null, null),
-        Escape: () => plot.setCursor({ left: -10, top: -10 }),
+        Escape: () => plot.setCursor({ left: -10, top: -10 }, true, true),
       };
       const action = actions[event.key === '=' ? '+' : event.key];
       if (action) { action(); event.preventDefault(); }
@@ -212,7 +216,7 @@ const PinwheelCharts = (() => {
       const kept = state.plot && { ...state.plot.scales.x };
       if (state.plot) state.plot.destroy();
       state.told = true;
-      state.plot = new uPlot(options(host, state.spec, state), data(), host);
+      state.plot = new uPlot(options(host, state), data(), host);
       if (kept && kept.min !== undefined && kept.min !== null) state.plot.setScale('x', { min: kept.min, max: kept.max });
       queueMicrotask(() => queueMicrotask(() => { state.told = false; }));
       touch(state);
@@ -266,7 +270,7 @@ const PinwheelCharts = (() => {
       /** The stretch shown. */
       shown() { return [state.plot.scales.x.min, state.plot.scales.x.max]; },
       /** After a change of colours. */
-      redraw() { known = new Map(); state.plot.redraw(false, true); },
+      redraw() { known = new Map(); build(); },
       destroy() {
         observer.disconnect();
         if (state.spec.group) groups.get(state.spec.group).delete(state);

@@ -57,7 +57,7 @@
         if (row.dataset.window !== link.dataset.window) row.remove();
       });
       const title = make('p', { class: 'inspector-title' });
-      title.append(make('b', {}, details.querySelector('summary').textContent.replace(/\s+and\s+/, ' ').trim()), `, ${link.dataset.window}`);
+      title.append(make('b', {}, details.querySelector('summary').textContent.trim()), `, ${link.dataset.window}`);
       inspector.replaceChildren(title, make('div', { class: 'scroll', tabindex: '0' }, table));
       inspector.hidden = false;
       section.querySelectorAll('.matrix td.chosen').forEach((cell) => cell.classList.remove('chosen'));
@@ -182,7 +182,7 @@
       const cells = engines.map((engine) => {
         const value = make('b', {}, '');
         const difference = make('em', {}, '');
-        const item = make('span', { class: 'reading' }, PinwheelCharts.swatch(engine.style), make('span', { class: 'who' }, engine.name), value, difference);
+        const item = make('span', { class: 'reading' }, PinwheelCharts.swatch(engine.style), make('span', { class: 'who', title: engine.name }, engine.name), value, difference);
         readout.append(item);
         return { item, value, difference };
       });
@@ -209,8 +209,8 @@
         cells.forEach((cell, e) => {
           const v = index === null ? null : upper.value(e, index);
           const d = index === null || e === state.base ? null : signed(e, index);
-          cell.value.textContent = v === null ? '' : PinwheelCharts.number(v, 6);
-          cell.difference.textContent = d === null ? '' : `Δ ${PinwheelCharts.number(d, 2)}`;
+          cell.value.textContent = v === null ? '' : PinwheelCharts.number(v, 5);
+          cell.difference.textContent = d === null ? '' : `Δ\u202f${PinwheelCharts.number(d, 2)}`;
         });
       }
       const signed = (e, k) => {

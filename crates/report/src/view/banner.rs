@@ -3,7 +3,7 @@
 use pinwheel_compare::comparison::EngineSummary;
 use pinwheel_compare::{Comparison, Quantity, WindowKind, quantities, track};
 
-use super::window_label;
+use super::{checks, window_label};
 use crate::format;
 
 /// The verdict.
@@ -16,6 +16,8 @@ pub(super) struct Banner {
     pub(super) exceeded: usize,
     pub(super) not_judged: usize,
     pub(super) finished: usize,
+    /// The check that uses most of its limit, in words.
+    pub(super) closest: Option<String>,
     /// Engine and reason of each run that did not finish.
     pub(super) unfinished: Vec<(String, String)>,
 }
@@ -74,6 +76,7 @@ pub(super) fn banner(comparison: &Comparison) -> Banner {
         within: counts.within,
         exceeded: counts.exceeded,
         not_judged: counts.not_judged,
+        closest: checks::closest(comparison),
         finished: comparison
             .engines
             .iter()
@@ -155,10 +158,6 @@ fn quantity_tile(
         let rest = format!("mean {}, rms {}", figure(|s| s.mean)?, figure(|s| s.rms)?);
         (all(|s| s.max), "largest", rest)
     };
-    let label = match quantity.name.as_str() {
-        quantities::INPUT_TORQUE => "Driver torque",
-        _ => &quantity.label,
-    };
     let load = match comparison.context.load_n_m {
         Some(load) if quantity.name == quantities::OUTPUT_TORQUE => {
             format!("; load {}", format::significant(load, 3))
@@ -166,7 +165,7 @@ fn quantity_tile(
         _ => String::new(),
     };
     Some(Tile {
-        label: format!("{label}, {kind}"),
+        label: format!("{}, {kind}", quantity.label),
         value: format::figure(median(&main)?),
         unit: quantity.unit.clone(),
         detail: format!("{detail}{load}"),

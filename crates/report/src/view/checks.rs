@@ -23,7 +23,8 @@ pub(super) struct CheckRow {
     pub(super) share_key: String,
     pub(super) measured: String,
     pub(super) mark: Mark,
-    pub(super) reason: String,
+    /// Number of the reason below the table, from 1.
+    pub(super) reason: usize,
 }
 
 /// Comparisons without a limit, joined where the reason is one and the same.
@@ -34,9 +35,33 @@ pub(super) struct UnjudgedRow {
     pub(super) reason: String,
 }
 
-/// Rows of one track, exceeded ones first and then by how much of the limit is used.
-pub(super) fn rows(comparison: &Comparison, track: &str) -> (Vec<CheckRow>, Vec<UnjudgedRow>) {
+/// The verdicts of one track.
+#[derive(Default)]
+pub(super) struct Checks {
+    /// Exceeded ones first, then by how much of the limit is used.
+    pub(super) rows: Vec<CheckRow>,
+    /// Why the limits are what they are; rows refer to them by number.
+    pub(super) reasons: Vec<String>,
+    pub(super) unjudged: Vec<UnjudgedRow>,
+}
+
+/// Everything judged and not judged on one track.
+pub(super) fn of_track(comparison: &Comparison, track: &str) -> Checks {
     let (mut judged, mut unjudged) = (Vec::new(), Vec::new());
+    let mut take = |subject: &str, quantity: &str, window, checks: &[Check], verdict: &Verdict| {
+        let label = quantity_label(comparison, quantity);
+        judged.extend(checks.iter().map(|check| {
+            let share = share(check);
+            (
+                share,
+                check.reason.clone(),
+                row(subject, label, window, check, share),
+            )
+        }));
+        if let Verdict::NotJudged { reason } = verdict {
+            not_judged(&mut unjudged, subject, label, window, reason);
+        }
+    };
     for engine in comparison.engines.iter().filter(|e| e.track == track) {
         for EngineEntry {
             quantity,
@@ -45,20 +70,11 @@ pub(super) fn rows(comparison: &Comparison, track: &str) -> (Vec<CheckRow>, Vec<
             verdict,
         } in &engine.judged
         {
-            let subject = engine.name.clone();
-            take(
-                comparison,
-                &subject,
-                quantity,
-                *window,
-                checks,
-                verdict,
-                (&mut judged, &mut unjudged),
-            );
+            take(&engine.name, quantity, *window, checks, verdict);
         }
     }
     for pair in comparison.pairs.iter().filter(|p| p.track == track) {
-        let subject = format!("{} \u{2194} {}", pair.a, pair.b);
+        let subject = pair_label(&pair.a, &pair.b);
         for PairEntry {
             quantity,
             window,
@@ -67,53 +83,88 @@ pub(super) fn rows(comparison: &Comparison, track: &str) -> (Vec<CheckRow>, Vec<
             ..
         } in &pair.entries
         {
-            take(
-                comparison,
-                &subject,
-                quantity,
-                *window,
-                checks,
-                verdict,
-                (&mut judged, &mut unjudged),
-            );
+            take(&subject, quantity, *window, checks, verdict);
         }
     }
-    judged.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-    (judged.into_iter().map(|(_, row)| row).collect(), unjudged)
+    judged.sort_by(|(a, ..), (b, ..)| b.total_cmp(a));
+    let mut found = Checks {
+        unjudged,
+        ..Checks::default()
+    };
+    for (_, reason, mut row) in judged {
+        let place = found.reasons.iter().position(|known| *known == reason);
+        row.reason = 1 + place.unwrap_or_else(|| {
+            found.reasons.push(reason);
+            found.reasons.len() - 1
+        });
+        found.rows.push(row);
+    }
+    found
 }
 
-fn take(
-    comparison: &Comparison,
+/// The check that comes closest to its limit, or exceeds it most.
+pub(super) fn closest(comparison: &Comparison) -> Option<String> {
+    let alone = comparison.engines.iter().flat_map(|engine| {
+        let entries = engine.judged.iter();
+        entries.flat_map(|e| {
+            e.checks
+                .iter()
+                .map(|c| (engine.name.clone(), &e.quantity, c))
+        })
+    });
+    let pairs = comparison.pairs.iter().flat_map(|pair| {
+        let label = pair_label(&pair.a, &pair.b);
+        let entries = pair.entries.iter();
+        entries.flat_map(move |e| {
+            let label = label.clone();
+            e.checks
+                .iter()
+                .map(move |c| (label.clone(), &e.quantity, c))
+        })
+    });
+    let (subject, quantity, check) = alone
+        .chain(pairs)
+        .max_by(|(.., a), (.., b)| share(a).total_cmp(&share(b)))?;
+    let quantity = quantity_label(comparison, quantity).to_lowercase();
+    Some(format!(
+        "{subject}, {quantity}: {} of its limit",
+        share_label(share(check))
+    ))
+}
+
+fn pair_label(a: &str, b: &str) -> String {
+    format!("{a} \u{2194} {b}")
+}
+
+/// Value over limit; infinite where the value is not finite.
+fn share(check: &Check) -> f64 {
+    check
+        .value
+        .map_or(f64::INFINITY, |value| value / check.limit)
+}
+
+/// Adds a comparison without a limit, to the row before where the reason is the same.
+fn not_judged(
+    rows: &mut Vec<UnjudgedRow>,
     subject: &str,
-    quantity: &str,
+    label: &str,
     window: WindowKind,
-    checks: &[Check],
-    verdict: &Verdict,
-    (judged, unjudged): (&mut Vec<(f64, CheckRow)>, &mut Vec<UnjudgedRow>),
+    reason: &str,
 ) {
-    let label = quantity_label(comparison, quantity);
-    for check in checks {
-        let share = check
-            .value
-            .map_or(f64::INFINITY, |value| value / check.limit);
-        judged.push((share, row(subject, label, window, check, share)));
-    }
-    if let Verdict::NotJudged { reason } = verdict {
-        let same = unjudged.last_mut().filter(|row| {
-            row.subject == subject && row.window == window.word() && row.reason == *reason
-        });
-        match same {
-            Some(row) => {
-                row.quantities.push_str(", ");
-                row.quantities.push_str(&label.to_lowercase());
-            }
-            None => unjudged.push(UnjudgedRow {
-                subject: subject.to_owned(),
-                window: window.word(),
-                quantities: label.to_owned(),
-                reason: reason.clone(),
-            }),
+    let same = rows.last_mut().filter(|row| {
+        row.subject == subject && row.window == window.word() && row.reason == reason
+    });
+    match same {
+        Some(row) => {
+            row.quantities.push_str(", ");
+            row.quantities.push_str(&label.to_lowercase());
         }
+        None => rows.push(UnjudgedRow {
+            subject: subject.to_owned(),
+            window: window.word(),
+            quantities: label.to_owned(),
+            reason: reason.to_owned(),
+        }),
     }
 }
 
@@ -142,23 +193,20 @@ fn row(subject: &str, label: &str, window: WindowKind, check: &Check, share: f64
         limit: format::limit(check.limit),
         limit_key: key(check.limit),
         bar: format!("{:.1}", (100.0 * share).clamp(0.0, 100.0)),
-        share: if share.is_finite() {
-            share_label(share)
-        } else {
-            format::NONE.to_owned()
-        },
+        share: share_label(share),
         share_key: key(share),
         measured: check
             .measured
             .map_or_else(|| format::NONE.to_owned(), format::relative),
         mark: mark(&verdict),
-        reason: check.reason.clone(),
+        reason: 0,
     }
 }
 
 /// How much of a limit is used, without more digits than anyone reads.
 fn share_label(share: f64) -> String {
     match share {
+        s if !s.is_finite() => "not finite".to_owned(),
         s if s < 0.01 => "<\u{202f}1\u{202f}%".to_owned(),
         s if s < 10.0 => format!("{:.0}\u{202f}%", 100.0 * s),
         s => format!("{}\u{202f}\u{d7}", format::significant(s, 2)),

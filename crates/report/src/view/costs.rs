@@ -1,8 +1,15 @@
 //! What every run cost. Wall times are of this machine; counts are not.
 
-use pinwheel_compare::Comparison;
+use pinwheel_compare::{Comparison, Cost};
 
 use crate::format;
+
+/// The table; columns that would be empty are left out.
+pub(super) struct Costs {
+    pub(super) rows: Vec<CostRow>,
+    pub(super) rejected: bool,
+    pub(super) drift: bool,
+}
 
 /// One engine's cost; text with the number it is sorted by.
 pub(super) struct CostRow {
@@ -25,7 +32,16 @@ pub(super) struct CostRow {
     pub(super) notes: Vec<String>,
 }
 
-pub(super) fn rows(comparison: &Comparison) -> Vec<CostRow> {
+pub(super) fn table(comparison: &Comparison) -> Costs {
+    let any = |of: fn(&Cost) -> bool| comparison.engines.iter().any(|e| of(&e.cost));
+    Costs {
+        rejected: any(|cost| cost.rejected_steps > 0),
+        drift: any(|cost| cost.joint_drift_m.is_some()),
+        rows: rows(comparison),
+    }
+}
+
+fn rows(comparison: &Comparison) -> Vec<CostRow> {
     let longest = comparison
         .engines
         .iter()

@@ -15,7 +15,7 @@ use pinwheel_compare::{Comparison, Verdict, WindowKind};
 use crate::chart_data::{ChartData, json_for_script};
 use crate::{Fact, ReportError, ReportInput};
 use banner::{Banner, Tile};
-use costs::CostRow;
+use costs::Costs;
 use tracks::TrackSection;
 
 /// The whole page.
@@ -31,7 +31,7 @@ pub(crate) struct Page<'a> {
     chart_json: Option<String>,
     tracks: Vec<TrackSection>,
     engines: Vec<EngineCard>,
-    costs: Vec<CostRow>,
+    costs: Costs,
     modelled: &'a [Fact],
     left_out: &'a [Fact],
     assumptions: &'a [Fact],
@@ -96,7 +96,7 @@ impl<'a> Page<'a> {
             chart_json: charts.as_ref().map(json_for_script).transpose()?,
             tracks: tracks::sections(comparison),
             engines: engine_cards(comparison),
-            costs: costs::rows(comparison),
+            costs: costs::table(comparison),
             modelled: &input.modelled,
             left_out: &input.left_out,
             assumptions: &input.assumptions,

@@ -2,26 +2,27 @@
 
 use pinwheel_compare::{Comparison, track};
 
-use super::checks::{self, CheckRow, UnjudgedRow};
+use super::checks::{self, Checks};
 use super::figures::{self, FigureTable};
 use super::matrices::{self, MatrixView};
 use super::pairs::{self, PairView};
 
 /// A track's part of the page.
 pub(super) struct TrackSection {
+    /// Anchor.
+    pub(super) id: String,
     pub(super) title: String,
     pub(super) about: &'static str,
     pub(super) figures: Vec<FigureTable>,
     pub(super) matrices: Vec<MatrixView>,
-    pub(super) checks: Vec<CheckRow>,
-    pub(super) unjudged: Vec<UnjudgedRow>,
+    pub(super) checks: Checks,
     pub(super) pairs: Vec<PairView>,
     pub(super) within: usize,
     pub(super) exceeded: usize,
 }
 
-/// Sections in the order native, shared law, own contact, others. A native section stands only
-/// if it has something of its own to say.
+/// Sections in the order shared law, own contact, others, native: native runs stand in the tables
+/// of all others, so that only what they say among themselves is left for the end.
 pub(super) fn sections(comparison: &Comparison) -> Vec<TrackSection> {
     let finished = || comparison.engines.iter().filter(|e| e.status.is_finished());
     let mut names: Vec<&str> = Vec::new();
@@ -31,19 +32,20 @@ pub(super) fn sections(comparison: &Comparison) -> Vec<TrackSection> {
         }
     }
     names.sort_by_key(|name| match *name {
-        track::NATIVE => 0,
-        track::SHARED_LAW => 1,
-        track::OWN_CONTACT => 2,
-        _ => 3,
+        track::SHARED_LAW => 0,
+        track::OWN_CONTACT => 1,
+        track::NATIVE => 3,
+        _ => 2,
     });
     let alone = names.len() == 1;
     names
         .into_iter()
-        .map(|name| section(comparison, name, alone))
+        .enumerate()
+        .map(|(k, name)| section(comparison, name, k, alone))
         .collect()
 }
 
-fn section(comparison: &Comparison, name: &str, alone: bool) -> TrackSection {
+fn section(comparison: &Comparison, name: &str, place: usize, alone: bool) -> TrackSection {
     let (title, about) = match name {
         track::NATIVE => (
             "Native".to_owned(),
@@ -65,7 +67,7 @@ fn section(comparison: &Comparison, name: &str, alone: bool) -> TrackSection {
             "Runs of this track against each other and native runs.",
         ),
     };
-    let (checks, unjudged) = checks::rows(comparison, name);
+    let checks = checks::of_track(comparison, name);
     // Native figures stand beside those of every other track; repeat them only if there is none.
     let figures = if name == track::NATIVE && !alone {
         Vec::new()
@@ -73,20 +75,22 @@ fn section(comparison: &Comparison, name: &str, alone: bool) -> TrackSection {
         figures::tables(comparison, name)
     };
     TrackSection {
+        id: format!("track-{}", place + 1),
         title,
         about,
         figures,
         matrices: matrices::of_track(comparison, name),
         within: checks
+            .rows
             .iter()
             .filter(|row| row.mark.class == "within")
             .count(),
         exceeded: checks
+            .rows
             .iter()
             .filter(|row| row.mark.class == "exceeded")
             .count(),
         checks,
-        unjudged,
         pairs: pairs::of_track(comparison, name),
     }
 }
