@@ -13,7 +13,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::mechanism::{Forces, Mechanism, MechanismError};
 use crate::ode::{Formulation, Observation, OdeSystem};
-use crate::saddle::{Rows, SaddlePoint, redundant};
+use crate::saddle::{Dependent, Rows, SaddlePoint, redundant};
 use crate::state::{BodyState, Wrench};
 use crate::tree::{Forest, turned};
 
@@ -35,8 +35,10 @@ pub enum Stabilisation {
 
 /// Newton steps for closing loops.
 const LOOP_STEPS: usize = 8;
-/// Loops are closed when no joint is farther apart than this, m.
+/// Loops are closed when no joint is farther apart than this share of the largest coordinate (at least 1 m).
 const LOOP_TOLERANCE: f64 = 1e-14;
+/// How far the fastest body turns to get beside a singular pose, rad.
+const BESIDE: f64 = 2e-5;
 
 /// Arms of one revolute in the ground's directions.
 #[derive(Debug, Clone, Copy, Default)]
@@ -87,7 +89,7 @@ impl<F: Forces> Lagrange<F> {
         system.unpack(&start);
         system.rotate_arms();
         system
-            .factor()
+            .factor_beside()
             .map_err(|c| redundant(&system.mechanism, c))?;
         Ok(system)
     }
@@ -140,10 +142,38 @@ impl<F: Forces> Lagrange<F> {
         }
     }
 
+    /// Arms as they will stand after every body has turned on at its own rate for `time`.
+    fn turn_arms(&mut self, time: f64) {
+        for (arms, joint) in self.arms.iter_mut().zip(&self.mechanism.revolutes) {
+            let on = |point: [f64; 2], rate: f64| turned(point, rate * time);
+            let parent_rate = joint.parent.map_or(0.0, |p| self.bodies[p].rate);
+            arms.parent = on(arms.parent, parent_rate);
+            arms.child = on(arms.child, self.bodies[joint.child].rate);
+        }
+    }
+
+    /// Factors; where constraints depend on each other, beside that pose.
+    ///
+    /// Loops can lose rank in single poses that motion passes through, and the accelerations there are
+    /// the limit from both sides. So the arms are turned on by [`BESIDE`], each at its body's rate;
+    /// gamma is taken at the same arms, so that the solution is that of the neighbouring pose of the same
+    /// branch, and the error is of the order of that angle, in this one evaluation.
+    fn factor_beside(&mut self) -> Result<(), usize> {
+        let Err(constraint) = self.factor(Dependent::Refuse) else {
+            return Ok(());
+        };
+        let fastest = self.bodies.iter().map(|b| b.rate.abs()).fold(0.0, f64::max);
+        if !(fastest > 0.0 && fastest.is_finite()) {
+            return Err(constraint);
+        }
+        self.turn_arms(BESIDE / fastest);
+        self.factor(Dependent::Refuse)
+    }
+
     /// Puts M and D in place and factors; `Err` is the first dependent constraint.
-    fn factor(&mut self) -> Result<(), usize> {
+    fn factor(&mut self, dependent: Dependent) -> Result<(), usize> {
         let (arms, revolutes) = (&self.arms, self.mechanism.revolutes.len());
-        self.saddle.factor(|c| {
+        self.saddle.factor(dependent, |c| {
             if c < revolutes {
                 let [px, py] = arms[c].parent;
                 let [sx, sy] = arms[c].child;
@@ -244,6 +274,8 @@ impl<F: Forces> Lagrange<F> {
 
     /// Newton's method on all constraints in the metric of the mass matrix, then one exact solve for the rates.
     fn close_loops(&mut self, t: f64) {
+        let far = |b: &BodyState| b.x.abs().max(b.y.abs());
+        let tolerance = LOOP_TOLERANCE * self.bodies.iter().map(far).fold(1.0, f64::max);
         for _ in 0..LOOP_STEPS {
             self.rotate_arms();
             let mut worst: f64 = 0.0;
@@ -256,7 +288,7 @@ impl<F: Forces> Lagrange<F> {
                 let (phi, _) = self.driver_error(k, t);
                 *self.saddle.constraint(self.arms.len() + k) = Vector3::new(-phi, 0.0, 0.0);
             }
-            if !(worst > LOOP_TOLERANCE) || self.correct().is_err() {
+            if !(worst > tolerance) || self.correct().is_err() {
                 break;
             }
             for (k, body) in self.bodies.iter_mut().enumerate() {
@@ -287,7 +319,8 @@ impl<F: Forces> Lagrange<F> {
 
     /// Solves M dq + D' mu = 0, D dq = what stands in the constraint rows.
     fn correct(&mut self) -> Result<(), usize> {
-        self.factor()?;
+        // Dependent directions take no part: nothing is known of them, and a step of least energy leaves them alone.
+        self.factor(Dependent::Drop)?;
         for k in 0..self.bodies.len() {
             *self.saddle.body(k) = Vector3::zeros();
         }
@@ -300,7 +333,7 @@ impl<F: Forces> Lagrange<F> {
         self.loads.fill(Wrench::default());
         self.forces.apply(t, &self.bodies, &mut self.loads);
         self.rotate_arms();
-        self.factor()?;
+        self.factor_beside()?;
         self.set_gamma(t);
         for (k, load) in self.loads.iter().enumerate() {
             *self.saddle.body(k) = Vector3::new(load.fx, load.fy, load.moment);

@@ -4,6 +4,8 @@
 //! A [`Mechanism`] is data. [`Lagrange`] and [`Reduced`] turn it into an [`OdeSystem`] under
 //! applied [`Forces`]; the [`integrators`] advance any such system.
 
+pub mod benchmarks;
+pub mod elements;
 pub mod integrators;
 mod lagrange;
 mod mechanism;

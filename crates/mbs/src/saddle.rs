@@ -10,7 +10,12 @@
 //! pivot is zero until a body of its own is eliminated, so it waits:
 //! * a joint of the spanning forest (and a driver across it) for its outer body; the rows so chosen
 //!   are independent whatever the pose, because each has a body to itself;
-//! * a joint that closes a loop for all bodies, when its pivot is regular if D has full rank.
+//! * a joint that closes a loop for all bodies of the loop; its pivot is regular if D has full rank.
+//!
+//! D can lose rank in single poses of a mechanism with loops (all rods of a parallelogram on one line).
+//! The pivot of a closing constraint then has a direction whose stretch is a rounding error of what was
+//! subtracted to get there. [`Dependent`] says what to do: refuse, so that the caller can evaluate beside
+//! the singular pose, or drop that direction, which gives the least solution of what is left.
 //!
 //! For a forest there is no fill: eliminating a leaf body and then its joint adds the leaf's inertia
 //! to its carrier, so the cost is linear in the number of bodies. Loops cost the fill they need.
@@ -18,41 +23,25 @@
 //! Blocks are 3 x 3 with the unused rows and columns of smaller nodes held at identity, which
 //! keeps one code path and no branches; this is [George & Liu 1981] on 3 x 3 blocks.
 
+mod symbolic;
+
 use nalgebra::{Matrix3, Vector3};
 
 use crate::mechanism::{Mechanism, MechanismError};
-use crate::tree::Forest;
+use symbolic::{Below, Builder, Pivot, Target, Update, elimination_order, prerequisites};
 
-/// A pivot whose smallest to largest stretch falls below this is singular: the constraint depends on others.
-const SINGULAR: f64 = 1e-13;
+/// A constraint's pivot is singular if its smallest stretch falls below this share of the largest amount
+/// that was added to or taken from it. Rounding leaves about 1e-16, and the stretch is the
+/// square of a small angle, so 1e-12 is an angle of 1e-6 rad.
+const SINGULAR: f64 = 1e-12;
 
-/// One later neighbour of a pivot.
-#[derive(Debug, Clone, Copy)]
-struct Below {
-    node: usize,
-    block: usize,
-}
-
-/// `target -= block(row) * pivot^-1 * block(column)'`.
-#[derive(Debug, Clone, Copy)]
-struct Update {
-    row: usize,
-    column: usize,
-    target: Target,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Target {
-    Diagonal(usize),
-    Block(usize),
-}
-
-/// What happens at one pivot: ranges into the flat lists.
-#[derive(Debug, Clone, Copy)]
-struct Pivot {
-    node: usize,
-    below: (usize, usize),
-    updates: (usize, usize),
+/// What happens to a constraint that depends on others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Dependent {
+    /// The factorisation fails and names it.
+    Refuse,
+    /// Its dependent directions are dropped: their multipliers are 0.
+    Drop,
 }
 
 /// Where a constraint's Jacobian part for one body goes.
@@ -86,6 +75,8 @@ pub struct SaddlePoint {
     /// Blocks below the diagonal; after `factor` the unit factor.
     lower: Vec<Matrix3<f64>>,
     scratch: Vec<Matrix3<f64>>,
+    /// Largest change of each diagonal block so far: what a singular pivot is small against.
+    reference: Vec<f64>,
     /// Right-hand side, then solution, one vector a node.
     unknowns: Vec<Vector3<f64>>,
 }
@@ -147,6 +138,7 @@ impl SaddlePoint {
             diagonal: vec![Matrix3::zeros(); nodes],
             lower: vec![Matrix3::zeros(); builder.blocks.len()],
             scratch: vec![Matrix3::zeros(); widest],
+            reference: vec![0.0; nodes],
             unknowns: vec![Vector3::zeros(); nodes],
         }
     }
@@ -160,8 +152,12 @@ impl SaddlePoint {
     /// Puts M and the rows of D in place and factors. `rows(c)` gives constraint c.
     ///
     /// # Errors
-    /// The index of the first constraint that depends on the others.
-    pub(crate) fn factor(&mut self, mut rows: impl FnMut(usize) -> Rows) -> Result<(), usize> {
+    /// The index of the first constraint that depends on the others, if these are refused.
+    pub(crate) fn factor(
+        &mut self,
+        dependent: Dependent,
+        mut rows: impl FnMut(usize) -> Rows,
+    ) -> Result<(), usize> {
         self.diagonal[..self.bodies].copy_from_slice(&self.mass);
         for (node, diagonal) in self.diagonal.iter_mut().enumerate().skip(self.bodies) {
             *diagonal = Matrix3::zeros();
@@ -180,13 +176,25 @@ impl SaddlePoint {
                 put(parent, &part.parent);
             }
         }
-        self.eliminate()
+        self.reference.fill(0.0);
+        self.eliminate(dependent)
     }
 
-    fn eliminate(&mut self) -> Result<(), usize> {
+    fn eliminate(&mut self, dependent: Dependent) -> Result<(), usize> {
         for pivot in &self.pivots {
-            let inverse = symmetric_inverse(&self.diagonal[pivot.node])
-                .ok_or_else(|| pivot.node.saturating_sub(self.bodies))?;
+            let block = &self.diagonal[pivot.node];
+            let inverse = match pivot.node.checked_sub(self.bodies) {
+                None => symmetric_inverse(block),
+                Some(constraint) => {
+                    let size = self.sizes[pivot.node];
+                    let least = SINGULAR * self.reference[pivot.node];
+                    let (inverse, regular) = constraint_inverse(block, size, least);
+                    if !regular && dependent == Dependent::Refuse {
+                        return Err(constraint);
+                    }
+                    inverse
+                }
+            };
             self.diagonal[pivot.node] = inverse;
             let below = &self.below[pivot.below.0..pivot.below.1];
             for (scaled, entry) in self.scratch.iter_mut().zip(below) {
@@ -196,7 +204,11 @@ impl SaddlePoint {
                 let change =
                     self.scratch[update.row] * self.lower[below[update.column].block].transpose();
                 match update.target {
-                    Target::Diagonal(node) => self.diagonal[node] -= change,
+                    Target::Diagonal(node) => {
+                        let size = change[(0, 0)].abs().max(change[(1, 1)].abs());
+                        self.reference[node] = self.reference[node].max(size);
+                        self.diagonal[node] -= change;
+                    }
                     Target::Block(block) => self.lower[block] -= change,
                 }
             }
@@ -235,168 +247,60 @@ impl SaddlePoint {
     }
 }
 
-/// Inverse of a symmetric 3 x 3 block, `None` when it is singular to rounding.
+/// Inverse of the symmetric positive definite 3 x 3 block of a body: its inertia and what it carries.
 #[inline]
-fn symmetric_inverse(m: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+fn symmetric_inverse(m: &Matrix3<f64>) -> Matrix3<f64> {
     let (a, b, c) = (m[(0, 0)], m[(1, 0)], m[(2, 0)]);
     let (d, e, f) = (m[(1, 1)], m[(2, 1)], m[(2, 2)]);
     let (ca, cb, cc) = (d * f - e * e, c * e - b * f, b * e - c * d);
-    let determinant = a * ca + b * cb + c * cc;
-    // Scale by the diagonal, whose units differ (kg, kg m^2, 1/kg): |det| <= |a d f| for definite blocks.
-    if !(determinant.abs() > SINGULAR * (a * d * f).abs()) {
-        return None;
-    }
-    let inverse = 1.0 / determinant;
+    let inverse = 1.0 / (a * ca + b * cb + c * cc);
     let (ia, ib, ic) = (ca * inverse, cb * inverse, cc * inverse);
     let (id, ie, iff) = (
         (a * f - c * c) * inverse,
         (b * c - a * e) * inverse,
         (a * d - b * b) * inverse,
     );
-    Some(Matrix3::new(ia, ib, ic, ib, id, ie, ic, ie, iff))
+    Matrix3::new(ia, ib, ic, ib, id, ie, ic, ie, iff)
 }
 
-/// How many bodies must be gone before a constraint may be eliminated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Waits {
-    /// For this body.
-    Outer(usize),
-    /// For all of them.
-    All,
-}
-
-/// What each constraint waits for.
-fn prerequisites(mechanism: &Mechanism) -> Vec<Waits> {
-    let forest = Forest::new(mechanism);
-    let mut waits = vec![Waits::All; mechanism.revolutes.len()];
-    for branch in &forest.branches {
-        waits[branch.revolute] = Waits::Outer(branch.body);
+/// Inverse of the upper left `size` x `size` part of a constraint's block (negative definite when regular),
+/// and whether all its stretches exceed `least`. Directions that do not are dropped; outside the part
+/// stays the identity.
+#[inline]
+fn constraint_inverse(m: &Matrix3<f64>, size: usize, least: f64) -> (Matrix3<f64>, bool) {
+    let mut inverse = Matrix3::identity();
+    if size == 1 {
+        let a = m[(0, 0)];
+        let regular = a.abs() > least;
+        inverse[(0, 0)] = if regular { 1.0 / a } else { 0.0 };
+        return (inverse, regular);
     }
-    waits.extend(mechanism.drivers.iter().map(|driver| {
-        let across = |b: &&crate::tree::Branch| {
-            (b.body, b.from) == (driver.child, driver.parent)
-                || (Some(b.body), b.from) == (driver.parent, Some(driver.child))
-        };
-        forest
-            .branches
-            .iter()
-            .find(across)
-            .map_or(Waits::All, |b| Waits::Outer(b.body))
-    }));
-    waits
-}
-
-/// Least degree first among those that need not wait.
-fn elimination_order(
-    bodies: usize,
-    ends: &[(usize, Option<usize>)],
-    waits: &[Waits],
-) -> Vec<usize> {
-    use std::collections::BTreeSet;
-    let nodes = bodies + ends.len();
-    let mut neighbours: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); nodes];
-    for (c, &(child, parent)) in ends.iter().enumerate() {
-        for body in std::iter::once(child).chain(parent) {
-            neighbours[bodies + c].insert(body);
-            neighbours[body].insert(bodies + c);
-        }
+    let (a, b, d) = (m[(0, 0)], m[(1, 0)], m[(1, 1)]);
+    let determinant = a * d - b * b;
+    let trace = a + d;
+    // Stretches x and y: x + y = trace, x y = determinant; the smaller is determinant/larger.
+    let gap = (0.25 * (a - d) * (a - d) + b * b).sqrt();
+    let larger = 0.5 * trace - gap; // the trace is negative
+    if determinant.abs() > least * larger.abs() {
+        let scale = 1.0 / determinant;
+        inverse[(0, 0)] = d * scale;
+        inverse[(1, 0)] = -b * scale;
+        inverse[(0, 1)] = -b * scale;
+        inverse[(1, 1)] = a * scale;
+        return (inverse, true);
     }
-    let mut left: BTreeSet<usize> = (0..nodes).collect();
-    let mut bodies_left = bodies;
-    let mut order = Vec::with_capacity(nodes);
-    while !left.is_empty() {
-        let eligible = |&k: &usize| {
-            k < bodies
-                || match waits[k - bodies] {
-                    Waits::Outer(body) => !left.contains(&body),
-                    Waits::All => bodies_left == 0,
-                }
-        };
-        // Constraints first among equals: it keeps carriers waiting until all they carry is in.
-        let next = left
-            .iter()
-            .copied()
-            .filter(eligible)
-            .min_by_key(|&k| (neighbours[k].len(), usize::from(k < bodies)));
-        let Some(k) = next else { break };
-        left.remove(&k);
-        bodies_left -= usize::from(k < bodies);
-        order.push(k);
-        let around: Vec<usize> = std::mem::take(&mut neighbours[k]).into_iter().collect();
-        for &i in &around {
-            neighbours[i].remove(&k);
-            neighbours[i].extend(around.iter().copied().filter(|&j| j != i));
-        }
+    inverse[(0, 0)] = 0.0;
+    inverse[(1, 1)] = 0.0;
+    if larger.abs() > least {
+        // (m - smaller I)/(larger - smaller) projects on the larger stretch's direction.
+        let smaller = trace - larger;
+        let scale = 1.0 / (larger * (larger - smaller));
+        inverse[(0, 0)] = (a - smaller) * scale;
+        inverse[(1, 0)] = b * scale;
+        inverse[(0, 1)] = b * scale;
+        inverse[(1, 1)] = (d - smaller) * scale;
     }
-    order
-}
-
-/// Collects blocks and updates of the symbolic elimination.
-struct Builder {
-    position: Vec<usize>,
-    blocks: std::collections::BTreeMap<(usize, usize), usize>,
-    columns: Vec<Vec<usize>>,
-}
-
-impl Builder {
-    fn new(nodes: usize, order: &[usize]) -> Self {
-        let mut position = vec![0; nodes];
-        for (k, &node) in order.iter().enumerate() {
-            position[node] = k;
-        }
-        Self {
-            position,
-            blocks: std::collections::BTreeMap::new(),
-            columns: vec![Vec::new(); nodes],
-        }
-    }
-
-    /// The block coupling two nodes, made if it is not there: rows of the later, columns of the earlier.
-    fn block(&mut self, a: usize, b: usize) -> usize {
-        let (late, early) = if self.position[a] > self.position[b] {
-            (a, b)
-        } else {
-            (b, a)
-        };
-        let next = self.blocks.len();
-        *self.blocks.entry((late, early)).or_insert_with(|| {
-            self.columns[early].push(late);
-            next
-        })
-    }
-
-    fn eliminate(&mut self, order: &[usize]) -> (Vec<Pivot>, Vec<Below>, Vec<Update>) {
-        let (mut pivots, mut below, mut updates) = (Vec::new(), Vec::new(), Vec::new());
-        for &node in order {
-            let mut later = self.columns[node].clone();
-            later.sort_by_key(|&i| self.position[i]);
-            let first = (below.len(), updates.len());
-            for &i in &later {
-                let block = self.block(i, node);
-                below.push(Below { node: i, block });
-            }
-            for (row, &i) in later.iter().enumerate() {
-                for (column, &j) in later.iter().enumerate().take(row + 1) {
-                    let target = if i == j {
-                        Target::Diagonal(i)
-                    } else {
-                        Target::Block(self.block(i, j))
-                    };
-                    updates.push(Update {
-                        row,
-                        column,
-                        target,
-                    });
-                }
-            }
-            pivots.push(Pivot {
-                node,
-                below: (first.0, below.len()),
-                updates: (first.1, updates.len()),
-            });
-        }
-        (pivots, below, updates)
-    }
+    (inverse, false)
 }
 
 /// Turns the failing constraint's number into an error that names it.
