@@ -15,6 +15,8 @@ const PinwheelCharts = (() => {
   // Told apart by dash as well as by colour (Okabe and Ito's palette, see report.css).
   const DASHES = [[], [10, 4], [3, 3], [12, 3, 3, 3], [6, 2], [2, 5], [14, 3, 2, 3, 2, 3], [1, 2]];
   const STYLES = DASHES.length;
+  // Past the last colour they begin again, with other dashes.
+  const dashOf = (style) => DASHES[(style + 3 * Math.floor(style / STYLES)) % STYLES];
   const groups = new Map();
 
   // Custom properties may hold light-dark() or color-mix(): let the browser resolve them.
@@ -32,7 +34,7 @@ const PinwheelCharts = (() => {
   const lineColour = (style) => colour(`--line-${style % STYLES}`);
 
   function swatch(style) {
-    const dash = DASHES[style % STYLES].join(' ');
+    const dash = dashOf(style).join(' ');
     const ns = 'http://www.w3.org/2000/svg';
     const svg = document.createElementNS(ns, 'svg');
     svg.setAttribute('viewBox', '0 0 28 8');
@@ -115,7 +117,7 @@ const PinwheelCharts = (() => {
       width: Math.max(host.clientWidth, 120),
       height: spec.height,
       legend: { show: false },
-      padding: [10, 12, 0, 0],
+      padding: [10, 18, 0, 0],
       scales: {
         x: { time: false, distr: spec.x.log ? 3 : 1 },
         y: { distr: spec.y.log ? 3 : 1, range: yRange(state) },
@@ -131,7 +133,7 @@ const PinwheelCharts = (() => {
           ...axis,
           label: spec.y.label,
           values: (u, v) => (spec.y.log ? powers(v) : ticks(v)),
-          ...(spec.y.log ? { splits: decades('clientHeight', 28), filter: (u, v) => v } : {}),
+          ...(spec.y.log ? { splits: decades('clientHeight', 20), filter: (u, v) => v } : {}),
           // One width for most charts, so that those above each other line up.
           size: (u, texts) => 14 + Math.ceil(Math.max(40, ...(texts || []).map((t) => measure.measureText(t).width))),
         },
@@ -141,7 +143,7 @@ const PinwheelCharts = (() => {
         show: series.visible !== false,
         stroke: () => lineColour(series.style),
         width: series.points ? 0 : 1.6,
-        dash: DASHES[series.style % STYLES],
+        dash: dashOf(series.style),
         points: series.points ? { show: true, size: 9, fill: () => lineColour(series.style) } : { show: false },
         spanGaps: false,
       }))),

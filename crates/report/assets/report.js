@@ -163,6 +163,8 @@
     };
 
     const state = { base: 0, log: true, visible: engines.map(() => true) };
+    // What differs most by nature is drawn first, under the others.
+    const order = engines.map((_, e) => e).sort((a, b) => (engines[b].track === 'own-contact') - (engines[a].track === 'own-contact') || a - b);
     const panels = [];
 
     function panel(quantity) {
@@ -198,9 +200,8 @@
       let current;
       function series() {
         current = channel(quantity, chosen);
-        const over = engines.map((engine, e) => ({ label: engine.name, style: engine.style, visible: state.visible[e], values: values(current, e) }));
-        const apart = engines.map((engine, e) => ({ label: engine.name, style: engine.style, visible: state.visible[e], values: differences(current, e, state.base, state.log) }));
-        return [over, apart];
+        const drawn = (of) => order.map((e) => ({ label: engines[e].name, style: engines[e].style, visible: state.visible[e], values: of(e) }));
+        return [drawn((e) => values(current, e)), drawn((e) => differences(current, e, state.base, state.log))];
       }
       const name = () => (several ? `${quantity.label} no. ${quantity.channels[chosen].label}` : quantity.label);
       const axis = (apart) => ({ label: `${state.log ? '|difference|' : 'Difference'}${unit}`, log: state.log, zero: !state.log, floor: state.log ? floor(apart.map((s) => s.values)) : 0 });
@@ -223,7 +224,7 @@
       const shared = { x: { values: time, label: 'Time (s)' }, group: 'time' };
       under.textContent = `Difference to ${engines[state.base].name}`;
       upper = PinwheelCharts.chart(top, { ...shared, height: 250, y: { label: `${quantity.label}${unit}` }, series: over, describe: describe(), onCursor: (k) => read(k), onZoom: zoomed });
-      lower = PinwheelCharts.chart(bottom, { ...shared, height: 170, y: axis(apart), series: apart, describe: `Differences of ${describe()}` });
+      lower = PinwheelCharts.chart(bottom, { ...shared, height: 185, y: axis(apart), series: apart, describe: `Differences of ${describe()}` });
       upper.value = (e, k) => { const d = current.differences[e]; return d && k < d.length ? current.first[k] + d[k] : null; };
       function refresh() {
         const [o, a] = series();
@@ -273,7 +274,7 @@
       chip.addEventListener('click', () => {
         state.visible[e] = !state.visible[e];
         chip.setAttribute('aria-pressed', String(state.visible[e]));
-        panels.forEach((p) => { p.upper.show(e, state.visible[e]); p.lower.show(e, state.visible[e]); p.cells[e].item.hidden = !state.visible[e]; });
+        panels.forEach((p) => { p.upper.show(order.indexOf(e), state.visible[e]); p.lower.show(order.indexOf(e), state.visible[e]); p.cells[e].item.hidden = !state.visible[e]; });
       });
       return chip;
     });

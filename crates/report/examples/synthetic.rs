@@ -76,7 +76,7 @@ fn participants() -> Result<Vec<Participant>, Box<dyn Error>> {
     };
     let mut all = vec![
         one(
-            "native",
+            "native-reduced",
             track::NATIVE,
             0.0,
             0.41,
@@ -97,14 +97,14 @@ fn participants() -> Result<Vec<Participant>, Box<dyn Error>> {
             "Impulse joints and semi-implicit Euler raised to second order; forces of the shared law, held over a step.",
         )?,
         one(
-            "rapier-contact-hook",
+            "rapier-own-contact-hook",
             track::OWN_CONTACT,
             1.3e-4,
             5.2,
             "rapier resolves contact and friction; exact normals and depths are handed to it.",
         )?,
         one(
-            "rapier-colliders",
+            "rapier-own-contact-colliders",
             track::OWN_CONTACT,
             0.11,
             9.7,

@@ -1,0 +1,242 @@
+//! The page as a whole: it says what was compared, loads nothing, and no scene can break out of it.
+
+use pinwheel_compare::limits::TABLE;
+use pinwheel_compare::{Comparison, Context, Cost, Participant, Status, compare, track};
+use pinwheel_courses::Courses;
+use pinwheel_report::{Fact, ReportError, ReportInput, render};
+
+/// What a hostile scene would try: to end an element, an attribute, a script.
+const HOSTILE: &str = "x</script><script>alert(1)</script><img src=x onerror=\"a\">'\"--><!--";
+
+fn courses(scale: f64, channels: usize, samples: u32) -> Courses {
+    let time: Vec<f64> = (0..samples).map(|k| f64::from(k) * 1e-3).collect();
+    let mut courses = Courses::new(time.clone()).unwrap();
+    let wave = |k: usize| {
+        let of = |t: &f64| scale * (2.0 + (90.0 * t + k as f64).sin());
+        time.iter().map(of).collect::<Vec<f64>>()
+    };
+    courses.push("input_torque_n_m", wave(0)).unwrap();
+    courses
+        .push("output_torque_n_m", vec![-22.0; time.len()])
+        .unwrap();
+    for k in 0..channels {
+        courses
+            .push(format!("external_sleeve_force_n_{k}"), wave(k))
+            .unwrap();
+    }
+    courses
+}
+
+fn participant(name: &str, track: &str, scale: f64) -> Participant {
+    Participant {
+        name: name.to_owned(),
+        track: track.to_owned(),
+        version: "1.2.3".to_owned(),
+        summary: "A summary.".to_owned(),
+        differences: "A difference.".to_owned(),
+        courses: courses(scale, 3, 601),
+        cost: Cost {
+            wall_s: 1.5,
+            steps: 60_000,
+            step_s: 1e-5,
+            ..Cost::default()
+        },
+        status: Status::Finished,
+    }
+}
+
+fn context(scene: &str) -> Context {
+    let load_n_m = Some(22.0);
+    Context {
+        scene: scene.to_owned(),
+        duration_s: 0.6,
+        load_n_m,
+        ..Context::default()
+    }
+}
+
+fn page_of(comparison: &Comparison, participants: &[Participant]) -> Result<String, ReportError> {
+    render(&ReportInput {
+        comparison,
+        participants,
+        modelled: vec![Fact::new("28 bodies", "")],
+        left_out: vec![Fact::new("Gravity", "It is small.")],
+        assumptions: vec![Fact::new("Radius 6 mm", "Fig. 3 is missing.")],
+        versions: vec![("pinwheel".to_owned(), "0.1.0".to_owned())],
+        machine: vec![("processor".to_owned(), HOSTILE.to_owned())],
+        command: format!("pinwheel compare {HOSTILE}"),
+        scene_toml: format!("name = '{HOSTILE}'"),
+        made: None,
+    })
+}
+
+fn page(participants: &[Participant]) -> String {
+    let comparison = compare(&context("paper"), participants, TABLE).unwrap();
+    page_of(&comparison, participants).unwrap()
+}
+
+fn two(scale: f64) -> [Participant; 2] {
+    [
+        participant("native-reduced", track::NATIVE, 1.0),
+        participant("rapier-shared-law", track::SHARED_LAW, scale),
+    ]
+}
+
+#[test]
+fn says_what_was_compared() {
+    let page = page(&two(1.0 + 3e-5));
+    for wanted in [
+        "All limits hold",
+        "<h1 id=\"scene-name\">paper</h1>",
+        "native-reduced \u{2194} rapier-shared-law",
+        "3.0\u{b7}10\u{207b}\u{2075}",
+        "28 bodies",
+        "It is small.",
+        "Radius 6 mm",
+        "A difference.",
+        "60\u{202f}000",
+        "<noscript>",
+    ] {
+        assert!(page.contains(wanted), "no `{wanted}`");
+    }
+}
+
+#[test]
+fn banner_follows_the_verdict() {
+    assert!(page(&two(1.001)).contains("limits exceeded"));
+    let mut broken = two(1.0);
+    broken[1].status = Status::Diverged {
+        time_s: 0.25,
+        quantity: "wheel angle".to_owned(),
+    };
+    broken[1].courses = courses(1.0, 3, 250);
+    let page = page(&broken);
+    assert!(page.contains("1 engine did not finish"));
+    assert!(page.contains("diverged at t = 0.250000 s: wheel angle"));
+}
+
+#[test]
+fn loads_nothing() {
+    let page = page(&two(1.0));
+    // The only addresses are the names of XML spaces and the plotting library's own.
+    let strange: Vec<&str> = page
+        .match_indices("://")
+        .map(|(at, _)| &page[at.saturating_sub(6)..(at + 40).min(page.len())])
+        .filter(|text| {
+            !text.contains("www.w3.org/2000/svg") && !text.contains("github.com/leeoniya/uPlot")
+        })
+        .collect();
+    assert!(strange.is_empty(), "{strange:?}");
+    for banned in [
+        "<link rel=\"stylesheet\"",
+        " src=\"",
+        "@import",
+        "url(",
+        "fetch(",
+        "XMLHttp",
+    ] {
+        assert!(!page.contains(banned), "{banned}");
+    }
+    assert!(page.contains("default-src 'none'"));
+}
+
+#[test]
+fn nothing_breaks_out() {
+    let mut participants = two(1.0);
+    participants[1].name = HOSTILE.to_owned();
+    participants[1].version = HOSTILE.to_owned();
+    participants[1].differences = HOSTILE.to_owned();
+    participants[1].summary = HOSTILE.to_owned();
+    participants[1].cost.settings = HOSTILE.to_owned();
+    participants[1].cost.notes = vec![HOSTILE.to_owned()];
+    let mut lost = participant("lost", HOSTILE, 1.0);
+    lost.status = Status::Failed {
+        reason: HOSTILE.to_owned(),
+    };
+    let mut other = participant("other", HOSTILE, 1.0);
+    other.courses.push(HOSTILE, vec![1.0; 601]).unwrap();
+    let participants = [participants.to_vec(), vec![lost, other]].concat();
+    let mut context = context(HOSTILE);
+    context.description = HOSTILE.to_owned();
+    let comparison = compare(&context, &participants, TABLE).unwrap();
+    let page = page_of(&comparison, &participants).unwrap();
+    assert!(!page.contains("<script>alert"), "a script got in");
+    assert!(!page.contains("<img"), "an element got in");
+    let count = |text: &str| page.matches(text).count();
+    // Data, plotting library, charts, page.
+    assert_eq!((count("<script"), count("</script>")), (4, 4));
+    assert!(!page.contains("onerror=\""), "an attribute got in");
+}
+
+#[test]
+fn chart_data_can_be_read_back() {
+    let page = page(&two(1.001));
+    let start = page.find("id=\"chart-data\">").unwrap() + "id=\"chart-data\">".len();
+    let end = start + page[start..].find("</script>").unwrap();
+    let data: serde_json::Value = serde_json::from_str(&page[start..end]).unwrap();
+    assert_eq!(data["engines"][1]["name"], "rapier-shared-law");
+    assert_eq!(data["time"]["count"], 601);
+    let channels = data["quantities"][2]["channels"].as_array().unwrap();
+    assert_eq!(channels.len(), 3);
+    let decode = |text: &serde_json::Value| -> Vec<f64> {
+        use base64::Engine as _;
+        let bytes = base64::engine::general_purpose::STANDARD
+            .decode(text.as_str().unwrap())
+            .unwrap();
+        bytes
+            .chunks_exact(4)
+            .map(|b| f64::from(f32::from_le_bytes(b.try_into().unwrap())))
+            .collect()
+    };
+    let (base, difference) = (
+        decode(&channels[1]["base"]),
+        decode(&channels[1]["others"][0]),
+    );
+    let wanted = courses(1.0, 3, 601);
+    let wanted = wanted.channel("external_sleeve_force_n_1").unwrap();
+    assert_eq!(base.len(), 601);
+    for ((base, difference), wanted) in base.iter().zip(&difference).zip(wanted) {
+        assert!((base - wanted).abs() < 1e-6 * wanted);
+        // Stored as a difference it keeps its own seven digits, not the value's.
+        assert!(
+            (difference - 1e-3 * wanted).abs() < 1e-9 * wanted,
+            "{difference} {wanted}"
+        );
+    }
+}
+
+#[test]
+fn many_sleeves_stay_below_six_megabytes() {
+    let mut participants = two(1.0);
+    for participant in &mut participants {
+        participant.courses = courses(1.0, 200, 6001);
+    }
+    let page = page(&participants);
+    assert!(page.len() < 6_000_000, "{}", page.len());
+    assert!(page.contains("evenly spaced channels of larger groups are drawn; metrics use all"));
+}
+
+#[test]
+fn nobody_finished() {
+    let mut lost = participant("lost", track::NATIVE, 1.0);
+    lost.status = Status::Unsupported {
+        reason: "no friction".to_owned(),
+    };
+    lost.courses = Courses::default();
+    let page = page(&[lost]);
+    assert!(page.contains("1 engine did not finish") && page.contains("no friction"));
+    assert!(!page.contains("chart-data\">"));
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes() {
+    assert_eq!(page(&two(1.1)), page(&two(1.1)));
+}
+
+#[test]
+fn comparison_and_participants_must_belong_together() {
+    let participants = two(1.0);
+    let comparison = compare(&context("paper"), &participants, TABLE).unwrap();
+    let error = page_of(&comparison, &participants[..1]).unwrap_err();
+    assert!(matches!(error, ReportError::UnknownEngine(name) if name == "rapier-shared-law"));
+}
