@@ -223,6 +223,7 @@ impl<F: Forces> Reduced<F> {
 }
 
 /// How fast `contact` slides and closes, in the free rates.
+#[inline]
 fn contact_rows(
     contact: &Contact,
     bodies: &[BodyState],
@@ -231,29 +232,35 @@ fn contact_rows(
 ) -> [Row; 2] {
     let [x, y] = contact.point;
     let [nx, ny] = contact.normal;
-    let directions = [[-ny, nx], [nx, ny]];
-    directions.map(|[dx, dy]| {
-        let mut row = Row::default();
-        for (&body, sign) in contact.bodies.iter().zip([1.0, -1.0]) {
-            let at = bodies[body];
-            let mut known = dx * at.vx + dy * at.vy;
-            let spin = (x - at.x) * dy - (y - at.y) * dx;
-            match angles[body] {
-                Angle::Free(dof) => row.push(dof, sign * spin),
-                _ => known += spin * at.rate,
-            }
-            if let Some(carrier) = carrier_of[body]
-                && let Angle::Free(dof) = angles[carrier]
-            {
-                let base = bodies[carrier];
-                let swing = (at.x - base.x) * dy - (at.y - base.y) * dx;
-                row.push(dof, sign * swing);
-                known -= swing * base.rate;
-            }
-            row.offset += sign * known;
+    let (mut tangent, mut normal) = (Row::default(), Row::default());
+    let (mut known_t, mut known_n) = (0.0, 0.0);
+    for (body, sign) in [(contact.bodies[0], 1.0), (contact.bodies[1], -1.0)] {
+        let at = bodies[body];
+        // What a unit rate about (cx, cy) does at a point (px, py) away: (-py, px).
+        let rates = |px: f64, py: f64| (sign * (px * nx + py * ny), sign * (px * ny - py * nx));
+        known_t += sign * (nx * at.vy - ny * at.vx);
+        known_n += sign * (nx * at.vx + ny * at.vy);
+        let (spin_t, spin_n) = rates(x - at.x, y - at.y);
+        if let Angle::Free(dof) = angles[body] {
+            tangent.push(dof, spin_t);
+            normal.push(dof, spin_n);
+        } else {
+            known_t += spin_t * at.rate;
+            known_n += spin_n * at.rate;
         }
-        row
-    })
+        if let Some(carrier) = carrier_of[body]
+            && let Angle::Free(dof) = angles[carrier]
+        {
+            let base = bodies[carrier];
+            let (swing_t, swing_n) = rates(at.x - base.x, at.y - base.y);
+            tangent.push(dof, swing_t);
+            normal.push(dof, swing_n);
+            known_t -= swing_t * base.rate;
+            known_n -= swing_n * base.rate;
+        }
+    }
+    (tangent.offset, normal.offset) = (tangent.offset + known_t, normal.offset + known_n);
+    [tangent, normal]
 }
 
 impl<F: Forces> OdeSystem for Reduced<F> {

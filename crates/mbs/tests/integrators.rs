@@ -76,7 +76,13 @@ fn fixed_steps_have_their_order() {
 fn adaptive_methods_follow_their_tolerance() {
     for method in METHODS.iter().filter(|m| m.adaptive) {
         let mut last = f64::INFINITY;
-        for tolerance in [1e-5, 1e-7, 1e-9, 1e-11] {
+        // A second-order method would need 1e6 steps, and their rounding, for 1e-11.
+        let tolerances = if method.order < 4 {
+            [1e-3, 1e-4, 1e-5, 1e-6]
+        } else {
+            [1e-5, 1e-7, 1e-9, 1e-11]
+        };
+        for tolerance in tolerances {
             let mut system = Smooth;
             let mut run = stepper(method.name, 0.1, tolerance);
             let (mut worst, mut y): (f64, _) = (0.0, [0.0; 2]);

@@ -6,11 +6,13 @@
 mod explicit;
 mod heun;
 mod imex;
+mod imex_adaptive;
 mod midpoint;
 mod rk4;
 
 pub use explicit::{FixedStep, Tableau};
 pub use imex::ImexFixed;
+pub use imex_adaptive::ImexAdaptive;
 
 use crate::OdeSystem;
 
@@ -82,7 +84,13 @@ pub struct MethodInfo {
 }
 
 /// All methods.
-pub const METHODS: &[MethodInfo] = &[heun::INFO, midpoint::INFO, rk4::INFO, imex::INFO];
+pub const METHODS: &[MethodInfo] = &[
+    heun::INFO,
+    midpoint::INFO,
+    rk4::INFO,
+    imex::INFO,
+    imex_adaptive::INFO,
+];
 
 /// Starts the method `name` at (t, y). `None`: no such method.
 #[must_use]
@@ -99,6 +107,10 @@ pub fn start<S: OdeSystem>(
         "rk2" => fixed(&heun::TABLEAU),
         "rk2-midpoint" => fixed(&midpoint::TABLEAU),
         "rk4" => fixed(&rk4::TABLEAU),
+        "imex2-adaptive" => {
+            let StepSettings { step, tolerance } = settings;
+            Some(Box::new(ImexAdaptive::new(step, tolerance, t, y)))
+        }
         "imex2" => Some(Box::new(ImexFixed::new(settings.step, t, y))),
         _ => None,
     }

@@ -1,0 +1,166 @@
+//! ARS(2,2,2) with steps that follow a tolerance.
+//!
+//! Both derivatives at the end of a step are there already (its last stage is the next step's first), so
+//! the trapezoidal rule, also of order 2, costs nothing, and its distance is the error estimate:
+//!
+//! ```text
+//! est = y + h/2 (f(y) + f(y+)) - y+,   err = max_k |est_k| / max(1, |y_k|)
+//! h+  = h clamp(0.9 (target/err)^(1/3), 0.2, 2)
+//! ```
+//! Where a contact begins to slide or stick f jumps, est falls with h only, and steps shorten: the
+//! switches are approached, not located.
+//! `target` is tolerance^(3/2): a method of order 2 then needs about tolerance^(-1/2) steps, and the error
+//! of the whole run, not that of one step, is proportional to the tolerance.
+
+use super::imex::{Point, advance};
+use super::{MethodInfo, StepCounts, StepError, Stepper};
+use crate::OdeSystem;
+
+pub(super) const INFO: MethodInfo = MethodInfo {
+    name: "imex2-adaptive",
+    summary: "ARS(2,2,2), second order, steps from the tolerance, friction implicit",
+    order: 2,
+    adaptive: true,
+};
+
+/// Share of the step that the estimate allows.
+const SAFETY: f64 = 0.9;
+/// Shortest and longest next step, as shares of this one.
+const SHRINK: f64 = 0.2;
+const GROW: f64 = 2.0;
+
+/// An adaptive run.
+#[derive(Debug, Clone)]
+pub struct ImexAdaptive {
+    target: f64,
+    /// Length of the next step.
+    h: f64,
+    time_before: f64,
+    time: f64,
+    counts: StepCounts,
+    before: Point,
+    now: Point,
+    stage: Point,
+    next: Point,
+    fresh: bool,
+}
+
+impl ImexAdaptive {
+    /// Starts at (t, y) with a first step `h` (s); `tolerance` is relative, of the whole run.
+    #[must_use]
+    pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
+        let point = Point::new(y);
+        Self {
+            target: tolerance * tolerance.sqrt(),
+            h,
+            time_before: t,
+            time: t,
+            counts: StepCounts::default(),
+            before: point.clone(),
+            now: point.clone(),
+            stage: point.clone(),
+            next: point,
+            fresh: false,
+        }
+    }
+
+    fn accept<S: OdeSystem>(&mut self, system: &mut S, end: f64) {
+        system.settle(end, &mut self.next.y);
+        std::mem::swap(&mut self.before, &mut self.now);
+        std::mem::swap(&mut self.now, &mut self.next);
+        (self.time_before, self.time) = (self.time, end);
+        self.counts.steps += 1;
+    }
+
+    /// The estimate above; NaN or infinite when anything is.
+    fn error(&self, h: f64) -> f64 {
+        let (from, to) = (&self.now, &self.next);
+        let mut worst: f64 = 0.0;
+        for k in 0..to.y.len() {
+            let slopes = (from.e[k] + from.i[k]) + (to.e[k] + to.i[k]);
+            let error = (from.y[k] - to.y[k] + 0.5 * h * slopes).abs();
+            let scaled = error / to.y[k].abs().max(1.0);
+            // f64::max would drop a NaN.
+            if !(scaled <= worst) {
+                worst = scaled;
+            }
+            if worst.is_nan() {
+                break;
+            }
+        }
+        worst
+    }
+}
+
+impl<S: OdeSystem> Stepper<S> for ImexAdaptive {
+    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+        if !self.fresh {
+            self.now.evaluate(system, self.time);
+            self.counts.evaluations += 1;
+            self.fresh = true;
+        }
+        let known = self.now.e.iter().chain(&self.now.i);
+        if !known.into_iter().all(|x| x.is_finite()) {
+            return Err(StepError::NotFinite { time: self.time });
+        }
+        loop {
+            let h = self.h;
+            if !(h > 4.0 * f64::EPSILON * self.time.abs().max(f64::MIN_POSITIVE)) {
+                return Err(StepError::StepTooSmall { time: self.time });
+            }
+            advance(
+                system,
+                self.time,
+                h,
+                &self.now,
+                &mut self.stage,
+                &mut self.next,
+            );
+            self.counts.evaluations += 2;
+            let share = self.error(h) / self.target;
+            // A step that cannot be evaluated is far too long.
+            let factor = if share.is_finite() {
+                (SAFETY * share.powf(-1.0 / 3.0)).clamp(SHRINK, GROW)
+            } else {
+                SHRINK
+            };
+            if share <= 1.0 {
+                self.h = h * factor;
+                self.accept(system, self.time + h);
+                return Ok(());
+            }
+            self.h = h * factor.min(SAFETY);
+            self.counts.rejected += 1;
+        }
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn state(&self) -> &[f64] {
+        &self.now.y
+    }
+
+    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+        let whole = self.time - self.time_before;
+        if self.counts.steps == 0 || (self.time - t).abs() < 1e-9 * whole {
+            y.copy_from_slice(&self.now.y);
+            return;
+        }
+        advance(
+            system,
+            self.time_before,
+            t - self.time_before,
+            &self.before,
+            &mut self.stage,
+            &mut self.next,
+        );
+        y.copy_from_slice(&self.next.y);
+        system.settle(t, y);
+    }
+
+    fn counts(&self) -> StepCounts {
+        self.counts
+    }
+}
