@@ -73,9 +73,9 @@ const PinwheelCharts = (() => {
     return values.map((v) => (v === null || v === undefined ? '' : v.toFixed(decimals).replace('-', '−')));
   }
   // On a log axis only whole decades have a line and a number, and not all where there are many.
-  const decades = (size, breadth) => (plot, axis, low, high) => {
+  const decades = (most) => (plot, axis, low, high) => {
     const [from, to] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
-    const every = Math.max(1, Math.ceil((to - from + 1) / Math.max(2, Math.floor(plot.over[size] / breadth))));
+    const every = Math.max(1, Math.ceil((to - from + 1) / Math.max(2, Math.floor(most(plot)))));
     const powers = [];
     for (let power = Math.ceil(from / every) * every; power <= to; power += every) powers.push(10 ** power);
     return powers;
@@ -128,12 +128,12 @@ const PinwheelCharts = (() => {
         points: { size: 7, width: 0 },
       },
       axes: [
-        { ...axis, label: spec.x.label, size: 34, values: (u, v) => (spec.x.log ? powers(v) : ticks(v)), ...(spec.x.log ? { splits: decades('clientWidth', 60), filter: (u, v) => v } : {}) },
+        { ...axis, label: spec.x.label, size: 34, values: (u, v) => (spec.x.log ? powers(v) : ticks(v)), ...(spec.x.log ? { splits: decades((u) => u.width / 70), filter: (u, v) => v } : {}) },
         {
           ...axis,
           label: spec.y.label,
           values: (u, v) => (spec.y.log ? powers(v) : ticks(v)),
-          ...(spec.y.log ? { splits: decades('clientHeight', 20), filter: (u, v) => v } : {}),
+          ...(spec.y.log ? { splits: decades((u) => (u.height - 70) / 20), filter: (u, v) => v } : {}),
           // One width for most charts, so that those above each other line up.
           size: (u, texts) => 14 + Math.ceil(Math.max(40, ...(texts || []).map((t) => measure.measureText(t).width))),
         },

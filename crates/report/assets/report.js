@@ -179,12 +179,14 @@
         quantity.channels.forEach((c, k) => select.append(make('option', { value: k }, `no. ${c.label}`)));
         head.append(select);
       }
+      // The track inside a name is said by the chips above already.
+      const brief = (engine) => engine.name.replace(`-${engine.track}-`, '-');
       const readout = make('div', { class: 'readout', 'aria-live': 'off' });
       const instant = make('span', { class: 'instant' }, '');
       const cells = engines.map((engine) => {
         const value = make('b', {}, '');
         const difference = make('em', {}, '');
-        const item = make('span', { class: 'reading' }, PinwheelCharts.swatch(engine.style), make('span', { class: 'who', title: engine.name }, engine.name), value, difference);
+        const item = make('span', { class: 'reading' }, PinwheelCharts.swatch(engine.style), make('span', { class: 'who', title: engine.name }, brief(engine)), value, difference);
         readout.append(item);
         return { item, value, difference };
       });
