@@ -1,234 +1,374 @@
-//! Several values side by side, so that the compiler puts them into vector registers.
+//! Several values side by side in vector registers, for whatever instruction set is in use.
 //!
-//! Plain arrays and element-wise loops: the same source becomes SSE2, AVX2 or AVX-512 code by the
-//! features of the function it is inlined into. Nothing here is faster or different by itself.
+//! `S` is the instruction set (pulp picks it when the program runs). A [`Lanes`] is two of its
+//! registers, whose latencies overlap: 8 doubles with AVX2, 2 on a machine without vectors.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// Values a lane group holds: two AVX2 registers, whose work overlaps.
-pub const LANES: usize = 8;
+use pulp::Simd;
 
-/// Eight values.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(align(64))]
-pub struct Lanes(pub [f64; LANES]);
+use crate::Complex;
 
-/// Eight truth values, 1 or 0, kept as numbers so that they stay in vector registers.
-pub type Mask = Lanes;
+/// Two registers of doubles.
+#[derive(Debug, Clone, Copy)]
+pub struct Lanes<S: Simd> {
+    simd: S,
+    v: [S::f64s; 2],
+}
 
-impl Lanes {
-    /// All lanes 0.
-    pub const ZERO: Self = Self([0.0; LANES]);
+/// A truth value for each lane.
+#[derive(Debug, Clone, Copy)]
+pub struct Mask<S: Simd> {
+    simd: S,
+    m: [S::m64s; 2],
+}
+
+impl<S: Simd> Lanes<S> {
+    /// Values in one group.
+    pub const COUNT: usize = 2 * S::F64_LANES;
+
+    #[inline(always)]
+    fn from_fn(simd: S, f: impl Fn(usize) -> S::f64s) -> Self {
+        Self {
+            simd,
+            v: [f(0), f(1)],
+        }
+    }
 
     /// All lanes alike.
     #[must_use]
     #[inline(always)]
-    pub fn splat(x: f64) -> Self {
-        Self([x; LANES])
+    pub fn splat(simd: S, x: f64) -> Self {
+        Self {
+            simd,
+            v: [simd.splat_f64s(x); 2],
+        }
     }
 
-    /// Element-wise function.
+    /// The same value in all lanes, of this instruction set.
     #[must_use]
     #[inline(always)]
-    pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        let mut out = self.0;
-        for x in &mut out {
-            *x = f(*x);
-        }
-        Self(out)
+    pub fn like(self, x: f64) -> Self {
+        Self::splat(self.simd, x)
     }
 
-    /// Element-wise function of two.
+    /// The first [`Lanes::COUNT`] values of a slice; lanes beyond its end are 0.
     #[must_use]
     #[inline(always)]
-    pub fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        let mut out = self.0;
-        for (x, y) in out.iter_mut().zip(other.0) {
-            *x = f(*x, y);
+    pub fn load(simd: S, values: &[f64]) -> Self {
+        let (head, tail) = values.split_at(S::F64_LANES.min(values.len()));
+        Self {
+            simd,
+            v: [simd.partial_load_f64s(head), simd.partial_load_f64s(tail)],
         }
-        Self(out)
+    }
+
+    /// Writes all lanes to the front of a slice of at least [`Lanes::COUNT`] values.
+    #[inline(always)]
+    pub fn store(self, values: &mut [f64]) {
+        values[..Self::COUNT].copy_from_slice(self.as_slice());
+    }
+
+    /// The lanes as numbers.
+    #[must_use]
+    #[inline(always)]
+    pub fn as_slice(&self) -> &[f64] {
+        pulp::bytemuck::cast_slice(&self.v)
+    }
+
+    /// The lanes as numbers.
+    #[inline(always)]
+    pub fn as_mut_slice(&mut self) -> &mut [f64] {
+        pulp::bytemuck::cast_slice_mut(&mut self.v)
     }
 
     /// Square roots.
     #[must_use]
     #[inline(always)]
     pub fn sqrt(self) -> Self {
-        self.map(f64::sqrt)
+        Self::from_fn(self.simd, |k| self.simd.sqrt_f64s(self.v[k]))
     }
 
     /// Inverses.
     #[must_use]
     #[inline(always)]
     pub fn recip(self) -> Self {
-        self.map(|x| 1.0 / x)
+        let one = self.simd.splat_f64s(1.0);
+        Self::from_fn(self.simd, |k| self.simd.div_f64s(one, self.v[k]))
     }
 
     /// Absolute values.
     #[must_use]
     #[inline(always)]
     pub fn abs(self) -> Self {
-        self.map(f64::abs)
+        Self::from_fn(self.simd, |k| self.simd.abs_f64s(self.v[k]))
     }
 
-    /// 1 where `self < other`; 0 elsewhere, for NaN as well.
+    /// self * factor + term, fused where that is one instruction.
     #[must_use]
     #[inline(always)]
-    pub fn less(self, other: Self) -> Mask {
-        self.zip(other, |a, b| if a < b { 1.0 } else { 0.0 })
+    pub fn mul_add(self, factor: Self, term: Self) -> Self {
+        Self::from_fn(self.simd, |k| {
+            self.simd.mul_add_e_f64s(self.v[k], factor.v[k], term.v[k])
+        })
     }
 
-    /// `self` where the mask is set, else `other`.
+    /// Larger of two.
     #[must_use]
     #[inline(always)]
-    pub fn or_where_not(self, mask: Mask, other: Self) -> Self {
-        let mut out = self.0;
-        for ((x, m), y) in out.iter_mut().zip(mask.0).zip(other.0) {
-            *x = if m != 0.0 { *x } else { y };
+    pub fn max(self, other: Self) -> Self {
+        Self::from_fn(self.simd, |k| self.simd.max_f64s(self.v[k], other.v[k]))
+    }
+
+    /// Smaller of two.
+    #[must_use]
+    #[inline(always)]
+    pub fn min(self, other: Self) -> Self {
+        Self::from_fn(self.simd, |k| self.simd.min_f64s(self.v[k], other.v[k]))
+    }
+
+    /// Where `self < other`; false for NaN.
+    #[must_use]
+    #[inline(always)]
+    pub fn less(self, other: Self) -> Mask<S> {
+        let less = |k: usize| self.simd.less_than_f64s(self.v[k], other.v[k]);
+        Mask {
+            simd: self.simd,
+            m: [less(0), less(1)],
         }
-        Self(out)
     }
 
-    /// True if any lane of a mask is set.
+    /// `self` where the mask is set, 0 elsewhere, whatever stands there.
     #[must_use]
     #[inline(always)]
-    pub fn any(self) -> bool {
-        self.sum() != 0.0
+    pub fn only(self, mask: Mask<S>) -> Self {
+        let zero = self.simd.splat_f64s(0.0);
+        Self::from_fn(self.simd, |k| {
+            self.simd.select_f64s(mask.m[k], self.v[k], zero)
+        })
     }
 
     /// Sum of all lanes, in a fixed order.
     #[must_use]
     #[inline(always)]
     pub fn sum(self) -> f64 {
-        let [a, b, c, d, e, f, g, h] = self.0;
-        ((a + e) + (b + f)) + ((c + g) + (d + h))
+        self.simd
+            .reduce_sum_f64s(self.simd.add_f64s(self.v[0], self.v[1]))
     }
 }
 
-macro_rules! element_wise {
-    ($trait:ident, $method:ident, $operator:tt) => {
-        impl $trait for Lanes {
+impl<S: Simd> Mask<S> {
+    /// Both set.
+    #[must_use]
+    #[inline(always)]
+    pub fn and(self, other: Self) -> Self {
+        let and = |k: usize| self.simd.and_m64s(self.m[k], other.m[k]);
+        Self {
+            simd: self.simd,
+            m: [and(0), and(1)],
+        }
+    }
+
+    /// This one set and the other not.
+    #[must_use]
+    #[inline(always)]
+    pub fn without(self, other: Self) -> Self {
+        let and = |k: usize| {
+            self.simd
+                .and_m64s(self.m[k], self.simd.not_m64s(other.m[k]))
+        };
+        Self {
+            simd: self.simd,
+            m: [and(0), and(1)],
+        }
+    }
+
+    /// One of both set.
+    #[must_use]
+    #[inline(always)]
+    pub fn or(self, other: Self) -> Self {
+        let or = |k: usize| self.simd.or_m64s(self.m[k], other.m[k]);
+        Self {
+            simd: self.simd,
+            m: [or(0), or(1)],
+        }
+    }
+
+    /// True if any lane is set.
+    #[must_use]
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        let first = |k: usize| self.simd.first_true_m64s(self.m[k]);
+        first(0) < S::F64_LANES || first(1) < S::F64_LANES
+    }
+
+    /// One lane.
+    #[must_use]
+    #[inline(always)]
+    pub fn lane(self, k: usize) -> bool {
+        Lanes::splat(self.simd, 1.0).only(self).as_slice()[k] != 0.0
+    }
+
+    /// The first `count` lanes.
+    #[must_use]
+    #[inline(always)]
+    pub fn first(simd: S, count: usize) -> Self {
+        let mut numbers = Lanes::splat(simd, 1.0);
+        for (k, x) in numbers.as_mut_slice().iter_mut().enumerate() {
+            *x = if k < count { 0.0 } else { 1.0 };
+        }
+        numbers.less(Lanes::splat(simd, 0.5))
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $function:ident) => {
+        impl<S: Simd> $trait for Lanes<S> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.zip(other, |a, b| a $operator b)
+                Self::from_fn(self.simd, |k| self.simd.$function(self.v[k], other.v[k]))
             }
         }
     };
 }
-element_wise!(Add, add, +);
-element_wise!(Sub, sub, -);
-element_wise!(Mul, mul, *);
+operator!(Add, add, add_f64s);
+operator!(Sub, sub, sub_f64s);
+operator!(Mul, mul, mul_f64s);
 
-impl Neg for Lanes {
+impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.map(|x| -x)
+        Self::from_fn(self.simd, |k| self.simd.neg_f64s(self.v[k]))
     }
 }
 
-/// Eight planar vectors or rotations; see [`Complex`](crate::Complex).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ComplexLanes {
+/// Planar vectors or rotations; see [`Complex`].
+#[derive(Debug, Clone, Copy)]
+pub struct ComplexLanes<S: Simd> {
     /// Real parts.
-    pub re: Lanes,
+    pub re: Lanes<S>,
     /// Imaginary parts.
-    pub im: Lanes,
+    pub im: Lanes<S>,
 }
 
-impl ComplexLanes {
+impl<S: Simd> ComplexLanes<S> {
     /// From parts.
     #[must_use]
     #[inline(always)]
-    pub fn new(re: Lanes, im: Lanes) -> Self {
+    pub fn new(re: Lanes<S>, im: Lanes<S>) -> Self {
         Self { re, im }
     }
 
     /// All lanes alike.
     #[must_use]
     #[inline(always)]
-    pub fn splat(z: crate::Complex) -> Self {
-        Self { re: Lanes::splat(z.re), im: Lanes::splat(z.im) }
+    pub fn splat(simd: S, z: Complex) -> Self {
+        Self::new(Lanes::splat(simd, z.re), Lanes::splat(simd, z.im))
     }
 
     /// One lane.
     #[must_use]
     #[inline(always)]
-    pub fn lane(self, k: usize) -> crate::Complex {
-        crate::Complex::new(self.re.0[k], self.im.0[k])
+    pub fn lane(&self, k: usize) -> Complex {
+        Complex::new(self.re.as_slice()[k], self.im.as_slice()[k])
     }
 
     /// Replaces one lane.
     #[inline(always)]
-    pub fn set_lane(&mut self, k: usize, z: crate::Complex) {
-        (self.re.0[k], self.im.0[k]) = (z.re, z.im);
+    pub fn set_lane(&mut self, k: usize, z: Complex) {
+        self.re.as_mut_slice()[k] = z.re;
+        self.im.as_mut_slice()[k] = z.im;
     }
 
     /// Turned by +90 degrees.
     #[must_use]
     #[inline(always)]
     pub fn turned(self) -> Self {
-        Self { re: -self.im, im: self.re }
+        Self::new(-self.im, self.re)
     }
 
     /// Scalar products.
     #[must_use]
     #[inline(always)]
-    pub fn dot(self, o: Self) -> Lanes {
-        self.re * o.re + self.im * o.im
+    pub fn dot(self, o: Self) -> Lanes<S> {
+        self.re.mul_add(o.re, self.im * o.im)
     }
 
     /// Vector products.
     #[must_use]
     #[inline(always)]
-    pub fn cross(self, o: Self) -> Lanes {
+    pub fn cross(self, o: Self) -> Lanes<S> {
         self.re * o.im - self.im * o.re
     }
 
     /// Scaled lane by lane.
     #[must_use]
     #[inline(always)]
-    pub fn scale(self, factor: Lanes) -> Self {
-        Self { re: self.re * factor, im: self.im * factor }
+    pub fn scale(self, factor: Lanes<S>) -> Self {
+        Self::new(self.re * factor, self.im * factor)
     }
 
-    /// Power by squaring.
+    /// self * factor + term.
+    #[must_use]
+    #[inline(always)]
+    pub fn scale_add(self, factor: Lanes<S>, term: Self) -> Self {
+        Self::new(
+            self.re.mul_add(factor, term.re),
+            self.im.mul_add(factor, term.im),
+        )
+    }
+
+    /// `self` where the mask is set, 0 elsewhere.
+    #[must_use]
+    #[inline(always)]
+    pub fn only(self, mask: Mask<S>) -> Self {
+        Self::new(self.re.only(mask), self.im.only(mask))
+    }
+
+    /// Power by squaring, exponent >= 1.
     #[must_use]
     #[inline(always)]
     pub fn powu(self, mut exponent: u32) -> Self {
-        let one = Self { re: Lanes::splat(1.0), im: Lanes::ZERO };
-        let (mut base, mut power) = (self, one);
-        while exponent > 1 {
+        let mut base = self;
+        let mut power: Option<Self> = None;
+        loop {
             if exponent & 1 == 1 {
-                power = power * base;
+                power = Some(power.map_or(base, |p| p * base));
+            }
+            exponent >>= 1;
+            if exponent == 0 {
+                return power.unwrap_or(base);
             }
             base = base * base;
-            exponent >>= 1;
         }
-        if exponent == 1 { power * base } else { power }
     }
 }
 
-impl Add for ComplexLanes {
+impl<S: Simd> Add for ComplexLanes<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, o: Self) -> Self {
-        Self { re: self.re + o.re, im: self.im + o.im }
+        Self::new(self.re + o.re, self.im + o.im)
     }
 }
 
-impl Sub for ComplexLanes {
+impl<S: Simd> Sub for ComplexLanes<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
-        Self { re: self.re - o.re, im: self.im - o.im }
+        Self::new(self.re - o.re, self.im - o.im)
     }
 }
 
-impl Mul for ComplexLanes {
+impl<S: Simd> Mul for ComplexLanes<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, o: Self) -> Self {
-        Self { re: self.re * o.re - self.im * o.im, im: self.re * o.im + self.im * o.re }
+        Self::new(
+            self.re.mul_add(o.re, -(self.im * o.im)),
+            self.re.mul_add(o.im, self.im * o.re),
+        )
     }
 }

@@ -2,7 +2,7 @@
 
 use pinwheel_mbs::{Body, BodyState, Driver, Mechanism, Motion, Revolute};
 
-use crate::contacts::{self, ContactField};
+use crate::contacts::{self, ContactField, Kernel};
 use crate::geometry::Geometry;
 use crate::layout::Layout;
 use crate::scene::{BodyMass, Scene};
@@ -42,6 +42,8 @@ pub struct Gearbox {
     pub layout: Layout,
     /// Derived geometry.
     pub geometry: Geometry,
+    /// Which contact loop is used.
+    pub kernel: Kernel,
 }
 
 impl Gearbox {
@@ -55,6 +57,7 @@ impl Gearbox {
             scene: scene.clone(),
             layout: Layout::of(&scene.gear),
             geometry,
+            kernel: Kernel::default(),
         };
         gearbox.contact_field()?;
         Ok(gearbox)
@@ -65,7 +68,7 @@ impl Gearbox {
     /// # Errors
     /// Unknown law, or points too coarse for the profile.
     pub fn contact_field(&self) -> Result<Box<dyn ContactField>, GearboxError> {
-        contacts::field(&self.scene, &self.geometry)
+        contacts::field(&self.scene, &self.geometry, self.kernel)
     }
 
     /// True when sleeves can be turned by contact forces.

@@ -2,43 +2,105 @@
 
 mod detection;
 mod field;
+mod lanes;
 mod pairs;
 
-use pinwheel_contact::{NormalLaw, PaperLaw};
+use pinwheel_contact::laws::hysteresis_factor;
+use pinwheel_contact::{
+    AdamsImpact, ConstantStiffness, Hysteresis, LanesLaw, LineContact, PaperConservative, PaperLaw,
+};
 
-pub use field::{ContactField, PairContact};
+pub use field::{ContactField, PairContact, Powers};
 
 use crate::GearboxError;
 use crate::geometry::Geometry;
-use crate::scene::{Detection, Scene};
+use crate::scene::{Detection, FrictionLaw, Scene};
 use detection::{Exact, Points};
+use lanes::LaneField;
 use pairs::Pairs;
+
+/// Which contact loop evaluates exact detection. Both give the same forces to 1e-13 relative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Kernel {
+    /// Eight pairs at a time with the vector instructions that the processor has.
+    #[default]
+    Lanes,
+    /// One pair after the other: the readable form, kept as the oracle of the other.
+    Scalar,
+}
 
 /// The contact field of a scene. Laws are told apart here, once, and not per contact.
 pub(crate) fn field(
     scene: &Scene,
     geometry: &Geometry,
+    kernel: Kernel,
 ) -> Result<Box<dyn ContactField>, GearboxError> {
     let contact = &scene.contact;
+    let (damping, ramp) = (contact.damping_n_s_m, contact.ramp_m);
+    let stiffness = contact.constant_stiffness_n_m15;
     match contact.law.as_str() {
-        "paper" => with_law(
+        "paper" => with_law(scene, geometry, kernel, PaperLaw { damping, ramp }),
+        "paper-conservative" => {
+            let law = PaperConservative { damping, ramp };
+            let exact = Exact::with_slope(scene, geometry);
+            Ok(Box::new(Pairs::new(scene, geometry, law, exact)))
+        }
+        "constant" => with_law(
             scene,
             geometry,
-            PaperLaw {
-                damping: contact.damping_n_s_m,
-                ramp: contact.ramp_m,
+            kernel,
+            ConstantStiffness {
+                stiffness,
+                damping,
+                ramp,
             },
         ),
-        other => Err(GearboxError::UnknownLaw(other.to_owned())),
+        "adams-impact" => with_law(
+            scene,
+            geometry,
+            kernel,
+            AdamsImpact {
+                stiffness,
+                damping,
+                depth: ramp,
+            },
+        ),
+        "line-contact" => with_law(
+            scene,
+            geometry,
+            kernel,
+            LineContact::new(
+                contact.line_length_m,
+                contact.stiffness_multiplier,
+                damping,
+                ramp,
+            ),
+        ),
+        name => match hysteresis_factor(name, contact.restitution) {
+            Some(factor) => with_law(
+                scene,
+                geometry,
+                kernel,
+                Hysteresis::new(factor, contact.impact_speed_m_s),
+            ),
+            None => Err(GearboxError::UnknownLaw(name.to_owned())),
+        },
     }
 }
 
-fn with_law<L: NormalLaw>(
+fn with_law<L: LanesLaw>(
     scene: &Scene,
     geometry: &Geometry,
+    kernel: Kernel,
     law: L,
 ) -> Result<Box<dyn ContactField>, GearboxError> {
     Ok(match scene.contact.detection {
+        Detection::Exact
+            if kernel == Kernel::Lanes
+                && scene.contact.friction_law == FrictionLaw::Regularised =>
+        {
+            Box::new(LaneField::new(scene, geometry, law))
+        }
         Detection::Exact => Box::new(Pairs::new(
             scene,
             geometry,

@@ -1,0 +1,90 @@
+//! The contact loop in lanes against the scalar one, its oracle.
+
+use pinwheel_gearbox::contacts::Kernel;
+use pinwheel_gearbox::scene::Scene;
+use pinwheel_gearbox::{Gearbox, Layout};
+use pinwheel_mbs::{BodyState, Wrench};
+use proptest::prelude::*;
+
+/// Loads of both loops on the same states.
+fn loads(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> Vec<Wrench> {
+    let mut gearbox = gearbox.clone();
+    gearbox.kernel = kernel;
+    let mut loads = vec![Wrench::default(); bodies.len()];
+    gearbox.contact_field().unwrap().add_loads(bodies, &mut loads);
+    loads
+}
+
+/// Initial states turned on by the input angle, every wheel and the output twisted by up to `twist`.
+fn states(gearbox: &Gearbox, input: f64, twist: f64, rates: &[f64]) -> Vec<BodyState> {
+    let mut bodies = gearbox.initial_states();
+    let (layout, geometry) = (gearbox.layout, &gearbox.geometry);
+    let e = gearbox.scene.gear.eccentricity_m;
+    let noise = |k: usize| rates[k % rates.len()];
+    for (i, body) in layout.wheel_bodies().enumerate() {
+        let (s, c) = (input + geometry.wheel_phases[i]).sin_cos();
+        bodies[body] = BodyState {
+            x: e * c,
+            y: e * s,
+            angle: geometry.ideal_wheel_angle(i, input) + twist * noise(i),
+            vx: -52.34 * e * s,
+            vy: 52.34 * e * c,
+            rate: -3.5 + noise(i + 3),
+        };
+    }
+    let psi = geometry.ideal_output_angle(input) + twist * noise(7);
+    bodies[Layout::OUTPUT].angle = psi;
+    for (k, body) in layout.internal_bodies().enumerate() {
+        let [x, y] = geometry.internal_points[k];
+        let (s, c) = psi.sin_cos();
+        let (x, y) = (c * x - s * y, s * x + c * y);
+        bodies[body] = BodyState { x, y, angle: 0.0, vx: 3.4 * y, vy: -3.4 * x, rate: 5.0 * noise(k) };
+    }
+    for (k, body) in layout.external_bodies().enumerate() {
+        bodies[body].rate = 3.0 * noise(k + 2);
+    }
+    bodies
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Any gear (zk and zi no multiple of the lanes), friction or not, backlash or not.
+    #[test]
+    fn lanes_equal_the_scalar_loop(
+        zk in 5_usize..45, zi in 3_usize..20, wheels in 1_usize..4, friction: bool,
+        backlash in prop_oneof![Just(0.0), 0.0..1e-3], input in 0.0..40.0_f64, twist in 0.0..2e-3_f64,
+        rates in prop::array::uniform16(-1.0..1.0_f64),
+    ) {
+        let mut scene = Scene::default();
+        scene.gear.external_sleeves = zk;
+        scene.gear.internal_sleeves = zi;
+        scene.gear.wheels = wheels;
+        scene.gear.backlash_m = backlash;
+        scene.gear.external_sleeve_radius_m = 0.004;
+        scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
+        let gearbox = Gearbox::new(&scene).unwrap();
+        let bodies = states(&gearbox, input, twist, &rates);
+        let (fast, slow) = (loads(&gearbox, Kernel::Lanes, &bodies), loads(&gearbox, Kernel::Scalar, &bodies));
+        // 1e-13 of the largest force, and what rounding of positions does to both alike: a radius of R is
+        // known to about 2 ulp, which the slope 1.5 F/delta turns into force. With friction, velocities are
+        // known to 1e-16 of 1 m/s and the slope is mu F/v_s.
+        let ulps = 4.0 * f64::EPSILON * (gearbox.geometry.curve.pitch_radius() + 0.0028);
+        let mut noise = 1e-13;
+        let mut largest = 0.0_f64;
+        gearbox.contact_field().unwrap().touching(&bodies, &mut |pair| {
+            largest = largest.max(pair.normal_force_n);
+            noise += 1.5 * pair.normal_force_n / pair.penetration_m * ulps + 8.0 * ulps / scene.contact.ramp_m;
+            if friction {
+                noise += 0.1 * pair.normal_force_n / scene.contact.friction_ramp_m_s * 4e-16;
+            }
+        });
+        let force = noise + 1e-13 * largest;
+        let moment = force * gearbox.geometry.curve.pitch_radius();
+        for (a, b) in fast.iter().zip(&slow) {
+            prop_assert!((a.fx - b.fx).abs() <= force, "{a:?} {b:?} {force}");
+            prop_assert!((a.fy - b.fy).abs() <= force, "{a:?} {b:?} {force}");
+            prop_assert!((a.moment - b.moment).abs() <= moment, "{a:?} {b:?} {moment}");
+        }
+    }
+}
