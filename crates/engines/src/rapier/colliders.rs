@@ -16,9 +16,10 @@ use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
 
 const NAME: &str = "rapier-own-contact-colliders";
 
-/// Points of a wheel's edge in a gear of 15 lobes; more lobes take more.
+/// Points of a wheel's edge, and fewest on a lobe: a gear of 39 lobes has its mean forces right to
+/// 0.8 % with 103 points a lobe, against 267.
 const EDGE_POINTS: usize = 4000;
-const EDGE_LOBES: usize = 15;
+const LOBE_POINTS: usize = 100;
 /// Points of a hole's edge: chords 0.3 micrometres deep in a hole of 8.8 mm.
 const HOLE_POINTS: usize = 400;
 
@@ -47,7 +48,9 @@ impl Colliders {
         let refuse = |reason: String| unsupported(NAME, reason);
         let grid = Grid::new(scene, step_s(scene)).map_err(refuse)?;
         let gearbox = Gearbox::new(scene).map_err(|error| unsupported(NAME, error))?;
-        let mut field = gearbox.contact_field().map_err(|error| unsupported(NAME, error))?;
+        let mut field = gearbox
+            .contact_field()
+            .map_err(|error| unsupported(NAME, error))?;
         let frequency = contact_frequency(&gearbox, &mut *field).map_err(refuse)?;
         Ok((gearbox, grid, frequency))
     }
@@ -111,7 +114,7 @@ impl Engine for Colliders {
 }
 
 fn edge_points(gear: &Gear) -> usize {
-    (EDGE_POINTS * gear.lobes()).div_ceil(EDGE_LOBES).max(EDGE_POINTS)
+    EDGE_POINTS.max(LOBE_POINTS * gear.lobes())
 }
 
 /// The longest allowed step that divides the sampling step.
@@ -147,28 +150,41 @@ impl Solid {
         let (layout, gear) = (gearbox.layout, &gearbox.scene.gear);
         let friction = gearbox.scene.contact.friction_coefficient;
         // The tag of a hole and of its sleeve is the sleeve's number.
-        let mut add = |shape: ColliderBuilder, body: usize, own: Group, other: Group, tag: usize| {
-            let collider = shape
-                .density(0.0)
-                .friction(friction)
-                .friction_combine_rule(CoefficientCombineRule::Average)
-                .restitution(0.0)
-                .collision_groups(InteractionGroups::new(own, other, InteractionTestMode::And))
-                .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
-                .user_data(tag as u128);
-            world.attach(collider, body)
-        };
+        let mut add =
+            |shape: ColliderBuilder, body: usize, own: Group, other: Group, tag: usize| {
+                let collider = shape
+                    .density(0.0)
+                    .friction(friction)
+                    .friction_combine_rule(CoefficientCombineRule::Average)
+                    .restitution(0.0)
+                    .collision_groups(InteractionGroups::new(own, other, InteractionTestMode::And))
+                    .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
+                    .user_data(tag as u128);
+                world.attach(collider, body)
+            };
         let disc = |radius: f64| ColliderBuilder::ball(radius);
         let externals: Vec<ColliderHandle> = (0..layout.external_sleeves)
             .map(|j| {
                 let body = layout.sleeve_body(Sleeve::External(j));
-                add(disc(gear.external_sleeve_radius_m), body, EXTERNALS, EDGES, 0)
+                add(
+                    disc(gear.external_sleeve_radius_m),
+                    body,
+                    EXTERNALS,
+                    EDGES,
+                    0,
+                )
             })
             .collect();
         let internals: Vec<ColliderHandle> = (0..layout.internal_sleeves)
             .map(|k| {
                 let body = layout.sleeve_body(Sleeve::Internal(k));
-                add(disc(gear.internal_sleeve_radius_m), body, INTERNALS, HOLES, k)
+                add(
+                    disc(gear.internal_sleeve_radius_m),
+                    body,
+                    INTERNALS,
+                    HOLES,
+                    k,
+                )
             })
             .collect();
 
@@ -193,7 +209,12 @@ impl Solid {
                     PolylineFlags::ORIENTED,
                 );
                 let edge = add(outline, body, HOLES, INTERNALS, k);
-                meetings.push(Meeting { edge, ball, wheel, sleeve });
+                meetings.push(Meeting {
+                    edge,
+                    ball,
+                    wheel,
+                    sleeve,
+                });
             }
         }
         Self { step_s, meetings }
@@ -204,7 +225,10 @@ impl Solid {
 /// t = 0; in the wheel's frame, m.
 fn hole_centre(wheel: &BodyState, sleeve: &BodyState) -> Vector {
     let (sin, cos) = wheel.angle.sin_cos();
-    Vector::new(cos * sleeve.x + sin * sleeve.y, cos * sleeve.y - sin * sleeve.x)
+    Vector::new(
+        cos * sleeve.x + sin * sleeve.y,
+        cos * sleeve.y - sin * sleeve.x,
+    )
 }
 
 impl Contacts for Solid {
@@ -221,9 +245,16 @@ impl Contacts for Solid {
     fn forces(&mut self, world: &World, _now: &[BodyState], share: f64, sums: &mut Sums) {
         let per_impulse = 1.0 / (share * self.step_s);
         for meeting in &self.meetings {
-            let contacts = world.physics.narrow_phase.contact_pair(meeting.edge, meeting.ball);
+            let contacts = world
+                .physics
+                .narrow_phase
+                .contact_pair(meeting.edge, meeting.ball);
             let Some(contacts) = contacts else { continue };
-            let sign = if contacts.collider1 == meeting.edge { 1.0 } else { -1.0 };
+            let sign = if contacts.collider1 == meeting.edge {
+                1.0
+            } else {
+                -1.0
+            };
             for manifold in contacts.manifolds() {
                 if manifold.data.solver_contacts.is_empty() {
                     continue;
@@ -253,7 +284,9 @@ impl PhysicsHooks for Nearest {
     fn modify_solver_contacts(&self, context: &mut ContactModificationContext<'_>) {
         let first = &context.colliders[context.collider1];
         let second = &context.colliders[context.collider2];
-        let Some(contact) = context.rigid_mut() else { return };
+        let Some(contact) = context.rigid_mut() else {
+            return;
+        };
         if contact.solver_contacts.is_empty() {
             return;
         }
@@ -262,17 +295,21 @@ impl PhysicsHooks for Nearest {
         } else {
             (second, first, contact.manifold.subshape2)
         };
-        let Some(line) = edge.shape().as_polyline() else { return };
-        let centre = edge.position().inverse_transform_point(ball.position().translation);
+        let Some(line) = edge.shape().as_polyline() else {
+            return;
+        };
+        let centre = edge
+            .position()
+            .inverse_transform_point(ball.position().translation);
         let count = line.num_segments() as u32;
         let distance = |segment: u32| {
-            line.segment(segment % count).distance_to_local_point(centre, false)
+            line.segment(segment % count)
+                .distance_to_local_point(centre, false)
         };
         // Distances fall and rise again once along the contact; two segments that meet at the
         // nearest point are equally near, and then the first counts.
         let here = distance(segment);
-        let nearest =
-            distance(segment + count - 1) > here && distance(segment + 1) >= here;
+        let nearest = distance(segment + count - 1) > here && distance(segment + 1) >= here;
         if !nearest || edge.user_data != ball.user_data {
             contact.solver_contacts.clear();
         }

@@ -24,8 +24,8 @@ const NAME: &str = "rapier-own-contact-hook";
 /// torque five leave 1.6e-2, ten 1.0e-3, twenty 8.9e-4, forty 8.6e-4 (mu = 0.1, steady, 1e-5 s).
 const SWEEPS: usize = 20;
 
-/// h w of the contact spring. Its square is the relative error of the transmitted force, and the
-/// depth it asks for still leaves the contact point exact to 1e-12 m.
+/// h w of the contact spring. The spring's own damping, m (h w)^2 v/h, is then about 1e-6 N, and
+/// the depth it asks for still leaves the contact point exact to 1e-12 m.
 const STEP_TIMES_FREQUENCY: f64 = 1e-4;
 
 /// Laws whose whole force on a pair is normal at W, apart from friction.
@@ -89,7 +89,9 @@ impl Engine for ContactHook {
 
     fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
         let (gearbox, grid) = Self::compile(scene)?;
-        let field = gearbox.contact_field().map_err(|error| unsupported(NAME, error))?;
+        let field = gearbox
+            .contact_field()
+            .map_err(|error| unsupported(NAME, error))?;
         let mut world = World::new(&gearbox, grid.step_s, SWEEPS);
         let mut contacts = Hooked::new(&gearbox, field, &mut world, grid.step_s);
         let stats = RunStats {
@@ -145,15 +147,26 @@ impl Hooked {
         let mut proxy = |body: usize, radius: f64, member: Group, filter: Group, tag: usize| {
             let ball = ColliderBuilder::ball(radius)
                 .density(0.0)
-                .collision_groups(InteractionGroups::new(member, filter, InteractionTestMode::And))
+                .collision_groups(InteractionGroups::new(
+                    member,
+                    filter,
+                    InteractionTestMode::And,
+                ))
                 .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
                 .user_data(tag as u128);
             world.attach(ball, body)
         };
-        let wheels: Vec<ColliderHandle> =
-            layout.wheel_bodies().enumerate().map(|(i, body)| proxy(body, reach, wheel, sleeve, i)).collect();
-        let externals = layout.external_bodies().map(|body| (body, gear.external_sleeve_radius_m));
-        let internals = layout.internal_bodies().map(|body| (body, gear.internal_sleeve_radius_m));
+        let wheels: Vec<ColliderHandle> = layout
+            .wheel_bodies()
+            .enumerate()
+            .map(|(i, body)| proxy(body, reach, wheel, sleeve, i))
+            .collect();
+        let externals = layout
+            .external_bodies()
+            .map(|body| (body, gear.external_sleeve_radius_m));
+        let internals = layout
+            .internal_bodies()
+            .map(|body| (body, gear.internal_sleeve_radius_m));
         let sleeves: Vec<ColliderHandle> = externals
             .chain(internals)
             .enumerate()
@@ -168,6 +181,33 @@ impl Hooked {
             table: vec![None; wheels.len() * sleeves.len()],
             wheels,
             sleeves,
+        }
+    }
+}
+
+impl Hooked {
+    /// Visits the pairs that rapier loaded in the last step, with the forces of its impulses.
+    fn transmitted(&self, world: &World, share: f64, visit: &mut dyn FnMut(&PairContact)) {
+        let per_impulse = 1.0 / (share * self.step_s);
+        for Load { pair, .. } in self.table.iter().flatten() {
+            let sleeve = self.sleeves[sleeve_slot(self.layout, pair.sleeve)];
+            let contacts = world
+                .physics
+                .narrow_phase
+                .contact_pair(self.wheels[pair.wheel], sleeve);
+            let manifold = contacts
+                .and_then(|contacts| contacts.manifolds().first())
+                .filter(|manifold| !manifold.data.solver_contacts.is_empty());
+            if let Some(point) = manifold.and_then(|manifold| manifold.points.first()) {
+                // rapier's friction impulse is on the first body, along that body's normal force
+                // turned by 90 degrees: t on a wheel, where the sleeve takes the opposite, or -t on
+                // a sleeve.
+                visit(&PairContact {
+                    normal_force_n: point.data.impulse * per_impulse,
+                    friction_force_n: -point.data.tangent_impulse.x * per_impulse,
+                    ..*pair
+                });
+            }
         }
     }
 }
@@ -201,26 +241,9 @@ impl Contacts for Hooked {
     }
 
     fn forces(&mut self, world: &World, _now: &[BodyState], share: f64, sums: &mut Sums) {
-        let per_impulse = 1.0 / (share * self.step_s);
-        for Load { pair, .. } in self.table.iter().flatten() {
-            let sleeve = self.sleeves[sleeve_slot(self.layout, pair.sleeve)];
-            let contacts = world.physics.narrow_phase.contact_pair(self.wheels[pair.wheel], sleeve);
-            let manifold = contacts.and_then(|contacts| contacts.manifolds().first());
-            let Some(manifold) = manifold.filter(|manifold| !manifold.data.solver_contacts.is_empty())
-            else {
-                continue;
-            };
-            if let Some(point) = manifold.points.first() {
-                // rapier's friction impulse is on the first body, along that body's normal force turned
-                // by 90 degrees: t on a wheel, where the sleeve takes the opposite, or -t on a sleeve.
-                let transmitted = PairContact {
-                    normal_force_n: point.data.impulse * per_impulse,
-                    friction_force_n: -point.data.tangent_impulse.x * per_impulse,
-                    ..*pair
-                };
-                sums.add(pair.wheel, pair.sleeve, transmitted.force_on_sleeve());
-            }
-        }
+        self.transmitted(world, share, &mut |pair| {
+            sums.add(pair.wheel, pair.sleeve, pair.force_on_sleeve());
+        });
     }
 
     fn law_calls(&self) -> u64 {
@@ -249,9 +272,15 @@ impl PhysicsHooks for Hook<'_> {
         let tag = |handle: ColliderHandle| context.colliders[handle].user_data as usize;
         let (first, second) = (tag(context.collider1), tag(context.collider2));
         let wheel_first = first < self.wheels;
-        let (wheel, sleeve) = if wheel_first { (first, second) } else { (second, first) };
+        let (wheel, sleeve) = if wheel_first {
+            (first, second)
+        } else {
+            (second, first)
+        };
         let load = self.table[wheel * self.sleeves + sleeve - self.wheels];
-        let Some(contact) = context.rigid_mut() else { return };
+        let Some(contact) = context.rigid_mut() else {
+            return;
+        };
         let Some(Load { pair, depth }) = load.filter(|load| load.depth > 0.0) else {
             contact.solver_contacts.clear();
             return;
@@ -270,5 +299,66 @@ impl PhysicsHooks for Hook<'_> {
             solver.anchor2 = anchor;
             solver.dist = -depth;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What rapier transmits in a step is what the law asked for: forces read back from its
+    /// impulses, with friction that bounds and opposes.
+    #[test]
+    fn transmits_the_law_and_bounds_friction() {
+        let mut scene = Scene::default();
+        scene.contact.friction_coefficient = 0.1;
+        let (gearbox, grid) = ContactHook::compile(&scene).unwrap();
+        let mut world = World::new(&gearbox, grid.step_s, SWEEPS);
+        let field = gearbox.contact_field().unwrap();
+        let mut hooked = Hooked::new(&gearbox, field, &mut world, grid.step_s);
+        let (mut now, mut seen) = (Vec::new(), 0);
+        for step in 0..300 {
+            world.at_node(&mut now);
+            let mut loads = vec![Wrench::default(); gearbox.layout.bodies()];
+            loads[pinwheel_gearbox::Layout::OUTPUT].moment = 22.0;
+            let share = world.share();
+            hooked.step(&mut world, &now, &mut loads).unwrap();
+            let mut asked: Vec<PairContact> = Vec::new();
+            gearbox
+                .contact_field()
+                .unwrap()
+                .touching(&now, &mut |pair| asked.push(*pair));
+            let mut got = Vec::new();
+            hooked.transmitted(&world, share, &mut |pair| got.push(*pair));
+            for pair in asked.iter().filter(|pair| pair.normal_force_n > 0.0) {
+                let found = got
+                    .iter()
+                    .find(|found| found.wheel == pair.wheel && found.sleeve == pair.sleeve)
+                    .unwrap_or_else(|| panic!("step {step}: {pair:?} is missing"));
+                let (force, wanted) = (found.normal_force_n, pair.normal_force_n);
+                assert!(
+                    (force - wanted).abs() < 1e-6 * wanted + 1e-5,
+                    "step {step}: {force} for {wanted}"
+                );
+                assert!(found.friction_force_n.abs() <= 0.1 * force * (1.0 + 1e-9));
+                // Clear sliding is opposed with all of mu F_n.
+                if pair.tangential_rate_m_s.abs() > 0.05 {
+                    let full = -0.1 * force * pair.tangential_rate_m_s.signum();
+                    assert!(
+                        (found.friction_force_n - full).abs() < 1e-9 * force + 1e-5,
+                        "{found:?} {full}"
+                    );
+                    seen += 1;
+                }
+            }
+            assert_eq!(
+                got.len(),
+                asked
+                    .iter()
+                    .filter(|pair| pair.normal_force_n > 0.0)
+                    .count()
+            );
+        }
+        assert!(seen > 100, "only {seen} sliding contacts");
     }
 }

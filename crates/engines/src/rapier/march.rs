@@ -56,10 +56,11 @@ impl Sums {
     /// Adds the force of a pair on its sleeve; the wheel takes the opposite.
     pub(super) fn add(&mut self, wheel: usize, sleeve: Sleeve, force: [f64; 2]) {
         let slot = sleeve_slot(self.layout, sleeve);
-        for axis in 0..2 {
-            self.sleeves[slot][axis] += force[axis];
-            self.wheels[wheel][axis] -= force[axis];
-        }
+        let [fx, fy] = force;
+        self.sleeves[slot][0] += fx;
+        self.sleeves[slot][1] += fy;
+        self.wheels[wheel][0] -= fx;
+        self.wheels[wheel][1] -= fy;
     }
 
     fn clear(&mut self) {
@@ -76,7 +77,9 @@ impl Sums {
             .layout
             .wheel_bodies()
             .zip(&self.wheels)
-            .map(|(wheel, [fx, fy])| (bodies[wheel].x - shaft.x) * fy - (bodies[wheel].y - shaft.y) * fx)
+            .map(|(wheel, [fx, fy])| {
+                (bodies[wheel].x - shaft.x) * fy - (bodies[wheel].y - shaft.y) * fx
+            })
             .sum::<f64>()
     }
 }
@@ -133,7 +136,8 @@ impl Grid {
 /// What no rapier engine can honour, in words.
 pub(super) fn refusal(scene: &Scene) -> Option<String> {
     (scene.drive.start == Start::Equilibrium).then(|| {
-        "it has no static solver to start from drive.start = \"equilibrium\"; use \"kinematic\"".to_owned()
+        "it has no static solver to start from drive.start = \"equilibrium\"; use \"kinematic\""
+            .to_owned()
     })
 }
 
@@ -201,7 +205,9 @@ pub(super) fn march(
     stats.bodies = layout.bodies();
     stats.step_s = grid.step_s;
     stats.joint_drift_m = Some(drift);
-    let courses = recorder.finish().map_err(|error| super::failed(engine, error))?;
+    let courses = recorder
+        .finish()
+        .map_err(|error| super::failed(engine, error))?;
     let run = Run { courses, stats };
     match ran_away {
         None => Ok(run),
@@ -211,5 +217,59 @@ pub(super) fn march(
             quantity,
             partial: Box::new(run),
         }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(step_s: f64, sample_s: f64, duration_s: f64) -> Scene {
+        let mut scene = Scene::default();
+        (
+            scene.solver.step_s,
+            scene.solver.sample_s,
+            scene.solver.duration_s,
+        ) = (step_s, sample_s, duration_s);
+        scene
+    }
+
+    #[test]
+    fn every_sample_is_a_node() {
+        let grid = Grid::new(&scene(1e-5, 1e-4, 1.05e-3), 1e-5).unwrap();
+        let nodes: Vec<u64> = grid.samples.iter().map(|sample| sample.0).collect();
+        assert_eq!(nodes, [0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 105]);
+        assert_eq!(grid.samples.last().unwrap().1, 1.05e-3);
+    }
+
+    #[test]
+    fn uneven_steps_are_refused_with_the_key() {
+        let sampling = Grid::new(&scene(3e-5, 1e-4, 0.1), 3e-5).unwrap_err();
+        assert!(sampling.contains("solver.sample_s"), "{sampling}");
+        let duration = Grid::new(&scene(1e-5, 1e-4, 1.234e-3 + 3e-6), 1e-5).unwrap_err();
+        assert!(duration.contains("solver.duration_s"), "{duration}");
+        let long = Grid::new(&scene(1e-3, 1e-4, 0.1), 1e-3).unwrap_err();
+        assert!(long.contains("solver.sample_s"), "{long}");
+    }
+
+    #[test]
+    fn driver_torque_is_the_virtual_work_of_the_wheels() {
+        let mut sums = Sums::new(Layout {
+            wheels: 2,
+            external_sleeves: 3,
+            internal_sleeves: 2,
+        });
+        let mut bodies = vec![BodyState::default(); sums.layout.bodies()];
+        (bodies[2].x, bodies[3].x) = (0.5, -0.5);
+        // 10 N upwards on the sleeves: the wheels are pushed down, 5 N m each way, then one of them less.
+        sums.add(0, Sleeve::External(1), [0.0, 10.0]);
+        sums.add(1, Sleeve::Internal(1), [0.0, 10.0]);
+        assert_eq!(sums.driver_torque(&bodies), 0.0);
+        sums.add(1, Sleeve::Internal(1), [3.0, -4.0]);
+        assert_eq!(sums.driver_torque(&bodies), 0.5 * 4.0);
+        assert_eq!(
+            sums.sleeves,
+            [[0.0; 2], [0.0, 10.0], [0.0; 2], [0.0; 2], [3.0, 6.0]]
+        );
     }
 }

@@ -18,7 +18,11 @@ use crate::engine::{Engine, EngineError};
 
 /// All rapier engines.
 pub(crate) fn engines() -> Vec<Box<dyn Engine>> {
-    vec![Box::new(shared_law::SharedLaw), Box::new(contact_hook::ContactHook), Box::new(colliders::Colliders)]
+    vec![
+        Box::new(shared_law::SharedLaw),
+        Box::new(contact_hook::ContactHook),
+        Box::new(colliders::Colliders),
+    ]
 }
 
 /// Name and version of the library behind all three.
@@ -27,9 +31,15 @@ fn version() -> String {
 }
 
 fn unsupported(engine: &str, reason: impl Display) -> EngineError {
-    EngineError::Unsupported { engine: engine.to_owned(), reason: reason.to_string() }
+    EngineError::Unsupported {
+        engine: engine.to_owned(),
+        reason: reason.to_string(),
+    }
 }
 
 fn failed(engine: &str, reason: impl Display) -> EngineError {
-    EngineError::Failed { engine: engine.to_owned(), reason: reason.to_string() }
+    EngineError::Failed {
+        engine: engine.to_owned(),
+        reason: reason.to_string(),
+    }
 }

@@ -64,7 +64,9 @@ impl Engine for SharedLaw {
 
     fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
         let (gearbox, grid) = Self::compile(scene)?;
-        let field = gearbox.contact_field().map_err(|error| unsupported(NAME, error))?;
+        let field = gearbox
+            .contact_field()
+            .map_err(|error| unsupported(NAME, error))?;
         let world = World::new(&gearbox, grid.step_s, SWEEPS);
         let mut notes = Vec::new();
         if gearbox.has_friction() {
@@ -80,7 +82,15 @@ impl Engine for SharedLaw {
             notes,
             ..RunStats::default()
         };
-        march(NAME, &gearbox, world, &mut Law { field, calls: 0 }, &grid, stats, control)
+        march(
+            NAME,
+            &gearbox,
+            world,
+            &mut Law { field, calls: 0 },
+            &grid,
+            stats,
+            control,
+        )
     }
 }
 

@@ -13,7 +13,10 @@ use pinwheel_mbs::BodyState;
 ///
 /// # Errors
 /// In words, if the law cannot carry the load within a quarter of a pitch.
-pub(super) fn contact_frequency(gearbox: &Gearbox, field: &mut dyn ContactField) -> Result<f64, String> {
+pub(super) fn contact_frequency(
+    gearbox: &Gearbox,
+    field: &mut dyn ContactField,
+) -> Result<f64, String> {
     let (layout, load) = (gearbox.layout, gearbox.scene.drive.output_torque_n_m);
     // Without a load nothing touches; then any small one tells the stiffness.
     let torque = if load == 0.0 { 1.0 } else { load };
@@ -42,7 +45,8 @@ pub(super) fn contact_frequency(gearbox: &Gearbox, field: &mut dyn ContactField)
         let (sin, cos) = turn.sin_cos();
         for sleeve in layout.internal_bodies() {
             let at = &start[sleeve];
-            (states[sleeve].x, states[sleeve].y) = (cos * at.x - sin * at.y, sin * at.x + cos * at.y);
+            (states[sleeve].x, states[sleeve].y) =
+                (cos * at.x - sin * at.y, sin * at.x + cos * at.y);
         }
     };
     let further = balance(torque, limit, |further| {
@@ -64,9 +68,14 @@ pub(super) fn contact_frequency(gearbox: &Gearbox, field: &mut dyn ContactField)
             Sleeve::Internal(_) => mass.internal_sleeve,
         };
         // The normal passes through the sleeve's centre: only its mass counts.
-        let lever = cross(pair.point[0] - wheel.x, pair.point[1] - wheel.y, pair.normal);
-        let inverse_mass =
-            1.0 / sleeve.mass_kg + 1.0 / mass.wheel.mass_kg + lever * lever / mass.wheel.moment_kg_m2;
+        let lever = cross(
+            pair.point[0] - wheel.x,
+            pair.point[1] - wheel.y,
+            pair.normal,
+        );
+        let inverse_mass = 1.0 / sleeve.mass_kg
+            + 1.0 / mass.wheel.mass_kg
+            + lever * lever / mass.wheel.moment_kg_m2;
         weighted += pair.normal_force_n.powi(2) / pair.penetration_m * inverse_mass;
         weight += pair.normal_force_n;
     });
@@ -92,7 +101,11 @@ fn balance(torque: f64, limit: f64, mut resisting: impl FnMut(f64) -> f64) -> Re
     // Each halving adds a bit; beyond 60 there are none left.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if sign * resisting(sign * middle) < torque.abs() { low = middle } else { high = middle }
+        if sign * resisting(sign * middle) < torque.abs() {
+            low = middle
+        } else {
+            high = middle
+        }
     }
     Ok(sign * high)
 }
@@ -117,4 +130,56 @@ fn moment(
 
 fn cross(x: f64, y: f64, v: [f64; 2]) -> f64 {
     x * v[1] - y * v[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use pinwheel_gearbox::scene::Scene;
+
+    use super::*;
+
+    fn frequency(change: impl Fn(&mut Scene)) -> Result<f64, String> {
+        let mut scene = Scene::default();
+        change(&mut scene);
+        let gearbox = Gearbox::new(&scene).unwrap();
+        contact_frequency(&gearbox, &mut *gearbox.contact_field().unwrap())
+    }
+
+    /// K delta^1.5 at a given force: k = K^(2/3) F^(1/3), so f ~ K^(1/3), where S(delta) = 1, as
+    /// nearly everywhere here. The shares of the sleeves shift a little with the stiffness.
+    #[test]
+    fn follows_the_hertzian_exponent() {
+        let soft = frequency(|scene| scene.contact.stiffness_multiplier = 1e-2).unwrap();
+        let softer = frequency(|scene| scene.contact.stiffness_multiplier = 0.25e-2).unwrap();
+        let ratio = soft / softer;
+        assert!((ratio - 4.0_f64.cbrt()).abs() < 0.02 * ratio, "{ratio}");
+    }
+
+    /// The secant stiffness of an internal sleeve at half its largest static force is 1e6 to 1e7 N/m
+    /// and the effective masses are about 30 g: some 1000 Hz.
+    #[test]
+    fn of_the_paper_is_about_a_kilohertz() {
+        let f = frequency(|_| ()).unwrap();
+        assert!((900.0..1100.0).contains(&f), "{f}");
+    }
+
+    #[test]
+    fn load_direction_and_no_load() {
+        let f = frequency(|scene| scene.drive.output_torque_n_m *= -1.0).unwrap();
+        assert!((900.0..1100.0).contains(&f), "{f}");
+        assert!(
+            frequency(|scene| scene.drive.output_torque_n_m = 0.0)
+                .unwrap()
+                .is_finite()
+        );
+    }
+
+    #[test]
+    fn refuses_contacts_that_carry_nothing() {
+        let refusal = frequency(|scene| scene.contact.stiffness_multiplier = 1e-12).unwrap_err();
+        assert!(
+            refusal.contains("contact.stiffness_multiplier"),
+            "{refusal}"
+        );
+    }
 }
