@@ -162,6 +162,39 @@ fn program_compare_goes_on_when_engines_diverge() {
     assert!(out.join("index.html").is_file());
 }
 
+/// Unstabilised, the Lagrange form drifts off the reduced one far beyond the limit for the pair.
+#[test]
+fn program_exceeded_limit_ends_with_1() {
+    let dir = tempfile::tempdir().unwrap();
+    let args = [
+        "compare",
+        "paper",
+        "--engines",
+        "native-reduced,native-lagrange",
+        "--out",
+        "r",
+    ];
+    let more = [
+        "--set",
+        "solver.stabilisation=none",
+        "--set",
+        "solver.duration_s=0.02",
+    ];
+    let outcome = run_in(dir.path(), args.iter().chain(&more));
+    assert_eq!(
+        (outcome.code, outcome.stderr.as_str()),
+        (Some(1), ""),
+        "{}",
+        outcome.stdout
+    );
+    assert!(
+        outcome.stdout.contains("LIMIT EXCEEDED"),
+        "{}",
+        outcome.stdout
+    );
+    assert_eq!(json(dir.path().join("r/summary.json"))["passed"], false);
+}
+
 #[test]
 fn program_missing_engine_ends_with_3() {
     if cfg!(feature = "crossval") {
