@@ -126,8 +126,13 @@ pub(super) fn closest(comparison: &Comparison) -> Option<String> {
         .chain(pairs)
         .max_by(|(.., a), (.., b)| share(a).total_cmp(&share(b)))?;
     let quantity = quantity_label(comparison, quantity).to_lowercase();
+    let how = if check.within {
+        "Closest to its limit"
+    } else {
+        "Furthest beyond its limit"
+    };
     Some(format!(
-        "{subject}, {quantity}: {} of its limit",
+        "{how}: {subject}, {quantity}, {} of it",
         share_label(share(check))
     ))
 }
