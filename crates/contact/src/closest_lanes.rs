@@ -7,7 +7,7 @@
 use pulp::Simd;
 
 use crate::lanes::{ComplexLanes, Lanes, Mask};
-use crate::{Complex, Epitrochoid};
+use crate::Epitrochoid;
 
 /// Feet of several points; where `inside` is not set the values hold no meaning.
 #[derive(Debug, Clone, Copy)]
@@ -192,6 +192,7 @@ impl Epitrochoid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Complex;
     use proptest::prelude::*;
 
     /// The wheel frame's view of `COUNT` neighbouring sleeves.

@@ -1,11 +1,13 @@
 //! A compiled scene: geometry, bodies, joints and contacts.
 
-use pinwheel_mbs::{Body, BodyState, Driver, Mechanism, Motion, Revolute};
+use pinwheel_contact::HertzStiffness;
+use pinwheel_mbs::{Body, BodyState, Driver, ErrorScales, Mechanism, Motion, Revolute};
 
 use crate::contacts::{self, ContactField, Kernel};
 use crate::geometry::Geometry;
 use crate::layout::Layout;
-use crate::scene::{BodyMass, Scene};
+use crate::scene::{BodyMass, Scene, Start};
+use crate::statics::Statics;
 
 /// Why a checked scene still cannot be modelled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -28,6 +30,12 @@ pub enum GearboxError {
     /// The mechanism cannot be solved.
     #[error(transparent)]
     Mechanism(#[from] pinwheel_mbs::MechanismError),
+    /// No angle of the output balances the load.
+    #[error("the load of {load_n_m} N m is more than the teeth carry before they jump; use less load or a stiffer contact")]
+    NoEquilibrium {
+        /// The load, N m.
+        load_n_m: f64,
+    },
     /// No such integrator.
     #[error("no integrator `{0}`")]
     UnknownIntegrator(String),
@@ -44,6 +52,8 @@ pub struct Gearbox {
     pub geometry: Geometry,
     /// Which contact loop is used.
     pub kernel: Kernel,
+    /// Initial states other than the ideal mesh's.
+    start: Option<Vec<BodyState>>,
 }
 
 impl Gearbox {
@@ -53,13 +63,18 @@ impl Gearbox {
     /// Parameters that only fail once the model is built (see [`GearboxError`]).
     pub fn new(scene: &Scene) -> Result<Self, GearboxError> {
         let geometry = Geometry::new(&scene.gear)?;
-        let gearbox = Self {
+        let mut gearbox = Self {
             scene: scene.clone(),
             layout: Layout::of(&scene.gear),
             geometry,
             kernel: Kernel::default(),
+            start: None,
         };
         gearbox.contact_field()?;
+        if scene.drive.start == Start::Equilibrium {
+            let start = Statics::new(&gearbox)?.moving()?;
+            gearbox.start = Some(start);
+        }
         Ok(gearbox)
     }
 
@@ -69,6 +84,16 @@ impl Gearbox {
     /// Unknown law, or points too coarse for the profile.
     pub fn contact_field(&self) -> Result<Box<dyn ContactField>, GearboxError> {
         contacts::field(&self.scene, &self.geometry, self.kernel)
+    }
+
+    /// A contact field for this scene as if its friction coefficient were 0.
+    ///
+    /// # Errors
+    /// As [`contact_field`](Self::contact_field).
+    pub fn frictionless_field(&self) -> Result<Box<dyn ContactField>, GearboxError> {
+        let mut scene = self.scene.clone();
+        scene.contact.friction_coefficient = 0.0;
+        contacts::field(&scene, &self.geometry, self.kernel)
     }
 
     /// True when sleeves can be turned by contact forces.
@@ -89,6 +114,31 @@ impl Gearbox {
         drive.output_torque_n_m * share
     }
 
+    /// What adaptive methods take for an error of 1: the elastic twist of a wheel under its static load,
+    /// vibrating at the frequency this stiffness gives.
+    ///
+    /// The largest static sleeve force is about 4 T/(e zs zk) a wheel (linear springs, no clearance), its
+    /// penetration (F/K)^(2/3), the twist that over the lever e zs.
+    #[must_use]
+    pub fn error_scales(&self) -> ErrorScales {
+        let (gear, drive) = (&self.scene.gear, &self.scene.drive);
+        let lever = gear.eccentricity_m * gear.lobes() as f64;
+        let torque = (drive.output_torque_n_m.abs() / gear.wheels as f64).max(1e-3);
+        let force = 4.0 * torque / (lever * gear.external_sleeves as f64);
+        let contact = &self.scene.contact;
+        let hertz = HertzStiffness::new(contact.young_pa, contact.poisson, contact.stiffness_multiplier);
+        let stiffness = hertz.of_radius(gear.external_sleeve_radius_m);
+        let penetration = (force / stiffness).powf(2.0 / 3.0);
+        let angle = penetration / lever;
+        // Torsional stiffness of the loaded half of the sleeves against the wheel's inertia.
+        let torsion = 1.5 * torque / angle;
+        ErrorScales {
+            length: penetration,
+            angle,
+            frequency: (torsion / self.scene.mass.wheel.moment_kg_m2).sqrt(),
+        }
+    }
+
     /// Input angle and rate at time `t`.
     #[must_use]
     pub fn input_motion(&self) -> Motion {
@@ -99,9 +149,15 @@ impl Gearbox {
         }
     }
 
-    /// States at t = 0: rates of the ideal mesh, external sleeves at rest, internal ones turning with the output.
+    /// States at t = 0 as `drive.start` wants them.
     #[must_use]
     pub fn initial_states(&self) -> Vec<BodyState> {
+        self.start.clone().unwrap_or_else(|| self.kinematic_states())
+    }
+
+    /// States at t = 0 at the ideal mesh: its rates, external sleeves at rest, internal ones turning with the output.
+    #[must_use]
+    pub fn kinematic_states(&self) -> Vec<BodyState> {
         let (gear, speed) = (&self.scene.gear, self.scene.drive.input_speed_rad_s);
         let slow = -speed / self.geometry.ratio();
         let mut states = vec![BodyState::default(); self.layout.bodies()];

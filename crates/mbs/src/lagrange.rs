@@ -9,10 +9,13 @@
 //! (Heun at 1e-5 s: about 1e-9 m on the paper's wheels, but 4e-10 m inside every second stage,
 //! which is 1e-4 of a penetration). [`Stabilisation`] says what is done about it.
 
+mod split;
+
 use nalgebra::{Matrix3, Vector3};
 
 use crate::mechanism::{Forces, Mechanism, MechanismError};
-use crate::ode::{Formulation, Observation, OdeSystem};
+use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
+use crate::sliding::PinnedContacts;
 use crate::saddle::{Dependent, Rows, SaddlePoint, redundant};
 use crate::state::{BodyState, Wrench};
 use crate::tree::{Forest, turned};
@@ -59,6 +62,11 @@ pub struct Lagrange<F> {
     arms: Vec<Arms>,
     reactions: Vec<[f64; 2]>,
     torques: Vec<f64>,
+    /// How contacts depend on the free rates, where friction may be treated implicitly.
+    contacts: Option<PinnedContacts>,
+    rates: Vec<f64>,
+    friction: Vec<Wrench>,
+    scales: Option<ErrorScales>,
 }
 
 impl<F: Forces> Lagrange<F> {
@@ -76,6 +84,7 @@ impl<F: Forces> Lagrange<F> {
         let mut system = Self {
             forces,
             stabilisation,
+            scales: None,
             forest: Forest::new(&mechanism),
             saddle: SaddlePoint::new(&mechanism),
             bodies: vec![BodyState::default(); n],
@@ -83,6 +92,9 @@ impl<F: Forces> Lagrange<F> {
             arms: vec![Arms::default(); mechanism.revolutes.len()],
             reactions: vec![[0.0; 2]; mechanism.revolutes.len()],
             torques: vec![0.0; mechanism.drivers.len()],
+            contacts: None,
+            rates: Vec::new(),
+            friction: vec![Wrench::default(); n],
             mechanism,
         };
         let start = system.initial();
@@ -92,6 +104,21 @@ impl<F: Forces> Lagrange<F> {
             .factor_beside()
             .map_err(|c| redundant(&system.mechanism, c))?;
         Ok(system)
+    }
+
+    /// Lets methods treat friction implicitly; `contacts` comes from [`crate::Reduced`] of the same mechanism.
+    /// Without it they fail on a mechanism whose forces list contacts.
+    #[must_use]
+    pub fn with_contacts(mut self, contacts: PinnedContacts) -> Self {
+        self.contacts = Some(contacts);
+        self
+    }
+
+    /// Sets the errors that adaptive methods count as 1.
+    #[must_use]
+    pub fn with_scales(mut self, scales: ErrorScales) -> Self {
+        self.scales = Some(scales);
+        self
     }
 
     /// The mechanism being solved.
@@ -355,6 +382,19 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
         6 * self.bodies.len()
     }
 
+    fn scale(&self, y: &[f64], scale: &mut [f64]) {
+        let n = 3 * self.bodies.len();
+        for (k, (scale, y)) in scale.iter_mut().zip(y).enumerate() {
+            *scale = match self.scales {
+                None => y.abs().max(1.0),
+                Some(s) => {
+                    let size = if k % 3 == 2 { s.angle } else { s.length };
+                    if k < n { size } else { size * s.frequency }
+                }
+            };
+        }
+    }
+
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.prepare(t, y);
         if self.evaluate(t).is_err() {
@@ -370,6 +410,13 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
             let body = self.bodies[k];
             qd.copy_from_slice(&[body.vx, body.vy, body.rate]);
             vd.copy_from_slice(self.saddle.body(k).as_slice());
+        }
+    }
+
+    fn split_stage(&mut self, t: f64, a: f64, y: &mut [f64], e: &mut [f64], i: &mut [f64]) {
+        if self.split(t, a, y, e, i).is_none() {
+            e.fill(f64::NAN);
+            i.fill(f64::NAN);
         }
     }
 

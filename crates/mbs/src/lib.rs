@@ -18,7 +18,7 @@ mod tree;
 
 pub use lagrange::{Lagrange, Stabilisation};
 pub use mechanism::{Body, BodyId, Driver, Forces, Mechanism, MechanismError, Motion, Revolute};
-pub use ode::{Formulation, Observation, OdeSystem};
+pub use ode::{ErrorScales, Formulation, Observation, OdeSystem};
 pub use reduced::Reduced;
 pub use saddle::SaddlePoint;
 pub use state::{BodyState, Wrench};

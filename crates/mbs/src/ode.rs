@@ -19,8 +19,29 @@ pub trait OdeSystem {
         i.fill(0.0);
     }
 
+    /// Size of an error in each component that counts as 1, for methods that choose their steps:
+    /// by default the component itself, but at least 1.
+    fn scale(&self, y: &[f64], scale: &mut [f64]) {
+        for (scale, y) in scale.iter_mut().zip(y) {
+            *scale = y.abs().max(1.0);
+        }
+    }
+
     /// Puts an accepted state back onto the invariants the system keeps; by default there are none.
     fn settle(&mut self, _t: f64, _y: &mut [f64]) {}
+}
+
+/// Errors that count as 1 in each kind of component, for methods that choose their steps. A stiff
+/// mechanism deforms by far less than its coordinates, so their size says little of what matters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorScales {
+    /// Of positions, m.
+    pub length: f64,
+    /// Of angles, rad.
+    pub angle: f64,
+    /// Rate of change that counts as 1 s^-1 of either: speeds and angular velocities are scaled by
+    /// `length` and `angle` times this.
+    pub frequency: f64,
 }
 
 /// A state seen from outside: poses, loads, reactions.

@@ -16,8 +16,8 @@
 //! linear in the free rates, `u = offset + J v`, and `-J' F_t` is what its friction does to them.
 
 use crate::mechanism::{BodyId, Forces, Mechanism, MechanismError};
-use crate::ode::{Formulation, Observation, OdeSystem};
-use crate::sliding::{Contact, Row, SlidingStage};
+use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
+use crate::sliding::{Angle, PinnedContacts};
 use crate::state::{BodyState, Wrench};
 
 /// A body carried by another.
@@ -26,17 +26,6 @@ struct Carried {
     body: BodyId,
     carrier: BodyId,
     arm: [f64; 2],
-}
-
-/// What moves a body's angle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Angle {
-    /// Entry of y.
-    Free(usize),
-    /// Driver number.
-    Driven(usize),
-    /// Uniform rotation.
-    Idle,
 }
 
 /// The reduced equations of a mechanism under applied `F`.
@@ -56,9 +45,8 @@ pub struct Reduced<F> {
     /// e^{i angle} of the carriers.
     turns: Vec<(f64, f64)>,
     torques: Vec<f64>,
-    /// Carrier of every carried body.
-    carrier_of: Vec<Option<BodyId>>,
-    sliding: SlidingStage,
+    contacts: PinnedContacts,
+    scales: Option<ErrorScales>,
 }
 
 impl<F: Forces> Reduced<F> {
@@ -133,10 +121,10 @@ impl<F: Forces> Reduced<F> {
         for carried in &carried {
             carrier_of[carried.body] = Some(carried.carrier);
         }
-        let moving: Vec<f64> = free.iter().map(|&body| inertia[body]).collect();
+        let moving = free.iter().map(|&body| inertia[body]).collect();
         Ok(Self {
-            sliding: SlidingStage::new(moving, &vec![false; free.len()]),
-            carrier_of,
+            scales: None,
+            contacts: PinnedContacts::new(angles.clone(), carrier_of, free.clone(), moving),
             forces,
             angles,
             carried,
@@ -156,9 +144,20 @@ impl<F: Forces> Reduced<F> {
     /// friction is treated implicitly. Without them every contact problem is solved densely.
     #[must_use]
     pub fn with_leaves(mut self, leaves: &[BodyId]) -> Self {
-        let is_leaf: Vec<bool> = self.free.iter().map(|body| leaves.contains(body)).collect();
-        let moving = self.free.iter().map(|&body| self.inertia[body]).collect();
-        self.sliding = SlidingStage::new(moving, &is_leaf);
+        self.contacts.set_leaves(leaves);
+        self
+    }
+
+    /// How contacts of this mechanism depend on its free rates.
+    #[must_use]
+    pub fn into_contacts(self) -> PinnedContacts {
+        self.contacts
+    }
+
+    /// Sets the errors that adaptive methods count as 1.
+    #[must_use]
+    pub fn with_scales(mut self, scales: ErrorScales) -> Self {
+        self.scales = Some(scales);
         self
     }
 
@@ -222,50 +221,20 @@ impl<F: Forces> Reduced<F> {
     }
 }
 
-/// How fast `contact` slides and closes, in the free rates.
-#[inline]
-fn contact_rows(
-    contact: &Contact,
-    bodies: &[BodyState],
-    angles: &[Angle],
-    carrier_of: &[Option<BodyId>],
-) -> [Row; 2] {
-    let [x, y] = contact.point;
-    let [nx, ny] = contact.normal;
-    let (mut tangent, mut normal) = (Row::default(), Row::default());
-    let (mut known_t, mut known_n) = (0.0, 0.0);
-    for (body, sign) in [(contact.bodies[0], 1.0), (contact.bodies[1], -1.0)] {
-        let at = bodies[body];
-        // What a unit rate about (cx, cy) does at a point (px, py) away: (-py, px).
-        let rates = |px: f64, py: f64| (sign * (px * nx + py * ny), sign * (px * ny - py * nx));
-        known_t += sign * (nx * at.vy - ny * at.vx);
-        known_n += sign * (nx * at.vx + ny * at.vy);
-        let (spin_t, spin_n) = rates(x - at.x, y - at.y);
-        if let Angle::Free(dof) = angles[body] {
-            tangent.push(dof, spin_t);
-            normal.push(dof, spin_n);
-        } else {
-            known_t += spin_t * at.rate;
-            known_n += spin_n * at.rate;
-        }
-        if let Some(carrier) = carrier_of[body]
-            && let Angle::Free(dof) = angles[carrier]
-        {
-            let base = bodies[carrier];
-            let (swing_t, swing_n) = rates(at.x - base.x, at.y - base.y);
-            tangent.push(dof, swing_t);
-            normal.push(dof, swing_n);
-            known_t -= swing_t * base.rate;
-            known_n -= swing_n * base.rate;
-        }
-    }
-    (tangent.offset, normal.offset) = (tangent.offset + known_t, normal.offset + known_n);
-    [tangent, normal]
-}
-
 impl<F: Forces> OdeSystem for Reduced<F> {
     fn dimension(&self) -> usize {
         2 * self.free.len()
+    }
+
+    fn scale(&self, y: &[f64], scale: &mut [f64]) {
+        let n = self.free.len();
+        for (k, (scale, y)) in scale.iter_mut().zip(y).enumerate() {
+            *scale = match self.scales {
+                None => y.abs().max(1.0),
+                Some(s) if k < n => s.angle,
+                Some(s) => s.angle * s.frequency,
+            };
+        }
     }
 
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
@@ -281,29 +250,27 @@ impl<F: Forces> OdeSystem for Reduced<F> {
     fn split_stage(&mut self, t: f64, a: f64, y: &mut [f64], e: &mut [f64], i: &mut [f64]) {
         self.place(t, y);
         self.loads.fill(Wrench::default());
-        let contacts = &mut self.sliding.contacts;
-        self.forces
-            .apply_without_friction(t, &self.bodies, &mut self.loads, contacts);
+        self.forces.apply_without_friction(
+            t,
+            &self.bodies,
+            &mut self.loads,
+            self.contacts.listed_mut(),
+        );
         self.sum_moments();
         let n = self.free.len();
         for (k, &body) in self.free.iter().enumerate() {
             e[n + k] = self.moments[body] / self.inertia[body];
         }
-        self.sliding.clear_rows();
-        for k in 0..self.sliding.contacts.len() {
-            let contact = self.sliding.contacts[k];
-            let [tangent, normal] =
-                contact_rows(&contact, &self.bodies, &self.angles, &self.carrier_of);
-            self.sliding.push(&contact, tangent, normal);
-        }
-        let forces = &self.forces;
-        let law = |k: usize, listed: f64, rate: f64| forces.normal_force(k, listed, rate);
-        let (v, rates) = (&mut y[n..], &mut i[n..]);
-        if !self.sliding.solve(a, v, &mut e[n..], rates, law) {
+        i.fill(0.0);
+        if self
+            .contacts
+            .solve(a, &self.bodies, &self.forces, &mut y[n..])
+        {
+            self.contacts.accelerate(&mut e[n..], &mut i[n..]);
+        } else {
             e.fill(f64::NAN);
         }
         e[..n].copy_from_slice(&y[n..]);
-        i[..n].fill(0.0);
     }
 }
 

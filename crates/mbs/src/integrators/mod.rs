@@ -3,6 +3,7 @@
 //! All methods hand out the state at any time inside the last step, so that samples never cut
 //! steps: a run takes the same steps whatever is recorded.
 
+mod dopri5;
 mod explicit;
 mod heun;
 mod imex;
@@ -10,6 +11,7 @@ mod imex_adaptive;
 mod midpoint;
 mod rk4;
 
+pub use dopri5::Dopri5;
 pub use explicit::{FixedStep, Tableau};
 pub use imex::ImexFixed;
 pub use imex_adaptive::ImexAdaptive;
@@ -88,6 +90,7 @@ pub const METHODS: &[MethodInfo] = &[
     heun::INFO,
     midpoint::INFO,
     rk4::INFO,
+    dopri5::INFO,
     imex::INFO,
     imex_adaptive::INFO,
 ];
@@ -107,6 +110,10 @@ pub fn start<S: OdeSystem>(
         "rk2" => fixed(&heun::TABLEAU),
         "rk2-midpoint" => fixed(&midpoint::TABLEAU),
         "rk4" => fixed(&rk4::TABLEAU),
+        "dopri5" => {
+            let StepSettings { step, tolerance } = settings;
+            Some(Box::new(Dopri5::new(step, tolerance, t, y)))
+        }
         "imex2-adaptive" => {
             let StepSettings { step, tolerance } = settings;
             Some(Box::new(ImexAdaptive::new(step, tolerance, t, y)))

@@ -7,10 +7,13 @@
 
 mod arrowhead;
 mod contact;
+mod pinned;
 mod problem;
 mod stage;
 
 pub use arrowhead::Arrowhead;
 pub use contact::{Contact, Row};
+pub(crate) use pinned::Angle;
+pub use pinned::PinnedContacts;
 pub use problem::{SlidingProblem, Slip};
 pub use stage::SlidingStage;

@@ -16,6 +16,7 @@ pub struct SlidingStage {
     slips: Vec<Slip>,
     normals: Vec<Row>,
     normal_forces: Vec<f64>,
+    friction: Vec<f64>,
     target: Vec<f64>,
 }
 
@@ -28,6 +29,7 @@ impl SlidingStage {
             slips: Vec::new(),
             normals: Vec::new(),
             normal_forces: Vec::new(),
+            friction: Vec::new(),
             target: vec![0.0; inertia.len()],
             problem: SlidingProblem::new(inertia, is_leaf),
         }
@@ -51,52 +53,59 @@ impl SlidingStage {
         self.normal_forces.push(contact.normal_force);
     }
 
-    /// Solves `v = v* + a i(v)` for the friction's accelerations i, in place (`v` holds v*), and writes i
-    /// at the solution. `normal_force(k, listed, rate)` is the law of contact k at other velocities; what
-    /// its change does is added to the accelerations `e`. False if there is no solution.
+    /// Solves `v = v* + a i(v)` for the friction's accelerations i, in place (`v` holds v*).
+    /// `normal_force(k, listed, rate)` is the law of contact k at other velocities. False if there is no
+    /// solution. Afterwards [`contact_forces`](Self::contact_forces) and [`accelerate`](Self::accelerate) know it.
     pub fn solve(
         &mut self,
         a: f64,
         v: &mut [f64],
-        e: &mut [f64],
-        i: &mut [f64],
         normal_force: impl Fn(usize, f64, f64) -> f64,
     ) -> bool {
-        i.fill(0.0);
-        if self.slips.is_empty() {
-            return true;
-        }
         self.target.copy_from_slice(v);
-        for pass in 0..PASSES {
-            if a > 0.0
-                && self
-                    .problem
-                    .solve(a, &self.slips, &self.target, v)
-                    .is_none()
-            {
+        let passes = if a > 0.0 { PASSES } else { 0 };
+        for pass in 0..passes {
+            if pass > 0 {
+                for (k, slip) in self.slips.iter_mut().enumerate() {
+                    let contact = &self.contacts[k];
+                    let force = normal_force(k, contact.normal_force, self.normals[k].value(v));
+                    slip.limit = contact.coefficient * force;
+                    self.normal_forces[k] = force;
+                }
+            }
+            let solution = self.problem.solve(a, &self.slips, &self.target, v);
+            if solution.is_none() {
                 return false;
             }
-            if a <= 0.0 || pass + 1 == PASSES {
-                break;
-            }
-            for (k, slip) in self.slips.iter_mut().enumerate() {
-                let contact = &self.contacts[k];
-                let force = normal_force(k, contact.normal_force, self.normals[k].value(v));
-                slip.limit = contact.coefficient * force;
-                self.normal_forces[k] = force;
-            }
         }
+        self.friction.clear();
+        let rates = self.slips.iter().map(|slip| slip.force(slip.rate.value(v)));
+        self.friction.extend(rates);
+        true
+    }
+
+    /// Adds what friction does to the accelerations `i`, and what the change of the normal forces does to `e`.
+    pub fn accelerate(&self, e: &mut [f64], i: &mut [f64]) {
         let inertia = self.problem.inertia();
         for (k, slip) in self.slips.iter().enumerate() {
-            let friction = slip.force(slip.rate.value(v));
             for (dof, c) in slip.rate.entries() {
-                i[dof] -= friction * c / inertia[dof];
+                i[dof] -= self.friction[k] * c / inertia[dof];
             }
             let change = self.normal_forces[k] - self.contacts[k].normal_force;
             for (dof, c) in self.normals[k].entries() {
                 e[dof] -= change * c / inertia[dof];
             }
         }
-        true
+    }
+
+    /// Every contact with the change of its normal force and its friction against the sliding (t), N.
+    pub fn contact_forces(&self) -> impl Iterator<Item = (&Contact, f64, f64)> {
+        let forces = self.normal_forces.iter().zip(&self.friction);
+        self.contacts
+            .iter()
+            .zip(forces)
+            .map(|(contact, (normal, friction))| {
+                (contact, normal - contact.normal_force, *friction)
+            })
     }
 }

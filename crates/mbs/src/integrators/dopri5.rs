@@ -1,0 +1,216 @@
+//! Dormand and Prince's pair of orders 5(4) with dense output of order 4 and a step from a tolerance.
+//!
+//! ```text
+//! k_i = f(t + c_i h, y + h sum_{j<i} a_ij k_j)      i = 1..7, the last stage is the next step's first
+//! y+  = y + h sum b_i k_i,    error = h sum e_i k_i
+//! ```
+//! Coefficients and continuous extension: [Dormand & Prince 1980], [Hairer, Norsett, Wanner 1993, II.5-6].
+//! Step control (proportional-integral, [Gustafsson 1991]):
+//! `h+ = h clamp(0.9 err^-0.17 err_before^0.04, 0.2, 5)`, err being the RMS over all components of error
+//! divided by tolerance times the system's scale. What a rejected step computed is thrown away:
+//! only its error shortens the next attempt, and the step after a rejection does not grow.
+
+use super::{MethodInfo, StepCounts, StepError, Stepper};
+use crate::OdeSystem;
+
+pub(super) const INFO: MethodInfo = MethodInfo {
+    name: "dopri5",
+    summary: "Dormand-Prince 5(4), steps from the tolerance, dense output",
+    order: 5,
+    adaptive: true,
+};
+
+const STAGES: usize = 7;
+
+/// Lower triangle of a, row by row.
+const A: [&[f64]; STAGES] = [
+    &[],
+    &[1.0 / 5.0],
+    &[3.0 / 40.0, 9.0 / 40.0],
+    &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
+    &[19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0],
+    &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0],
+    &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+];
+const C: [f64; STAGES] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
+/// b - b of the embedded method.
+const E: [f64; STAGES] = [
+    71.0 / 57600.0,
+    0.0,
+    -71.0 / 16695.0,
+    71.0 / 1920.0,
+    -17253.0 / 339_200.0,
+    22.0 / 525.0,
+    -1.0 / 40.0,
+];
+/// Fourth coefficient of the continuous extension.
+const D: [f64; STAGES] = [
+    -12_715_105_075.0 / 11_282_082_432.0,
+    0.0,
+    87_487_479_700.0 / 32_700_410_799.0,
+    -10_690_763_975.0 / 1_880_347_072.0,
+    701_980_252_875.0 / 199_316_789_632.0,
+    -1_453_857_185.0 / 822_651_844.0,
+    69_997_945.0 / 29_380_423.0,
+];
+
+const SAFETY: f64 = 0.9;
+const SHRINK: f64 = 0.2;
+const GROW: f64 = 5.0;
+/// Gains of the proportional-integral control for order 5.
+const PROPORTIONAL: f64 = 0.2 - 0.75 * INTEGRAL;
+const INTEGRAL: f64 = 0.04;
+
+/// A run with steps from a tolerance.
+#[derive(Debug, Clone)]
+pub struct Dopri5 {
+    tolerance: f64,
+    time: f64,
+    /// Next step to try, and the last one taken.
+    h: f64,
+    taken: f64,
+    last_error: f64,
+    counts: StepCounts,
+    y: Vec<f64>,
+    next: Vec<f64>,
+    k: Vec<Vec<f64>>,
+    /// `k[0]` holds f at the current state.
+    fresh: bool,
+    scale: Vec<f64>,
+    /// y0, then the continuous extension's coefficients of the last step.
+    dense: [Vec<f64>; 5],
+}
+
+impl Dopri5 {
+    /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` a step.
+    #[must_use]
+    pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
+        let zeros = vec![0.0; y.len()];
+        Self {
+            tolerance,
+            time: t,
+            h,
+            taken: h,
+            last_error: 1e-4,
+            counts: StepCounts::default(),
+            y: y.to_vec(),
+            next: zeros.clone(),
+            k: vec![zeros.clone(); STAGES],
+            fresh: false,
+            scale: zeros.clone(),
+            dense: std::array::from_fn(|_| zeros.clone()),
+        }
+    }
+
+    /// All stages from `k[0]`; the result is in `next`.
+    fn stages<S: OdeSystem>(&mut self, system: &mut S) {
+        let h = self.h;
+        for i in 1..STAGES {
+            let (known, rest) = self.k.split_at_mut(i);
+            for (c, next) in self.next.iter_mut().enumerate() {
+                let slope: f64 = A[i].iter().zip(known.iter()).map(|(a, k)| a * k[c]).sum();
+                *next = self.y[c] + h * slope;
+            }
+            system.derivative(self.time + C[i] * h, &self.next, &mut rest[0]);
+            self.counts.evaluations += 1;
+        }
+    }
+
+    /// RMS of the scaled error; infinite if anything is not finite.
+    fn error<S: OdeSystem>(&mut self, system: &S) -> f64 {
+        system.scale(&self.next, &mut self.scale);
+        let mut sum = 0.0;
+        for (c, scale) in self.scale.iter().enumerate() {
+            let error: f64 = E.iter().zip(&self.k).map(|(e, k)| e * k[c]).sum();
+            let relative = self.h * error / (self.tolerance * scale);
+            sum += relative * relative;
+        }
+        let norm = (sum / self.y.len() as f64).sqrt();
+        if norm.is_finite() { norm } else { f64::INFINITY }
+    }
+
+    fn remember(&mut self) {
+        let h = self.h;
+        for c in 0..self.y.len() {
+            let change = self.next[c] - self.y[c];
+            let bend = h * self.k[0][c] - change;
+            let fourth: f64 = D.iter().zip(&self.k).map(|(d, k)| d * k[c]).sum();
+            self.dense[0][c] = self.y[c];
+            self.dense[1][c] = change;
+            self.dense[2][c] = bend;
+            self.dense[3][c] = change - h * self.k[6][c] - bend;
+            self.dense[4][c] = h * fourth;
+        }
+    }
+}
+
+impl<S: OdeSystem> Stepper<S> for Dopri5 {
+    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+        if !self.fresh {
+            system.derivative(self.time, &self.y, &mut self.k[0]);
+            self.counts.evaluations += 1;
+            self.fresh = true;
+        }
+        if !self.k[0].iter().all(|x| x.is_finite()) {
+            return Err(StepError::NotFinite { time: self.time });
+        }
+        let mut limit = GROW;
+        loop {
+            if !(self.h > 4.0 * f64::EPSILON * self.time.abs().max(f64::MIN_POSITIVE)) {
+                return Err(StepError::StepTooSmall { time: self.time });
+            }
+            self.stages(system);
+            let error = self.error(system);
+            if error <= 1.0 {
+                let floor = error.max(1e-10);
+                let factor = SAFETY * floor.powf(-PROPORTIONAL) * self.last_error.powf(INTEGRAL);
+                self.remember();
+                self.taken = self.h;
+                self.time += self.h;
+                self.h *= factor.clamp(SHRINK, limit);
+                self.last_error = floor.max(1e-4);
+                std::mem::swap(&mut self.y, &mut self.next);
+                self.k.swap(0, STAGES - 1);
+                self.next.copy_from_slice(&self.y);
+                system.settle(self.time, &mut self.y);
+                // A state that was put back onto its constraints needs its own derivative.
+                self.fresh = self.y == self.next;
+                self.counts.steps += 1;
+                return Ok(());
+            }
+            self.counts.rejected += 1;
+            self.h *= if error.is_finite() {
+                (SAFETY * error.powf(-0.2)).max(SHRINK)
+            } else {
+                SHRINK
+            };
+            limit = 1.0;
+        }
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn state(&self) -> &[f64] {
+        &self.y
+    }
+
+    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+        if self.counts.steps == 0 || (self.time - t).abs() < 1e-9 * self.taken {
+            y.copy_from_slice(&self.y);
+            return;
+        }
+        let s = 1.0 - (self.time - t) / self.taken;
+        let u = 1.0 - s;
+        for (c, y) in y.iter_mut().enumerate() {
+            let d = |k: usize| self.dense[k][c];
+            *y = d(0) + s * (d(1) + u * (d(2) + s * (d(3) + u * d(4))));
+        }
+        system.settle(t, y);
+    }
+
+    fn counts(&self) -> StepCounts {
+        self.counts
+    }
+}

@@ -1,0 +1,104 @@
+//! The Lagrange form with friction treated implicitly.
+//!
+//! In a mechanism of centre-pinned bodies the friction of a stage follows from the free rates alone
+//! ([`crate::sliding`]); known, it is a load like any other, and both halves of the derivative come from
+//! the saddle-point system:
+//!
+//! ```text
+//! M i + D' mu = friction,      D i = 0        v = v* + a i
+//! M e + D' mu = other loads,   D e = gamma(v)
+//! ```
+
+use nalgebra::Vector3;
+
+use super::Lagrange;
+use crate::mechanism::Forces;
+use crate::state::{BodyState, Wrench};
+
+/// Adds the force (fx, fy) at `point` to the load of a body, and its opposite to the other's.
+fn add_pair(
+    loads: &mut [Wrench],
+    bodies: &[BodyState],
+    pair: [usize; 2],
+    point: [f64; 2],
+    force: [f64; 2],
+) {
+    for (body, sign) in pair.into_iter().zip([1.0, -1.0]) {
+        let (load, at) = (&mut loads[body], bodies[body]);
+        let (fx, fy) = (sign * force[0], sign * force[1]);
+        load.fx += fx;
+        load.fy += fy;
+        load.moment += (point[0] - at.x) * fy - (point[1] - at.y) * fx;
+    }
+}
+
+impl<F: Forces> Lagrange<F> {
+    /// One stage; `None` when it has no solution. See [`crate::OdeSystem::split_stage`].
+    pub(super) fn split(
+        &mut self,
+        t: f64,
+        a: f64,
+        y: &mut [f64],
+        e: &mut [f64],
+        i: &mut [f64],
+    ) -> Option<()> {
+        let n = self.bodies.len();
+        self.prepare(t, y);
+        self.loads.fill(Wrench::default());
+        let mut none = Vec::new();
+        let listed = match &mut self.contacts {
+            Some(contacts) => contacts.listed_mut(),
+            None => &mut none,
+        };
+        self.forces
+            .apply_without_friction(t, &self.bodies, &mut self.loads, listed);
+        if !none.is_empty() {
+            return None;
+        }
+        self.rotate_arms();
+        self.factor_beside().ok()?;
+        if let Some(contacts) = &mut self.contacts {
+            let free = contacts.free_bodies();
+            self.rates.clear();
+            self.rates.extend(free.iter().map(|&b| self.bodies[b].rate));
+            if !contacts.solve(a, &self.bodies, &self.forces, &mut self.rates) {
+                return None;
+            }
+            self.friction.fill(Wrench::default());
+            for (contact, normal, friction) in contacts.contact_forces() {
+                let [nx, ny] = contact.normal;
+                let (pair, point) = (contact.bodies, contact.point);
+                let slip = [friction * ny, -friction * nx];
+                add_pair(&mut self.friction, &self.bodies, pair, point, slip);
+                let push = [-normal * nx, -normal * ny];
+                add_pair(&mut self.loads, &self.bodies, pair, point, push);
+            }
+        }
+        for c in 0..self.arms.len() + self.torques.len() {
+            *self.saddle.constraint(c) = Vector3::zeros();
+        }
+        for (k, load) in self.friction.iter().enumerate() {
+            *self.saddle.body(k) = Vector3::new(load.fx, load.fy, load.moment);
+        }
+        self.saddle.solve();
+        for (k, i) in i[3 * n..].chunks_exact_mut(3).enumerate() {
+            i.copy_from_slice(self.saddle.body(k).as_slice());
+            let body = &mut self.bodies[k];
+            body.vx += a * i[0];
+            body.vy += a * i[1];
+            body.rate += a * i[2];
+        }
+        self.set_gamma(t);
+        for (k, load) in self.loads.iter().enumerate() {
+            *self.saddle.body(k) = Vector3::new(load.fx, load.fy, load.moment);
+        }
+        self.saddle.solve();
+        for (k, e) in e[3 * n..].chunks_exact_mut(3).enumerate() {
+            e.copy_from_slice(self.saddle.body(k).as_slice());
+        }
+        i[..3 * n].fill(0.0);
+        self.pack(y);
+        e[..3 * n].copy_from_slice(&y[3 * n..]);
+        Some(())
+    }
+}

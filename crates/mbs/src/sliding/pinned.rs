@@ -1,0 +1,128 @@
+//! Contacts in a mechanism of centre-pinned bodies.
+//!
+//! There a contact's sliding and closing speeds are linear in the free rates: each body turns, and a
+//! carried one also swings about its carrier's pin. What turns at a prescribed rate is an offset.
+
+use super::contact::{Contact, Row};
+use super::stage::SlidingStage;
+use crate::mechanism::{BodyId, Forces};
+use crate::state::BodyState;
+
+/// What moves a body's angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Angle {
+    /// Entry of y.
+    Free(usize),
+    /// Driver number.
+    Driven(usize),
+    /// Uniform rotation.
+    Idle,
+}
+
+/// The free rates of a mechanism, and the contacts of one stage.
+#[derive(Debug, Clone)]
+pub struct PinnedContacts {
+    angles: Vec<Angle>,
+    carrier_of: Vec<Option<BodyId>>,
+    free: Vec<BodyId>,
+    stage: SlidingStage,
+    inertia: Vec<f64>,
+}
+
+impl PinnedContacts {
+    pub(crate) fn new(
+        angles: Vec<Angle>,
+        carrier_of: Vec<Option<BodyId>>,
+        free: Vec<BodyId>,
+        inertia: Vec<f64>,
+    ) -> Self {
+        Self {
+            stage: SlidingStage::new(inertia.clone(), &vec![false; free.len()]),
+            angles,
+            carrier_of,
+            free,
+            inertia,
+        }
+    }
+
+    pub(crate) fn set_leaves(&mut self, leaves: &[BodyId]) {
+        let is_leaf: Vec<bool> = self.free.iter().map(|body| leaves.contains(body)).collect();
+        self.stage = SlidingStage::new(self.inertia.clone(), &is_leaf);
+    }
+
+    /// Bodies whose rates are free, in order.
+    #[must_use]
+    pub fn free_bodies(&self) -> &[BodyId] {
+        &self.free
+    }
+
+    /// The contacts, to be listed by the forces.
+    pub fn listed_mut(&mut self) -> &mut Vec<Contact> {
+        &mut self.stage.contacts
+    }
+
+    /// Solves the stage's friction for the listed contacts of `bodies`; see [`SlidingStage::solve`].
+    /// `rates`: of the free bodies.
+    pub fn solve<F: Forces>(
+        &mut self,
+        a: f64,
+        bodies: &[BodyState],
+        forces: &F,
+        rates: &mut [f64],
+    ) -> bool {
+        self.stage.clear_rows();
+        for k in 0..self.stage.contacts.len() {
+            let contact = self.stage.contacts[k];
+            let [tangent, normal] = self.rows(&contact, bodies);
+            self.stage.push(&contact, tangent, normal);
+        }
+        let law = |k: usize, listed: f64, rate: f64| forces.normal_force(k, listed, rate);
+        self.stage.solve(a, rates, law)
+    }
+
+    /// See [`SlidingStage::accelerate`].
+    pub fn accelerate(&self, e: &mut [f64], i: &mut [f64]) {
+        self.stage.accelerate(e, i);
+    }
+
+    /// See [`SlidingStage::contact_forces`].
+    pub fn contact_forces(&self) -> impl Iterator<Item = (&Contact, f64, f64)> {
+        self.stage.contact_forces()
+    }
+
+    /// How fast `contact` slides and closes, in the free rates.
+    #[inline]
+    fn rows(&self, contact: &Contact, bodies: &[BodyState]) -> [Row; 2] {
+        let [x, y] = contact.point;
+        let [nx, ny] = contact.normal;
+        let (mut tangent, mut normal) = (Row::default(), Row::default());
+        let (mut known_t, mut known_n) = (0.0, 0.0);
+        for (body, sign) in [(contact.bodies[0], 1.0), (contact.bodies[1], -1.0)] {
+            let at = bodies[body];
+            // What a unit rate about (cx, cy) does at a point (px, py) away: (-py, px).
+            let rates = |px: f64, py: f64| (sign * (px * nx + py * ny), sign * (px * ny - py * nx));
+            known_t += sign * (nx * at.vy - ny * at.vx);
+            known_n += sign * (nx * at.vx + ny * at.vy);
+            let (spin_t, spin_n) = rates(x - at.x, y - at.y);
+            if let Angle::Free(dof) = self.angles[body] {
+                tangent.push(dof, spin_t);
+                normal.push(dof, spin_n);
+            } else {
+                known_t += spin_t * at.rate;
+                known_n += spin_n * at.rate;
+            }
+            if let Some(carrier) = self.carrier_of[body]
+                && let Angle::Free(dof) = self.angles[carrier]
+            {
+                let base = bodies[carrier];
+                let (swing_t, swing_n) = rates(at.x - base.x, at.y - base.y);
+                tangent.push(dof, swing_t);
+                normal.push(dof, swing_n);
+                known_t -= swing_t * base.rate;
+                known_n -= swing_n * base.rate;
+            }
+        }
+        (tangent.offset, normal.offset) = (tangent.offset + known_t, normal.offset + known_n);
+        [tangent, normal]
+    }
+}
