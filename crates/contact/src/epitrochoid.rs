@@ -140,6 +140,17 @@ impl Epitrochoid {
         self.bend(cos_lobe) / (self.pitch_radius * (1.0 + m * m + 2.0 * m * cos_lobe).powf(1.5))
     }
 
+    /// d kappa/da at e^{ia} = `unit`, with e^{i zk a} = `multiple`, 1/m.
+    #[must_use]
+    pub fn curvature_slope(&self, unit: Complex, multiple: Complex) -> f64 {
+        let (m, zk) = (self.shortening, f64::from(self.sleeves));
+        let (cos_lobe, sin_lobe) = (unit.dot(multiple), unit.cross(multiple));
+        let stretch2 = 1.0 + m * m + 2.0 * m * cos_lobe;
+        let slope = m * ((1.0 + zk) * stretch2 - 3.0 * self.bend(cos_lobe))
+            / (self.pitch_radius * stretch2 * stretch2 * stretch2.sqrt());
+        -slope * (zk - 1.0) * sin_lobe
+    }
+
     /// Largest curvature anywhere, 1/m: an offset q at or beyond its inverse undercuts the profile.
     ///
     /// Between the ends c = +-1 the extremum has d kappa/dc = 0, that is
@@ -205,6 +216,18 @@ mod tests {
     /// The paper's wheel (Tab. 1).
     fn paper() -> Epitrochoid {
         Epitrochoid::new(0.0028, 16, 0.7).unwrap()
+    }
+
+    #[test]
+    fn curvature_slope_is_the_derivative() {
+        let curve = paper();
+        for k in 0..50 {
+            let (a, h) = (0.13 * f64::from(k), 1e-6);
+            let unit = Complex::unit(a);
+            let slope = (curve.at(a + h).curvature - curve.at(a - h).curvature) / (2.0 * h);
+            let exact = curve.curvature_slope(unit, unit.powu(16));
+            assert!((exact - slope).abs() < 1e-3, "{a}: {exact} {slope}");
+        }
     }
 
     #[test]

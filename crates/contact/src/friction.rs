@@ -1,7 +1,12 @@
-//! Regularised Coulomb friction (Eq. 21, made symmetric).
+//! Friction: regularised Coulomb (Eq. 21, made symmetric), and Adams' form with two velocities.
 //!
-//! |F_t| = mu F_n clamp(|v_t|/v_s, 0, 1), against the sliding. Eq. 22 as printed is 0 for v_t < 0
+//! The paper: |F_t| = mu F_n clamp(|v_t|/v_s, 0, 1), against the sliding. Eq. 22 as printed is 0 for v_t < 0
 //! and would leave that direction without friction.
+//!
+//! Adams: mu(v) rises through STEP from -mu_s at -v_s to mu_s at v_s and falls to mu_d at v_d (stiction
+//! transition and friction transition velocity); source: MSC Adams documentation, CONTACT, Coulomb friction.
+
+use crate::laws::step;
 
 /// Coulomb friction that rises linearly up to the sliding speed `ramp`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +26,56 @@ impl RegularisedCoulomb {
     }
 }
 
+/// Coulomb friction with a static peak and a dynamic plateau.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AdamsFriction {
+    /// mu_s, at `static_speed`.
+    pub static_coefficient: f64,
+    /// mu_d, from `dynamic_speed` on.
+    pub dynamic_coefficient: f64,
+    /// v_s, m/s.
+    pub static_speed: f64,
+    /// v_d > v_s, m/s.
+    pub dynamic_speed: f64,
+}
+
+impl AdamsFriction {
+    /// Tangential force, N, along the direction in which `sliding` (m/s) is counted.
+    #[must_use]
+    #[inline]
+    pub fn force(&self, normal: f64, sliding: f64) -> f64 {
+        let (mu_s, mu_d) = (self.static_coefficient, self.dynamic_coefficient);
+        let speed = sliding.abs();
+        let mu = if speed < self.static_speed {
+            step(sliding, -self.static_speed, -mu_s, self.static_speed, mu_s)
+        } else {
+            sliding.signum() * step(speed, self.static_speed, mu_s, self.dynamic_speed, mu_d)
+        };
+        -mu * normal
+    }
+}
+
+/// The friction of a scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Friction {
+    /// Eq. 21.
+    Regularised(RegularisedCoulomb),
+    /// Adams.
+    Adams(AdamsFriction),
+}
+
+impl Friction {
+    /// Tangential force, N, along the direction in which `sliding` (m/s) is counted.
+    #[must_use]
+    #[inline]
+    pub fn force(&self, normal: f64, sliding: f64) -> f64 {
+        match self {
+            Self::Regularised(law) => law.force(normal, sliding),
+            Self::Adams(law) => law.force(normal, sliding),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -34,5 +89,28 @@ mod tests {
         assert_eq!(friction.force(10.0, 1.0), -1.0);
         assert_eq!(friction.force(10.0, -1.0), 1.0);
         assert!((friction.force(10.0, 2.5e-5) + 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn adams_friction_peaks_and_falls() {
+        let friction = AdamsFriction {
+            static_coefficient: 0.3,
+            dynamic_coefficient: 0.1,
+            static_speed: 0.1,
+            dynamic_speed: 1.0,
+        };
+        for (speed, mu) in [(0.0, 0.0), (0.1, 0.3), (1.0, 0.1), (20.0, 0.1), (0.55, 0.2)] {
+            assert!(
+                (friction.force(10.0, speed) + 10.0 * mu).abs() < 1e-12,
+                "{speed}"
+            );
+            assert!(
+                (friction.force(10.0, -speed) - 10.0 * mu).abs() < 1e-12,
+                "{speed}"
+            );
+        }
+        // Continuous at the stiction velocity.
+        let jump = friction.force(1.0, 0.1 - 1e-9) - friction.force(1.0, 0.1 + 1e-9);
+        assert!(jump.abs() < 1e-7);
     }
 }

@@ -11,15 +11,19 @@ mod friction;
 mod hertz;
 mod hole;
 mod lanes;
-mod law;
+mod law_lanes;
+pub mod laws;
 mod points;
 
 pub use closest_lanes::FeetLanes;
 pub use complex::Complex;
 pub use epitrochoid::{CurveError, CurvePoint, Epitrochoid, Foot};
-pub use friction::RegularisedCoulomb;
+pub use friction::{AdamsFriction, Friction, RegularisedCoulomb};
 pub use hertz::HertzStiffness;
 pub use hole::Hole;
-pub use lanes::{ComplexLanes, LANES, Lanes, Mask};
-pub use law::{NormalLaw, PaperLaw, ramp};
+pub use lanes::{ComplexLanes, Lanes, Mask};
+pub use laws::{
+    AdamsImpact, ConstantStiffness, Hysteresis, LineContact, NormalLaw, PaperConservative, PaperLaw, ramp,
+};
+pub use law_lanes::LanesLaw;
 pub use points::{HolePoints, ProfilePoints, Vertex};

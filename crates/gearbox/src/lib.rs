@@ -1,6 +1,8 @@
 //! Cycloidal gearboxes: scene, mechanism, contacts and the native run.
 
+pub mod auto;
 pub mod contacts;
+pub mod energy;
 mod explain;
 mod friction;
 mod gearbox;
@@ -10,6 +12,7 @@ mod layout;
 pub mod native;
 mod recorder;
 pub mod scene;
+pub mod statics;
 
 pub use explain::{Explanation, Statement, explain};
 pub use gearbox::{Gearbox, GearboxError};

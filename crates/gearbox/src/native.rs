@@ -4,9 +4,10 @@ use pinwheel_courses::{Courses, CoursesError};
 use pinwheel_mbs::integrators::{self, StepCounts, StepError, StepSettings};
 use pinwheel_mbs::{Formulation, Lagrange, Reduced, Stabilisation};
 
+use crate::energy::EnergyAccount;
 use crate::friction::GearForces;
 use crate::scene;
-use crate::{Gearbox, GearboxError, Recorder, guard};
+use crate::{Gearbox, GearboxError, Recorder, auto, guard};
 
 /// Result of a run, complete or not.
 #[derive(Debug, Clone)]
@@ -21,6 +22,8 @@ pub struct NativeRun {
     pub joint_drift_m: f64,
     /// Time reached, s.
     pub end_s: f64,
+    /// Where the energy went.
+    pub energy: EnergyAccount,
 }
 
 /// Why a run did not reach its end.
@@ -60,15 +63,20 @@ pub fn run(
 ) -> Result<NativeRun, NativeError> {
     let forces = GearForces::new(gearbox)?;
     let mechanism = gearbox.mechanism();
+    let sleeves: Vec<usize> =
+        (gearbox.layout.external_bodies().start..gearbox.layout.bodies()).collect();
     match gearbox.scene.solver.formulation {
         scene::Formulation::Reduced => {
             // Without friction nothing turns a sleeve.
-            let sleeves: Vec<usize> =
-                (gearbox.layout.external_bodies().start..gearbox.layout.bodies()).collect();
-            let idle: &[usize] = if gearbox.has_friction() { &[] } else { &sleeves };
+            let idle: &[usize] = if gearbox.has_friction() {
+                &[]
+            } else {
+                &sleeves
+            };
             let system = Reduced::new(mechanism, forces, idle)
                 .map_err(GearboxError::from)?
-                .with_leaves(&sleeves);
+                .with_leaves(&sleeves)
+                .with_scales(gearbox.error_scales());
             integrate(gearbox, system, watch)
         }
         scene::Formulation::Lagrange => {
@@ -79,8 +87,14 @@ pub fn run(
                     rate: BAUMGARTE_PER_STEP / gearbox.scene.solver.step_s,
                 },
             };
-            let system =
-                Lagrange::new(mechanism, forces, stabilisation).map_err(GearboxError::from)?;
+            let contacts = Reduced::new(mechanism.clone(), GearForces::new(gearbox)?, &[])
+                .map_err(GearboxError::from)?
+                .with_leaves(&sleeves)
+                .into_contacts();
+            let system = Lagrange::new(mechanism, forces, stabilisation)
+                .map_err(GearboxError::from)?
+                .with_contacts(contacts)
+                .with_scales(gearbox.error_scales());
             integrate(gearbox, system, watch)
         }
     }
@@ -98,13 +112,29 @@ fn integrate<F: Formulation>(
         tolerance: solver.tolerance,
     };
     let mut y = system.initial();
-    let mut stepper = integrators::start::<F>(&solver.integrator, settings, 0.0, &y)
-        .ok_or_else(|| GearboxError::UnknownIntegrator(solver.integrator.clone()))?;
+    let integrator = auto::integrator(&gearbox.scene).integrator;
+    let mut stepper = integrators::start::<F>(&integrator, settings, 0.0, &y)
+        .ok_or(GearboxError::UnknownIntegrator(integrator))?;
     let mut field = gearbox.contact_field()?;
     let mut recorder = Recorder::new(gearbox);
     let mut joint_drift_m: f64 = 0.0;
     let mut fault = None;
+    let mut energy = EnergyAccount::new(&gearbox.mechanism());
+    let mut before = 0.0;
     'samples: for t in solver.sample_times_s() {
+        // The energy account must not depend on how rarely the user samples.
+        for between in EnergyAccount::between(before, t, solver.step_s) {
+            while stepper.time() < between - 1e-9 * solver.step_s {
+                if let Err(error) = stepper.step(&mut system) {
+                    let (StepError::NotFinite { time } | StepError::StepTooSmall { time }) = error;
+                    fault = Some((time, error.to_string()));
+                    break 'samples;
+                }
+            }
+            stepper.interpolate(&mut system, between, &mut y);
+            energy.add(gearbox, &system.observe(between, &y), field.as_mut());
+        }
+        before = t;
         while stepper.time() < t - 1e-9 * solver.step_s {
             if let Err(error) = stepper.step(&mut system) {
                 let (StepError::NotFinite { time } | StepError::StepTooSmall { time }) = error;
@@ -119,6 +149,7 @@ fn integrate<F: Formulation>(
             fault = Some((t, quantity));
             break;
         }
+        energy.add(gearbox, &seen, field.as_mut());
         recorder.record(t, seen.driver_torques[0], seen.bodies, field.as_mut());
         if watch(t) {
             return Err(NativeError::Stopped);
@@ -130,6 +161,7 @@ fn integrate<F: Formulation>(
         degrees_of_freedom: system.degrees_of_freedom(),
         joint_drift_m,
         end_s: stepper.time(),
+        energy,
     };
     match fault {
         None => Ok(run),

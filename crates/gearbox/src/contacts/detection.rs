@@ -1,6 +1,8 @@
 //! How the contact point is found: the exact curve, or discrete points as published.
 
-use pinwheel_contact::{Complex, Epitrochoid, HertzStiffness, Hole, HolePoints, ProfilePoints};
+use pinwheel_contact::{
+    Complex, Epitrochoid, Foot, HertzStiffness, Hole, HolePoints, ProfilePoints,
+};
 
 use crate::GearboxError;
 use crate::geometry::Geometry;
@@ -17,6 +19,8 @@ pub(super) struct Touch {
     pub(super) penetration: f64,
     /// K, N/m^1.5.
     pub(super) stiffness: f64,
+    /// Growth of K as P moves along t = R90 n, N/m^2.5; 0 where K is constant or only known at points.
+    pub(super) stiffness_slope: f64,
 }
 
 /// Finds the contact of one sleeve centre `p` (wheel frame) with the wheel.
@@ -67,12 +71,31 @@ impl Shapes {
     }
 }
 
+impl Shapes {
+    /// dK/da of K = k sqrt(q (1 - q kappa)) over the way |C'| (1 - delta kappa) that P moves with da, along
+    /// t = R90 n; n is minus the curve's normal, so t points towards smaller a.
+    fn stiffness_slope(&self, foot: &Foot, stiffness: f64) -> f64 {
+        let (q, at) = (self.external_radius, &foot.at);
+        let bend = self
+            .curve
+            .curvature_slope(foot.unit, foot.unit.powu(self.curve.lobes() + 1));
+        let per_parameter = -0.5 * stiffness * q * bend / (1.0 - q * at.curvature);
+        -per_parameter / (at.speed * (1.0 + foot.distance * at.curvature))
+    }
+}
+
 /// Closest point of the exact curve: delta is minus the signed distance of P from C.
-pub(super) struct Exact(Shapes);
+/// The second field: whether the slope of K is wanted.
+pub(super) struct Exact(Shapes, bool);
 
 impl Exact {
     pub(super) fn new(scene: &Scene, geometry: &Geometry) -> Self {
-        Self(Shapes::new(scene, geometry))
+        Self(Shapes::new(scene, geometry), false)
+    }
+
+    /// With the slope of K, which only some laws need.
+    pub(super) fn with_slope(scene: &Scene, geometry: &Geometry) -> Self {
+        Self(Shapes::new(scene, geometry), true)
     }
 }
 
@@ -81,11 +104,18 @@ impl Detection for Exact {
     fn profile(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Touch> {
         let foot = self.0.curve.penetrating_foot(p, unit, multiple)?;
         let q = self.0.external_radius;
+        let stiffness = self.0.hertz.of_profile(q, foot.at.curvature);
+        let stiffness_slope = if self.1 {
+            self.0.stiffness_slope(&foot, stiffness)
+        } else {
+            0.0
+        };
         Some(Touch {
             point: foot.at.position - foot.at.normal.scale(q),
             normal: -foot.at.normal,
             penetration: -foot.distance,
-            stiffness: self.0.hertz.of_profile(q, foot.at.curvature),
+            stiffness,
+            stiffness_slope,
         })
     }
 
@@ -98,6 +128,7 @@ impl Detection for Exact {
             normal,
             penetration,
             stiffness: self.0.hole_stiffness,
+            stiffness_slope: 0.0,
         })
     }
 }
@@ -144,6 +175,7 @@ impl Points {
             normal: arm.scale(1.0 / distance),
             penetration,
             stiffness,
+            stiffness_slope: 0.0,
         })
     }
 }

@@ -27,14 +27,34 @@ pub struct PairContact {
     pub normal_force_n: f64,
     /// Force along t on the sleeve, N (opposite sign to v_t); the wheel takes its reaction.
     pub friction_force_n: f64,
+    /// Force along t **at the sleeve's centre** on the sleeve, N, its reaction on the wheel at the same point:
+    /// the part of an energy's gradient that lies along the profile; 0 for laws that are normal only.
+    pub along_force_n: f64,
+    /// The sleeve's centre P. Ground frame, m.
+    pub centre: [f64; 2],
+}
+
+/// What the contacts do to the energy; both powers are at least 0 for a law that only dissipates.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactEnergy {
+    /// Stored, J.
+    pub stored_j: f64,
+    /// Lost in the normal direction, W: the part of the normal force that is not there at rate 0, times the rate.
+    pub damping_w: f64,
+    /// Lost by sliding, W.
+    pub friction_w: f64,
 }
 
 impl PairContact {
-    /// Force on the sleeve in the ground frame, N. The wheel takes the opposite, at the same point.
+    /// Force on the sleeve in the ground frame, N. The wheel takes the opposite; all of it acts at W but
+    /// [`along_force_n`](Self::along_force_n), which acts at the sleeve's centre.
     #[must_use]
     pub fn force_on_sleeve(&self) -> [f64; 2] {
         let [nx, ny] = self.normal;
-        let (fn_, ft) = (self.normal_force_n, self.friction_force_n);
+        let (fn_, ft) = (
+            self.normal_force_n,
+            self.friction_force_n + self.along_force_n,
+        );
         [-fn_ * nx - ft * ny, -fn_ * ny + ft * nx]
     }
 }
@@ -45,6 +65,9 @@ impl PairContact {
 pub trait ContactField: Send {
     /// Adds every body's contact load (force, and moment about the centre of mass) to `loads`.
     fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]);
+
+    /// What the contacts store and dissipate at these states.
+    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy;
 
     /// Visits every touching pair (penetration > 0), wheel by wheel, external before internal.
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact));

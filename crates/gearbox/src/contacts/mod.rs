@@ -10,7 +10,7 @@ use pinwheel_contact::{
     AdamsImpact, ConstantStiffness, Hysteresis, LanesLaw, LineContact, PaperConservative, PaperLaw,
 };
 
-pub use field::{ContactField, PairContact, Powers};
+pub use field::{ContactField, ContactEnergy, PairContact};
 
 use crate::GearboxError;
 use crate::geometry::Geometry;

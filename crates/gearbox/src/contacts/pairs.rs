@@ -4,21 +4,21 @@
 //! wheel brings the sleeves in, one brings the sum of forces back. Forces of a pair act at W on
 //! both bodies, so action and reaction balance in force and in moment.
 
-use pinwheel_contact::{Complex, NormalLaw, RegularisedCoulomb};
+use pinwheel_contact::{AdamsFriction, Complex, Friction, NormalLaw, RegularisedCoulomb};
 use pinwheel_mbs::{BodyState, Wrench};
 
 use super::detection::{Detection, Touch};
-use super::field::{ContactField, PairContact};
+use super::field::{ContactEnergy, ContactField, PairContact};
 use crate::geometry::Geometry;
 use crate::layout::{Layout, Sleeve};
-use crate::scene::Scene;
+use crate::scene::{self, FrictionLaw, Scene};
 
 /// The contact field of one law and one detection.
 pub(super) struct Pairs<L, D> {
     layout: Layout,
     law: L,
     detection: D,
-    friction: RegularisedCoulomb,
+    friction: Friction,
     external_directions: Vec<Complex>,
     external_sleeves: u32,
 }
@@ -61,14 +61,37 @@ struct Loaded {
     tangential_rate: f64,
     normal_force: f64,
     friction_force: f64,
+    along_force: f64,
 }
 
 impl Loaded {
-    /// Force on the sleeve.
+    /// Force on the sleeve at its centre, along the profile.
+    #[inline]
+    fn at_centre(&self) -> Complex {
+        self.touch.normal.turned().scale(self.along_force)
+    }
+
+    /// Force on the sleeve at W.
     #[inline]
     fn on_sleeve(&self) -> Complex {
         self.touch.normal.turned().scale(self.friction_force)
             - self.touch.normal.scale(self.normal_force)
+    }
+}
+
+/// The friction of a scene.
+fn friction(contact: &scene::Contact) -> Friction {
+    match contact.friction_law {
+        FrictionLaw::Regularised => Friction::Regularised(RegularisedCoulomb {
+            coefficient: contact.friction_coefficient,
+            ramp: contact.friction_ramp_m_s,
+        }),
+        FrictionLaw::Adams => Friction::Adams(AdamsFriction {
+            static_coefficient: contact.friction_coefficient,
+            dynamic_coefficient: contact.friction_dynamic_coefficient,
+            static_speed: contact.friction_ramp_m_s,
+            dynamic_speed: contact.friction_dynamic_speed_m_s,
+        }),
     }
 }
 
@@ -78,10 +101,7 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             layout: Layout::of(&scene.gear),
             law,
             detection,
-            friction: RegularisedCoulomb {
-                coefficient: scene.contact.friction_coefficient,
-                ramp: scene.contact.friction_ramp_m_s,
-            },
+            friction: friction(&scene.contact),
             external_directions: geometry.external_directions.clone(),
             external_sleeves: scene.gear.external_sleeves as u32,
         }
@@ -101,6 +121,11 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             .law
             .force(touch.stiffness, touch.penetration, normal_rate);
         let friction_force = self.friction.force(normal_force, tangential_rate);
+        let along_force = if L::HAS_ALONG {
+            -touch.stiffness_slope * self.law.along(touch.penetration)
+        } else {
+            0.0
+        };
         Loaded {
             touch,
             arm,
@@ -108,6 +133,7 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             tangential_rate,
             normal_force,
             friction_force,
+            along_force,
         }
     }
 
@@ -157,9 +183,15 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
             let (mut force, mut moment) = (Complex::default(), 0.0);
             self.wheel_pairs(wheel, bodies, &frame, |_, sleeve, pair| {
                 let on_sleeve = pair.on_sleeve();
-                force = force - on_sleeve;
+                let mut total = on_sleeve;
                 moment -= pair.touch.point.cross(on_sleeve);
-                let ground = on_sleeve * frame.turn;
+                if L::HAS_ALONG {
+                    let centre = pair.touch.point - pair.arm;
+                    total = total + pair.at_centre();
+                    moment -= centre.cross(pair.at_centre());
+                }
+                force = force - total;
+                let ground = total * frame.turn;
                 let load = &mut loads[sleeve];
                 load.fx += ground.re;
                 load.fy += ground.im;
@@ -171,6 +203,21 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
             load.fy += ground.im;
             load.moment += moment;
         }
+    }
+
+    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
+        let mut sum = ContactEnergy::default();
+        for (wheel, body) in self.layout.wheel_bodies().enumerate() {
+            let frame = WheelFrame::of(&bodies[body]);
+            self.wheel_pairs(wheel, bodies, &frame, |_, _, pair| {
+                let (stiffness, depth) = (pair.touch.stiffness, pair.touch.penetration);
+                let elastic = self.law.force(stiffness, depth, 0.0);
+                sum.stored_j += self.law.stored(stiffness, depth);
+                sum.damping_w += (pair.normal_force - elastic) * pair.normal_rate;
+                sum.friction_w -= pair.friction_force * pair.tangential_rate;
+            });
+        }
+        sum
     }
 
     fn normal_force(&self, pair: &PairContact, rate: f64) -> f64 {
@@ -189,9 +236,11 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
                     penetration_m: pair.touch.penetration,
                     normal_rate_m_s: pair.normal_rate,
                     tangential_rate_m_s: pair.tangential_rate,
-                    stiffness: pair.touch.stiffness,
+                    stiffness: self.law.stiffness(pair.touch.stiffness),
                     normal_force_n: pair.normal_force,
                     friction_force_n: pair.friction_force,
+                    along_force_n: pair.along_force,
+                    centre: (frame.centre + (pair.touch.point - pair.arm) * frame.turn).to_array(),
                 });
             });
         }

@@ -19,7 +19,7 @@ pub use check::check;
 pub use derived::{Derived, Frequency, derived};
 pub use error::{Fault, Place, SceneError};
 pub use model::{
-    BodyMass, Contact, Detection, Drive, Formulation, Gear, Masses, Scene, Solver, Stabilisation,
+    BodyMass, Contact, Detection, Drive, Formulation, FrictionLaw, Gear, Masses, Scene, Solver, Stabilisation,
     Start,
 };
 pub use parse::{MOST_BYTES, Override};

@@ -111,6 +111,39 @@ pub enum Detection {
     Points,
 }
 
+/// Form of the friction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FrictionLaw {
+    /// Eq. 21: linear up to the ramp speed, then constant.
+    Regularised,
+    /// Adams: a static peak at the ramp speed, falling to the dynamic coefficient.
+    Adams,
+}
+
+// Keys of single laws are written only where they differ, so that a scene shows what it uses.
+fn is_regularised(law: &FrictionLaw) -> bool {
+    *law == FrictionLaw::Regularised
+}
+fn is_default_dynamic_coefficient(x: &f64) -> bool {
+    *x == Contact::default().friction_dynamic_coefficient
+}
+fn is_default_dynamic_speed(x: &f64) -> bool {
+    *x == Contact::default().friction_dynamic_speed_m_s
+}
+fn is_default_constant_stiffness(x: &f64) -> bool {
+    *x == Contact::default().constant_stiffness_n_m15
+}
+fn is_default_restitution(x: &f64) -> bool {
+    *x == Contact::default().restitution
+}
+fn is_default_impact_speed(x: &f64) -> bool {
+    *x == Contact::default().impact_speed_m_s
+}
+fn is_default_line_length(x: &f64) -> bool {
+    *x == Contact::default().line_length_m
+}
+
 /// Contact law (Eq. 20-24) and detection.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -131,6 +164,27 @@ pub struct Contact {
     pub friction_coefficient: f64,
     /// Sliding speed at which friction reaches mu F_n, m/s.
     pub friction_ramp_m_s: f64,
+    /// Form of the friction.
+    #[serde(skip_serializing_if = "is_regularised")]
+    pub friction_law: FrictionLaw,
+    /// mu_d (friction law `adams` only, where mu is the static coefficient).
+    #[serde(skip_serializing_if = "is_default_dynamic_coefficient")]
+    pub friction_dynamic_coefficient: f64,
+    /// Sliding speed from which mu_d holds, m/s (friction law `adams` only).
+    #[serde(skip_serializing_if = "is_default_dynamic_speed")]
+    pub friction_dynamic_speed_m_s: f64,
+    /// K of laws with one stiffness for all contacts, N/m^1.5.
+    #[serde(skip_serializing_if = "is_default_constant_stiffness")]
+    pub constant_stiffness_n_m15: f64,
+    /// c of the hysteresis laws, 0 < c <= 1.
+    #[serde(skip_serializing_if = "is_default_restitution")]
+    pub restitution: f64,
+    /// v0 of the hysteresis laws, m/s: an impact at this speed has the restitution c.
+    #[serde(skip_serializing_if = "is_default_impact_speed")]
+    pub impact_speed_m_s: f64,
+    /// Length of the line of a line contact, m.
+    #[serde(skip_serializing_if = "is_default_line_length")]
+    pub line_length_m: f64,
     /// How the contact point is found.
     pub detection: Detection,
     /// Points on a wheel's profile (points detection only).
@@ -250,6 +304,13 @@ impl Default for Contact {
             ramp_m: 1.0e-5,
             friction_coefficient: 0.0,
             friction_ramp_m_s: 5.0e-5,
+            friction_law: FrictionLaw::Regularised,
+            friction_dynamic_coefficient: 0.0,
+            friction_dynamic_speed_m_s: 1.0e-3,
+            constant_stiffness_n_m15: 1.0e8,
+            restitution: 0.9,
+            impact_speed_m_s: 0.01,
+            line_length_m: 0.01,
             detection: Detection::Exact,
             wheel_points: 4000,
             hole_points: 100,

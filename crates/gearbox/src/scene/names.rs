@@ -1,15 +1,17 @@
 //! The names a scene may use for its law and its integrator, from where they are registered.
 
+use pinwheel_contact::laws::LAWS;
 use pinwheel_mbs::integrators::METHODS;
 
 /// Normal contact laws.
 #[must_use]
 pub fn laws() -> Vec<&'static str> {
-    vec!["paper"]
+    LAWS.iter().map(|law| law.name).collect()
 }
 
 /// Integrators.
 #[must_use]
 pub fn integrators() -> Vec<&'static str> {
-    METHODS.iter().map(|method| method.name).collect()
+    let methods = METHODS.iter().map(|method| method.name);
+    std::iter::once(crate::auto::AUTO).chain(methods).collect()
 }

@@ -8,6 +8,7 @@ use super::super::model::{BodyMass, Detection, Scene};
 use super::super::names;
 use super::super::suggest::did_you_mean;
 use super::number::short;
+use crate::scene::FrictionLaw;
 
 /// The allowed interval of one number.
 #[derive(Clone, Copy)]
@@ -52,6 +53,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
     numbers(scene)?;
     counts(scene)?;
     masses(scene)?;
+    combinations(scene)?;
     known(
         &scene.contact.law,
         "contact.law",
@@ -80,7 +82,7 @@ fn name(scene: &Scene) -> Result<(), Fault> {
 
 fn numbers(scene: &Scene) -> Result<(), Fault> {
     let (gear, drive, contact, solver) = (&scene.gear, &scene.drive, &scene.contact, &scene.solver);
-    let rows: [(&'static str, f64, Range, &str, &str); 22] = [
+    let rows: [(&'static str, f64, Range, &str, &str); 28] = [
         (
             "gear.eccentricity_m",
             gear.eccentricity_m,
@@ -199,6 +201,48 @@ fn numbers(scene: &Scene) -> Result<(), Fault> {
             Range::Above(0.0, 1e3),
             "m/s",
             "the paper uses 5e-5, the sliding speed at which friction is fully on",
+        ),
+        (
+            "contact.friction_dynamic_coefficient",
+            contact.friction_dynamic_coefficient,
+            Range::From(0.0, 10.0),
+            "",
+            "the coefficient of fast sliding, at most contact.friction_coefficient",
+        ),
+        (
+            "contact.friction_dynamic_speed_m_s",
+            contact.friction_dynamic_speed_m_s,
+            Range::Above(0.0, 1e3),
+            "m/s",
+            "the sliding speed from which the dynamic coefficient holds",
+        ),
+        (
+            "contact.constant_stiffness_n_m15",
+            contact.constant_stiffness_n_m15,
+            Range::Above(0.0, 1e15),
+            "N/m^1.5",
+            "the paper's contacts have 5e7 to 2e8 N/m^1.5",
+        ),
+        (
+            "contact.restitution",
+            contact.restitution,
+            Range::Above(0.0, 1.0),
+            "",
+            "the share of the impact speed that is left after an impact, 1 without loss",
+        ),
+        (
+            "contact.impact_speed_m_s",
+            contact.impact_speed_m_s,
+            Range::From(1e-9, 1e3),
+            "m/s",
+            "the impact speed at which the restitution holds; 0.01 is usual in a gearbox",
+        ),
+        (
+            "contact.line_length_m",
+            contact.line_length_m,
+            Range::From(1e-6, 10.0),
+            "m",
+            METRES,
         ),
         (
             "solver.step_s",
@@ -364,6 +408,59 @@ fn masses(scene: &Scene) -> Result<(), Fault> {
                 );
                 return Err(Fault::new(&[key], what, remedy));
             }
+        }
+    }
+    Ok(())
+}
+
+/// Laws that do not go with every detection, friction or integrator.
+fn combinations(scene: &Scene) -> Result<(), Fault> {
+    let contact = &scene.contact;
+    if contact.law == "paper-conservative" && contact.detection == Detection::Points {
+        return Err(Fault::new(
+            &["contact.detection", "contact.law"],
+            "is \"points\", on which the stiffness of the law \"paper-conservative\" has no slope",
+            "use detection = \"exact\" or law = \"paper\"",
+        ));
+    }
+    if contact.friction_law == FrictionLaw::Adams {
+        if contact.friction_dynamic_coefficient > contact.friction_coefficient {
+            return Err(Fault::new(
+                &[
+                    "contact.friction_dynamic_coefficient",
+                    "contact.friction_coefficient",
+                ],
+                format!(
+                    "is {}, more than the static {}",
+                    short(contact.friction_dynamic_coefficient),
+                    short(contact.friction_coefficient)
+                ),
+                "the static coefficient is the larger one",
+            ));
+        }
+        if contact.friction_dynamic_speed_m_s <= contact.friction_ramp_m_s {
+            return Err(Fault::new(
+                &[
+                    "contact.friction_dynamic_speed_m_s",
+                    "contact.friction_ramp_m_s",
+                ],
+                format!(
+                    "is {} m/s, not above the speed of the static coefficient, {} m/s",
+                    short(contact.friction_dynamic_speed_m_s),
+                    short(contact.friction_ramp_m_s)
+                ),
+                "give a larger speed",
+            ));
+        }
+        if scene.solver.integrator.starts_with("imex") && contact.friction_coefficient > 0.0 {
+            return Err(Fault::new(
+                &["solver.integrator", "contact.friction_law"],
+                format!(
+                    "is {}, which solves friction as a convex problem; a coefficient that falls with speed is none",
+                    quoted(&scene.solver.integrator)
+                ),
+                "use friction_law = \"regularised\" or another integrator",
+            ));
         }
     }
     Ok(())

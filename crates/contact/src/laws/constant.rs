@@ -1,0 +1,52 @@
+//! One stiffness for every contact: `F_n = max(0, S(delta) (K delta^1.5 + C v_n))` with K given.
+//!
+//! What engineering software offers, and the simplest law with a potential.
+
+use super::{LawInfo, NormalLaw, PaperLaw, ramped_integral};
+
+/// Eq. 20 with constant K.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ConstantStiffness {
+    /// K, N/m^1.5.
+    pub stiffness: f64,
+    /// C, N s/m.
+    pub damping: f64,
+    /// Width of S, m.
+    pub ramp: f64,
+}
+
+impl NormalLaw for ConstantStiffness {
+    #[inline]
+    fn force(&self, _hertz: f64, penetration: f64, rate: f64) -> f64 {
+        let paper = PaperLaw {
+            damping: self.damping,
+            ramp: self.ramp,
+        };
+        paper.force(self.stiffness, penetration, rate)
+    }
+
+    #[inline]
+    fn stored(&self, _hertz: f64, penetration: f64) -> f64 {
+        self.stiffness * ramped_integral(penetration, self.ramp)
+    }
+
+    #[inline]
+    fn stiffness(&self, _hertz: f64) -> f64 {
+        self.stiffness
+    }
+}
+
+pub(super) const INFO: LawInfo = LawInfo {
+    name: "constant",
+    summary: "the paper's law with one stiffness for all contacts",
+    formula: "max(0, S(delta) (K delta^1.5 + C v)), K constant",
+    source: "the paper, Eq. 20, with K as engineering software lets it be given",
+    domain: "penetrations far below the radii; loads are shared as if all curvatures were alike",
+    slow_impact: "regular: does not depend on the impact speed",
+    keys: &[
+        "contact.constant_stiffness_n_m15",
+        "contact.damping_n_s_m",
+        "contact.ramp_m",
+    ],
+    conservative: true,
+};

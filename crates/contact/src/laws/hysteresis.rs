@@ -1,0 +1,71 @@
+//! The family of hysteresis laws: `F_n = max(0, K delta^1.5 (1 + chi v/v0))`.
+//!
+//! v0 is the speed at which the bodies met; chi follows from the restitution c and tells the laws apart.
+//! v0 differs from contact to contact and is history, which a field of forces does not have; so v0 here is **one
+//! reference speed of the scene**. An impact at that speed has the restitution c; a slower one loses less, as
+//! with the damping `K chi delta^1.5 v/v0` of Hunt and Crossley's own paper. It also is the floor
+//! that the family needs: with the true v0, which tends to 0 at a smooth entry, the damping has no bound.
+//!
+//! For a mass m the restitution that comes out is known in closed form and depends on chi only. From
+//! m v dv/d(delta) = -K delta^n (1 + chi v/v0), both ways between the same penetrations:
+//!
+//! ```text
+//! chi - ln(1 + chi) = -chi c - ln(1 - chi c)
+//! ```
+
+use super::NormalLaw;
+
+/// A law of the family.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hysteresis {
+    /// chi/v0, s/m.
+    per_speed: f64,
+}
+
+impl Hysteresis {
+    /// chi, and the reference impact speed v0, m/s (> 0).
+    #[must_use]
+    pub fn new(factor: f64, impact_speed: f64) -> Self {
+        Self {
+            per_speed: factor / impact_speed,
+        }
+    }
+}
+
+impl NormalLaw for Hysteresis {
+    #[inline]
+    fn force(&self, stiffness: f64, penetration: f64, rate: f64) -> f64 {
+        let elastic = stiffness * penetration * penetration.sqrt();
+        (elastic * (1.0 + self.per_speed * rate)).max(0.0)
+    }
+
+    #[inline]
+    fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
+        stiffness * penetration * penetration * penetration.sqrt() / 2.5
+    }
+}
+
+/// The restitution c that the factor chi > 0 gives, by bisection of the closed form above.
+#[must_use]
+pub fn restitution_of(factor: f64) -> f64 {
+    let wanted = factor - factor.ln_1p();
+    // The left side grows from 0 at c = 0; c is at most 1 and chi c stays below 1.
+    let (mut low, mut high) = (0.0, 1.0_f64.min(1.0 / factor));
+    for _ in 0..200 {
+        let c = 0.5 * (low + high);
+        let value = -factor * c - (-factor * c).ln_1p();
+        if value < wanted {
+            low = c;
+        } else {
+            high = c;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// What all laws of the family share.
+pub(super) const SLOW: &str = "singular with the true impact speed: the damping grows as 1/v0 and a smooth entry has v0 = 0; \
+     here contact.impact_speed_m_s stands for v0 in every contact, which bounds it, and slower impacts lose less";
+
+/// Keys of the family.
+pub(super) const KEYS: &[&str] = &["contact.restitution", "contact.impact_speed_m_s"];

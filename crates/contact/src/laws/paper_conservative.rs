@@ -1,0 +1,55 @@
+//! The paper's law made consistent in energy.
+//!
+//! ```text
+//! U(a, delta) = K(a) I(delta),   I = integral of S(x) x^1.5 from 0 to delta
+//! normal:      max(0, dU/d(delta) + S C v)                                 as in the paper
+//! along:       -dU/da / (|C'| (1 - delta kappa_C))   on the sleeve, along the profile
+//! ```
+//! U depends only on where the sleeve's centre is in the wheel's frame, so its whole gradient acts at
+//! that centre, with its reaction on the wheel at the same point; the part along the profile is what
+//! the paper leaves out. It needs dK/da, so it exists for exact detection only.
+
+use super::{LawInfo, NormalLaw, PaperLaw, ramped_integral};
+
+/// Eq. 20 with the missing part of the gradient.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PaperConservative {
+    /// C, N s/m.
+    pub damping: f64,
+    /// Width of S, m.
+    pub ramp: f64,
+}
+
+impl NormalLaw for PaperConservative {
+    #[inline]
+    fn force(&self, stiffness: f64, penetration: f64, rate: f64) -> f64 {
+        let paper = PaperLaw {
+            damping: self.damping,
+            ramp: self.ramp,
+        };
+        paper.force(stiffness, penetration, rate)
+    }
+
+    #[inline]
+    fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
+        stiffness * ramped_integral(penetration, self.ramp)
+    }
+
+    #[inline]
+    fn along(&self, penetration: f64) -> f64 {
+        ramped_integral(penetration, self.ramp)
+    }
+
+    const HAS_ALONG: bool = true;
+}
+
+pub(super) const INFO: LawInfo = LawInfo {
+    name: "paper-conservative",
+    summary: "the paper's law with the force along the profile that makes it the gradient of an energy",
+    formula: "normal: max(0, S(delta) (K delta^1.5 + C v)); along the profile: -dK/ds * integral of S x^1.5",
+    source: "derived here from the potential U = K(a) * integral of S(x) x^1.5",
+    domain: "as `paper`; exact detection only, because discrete points have no slope of K",
+    slow_impact: "regular: does not depend on the impact speed",
+    keys: &["contact.damping_n_s_m", "contact.ramp_m"],
+    conservative: true,
+};

@@ -1,0 +1,318 @@
+//! Statics: the angles at which a gearbox at rest carries its load, for a given input angle.
+//!
+//! Unknowns are the wheels' angles and the output's; exact geometry and the scene's own law at rate 0, so
+//! without damping and friction. Each wheel must be free of moment about its eccentric, the output
+//! free of moment together with the load:
+//!
+//! ```text
+//! M_i(theta_i, psi) = 0 for every wheel i,    sum over wheels of M_out,i(theta_i, psi) + M_load = 0
+//! ```
+//! Contacts restore, so M_i falls with theta_i, and with the wheels in balance M_out falls with psi: two nested
+//! roots of falling functions, each bracketed. That needs no good start and copes with backlash,
+//! where everything is 0 over the free play.
+
+mod closed_forms;
+
+pub use closed_forms::{LinearMesh, free_play, smallest_convex_radius};
+
+use pinwheel_mbs::{BodyState, Wrench};
+
+use crate::contacts::{ContactField, PairContact};
+use crate::layout::Layout;
+use crate::{Gearbox, GearboxError};
+
+/// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.
+const PITCHES: f64 = 0.2;
+/// Angles are found to this, rad: 1e-14 rad on a radius of 64 mm is 1e-11 of a penetration.
+const ANGLE: f64 = 2e-15;
+
+/// Angles in balance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equilibrium {
+    /// The input angle, rad.
+    pub input: f64,
+    /// Wheel angles, rad.
+    pub wheels: Vec<f64>,
+    /// Output angle, rad.
+    pub output: f64,
+    /// Poses of all bodies, at rest.
+    pub bodies: Vec<BodyState>,
+    /// What is left of the moments, N m: of each wheel and of the output.
+    pub residual: f64,
+}
+
+/// The quasi-static solver of a gearbox.
+pub struct Statics<'a> {
+    gearbox: &'a Gearbox,
+    field: Box<dyn ContactField>,
+    bodies: Vec<BodyState>,
+    loads: Vec<Wrench>,
+    /// Wheel rates about which moments are taken; see [`Statics::moving`].
+    motion: Option<Motion>,
+}
+
+/// Rates and angular accelerations of a slow motion along the equilibria.
+#[derive(Debug, Clone)]
+struct Motion {
+    wheel_rates: Vec<f64>,
+    output_rate: f64,
+    wheel_accelerations: Vec<f64>,
+    output_acceleration: f64,
+}
+
+impl<'a> Statics<'a> {
+    /// A solver for `gearbox`.
+    ///
+    /// # Errors
+    /// See [`Gearbox::contact_field`].
+    pub fn new(gearbox: &'a Gearbox) -> Result<Self, GearboxError> {
+        Ok(Self {
+            field: gearbox.frictionless_field()?,
+            bodies: gearbox.kinematic_states(),
+            loads: vec![Wrench::default(); gearbox.layout.bodies()],
+            gearbox,
+            motion: None,
+        })
+    }
+
+    /// Puts all bodies at the input angle `phi` and the given angles.
+    fn place(&mut self, phi: f64, wheels: &[f64], psi: f64) {
+        let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
+        let gear = &self.gearbox.scene.gear;
+        let speed = match self.motion {
+            Some(_) => self.gearbox.scene.drive.input_speed_rad_s,
+            None => 0.0,
+        };
+        self.bodies[Layout::INPUT].angle = phi;
+        self.bodies[Layout::INPUT].rate = speed;
+        for (i, body) in layout.wheel_bodies().enumerate() {
+            let (s, c) = (phi + geometry.wheel_phases[i]).sin_cos();
+            let e = gear.eccentricity_m;
+            self.bodies[body] = BodyState {
+                x: e * c,
+                y: e * s,
+                angle: wheels[i],
+                vx: -speed * e * s,
+                vy: speed * e * c,
+                rate: self.motion.as_ref().map_or(0.0, |m| m.wheel_rates[i]),
+            };
+        }
+        let rate = self.motion.as_ref().map_or(0.0, |m| m.output_rate);
+        self.bodies[Layout::OUTPUT].angle = psi;
+        self.bodies[Layout::OUTPUT].rate = rate;
+        let (s, c) = psi.sin_cos();
+        for (k, body) in layout.internal_bodies().enumerate() {
+            let [px, py] = geometry.internal_points[k];
+            let (x, y) = (c * px - s * py, s * px + c * py);
+            self.bodies[body] = BodyState {
+                x,
+                y,
+                angle: psi,
+                vx: -rate * y,
+                vy: rate * x,
+                rate,
+            };
+        }
+    }
+
+    /// Moments on the wheels into `out`, and the moment of the contacts on the output.
+    fn moments(&mut self, phi: f64, wheels: &[f64], psi: f64, out: &mut [f64]) -> f64 {
+        self.place(phi, wheels, psi);
+        self.loads.fill(Wrench::default());
+        self.field.add_loads(&self.bodies, &mut self.loads);
+        let layout = self.gearbox.layout;
+        let mass = &self.gearbox.scene.mass;
+        for (i, body) in layout.wheel_bodies().enumerate() {
+            let inertia = self
+                .motion
+                .as_ref()
+                .map_or(0.0, |m| mass.wheel.moment_kg_m2 * m.wheel_accelerations[i]);
+            out[i] = self.loads[body].moment - inertia;
+        }
+        let sleeves: f64 = layout
+            .internal_bodies()
+            .map(|body| {
+                let (b, l) = (&self.bodies[body], &self.loads[body]);
+                b.x * l.fy - b.y * l.fx
+            })
+            .sum();
+        let rw = self.gearbox.scene.gear.internal_circle_radius_m;
+        let carried = mass.internal_sleeve.mass_kg * rw * rw * layout.internal_sleeves as f64;
+        let inertia = self.motion.as_ref().map_or(0.0, |m| {
+            (mass.output_shaft.moment_kg_m2 + carried) * m.output_acceleration
+        });
+        sleeves - inertia
+    }
+
+    /// Half widths of the brackets: of a wheel about its ideal mesh, of the output about its own.
+    fn brackets(&self) -> (f64, f64) {
+        let gear = &self.gearbox.scene.gear;
+        let twist = PITCHES * std::f64::consts::TAU / self.gearbox.geometry.ratio();
+        let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
+        let wheel = free_play(gear) + twist;
+        (
+            wheel,
+            wheel + twist + clearance.max(0.0) / gear.internal_circle_radius_m,
+        )
+    }
+
+    /// Balances the wheels for the output at `psi`; returns the moment of the contacts on the output.
+    fn balance_wheels(&mut self, phi: f64, psi: f64, wheels: &mut [f64]) -> f64 {
+        let n = wheels.len();
+        let half = self.brackets().0;
+        let (mut low, mut high) = (vec![0.0; n], vec![0.0; n]);
+        for i in 0..n {
+            let ideal = self.gearbox.geometry.ideal_wheel_angle(i, phi);
+            (low[i], high[i]) = (ideal - half, ideal + half);
+            wheels[i] = wheels[i].clamp(low[i], high[i]);
+        }
+        let (mut here, mut beside) = (vec![0.0; n], vec![0.0; n]);
+        let mut shifted = wheels.to_vec();
+        let h = 1e-9;
+        let mut last = vec![f64::INFINITY; n];
+        for _ in 0..200 {
+            self.moments(phi, wheels, psi, &mut here);
+            for (s, w) in shifted.iter_mut().zip(wheels.iter()) {
+                *s = w + h;
+            }
+            self.moments(phi, &shifted, psi, &mut beside);
+            let mut moved: f64 = 0.0;
+            for i in 0..n {
+                if here[i] == 0.0 {
+                    continue;
+                }
+                if here[i] > 0.0 {
+                    low[i] = wheels[i];
+                } else {
+                    high[i] = wheels[i];
+                }
+                let slope = (beside[i] - here[i]) / h;
+                let newton = wheels[i] - here[i] / slope;
+                // Newton where it stays inside and halves the step at least; else the middle.
+                let good = slope < 0.0
+                    && newton > low[i]
+                    && newton < high[i]
+                    && (newton - wheels[i]).abs() < 0.5 * last[i];
+                let next = if good {
+                    newton
+                } else {
+                    0.5 * (low[i] + high[i])
+                };
+                last[i] = (next - wheels[i]).abs();
+                moved = moved.max(last[i]);
+                wheels[i] = next;
+            }
+            if moved < ANGLE {
+                break;
+            }
+        }
+        self.moments(phi, wheels, psi, &mut here)
+    }
+
+    /// The equilibrium at the input angle `phi` (rad) under the load torque `load` (N m on the output).
+    ///
+    /// # Errors
+    /// [`GearboxError::NoEquilibrium`]: the load is more than the teeth carry before they jump.
+    pub fn solve(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+        let n = self.gearbox.layout.wheels;
+        let ideal = self.gearbox.geometry.ideal_output_angle(phi);
+        let half = self.brackets().1;
+        let (mut low, mut high) = (ideal - half, ideal + half);
+        let mut wheels: Vec<f64> = (0..n)
+            .map(|i| self.gearbox.geometry.ideal_wheel_angle(i, phi))
+            .collect();
+        for (end, sign) in [(low, 1.0), (high, -1.0)] {
+            let mut at = wheels.clone();
+            if (self.balance_wheels(phi, end, &mut at) + load) * sign < 0.0 {
+                return Err(GearboxError::NoEquilibrium { load_n_m: load });
+            }
+        }
+        let mut psi = ideal;
+        let mut last = f64::INFINITY;
+        let h = 1e-8;
+        for _ in 0..200 {
+            let here = self.balance_wheels(phi, psi, &mut wheels) + load;
+            if here == 0.0 {
+                break;
+            }
+            if here > 0.0 {
+                low = psi;
+            } else {
+                high = psi;
+            }
+            let mut beside = wheels.clone();
+            let slope = (self.balance_wheels(phi, psi + h, &mut beside) + load - here) / h;
+            let newton = psi - here / slope;
+            let good =
+                slope < 0.0 && newton > low && newton < high && (newton - psi).abs() < 0.5 * last;
+            let next = if good { newton } else { 0.5 * (low + high) };
+            last = (next - psi).abs();
+            psi = next;
+            if last < ANGLE {
+                break;
+            }
+        }
+        let output = self.balance_wheels(phi, psi, &mut wheels) + load;
+        let mut left = vec![0.0; n];
+        self.moments(phi, &wheels, psi, &mut left);
+        let residual = left.iter().map(|m| m.abs()).fold(output.abs(), f64::max);
+        Ok(Equilibrium {
+            input: phi,
+            wheels,
+            output: psi,
+            bodies: self.bodies.clone(),
+            residual,
+        })
+    }
+
+    /// Touching pairs of an equilibrium.
+    pub fn touching(&mut self, equilibrium: &Equilibrium) -> Vec<PairContact> {
+        let mut pairs = Vec::new();
+        self.field
+            .touching(&equilibrium.bodies, &mut |pair| pairs.push(*pair));
+        pairs
+    }
+
+    /// States at t = 0 of a run that starts loaded and already in its slow motion.
+    ///
+    /// Along the equilibria the angles are functions of the input angle, so rates are `omega d/dphi` and
+    /// accelerations `omega^2 d^2/dphi^2`, by central differences. A second solution takes the damping at
+    /// these rates and the moments these accelerations need into account; its own derivative gives the rates.
+    /// Sleeves spin as at the kinematic start.
+    ///
+    /// # Errors
+    /// See [`Statics::solve`].
+    pub fn moving(&mut self) -> Result<Vec<BodyState>, GearboxError> {
+        let (speed, load) = (
+            self.gearbox.scene.drive.input_speed_rad_s,
+            self.gearbox.load_torque(0.0),
+        );
+        // A hundredth of a mesh period: contacts pass through their ramps within a few of these.
+        let h = 0.01 * std::f64::consts::TAU / (self.gearbox.geometry.ratio() + 1.0);
+        self.motion = None;
+        for _ in 0..2 {
+            let [before, here, after] = [
+                self.solve(-h, load)?,
+                self.solve(0.0, load)?,
+                self.solve(h, load)?,
+            ];
+            let rate = |a: f64, b: f64| speed * (b - a) / (2.0 * h);
+            let bend = |a: f64, m: f64, b: f64| speed * speed * (a - 2.0 * m + b) / (h * h);
+            let wheels = || before.wheels.iter().zip(&here.wheels).zip(&after.wheels);
+            self.motion = Some(Motion {
+                wheel_rates: wheels().map(|((a, _), b)| rate(*a, *b)).collect(),
+                output_rate: rate(before.output, after.output),
+                wheel_accelerations: wheels().map(|((a, m), b)| bend(*a, *m, *b)).collect(),
+                output_acceleration: bend(before.output, here.output, after.output),
+            });
+        }
+        let mut states = self.solve(0.0, load)?.bodies;
+        let kinematic = self.gearbox.kinematic_states();
+        for body in self.gearbox.layout.internal_bodies() {
+            states[body].angle = kinematic[body].angle;
+            states[body].rate = kinematic[body].rate;
+        }
+        self.motion = None;
+        Ok(states)
+    }
+}

@@ -1,0 +1,87 @@
+//! Closed forms of the loaded mesh, against which the solver is checked.
+//!
+//! A rigid wheel without backlash on equal linear springs shares its torque by the levers of the contact normals:
+//!
+//! ```text
+//! l_i = e zs sin(phi_i)/sqrt(1 + m^2 - 2 m cos(phi_i)),    F_i = T l_i/sum of l_k^2 over the loaded sleeves (l_k > 0)
+//! ```
+//! phi_i is the angle of sleeve i from the line through the centres of gear and wheel. Sources: M. Lehmann,
+//! Berechnung und Messung der Kraefte in einem Zykloiden-Kurvenscheiben-Getriebe, thesis, TU Muenchen 1976;
+//! J. Malhotra, M. A. Parameswaran, Mech. Mach. Theory 18 (1983) 491-499.
+
+use std::f64::consts::TAU;
+
+use crate::scene::Gear;
+
+/// One wheel at zero clearance on linear springs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinearMesh {
+    /// e, m.
+    pub eccentricity: f64,
+    /// zk.
+    pub sleeves: usize,
+    /// m.
+    pub shortening: f64,
+}
+
+impl LinearMesh {
+    /// The mesh of a gear.
+    #[must_use]
+    pub fn of(gear: &Gear) -> Self {
+        Self {
+            eccentricity: gear.eccentricity_m,
+            sleeves: gear.external_sleeves,
+            shortening: gear.shortening,
+        }
+    }
+
+    /// Lever of the normal at the sleeve that stands at `angle` from the eccentric, about the wheel's centre, m.
+    #[must_use]
+    pub fn lever(&self, angle: f64) -> f64 {
+        let (m, zs) = (self.shortening, self.sleeves as f64 - 1.0);
+        self.eccentricity * zs * angle.sin() / (1.0 + m * m - 2.0 * m * angle.cos()).sqrt()
+    }
+
+    /// Forces on all sleeves, N, for a torque of `torque` N m on the wheel, the first sleeve standing at
+    /// `first` rad from the eccentric. Sleeves that only could pull have 0.
+    #[must_use]
+    pub fn forces(&self, first: f64, torque: f64) -> Vec<f64> {
+        let levers: Vec<f64> = (0..self.sleeves)
+            .map(|k| {
+                self.lever(first + TAU * k as f64 / self.sleeves as f64)
+                    .max(0.0)
+            })
+            .collect();
+        let sum: f64 = levers.iter().map(|l| l * l).sum();
+        levers.iter().map(|l| torque * l / sum).collect()
+    }
+
+    /// Largest force of any sleeve at each of `positions` poses over one pitch: (least, largest) of these, N.
+    #[must_use]
+    pub fn peak(&self, torque: f64, positions: usize) -> (f64, f64) {
+        let pitch = TAU / self.sleeves as f64;
+        (0..positions)
+            .map(|k| {
+                let forces = self.forces(pitch * k as f64 / positions as f64, torque);
+                forces.into_iter().fold(0.0, f64::max)
+            })
+            .fold((f64::INFINITY, 0.0), |(low, high), f| {
+                (low.min(f), high.max(f))
+            })
+    }
+}
+
+/// One-sided free play of a wheel, d sqrt(1 - m^2)/(e zs), rad.
+#[must_use]
+pub fn free_play(gear: &Gear) -> f64 {
+    let m = gear.shortening;
+    gear.backlash_m * (1.0 - m * m).sqrt()
+        / (gear.eccentricity_m * (gear.external_sleeves as f64 - 1.0))
+}
+
+/// Smallest convex radius of C, R sqrt(27 (1 - m^2)(zk - 1)/(zk + 1)^3), m; where it lies between lobe and pit.
+#[must_use]
+pub fn smallest_convex_radius(gear: &Gear) -> f64 {
+    let (m, zk) = (gear.shortening, gear.external_sleeves as f64);
+    gear.pitch_radius_m() * (27.0 * (1.0 - m * m) * (zk - 1.0) / (zk + 1.0).powi(3)).sqrt()
+}
