@@ -309,7 +309,7 @@ fn single_values_out_of_range() {
         (
             "solver.integrator=euler",
             "solver.integrator",
-            "write one of: rk2",
+            "write one of: ",
         ),
         ("name=\" \"", "name", "1 to 100"),
     ] {
