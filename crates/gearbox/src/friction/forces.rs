@@ -51,18 +51,20 @@ impl Forces for GearForces<'_> {
         let pairs = &mut self.pairs;
         pairs.clear();
         self.field.touching(bodies, &mut |pair| {
-            let smooth = PairContact {
-                friction_force_n: 0.0,
-                ..*pair
-            };
             let (sleeve, wheel) = (layout.sleeve_body(pair.sleeve), wheels + pair.wheel);
-            let [fx, fy] = smooth.force_on_sleeve();
-            let [x, y] = pair.point;
-            for (body, fx, fy) in [(sleeve, fx, fy), (wheel, -fx, -fy)] {
-                let (at, load) = (bodies[body], &mut loads[body]);
-                load.fx += fx;
-                load.fy += fy;
-                load.moment += (x - at.x) * fy - (y - at.y) * fx;
+            let [nx, ny] = pair.normal;
+            let (push, along) = (pair.normal_force_n, pair.along_force_n);
+            for (point, fx, fy) in [
+                (pair.point, -push * nx, -push * ny),
+                (pair.centre, -along * ny, along * nx),
+            ] {
+                for (body, sign) in [(sleeve, 1.0), (wheel, -1.0)] {
+                    let (at, load) = (bodies[body], &mut loads[body]);
+                    let (fx, fy) = (sign * fx, sign * fy);
+                    load.fx += fx;
+                    load.fy += fy;
+                    load.moment += (point[0] - at.x) * fy - (point[1] - at.y) * fx;
+                }
             }
             contacts.push(Contact {
                 bodies: [sleeve, wheel],
@@ -72,7 +74,7 @@ impl Forces for GearForces<'_> {
                 coefficient: law.friction_coefficient,
                 ramp: law.friction_ramp_m_s,
             });
-            pairs.push(smooth);
+            pairs.push(*pair);
         });
     }
 

@@ -4,7 +4,7 @@
 //! the trapezoidal rule, also of order 2, costs nothing, and its distance is the error estimate:
 //!
 //! ```text
-//! est = y + h/2 (f(y) + f(y+)) - y+,   err = max_k |est_k| / max(1, |y_k|)
+//! est = y + h/2 (f(y) + f(y+)) - y+,   err = max_k |est_k| / scale_k
 //! h+  = h clamp(0.9 (target/err)^(1/3), 0.2, 2)
 //! ```
 //! Where a contact begins to slide or stick f jumps, est falls with h only, and steps shorten: the
@@ -42,6 +42,7 @@ pub struct ImexAdaptive {
     now: Point,
     stage: Point,
     next: Point,
+    scale: Vec<f64>,
     fresh: bool,
 }
 
@@ -59,6 +60,7 @@ impl ImexAdaptive {
             before: point.clone(),
             now: point.clone(),
             stage: point.clone(),
+            scale: y.to_vec(),
             next: point,
             fresh: false,
         }
@@ -73,13 +75,14 @@ impl ImexAdaptive {
     }
 
     /// The estimate above; NaN or infinite when anything is.
-    fn error(&self, h: f64) -> f64 {
+    fn error<S: OdeSystem>(&mut self, system: &S, h: f64) -> f64 {
+        system.scale(&self.next.y, &mut self.scale);
         let (from, to) = (&self.now, &self.next);
         let mut worst: f64 = 0.0;
         for k in 0..to.y.len() {
             let slopes = (from.e[k] + from.i[k]) + (to.e[k] + to.i[k]);
             let error = (from.y[k] - to.y[k] + 0.5 * h * slopes).abs();
-            let scaled = error / to.y[k].abs().max(1.0);
+            let scaled = error / self.scale[k];
             // f64::max would drop a NaN.
             if !(scaled <= worst) {
                 worst = scaled;
@@ -117,7 +120,7 @@ impl<S: OdeSystem> Stepper<S> for ImexAdaptive {
                 &mut self.next,
             );
             self.counts.evaluations += 2;
-            let share = self.error(h) / self.target;
+            let share = self.error(system, h) / self.target;
             // A step that cannot be evaluated is far too long.
             let factor = if share.is_finite() {
                 (SAFETY * share.powf(-1.0 / 3.0)).clamp(SHRINK, GROW)
