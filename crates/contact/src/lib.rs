@@ -22,8 +22,9 @@ pub use friction::{AdamsFriction, Friction, RegularisedCoulomb};
 pub use hertz::HertzStiffness;
 pub use hole::Hole;
 pub use lanes::{ComplexLanes, Lanes, Mask};
-pub use laws::{
-    AdamsImpact, ConstantStiffness, Hysteresis, LineContact, NormalLaw, PaperConservative, PaperLaw, ramp,
-};
 pub use law_lanes::LanesLaw;
+pub use laws::{
+    AdamsImpact, ConstantStiffness, Hysteresis, LineContact, NormalLaw, PaperConservative,
+    PaperLaw, PaperPrinted, ramp,
+};
 pub use points::{HolePoints, ProfilePoints, Vertex};

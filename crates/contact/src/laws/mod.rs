@@ -14,6 +14,7 @@ mod lee_wang;
 mod line_contact;
 mod paper;
 mod paper_conservative;
+mod paper_printed;
 
 pub use adams_impact::AdamsImpact;
 pub use constant::ConstantStiffness;
@@ -21,6 +22,7 @@ pub use hysteresis::{Hysteresis, restitution_of};
 pub use line_contact::LineContact;
 pub use paper::PaperLaw;
 pub use paper_conservative::PaperConservative;
+pub use paper_printed::PaperPrinted;
 
 /// A penalty law F_n(K, delta, d(delta)/dt) for delta > 0.
 ///
@@ -55,6 +57,7 @@ impl crate::LanesLaw for AdamsImpact {}
 impl crate::LanesLaw for ConstantStiffness {}
 impl crate::LanesLaw for Hysteresis {}
 impl crate::LanesLaw for LineContact {}
+impl crate::LanesLaw for PaperPrinted {}
 
 /// A law as listed for users.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,6 +92,7 @@ pub const LAWS: &[LawInfo] = &[
     flores::INFO,
     adams_impact::INFO,
     line_contact::INFO,
+    paper_printed::INFO,
 ];
 
 /// The law called `name`.
@@ -155,6 +159,8 @@ mod tests {
         for info in LAWS {
             match info.name {
                 "paper" => law!(info.name, PaperLaw { damping, ramp }),
+                // Its force may pull: see its own file.
+                "paper-printed" => {}
                 "paper-conservative" => law!(info.name, PaperConservative { damping, ramp }),
                 "constant" => law!(
                     info.name,

@@ -8,9 +8,10 @@ mod pairs;
 use pinwheel_contact::laws::hysteresis_factor;
 use pinwheel_contact::{
     AdamsImpact, ConstantStiffness, Hysteresis, LanesLaw, LineContact, PaperConservative, PaperLaw,
+    PaperPrinted,
 };
 
-pub use field::{ContactField, ContactEnergy, PairContact};
+pub use field::{ContactEnergy, ContactField, PairContact};
 
 use crate::GearboxError;
 use crate::geometry::Geometry;
@@ -40,6 +41,7 @@ pub(crate) fn field(
     let stiffness = contact.constant_stiffness_n_m15;
     match contact.law.as_str() {
         "paper" => with_law(scene, geometry, kernel, PaperLaw { damping, ramp }),
+        "paper-printed" => with_law(scene, geometry, kernel, PaperPrinted { damping, ramp }),
         "paper-conservative" => {
             let law = PaperConservative { damping, ramp };
             let exact = Exact::with_slope(scene, geometry);
