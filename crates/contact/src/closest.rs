@@ -7,6 +7,10 @@
 //! * *outside*: a ball of radius rho that touches C from outside contains no point of C. If P
 //!   lies in the one touching at C(a), that is if `|r|^2 < 2 rho s`, P is outside, whatever a is.
 //! * *foot*: a stationary point with |s| < rho is the closest point of the whole curve.
+//!
+//! Where Newton cannot help (sleeves lifted off a pit by backlash stand near its centre of curvature) a
+//! third test mostly can: C is star-shaped about the origin, so P is outside if the ray through it
+//! leaves the curve earlier.
 
 use crate::{Complex, Epitrochoid, Foot};
 
@@ -15,6 +19,11 @@ use crate::{Complex, Epitrochoid, Foot};
 const TANGENTIAL_TOLERANCE: f64 = 1.5e-8;
 /// Newton steps before the global search takes over; the usual number is 1 to 3.
 const MAX_STEPS: usize = 12;
+
+/// Newton steps towards the point of the curve on a ray.
+pub(crate) const RAY_STEPS: usize = 3;
+/// What a point must lie beyond the curve to be outside for certain, relative to R.
+pub(crate) const RAY_MARGIN: f64 = 1e-12;
 
 /// Result of the local search.
 enum Local {
@@ -37,8 +46,32 @@ impl Epitrochoid {
         match self.local_search(p, unit, multiple, true) {
             Local::Outside => None,
             Local::Foot(foot) => (foot.distance < 0.0).then_some(foot),
+            Local::Unknown if self.outside_by_ray(p, unit, multiple) => None,
             Local::Unknown => self.penetrating_foot_by_search(p),
         }
+    }
+
+    /// True if the ray from the origin through `p` certainly leaves the curve before it reaches `p`.
+    ///
+    /// C(a) is moved along its tangent onto the ray. What is left beside the ray (w) changes the radius by
+    /// less than w times the steepest slope of the curve against circles.
+    fn outside_by_ray(&self, p: Complex, unit: Complex, multiple: Complex) -> bool {
+        let radius = p.norm();
+        let ray = p.scale(1.0 / radius);
+        let (mut u, mut v) = (unit, multiple);
+        for _ in 0..RAY_STEPS {
+            let at = self.at_unit(u, v);
+            let da = -at.position.cross(ray) / (at.normal.turned().cross(ray) * at.speed);
+            if !(da.abs() < 0.5) {
+                return false;
+            }
+            let turn = Complex::unit_near_zero(da);
+            u = u * turn;
+            v = v * turn.powu(self.sleeves);
+        }
+        let at = self.at_unit(u, v);
+        let margin = 2.0 * self.steepest * at.position.cross(ray).abs() + RAY_MARGIN * self.pitch_radius;
+        at.position.dot(ray) + margin < radius
     }
 
     /// The rare case, kept out of the hot path.

@@ -8,6 +8,7 @@ use pulp::Simd;
 
 use crate::lanes::{ComplexLanes, Lanes, Mask};
 use crate::Epitrochoid;
+use crate::closest::{RAY_MARGIN, RAY_STEPS};
 
 /// Feet of several points; where `inside` is not set the values hold no meaning.
 #[derive(Debug, Clone, Copy)]
@@ -158,9 +159,40 @@ impl Epitrochoid {
             curvature: at.curvature,
         };
         if lost.any() {
+            lost = lost.without(self.outside_by_ray_lanes(p, unit, multiple));
+        }
+        if lost.any() {
             self.find_lost(p, unit, multiple, lost, &mut feet);
         }
         feet
+    }
+
+    /// Where the ray from the origin through `p` certainly leaves the curve before it reaches `p`; see
+    /// `outside_by_ray` of the scalar search.
+    #[inline(always)]
+    fn outside_by_ray_lanes<S: Simd>(
+        &self,
+        p: ComplexLanes<S>,
+        unit: ComplexLanes<S>,
+        multiple: ComplexLanes<S>,
+    ) -> Mask<S> {
+        let c = |x: f64| p.re.like(x);
+        let radius = p.dot(p).sqrt();
+        let ray = p.scale(radius.recip());
+        let (mut u, mut v) = (unit, multiple);
+        let mut at = self.at_lanes(u, v);
+        for _ in 0..RAY_STEPS {
+            // The tangent is n turned; moving along it by w/(tangent x ray) brings C onto the ray.
+            let slope = at.normal.turned().cross(ray);
+            let da = -at.position.cross(ray) * at.inverse_speed * slope.recip();
+            let turn = turn_by(da.only(da.abs().less(c(SERIES_LIMIT))));
+            u = u * turn;
+            v = v * turn.powu(self.sleeves);
+            at = self.at_lanes(u, v);
+        }
+        let beside = at.position.cross(ray).abs();
+        let margin = beside.mul_add(c(2.0 * self.steepest), c(RAY_MARGIN * self.pitch_radius));
+        (at.position.dot(ray) + margin).less(radius)
     }
 
     /// The scalar search for the lanes that need it.

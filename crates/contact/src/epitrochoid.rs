@@ -61,6 +61,8 @@ pub struct Epitrochoid {
     /// A ball of this radius touching C from outside (inside) meets C only where it touches.
     pub(crate) reach_outside: f64,
     pub(crate) reach_inside: f64,
+    /// Largest |d(radius)/d(polar angle)| / radius: tan of the angle between normal and radius.
+    pub(crate) steepest: f64,
 }
 
 impl Epitrochoid {
@@ -85,8 +87,10 @@ impl Epitrochoid {
             shortening,
             reach_outside: 0.0,
             reach_inside: 0.0,
+            steepest: 0.0,
         };
         (curve.reach_outside, curve.reach_inside) = curve.reaches();
+        curve.steepest = curve.steepest_slope();
         Ok(curve)
     }
 
@@ -165,6 +169,16 @@ impl Epitrochoid {
         } else {
             ends
         }
+    }
+
+    /// tan of the largest angle between normal and radius, from samples of half a lobe, with a margin.
+    fn steepest_slope(&self) -> f64 {
+        let half = std::f64::consts::PI / f64::from(self.lobes());
+        let slope = |k: u32| {
+            let at = self.at(f64::from(k) / 64.0 * half);
+            (at.position.cross(at.normal) / at.position.dot(at.normal)).abs()
+        };
+        1.1 * (0..=64).map(slope).fold(0.0, f64::max) + 1e-3
     }
 
     /// Reach of the curve to either side [Federer 1959]: inf |y - x|^2 / (2 |(y - x) . n_x|).
