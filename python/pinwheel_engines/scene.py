@@ -88,6 +88,16 @@ class Masses:
     external_sleeve: BodyMass = BodyMass(0.048, 1.1013e-5)
 
 
+    def of_bodies(self, gear: Gear) -> list[BodyMass]:
+        """One entry a body, in the order of `layout`."""
+        return (
+            [self.input_shaft, self.output_shaft]
+            + [self.wheel] * gear.wheels
+            + [self.external_sleeve] * gear.external_sleeves
+            + [self.internal_sleeve] * gear.internal_sleeves
+        )
+
+
 @dataclass(frozen=True)
 class Drive:
     """Motion of the input and load of the output (Tab. 3).

@@ -122,14 +122,11 @@ def run(
 
 def _add_tree(system: Any, scene: Scene, kinematics: Kinematics, node: Any, force: Callable[..., Any]) -> None:
     """The mechanism as one kinematic tree, links in the order of `layout`."""
-    layout, mass = kinematics.layout, scene.mass
-    parts = [mass.input_shaft, mass.output_shaft]
-    parts += [mass.wheel] * layout.wheels
-    parts += [mass.external_sleeve] * layout.external_sleeves
-    parts += [mass.internal_sleeve] * layout.internal_sleeves
+    layout = kinematics.layout
+    parts = scene.mass.of_bodies(scene.gear)
     unit = np.eye(3)
     inertias = [np.diag([0.0, 0.0, part.moment_kg_m2]) for part in parts]
-    inertias[INPUT] = np.diag([0.0, 0.0, ROTOR_KG_M2 + mass.input_shaft.moment_kg_m2])
+    inertias[INPUT] = np.diag([0.0, 0.0, ROTOR_KG_M2 + parts[INPUT].moment_kg_m2])
     count = layout.bodies
     system.AddObject(
         items.ObjectKinematicTree(

@@ -20,9 +20,10 @@ from pinwheel_engines.border import LawPointer, StageLaw, check_not_frozen
 from pinwheel_engines.errors import Cancelled, Diverged, EngineFailed
 from pinwheel_engines.guards import Guard
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
+from pinwheel_engines.mujoco.model import coordinates, tree_xml
 from pinwheel_engines.mujoco.session import VERSION, Callback, callback_at, check_data, quiet_session
 from pinwheel_engines.result import Recorder, Result, RunStats
-from pinwheel_engines.scene import BodyMass, Scene
+from pinwheel_engines.scene import Scene
 from pinwheel_engines.start import initial_angles
 from pinwheel_engines.stepping import steps_between
 
@@ -35,31 +36,11 @@ ARMATURE_KG_M2 = 1.0e12
 
 
 def model_xml(scene: Scene, step_s: float) -> str:
-    """The mechanism as MJCF: one hinge a body, in the order of `layout`."""
-    kinematics = Kinematics(scene.gear)
-    layout, mass = kinematics.layout, scene.mass
-    masses: list[BodyMass] = [mass.input_shaft, mass.output_shaft]
-    masses += [mass.wheel] * layout.wheels
-    masses += [mass.external_sleeve] * layout.external_sleeves
-    masses += [mass.internal_sleeve] * layout.internal_sleeves
-
-    def body(index: int) -> str:
-        at, part = kinematics.offsets[index], masses[index]
-        j = repr(part.moment_kg_m2)
-        armature = f' armature="{ARMATURE_KG_M2!r}"' if index == INPUT else ""
-        inner = "".join(body(child) for child in range(layout.bodies) if layout.carriers[child] == index)
-        return (
-            f'<body name="b{index}" pos="{float(at.real)!r} {float(at.imag)!r} 0">'
-            f'<inertial pos="0 0 0" mass="{part.mass_kg!r}" diaginertia="{j} {j} {j}"/>'
-            f'<joint name="j{index}" type="hinge" axis="0 0 1"{armature}/>{inner}</body>\n'
-        )
-
-    bodies = "".join(body(index) for index in range(layout.bodies) if layout.carriers[index] < 0)
+    """The mechanism as MJCF, contact and constraints off."""
     return (
-        f'<mujoco><compiler angle="radian" autolimits="true"/>'
-        f'<option integrator="RK4" timestep="{step_s!r}" gravity="0 0 0">'
+        f'<mujoco><option integrator="RK4" timestep="{step_s!r}" gravity="0 0 0">'
         '<flag contact="disable" constraint="disable" autoreset="disable"/></option>'
-        f"<worldbody>\n{bodies}</worldbody></mujoco>"
+        f"<worldbody>{tree_xml(scene, ARMATURE_KG_M2)}</worldbody></mujoco>"
     )
 
 
@@ -75,7 +56,7 @@ def mujoco_layout(kinematics: Kinematics, model: mujoco.MjModel, data: mujoco.Mj
     carried body its own torque once more on its carrier's hinge, because that hinge turns it too.
     """
     counters = np.zeros(2, dtype=np.int64)
-    coordinate = _coordinates(kinematics, model)
+    coordinate = coordinates(kinematics, model)
     return {
         "bodies": kinematics.layout.bodies,
         "coordinates": int(model.nv),
@@ -92,11 +73,6 @@ def mujoco_layout(kinematics: Kinematics, model: mujoco.MjModel, data: mujoco.Mj
     }
 
 
-def _coordinates(kinematics: Kinematics, model: mujoco.MjModel) -> npt.NDArray[np.intp]:
-    """Index of every body's hinge in qpos and qvel."""
-    return np.array([model.joint(f"j{index}").qposadr[0] for index in range(kinematics.layout.bodies)], dtype=np.intp)
-
-
 class _Machine:
     """Model, data and the contact torques of one run."""
 
@@ -105,7 +81,7 @@ class _Machine:
         self.kinematics = Kinematics(scene.gear)
         self.model = mujoco.MjModel.from_xml_string(model_xml(scene, step_s))
         self.data = mujoco.MjData(self.model)
-        self.coordinate = _coordinates(self.kinematics, self.model)
+        self.coordinate = coordinates(self.kinematics, self.model)
         angles, rates = initial_angles(scene, initial)
         self.data.qpos[self.coordinate] = self.kinematics.relative(angles)
         self.data.qvel[self.coordinate] = self.kinematics.relative(rates)

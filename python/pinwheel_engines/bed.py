@@ -1,0 +1,110 @@
+"""A bed of linear springs in place of the Hertzian law, for engines that resolve contact themselves.
+
+Springs of stiffness k' a metre of edge, pressed by a conformal counterpart of reduced radius R = R_c R_p/(R_c + R_p) with
+penetration delta, are loaded over |x| < sqrt(2 R delta) with depth delta - x^2/(2 R). Together they give
+    F = k' (4 sqrt 2/3) sqrt(R) delta^1.5,
+so k' = 3 K0/(4 sqrt 2), with K = K0 sqrt(R) from Eq. 23, reproduces K delta^1.5 and its dependence on the local curvature.
+The ramp S of Eq. 22 has no counterpart. A damper c' a metre gives c' 2 sqrt(2 R delta), which equals C at one penetration
+only: the one under the gear's nominal sleeve force.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel_engines.errors import Unsupported
+from pinwheel_engines.geometry import Epitrochoid
+from pinwheel_engines.law import ContactLaw
+from pinwheel_engines.scene import Scene
+
+Floats = npt.NDArray[np.float64]
+Points = npt.NDArray[np.complex128]
+
+
+# Least nominal penetration in ramps S. The paper's gear has 7, where leaving S out costs under 1 % of the forces' RMS; with
+# H = 1 it has 0.3 and the difference is 18 %.
+LEAST_RAMPS = 3.0
+
+
+def check_own_contact(engine: str, scene: Scene) -> None:
+    """Raises Unsupported for what a spring bed cannot honour."""
+    contact = scene.contact
+    if contact.law != "paper":
+        raise Unsupported(engine, f'contact.law = "{contact.law}": its own contact can imitate only "paper"')
+    if contact.friction_coefficient != 0.0:
+        raise Unsupported(
+            engine, f"contact.friction_coefficient = {contact.friction_coefficient}: its own contact is frictionless here"
+        )
+
+
+    # Below the ramp Eq. 20 is a power of 2.5, which neither a bed of springs nor a power of 1.5 resembles.
+    nominal = nominal_penetration_m(scene)
+    if nominal < LEAST_RAMPS * contact.ramp_m:
+        raise Unsupported(
+            engine,
+            f"the nominal penetration of {nominal:.2g} m is below {LEAST_RAMPS:g} times contact.ramp_m = {contact.ramp_m:g}, "
+            "so the ramp S shapes the forces and its own contact has none; take a softer contact or a shorter ramp",
+        )
+
+
+def bed_stiffness(scene: Scene) -> float:
+    """k', N/m^2."""
+    return 3.0 / (4.0 * math.sqrt(2.0)) * ContactLaw(scene).stiffness_factor
+
+
+def nominal_force_n(scene: Scene) -> float:
+    """Greatest external sleeve force at zero clearance with linear springs, 4 T/(n e zs zk); at least 1 N."""
+    gear = scene.gear
+    torque = abs(scene.drive.output_torque_n_m) / gear.wheels
+    return max(1.0, 4.0 * torque / (gear.eccentricity_m * gear.lobes * gear.external_sleeves))
+
+
+def nominal_rate_rad_s(scene: Scene) -> float:
+    """Angular frequency of a wheel on its loaded sleeves with the shafts held, rad/s: what an explicit step must resolve.
+
+    Half of the sleeves are loaded, each with the tangent stiffness 1.5 K^(2/3) F^(1/3) at its nominal force and with a
+    lever whose mean square is half the square of its greatest.
+    """
+    gear, law = scene.gear, ContactLaw(scene)
+    torque = max(1.0, abs(scene.drive.output_torque_n_m)) / gear.wheels
+    stiffness = 0.0
+    for sleeves, lever, k in (
+        (gear.external_sleeves, gear.eccentricity_m * gear.lobes, law.stiffness_factor * math.sqrt(scene.gear.external_sleeve_radius_m)),
+        (gear.internal_sleeves, gear.internal_circle_radius_m, law.hole_stiffness),
+    ):
+        force = 4.0 * torque / (sleeves * lever)
+        stiffness += 0.25 * max(2, sleeves) * 1.5 * k ** (2.0 / 3.0) * force ** (1.0 / 3.0) * lever**2
+    return math.sqrt(stiffness / scene.mass.wheel.moment_kg_m2)
+
+
+def nominal_penetration_m(scene: Scene) -> float:
+    """Penetration of an external sleeve under its nominal force where the profile is straight (R = q), m."""
+    stiffness = ContactLaw(scene).stiffness_factor * math.sqrt(scene.gear.external_sleeve_radius_m)
+    return (nominal_force_n(scene) / stiffness) ** (2.0 / 3.0)
+
+
+def bed_damping(scene: Scene) -> float:
+    """c', N s/m^2: together as C at the nominal force where the profile is straight (R = q)."""
+    width = 2.0 * math.sqrt(2.0 * scene.gear.external_sleeve_radius_m * nominal_penetration_m(scene))
+    return scene.contact.damping_n_s_m / width
+
+
+def equal_arcs(scene: Scene, count: int) -> tuple[Floats, float]:
+    """Parameters of `count` points at equal distances along the wheel's edge, and that distance, m."""
+    curve, q = Epitrochoid.of(scene.gear), scene.gear.external_sleeve_radius_m
+    # The edge's speed is |C'| (1 - q kappa); the trapezoidal rule is spectrally accurate on a period.
+    fine = np.linspace(0.0, 2.0 * math.pi, 200 * scene.gear.lobes * 8 + 1)
+    m, zs = scene.gear.shortening, scene.gear.lobes
+    speed = curve.radius_m * np.abs(1.0 + m * np.exp(1j * zs * fine)) * (1.0 - q * curve.curvature(fine))
+    length = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(fine))])
+    wanted = length[-1] * np.arange(count) / count
+    return np.interp(wanted, length, fine), float(length[-1] / count)
+
+
+def edge(scene: Scene, a: Floats, inset_m: float = 0.0) -> Points:
+    """Points of the wheel's edge, moved inwards by `inset_m`, in the wheel's frame, m."""
+    curve = Epitrochoid.of(scene.gear)
+    return np.asarray(curve.point(a) - (scene.gear.external_sleeve_radius_m + inset_m) * curve.normal(a))

@@ -1,0 +1,345 @@
+"""exudyn, own contact: sphere in hollow sphere for the internal sleeves, circles on a polygon for the external ones.
+
+exudyn finds the contacts and computes their forces; no code of ours runs in the step.
+- Internal sleeves: `ObjectContactSphereSphere`, hollow, exponent 1.5, linear damping: the law itself but for its ramp S.
+- External sleeves: `ObjectContactCurveCircles`, one for each wheel and sleeve: every segment of the edge is a linear spring
+  of the bed (see `bed`). Only the segments that can reach the sleeve during the run are given to it.
+- The curve contact's damping leaves out the curve's rotation, so it stays off. The external contacts' damping is put where
+  it acts: with the edge's normal rate v_n = l_j (wheel rate - ideal rate) and C v_n at every loaded sleeve, the wheel feels
+  a rotational damper of C times the mean sum of l_j^2 about the ideal speed (l_j: lever of the normal).
+Kinematic trees (input with wheels, output with its sleeves, every external sleeve by itself: a short tree makes cheap
+markers, and a curve contact fails on a ground marker), Runge-Kutta 4; the driver is a rotor inertia of 1e12 kg m^2.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import Any
+
+import exudyn as exu
+import exudyn.itemInterface as items
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel_engines.bed import bed_stiffness, check_own_contact, edge, equal_arcs, nominal_rate_rad_s
+from pinwheel_engines.errors import Cancelled, Diverged
+from pinwheel_engines.exudyn.session import VERSION, Kept, quiet_session, solve
+from pinwheel_engines.guards import Guard
+from pinwheel_engines.law import ContactLaw
+from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics, hole_centres, wheel_phases
+from pinwheel_engines.result import Recorder, Result, RunStats
+from pinwheel_engines.scene import BodyMass, Gear, Scene
+from pinwheel_engines.start import initial_angles
+from pinwheel_engines.stepping import stretches
+
+Floats = npt.NDArray[np.float64]
+Complexes = npt.NDArray[np.complex128]
+
+NAME = "exudyn-own-contact"
+
+ROTOR_KG_M2 = 1.0e12
+
+
+def wheel_damper(scene: Scene) -> float:
+    """N m s/rad on a wheel's rate against its ideal one: C times the mean over a mesh of the sum of squared levers.
+
+    The lever of sleeve i is e zs sin(phi_i)/sqrt(1 + m^2 - 2 m cos(phi_i)), and the half of the sleeves is loaded.
+    """
+    gear = scene.gear
+    phi = (np.arange(2000) + 0.5) * math.pi / 2000
+    m = gear.shortening
+    lever = gear.eccentricity_m * gear.lobes * np.sin(phi) / np.sqrt(1.0 + m * m - 2.0 * m * np.cos(phi))
+    return float(scene.contact.damping_n_s_m * 0.5 * gear.external_sleeves * np.mean(lever**2))
+
+
+def margin_rad(gear: Gear) -> float:
+    """How far beyond the ideal mesh segments are kept: half a lobe and the wheel's free play."""
+    return math.pi / gear.lobes + gear.backlash_m / (gear.eccentricity_m * gear.lobes)
+
+
+def reachable(scene: Scene, wheel: int, sleeve: int, edge_polar: Floats) -> npt.NDArray[np.bool_]:
+    """Which edge points, by polar angle in the wheel's frame, can come under a sleeve during the run.
+
+    The sleeve's polar angle in the wheel's frame is followed at the ideal mesh; a margin on both sides covers the
+    contact's width, backlash and the wheel's free play.
+    """
+    gear, drive = scene.gear, scene.drive
+    f = wheel_phases(gear)[wheel] + drive.input_speed_rad_s * np.linspace(0.0, scene.solver.duration_s, 2000)
+    centre = gear.eccentricity_m * np.exp(1j * f)
+    seat = (gear.pitch_radius_m + gear.backlash_m) * np.exp(2j * math.pi * sleeve / gear.external_sleeves)
+    track = np.unwrap(np.angle(seat - centre)) - (math.pi - f) / gear.lobes
+    margin = margin_rad(gear)
+    low, high = float(track.min()) - margin, float(track.max()) + margin
+    return np.mod(edge_polar - low, 2.0 * math.pi) <= high - low
+
+
+class _Machine:
+    """The exudyn system of one run, and how to read its forces."""
+
+    def __init__(self, scene: Scene, segments: int, initial: Floats | None) -> None:
+        gear = scene.gear
+        self.scene = scene
+        self.kinematics = Kinematics(gear)
+        self.layout = self.kinematics.layout
+        self.container = exu.SystemContainer()
+        self.system = self.container.AddSystem()
+        self.ground = self.system.AddObject(items.ObjectGround())
+        angles, rates = initial_angles(scene, initial)
+        self.initial_states = self.kinematics.states(angles, rates)
+        layout = self.layout
+        self.drive_side = [INPUT, *range(layout.wheel_bodies.start, layout.wheel_bodies.stop)]
+        self.load_side = [OUTPUT, *range(layout.internal_bodies.start, layout.internal_bodies.stop)]
+        self.drive_tree = self._add_tree(self.drive_side, angles, rates, ROTOR_KG_M2)
+        self.load_tree = self._add_tree(self.load_side, angles, rates, 0.0)
+        self.housing_side = list(range(layout.external_bodies.start, layout.external_bodies.stop))
+        self.housing_trees = [self._add_tree([body], angles, rates, 0.0) for body in self.housing_side]
+        self._add_dampers()
+        self.outer = self._add_edges(segments)
+        self.inner = self._add_holes()
+        self.system.Assemble()
+
+    def _add_tree(self, bodies: list[int], angles: Floats, rates: Floats, rotor: float) -> Any:
+        """A carrier and what it carries; the first entry of `bodies` is the carrier."""
+        kinematics, parts = self.kinematics, self.scene.mass.of_bodies(self.scene.gear)
+        count = len(bodies)
+        node = self.system.AddNode(
+            items.NodeGenericODE2(
+                referenceCoordinates=[0.0] * count,
+                initialCoordinates=kinematics.relative(angles)[bodies].tolist(),
+                initialCoordinates_t=kinematics.relative(rates)[bodies].tolist(),
+                numberOfODE2Coordinates=count,
+            )
+        )
+        own: list[BodyMass] = [parts[b] for b in bodies]
+        moments = [p.moment_kg_m2 for p in own]
+        moments[0] += rotor
+        offsets = kinematics.offsets[bodies]
+        return self.system.AddObject(
+            items.ObjectKinematicTree(
+                nodeNumber=node,
+                jointTypes=[exu.JointType.RevoluteZ] * count,
+                linkParents=[-1] + [0] * (count - 1),
+                jointTransformations=exu.Matrix3DList([np.eye(3)] * count),
+                jointOffsets=exu.Vector3DList([[float(z.real), float(z.imag), 0.0] for z in offsets]),
+                linkInertiasCOM=exu.Matrix3DList([np.diag([0.0, 0.0, j]) for j in moments]),
+                linkCOMs=exu.Vector3DList([[0.0, 0.0, 0.0]] * count),
+                linkMasses=[p.mass_kg for p in own],
+            )
+        )
+
+    def _link_marker(self, tree: Any, link: int, at: complex) -> Any:
+        return self.system.AddMarker(
+            items.MarkerKinematicTreeRigid(
+                objectNumber=tree, linkNumber=link, localPosition=[float(at.real), float(at.imag), 0.0]
+            )
+        )
+
+    def _ground_marker(self, at: complex) -> Any:
+        return self.system.AddMarker(
+            items.MarkerBodyRigid(bodyNumber=self.ground, localPosition=[float(at.real), float(at.imag), 0.0])
+        )
+
+    def _add_dampers(self) -> None:
+        """The external contacts' damping as a damper on every wheel, about its ideal speed; and the load."""
+        ideal = -self.scene.drive.input_speed_rad_s / self.scene.gear.lobes
+        still = self._ground_marker(0j)
+        for link in range(1, len(self.drive_side)):
+            self.system.AddObject(
+                items.ObjectConnectorTorsionalSpringDamper(
+                    markerNumbers=[still, self._link_marker(self.drive_tree, link, 0j)],
+                    damping=wheel_damper(self.scene),
+                    velocityOffset=ideal,
+                )
+            )
+        drive = self.scene.drive
+        load: dict[str, Any] = {"loadVector": [0.0, 0.0, drive.output_torque_n_m]}
+        if drive.load_ramp_s > 0.0:
+            load["loadVectorUserFunction"] = lambda _system, t, _vector: [0.0, 0.0, drive.load_n_m(t)]
+        self.system.AddLoad(
+            items.LoadTorqueVector(markerNumber=self._link_marker(self.load_tree, 0, 0j), **load)
+        )
+
+    def _add_edges(self, segments: int) -> list[list[Any]]:
+        """Curve contacts, one list of wheels for every sleeve."""
+        scene, gear = self.scene, self.scene.gear
+        a, _ = equal_arcs(scene, segments)
+        corners = edge(scene, a)
+        following = np.roll(corners, -1)
+        polar = np.angle(0.5 * (corners + following))
+        table = np.column_stack([corners.real, corners.imag, following.real, following.imag])
+        stiffness = bed_stiffness(scene)
+        contacts: list[list[Any]] = []
+        for sleeve in range(gear.external_sleeves):
+            seat = self._link_marker(self.housing_trees[sleeve], 0, 0j)
+            contacts.append([])
+            for wheel in range(gear.wheels):
+                near = table[reachable(scene, wheel, sleeve, polar)]
+                data = self._add_curve_data(near, wheel, sleeve)
+                contacts[-1].append(
+                    self.system.AddObject(
+                        items.ObjectContactCurveCircles(
+                            markerNumbers=[self._link_marker(self.drive_tree, 1 + wheel, 0j), seat],
+                            nodeNumber=data,
+                            circlesRadii=[gear.external_sleeve_radius_m],
+                            segmentsData=exu.MatrixContainer(near.tolist()),
+                            contactStiffness=stiffness,
+                            contactDamping=0.0,
+                            contactModel=0,
+                        )
+                    )
+                )
+        return contacts
+
+    def _add_curve_data(self, segments: Floats, wheel: int, sleeve: int) -> Any:
+        """The state of a curve contact at the start: circle (0, or -1 for none), gap and sliding rate of every segment."""
+        states = self.initial_states
+        body, pin = states[self.layout.wheel_bodies][wheel], states[self.layout.external_bodies][sleeve]
+        centre = complex(pin[0] - body[0], pin[1] - body[1]) * np.exp(-1j * body[2])
+        start = segments[:, 0] + 1j * segments[:, 1]
+        along = segments[:, 2] + 1j * segments[:, 3] - start
+        share = np.clip(np.real((centre - start) * np.conj(along)) / np.abs(along) ** 2, 0.0, 1.0)
+        gap = np.abs(centre - start - share * along) - self.scene.gear.external_sleeve_radius_m
+        table = np.column_stack([np.where(gap < 0.0, 0.0, -1.0), gap, np.zeros_like(gap)])
+        return self.system.AddNode(
+            items.NodeGenericData(initialCoordinates=table.ravel().tolist(), numberOfDataCoordinates=table.size)
+        )
+
+    def _add_holes(self) -> list[list[Any]]:
+        """Hollow-sphere contacts, one list of wheels for every internal sleeve."""
+        scene, gear = self.scene, self.scene.gear
+        holes, seats = hole_centres(gear), self.kinematics.offsets[self.layout.internal_bodies]
+        stiffness, layout = ContactLaw(scene).hole_stiffness, self.layout
+        contacts: list[list[Any]] = []
+        for sleeve in range(gear.internal_sleeves):
+            seat = self._link_marker(self.load_tree, 0, seats[sleeve])
+            contacts.append([])
+            for wheel in range(gear.wheels):
+                w, s = self.initial_states[layout.wheel_bodies][wheel], self.initial_states[layout.internal_bodies][sleeve]
+                hole = complex(w[0], w[1]) + holes[wheel, sleeve] * np.exp(1j * w[2])
+                gap = gear.hole_radius_m - gear.internal_sleeve_radius_m - abs(complex(s[0], s[1]) - hole)
+                data = self.system.AddNode(
+                    items.NodeGenericData(initialCoordinates=[gap, 0.0, 0.0, 0.0], numberOfDataCoordinates=4)
+                )
+                contacts[-1].append(
+                    self.system.AddObject(
+                        items.ObjectContactSphereSphere(
+                            markerNumbers=[seat, self._link_marker(self.drive_tree, 1 + wheel, holes[wheel, sleeve])],
+                            nodeNumber=data,
+                            spheresRadii=[gear.internal_sleeve_radius_m, gear.hole_radius_m],
+                            isHollowSphere1=True,
+                            dynamicFriction=0.0,
+                            contactStiffness=stiffness,
+                            contactStiffnessExponent=1.5,
+                            contactDamping=scene.contact.damping_n_s_m,
+                            impactModel=0,
+                        )
+                    )
+                )
+        return contacts
+
+    def absolute(self) -> tuple[Floats, Floats]:
+        """Absolute angles and rates of all bodies."""
+        order = self.drive_side + self.load_side + self.housing_side
+        data = self.system.systemData
+        found = []
+        for values in (data.GetODE2Coordinates(), data.GetODE2Coordinates_t()):
+            relative = np.zeros(self.layout.bodies)
+            relative[order] = values
+            found.append(self.kinematics.absolute(relative))
+        return found[0], found[1]
+
+    def forces(self, angles: Floats) -> tuple[Complexes, Complexes]:
+        """Contact force on every external and internal sleeve, vector sums over the wheels, N, ground frame."""
+        gear, system, kinds = self.scene.gear, self.system, exu.OutputVariableType
+        turns = np.exp(1j * angles[self.layout.wheel_bodies])
+        outer = np.zeros(gear.external_sleeves, dtype=np.complex128)
+        inner = np.zeros(gear.internal_sleeves, dtype=np.complex128)
+        for sleeve, contacts in enumerate(self.outer):
+            for turn, contact in zip(turns, contacts, strict=True):
+                # x and y of every segment's force in the wheel's frame, with the sign of the equations' left-hand side.
+                parts = np.asarray(system.GetObjectOutput(contact, kinds.ForceLocal)).reshape(-1, 2).sum(axis=0)
+                outer[sleeve] -= complex(parts[0], parts[1]) * turn
+        for sleeve, contacts in enumerate(self.inner):
+            for contact in contacts:
+                parts = np.asarray(system.GetObjectOutput(contact, kinds.Force))
+                inner[sleeve] += complex(parts[0], parts[1])
+        return outer, inner
+
+    def driver_torque(self) -> float:
+        """Torque of the driver on the input shaft, N m."""
+        return -ROTOR_KG_M2 * float(self.system.systemData.GetODE2Coordinates_tt()[0])
+
+
+
+
+def run(
+    scene: Scene,
+    on_progress: Callable[[float], bool] | None = None,
+    step_s: float | None = None,
+    initial: Floats | None = None,
+    segments: int = 8000,
+) -> Result:
+    """Runs a scene without friction. `segments`: springs along each wheel's edge.
+
+    `step_s`: 1e-4 s, or one radian of the wheel's nominal frequency if that is less.
+    Raises Diverged with the courses until then, Cancelled, EngineFailed, Unsupported.
+    """
+    check_own_contact(NAME, scene)
+    guard = Guard(NAME, scene)
+    # Beyond half of the margin a wheel would run out of the segments that were kept for it.
+    guard.wheel_limit_rad = min(guard.wheel_limit_rad, 0.5 * margin_rad(scene.gear))
+    wanted = min(1.0e-4, 1.1 / nominal_rate_rad_s(scene)) if step_s is None else step_s
+    kept = Kept()
+    wall, cpu = time.perf_counter(), time.thread_time()
+    progress = {"steps": 0}
+    with quiet_session():
+        machine = _Machine(scene, segments, initial)
+        kinematics, layout = machine.kinematics, machine.layout
+        recorder = Recorder(scene, kinematics)
+
+        def sample(time_s: float) -> None:
+            angles, rates = machine.absolute()
+            guard.check_states(time_s, angles, rates)
+            outer, inner = machine.forces(angles)
+            guard.check_forces(time_s, np.concatenate([np.abs(outer), np.abs(inner)]))
+            seat = kinematics.offsets[layout.internal_bodies] * np.exp(1j * angles[OUTPUT])
+            torque = machine.driver_torque()
+            recorder.record_forces(
+                torque,
+                float(np.sum(np.imag(np.conj(seat) * inner))),
+                float(angles[OUTPUT]),
+                np.abs(outer),
+                np.abs(inner),
+            )
+            if on_progress is not None and on_progress(time_s):
+                raise Cancelled
+
+        def adjust(settings: Any) -> None:
+            # The recommended step after a change of contact would end in steps of 0.
+            settings.timeIntegration.discontinuous.useRecommendedStepSize = False
+
+        def finish() -> Result:
+            stats = RunStats(
+                wall_s=time.perf_counter() - wall,
+                cpu_s=time.thread_time() - cpu,
+                steps=progress["steps"],
+                degrees_of_freedom=layout.bodies,
+                bodies=layout.bodies,
+                step_s=wanted,
+                settings=f"KinematicTree, RK44, {segments} segments an edge, wheel damper {wheel_damper(scene):.4g} N m s/rad "
+                "for the external contacts' damping",
+                versions={"exudyn": VERSION, "numpy": np.__version__},
+                notes=["the ramp S of the contact law and contact.detection have no counterpart in exudyn's contacts"],
+            )
+            return Result(NAME, recorder.columns(), stats)
+
+        try:
+            sample(0.0)
+            parts = stretches(recorder.times_s, wanted)
+            progress["steps"] = solve(NAME, machine.system, parts, kept, exu.DynamicSolverType.RK44, sample, adjust)
+        except Diverged as error:
+            error.partial = finish()
+            raise
+        return finish()

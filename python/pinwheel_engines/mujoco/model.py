@@ -1,0 +1,40 @@
+"""The mechanism as MJCF: a tree of hinges, one a body, shared by both tracks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel_engines.layout import INPUT, Kinematics
+from pinwheel_engines.scene import Scene
+
+
+def tree_xml(scene: Scene, armature_kg_m2: float, content: Callable[[int], str] = lambda _body: "") -> str:
+    """Bodies b0, b1, ... with hinges j0, j1, ... in the order of `layout`; `content` adds geoms and sites to a body.
+
+    The input's hinge carries `armature_kg_m2`, which makes it the driver. Only moments about z count in the plane; the
+    other two are set alike because MuJoCo wants a possible solid.
+    """
+    kinematics = Kinematics(scene.gear)
+    layout, parts = kinematics.layout, scene.mass.of_bodies(scene.gear)
+
+    def body(index: int) -> str:
+        at, part = kinematics.offsets[index], parts[index]
+        j = repr(part.moment_kg_m2)
+        armature = f' armature="{armature_kg_m2!r}"' if index == INPUT else ""
+        inner = "".join(body(child) for child in range(layout.bodies) if layout.carriers[child] == index)
+        return (
+            f'<body name="b{index}" pos="{float(at.real)!r} {float(at.imag)!r} 0">'
+            f'<inertial pos="0 0 0" mass="{part.mass_kg!r}" diaginertia="{j} {j} {j}"/>'
+            f'<joint name="j{index}" type="hinge" axis="0 0 1"{armature}/>{content(index)}{inner}</body>\n'
+        )
+
+    return "".join(body(index) for index in range(layout.bodies) if layout.carriers[index] < 0)
+
+
+def coordinates(kinematics: Kinematics, model: mujoco.MjModel) -> npt.NDArray[np.intp]:
+    """Index of every body's hinge in qpos and qvel."""
+    return np.array([model.joint(f"j{index}").qposadr[0] for index in range(kinematics.layout.bodies)], dtype=np.intp)
