@@ -116,7 +116,10 @@ impl Control<'_> {
     #[must_use]
     pub fn quiet() -> Control<'static> {
         static NEVER: AtomicBool = AtomicBool::new(false);
-        Control { cancel: &NEVER, progress: &|_| {} }
+        Control {
+            cancel: &NEVER,
+            progress: &|_| {},
+        }
     }
 
     /// Reports the simulated time; true when the run must stop.

@@ -15,14 +15,20 @@ pub struct Native {
 
 impl Native {
     /// Centre-pinned bodies eliminated.
-    pub const REDUCED: Self = Self { formulation: Formulation::Reduced };
+    pub const REDUCED: Self = Self {
+        formulation: Formulation::Reduced,
+    };
     /// All bodies, Eq. 2.
-    pub const LAGRANGE: Self = Self { formulation: Formulation::Lagrange };
+    pub const LAGRANGE: Self = Self {
+        formulation: Formulation::Lagrange,
+    };
 
     /// The solver that a scene asks for.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
-        Self { formulation: scene.solver.formulation }
+        Self {
+            formulation: scene.solver.formulation,
+        }
     }
 
     fn compile(&self, scene: &Scene) -> Result<Gearbox, EngineError> {
@@ -32,7 +38,10 @@ impl Native {
     }
 
     fn unsupported(&self, error: &GearboxError) -> EngineError {
-        EngineError::Unsupported { engine: self.name().to_owned(), reason: error.to_string() }
+        EngineError::Unsupported {
+            engine: self.name().to_owned(),
+            reason: error.to_string(),
+        }
     }
 }
 
@@ -92,22 +101,40 @@ impl Engine for Native {
                 rejected_steps: counts.rejected,
                 degrees_of_freedom: run.degrees_of_freedom,
                 bodies: gearbox.layout.bodies(),
-                step_s: if counts.steps == 0 { 0.0 } else { run.end_s / counts.steps as f64 },
+                step_s: if counts.steps == 0 {
+                    0.0
+                } else {
+                    run.end_s / counts.steps as f64
+                },
                 settings: format!("{}, {}", self.name(), scene.solver.integrator),
-                joint_drift_m: (self.formulation == Formulation::Lagrange).then_some(run.joint_drift_m),
+                joint_drift_m: (self.formulation == Formulation::Lagrange)
+                    .then_some(run.joint_drift_m),
                 notes: Vec::new(),
             };
-            Run { courses: run.courses, stats }
+            Run {
+                courses: run.courses,
+                stats,
+            }
         };
         let engine = self.name().to_owned();
         match outcome {
             Ok(run) => Ok(dress(run)),
-            Err(NativeError::Diverged { time_s, quantity, partial }) => {
-                Err(EngineError::Diverged { engine, time_s, quantity, partial: Box::new(dress(*partial)) })
-            }
+            Err(NativeError::Diverged {
+                time_s,
+                quantity,
+                partial,
+            }) => Err(EngineError::Diverged {
+                engine,
+                time_s,
+                quantity,
+                partial: Box::new(dress(*partial)),
+            }),
             Err(NativeError::Stopped) => Err(EngineError::Cancelled),
             Err(NativeError::Model(error)) => Err(self.unsupported(&error)),
-            Err(NativeError::Courses(error)) => Err(EngineError::Failed { engine, reason: error.to_string() }),
+            Err(NativeError::Courses(error)) => Err(EngineError::Failed {
+                engine,
+                reason: error.to_string(),
+            }),
         }
     }
 }

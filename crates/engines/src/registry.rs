@@ -8,10 +8,11 @@ use crate::native::Native;
 /// All engines of this build, native first.
 #[must_use]
 pub fn registry() -> Vec<Box<dyn Engine>> {
-    let mut engines: Vec<Box<dyn Engine>> = vec![Box::new(Native::REDUCED), Box::new(Native::LAGRANGE)];
+    let native: [Box<dyn Engine>; 2] = [Box::new(Native::REDUCED), Box::new(Native::LAGRANGE)];
+    let engines = native.into_iter();
     #[cfg(feature = "rapier")]
-    engines.extend(crate::rapier::engines());
-    engines
+    let engines = engines.chain(crate::rapier::engines());
+    engines.collect()
 }
 
 /// The engine of a name; `native` is the native solver in the formulation that the scene asks for.

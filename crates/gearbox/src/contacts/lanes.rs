@@ -12,7 +12,7 @@ use pinwheel_mbs::{BodyState, Wrench};
 use pulp::Simd;
 
 use super::detection::Exact;
-use super::field::{ContactField, PairContact};
+use super::field::{ContactEnergy, ContactField, PairContact};
 use super::pairs::Pairs;
 use crate::geometry::Geometry;
 use crate::layout::Layout;
@@ -357,8 +357,8 @@ impl<L: LanesLaw> ContactField for LaneField<L> {
         self.scalar.touching(bodies, visit);
     }
 
-    fn stored(&mut self, bodies: &[BodyState]) -> f64 {
-        self.scalar.stored(bodies)
+    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
+        self.scalar.energy(bodies)
     }
 
     fn normal_force(&self, pair: &PairContact, rate: f64) -> f64 {

@@ -56,6 +56,23 @@ impl LinearMesh {
         levers.iter().map(|l| torque * l / sum).collect()
     }
 
+    /// Force of all sleeves on the wheel, N: along the eccentric (away from the gear's centre), and across it.
+    ///
+    /// Every normal passes through the pitch point, e zk from the gear's centre, so the part across is T/(e zs) exactly.
+    #[must_use]
+    pub fn bearing(&self, first: f64, torque: f64) -> [f64; 2] {
+        let m = self.shortening;
+        let mut sum = [0.0; 2];
+        for (k, force) in self.forces(first, torque).into_iter().enumerate() {
+            let angle = first + TAU * k as f64 / self.sleeves as f64;
+            let (s, c) = angle.sin_cos();
+            let scale = force / (1.0 + m * m - 2.0 * m * c).sqrt();
+            sum[0] += scale * (m - c);
+            sum[1] += scale * s;
+        }
+        sum
+    }
+
     /// Largest force of any sleeve at each of `positions` poses over one pitch: (least, largest) of these, N.
     #[must_use]
     pub fn peak(&self, torque: f64, positions: usize) -> (f64, f64) {

@@ -1,0 +1,5 @@
+//! Studies of the native solver.
+
+mod measure;
+
+pub use measure::{Difference, difference};
