@@ -18,8 +18,12 @@ const LIMIT_M: f64 = 1e-7;
 /// The curve on which sleeve centres stand, as parry sees it. Counter-clockwise: inside is solid.
 fn polyline(curve: &Epitrochoid) -> Polyline {
     let point = |i: usize| curve.at(TAU * i as f64 / VERTICES as f64).position;
-    let vertices = (0..VERTICES).map(|i| Vector::new(point(i).re, point(i).im)).collect();
-    let segments = (0..VERTICES as u32).map(|i| [i, (i + 1) % VERTICES as u32]).collect();
+    let vertices = (0..VERTICES)
+        .map(|i| Vector::new(point(i).re, point(i).im))
+        .collect();
+    let segments = (0..VERTICES as u32)
+        .map(|i| [i, (i + 1) % VERTICES as u32])
+        .collect();
     Polyline::with_flags(vertices, Some(segments), PolylineFlags::ORIENTED)
 }
 
@@ -66,7 +70,13 @@ fn largest_error(curve: &Epitrochoid, positions: usize) -> f64 {
         );
         // Closer than the polyline to the curve, the side is a matter of the polyline.
         if foot.distance.abs() > LIMIT_M {
-            assert_eq!(nearest.is_inside, foot.distance < 0.0, "side at ({}, {})", p.re, p.im);
+            assert_eq!(
+                nearest.is_inside,
+                foot.distance < 0.0,
+                "side at ({}, {})",
+                p.re,
+                p.im
+            );
         }
         largest = largest.max(error);
     }
@@ -85,9 +95,12 @@ fn crossval_parry_distance() {
 #[test]
 fn crossval_parry_distance_of_other_gears() {
     // Few and many lobes, blunt and sharp pits.
-    for (eccentricity, sleeves, shortening) in
-        [(0.003, 11, 0.7), (0.0012, 40, 0.7), (0.002, 6, 0.35), (0.0015, 24, 0.9)]
-    {
+    for (eccentricity, sleeves, shortening) in [
+        (0.003, 11, 0.7),
+        (0.0012, 40, 0.7),
+        (0.002, 6, 0.35),
+        (0.0015, 24, 0.9),
+    ] {
         let curve = Epitrochoid::new(eccentricity, sleeves, shortening).unwrap();
         let largest = largest_error(&curve, 5_000);
         println!("zk = {sleeves}, m = {shortening}: largest difference {largest:e} m");

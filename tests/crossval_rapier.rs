@@ -16,13 +16,17 @@ const TORQUES: [&str; 2] = ["input_torque_n_m", "output_torque_n_m"];
 const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];
 
 fn scene(preset: &str, settings: &[(&str, &str)]) -> Scene {
-    let overrides: Vec<Override> =
-        settings.iter().map(|&(key, value)| Override::new(key, value)).collect();
+    let overrides: Vec<Override> = settings
+        .iter()
+        .map(|&(key, value)| Override::new(key, value))
+        .collect();
     Scene::load(preset, &overrides).unwrap()
 }
 
 fn attempt(engine: &str, scene: &Scene) -> Result<Run, EngineError> {
-    by_name(engine, scene).unwrap().run(scene, &Control::quiet())
+    by_name(engine, scene)
+        .unwrap()
+        .run(scene, &Control::quiet())
 }
 
 fn run(engine: &str, scene: &Scene) -> Courses {
@@ -40,7 +44,11 @@ fn resolved(scene: &Scene, integrator: &str, step_s: f64) -> Courses {
 /// The channels of a quantity: a single one, or one per sleeve.
 fn channels<'a>(courses: &'a Courses, quantity: &str) -> Vec<&'a [f64]> {
     let group = courses.group(quantity);
-    if group.is_empty() { courses.channel(quantity).into_iter().collect() } else { group }
+    if group.is_empty() {
+        courses.channel(quantity).into_iter().collect()
+    } else {
+        group
+    }
 }
 
 /// RMS of the difference over RMS of the reference, all channels of a quantity jointly.
@@ -63,7 +71,10 @@ fn relative(courses: &Courses, reference: &Courses, quantity: &str, from_s: f64,
 fn mean(courses: &Courses, quantity: &str, from_s: f64, to_s: f64) -> f64 {
     let window = courses.window(from_s, to_s);
     let channels = channels(courses, quantity);
-    let sum: f64 = channels.iter().map(|channel| channel[window.clone()].iter().sum::<f64>()).sum();
+    let sum: f64 = channels
+        .iter()
+        .map(|channel| channel[window.clone()].iter().sum::<f64>())
+        .sum();
     sum / (channels.len() * window.len()) as f64
 }
 
@@ -77,12 +88,18 @@ fn assert_close(
     for quantity in quantities {
         let error = relative(courses, reference, quantity, from_s, to_s);
         println!("{quantity} {from_s}-{to_s} s: {error:.2e} (limit {limit:.1e})");
-        assert!(error < limit, "{quantity} in {from_s}-{to_s} s: {error:e}, limit {limit:e}");
+        assert!(
+            error < limit,
+            "{quantity} in {from_s}-{to_s} s: {error:e}, limit {limit:e}"
+        );
     }
 }
 
 fn assert_mean(courses: &Courses, reference: &Courses, quantity: &str, limit: f64) {
-    let (got, wanted) = (mean(courses, quantity, 0.3, 0.6), mean(reference, quantity, 0.3, 0.6));
+    let (got, wanted) = (
+        mean(courses, quantity, 0.3, 0.6),
+        mean(reference, quantity, 0.3, 0.6),
+    );
     let error = (got / wanted - 1.0).abs();
     println!("mean {quantity}: {got:.5} against {wanted:.5}, {error:.2e} (limit {limit:.1e})");
     assert!(error < limit, "mean {quantity}: {got} against {wanted}");
@@ -98,13 +115,21 @@ fn crossval_rapier_shared_law_steady() {
     assert_close(&courses, &reference, &TORQUES, (0.3, 0.6), 1e-4);
     assert_close(&courses, &reference, &FORCES, (0.3, 0.6), 1e-4);
     let driver = mean(&courses, TORQUES[0], 0.3, 0.6);
-    assert!((driver / 1.4529 - 1.0).abs() < 1e-3, "mean driver torque {driver}");
+    assert!(
+        (driver / 1.4529 - 1.0).abs() < 1e-3,
+        "mean driver torque {driver}"
+    );
 }
 
 /// Measured 7.5e-5 at 2e-6 s, again the leapfrog's own error. A first-order scheme has 1e-3 here.
 #[test]
 fn crossval_rapier_shared_law_transient() {
-    let at = |step_s: &str| scene("paper", &[("solver.duration_s", "0.05"), ("solver.step_s", step_s)]);
+    let at = |step_s: &str| {
+        scene(
+            "paper",
+            &[("solver.duration_s", "0.05"), ("solver.step_s", step_s)],
+        )
+    };
     let fine = run(SHARED, &at("2e-6"));
     let reference = resolved(&at("2e-6"), "rk4", 2e-6);
     assert_close(&fine, &reference, &TORQUES, (0.0, 0.05), 2e-4);
@@ -122,13 +147,57 @@ fn crossval_rapier_shared_law_transient() {
 /// 3e-4 with play, where every sleeve comes into contact with a knock.
 #[test]
 fn crossval_rapier_shared_law_other_gears() {
-    for (preset, limit) in [("eleven-pins", 2e-4), ("forty-pins", 2e-4), ("backlash-0.6", 1e-3)] {
+    for (preset, limit) in [
+        ("eleven-pins", 2e-4),
+        ("forty-pins", 2e-4),
+        ("backlash-0.6", 1e-3),
+    ] {
         println!("{preset}");
-        let scene = scene(preset, &[("solver.duration_s", "0.03"), ("solver.step_s", "2e-6")]);
+        let scene = scene(
+            preset,
+            &[("solver.duration_s", "0.03"), ("solver.step_s", "2e-6")],
+        );
         let courses = run(SHARED, &scene);
         let reference = resolved(&scene, "rk4", 2e-6);
         assert_close(&courses, &reference, &TORQUES, (0.0, 0.03), limit);
         assert_close(&courses, &reference, &FORCES, (0.0, 0.03), limit);
+    }
+}
+
+/// From static equilibrium there is no start-up transient, so 1e-5 s is fine from the first sample.
+#[test]
+fn crossval_rapier_from_equilibrium() {
+    let settings = [
+        ("drive.start", "\"equilibrium\""),
+        ("solver.duration_s", "0.05"),
+    ];
+    let scene = scene("paper", &settings);
+    let reference = resolved(&scene, "rk4", 5e-6);
+    for engine in [SHARED, HOOK] {
+        let courses = run(engine, &scene);
+        assert_close(&courses, &reference, &TORQUES, (0.0, 0.05), 5e-4);
+        assert_close(&courses, &reference, &FORCES, (0.0, 0.05), 5e-4);
+    }
+}
+
+/// Every law reaches rapier in both ways, the conservative one with its force along the profile.
+#[test]
+fn crossval_rapier_other_laws() {
+    for law in ["paper-conservative", "constant", "lankarani-nikravesh"] {
+        println!("{law}");
+        let law = format!("\"{law}\"");
+        let settings = [
+            ("contact.law", law.as_str()),
+            ("solver.duration_s", "0.02"),
+            ("solver.step_s", "2e-6"),
+        ];
+        let scene = scene("paper", &settings);
+        let reference = resolved(&scene, "rk4", 2e-6);
+        for engine in [SHARED, HOOK] {
+            let courses = run(engine, &scene);
+            assert_close(&courses, &reference, &TORQUES, (0.0, 0.02), 2e-4);
+            assert_close(&courses, &reference, &FORCES, (0.0, 0.02), 2e-4);
+        }
     }
 }
 
@@ -165,7 +234,10 @@ fn crossval_rapier_hook_with_friction() {
 /// driver torque there, one at 2e-8 s is not. The hook at 1e-5 s: measured 9.1e-4 over 0.05 s.
 #[test]
 fn crossval_rapier_hook_with_light_sleeves() {
-    let settings = [("solver.duration_s", "0.01"), ("contact.friction_coefficient", "0.1")];
+    let settings = [
+        ("solver.duration_s", "0.01"),
+        ("contact.friction_coefficient", "0.1"),
+    ];
     let scene = scene("eleven-pins", &settings);
     let courses = run(HOOK, &scene);
     let reference = resolved(&scene, "rk2", 2e-8);
@@ -188,7 +260,10 @@ fn crossval_rapier_colliders_means() {
         assert_mean(&courses, &reference, quantity, 0.1);
     }
     let driver = mean(&courses, TORQUES[0], 0.3, 0.6);
-    assert!((driver / (22.0 / 15.0) - 1.0).abs() < 3e-3, "mean driver torque {driver}");
+    assert!(
+        (driver / (22.0 / 15.0) - 1.0).abs() < 3e-3,
+        "mean driver torque {driver}"
+    );
 }
 
 /// Measured: eleven-pins 0.4 % torque, 5 % forces; backlash-0.6 0.9 %, 0.4 and 7.5 %.
@@ -225,9 +300,17 @@ fn crossval_rapier_repeats_to_the_bit() {
 #[test]
 fn crossval_rapier_divergence_is_an_error() {
     for engine in [SHARED, HOOK] {
-        let scene = scene("steel", &[("solver.step_s", "1e-4"), ("solver.duration_s", "0.05")]);
+        let scene = scene(
+            "steel",
+            &[("solver.step_s", "1e-4"), ("solver.duration_s", "0.05")],
+        );
         match attempt(engine, &scene) {
-            Err(EngineError::Diverged { time_s, quantity, partial, .. }) => {
+            Err(EngineError::Diverged {
+                time_s,
+                quantity,
+                partial,
+                ..
+            }) => {
                 println!("{engine}: t = {time_s} s, {quantity}");
                 assert!(time_s > 0.0 && time_s < 0.05);
                 assert!(!quantity.is_empty());
@@ -235,7 +318,11 @@ fn crossval_rapier_divergence_is_an_error() {
                 assert!(kept.len() < 501 && !kept.is_empty());
                 assert!(kept.time_s().iter().all(|t| *t < time_s + 1e-12));
                 let finite = |values: &[f64]| values.iter().all(|x| x.is_finite());
-                assert!(kept.channels().iter().all(|channel| finite(&channel.values)));
+                assert!(
+                    kept.channels()
+                        .iter()
+                        .all(|channel| finite(&channel.values))
+                );
             }
             other => panic!("{engine} did not diverge: {other:?}"),
         }
@@ -244,25 +331,33 @@ fn crossval_rapier_divergence_is_an_error() {
 
 #[test]
 fn crossval_rapier_refuses_what_it_cannot_honour() {
-    let reason = |engine: &str, scene: &Scene| match by_name(engine, scene).unwrap().supports(scene) {
+    let reason = |engine: &str, scene: &Scene| match by_name(engine, scene).unwrap().supports(scene)
+    {
         Err(error @ EngineError::Unsupported { .. }) => {
             // The run refuses in the same words.
-            assert_eq!(attempt(engine, scene).unwrap_err().to_string(), error.to_string());
+            assert_eq!(
+                attempt(engine, scene).unwrap_err().to_string(),
+                error.to_string()
+            );
             error.to_string()
         }
         other => panic!("{engine}: {other:?}"),
     };
     for engine in [SHARED, HOOK, COLLIDERS] {
-        let equilibrium = scene("paper", &[("drive.start", "\"equilibrium\"")]);
-        assert!(reason(engine, &equilibrium).contains("drive.start"));
         let duration = scene("paper", &[("solver.duration_s", "0.0100033")]);
         assert!(reason(engine, &duration).contains("solver.duration_s"));
+    }
+    for engine in [HOOK, COLLIDERS] {
+        let friction = scene("paper-friction", &[("contact.friction_law", "\"adams\"")]);
+        assert!(reason(engine, &friction).contains("contact.friction_law"));
     }
     for engine in [SHARED, HOOK] {
         let uneven = scene("paper", &[("solver.step_s", "3e-5")]);
         assert!(reason(engine, &uneven).contains("solver.step_s"));
     }
     assert!(reason(COLLIDERS, &scene("paper-rough", &[])).contains("contact.detection"));
+    let equilibrium = scene("paper", &[("drive.start", "\"equilibrium\"")]);
+    assert!(reason(COLLIDERS, &equilibrium).contains("drive.start"));
 }
 
 #[test]
@@ -270,7 +365,10 @@ fn crossval_rapier_stops_when_asked() {
     for engine in [SHARED, HOOK, COLLIDERS] {
         let scene = scene("paper", &[]);
         let cancel = AtomicBool::new(true);
-        let control = Control { cancel: &cancel, progress: &|_| {} };
+        let control = Control {
+            cancel: &cancel,
+            progress: &|_| {},
+        };
         let outcome = by_name(engine, &scene).unwrap().run(&scene, &control);
         assert!(matches!(outcome, Err(EngineError::Cancelled)), "{engine}");
     }

@@ -8,7 +8,11 @@ use crate::native::Native;
 /// All engines of this build, native first.
 #[must_use]
 pub fn registry() -> Vec<Box<dyn Engine>> {
-    let native: [Box<dyn Engine>; 2] = [Box::new(Native::REDUCED), Box::new(Native::LAGRANGE)];
+    let native: [Box<dyn Engine>; 3] = [
+        Box::new(Native::REDUCED),
+        Box::new(Native::LAGRANGE),
+        Box::new(Native::RESOLVED),
+    ];
     let engines = native.into_iter();
     #[cfg(feature = "rapier")]
     let engines = engines.chain(crate::rapier::engines());

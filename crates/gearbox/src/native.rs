@@ -53,7 +53,10 @@ pub enum NativeError {
 /// Baumgarte's rate in units of 1/step: fast enough to matter, slow enough for explicit methods.
 const BAUMGARTE_PER_STEP: f64 = 0.1;
 
-/// Runs the scene; `watch` receives the simulated time at every sample and returns true to stop.
+/// Steps between looks at whether the run must stop; samples may be much farther apart.
+const STEPS_BETWEEN_LOOKS: u64 = 1000;
+
+/// Runs the scene; `watch` receives the simulated time at every sample and every 1000 steps and returns true to stop.
 ///
 /// # Errors
 /// See [`NativeError`].
@@ -125,6 +128,9 @@ fn integrate<F: Formulation>(
         // The energy account must not depend on how rarely the user samples.
         for between in EnergyAccount::between(before, t, solver.step_s) {
             while stepper.time() < between - 1e-9 * solver.step_s {
+                if stepper.counts().steps % STEPS_BETWEEN_LOOKS == 0 && watch(stepper.time()) {
+                    return Err(NativeError::Stopped);
+                }
                 if let Err(error) = stepper.step(&mut system) {
                     let (StepError::NotFinite { time } | StepError::StepTooSmall { time }) = error;
                     fault = Some((time, error.to_string()));
@@ -136,6 +142,9 @@ fn integrate<F: Formulation>(
         }
         before = t;
         while stepper.time() < t - 1e-9 * solver.step_s {
+            if stepper.counts().steps % STEPS_BETWEEN_LOOKS == 0 && watch(stepper.time()) {
+                return Err(NativeError::Stopped);
+            }
             if let Err(error) = stepper.step(&mut system) {
                 let (StepError::NotFinite { time } | StepError::StepTooSmall { time }) = error;
                 fault = Some((time, error.to_string()));
@@ -150,7 +159,7 @@ fn integrate<F: Formulation>(
             break;
         }
         energy.add(gearbox, &seen, field.as_mut());
-        recorder.record(t, seen.driver_torques[0], seen.bodies, field.as_mut());
+        recorder.record_loads(t, seen.driver_torques[0], seen.bodies, seen.loads);
         if watch(t) {
             return Err(NativeError::Stopped);
         }

@@ -1,7 +1,7 @@
 //! Turns states at sample times into the contract's courses. Every engine records through this.
 
 use pinwheel_courses::Courses;
-use pinwheel_mbs::BodyState;
+use pinwheel_mbs::{BodyState, Wrench};
 
 use crate::Gearbox;
 use crate::contacts::ContactField;
@@ -56,6 +56,17 @@ impl Recorder {
             sum[0] += fx;
             sum[1] += fy;
         });
+        self.record_forces(t, driver_torque, bodies, &forces);
+        self.forces = forces;
+    }
+
+    /// Records a sample from the loads on all bodies, where a sleeve's only load is its contacts'.
+    pub fn record_loads(&mut self, t: f64, driver_torque: f64, bodies: &[BodyState], loads: &[Wrench]) {
+        let mut forces = std::mem::take(&mut self.forces);
+        let sleeves = self.layout.external_bodies().start;
+        for (force, load) in forces.iter_mut().zip(&loads[sleeves..]) {
+            *force = [load.fx, load.fy];
+        }
         self.record_forces(t, driver_torque, bodies, &forces);
         self.forces = forces;
     }

@@ -54,8 +54,8 @@ fn cycloidgen_agrees() {
     let gear = Scene::default().gear;
     let mesh = LinearMesh::of(&gear);
     // Its 720 poses a pitch start with a sleeve on the line of centres.
-    let poses = 720;
-    let (low, high) = mesh.peak(torque, poses);
+    let poses = 720_u32;
+    let (low, high) = mesh.peak(torque, 720);
     let peaks = numbers(&data, "peak_n");
     close(low, peaks[0], tolerance, "least peak");
     close(high, peaks[1], tolerance, "largest peak");
@@ -142,7 +142,7 @@ fn quasi_static_peaks() {
         let gearbox = Gearbox::new(&scene).unwrap();
         let mut statics = Statics::new(&gearbox).unwrap();
         let (mut peak, mut loaded) = ((f64::INFINITY, 0.0_f64), (99, 0));
-        for k in 0..60 {
+        for k in 0..60_u32 {
             let found = statics
                 .solve(f64::from(k) / 60.0 * TAU / 15.0, 22.0)
                 .unwrap();

@@ -1,13 +1,13 @@
 //! rapier all by itself: polyline wheels and holes, round sleeves, its own collision detection,
 //! its own contact spring and its own Coulomb friction.
 
-use pinwheel_gearbox::scene::{Detection, Gear, Scene};
+use pinwheel_gearbox::scene::{Detection, Gear, Scene, Start};
 use pinwheel_gearbox::{Gearbox, Sleeve};
 use pinwheel_mbs::{BodyState, Wrench};
 use rapier2d_f64::parry::query::PointQuery;
 use rapier2d_f64::prelude::*;
 
-use super::march::{Contacts, Grid, Sums, march, refusal};
+use super::march::{Contacts, Grid, Sums, friction_refusal, march};
 use super::outlines::{closed, hole_edge, wheel_edge};
 use super::spring::contact_frequency;
 use super::unsupported;
@@ -36,8 +36,15 @@ pub(super) struct Colliders;
 
 impl Colliders {
     fn compile(scene: &Scene) -> Result<(Gearbox, Grid, f64), EngineError> {
-        if let Some(reason) = refusal(scene) {
+        if let Some(reason) = friction_refusal(scene) {
             return Err(unsupported(NAME, reason));
+        }
+        if scene.drive.start == Start::Equilibrium {
+            return Err(unsupported(
+                NAME,
+                "its contact spring is not the scene's law, so the equilibrium of drive.start = \"equilibrium\" is not \
+                 its own; use \"kinematic\"",
+            ));
         }
         if scene.contact.detection == Detection::Points {
             return Err(unsupported(
@@ -188,7 +195,7 @@ impl Solid {
             })
             .collect();
 
-        let starts = gearbox.initial_states();
+        let starts = gearbox.kinematic_states();
         let points = edge_points(gear);
         let mut meetings = Vec::new();
         for (wheel, body) in layout.wheel_bodies().enumerate() {

@@ -13,7 +13,7 @@ use pinwheel_gearbox::{Gearbox, Layout};
 use pinwheel_mbs::{BodyState, Wrench};
 use rapier2d_f64::prelude::*;
 
-use super::march::{Contacts, Grid, Sums, march, refusal, sleeve_slot};
+use super::march::{Contacts, Grid, Sums, friction_refusal, march, sleeve_slot};
 use super::unsupported;
 use super::world::World;
 use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
@@ -28,27 +28,13 @@ const SWEEPS: usize = 20;
 /// the depth it asks for still leaves the contact point exact to 1e-12 m.
 const STEP_TIMES_FREQUENCY: f64 = 1e-4;
 
-/// Laws whose whole force on a pair is normal at W, apart from friction.
-const NORMAL_LAWS: [&str; 1] = ["paper"];
-
 /// See the module.
 pub(super) struct ContactHook;
 
 impl ContactHook {
     fn compile(scene: &Scene) -> Result<(Gearbox, Grid), EngineError> {
-        if let Some(reason) = refusal(scene) {
+        if let Some(reason) = friction_refusal(scene) {
             return Err(unsupported(NAME, reason));
-        }
-        let law = scene.contact.law.as_str();
-        if !NORMAL_LAWS.contains(&law) {
-            return Err(unsupported(
-                NAME,
-                format_args!(
-                    "rapier's contacts push along the normal only, which is not all that contact.law = \"{law}\" does; \
-                     use \"{}\"",
-                    NORMAL_LAWS.join("\" or \"")
-                ),
-            ));
         }
         let grid =
             Grid::new(scene, scene.solver.step_s).map_err(|reason| unsupported(NAME, reason))?;
@@ -77,10 +63,11 @@ impl Engine for ContactHook {
     fn differences(&self) -> &'static str {
         "Bodies, joints and time integration as in rapier-shared-law, but the forces pass through rapier's own contact \
          solver: a hook hands it the contact point, the normal and a depth under which its spring carries the normal \
-         force of the scene's law. Friction is rapier's: implicit, exactly Coulomb, so that a contact may stick, where \
-         the scene's friction creeps below its ramp speed (contact.friction_ramp_m_s is not used). Normal and friction \
-         forces are read from the impulses rapier applied, so a sample averages over one step. An instant at which a \
-         contact begins to slide or stick can therefore differ visibly in the driver torque, by one step."
+         force of the scene's law (a part of that law along the profile acts as a load beside it). Friction is \
+         rapier's: implicit, exactly Coulomb, so that a contact may stick, where the scene's friction creeps below its \
+         ramp speed (contact.friction_ramp_m_s is not used). Normal and friction forces are read from the impulses \
+         rapier applied, so a sample averages over one step: an instant at which a contact begins to stick or slide \
+         can differ visibly in the driver torque, for one step."
     }
 
     fn supports(&self, scene: &Scene) -> Result<(), EngineError> {
@@ -186,7 +173,7 @@ impl Hooked {
 }
 
 impl Hooked {
-    /// Visits the pairs that rapier loaded in the last step, with the forces of its impulses.
+    /// Visits the pairs that touched in the last step, with the forces of rapier's impulses.
     fn transmitted(&self, world: &World, share: f64, visit: &mut dyn FnMut(&PairContact)) {
         let per_impulse = 1.0 / (share * self.step_s);
         for Load { pair, .. } in self.table.iter().flatten() {
@@ -195,19 +182,20 @@ impl Hooked {
                 .physics
                 .narrow_phase
                 .contact_pair(self.wheels[pair.wheel], sleeve);
-            let manifold = contacts
+            let point = contacts
                 .and_then(|contacts| contacts.manifolds().first())
-                .filter(|manifold| !manifold.data.solver_contacts.is_empty());
-            if let Some(point) = manifold.and_then(|manifold| manifold.points.first()) {
-                // rapier's friction impulse is on the first body, along that body's normal force
-                // turned by 90 degrees: t on a wheel, where the sleeve takes the opposite, or -t on
-                // a sleeve.
-                visit(&PairContact {
-                    normal_force_n: point.data.impulse * per_impulse,
-                    friction_force_n: -point.data.tangent_impulse.x * per_impulse,
-                    ..*pair
-                });
-            }
+                .filter(|manifold| !manifold.data.solver_contacts.is_empty())
+                .and_then(|manifold| manifold.points.first());
+            // rapier's friction impulse is on the first body, along that body's normal force turned
+            // by 90 degrees: t on a wheel, where the sleeve takes the opposite, or -t on a sleeve.
+            let (normal, friction) = point.map_or((0.0, 0.0), |point| {
+                (point.data.impulse, -point.data.tangent_impulse.x)
+            });
+            visit(&PairContact {
+                normal_force_n: normal * per_impulse,
+                friction_force_n: friction * per_impulse,
+                ..*pair
+            });
         }
     }
 }
@@ -230,6 +218,7 @@ impl Contacts for Hooked {
             let depth = pair.normal_force_n * inverse_mass * per_inverse_mass;
             let slot = pair.wheel * count + sleeve_slot(layout, pair.sleeve);
             table[slot] = Some(Load { pair: *pair, depth });
+            add_along_force(layout, now, pair, loads);
         });
         world.load(loads);
         world.advance(&Hook {
@@ -249,6 +238,23 @@ impl Contacts for Hooked {
     fn law_calls(&self) -> u64 {
         self.calls
     }
+}
+
+/// rapier's contacts know no force along the profile: that of laws which have one is a load, at the
+/// sleeve's centre.
+fn add_along_force(layout: Layout, now: &[BodyState], pair: &PairContact, loads: &mut [Wrench]) {
+    let [nx, ny] = pair.normal;
+    let (fx, fy) = (-pair.along_force_n * ny, pair.along_force_n * nx);
+    let (wheel, sleeve) = (
+        layout.wheel_bodies().start + pair.wheel,
+        layout.sleeve_body(pair.sleeve),
+    );
+    loads[sleeve].fx += fx;
+    loads[sleeve].fy += fy;
+    loads[wheel].fx -= fx;
+    loads[wheel].fy -= fy;
+    let [x, y] = pair.centre;
+    loads[wheel].moment -= (x - now[wheel].x) * fy - (y - now[wheel].y) * fx;
 }
 
 /// 1/m + (r x n)^2/I of a body at the contact point, 1/kg.
@@ -351,13 +357,7 @@ mod tests {
                     seen += 1;
                 }
             }
-            assert_eq!(
-                got.len(),
-                asked
-                    .iter()
-                    .filter(|pair| pair.normal_force_n > 0.0)
-                    .count()
-            );
+            assert_eq!(got.len(), asked.len());
         }
         assert!(seen > 100, "only {seen} sliding contacts");
     }

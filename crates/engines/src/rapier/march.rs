@@ -6,7 +6,7 @@
 use std::time::Instant;
 
 use cpu_time::ThreadTime;
-use pinwheel_gearbox::scene::{Scene, Start};
+use pinwheel_gearbox::scene::{FrictionLaw, Scene};
 use pinwheel_gearbox::{Gearbox, Layout, Recorder, Sleeve, guard};
 use pinwheel_mbs::{BodyState, Wrench};
 
@@ -133,12 +133,15 @@ impl Grid {
     }
 }
 
-/// What no rapier engine can honour, in words.
-pub(super) fn refusal(scene: &Scene) -> Option<String> {
-    (scene.drive.start == Start::Equilibrium).then(|| {
-        "it has no static solver to start from drive.start = \"equilibrium\"; use \"kinematic\""
-            .to_owned()
-    })
+/// What rapier's own friction cannot honour, in words.
+pub(super) fn friction_refusal(scene: &Scene) -> Option<String> {
+    let contact = &scene.contact;
+    (contact.friction_coefficient > 0.0 && contact.friction_law != FrictionLaw::Regularised).then(
+        || {
+            "rapier's friction has one coefficient at all speeds; use contact.friction_law = \"regularised\""
+                .to_owned()
+        },
+    )
 }
 
 /// Marches `contacts` over the grid. `stats` holds the settings and notes, the rest is filled in.

@@ -5,7 +5,7 @@ use pinwheel_gearbox::contacts::ContactField;
 use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::{BodyState, Wrench};
 
-use super::march::{Contacts, Grid, Sums, march, refusal};
+use super::march::{Contacts, Grid, Sums, march};
 use super::unsupported;
 use super::world::World;
 use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
@@ -21,9 +21,6 @@ pub(super) struct SharedLaw;
 
 impl SharedLaw {
     fn compile(scene: &Scene) -> Result<(Gearbox, Grid), EngineError> {
-        if let Some(reason) = refusal(scene) {
-            return Err(unsupported(NAME, reason));
-        }
         let grid =
             Grid::new(scene, scene.solver.step_s).map_err(|reason| unsupported(NAME, reason))?;
         let gearbox = Gearbox::new(scene).map_err(|error| unsupported(NAME, error))?;

@@ -20,7 +20,7 @@ pub(super) fn contact_frequency(
     let (layout, load) = (gearbox.layout, gearbox.scene.drive.output_torque_n_m);
     // Without a load nothing touches; then any small one tells the stiffness.
     let torque = if load == 0.0 { 1.0 } else { load };
-    let mut states: Vec<BodyState> = gearbox.initial_states();
+    let mut states: Vec<BodyState> = gearbox.kinematic_states();
     for state in &mut states {
         (state.vx, state.vy, state.rate) = (0.0, 0.0, 0.0);
     }
