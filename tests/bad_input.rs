@@ -273,7 +273,10 @@ fn bad_input_unknown_names() {
 #[test]
 fn bad_input_too_few_points() {
     let line = refused(&["contact.detection=points", "contact.wheel_points=119"]);
-    assert_parts(&line, &["`contact.wheel_points` is 119", "15 lobes", "at least 120"]);
+    assert_parts(
+        &line,
+        &["`contact.wheel_points` is 119", "15 lobes", "at least 120"],
+    );
 }
 
 #[test]

@@ -70,7 +70,8 @@ impl Epitrochoid {
             v = v * turn.powu(self.sleeves);
         }
         let at = self.at_unit(u, v);
-        let margin = 2.0 * self.steepest * at.position.cross(ray).abs() + RAY_MARGIN * self.pitch_radius;
+        let margin =
+            2.0 * self.steepest * at.position.cross(ray).abs() + RAY_MARGIN * self.pitch_radius;
         at.position.dot(ray) + margin < radius
     }
 

@@ -6,9 +6,9 @@
 
 use pulp::Simd;
 
-use crate::lanes::{ComplexLanes, Lanes, Mask};
 use crate::Epitrochoid;
 use crate::closest::{RAY_MARGIN, RAY_STEPS};
+use crate::lanes::{ComplexLanes, Lanes, Mask};
 
 /// Feet of several points; where `inside` is not set the values hold no meaning.
 #[derive(Debug, Clone, Copy)]
@@ -57,11 +57,25 @@ fn turn_by<S: Simd>(x: Lanes<S>) -> ComplexLanes<S> {
     let x2 = x * x;
     let cos = alternating(
         x2,
-        &[1.0 / 3_628_800.0, 1.0 / 40_320.0, 1.0 / 720.0, 1.0 / 24.0, 0.5, 1.0],
+        &[
+            1.0 / 3_628_800.0,
+            1.0 / 40_320.0,
+            1.0 / 720.0,
+            1.0 / 24.0,
+            0.5,
+            1.0,
+        ],
     );
     let sin = alternating(
         x2,
-        &[1.0 / 39_916_800.0, 1.0 / 362_880.0, 1.0 / 5_040.0, 1.0 / 120.0, 1.0 / 6.0, 1.0],
+        &[
+            1.0 / 39_916_800.0,
+            1.0 / 362_880.0,
+            1.0 / 5_040.0,
+            1.0 / 120.0,
+            1.0 / 6.0,
+            1.0,
+        ],
     );
     ComplexLanes::new(cos, x * sin)
 }
@@ -79,11 +93,7 @@ impl Epitrochoid {
     #[inline(always)]
     fn at_lanes<S: Simd>(&self, unit: ComplexLanes<S>, multiple: ComplexLanes<S>) -> AtLanes<S> {
         let c = |x: f64| unit.re.like(x);
-        let (r, m, zk) = (
-            self.pitch_radius,
-            self.shortening,
-            f64::from(self.sleeves),
-        );
+        let (r, m, zk) = (self.pitch_radius, self.shortening, f64::from(self.sleeves));
         let cos_lobe = unit.dot(multiple);
         let inverse = cos_lobe.mul_add(c(2.0 * m), c(1.0 + m * m)).sqrt().recip();
         let bend = cos_lobe.mul_add(c(m * (1.0 + zk) / r), c((1.0 + m * m * zk) / r));
@@ -251,7 +261,9 @@ mod tests {
             let multiple = ComplexLanes::splat(simd, self.multiple);
             let feet = self.curve.penetrating_feet(p, unit, multiple, present);
             for k in 0..Lanes::<S>::COUNT {
-                let scalar = self.curve.penetrating_foot(p.lane(k), unit.lane(k), self.multiple);
+                let scalar = self
+                    .curve
+                    .penetrating_foot(p.lane(k), unit.lane(k), self.multiple);
                 // On the curve itself rounding decides; nothing acts there.
                 let depth = scalar.map_or(0.0, |foot| -foot.distance);
                 if depth > 1e-15 && k < count {

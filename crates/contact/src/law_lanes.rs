@@ -12,10 +12,18 @@ pub trait LanesLaw: NormalLaw {
     /// Forces, N; lanes without contact (penetration <= 0) may hold anything.
     #[must_use]
     #[inline(always)]
-    fn force_lanes<S: Simd>(&self, stiffness: Lanes<S>, penetration: Lanes<S>, rate: Lanes<S>) -> Lanes<S> {
+    fn force_lanes<S: Simd>(
+        &self,
+        stiffness: Lanes<S>,
+        penetration: Lanes<S>,
+        rate: Lanes<S>,
+    ) -> Lanes<S> {
         let mut force = stiffness;
-        for ((force, &penetration), &rate) in
-            force.as_mut_slice().iter_mut().zip(penetration.as_slice()).zip(rate.as_slice())
+        for ((force, &penetration), &rate) in force
+            .as_mut_slice()
+            .iter_mut()
+            .zip(penetration.as_slice())
+            .zip(rate.as_slice())
         {
             *force = self.force(*force, penetration, rate);
         }
@@ -25,7 +33,12 @@ pub trait LanesLaw: NormalLaw {
 
 impl LanesLaw for PaperLaw {
     #[inline(always)]
-    fn force_lanes<S: Simd>(&self, stiffness: Lanes<S>, penetration: Lanes<S>, rate: Lanes<S>) -> Lanes<S> {
+    fn force_lanes<S: Simd>(
+        &self,
+        stiffness: Lanes<S>,
+        penetration: Lanes<S>,
+        rate: Lanes<S>,
+    ) -> Lanes<S> {
         let c = |x: f64| rate.like(x);
         let elastic = stiffness * penetration * penetration.sqrt();
         let ramp = (penetration * c(1.0 / self.ramp)).max(c(0.0)).min(c(1.0));

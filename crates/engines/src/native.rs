@@ -32,11 +32,17 @@ const RESOLVED_DIVISION: f64 = 10.0;
 
 impl Native {
     /// Centre-pinned bodies eliminated.
-    pub const REDUCED: Self = Self { form: Form::Reduced };
+    pub const REDUCED: Self = Self {
+        form: Form::Reduced,
+    };
     /// All bodies, Eq. 2.
-    pub const LAGRANGE: Self = Self { form: Form::Lagrange };
+    pub const LAGRANGE: Self = Self {
+        form: Form::Lagrange,
+    };
     /// The reduced form with an integrator that leaves no visible error of the step.
-    pub const RESOLVED: Self = Self { form: Form::Resolved };
+    pub const RESOLVED: Self = Self {
+        form: Form::Resolved,
+    };
 
     /// The solver that a scene asks for.
     #[must_use]
@@ -57,7 +63,8 @@ impl Native {
         };
         if self.form == Form::Resolved {
             let contact = &scene.contact;
-            let smooth = contact.friction_coefficient == 0.0 && contact.detection == Detection::Exact;
+            let smooth =
+                contact.friction_coefficient == 0.0 && contact.detection == Detection::Exact;
             if smooth {
                 solver.integrator = "dopri5".to_owned();
                 solver.tolerance = RESOLVED_TOLERANCE;
@@ -103,7 +110,9 @@ impl Engine for Native {
         match self.form {
             Form::Reduced => "own solver, centre-pinned bodies eliminated exactly",
             Form::Lagrange => "own solver, every body and joint by multipliers (Eq. 2)",
-            Form::Resolved => "own solver, reduced form, integrated until the step no longer matters",
+            Form::Resolved => {
+                "own solver, reduced form, integrated until the step no longer matters"
+            }
         }
     }
 
@@ -151,8 +160,7 @@ impl Engine for Native {
                     run.end_s / counts.steps as f64
                 },
                 settings: settings(&gearbox.scene),
-                joint_drift_m: (self.form == Form::Lagrange)
-                    .then_some(run.joint_drift_m),
+                joint_drift_m: (self.form == Form::Lagrange).then_some(run.joint_drift_m),
                 notes: Vec::new(),
             };
             Run {
@@ -191,7 +199,9 @@ fn settings(scene: &Scene) -> String {
         Formulation::Lagrange => "lagrange",
     };
     let choice = pinwheel_gearbox::auto::integrator(scene).integrator;
-    let adaptive = pinwheel_mbs::integrators::METHODS.iter().any(|m| m.name == choice && m.adaptive);
+    let adaptive = pinwheel_mbs::integrators::METHODS
+        .iter()
+        .any(|m| m.name == choice && m.adaptive);
     if adaptive {
         format!("{form}, {choice}, tolerance {:e}", solver.tolerance)
     } else {

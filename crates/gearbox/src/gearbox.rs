@@ -31,7 +31,9 @@ pub enum GearboxError {
     #[error(transparent)]
     Mechanism(#[from] pinwheel_mbs::MechanismError),
     /// No angle of the output balances the load.
-    #[error("the load of {load_n_m} N m is more than the teeth carry before they jump; use less load or a stiffer contact")]
+    #[error(
+        "the load of {load_n_m} N m is more than the teeth carry before they jump; use less load or a stiffer contact"
+    )]
     NoEquilibrium {
         /// The load, N m.
         load_n_m: f64,
@@ -126,7 +128,11 @@ impl Gearbox {
         let torque = (drive.output_torque_n_m.abs() / gear.wheels as f64).max(1e-3);
         let force = 4.0 * torque / (lever * gear.external_sleeves as f64);
         let contact = &self.scene.contact;
-        let hertz = HertzStiffness::new(contact.young_pa, contact.poisson, contact.stiffness_multiplier);
+        let hertz = HertzStiffness::new(
+            contact.young_pa,
+            contact.poisson,
+            contact.stiffness_multiplier,
+        );
         let stiffness = hertz.of_radius(gear.external_sleeve_radius_m);
         let penetration = (force / stiffness).powf(2.0 / 3.0);
         let angle = penetration / lever;
@@ -152,7 +158,9 @@ impl Gearbox {
     /// States at t = 0 as `drive.start` wants them.
     #[must_use]
     pub fn initial_states(&self) -> Vec<BodyState> {
-        self.start.clone().unwrap_or_else(|| self.kinematic_states())
+        self.start
+            .clone()
+            .unwrap_or_else(|| self.kinematic_states())
     }
 
     /// States at t = 0 at the ideal mesh: its rates, external sleeves at rest, internal ones turning with the output.

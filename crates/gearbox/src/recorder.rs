@@ -61,7 +61,13 @@ impl Recorder {
     }
 
     /// Records a sample from the loads on all bodies, where a sleeve's only load is its contacts'.
-    pub fn record_loads(&mut self, t: f64, driver_torque: f64, bodies: &[BodyState], loads: &[Wrench]) {
+    pub fn record_loads(
+        &mut self,
+        t: f64,
+        driver_torque: f64,
+        bodies: &[BodyState],
+        loads: &[Wrench],
+    ) {
         let mut forces = std::mem::take(&mut self.forces);
         let sleeves = self.layout.external_bodies().start;
         for (force, load) in forces.iter_mut().zip(&loads[sleeves..]) {

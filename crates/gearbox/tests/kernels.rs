@@ -11,7 +11,10 @@ fn loads(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> Vec<Wrench>
     let mut gearbox = gearbox.clone();
     gearbox.kernel = kernel;
     let mut loads = vec![Wrench::default(); bodies.len()];
-    gearbox.contact_field().unwrap().add_loads(bodies, &mut loads);
+    gearbox
+        .contact_field()
+        .unwrap()
+        .add_loads(bodies, &mut loads);
     loads
 }
 
@@ -38,7 +41,14 @@ fn states(gearbox: &Gearbox, input: f64, twist: f64, rates: &[f64]) -> Vec<BodyS
         let [x, y] = geometry.internal_points[k];
         let (s, c) = psi.sin_cos();
         let (x, y) = (c * x - s * y, s * x + c * y);
-        bodies[body] = BodyState { x, y, angle: 0.0, vx: 3.4 * y, vy: -3.4 * x, rate: 5.0 * noise(k) };
+        bodies[body] = BodyState {
+            x,
+            y,
+            angle: 0.0,
+            vx: 3.4 * y,
+            vy: -3.4 * x,
+            rate: 5.0 * noise(k),
+        };
     }
     for (k, body) in layout.external_bodies().enumerate() {
         bodies[body].rate = 3.0 * noise(k + 2);

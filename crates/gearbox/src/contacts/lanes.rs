@@ -83,7 +83,10 @@ impl Sleeves {
 
     #[inline(always)]
     fn gather(&mut self, bodies: &[BodyState]) {
-        for (k, b) in bodies[self.first..self.first + self.count].iter().enumerate() {
+        for (k, b) in bodies[self.first..self.first + self.count]
+            .iter()
+            .enumerate()
+        {
             (self.position.x[k], self.position.y[k]) = (b.x, b.y);
             (self.velocity.x[k], self.velocity.y[k]) = (b.vx, b.vy);
             self.rate[k] = b.rate;
@@ -95,7 +98,10 @@ impl Sleeves {
 
     #[inline(always)]
     fn scatter(&self, loads: &mut [Wrench]) {
-        for (k, load) in loads[self.first..self.first + self.count].iter_mut().enumerate() {
+        for (k, load) in loads[self.first..self.first + self.count]
+            .iter_mut()
+            .enumerate()
+        {
             load.fx += self.force.x[k];
             load.fy += self.force.y[k];
             load.moment += self.moment[k];
@@ -165,7 +171,11 @@ impl<L: LanesLaw> LaneField<L> {
     pub(super) fn new(scene: &Scene, geometry: &Geometry, law: L) -> Self {
         let (gear, contact) = (&scene.gear, &scene.contact);
         let layout = Layout::of(gear);
-        let hertz = HertzStiffness::new(contact.young_pa, contact.poisson, contact.stiffness_multiplier);
+        let hertz = HertzStiffness::new(
+            contact.young_pa,
+            contact.poisson,
+            contact.stiffness_multiplier,
+        );
         let q = gear.external_sleeve_radius_m;
         let holes = geometry.hole_centres.iter();
         Self {
@@ -194,7 +204,12 @@ impl<L: LanesLaw> LaneField<L> {
     }
 
     #[inline(always)]
-    fn kernel<S: Simd, const FRICTION: bool>(&mut self, simd: S, bodies: &[BodyState], loads: &mut [Wrench]) {
+    fn kernel<S: Simd, const FRICTION: bool>(
+        &mut self,
+        simd: S,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+    ) {
         self.external.gather(bodies);
         self.internal.gather(bodies);
         for (i, body) in self.layout.wheel_bodies().enumerate() {
@@ -219,7 +234,13 @@ impl<L: LanesLaw> LaneField<L> {
                 let touching = self.shapes.profile(p, unit, multiple, present);
                 if touching.mask.any() {
                     self.external.press::<S, L, FRICTION>(
-                        simd, from, p, &touching, self.law, self.friction, &mut wheel,
+                        simd,
+                        from,
+                        p,
+                        &touching,
+                        self.law,
+                        self.friction,
+                        &mut wheel,
                     );
                 }
             }
@@ -229,7 +250,13 @@ impl<L: LanesLaw> LaneField<L> {
                 let touching = self.shapes.hole(p, centres, present);
                 if touching.mask.any() {
                     self.internal.press::<S, L, FRICTION>(
-                        simd, from, p, &touching, self.law, self.friction, &mut wheel,
+                        simd,
+                        from,
+                        p,
+                        &touching,
+                        self.law,
+                        self.friction,
+                        &mut wheel,
                     );
                 }
             }
@@ -268,7 +295,12 @@ impl Shapes {
 
     /// Internal sleeves centred at `p` (wheel frame) in their holes.
     #[inline(always)]
-    fn hole<S: Simd>(&self, p: ComplexLanes<S>, centres: ComplexLanes<S>, present: Mask<S>) -> Touching<S> {
+    fn hole<S: Simd>(
+        &self,
+        p: ComplexLanes<S>,
+        centres: ComplexLanes<S>,
+        present: Mask<S>,
+    ) -> Touching<S> {
         let offset = p - centres;
         let distance = offset.dot(offset).sqrt();
         let penetration = distance - p.re.like(self.clearance);
@@ -286,7 +318,10 @@ impl Shapes {
 impl Sleeves {
     /// Rates, forces (Eq. 20, 21) and their sums; see `Pairs::load`.
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "the operands of one formula; a struct would only rename them")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the operands of one formula; a struct would only rename them"
+    )]
     fn press<S: Simd, L: LanesLaw, const FRICTION: bool>(
         &mut self,
         simd: S,
@@ -321,7 +356,8 @@ impl Sleeves {
         wheel.moment = wheel.moment - point.cross(on_sleeve);
         self.force.add(simd, from, on_sleeve * wheel.turn);
         if FRICTION {
-            let moment = Lanes::load(simd, &self.moment[from..]) + arm.only(touching.mask).cross(on_sleeve);
+            let moment =
+                Lanes::load(simd, &self.moment[from..]) + arm.only(touching.mask).cross(on_sleeve);
             moment.store(&mut self.moment[from..]);
         }
     }
@@ -339,7 +375,8 @@ impl<L: LanesLaw, const FRICTION: bool> pulp::WithSimd for Evaluation<'_, L, FRI
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.field.kernel::<S, FRICTION>(simd, self.bodies, self.loads);
+        self.field
+            .kernel::<S, FRICTION>(simd, self.bodies, self.loads);
     }
 }
 
@@ -347,9 +384,17 @@ impl<L: LanesLaw> ContactField for LaneField<L> {
     fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
         let (arch, field) = (self.arch, self);
         if field.friction.coefficient > 0.0 {
-            arch.dispatch(Evaluation::<L, true> { field, bodies, loads });
+            arch.dispatch(Evaluation::<L, true> {
+                field,
+                bodies,
+                loads,
+            });
         } else {
-            arch.dispatch(Evaluation::<L, false> { field, bodies, loads });
+            arch.dispatch(Evaluation::<L, false> {
+                field,
+                bodies,
+                loads,
+            });
         }
     }
 
