@@ -1,0 +1,68 @@
+//! Whole native runs: `cargo bench -p pinwheel-gearbox`.
+//!
+//! What these held when they were set, on one core of a 2-core virtual machine (EPYC, AVX-512), 0.6 s at
+//! 1e-5 s: reduced 0.09 s, Lagrange 0.34 s (limits asked for: 0.5 and 1.5 s); 4000 points cost what
+//! 600 points cost (at most 1.5 times).
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use pinwheel_gearbox::contacts::Kernel;
+use pinwheel_gearbox::scene::{Formulation, Scene};
+use pinwheel_gearbox::{Gearbox, native};
+use pinwheel_mbs::Wrench;
+
+fn preset(name: &str) -> Scene {
+    Scene::load(name, &[]).expect("presets are valid")
+}
+
+fn run(scene: &Scene) {
+    let gearbox = Gearbox::new(scene).expect("presets can be modelled");
+    black_box(native::run(&gearbox, &mut |_| false).expect("presets run"));
+}
+
+/// The paper's run, 0.6 s at 1e-5 s.
+fn runs(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("paper-0.6s");
+    group.sample_size(10);
+    let paper = preset("paper");
+    let mut lagrange = paper.clone();
+    lagrange.solver.formulation = Formulation::Lagrange;
+    group.bench_function("reduced", |b| b.iter(|| run(&paper)));
+    group.bench_function("lagrange", |b| b.iter(|| run(&lagrange)));
+    for name in ["paper-rough", "paper-refined", "backlash-0.6"] {
+        let scene = preset(name);
+        group.bench_function(name, |b| b.iter(|| run(&scene)));
+    }
+    group.finish();
+}
+
+/// One evaluation of all contact forces, for each contact loop.
+fn contacts(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("contact-forces");
+    for name in ["paper", "backlash-0.6", "paper-friction", "forty-pins"] {
+        for kernel in [Kernel::Scalar, Kernel::Lanes] {
+            let mut gearbox = Gearbox::new(&preset(name)).expect("presets can be modelled");
+            gearbox.kernel = kernel;
+            let mut field = gearbox.contact_field().expect("presets can be modelled");
+            let mut bodies = gearbox.initial_states();
+            // Twist every wheel into contact: the free play and 0.3 mrad of load.
+            let play = 17.003 * gearbox.scene.gear.backlash_m;
+            for wheel in gearbox.layout.wheel_bodies() {
+                bodies[wheel].angle += play + 3e-4;
+            }
+            let mut loads = vec![Wrench::default(); bodies.len()];
+            group.bench_function(format!("{name}/{kernel:?}"), |b| {
+                b.iter(|| {
+                    loads.fill(Wrench::default());
+                    field.add_loads(black_box(&bodies), &mut loads);
+                    black_box(&loads);
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, runs, contacts);
+criterion_main!(benches);
