@@ -2,11 +2,13 @@
 //!
 //! Limits are measured figures times a margin; each stands beside its measurement.
 
+#![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
+
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Control, EngineError, Run, by_name};
-use pinwheel_gearbox::scene::{Override, Scene};
+use pinwheel_gearbox::scene::{FrictionLaw, Override, Scene};
 
 const SHARED: &str = "rapier-shared-law";
 const HOOK: &str = "rapier-own-contact-hook";
@@ -164,7 +166,8 @@ fn crossval_rapier_shared_law_other_gears() {
     }
 }
 
-/// From static equilibrium there is no start-up transient, so 1e-5 s is fine from the first sample.
+/// From static equilibrium there is no start-up transient, so 1e-5 s does from the first
+/// sample on: measured 2.4e-5.
 #[test]
 fn crossval_rapier_from_equilibrium() {
     let settings = [
@@ -175,12 +178,13 @@ fn crossval_rapier_from_equilibrium() {
     let reference = resolved(&scene, "rk4", 5e-6);
     for engine in [SHARED, HOOK] {
         let courses = run(engine, &scene);
-        assert_close(&courses, &reference, &TORQUES, (0.0, 0.05), 5e-4);
-        assert_close(&courses, &reference, &FORCES, (0.0, 0.05), 5e-4);
+        assert_close(&courses, &reference, &TORQUES, (0.0, 0.05), 1e-4);
+        assert_close(&courses, &reference, &FORCES, (0.0, 0.05), 1e-4);
     }
 }
 
-/// Every law reaches rapier in both ways, the conservative one with its force along the profile.
+/// Every law reaches rapier both ways, the conservative one with its force along the profile.
+/// Measured 6e-6 to 7.2e-5.
 #[test]
 fn crossval_rapier_other_laws() {
     for law in ["paper-conservative", "constant", "lankarani-nikravesh"] {
@@ -216,7 +220,7 @@ fn crossval_rapier_hook_without_friction() {
 }
 
 /// Implicit Coulomb friction at 1e-5 s against a native run that resolves the scene's friction.
-/// Steady: measured 1.2e-3 in the driver torque, 1.2e-3 and 4.3e-4 in the forces; the creep below
+/// Steady: measured 1.3e-3 in the driver torque, 1.2e-3 and 4.4e-4 in the forces; the creep below
 /// the ramp speed, which Coulomb has not, is most of it. Start-up: 9.9e-4 and 9.0e-4 in the forces;
 /// 2.5e-3 in the driver torque, from single samples at which a contact begins to stick or slide.
 #[test]
@@ -348,7 +352,8 @@ fn crossval_rapier_refuses_what_it_cannot_honour() {
         assert!(reason(engine, &duration).contains("solver.duration_s"));
     }
     for engine in [HOOK, COLLIDERS] {
-        let friction = scene("paper-friction", &[("contact.friction_law", "\"adams\"")]);
+        let mut friction = scene("paper-friction", &[]);
+        friction.contact.friction_law = FrictionLaw::Adams;
         assert!(reason(engine, &friction).contains("contact.friction_law"));
     }
     for engine in [SHARED, HOOK] {
