@@ -36,9 +36,8 @@ def check_own_contact(engine: str, scene: Scene) -> None:
         raise Unsupported(engine, f'contact.law = "{contact.law}": its own contact can imitate only "paper"')
     if contact.friction_coefficient != 0.0:
         raise Unsupported(
-            engine, f"contact.friction_coefficient = {contact.friction_coefficient}: its own contact is frictionless here"
+            engine, f"contact.friction_coefficient = {contact.friction_coefficient}: its own contact has none here"
         )
-
 
     # Below the ramp Eq. 20 is a power of 2.5, which neither a bed of springs nor a power of 1.5 resembles.
     nominal = nominal_penetration_m(scene)
@@ -72,7 +71,11 @@ def nominal_rate_rad_s(scene: Scene) -> float:
     torque = max(1.0, abs(scene.drive.output_torque_n_m)) / gear.wheels
     stiffness = 0.0
     for sleeves, lever, k in (
-        (gear.external_sleeves, gear.eccentricity_m * gear.lobes, law.stiffness_factor * math.sqrt(scene.gear.external_sleeve_radius_m)),
+        (
+            gear.external_sleeves,
+            gear.eccentricity_m * gear.lobes,
+            law.stiffness_factor * math.sqrt(scene.gear.external_sleeve_radius_m),
+        ),
         (gear.internal_sleeves, gear.internal_circle_radius_m, law.hole_stiffness),
     ):
         force = 4.0 * torque / (sleeves * lever)
@@ -83,7 +86,7 @@ def nominal_rate_rad_s(scene: Scene) -> float:
 def nominal_penetration_m(scene: Scene) -> float:
     """Penetration of an external sleeve under its nominal force where the profile is straight (R = q), m."""
     stiffness = ContactLaw(scene).stiffness_factor * math.sqrt(scene.gear.external_sleeve_radius_m)
-    return (nominal_force_n(scene) / stiffness) ** (2.0 / 3.0)
+    return float((nominal_force_n(scene) / stiffness) ** (2.0 / 3.0))
 
 
 def bed_damping(scene: Scene) -> float:

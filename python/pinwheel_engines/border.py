@@ -89,7 +89,7 @@ class StageLaw:
         self._function(context, time_s, states, loads)
         return self.loads
 
-    def _numpy(self, time_s: float) -> Floats:
+    def _numpy(self, _time_s: float) -> Floats:
         self.loads[:] = self._law.loads(self.states[None])[0]
         return self.loads
 

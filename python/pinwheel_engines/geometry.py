@@ -87,12 +87,12 @@ class Epitrochoid:
     def point(self, a: Floats) -> Points:
         """C(a), m."""
         turn = np.exp(1j * a)
-        return self.radius_m * turn * (1.0 + self.ratio * np.exp(1j * self.lobes * a))
+        return np.asarray(self.radius_m * turn * (1.0 + self.ratio * np.exp(1j * self.lobes * a)))
 
     def normal(self, a: Floats) -> Points:
         """Outward unit normal: the direction of e^{ia}(1 + m e^{i zs a}), angle a + gamma."""
         direction = np.exp(1j * a) * (1.0 + self.shortening * np.exp(1j * self.lobes * a))
-        return direction / np.abs(direction)
+        return np.asarray(direction / np.abs(direction))
 
     def curvature(self, a: Floats) -> Floats:
         """1/m, positive on a lobe, negative in a pit: (1 + zk m^2 + (zk + 1) m cos zs a)/(R |1 + m e^{i zs a}|^3)."""

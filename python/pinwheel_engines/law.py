@@ -69,6 +69,10 @@ class ContactLaw:
         contact, gear = scene.contact, scene.gear
         if contact.law != "paper":
             raise Unsupported("the numpy contact law", f'contact.law = "{contact.law}"; it knows only "paper"')
+        if contact.friction_law != "regularised" and contact.friction_coefficient > 0.0:
+            raise Unsupported(
+                "the numpy contact law", f'contact.friction_law = "{contact.friction_law}"; it knows only "regularised"'
+            )
         self.scene = scene
         self.layout = Layout.of(gear)
         self.curve = Epitrochoid.of(gear)
@@ -195,9 +199,7 @@ class ContactLaw:
         return _on_ground(states, kept, state, wheel, sleeve, turn, point, normal, delta, stiffness)
 
     @staticmethod
-    def _sleeves_in_wheel_frame(
-        states: Floats, wheels: Ints, sleeves: Ints
-    ) -> tuple[Ints, Ints, Ints, Points, Points]:
+    def _sleeves_in_wheel_frame(states: Floats, wheels: Ints, sleeves: Ints) -> tuple[Ints, Ints, Ints, Points, Points]:
         """Every pair of every state: indices, the sleeve's centre in the wheel's frame, e^{i wheel angle}."""
         count = states.shape[0]
         state = np.repeat(np.arange(count), wheels.size)

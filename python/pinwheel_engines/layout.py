@@ -175,7 +175,7 @@ class Kinematics:
 
 def turns(count: int) -> npt.NDArray[np.complex128]:
     """`count` points of the unit circle at equal steps, the first at angle 0."""
-    return np.exp(2j * math.pi * np.arange(count) / count)
+    return np.asarray(np.exp(2j * math.pi * np.arange(count) / count))
 
 
 def wheel_phases(gear: Gear) -> Floats:
@@ -189,6 +189,4 @@ def hole_centres(gear: Gear) -> npt.NDArray[np.complex128]:
     At the start hole k stands, seen from its wheel's centre, at angle 2 pi k/zi of the ground, as internal sleeve k does.
     """
     start = (math.pi - wheel_phases(gear)) / gear.lobes
-    return np.asarray(
-        gear.internal_circle_radius_m * turns(gear.internal_sleeves)[None, :] * np.exp(-1j * start)[:, None]
-    )
+    return np.asarray(gear.internal_circle_radius_m * turns(gear.internal_sleeves)[None, :] * np.exp(-1j * start)[:, None])

@@ -87,7 +87,6 @@ class Masses:
     internal_sleeve: BodyMass = BodyMass(0.048, 1.1013e-5)
     external_sleeve: BodyMass = BodyMass(0.048, 1.1013e-5)
 
-
     def of_bodies(self, gear: Gear) -> list[BodyMass]:
         """One entry a body, in the order of `layout`."""
         return (
@@ -119,7 +118,10 @@ class Drive:
 
 @dataclass(frozen=True)
 class Contact:
-    """Contact law (Eq. 20-24) and detection."""
+    """Contact law (Eq. 20-24) and detection.
+
+    The keys from `friction_law` to `line_length_m` belong to laws other than the paper's, which only the compiled law knows.
+    """
 
     law: str = "paper"
     young_pa: float = _positive(2.0e11)
@@ -129,6 +131,13 @@ class Contact:
     ramp_m: float = _positive(1.0e-5)
     friction_coefficient: float = _not_negative(0.0)
     friction_ramp_m_s: float = _positive(5.0e-5)
+    friction_law: str = _one_of("regularised", "regularised", "adams")
+    friction_dynamic_coefficient: float = _not_negative(0.0)
+    friction_dynamic_speed_m_s: float = _positive(1.0e-3)
+    constant_stiffness_n_m15: float = _positive(1.0e8)
+    restitution: float = _limited(0.9, lambda c: 0 < c <= 1, "above 0 and at most 1")
+    impact_speed_m_s: float = _positive(0.01)
+    line_length_m: float = _positive(0.01)
     detection: str = _one_of("exact", "exact", "points")
     wheel_points: int = _at_least(4000, 3)
     hole_points: int = _at_least(100, 3)

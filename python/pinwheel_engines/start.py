@@ -55,7 +55,7 @@ def _load(scene: Scene, kinematics: Kinematics, angles: Floats, rates: Floats) -
         angles[layout.internal_bodies] = ideal[layout.internal_bodies] + sense * turn
         angles[wheels] = ideal[wheels] + sense * wheel_turns
         states = kinematics.states(angles, rates)
-        return sense * kinematics.torques(angles, law.loads(states[None])[0])
+        return np.asarray(sense * kinematics.torques(angles, law.loads(states[None])[0]))
 
     def settle(turn: float) -> Floats:
         """Wheel turns at which each wheel is in balance with the output held; the wheels do not touch each other."""
@@ -69,7 +69,7 @@ def _load(scene: Scene, kinematics: Kinematics, angles: Floats, rates: Floats) -
 
     def excess(turn: float) -> float:
         """Restoring torque of the contacts on the output less the load."""
-        return -torques(turn, settle(turn))[OUTPUT] - abs(load)
+        return float(-torques(turn, settle(turn))[OUTPUT] - abs(load))
 
     turn = _rising_root(excess, 0.25 * np.pi / scene.gear.lobes)
     if turn is None:

@@ -45,3 +45,9 @@ def stretches(times_s: npt.NDArray[np.float64], wanted_s: float) -> list[Stretch
             count, _ = steps_between(float(times_s[first]), float(times_s[first + 1]), wanted_s)
             parts.append(Stretch(float(times_s[first]), float(times_s[last]), last - first, count))
     return parts
+
+
+def actual_step_s(times_s: npt.NDArray[np.float64], wanted_s: float) -> float:
+    """The step in use over the whole sample intervals; the wanted one for a run without any."""
+    parts = stretches(times_s, wanted_s)
+    return (parts[0].end_s - parts[0].start_s) / parts[0].steps if parts else wanted_s

@@ -30,11 +30,11 @@ from pinwheel_engines.layout import OUTPUT, Kinematics
 from pinwheel_engines.result import Recorder, Result, RunStats
 from pinwheel_engines.scene import Scene
 from pinwheel_engines.start import initial_angles
-from pinwheel_engines.stepping import stretches
+from pinwheel_engines.stepping import actual_step_s, stretches
 
 Floats = npt.NDArray[np.float64]
 
-NAME = "exudyn-constrained-shared-law"
+NAME = "exudyn-shared-law-constrained"
 
 # How the scene's users may call the integrators.
 INTEGRATORS = ("trapezoidal-index2", "generalized-alpha")
@@ -117,7 +117,7 @@ def run(
                 steps=progress["steps"],
                 degrees_of_freedom=3 * count,
                 bodies=count,
-                step_s=wanted,
+                step_s=actual_step_s(recorder.times_s, wanted),
                 settings=f"{count} RigidBody2D, {count} JointRevolute2D, driver constraint, {integrator}, {stage_law.name}",
                 joint_drift_m=drift["m"],
                 versions={"exudyn": VERSION, "numpy": np.__version__},
@@ -160,9 +160,7 @@ def _add_mechanism(
             )
         )
         bodies.append(
-            system.AddObject(
-                items.ObjectRigidBody2D(mass=part.mass_kg, inertia=part.moment_kg_m2, nodeNumber=nodes[-1])
-            )
+            system.AddObject(items.ObjectRigidBody2D(mass=part.mass_kg, inertia=part.moment_kg_m2, nodeNumber=nodes[-1]))
         )
     for index, carrier in enumerate(layout.carriers):
         at = kinematics.offsets[index]
@@ -185,7 +183,7 @@ def _add_mechanism(
                 system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=2)),
             ],
             offsetUserFunction=lambda _system, t, _item, _offset: phase + omega * t,
-            offsetUserFunction_t=lambda _system, t, _item, _offset: omega,
+            offsetUserFunction_t=lambda _system, _t, _item, _offset: omega,
         )
     )
     system.AddObject(
@@ -206,7 +204,7 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
         nothing = np.zeros((size, size))
         return lambda *_arguments: nothing
     # Any law's friction has this form; the exact paper law is near enough for a Newton matrix.
-    contact = dataclasses.replace(scene.contact, law="paper", detection="exact")
+    contact = dataclasses.replace(scene.contact, law="paper", friction_law="regularised", detection="exact")
     law = ContactLaw(dataclasses.replace(scene, contact=contact))
 
     def friction(

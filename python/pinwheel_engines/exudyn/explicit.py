@@ -25,11 +25,11 @@ from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
 from pinwheel_engines.result import Recorder, Result, RunStats
 from pinwheel_engines.scene import Scene
 from pinwheel_engines.start import initial_angles
-from pinwheel_engines.stepping import stretches
+from pinwheel_engines.stepping import actual_step_s, stretches
 
 Floats = npt.NDArray[np.float64]
 
-NAME = "exudyn-explicit-shared-law"
+NAME = "exudyn-shared-law-explicit"
 
 # Rotor inertia of the driver, kg m^2: the speed's relative error is torque * time/(inertia * speed), 1e-14 here.
 ROTOR_KG_M2 = 1.0e12
@@ -101,7 +101,7 @@ def run(
                 steps=progress["steps"],
                 degrees_of_freedom=count,
                 bodies=count,
-                step_s=wanted,
+                step_s=actual_step_s(recorder.times_s, wanted),
                 settings=f"KinematicTree, RK44, {stage_law.name}, driver as rotor inertia {ROTOR_KG_M2:g} kg m^2",
                 versions={"exudyn": VERSION, "numpy": np.__version__},
             )

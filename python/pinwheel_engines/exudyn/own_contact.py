@@ -32,7 +32,7 @@ from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics, hole_centres, whe
 from pinwheel_engines.result import Recorder, Result, RunStats
 from pinwheel_engines.scene import BodyMass, Gear, Scene
 from pinwheel_engines.start import initial_angles
-from pinwheel_engines.stepping import stretches
+from pinwheel_engines.stepping import actual_step_s, stretches
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
@@ -157,9 +157,7 @@ class _Machine:
         load: dict[str, Any] = {"loadVector": [0.0, 0.0, drive.output_torque_n_m]}
         if drive.load_ramp_s > 0.0:
             load["loadVectorUserFunction"] = lambda _system, t, _vector: [0.0, 0.0, drive.load_n_m(t)]
-        self.system.AddLoad(
-            items.LoadTorqueVector(markerNumber=self._link_marker(self.load_tree, 0, 0j), **load)
-        )
+        self.system.AddLoad(items.LoadTorqueVector(markerNumber=self._link_marker(self.load_tree, 0, 0j), **load))
 
     def _add_edges(self, segments: int) -> list[list[Any]]:
         """Curve contacts, one list of wheels for every sleeve."""
@@ -272,8 +270,6 @@ class _Machine:
         return -ROTOR_KG_M2 * float(self.system.systemData.GetODE2Coordinates_tt()[0])
 
 
-
-
 def run(
     scene: Scene,
     on_progress: Callable[[float], bool] | None = None,
@@ -327,9 +323,9 @@ def run(
                 steps=progress["steps"],
                 degrees_of_freedom=layout.bodies,
                 bodies=layout.bodies,
-                step_s=wanted,
-                settings=f"KinematicTree, RK44, {segments} segments an edge, wheel damper {wheel_damper(scene):.4g} N m s/rad "
-                "for the external contacts' damping",
+                step_s=actual_step_s(recorder.times_s, wanted),
+                settings=f"KinematicTree, RK44, {segments} segments an edge, wheel damper {wheel_damper(scene):.4g} "
+                "N m s/rad for the external contacts' damping",
                 versions={"exudyn": VERSION, "numpy": np.__version__},
                 notes=["the ramp S of the contact law and contact.detection have no counterpart in exudyn's contacts"],
             )

@@ -20,7 +20,15 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from pinwheel_engines.bed import bed_damping, bed_stiffness, check_own_contact, edge, equal_arcs, nominal_force_n, nominal_rate_rad_s
+from pinwheel_engines.bed import (
+    bed_damping,
+    bed_stiffness,
+    check_own_contact,
+    edge,
+    equal_arcs,
+    nominal_force_n,
+    nominal_rate_rad_s,
+)
 from pinwheel_engines.errors import Cancelled, Diverged
 from pinwheel_engines.guards import Guard
 from pinwheel_engines.law import ContactLaw
@@ -30,7 +38,7 @@ from pinwheel_engines.mujoco.session import VERSION, check_data, quiet_session
 from pinwheel_engines.result import Recorder, Result, RunStats
 from pinwheel_engines.scene import Scene
 from pinwheel_engines.start import initial_angles
-from pinwheel_engines.stepping import steps_between
+from pinwheel_engines.stepping import actual_step_s, steps_between
 
 Floats = npt.NDArray[np.float64]
 
@@ -208,7 +216,7 @@ def run(
                 steps=steps,
                 degrees_of_freedom=int(model.nv),
                 bodies=machine.kinematics.layout.bodies,
-                step_s=wanted,
+                step_s=actual_step_s(recorder.times_s, wanted),
                 settings=f"implicit, {beads} beads an edge, {CHORDS} tendons a hole, "
                 f"driver as armature {ARMATURE_KG_M2:g} kg m^2",
                 versions={"mujoco": VERSION, "numpy": np.__version__},

@@ -25,7 +25,7 @@ from pinwheel_engines.mujoco.session import VERSION, Callback, callback_at, chec
 from pinwheel_engines.result import Recorder, Result, RunStats
 from pinwheel_engines.scene import Scene
 from pinwheel_engines.start import initial_angles
-from pinwheel_engines.stepping import steps_between
+from pinwheel_engines.stepping import actual_step_s, steps_between
 
 Floats = npt.NDArray[np.float64]
 
@@ -162,7 +162,7 @@ def run(
                 steps=steps,
                 degrees_of_freedom=int(model.nv),
                 bodies=machine.kinematics.layout.bodies,
-                step_s=wanted,
+                step_s=actual_step_s(recorder.times_s, wanted),
                 settings=f"RK4, {stage_law.name}{'' if address is None else ' called directly'}, "
                 f"driver as armature {ARMATURE_KG_M2:g} kg m^2",
                 versions={"mujoco": VERSION, "numpy": np.__version__},
@@ -200,4 +200,3 @@ def run(
             if address is not None and law is not None and law.detach_mujoco is not None:
                 law.detach_mujoco()
         return finish()
-
