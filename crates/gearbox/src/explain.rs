@@ -57,6 +57,20 @@ pub fn explain(scene: &Scene) -> Result<Explanation, GearboxError> {
         });
     };
 
+    say(
+        &mut modelled,
+        format!(
+            "{} planar bodies on {} revolutes and a driver",
+            mechanism.bodies.len(),
+            mechanism.revolutes.len()
+        ),
+        &format!(
+            "{coordinates} coordinates less {} constraints leave {} degrees of freedom; the driver turns the input at {} rad/s",
+            mechanism.constraints(),
+            coordinates - mechanism.constraints(),
+            scene.drive.input_speed_rad_s
+        ),
+    );
     if lagrange {
         say(
             &mut modelled,
@@ -155,6 +169,37 @@ pub fn explain(scene: &Scene) -> Result<Explanation, GearboxError> {
             "contact.detection = \"points\": the nearest point within the sleeve, as published",
         ),
     }
+    if gearbox.has_friction() {
+        say(
+            &mut modelled,
+            format!(
+                "Coulomb friction, coefficient {}",
+                contact.friction_coefficient
+            ),
+            &format!(
+                "regularised below {} m/s of sliding; it turns the sleeves",
+                contact.friction_ramp_m_s
+            ),
+        );
+    }
+    say(
+        &mut modelled,
+        format!(
+            "load of {} N m on the output shaft",
+            scene.drive.output_torque_n_m
+        ),
+        &if scene.drive.load_ramp_s > 0.0 {
+            format!("rising over {} s", scene.drive.load_ramp_s)
+        } else {
+            "from the start".to_owned()
+        },
+    );
+    let choice = crate::auto::integrator(scene);
+    say(
+        &mut modelled,
+        format!("integrator {}", choice.integrator),
+        &choice.reason,
+    );
     if scene.gear.backlash_m > 0.0 {
         say(
             &mut modelled,

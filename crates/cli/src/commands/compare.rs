@@ -7,6 +7,7 @@ use pinwheel_compare::{Comparison, Context, Cost, Participant, Status, limits};
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, RunStats, registry};
 use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::Statement;
 use pinwheel_gearbox::scene::{Assumption, Scene, Start, assumptions};
 use pinwheel_report::{Fact, ReportInput};
 use serde::Serialize;
@@ -14,7 +15,6 @@ use serde::Serialize;
 use crate::args::{CompareArgs, quoted};
 use crate::commands::verdicts;
 use crate::engines;
-use crate::facts::{self, Statement};
 use crate::failure::{ENGINE, EXCEEDED, Failure};
 use crate::folder::Folder;
 use crate::machine::Machine;
@@ -196,7 +196,8 @@ fn write(
     participants: &[Participant],
 ) -> Result<(), Failure> {
     let scene = &gearbox.scene;
-    let (modelled, left_out) = (facts::modelled(gearbox), facts::left_out(gearbox));
+    let model =
+        pinwheel_gearbox::explain(scene).map_err(|error| Failure::input(error.to_string()))?;
     let (assumed, machine) = (assumptions(scene), Machine::here());
     let command = typed(args);
     let facts = |list: &[Statement]| list.iter().map(|s| Fact::new(&s.what, &s.why)).collect();
@@ -209,8 +210,8 @@ fn write(
     let page = pinwheel_report::render(&ReportInput {
         comparison,
         participants,
-        modelled: facts(&modelled),
-        left_out: facts(&left_out),
+        modelled: facts(&model.modelled),
+        left_out: facts(&model.left_out),
         assumptions: assumed
             .iter()
             .map(|a| Fact::new(format!("{} = {}", a.key, a.value), &a.reason))
@@ -238,8 +239,8 @@ fn write(
             pinwheel_version: env!("CARGO_PKG_VERSION"),
             command: &command,
             comparison,
-            modelled: &modelled,
-            left_out: &left_out,
+            modelled: &model.modelled,
+            left_out: &model.left_out,
             assumptions: &assumed,
             scene,
             machine: &machine,

@@ -1,10 +1,11 @@
 //! `pinwheel explain`: what a scene models, assumes and lets one expect, without running it.
 
+use pinwheel_gearbox::Explanation as Model;
 use pinwheel_gearbox::scene::{Assumption, Derived, Scene, assumptions, derived};
 use serde::Serialize;
 
 use crate::args::ExplainArgs;
-use crate::facts::{self, Statement};
+use crate::facts;
 use crate::failure::Failure;
 use crate::screen::{self, TITLE, styled};
 use crate::table::{Cell, lines};
@@ -13,18 +14,18 @@ use crate::table::{Cell, lines};
 #[derive(Debug, Serialize)]
 struct Explanation<'a> {
     scene: &'a Scene,
-    modelled: Vec<Statement>,
-    left_out: Vec<Statement>,
+    #[serde(flatten)]
+    model: Model,
     derived: Derived,
     assumptions: Vec<Assumption>,
 }
 
 pub(crate) fn explain(args: &ExplainArgs) -> Result<u8, Failure> {
-    let (scene, gearbox) = args.scene.load()?;
+    let (scene, _) = args.scene.load()?;
     let explanation = Explanation {
         scene: &scene,
-        modelled: facts::modelled(&gearbox),
-        left_out: facts::left_out(&gearbox),
+        model: pinwheel_gearbox::explain(&scene)
+            .map_err(|error| Failure::input(error.to_string()))?,
         derived: derived(&scene),
         assumptions: assumptions(&scene),
     };
@@ -49,13 +50,13 @@ fn in_words(explanation: &Explanation<'_>) -> String {
         }
     };
     let two = |what: &str, why: &str| vec![Cell::text(what), Cell::text(why)];
-    let statements = |list: &[Statement]| {
+    let statements = |list: &[pinwheel_gearbox::Statement]| {
         list.iter()
             .map(|s| two(&s.what, &s.why))
             .collect::<Vec<_>>()
     };
-    section("Modelled", statements(&explanation.modelled));
-    section("Left out", statements(&explanation.left_out));
+    section("Modelled", statements(&explanation.model.modelled));
+    section("Left out", statements(&explanation.model.left_out));
     section(
         "What follows from the dimensions",
         geometry(explanation.scene, &explanation.derived),
