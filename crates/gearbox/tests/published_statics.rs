@@ -53,9 +53,9 @@ fn cycloidgen_agrees() {
     );
     let gear = Scene::default().gear;
     let mesh = LinearMesh::of(&gear);
-    // Its 720 poses a pitch start with a sleeve on the line of centres.
-    let poses = 720_u32;
-    let (low, high) = mesh.peak(torque, 720);
+    // Its 720 poses over 15 pitches are 48 different ones; the first has a sleeve on the line of centres.
+    let poses = 48_u32;
+    let (low, high) = mesh.peak(torque, 48);
     let peaks = numbers(&data, "peak_n");
     close(low, peaks[0], tolerance, "least peak");
     close(high, peaks[1], tolerance, "largest peak");
@@ -114,7 +114,8 @@ fn closed_forms_have_their_values() {
     close(
         free_play(&gear),
         number(closed, "free_play_rad_per_m"),
-        2e-5,
+        // All five digits given.
+        3e-5,
         "free play",
     );
     close(
@@ -175,34 +176,45 @@ fn quasi_static_peaks() {
     }
 }
 
-/// Virtual work on equilibria: with a potential, load times the turn of the output over a period of the input
-/// is the work of the ideal gear; the force on each eccentric has T_wheel/(e zs) across it.
+/// After 15/16 of a turn of the input every contact stands where its neighbour was and the stored energy is back, so with a potential the driver does what the
+/// load takes: 22/15 N m on average, exactly. The paper's law has none and misses it by its 0.95 %.
 #[test]
-fn equilibrium_balances_torques() {
-    for law in ["paper", "constant", "line-contact", "flores"] {
+fn equilibria_do_the_work_of_the_load() {
+    // Measured: 1e-7 from 22/15 for the laws with a potential; dynamic runs give 1.4529 for the paper's.
+    for (law, mean_known, tolerance) in [
+        ("paper", 1.4529, 1e-4),
+        ("paper-conservative", 22.0 / 15.0, 2e-6),
+        ("constant", 22.0 / 15.0, 2e-6),
+        ("line-contact", 22.0 / 15.0, 2e-6),
+    ] {
         let mut scene = Scene::default();
         scene.contact.law = law.into();
         let gearbox = Gearbox::new(&scene).unwrap();
         let mut statics = Statics::new(&gearbox).unwrap();
-        for phi in [0.0, 0.7, 2.9] {
+        // The internal stage repeats eight times in this, the two wheels alike.
+        let poses = 960_u32;
+        let mut sum = 0.0;
+        for k in 0..poses {
+            let phi = TAU * 15.0 / 16.0 * f64::from(k) / f64::from(poses);
             let found = statics.solve(phi, 22.0).unwrap();
-            let pairs = statics.touching(&found);
-            let (mut output, mut across) = (0.0, 0.0);
-            for pair in &pairs {
+            let (mut output, mut driver, mut across) = (0.0, 0.0, 0.0);
+            for pair in &statics.touching(&found) {
                 let ([fx, fy], [x, y]) = (pair.force_on_sleeve(), pair.centre);
+                // The wheel takes the reaction and hands it to the eccentric; the driver holds against it.
+                let (s, c) = (phi + gearbox.geometry.wheel_phases[pair.wheel]).sin_cos();
+                let tangential = fx * s - fy * c;
+                driver -= 0.0028 * tangential;
                 match pair.sleeve {
                     Sleeve::Internal(_) => output += x * fy - y * fx,
-                    Sleeve::External(_) => {
-                        let (s, c) = (phi + gearbox.geometry.wheel_phases[pair.wheel]).sin_cos();
-                        across += -fx * -s + -fy * c;
-                    }
+                    Sleeve::External(_) => across += tangential,
                 }
             }
-            assert!((output + 22.0).abs() < 1e-9, "{law}: {output}");
-            // Both wheels together carry 22 N m. The teeth give by about 1e-5 m of the normals' 64 mm, and the
-            // normals turn with it: measured 2e-3.
-            close(across.abs(), 22.0 / (0.0028 * 15.0), 1e-2, law);
+            assert!((output + 22.0).abs() < 1e-8, "{law}: {output}");
+            // At each pose T/(e zs) holds for rigid teeth; these give way unevenly, by up to 2 %.
+            close(across.abs(), 22.0 / (0.0028 * 15.0), 0.04, law);
+            sum += driver;
         }
+        close(sum / f64::from(poses), mean_known, tolerance, law);
     }
 }
 
