@@ -25,12 +25,13 @@ def initial_angles(scene: Scene, given: Floats | None = None) -> tuple[Floats, F
     """Absolute angles and rates at time 0. `given` (bodies, 6) overrules the scene; its positions follow its angles."""
     kinematics = Kinematics(scene.gear)
     if given is not None:
-        states = np.asarray(given, dtype=np.float64).reshape(-1, 6)
-        if states.shape[0] != kinematics.layout.bodies or not np.all(np.isfinite(states)):
+        states = np.asarray(given, dtype=np.float64)
+        if states.size != 6 * kinematics.layout.bodies or not np.all(np.isfinite(states)):
             raise SceneError(
                 f"the initial states must be {kinematics.layout.bodies} bodies of 6 finite numbers, "
                 f"not an array of shape {states.shape}"
             )
+        states = states.reshape(-1, 6)
         return states[:, 2].copy(), states[:, 5].copy()
     angles, rates = kinematics.ideal(scene)
     if scene.drive.start == "equilibrium":

@@ -116,6 +116,33 @@ pub struct Cost {
     pub notes: Vec<String>,
     /// Largest position error of any joint, m, where the engine has constraints.
     pub joint_drift_m: Option<f64>,
+    /// Where the energy went, window by window, of engines that keep an account.
+    pub energy: Vec<Energy>,
+}
+
+/// Energy account of one window, J: growth of kinetic and stored energy = works - losses + remainder.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Energy {
+    /// Start of the window, s.
+    pub from_s: f64,
+    /// End of the window, s.
+    pub to_s: f64,
+    /// Work of the driver.
+    pub driver_j: f64,
+    /// Work of the load; negative when the gear drives it.
+    pub load_j: f64,
+    /// Growth of kinetic energy.
+    pub kinetic_j: f64,
+    /// Growth of the energy stored in contacts.
+    pub stored_j: f64,
+    /// Lost by contact damping.
+    pub damping_j: f64,
+    /// Lost by sliding.
+    pub friction_j: f64,
+    /// Energy that nothing accounts for.
+    pub remainder_j: f64,
+    /// The remainder as a share of the larger work.
+    pub remainder_share: f64,
 }
 
 /// What a comparison needs to know of the scene. Only `scene` and `duration_s` are needed for

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_courses::Courses;
+use pinwheel_gearbox::energy::EnergyAudit;
 use pinwheel_gearbox::scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +55,9 @@ pub struct RunStats {
     /// Largest position error of any joint, m, where the engine has constraints.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub joint_drift_m: Option<f64>,
+    /// Energy account of the whole run and of its second half, where the engine keeps one.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub energy: Vec<EnergyAudit>,
     /// Remarks for the reader (approximations, guards that fired).
     pub notes: Vec<String>,
 }

@@ -161,6 +161,10 @@ impl Engine for Native {
                 },
                 settings: settings(&gearbox.scene),
                 joint_drift_m: (self.form == Form::Lagrange).then_some(run.joint_drift_m),
+                energy: windows(scene.solver.duration_s)
+                    .into_iter()
+                    .filter_map(|(from, to)| run.energy.audit(from, to))
+                    .collect(),
                 notes: Vec::new(),
             };
             Run {
@@ -207,4 +211,9 @@ fn settings(scene: &Scene) -> String {
     } else {
         format!("{form}, {choice}, {:e} s", solver.step_s)
     }
+}
+
+/// The whole run and its second half, where a start-up has died away.
+fn windows(duration: f64) -> [(f64, f64); 2] {
+    [(0.0, duration), (0.5 * duration, duration)]
 }

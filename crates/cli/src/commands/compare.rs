@@ -3,7 +3,7 @@
 use std::fs;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use pinwheel_compare::{Comparison, Context, Cost, Participant, Status, limits};
+use pinwheel_compare::{Comparison, Context, Cost, Energy, Participant, Status, limits};
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, RunStats, registry};
 use pinwheel_gearbox::Gearbox;
@@ -173,6 +173,22 @@ fn cost(stats: RunStats) -> Cost {
         settings: stats.settings,
         notes: stats.notes,
         joint_drift_m: stats.joint_drift_m,
+        energy: stats
+            .energy
+            .iter()
+            .map(|e| Energy {
+                from_s: e.from_s,
+                to_s: e.to_s,
+                driver_j: e.driver_j,
+                load_j: e.load_j,
+                kinetic_j: e.kinetic_j,
+                stored_j: e.stored_j,
+                damping_j: e.damping_j,
+                friction_j: e.friction_j,
+                remainder_j: e.remainder_j,
+                remainder_share: e.remainder_share,
+            })
+            .collect(),
     }
 }
 

@@ -121,29 +121,6 @@ pub enum FrictionLaw {
     Adams,
 }
 
-// Keys of single laws are written only where they differ, so that a scene shows what it uses.
-fn is_regularised(law: &FrictionLaw) -> bool {
-    *law == FrictionLaw::Regularised
-}
-fn is_default_dynamic_coefficient(x: &f64) -> bool {
-    *x == Contact::default().friction_dynamic_coefficient
-}
-fn is_default_dynamic_speed(x: &f64) -> bool {
-    *x == Contact::default().friction_dynamic_speed_m_s
-}
-fn is_default_constant_stiffness(x: &f64) -> bool {
-    *x == Contact::default().constant_stiffness_n_m15
-}
-fn is_default_restitution(x: &f64) -> bool {
-    *x == Contact::default().restitution
-}
-fn is_default_impact_speed(x: &f64) -> bool {
-    *x == Contact::default().impact_speed_m_s
-}
-fn is_default_line_length(x: &f64) -> bool {
-    *x == Contact::default().line_length_m
-}
-
 /// Contact law (Eq. 20-24) and detection.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -165,25 +142,18 @@ pub struct Contact {
     /// Sliding speed at which friction reaches mu F_n, m/s.
     pub friction_ramp_m_s: f64,
     /// Form of the friction.
-    #[serde(skip_serializing_if = "is_regularised")]
     pub friction_law: FrictionLaw,
     /// mu_d (friction law `adams` only, where mu is the static coefficient).
-    #[serde(skip_serializing_if = "is_default_dynamic_coefficient")]
     pub friction_dynamic_coefficient: f64,
     /// Sliding speed from which mu_d holds, m/s (friction law `adams` only).
-    #[serde(skip_serializing_if = "is_default_dynamic_speed")]
     pub friction_dynamic_speed_m_s: f64,
     /// K of laws with one stiffness for all contacts, N/m^1.5.
-    #[serde(skip_serializing_if = "is_default_constant_stiffness")]
     pub constant_stiffness_n_m15: f64,
     /// c of the hysteresis laws, 0 < c <= 1.
-    #[serde(skip_serializing_if = "is_default_restitution")]
     pub restitution: f64,
     /// v0 of the hysteresis laws, m/s: an impact at this speed has the restitution c.
-    #[serde(skip_serializing_if = "is_default_impact_speed")]
     pub impact_speed_m_s: f64,
     /// Length of the line of a line contact, m.
-    #[serde(skip_serializing_if = "is_default_line_length")]
     pub line_length_m: f64,
     /// How the contact point is found.
     pub detection: Detection,

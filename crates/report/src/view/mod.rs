@@ -4,6 +4,7 @@
 mod banner;
 mod checks;
 mod costs;
+mod energy;
 mod figures;
 mod matrices;
 mod pairs;
@@ -31,6 +32,7 @@ pub(crate) struct Page<'a> {
     chart_json: Option<String>,
     tracks: Vec<TrackSection>,
     engines: Vec<EngineCard>,
+    energy: Vec<energy::EnergyRow>,
     costs: Costs,
     modelled: &'a [Fact],
     left_out: &'a [Fact],
@@ -96,6 +98,7 @@ impl<'a> Page<'a> {
             chart_json: charts.as_ref().map(json_for_script).transpose()?,
             tracks: tracks::sections(comparison),
             engines: engine_cards(comparison),
+            energy: energy::rows(comparison),
             costs: costs::table(comparison),
             modelled: &input.modelled,
             left_out: &input.left_out,

@@ -1,0 +1,40 @@
+//! Where the energy of each run went.
+
+use pinwheel_compare::Comparison;
+
+/// One engine and window.
+pub(super) struct EnergyRow {
+    pub(super) engine: String,
+    pub(super) style: usize,
+    pub(super) window: String,
+    /// Driver, load, kinetic, stored, damping, friction, remainder, its share.
+    pub(super) values: Vec<String>,
+}
+
+pub(super) fn rows(comparison: &Comparison) -> Vec<EnergyRow> {
+    let engines = comparison.engines.iter().enumerate();
+    engines
+        .flat_map(|(style, engine)| {
+            engine.cost.energy.iter().map(move |e| {
+                let joules = [
+                    e.driver_j,
+                    e.load_j,
+                    e.kinetic_j,
+                    e.stored_j,
+                    e.damping_j,
+                    e.friction_j,
+                    e.remainder_j,
+                ];
+                // Tenths of a millijoule of tens of joules: below that a remainder is rounding.
+                let mut values: Vec<String> = joules.iter().map(|x| format!("{x:.4}")).collect();
+                values.push(format!("{:.4} %", 100.0 * e.remainder_share));
+                EnergyRow {
+                    engine: engine.name.clone(),
+                    style,
+                    window: format!("{}\u{2013}{} s", e.from_s, e.to_s),
+                    values,
+                }
+            })
+        })
+        .collect()
+}
