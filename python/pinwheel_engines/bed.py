@@ -44,8 +44,9 @@ def check_own_contact(engine: str, scene: Scene) -> None:
     if nominal < LEAST_RAMPS * contact.ramp_m:
         raise Unsupported(
             engine,
-            f"the nominal penetration of {nominal:.2g} m is below {LEAST_RAMPS:g} times contact.ramp_m = {contact.ramp_m:g}, "
-            "so the ramp S shapes the forces and its own contact has none; take a softer contact or a shorter ramp",
+            f"the nominal penetration of {nominal:.2g} m is below {LEAST_RAMPS:g} times contact.ramp_m = "
+            f"{contact.ramp_m:g}, so the ramp S shapes the forces and its own contact has none; take a softer contact or a "
+            "shorter ramp",
         )
 
 

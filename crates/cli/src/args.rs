@@ -17,6 +17,7 @@ Examples:
   pinwheel compare paper --set gear.backlash_m=0.0006 --out out/backlash
   pinwheel explain my-gear.toml                  what is modelled, assumed and to be expected
   pinwheel engines                               what there is to compare with
+  pinwheel laws                                  contact laws that a scene can name
 
 A SCENE is the path of a TOML file or the name of a preset: paper, paper-2019, paper-friction,
 paper-rough, paper-refined, paper-geometric, backlash-0.6, steel, one-wheel, eleven-pins, forty-pins,
@@ -45,6 +46,8 @@ pub(crate) enum Command {
     Explain(ExplainArgs),
     /// List the engines of this build.
     Engines(EnginesArgs),
+    /// List the contact laws with their source, domain and behaviour at slow impacts.
+    Laws(LawsArgs),
 }
 
 /// Which scene.
@@ -104,6 +107,17 @@ pub(crate) struct CompareArgs {
     pub(crate) engines: Vec<String>,
     #[command(flatten)]
     pub(crate) out: OutArgs,
+}
+
+/// `pinwheel laws`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  pinwheel run paper --set contact.law=paper-conservative")]
+pub(crate) struct LawsArgs {
+    /// Write JSON, for programs.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// `pinwheel explain`.

@@ -40,5 +40,6 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Compare(args) => commands::compare::compare(args),
         Command::Explain(args) => commands::explain::explain(args),
         Command::Engines(args) => commands::engines::engines(args),
+        Command::Laws(args) => commands::laws::laws(args),
     }
 }
