@@ -37,9 +37,11 @@ fn known(judged: &Judgement) -> bool {
         ("backlash-internal-25", Verdict::DoesNotHold) => {
             near(0, 156.6, 0.3) && near(1, 156.4, 0.5)
         }
-        ("random-torque", Verdict::DoesNotHold) => n[0] < 0.2,
+        ("random-torque", Verdict::DoesNotHold) => n[0] < 0.01,
         ("damping-one-per-cent", Verdict::Meaningless) => n[0] > 1e4 * n[1],
-        ("contact-onset" | "backlash-torque", _) | ("time", Verdict::Conditional) => true,
+        ("backlash-torque", Verdict::DoesNotHold) => n.iter().all(|&r| r > 0.03 && r < 0.09),
+        ("contact-onset", Verdict::Holds) => n[1] > 3.0 * n[0],
+        ("time", Verdict::Conditional) => true,
         _ => false,
     }
 }
