@@ -90,7 +90,7 @@ def solve(
     """Integrates all stretches, calls `sample(time)` after every sample's last step; returns the number of steps.
 
     `sample` may raise: the run stops and the error comes out here. exudyn's own errors become EngineFailed, or Diverged
-    when the Newton iteration of an implicit step failed.
+    when its solver gave up a step.
     """
     done = 0
     for number, stretch in enumerate(parts):
@@ -121,9 +121,9 @@ def solve(
             system.SolveDynamic(settings, solverType=solver)
         except Exception as error:
             kept.raise_kept()
-            time_s = stretch.start_s + counter["steps"] * size
+            time_s = stretch.start_s + (counter["steps"] + 1) * size
             text = " ".join(str(error).split())
-            if counter["steps"] > 0 or "Newton" in text or "converge" in text.lower():
+            if isinstance(error, exu.SolverError):
                 raise Diverged(engine, time_s, f"the solver gave up: {text[:200]}") from error
             raise EngineFailed(engine, text[:400]) from error
         finally:

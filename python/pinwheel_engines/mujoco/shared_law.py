@@ -151,14 +151,15 @@ def run(
 
         def counts() -> tuple[int, int]:
             found = layout["counters_array"]
-            return stage_law.calls + int(found[0]), stage_law.changes + int(found[1])
+            # One call a sample is the forward evaluation that the sample is taken from.
+            calls = stage_law.calls + int(found[0]) - recorder.count
+            return max(0, calls), stage_law.changes + int(found[1])
 
         def finish() -> Result:
-            samples = recorder.count
             stats = RunStats(
                 wall_s=time.perf_counter() - wall,
                 cpu_s=time.thread_time() - cpu,
-                rhs_calls=counts()[0] - samples,
+                rhs_calls=counts()[0],
                 steps=steps,
                 degrees_of_freedom=int(model.nv),
                 bodies=machine.kinematics.layout.bodies,
@@ -191,7 +192,7 @@ def run(
                 if on_progress is not None and on_progress(float(instant)):
                     raise Cancelled
             calls, changes = counts()
-            check_not_frozen(NAME, steps, 4, calls - recorder.count, changes)
+            check_not_frozen(NAME, steps, 4, calls, changes)
         except Diverged as error:
             error.partial = finish()
             raise
