@@ -89,7 +89,8 @@ class StageLaw:
         self._function(context, time_s, states, loads)
         return self.loads
 
-    def _numpy(self, _time_s: float) -> Floats:
+    def _numpy(self, time_s: float) -> Floats:
+        del time_s  # the law knows no time
         self.loads[:] = self._law.loads(self.states[None])[0]
         return self.loads
 

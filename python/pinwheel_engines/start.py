@@ -66,7 +66,7 @@ def _load(scene: Scene, kinematics: Kinematics, angles: Floats, rates: Floats) -
             middle = 0.5 * (low + high)
             pushed_on = torques(turn, middle)[wheels] > 0.0
             low, high = np.where(pushed_on, middle, low), np.where(pushed_on, high, middle)
-        return 0.5 * (low + high)
+        return np.asarray(0.5 * (low + high))
 
     def excess(turn: float) -> float:
         """Restoring torque of the contacts on the output less the load."""

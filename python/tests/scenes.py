@@ -129,13 +129,13 @@ def runge_kutta(scene: Scene, step_s: float) -> dict[str, Floats]:
     angles, rates = initial_angles(scene)
     recorder = Recorder(scene, kinematics)
 
-    def evaluate(time_s: float, a: Floats, r: Floats) -> tuple[Floats, Floats, Floats]:
+    def evaluate(a: Floats, r: Floats) -> tuple[Floats, Floats, Floats]:
         states = kinematics.states(a, r)
         loads = law.loads(states[None])[0]
         return states, loads, kinematics.torques(a, loads)
 
     def acceleration(time_s: float, a: Floats, r: Floats) -> Floats:
-        torques = evaluate(time_s, a, r)[2]
+        torques = evaluate(a, r)[2]
         torques[1] += scene.drive.load_n_m(time_s)
         result = torques / moments
         result[0] = 0.0
@@ -156,7 +156,7 @@ def runge_kutta(scene: Scene, step_s: float) -> dict[str, Floats]:
                 k4 = acceleration(t + h, angles + h * r3, r4)
                 angles = angles + h / 6.0 * (rates + 2.0 * r2 + 2.0 * r3 + r4)
                 rates = rates + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-        states, loads, torques = evaluate(instant, angles, rates)
+        states, loads, torques = evaluate(angles, rates)
         recorder.record(states, loads, -float(torques[0]))
     return recorder.columns()
 

@@ -59,7 +59,7 @@ def test_bad_duration_is_checked(scene_file):
     assert cli.main("mujoco", [str(scene_file), "--duration", "-1"]) == 2
 
 
-def test_divergence_is_3_and_keeps_the_courses(scene_file, tmp_path, capsys):
+def test_divergence_is_3_and_keeps_the_courses(tmp_path, capsys):
     out = tmp_path / "courses.csv"
     steel = tmp_path / "steel.toml"
     steel.write_text("[contact]\nstiffness_multiplier = 1.0\n[solver]\nsample_s = 1e-3\nduration_s = 0.05")

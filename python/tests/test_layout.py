@@ -81,7 +81,8 @@ def test_given_states_are_checked():
 
 
 def test_steps_hit_every_sample():
-    assert steps_between(0.0, 1e-4, 1e-5) == (10, pytest.approx(1e-5))
+    assert steps_between(0.0, 1e-4, 1e-5)[0] == 10
+    assert steps_between(0.0, 1e-4, 1e-5)[1] == pytest.approx(1e-5)
     assert steps_between(0.3, 0.3 + 1e-4, 1e-5)[0] == 10
     assert steps_between(0.0, 1e-4, 3e-5)[0] == 4
     assert steps_between(0.0, 1e-4, 1.0)[0] == 1

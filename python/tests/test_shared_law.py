@@ -4,6 +4,7 @@ The runs are short because the numpy law takes about a millisecond a call.
 """
 
 import ctypes
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -191,12 +192,11 @@ def test_impossible_states_and_forces_are_seen():
     guard = Guard("x", scene)
     angles, rates = Kinematics(scene.gear).ideal(scene)
     guard.check_states(0.0, angles, rates)
-    for change in ((0, 1, 50.0), (2, 0, 0.5), (1, 0, 0.5), (5, 0, np.nan), (5, 1, np.inf)):
-        body, which, value = change
+    for body, which, value in ((0, 1, 50.0), (2, 0, 0.5), (1, 0, 0.5), (5, 0, np.nan), (5, 1, np.inf)):
         wrong = [angles.copy(), rates.copy()]
         wrong[which][body] = value if which else wrong[0][body] + value
         with pytest.raises(Diverged):
-            guard.check_states(0.0, *wrong)
+            guard.check_states(0.0, wrong[0], wrong[1])
     guard.check_forces(0.0, np.array([500.0, -500.0]))
     for force in (1e8, np.nan, np.inf):
         with pytest.raises(Diverged, match="sleeve force"):
@@ -215,7 +215,7 @@ def test_a_callback_that_is_not_called_per_stage_is_seen():
 @pytest.mark.parametrize("engine", EXPLICIT)
 def test_forces_frozen_over_a_step_are_seen(engine, monkeypatch):
     original = Kinematics.states
-    held = {"calls": 0}
+    held: dict[str, Any] = {"calls": 0}
 
     def stale(self, angles, rates, out=None):
         """Hands the law the same state for all stages of two steps."""
