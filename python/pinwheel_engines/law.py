@@ -142,6 +142,30 @@ class ContactLaw:
             self._add_loads(states[part], loads[part])
         return loads
 
+    def rounding_n(self, states: Floats) -> Floats:
+        """How far two correct evaluations of the law may differ by rounding alone, N, one number a state (n,).
+
+        A penetration is the difference of lengths of about the pitch radius, so it is known to their unit in the last place
+        (1.4e-17 m), however small it is itself; the normal force follows with its slope. Friction below its ramp follows the
+        sliding rate, a difference of speeds of up to R times the greatest rate, in the same way. Two implementations that
+        differ by more than a few of these do not compute the same law.
+        """
+        states = np.asarray(states, dtype=np.float64)
+        bound = np.zeros(states.shape[0])
+        contact, reach = self.scene.contact, self.scene.gear.pitch_radius_m + self.scene.gear.eccentricity_m
+        for start in range(0, states.shape[0], STATES_AT_ONCE):
+            part = states[start : start + STATES_AT_ONCE]
+            found = self.contacts(part)
+            delta, damping = found.penetration_m, contact.damping_n_s_m * np.abs(found.normal_rate_m_s)
+            above = 1.5 * found.stiffness * np.sqrt(delta)
+            below = (2.5 * found.stiffness * delta**1.5 + damping) / contact.ramp_m
+            length = np.spacing(reach) * np.where(delta < contact.ramp_m, below, above)
+            speed = np.spacing(reach * np.max(np.abs(part[..., 5]), axis=1))[found.state]
+            friction = contact.friction_coefficient * found.normal_force_n / contact.friction_ramp_m_s
+            force = length * (1.0 + contact.friction_coefficient) + speed * (friction + contact.damping_n_s_m)
+            bound[start : start + STATES_AT_ONCE] = np.bincount(found.state, force, part.shape[0])
+        return bound
+
     def _add_loads(self, states: Floats, loads: Floats) -> None:
         found = self.contacts(states)
         force = found.force_on_sleeve_n
