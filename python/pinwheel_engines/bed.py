@@ -84,6 +84,17 @@ def nominal_rate_rad_s(scene: Scene) -> float:
     return math.sqrt(stiffness / scene.mass.wheel.moment_kg_m2)
 
 
+def nominal_step_s(scene: Scene) -> float:
+    """The own-contact engines' step, s: 1e-4, or what the wheel's springs (1.1 radians) or dampers (half a time constant)
+    ask for if that is less. The explicit methods used are stable to about twice as much.
+    """
+    gear = scene.gear
+    levers = gear.external_sleeves * (gear.eccentricity_m * gear.lobes) ** 2
+    levers += gear.internal_sleeves * gear.internal_circle_radius_m**2
+    decay = 0.25 * scene.contact.damping_n_s_m * levers / scene.mass.wheel.moment_kg_m2
+    return min(1.0e-4, 1.1 / nominal_rate_rad_s(scene), 0.5 / max(decay, 1.0))
+
+
 def nominal_penetration_m(scene: Scene) -> float:
     """Penetration of an external sleeve under its nominal force where the profile is straight (R = q), m."""
     stiffness = ContactLaw(scene).stiffness_factor * math.sqrt(scene.gear.external_sleeve_radius_m)

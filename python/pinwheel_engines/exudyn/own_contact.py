@@ -23,7 +23,7 @@ import exudyn.itemInterface as items
 import numpy as np
 import numpy.typing as npt
 
-from pinwheel_engines.bed import bed_stiffness, check_own_contact, edge, equal_arcs, nominal_rate_rad_s
+from pinwheel_engines.bed import bed_stiffness, check_own_contact, edge, equal_arcs, nominal_step_s
 from pinwheel_engines.errors import Cancelled, Diverged
 from pinwheel_engines.exudyn.session import VERSION, Kept, quiet_session, solve
 from pinwheel_engines.guards import Guard
@@ -279,14 +279,14 @@ def run(
 ) -> Result:
     """Runs a scene without friction. `segments`: springs along each wheel's edge.
 
-    `step_s`: 1e-4 s, or one radian of the wheel's nominal frequency if that is less.
+    `step_s`: by default `bed.nominal_step_s`.
     Raises Diverged with the courses until then, Cancelled, EngineFailed, Unsupported.
     """
     check_own_contact(NAME, scene)
     guard = Guard(NAME, scene)
     # Beyond half of the margin a wheel would run out of the segments that were kept for it.
     guard.wheel_limit_rad = min(guard.wheel_limit_rad, 0.5 * margin_rad(scene.gear))
-    wanted = min(1.0e-4, 1.1 / nominal_rate_rad_s(scene)) if step_s is None else step_s
+    wanted = nominal_step_s(scene) if step_s is None else step_s
     kept = Kept()
     wall, cpu = time.perf_counter(), time.thread_time()
     progress = {"steps": 0}

@@ -27,7 +27,7 @@ from pinwheel_engines.bed import (
     edge,
     equal_arcs,
     nominal_force_n,
-    nominal_rate_rad_s,
+    nominal_step_s,
 )
 from pinwheel_engines.errors import Cancelled, Diverged
 from pinwheel_engines.guards import Guard
@@ -191,14 +191,13 @@ def run(
 ) -> Result:
     """Runs a scene without friction. `beads`: springs along each wheel's edge.
 
-    `step_s`: 1e-4 s, or one radian of the wheel's nominal frequency if that is less; MuJoCo's step is explicit in the
-    springs and stable up to two.
+    `step_s`: by default `bed.nominal_step_s`; MuJoCo's step is explicit in springs and dampers.
 
     Raises Diverged with the courses until then, Cancelled, EngineFailed, Unsupported.
     """
     check_own_contact(NAME, scene)
     guard = Guard(NAME, scene)
-    wanted = min(1.0e-4, 1.1 / nominal_rate_rad_s(scene)) if step_s is None else step_s
+    wanted = nominal_step_s(scene) if step_s is None else step_s
     wall, cpu = time.perf_counter(), time.thread_time()
     with quiet_session():
         mujoco.set_mjcb_passive(None)
