@@ -1,5 +1,0 @@
-//! Studies of the native solver.
-
-mod measure;
-
-pub use measure::{Difference, difference};
