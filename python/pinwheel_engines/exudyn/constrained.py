@@ -104,9 +104,10 @@ def run(
                 raise Cancelled
 
         def adjust(settings: Any) -> None:
-            # The matrix is renewed only when an iteration gains less than a factor of two; friction may need many.
+            # The matrix is renewed only when an iteration gains less than a factor of two. Light sleeves slip through hundreds of
+            # iterations in single steps (some 30 on average).
             newton = settings.timeIntegration.newton
-            newton.useModifiedNewton, newton.maxIterations = True, 200
+            newton.useModifiedNewton, newton.maxIterations = True, 2000
             settings.linearSolver.solverType = exu.LinearSolverType.EigenDense
 
         def finish() -> Result:
