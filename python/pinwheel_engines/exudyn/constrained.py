@@ -104,8 +104,8 @@ def run(
                 raise Cancelled
 
         def adjust(settings: Any) -> None:
-            # The matrix is renewed only when an iteration gains less than a factor of two. Light sleeves slip through hundreds of
-            # iterations in single steps (some 30 on average).
+            # The matrix is renewed only when an iteration gains less than a factor of two. Light sleeves take some 30
+            # iterations a step on average and hundreds in single ones.
             newton = settings.timeIntegration.newton
             newton.useModifiedNewton, newton.maxIterations = True, 2000
             settings.linearSolver.solverType = exu.LinearSolverType.EigenDense
