@@ -69,8 +69,9 @@ pub fn integrator(scene: &Scene) -> Choice {
 }
 
 /// Rate mu F q^2/(v_s J) of the faster kind of sleeve under the largest static force
-/// (4 T/(e zs zk) a wheel, and 4 T/(zi R_w)), 1/s.
-fn friction_rate(scene: &Scene) -> f64 {
+/// (4 T/(e zs zk) a wheel, and 4 T/(zi R_w)), 1/s: how fast friction relaxes a spin.
+#[must_use]
+pub fn friction_rate(scene: &Scene) -> f64 {
     let (gear, contact, mass) = (&scene.gear, &scene.contact, &scene.mass);
     let torque = scene.drive.output_torque_n_m.abs() / gear.wheels as f64;
     let lever = gear.eccentricity_m * gear.lobes() as f64;

@@ -1,0 +1,79 @@
+//! Progress and cancellation of a study.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use pinwheel_gearbox::native::{self, NativeError, NativeRun};
+use pinwheel_gearbox::scene::Scene;
+use pinwheel_gearbox::{Gearbox, GearboxError};
+
+use crate::StudyError;
+
+/// Where a study is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress<'a> {
+    /// Pieces done.
+    pub done: usize,
+    /// Pieces in all.
+    pub total: usize,
+    /// The piece that begins, e.g. a scene's name.
+    pub piece: &'a str,
+}
+
+/// Cancellation and progress.
+#[derive(Clone, Copy)]
+pub struct Control<'a> {
+    /// Set from outside to stop; looked at in every sample of every run.
+    pub cancel: &'a AtomicBool,
+    /// Called at the beginning of every piece.
+    pub progress: &'a dyn Fn(Progress<'_>),
+}
+
+impl Control<'_> {
+    /// Never cancels, reports nothing.
+    #[must_use]
+    pub fn quiet() -> Control<'static> {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Control {
+            cancel: &NEVER,
+            progress: &|_| {},
+        }
+    }
+
+    /// Runs a scene; a divergence is a result, not an error.
+    pub(crate) fn run(&self, scene: &Scene) -> Result<Ended, StudyError> {
+        let gearbox = Gearbox::new(scene).map_err(|source| of_scene(scene, source))?;
+        match native::run(&gearbox, &mut |_| self.cancel.load(Ordering::Relaxed)) {
+            Ok(run) => Ok(Ended::Whole(Box::new(run))),
+            Err(NativeError::Diverged {
+                time_s, quantity, ..
+            }) => Ok(Ended::Diverged { time_s, quantity }),
+            Err(NativeError::Stopped) => Err(StudyError::Cancelled),
+            Err(NativeError::Model(source)) => Err(of_scene(scene, source)),
+            Err(NativeError::Courses(source)) => Err(StudyError::Courses(source)),
+        }
+    }
+
+    /// Runs a scene that must reach its end.
+    pub(crate) fn complete(&self, scene: &Scene) -> Result<NativeRun, StudyError> {
+        match self.run(scene)? {
+            Ended::Whole(run) => Ok(*run),
+            Ended::Diverged { time_s, quantity } => Err(StudyError::Reference {
+                scene: scene.name.clone(),
+                reason: format!("diverged at t = {time_s:.6} s: {quantity}"),
+            }),
+        }
+    }
+}
+
+fn of_scene(scene: &Scene, source: GearboxError) -> StudyError {
+    StudyError::Scene {
+        scene: scene.name.clone(),
+        source,
+    }
+}
+
+/// How a run ended.
+pub(crate) enum Ended {
+    Whole(Box<NativeRun>),
+    Diverged { time_s: f64, quantity: String },
+}

@@ -1,0 +1,84 @@
+//! How long two runs stay together that differ by one rounding.
+//!
+//! The moment of inertia of the wheels is moved to the next representable number. Where the
+//! difference of the sleeve forces then grows to a visible share, courses can no longer be compared
+//! point by point; beyond that horizon only statistics can.
+
+use pinwheel_courses::Courses;
+use pinwheel_gearbox::scene::Scene;
+use serde::Serialize;
+
+use crate::StudyError;
+use crate::control::Control;
+use crate::measure::level;
+
+/// Share of the largest force that counts as visible.
+pub const VISIBLE: f64 = 1e-3;
+
+/// What a rounding grows to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Horizon {
+    /// The scene.
+    pub scene: String,
+    /// Time from which the largest force difference exceeds [`VISIBLE`] of the largest force, s; `None`: not within the run.
+    pub horizon_s: Option<f64>,
+    /// Largest difference of the run, as a share of the largest force.
+    pub largest_share: f64,
+    /// Share in the last tenth of the run.
+    pub last_share: f64,
+    /// Sample times and shares, for a figure.
+    pub time_s: Vec<f64>,
+    /// See `time_s`.
+    pub share: Vec<f64>,
+}
+
+impl Horizon {
+    /// One sentence for the reader.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        match self.horizon_s {
+            Some(t) => format!(
+                "A change in the last digit becomes visible after {t:.4} s: later, courses are compared by their statistics only."
+            ),
+            None => format!(
+                "A change in the last digit never grows beyond {:.1e} of the largest force: courses are compared point by point.",
+                self.largest_share
+            ),
+        }
+    }
+}
+
+/// Runs `scene` twice.
+///
+/// # Errors
+/// Cancelled, or a run that does not reach its end.
+pub fn horizon(scene: &Scene, control: &Control<'_>) -> Result<Horizon, StudyError> {
+    let one = control.complete(scene)?.courses;
+    let mut moved = scene.clone();
+    moved.mass.wheel.moment_kg_m2 = moved.mass.wheel.moment_kg_m2.next_up();
+    let other = control.complete(&moved)?.courses;
+    let size = level(&one).peak_force_n.max(f64::MIN_POSITIVE);
+    let share = shares(&one, &other, size);
+    let visible = share.iter().position(|&s| !(s <= VISIBLE));
+    let largest = |from: usize| share[from..].iter().fold(0.0, |most: f64, &s| most.max(s));
+    Ok(Horizon {
+        scene: scene.name.clone(),
+        horizon_s: visible.map(|k| one.time_s()[k]),
+        largest_share: largest(0),
+        last_share: largest(share.len() - share.len().div_ceil(10)),
+        time_s: one.time_s().to_vec(),
+        share,
+    })
+}
+
+fn shares(a: &Courses, b: &Courses, size: f64) -> Vec<f64> {
+    let mut share = vec![0.0_f64; a.len().min(b.len())];
+    for prefix in ["external_sleeve_force_n", "internal_sleeve_force_n"] {
+        for (x, y) in a.group(prefix).iter().zip(b.group(prefix)) {
+            for ((share, x), y) in share.iter_mut().zip(*x).zip(y) {
+                *share = share.max((x - y).abs() / size);
+            }
+        }
+    }
+    share
+}

@@ -1,0 +1,18 @@
+//! Studies of the native solver: what it does on scenes that are hard on integrators.
+//!
+//! [`stability::run`] gives the atlas of all hard scenes, formulations and integrators;
+//! [`divergence::horizon`] how long two runs that differ by a rounding stay together;
+//! [`drift::measure`] what long runs do to joints, phases and forces; [`published::run`] which of the
+//! published model's choices make it fail at high damping. All results serialise.
+
+mod control;
+pub mod divergence;
+pub mod drift;
+mod error;
+mod measure;
+pub mod published;
+pub mod stability;
+
+pub use control::{Control, Progress};
+pub use error::StudyError;
+pub use measure::{Difference, Level, difference, level};

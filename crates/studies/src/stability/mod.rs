@@ -1,0 +1,288 @@
+//! The atlas: every hard scene with every formulation and integrator.
+//!
+//! For each: the largest step that still gives the right picture (bisected), the error at the paper's
+//! step against a converged run, what fails first above the largest step, and the energy balance.
+
+mod reference;
+mod verdict;
+
+use pinwheel_gearbox::auto;
+use pinwheel_gearbox::scene::{Formulation, PRESETS, Scene};
+use serde::Serialize;
+
+pub use reference::Reference;
+pub use verdict::Failure;
+
+use crate::StudyError;
+use crate::control::{Control, Ended, Progress};
+use crate::measure::{Difference, Level, level};
+
+/// Decay rate times step that Dormand and Prince's method stands, about.
+const DOPRI5_LIMIT: f64 = 3.3;
+/// Explicit steps that are not worth waiting for.
+const MOST_STEPS: f64 = 1e7;
+
+/// A formulation with an integrator.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Method {
+    /// Equations.
+    pub formulation: Formulation,
+    /// Name in scenes.
+    pub integrator: String,
+    /// Tolerance of methods that choose their steps: of a step for `dopri5`, of a run for `imex2-adaptive`.
+    pub tolerance: Option<f64>,
+}
+
+/// What to study.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Options {
+    /// Presets or scene files.
+    pub scenes: Vec<String>,
+    /// Methods.
+    pub methods: Vec<Method>,
+    /// Step at which errors are measured, s.
+    pub step_s: f64,
+    /// Runs are cut to this length, s.
+    pub longest_s: f64,
+    /// Steps between which the largest stable one is looked for, s.
+    pub steps_s: [f64; 2],
+}
+
+impl Default for Options {
+    /// All hard presets, all methods, at the paper's step.
+    fn default() -> Self {
+        let method = |formulation, integrator: &str| Method {
+            formulation,
+            integrator: integrator.to_owned(),
+            tolerance: match integrator {
+                "dopri5" => Some(1e-6),
+                "imex2-adaptive" => Some(1e-3),
+                _ => None,
+            },
+        };
+        let (reduced, lagrange) = (Formulation::Reduced, Formulation::Lagrange);
+        Self {
+            scenes: hard_scenes().map(str::to_owned).collect(),
+            methods: vec![
+                method(reduced, "rk2"),
+                method(reduced, "rk4"),
+                method(reduced, "dopri5"),
+                method(reduced, "imex2"),
+                method(reduced, "imex2-adaptive"),
+                method(lagrange, "rk2"),
+                method(lagrange, "imex2"),
+            ],
+            step_s: 1e-5,
+            longest_s: 0.05,
+            steps_s: [2e-7, 1e-3],
+        }
+    }
+}
+
+/// Names of the presets that are hard on integrators.
+pub fn hard_scenes() -> impl Iterator<Item = &'static str> {
+    PRESETS
+        .iter()
+        .map(|preset| preset.name)
+        .filter(|name| name.starts_with("hard-"))
+}
+
+/// What one method does on one scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cell {
+    /// The method.
+    pub method: Method,
+    /// At the study's step or the method's tolerance; `None` if that run stopped, or if the converged forces
+    /// are nothing but rounding (no load).
+    pub error: Option<Difference>,
+    /// How that run failed, if it did.
+    pub failure: Option<Failure>,
+    /// Sizes of its courses.
+    pub level: Option<Level>,
+    /// Energy that nothing accounts for, as a share of the larger work. Friction, damping and stored energy
+    /// are accounted for; the paper's law itself creates about 0.01 in the steady state.
+    pub energy_remainder_share: Option<f64>,
+    /// Largest joint error, m (Lagrange form).
+    pub joint_drift_m: f64,
+    /// Evaluations of the contact forces.
+    pub evaluations: u64,
+    /// Largest step with the right picture, s; `None` for adaptive methods or where there is none.
+    pub largest_step_s: Option<f64>,
+    /// True if not even the longest step tried failed.
+    pub never_failed: bool,
+    /// What fails first above the largest step.
+    pub fails_first: Option<Failure>,
+}
+
+/// One scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Its name.
+    pub scene: String,
+    /// Why it is hard.
+    pub why: String,
+    /// The run everything is compared with.
+    pub reference: Option<Reference>,
+    /// Why there is none: a scene that is refused is a result too.
+    pub refused: Option<String>,
+    /// One a method.
+    pub cells: Vec<Cell>,
+}
+
+/// The result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Atlas {
+    /// What was asked.
+    pub options: Options,
+    /// One a scene.
+    pub rows: Vec<Row>,
+}
+
+/// Studies every scene with every method.
+///
+/// # Errors
+/// Cancelled, or a scene that cannot be loaded. Scenes that cannot be modelled are rows with the reason.
+pub fn run(options: &Options, control: &Control<'_>) -> Result<Atlas, StudyError> {
+    let mut rows = Vec::new();
+    for (done, name) in options.scenes.iter().enumerate() {
+        (control.progress)(Progress {
+            done,
+            total: options.scenes.len(),
+            piece: name,
+        });
+        rows.push(row(name, options, control)?);
+    }
+    Ok(Atlas {
+        options: options.clone(),
+        rows,
+    })
+}
+
+fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<Row, StudyError> {
+    let mut scene = Scene::load(name, &[])?;
+    scene.solver.duration_s = scene.solver.duration_s.min(options.longest_s);
+    scene.solver.sample_s = scene.solver.sample_s.min(1e-4);
+    let mut row = Row {
+        scene: scene.name.clone(),
+        why: scene.description.clone(),
+        reference: None,
+        refused: None,
+        cells: Vec::new(),
+    };
+    let (reference, courses) = match reference::run(&scene, control) {
+        Ok(found) => found,
+        Err(StudyError::Cancelled) => return Err(StudyError::Cancelled),
+        Err(refused) => {
+            row.refused = Some(refused.to_string());
+            return Ok(row);
+        }
+    };
+    for method in &options.methods {
+        let mut scene = scene.clone();
+        scene.solver.formulation = method.formulation;
+        scene.solver.integrator.clone_from(&method.integrator);
+        let judge = verdict::Judge {
+            reference: &courses,
+            level: reference.level,
+        };
+        row.cells
+            .push(cell(&scene, method, options, &judge, control)?);
+    }
+    row.reference = Some(reference);
+    Ok(row)
+}
+
+fn cell(
+    scene: &Scene,
+    method: &Method,
+    options: &Options,
+    judge: &verdict::Judge<'_>,
+    control: &Control<'_>,
+) -> Result<Cell, StudyError> {
+    let at = |step: f64| {
+        let mut scene = scene.clone();
+        scene.solver.step_s = step;
+        scene.solver.tolerance = method.tolerance.unwrap_or(scene.solver.tolerance);
+        control.run(&scene)
+    };
+    let mut cell = Cell {
+        method: method.clone(),
+        error: None,
+        failure: None,
+        level: None,
+        energy_remainder_share: None,
+        joint_drift_m: 0.0,
+        evaluations: 0,
+        largest_step_s: None,
+        never_failed: false,
+        fails_first: None,
+    };
+    if method.integrator == "dopri5" {
+        let rate = auto::friction_rate(scene);
+        let steps = scene.solver.duration_s * rate / DOPRI5_LIMIT;
+        if steps > MOST_STEPS {
+            cell.failure = Some(Failure::TooStiff { steps });
+            return Ok(cell);
+        }
+    }
+    let ended = at(options.step_s)?;
+    cell.failure = judge.failure(&ended);
+    if let Ended::Whole(run) = &ended {
+        cell.error = judge.error(&run.courses);
+        cell.level = Some(level(&run.courses));
+        cell.energy_remainder_share = run.energy.total().map(|audit| audit.remainder_share);
+        cell.joint_drift_m = run.joint_drift_m;
+        cell.evaluations = run.counts.evaluations;
+    }
+    if method.tolerance.is_none() {
+        let stable = cell.failure.is_none();
+        let first = |step: f64| Ok(judge.failure(&at(step)?));
+        (cell.largest_step_s, cell.fails_first) = largest_step(options, stable, first)?;
+        cell.never_failed = cell.fails_first.is_none() && cell.largest_step_s.is_some();
+    }
+    Ok(cell)
+}
+
+/// Doubles or halves from the study's step until the verdict changes, then bisects to 10 %.
+fn largest_step(
+    options: &Options,
+    stable: bool,
+    mut failure: impl FnMut(f64) -> Result<Option<Failure>, StudyError>,
+) -> Result<(Option<f64>, Option<Failure>), StudyError> {
+    let [least, most] = options.steps_s;
+    let (mut good, mut bad) = (stable.then_some(options.step_s), None);
+    let mut step = options.step_s;
+    if !stable {
+        bad = failure(step)?.map(|how| (step, how));
+    }
+    loop {
+        step *= if stable { 2.0 } else { 0.5 };
+        if step > most || step < least {
+            break;
+        }
+        match failure(step)? {
+            None => {
+                good = Some(step);
+                if !stable {
+                    break;
+                }
+            }
+            Some(how) => {
+                bad = Some((step, how));
+                if stable {
+                    break;
+                }
+            }
+        }
+    }
+    while let (Some(low), Some((high, _))) = (good, &bad)
+        && high / low > 1.1
+    {
+        let middle = (low * high).sqrt();
+        match failure(middle)? {
+            None => good = Some(middle),
+            Some(how) => bad = Some((middle, how)),
+        }
+    }
+    Ok((good, bad.map(|(_, how)| how)))
+}

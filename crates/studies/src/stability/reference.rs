@@ -1,0 +1,62 @@
+//! The converged run of a scene, and how well it is converged.
+
+use pinwheel_courses::Courses;
+use pinwheel_gearbox::scene::{Detection, Formulation, Scene};
+use serde::Serialize;
+
+use crate::StudyError;
+use crate::control::Control;
+use crate::measure::{Difference, Level, difference, level};
+
+/// How the converged run was made.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reference {
+    /// Integrator.
+    pub integrator: String,
+    /// Step (s) or tolerance.
+    pub setting: f64,
+    /// Distance to the same run with twice the step, or ten times the tolerance: what its errors are worth.
+    pub own_error: Difference,
+    /// Sizes of its courses.
+    pub level: Level,
+}
+
+/// Step of friction: 40 times finer than the paper's.
+const FRICTION_STEP: f64 = 2.5e-7;
+/// Step of discrete points, whose forces jump.
+const POINTS_STEP: f64 = 5e-7;
+/// Tolerance without either.
+const TOLERANCE: f64 = 1e-8;
+
+/// Runs `scene` converged, in the reduced form.
+pub(super) fn run(
+    scene: &Scene,
+    control: &Control<'_>,
+) -> Result<(Reference, Courses), StudyError> {
+    let mut scene = scene.clone();
+    scene.solver.formulation = Formulation::Reduced;
+    let (integrator, fine, coarse) = if scene.contact.friction_coefficient > 0.0 {
+        ("imex2", FRICTION_STEP, 2.0 * FRICTION_STEP)
+    } else if scene.contact.detection == Detection::Points {
+        ("rk4", POINTS_STEP, 2.0 * POINTS_STEP)
+    } else {
+        ("dopri5", TOLERANCE, 10.0 * TOLERANCE)
+    };
+    integrator.clone_into(&mut scene.solver.integrator);
+    let mut at = |setting: f64| {
+        if integrator == "dopri5" {
+            scene.solver.tolerance = setting;
+        } else {
+            scene.solver.step_s = setting;
+        }
+        control.complete(&scene)
+    };
+    let (best, other) = (at(fine)?, at(coarse)?);
+    let reference = Reference {
+        integrator: integrator.to_owned(),
+        setting: fine,
+        own_error: difference(&other.courses, &best.courses),
+        level: level(&best.courses),
+    };
+    Ok((reference, best.courses))
+}

@@ -1,0 +1,88 @@
+//! Whether a run gives the right picture, and how it fails if not.
+
+use pinwheel_courses::Courses;
+use serde::Serialize;
+
+use crate::control::Ended;
+use crate::measure::{Difference, Level, difference, level};
+
+/// How a run fails. A blow-up is loud by itself; what ends with wrong numbers looks like data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Failure {
+    /// The run stopped with an error.
+    BlowUp {
+        /// When, s.
+        time_s: f64,
+        /// What.
+        quantity: String,
+    },
+    /// Not tried: an explicit method has to follow the friction's rate, and this run would take that many steps.
+    TooStiff {
+        /// Estimated steps.
+        steps: f64,
+    },
+    /// Forces far above the converged ones.
+    Chatter {
+        /// Largest force over the converged largest.
+        peak_ratio: f64,
+    },
+    /// The mean driver torque is wrong.
+    WrongMean {
+        /// Difference as a share of the torque's converged RMS.
+        share: f64,
+    },
+    /// Right sizes, wrong course: phases are lost.
+    WrongCourse {
+        /// Relative L2 error of the forces.
+        error: f64,
+    },
+}
+
+/// Peaks may be this much above the converged ones.
+const PEAK_RATIO: f64 = 1.5;
+/// The mean torque may be off by this share.
+const MEAN_SHARE: f64 = 0.1;
+/// Forces may be off by this much: beyond half, a course has nothing to do with the right one.
+const COURSE_ERROR: f64 = 0.5;
+/// Forces (N) and torques (N m) below which nothing is judged: an idle gear has none to speak of.
+const FORCE_FLOOR: f64 = 1.0;
+const TORQUE_FLOOR: f64 = 0.01;
+
+pub(super) struct Judge<'a> {
+    pub(super) reference: &'a Courses,
+    pub(super) level: Level,
+}
+
+impl Judge<'_> {
+    /// Against the reference; `None` where that has no forces to speak of.
+    pub(super) fn error(&self, courses: &Courses) -> Option<Difference> {
+        (self.level.peak_force_n > FORCE_FLOOR).then(|| difference(courses, self.reference))
+    }
+
+    /// `None`: the right picture.
+    pub(super) fn failure(&self, ended: &Ended) -> Option<Failure> {
+        let run = match ended {
+            Ended::Diverged { time_s, quantity } => {
+                return Some(Failure::BlowUp {
+                    time_s: *time_s,
+                    quantity: quantity.clone(),
+                });
+            }
+            Ended::Whole(run) => run,
+        };
+        let found = level(&run.courses);
+        let peak = self.level.peak_force_n.max(FORCE_FLOOR);
+        let peak_ratio = found.peak_force_n / peak;
+        if !(peak_ratio <= PEAK_RATIO) {
+            return Some(Failure::Chatter { peak_ratio });
+        }
+        let off = (found.mean_torque_n_m - self.level.mean_torque_n_m).abs();
+        let share = off / self.level.rms_torque_n_m.max(TORQUE_FLOOR);
+        if !(share <= MEAN_SHARE) {
+            return Some(Failure::WrongMean { share });
+        }
+        let error = self.error(&run.courses)?.forces;
+        (!(error <= COURSE_ERROR)).then_some(Failure::WrongCourse { error })
+    }
+}
