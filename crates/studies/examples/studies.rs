@@ -36,11 +36,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         "horizon" => {
             for name in names {
-                let found = divergence::horizon(&Scene::load(name, &[])?, &control)?;
-                println!(
-                    "{name}: {:?} largest {:.1e} last {:.1e}",
-                    found.horizon_s, found.largest_share, found.last_share
-                );
+                match divergence::horizon(&Scene::load(name, &[])?, &control) {
+                    Ok(found) => println!(
+                        "{name}: {:?} largest {:.1e} last {:.1e}",
+                        found.horizon_s, found.largest_share, found.last_share
+                    ),
+                    Err(error) => println!("{error}"),
+                }
             }
             return Ok(());
         }

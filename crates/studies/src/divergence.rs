@@ -3,9 +3,12 @@
 //! The moment of inertia of the wheels is moved to the next representable number. Where the
 //! difference of the sleeve forces then grows to a visible share, courses can no longer be compared
 //! point by point; beyond that horizon only statistics can.
+//!
+//! Both runs take the same fixed steps: a step control turns a rounding into another sequence of steps,
+//! and then measures its own tolerance.
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_gearbox::scene::{FrictionLaw, Scene};
 use serde::Serialize;
 
 use crate::StudyError;
@@ -48,12 +51,21 @@ impl Horizon {
     }
 }
 
-/// Runs `scene` twice.
+/// Step of both runs, s.
+const STEP: f64 = 2e-6;
+
+/// Runs `scene` twice, with RK4 or, under friction, with `imex2`, and steps of 2e-6 s (or the scene's, if shorter).
 ///
 /// # Errors
 /// Cancelled, or a run that does not reach its end.
 pub fn horizon(scene: &Scene, control: &Control<'_>) -> Result<Horizon, StudyError> {
-    let one = control.complete(scene)?.courses;
+    let mut scene = scene.clone();
+    let rubs = scene.contact.friction_coefficient > 0.0;
+    let convex = scene.contact.friction_law == FrictionLaw::Regularised;
+    let method = if rubs && convex { "imex2" } else { "rk4" };
+    method.clone_into(&mut scene.solver.integrator);
+    scene.solver.step_s = scene.solver.step_s.min(STEP);
+    let one = control.complete(&scene)?.courses;
     let mut moved = scene.clone();
     moved.mass.wheel.moment_kg_m2 = moved.mass.wheel.moment_kg_m2.next_up();
     let other = control.complete(&moved)?.courses;
