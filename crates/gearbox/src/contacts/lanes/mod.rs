@@ -18,12 +18,11 @@ use pinwheel_mbs::{BodyState, Wrench};
 use pulp::Simd;
 
 use super::field::{ContactEnergy, ContactField, PairContact};
-use super::pairs::{Loaded, WheelFrame};
 use crate::geometry::Geometry;
-use crate::layout::{Layout, Sleeve};
+use crate::layout::Layout;
 use crate::scene::Scene;
 use columns::Sleeves;
-use listing::Listing;
+use listing::{Listing, Visit};
 use loads::Loads;
 use shapes::Shapes;
 use sliding::{Sliding, Split};
@@ -58,7 +57,7 @@ struct Walk<'a, K> {
 struct SumWalk<'a, L, const FRICTION: bool>(Walk<'a, Loads<'a, L, FRICTION>>);
 
 /// A walk that visits.
-struct ListWalk<'a, L, F>(Walk<'a, Listing<L, F>>);
+struct ListWalk<'a, 'v, L>(Walk<'a, Listing<'a, 'v, L>>);
 
 /// A walk that lists the contacts of a friction stage.
 struct SplitWalk<'a, L>(Walk<'a, Split<'a, L>>);
@@ -91,11 +90,7 @@ impl<L: LanesLaw, const FRICTION: bool> pulp::WithSimd for SumWalk<'_, L, FRICTI
     }
 }
 
-impl<L, F> pulp::WithSimd for ListWalk<'_, L, F>
-where
-    L: LanesLaw,
-    F: FnMut(usize, Sleeve, &WheelFrame, &Loaded),
-{
+impl<L: LanesLaw> pulp::WithSimd for ListWalk<'_, '_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -153,11 +148,7 @@ impl<L: LanesLaw> LaneField<L> {
         }));
     }
 
-    fn list(
-        &mut self,
-        bodies: &[BodyState],
-        visit: impl FnMut(usize, Sleeve, &WheelFrame, &Loaded),
-    ) {
+    fn list(&mut self, bodies: &[BodyState], visit: &mut Visit<'_>) {
         let sink = Listing {
             law: self.law,
             friction: self.friction,
@@ -183,7 +174,7 @@ impl<L: LanesLaw> ContactField for LaneField<L> {
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
         let law = self.law;
-        self.list(bodies, |wheel, sleeve, frame, pair| {
+        self.list(bodies, &mut |wheel, sleeve, frame, pair| {
             visit(&pair.contact(&law, wheel, sleeve, frame));
         });
     }
@@ -191,7 +182,7 @@ impl<L: LanesLaw> ContactField for LaneField<L> {
     fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
         let mut sum = ContactEnergy::default();
         let law = self.law;
-        self.list(bodies, |_, _, _, pair| pair.add_energy(&law, &mut sum));
+        self.list(bodies, &mut |_, _, _, pair| pair.add_energy(&law, &mut sum));
         sum
     }
 
