@@ -15,7 +15,7 @@ use super::detection::Exact;
 use super::field::{ContactEnergy, ContactField, PairContact};
 use super::pairs::Pairs;
 use crate::geometry::Geometry;
-use crate::layout::Layout;
+use crate::layout::{Layout, Sleeve};
 use crate::scene::Scene;
 
 /// Columns are padded to a multiple of the widest group (two AVX-512 registers).
@@ -400,6 +400,10 @@ impl<L: LanesLaw> ContactField for LaneField<L> {
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
         self.scalar.touching(bodies, visit);
+    }
+
+    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
+        self.scalar.nearest(bodies, wheel, sleeve)
     }
 
     fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
