@@ -1,6 +1,7 @@
 //! Channels beyond the contract's columns: what they say, that both formulations agree, what they cost.
 
 use pinwheel_courses::Courses;
+use pinwheel_gearbox::channels::PRESSING_N;
 use pinwheel_gearbox::native::{self, NativeRun};
 use pinwheel_gearbox::scene::{Override, Scene};
 use pinwheel_gearbox::{Gearbox, Layout};
@@ -136,7 +137,7 @@ fn channels_fit_together() {
                     assert!(force >= 0.0 && of("stiffness_n_m15") > 1e6);
                     assert!(of("friction_force_n").abs() <= 0.05 * force * (1.0 + 1e-12));
                     assert!(of("friction_force_n") * of("tangential_velocity_m_s") <= 0.0);
-                    pressing[usize::from(kind == "internal")] += f64::from(force > 0.0);
+                    pressing[usize::from(kind == "internal")] += f64::from(force > PRESSING_N);
                 }
             }
         }

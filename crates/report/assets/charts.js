@@ -4,8 +4,9 @@
 // spec = {
 //   x: { values, label, log },              values: numbers; log: logarithmic axis
 //   y: { label, log, floor, zero },         floor: smallest value a log axis need show
-//   series: [{ label, values, style, visible, points }],
-//                                           style: number of colour and dash; points: dots, no line
+//   series: [{ label, values, style, visible, points, markers, thin }],
+//                                           style: number of colour and dash; points: dots, no line;
+//                                           markers: dots on the line; thin: a thin dashed line
 //   height, group, describe,                group: charts that share crosshair and zoom
 //   onCursor(index | null)
 // }
@@ -142,9 +143,9 @@ const PinwheelCharts = (() => {
         label: series.label,
         show: series.visible !== false,
         stroke: () => lineColour(series.style),
-        width: series.points ? 0 : 1.6,
-        dash: dashOf(series.style),
-        points: series.points ? { show: true, size: 9, fill: () => lineColour(series.style) } : { show: false },
+        width: series.points ? 0 : series.thin ? 1 : 1.6,
+        dash: series.thin ? [4, 4] : dashOf(series.style),
+        points: series.points || series.markers ? { show: true, size: series.points ? 9 : 7, fill: () => lineColour(series.style) } : { show: false },
         spanGaps: false,
       }))),
       hooks: {

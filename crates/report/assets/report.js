@@ -1,48 +1,7 @@
-// What this page does beyond being read: charts, sorting, the matrices' inspector, the theme.
+// What the comparison's page does beyond every page: charts of courses, the matrices' inspector.
 'use strict';
 (() => {
-  const $ = (id) => document.getElementById(id);
-  const make = (tag, attributes = {}, ...children) => {
-    const element = document.createElement(tag);
-    for (const [name, value] of Object.entries(attributes)) {
-      if (value === true) element.setAttribute(name, '');
-      else if (value !== false && value !== undefined) element.setAttribute(name, value);
-    }
-    element.append(...children);
-    return element;
-  };
-
-  // ---- Sortable tables ------------------------------------------------------------------------
-  function sortable(table) {
-    const heads = [...table.querySelectorAll('thead tr.keys th')];
-    heads.forEach((head, column) => {
-      const button = make('button', { type: 'button', class: 'sort' });
-      button.append(...head.childNodes);
-      head.append(button);
-      button.addEventListener('click', () => {
-        const rising = head.getAttribute('aria-sort') !== 'ascending';
-        heads.forEach((other) => other.removeAttribute('aria-sort'));
-        head.setAttribute('aria-sort', rising ? 'ascending' : 'descending');
-        const body = table.tBodies[0];
-        const key = (row) => {
-          const cell = row.cells[column];
-          const text = cell.dataset.key ?? cell.textContent.trim();
-          const value = text === '' ? NaN : Number(text);
-          return Number.isNaN(value) ? text : value;
-        };
-        const rows = [...body.rows].map((row) => ({ row, key: key(row) }));
-        rows.sort((a, b) => {
-          // What has no value stands last either way.
-          if (a.key === '' || b.key === '') return (a.key === '') - (b.key === '');
-          const both = typeof a.key === 'number' && typeof b.key === 'number';
-          const order = both ? a.key - b.key : String(a.key).localeCompare(String(b.key), 'en', { numeric: true });
-          return rising ? order : -order;
-        });
-        body.append(...rows.map(({ row }) => row));
-      });
-    });
-  }
-  document.querySelectorAll('table.sortable').forEach(sortable);
+  const { $, make, onRedraw } = PinwheelPage;
 
   // ---- The matrices' inspector: the quantities of the chosen pair in the chosen window ---------
   document.querySelectorAll('section.track').forEach((section) => {
@@ -81,41 +40,11 @@
   window.addEventListener('hashchange', openTarget);
   openTarget();
 
-  // ---- Copying the command --------------------------------------------------------------------
-  const copy = $('copy');
-  if (copy && navigator.clipboard) {
-    copy.hidden = false;
-    copy.addEventListener('click', () => {
-      navigator.clipboard.writeText($('command').textContent).then(() => {
-        copy.textContent = 'Copied';
-        setTimeout(() => { copy.textContent = 'Copy'; }, 1500);
-      }, () => { copy.textContent = 'Not allowed here'; });
-    });
-  }
-
-  // ---- Theme ----------------------------------------------------------------------------------
-  const redraws = [];
-  const redraw = () => redraws.forEach((each) => each());
-  const theme = $('theme');
-  theme.hidden = false;
-  const THEMES = ['auto', 'light', 'dark'];
-  theme.addEventListener('click', () => {
-    const root = document.documentElement;
-    const next = THEMES[(THEMES.indexOf(root.dataset.theme || 'auto') + 1) % THEMES.length];
-    if (next === 'auto') delete root.dataset.theme; else root.dataset.theme = next;
-    theme.querySelector('span').textContent = next;
-    redraw();
-  });
-  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
-  // Paper is white: the canvases must be as well.
-  window.addEventListener('beforeprint', () => { document.documentElement.classList.add('printing'); redraw(); });
-  window.addEventListener('afterprint', () => { document.documentElement.classList.remove('printing'); redraw(); });
-
   const source = $('chart-data');
-  if (source) drawCourses(JSON.parse(source.textContent), redraws, { $, make });
+  if (source) drawCourses(JSON.parse(source.textContent));
 
   // ---- Courses --------------------------------------------------------------------------------
-  function drawCourses(data, redraws, { $, make }) {
+  function drawCourses(data) {
     const { engines, windows } = data;
     const time = data.time.values
       || Array.from({ length: data.time.count }, (_, k) => data.time.start + k * data.time.step);
@@ -236,7 +165,7 @@
       }
       if (select) select.addEventListener('change', () => { chosen = Number(select.value); refresh(); });
       panels.push({ refresh, upper, lower, cells });
-      redraws.push(() => { upper.redraw(); lower.redraw(); });
+      onRedraw(() => { upper.redraw(); lower.redraw(); });
     }
 
     // Buttons.

@@ -1,20 +1,20 @@
 //! Numbers as people read them: significant digits, no more than are known.
 
 /// What stands for a value that does not exist.
-pub(crate) const NONE: &str = "\u{2013}";
+pub const NONE: &str = "\u{2013}";
 
 /// A figure with five significant digits, e.g. `1.4529`, `100.42`, `-22.000`.
-pub(crate) fn figure(value: f64) -> String {
+pub fn figure(value: f64) -> String {
     significant(value, 5)
 }
 
 /// A figure that may not exist.
-pub(crate) fn figure_or_none(value: Option<f64>) -> String {
+pub fn figure_or_none(value: Option<f64>) -> String {
     value.map_or_else(|| NONE.to_owned(), figure)
 }
 
 /// `digits` significant digits; powers of ten outside 1e-3 .. 1e6.
-pub(crate) fn significant(value: f64, digits: usize) -> String {
+pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "not finite".to_owned();
     }
@@ -31,7 +31,7 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
 }
 
 /// A relative difference with two significant digits: per cent from 1e-3 on, powers of ten below.
-pub(crate) fn relative(value: f64) -> String {
+pub fn relative(value: f64) -> String {
     if value.is_finite() && value.abs() >= 1e-3 {
         format!("{}\u{202f}%", significant(100.0 * value, 2))
     } else if value == 0.0 {
@@ -42,12 +42,12 @@ pub(crate) fn relative(value: f64) -> String {
 }
 
 /// A relative difference that may not exist.
-pub(crate) fn relative_or_none(value: Option<f64>) -> String {
+pub fn relative_or_none(value: Option<f64>) -> String {
     value.map_or_else(|| NONE.to_owned(), relative)
 }
 
 /// A limit: the digits it was written with.
-pub(crate) fn limit(value: f64) -> String {
+pub fn limit(value: f64) -> String {
     if value >= 1e-3 {
         return format!(
             "{}\u{202f}%",
@@ -63,7 +63,7 @@ pub(crate) fn limit(value: f64) -> String {
 }
 
 /// A duration with a prefix, e.g. `10 µs`, `0.42 s`, `3.1 min`.
-pub(crate) fn seconds(value: f64) -> String {
+pub fn seconds(value: f64) -> String {
     if !value.is_finite() {
         return NONE.to_owned();
     }
@@ -85,7 +85,7 @@ pub(crate) fn seconds(value: f64) -> String {
 }
 
 /// A length of any size, e.g. `1.2 nm`.
-pub(crate) fn metres(value: f64) -> String {
+pub fn metres(value: f64) -> String {
     let (scaled, unit) = match value.abs() {
         0.0 => return "0".to_owned(),
         v if v < 1e-12 => return format!("{}\u{202f}m", power(value, 2)),
@@ -99,7 +99,7 @@ pub(crate) fn metres(value: f64) -> String {
 }
 
 /// A count in groups of three.
-pub(crate) fn count(value: u64) -> String {
+pub fn count(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::new();
     for (k, digit) in digits.chars().enumerate() {

@@ -1,12 +1,14 @@
 //! The report: one self-contained HTML page.
 //!
-//! [`render`] fills it in. The page opens without a network, reads without a script (every table
+//! [`render`] fills in the page of a comparison, [`study::render`] that of any other study. A page opens without a network, reads without a script (every table
 //! is plain HTML), and draws its courses with an embedded plotting library.
 
+mod assets;
 mod chart_data;
 mod error;
-mod format;
+pub mod format;
 mod input;
+pub mod study;
 mod view;
 
 pub use error::ReportError;

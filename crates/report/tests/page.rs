@@ -164,7 +164,7 @@ fn nothing_breaks_out() {
     assert!(!page.contains("<img"), "an element got in");
     let count = |text: &str| page.matches(text).count();
     // Data, plotting library, charts, page.
-    assert_eq!((count("<script"), count("</script>")), (4, 4));
+    assert_eq!((count("<script"), count("</script>")), (5, 5));
     assert!(!page.contains("onerror=\""), "an attribute got in");
 }
 

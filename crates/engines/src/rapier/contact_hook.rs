@@ -7,7 +7,7 @@
 //! transmits F_n h exactly. rapier's Coulomb friction, implicit and bounded by mu F_n h, does the
 //! rest.
 
-use pinwheel_gearbox::channels::PairSource;
+use pinwheel_gearbox::channels::{PRESSING_N, PairSource};
 use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, PairContact};
 use pinwheel_gearbox::scene::Scene;
 use pinwheel_gearbox::{Gearbox, Layout, Sleeve};
@@ -231,7 +231,7 @@ impl PairSource for Transmitted<'_> {
     fn loaded(&mut self, _bodies: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve)) -> bool {
         self.hooked
             .transmitted(self.world, self.share, &mut |pair| {
-                if pair.normal_force_n > 0.0 {
+                if pair.normal_force_n > PRESSING_N {
                     visit(pair.wheel, pair.sleeve);
                 }
             });

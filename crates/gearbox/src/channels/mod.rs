@@ -13,7 +13,7 @@ mod select;
 mod values;
 
 pub use catalogue::{FAMILIES, Family};
-pub use values::{LawPairs, PairSource, Seen};
+pub use values::{LawPairs, PRESSING_N, PairSource, Seen};
 
 pub(crate) use catalogue::{Chosen, What};
 pub(crate) use select::select;

@@ -12,12 +12,16 @@ use crate::layout::{Layout, Sleeve};
 /// Minutes of arc of a radian.
 const ARCMIN: f64 = 180.0 * 60.0 / std::f64::consts::PI;
 
+/// A pair presses with more than this, N: less is the rounding of sleeves that only just touch, as all
+/// of them do in the ideal mesh of a gear without backlash.
+pub const PRESSING_N: f64 = 1e-9;
+
 /// What an engine knows of its contacts at a sample.
 pub trait PairSource {
     /// A pair at its closest points, touching or not; `None` if the engine does not know it.
     fn pair(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> Option<PairContact>;
 
-    /// Visits every pair that carries a normal force. False: the engine cannot tell.
+    /// Visits every pair that carries a normal force above [`PRESSING_N`]. False: the engine cannot tell.
     fn loaded(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve)) -> bool;
 
     /// Powers that the contacts lose; `None` if the engine does not know them.
@@ -34,7 +38,7 @@ impl PairSource for LawPairs<'_> {
 
     fn loaded(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve)) -> bool {
         self.0.touching(bodies, &mut |pair| {
-            if pair.normal_force_n > 0.0 {
+            if pair.normal_force_n > PRESSING_N {
                 visit(pair.wheel, pair.sleeve);
             }
         });

@@ -13,6 +13,7 @@ mod tracks;
 use askama::Template;
 use pinwheel_compare::{Comparison, Verdict, WindowKind};
 
+use crate::assets::{ASSETS, Assets};
 use crate::chart_data::{ChartData, json_for_script};
 use crate::{Fact, ReportError, ReportInput};
 use banner::{Banner, Tile};
@@ -43,24 +44,8 @@ pub(crate) struct Page<'a> {
     scene_toml: &'a str,
     made: Option<&'a str>,
     assets: Assets,
-}
-
-/// Styles and scripts, embedded when the program is built.
-struct Assets {
-    plot_css: &'static str,
-    css: &'static str,
-    plot_js: &'static str,
-    charts_js: &'static str,
     page_js: &'static str,
 }
-
-const ASSETS: Assets = Assets {
-    plot_css: include_str!("../../assets/vendor/uplot/uPlot.min.css"),
-    css: include_str!("../../assets/report.css"),
-    plot_js: include_str!("../../assets/vendor/uplot/uPlot.iife.min.js"),
-    charts_js: include_str!("../../assets/charts.js"),
-    page_js: include_str!("../../assets/report.js"),
-};
 
 /// One engine in words.
 struct EngineCard {
@@ -109,6 +94,7 @@ impl<'a> Page<'a> {
             scene_toml: &input.scene_toml,
             made: input.made.as_deref(),
             assets: ASSETS,
+            page_js: include_str!("../../assets/report.js"),
         })
     }
 }

@@ -1,0 +1,218 @@
+//! Charts of a study: curves or points over any axis, linear or logarithmic.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+
+/// One chart.
+#[derive(Debug, Clone, Default)]
+pub struct Chart {
+    /// Heading.
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Curves; the order gives colour and dash.
+    pub series: Vec<Series>,
+    /// A sentence below: what is to be seen. May be empty.
+    pub note: String,
+}
+
+/// An axis of a [`Chart`].
+#[derive(Debug, Clone, Default)]
+pub struct Axis {
+    /// Name and unit, e.g. `Time (s)`.
+    pub label: String,
+    /// Logarithmic: values that are not positive are left out.
+    pub log: bool,
+}
+
+impl Axis {
+    /// A linear axis.
+    pub fn linear(label: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            log: false,
+        }
+    }
+
+    /// A logarithmic axis.
+    pub fn log(label: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            log: true,
+        }
+    }
+}
+
+/// One curve. Values that are not finite are gaps. `x` of a [`Style::Line`] must rise; points may
+/// come in any order.
+#[derive(Debug, Clone, Default)]
+pub struct Series {
+    /// Name in the legend.
+    pub label: String,
+    /// How it is drawn.
+    pub style: Style,
+    /// Horizontal values.
+    pub x: Vec<f64>,
+    /// Vertical values, as many.
+    pub y: Vec<f64>,
+    /// What a point is called when the reader points at it (e.g. its step); empty, or as many as
+    /// values.
+    pub tags: Vec<String>,
+    /// Colour and dash, if not those of the place in the list: curves of one thing in several
+    /// charts share it.
+    pub colour: Option<usize>,
+}
+
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Style {
+    /// A line.
+    #[default]
+    Line,
+    /// Points.
+    Points,
+    /// Points joined by a line.
+    Both,
+    /// A thin dashed line: a limit, a slope, a prediction.
+    Dashed,
+}
+
+impl Style {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Line => "line",
+            Self::Points => "points",
+            Self::Both => "both",
+            Self::Dashed => "dashed",
+        }
+    }
+}
+
+/// A chart as the page's script reads it.
+#[derive(Debug, Serialize)]
+pub(super) struct ChartJson<'a> {
+    title: &'a str,
+    x: AxisJson<'a>,
+    y: AxisJson<'a>,
+    /// Distinct horizontal grids, base64 of little-endian 32-bit floats.
+    grids: Vec<String>,
+    series: Vec<SeriesJson<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+struct AxisJson<'a> {
+    label: &'a str,
+    log: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct SeriesJson<'a> {
+    label: &'a str,
+    style: &'static str,
+    colour: usize,
+    grid: usize,
+    y: String,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    tags: Vec<&'a str>,
+}
+
+impl<'a> ChartJson<'a> {
+    pub(super) fn of(chart: &'a Chart) -> Self {
+        let mut grids: Vec<String> = Vec::new();
+        let series = chart
+            .series
+            .iter()
+            .enumerate()
+            .map(|(place, series)| {
+                let (x, y, tags) = ordered(series);
+                let encoded = encode(&x);
+                let grid = grids.iter().position(|g| *g == encoded);
+                let grid = grid.unwrap_or_else(|| {
+                    grids.push(encoded);
+                    grids.len() - 1
+                });
+                SeriesJson {
+                    label: &series.label,
+                    style: series.style.word(),
+                    colour: series.colour.unwrap_or(place),
+                    grid,
+                    y: encode(&y),
+                    tags,
+                }
+            })
+            .collect();
+        Self {
+            title: &chart.title,
+            x: AxisJson {
+                label: &chart.x.label,
+                log: chart.x.log,
+            },
+            y: AxisJson {
+                label: &chart.y.label,
+                log: chart.y.log,
+            },
+            grids,
+            series,
+        }
+    }
+}
+
+/// Values with rising `x`, because the plotting library asks for it; those without a finite `x`
+/// are left out.
+fn ordered(series: &Series) -> (Vec<f64>, Vec<f64>, Vec<&str>) {
+    let count = series.x.len().min(series.y.len());
+    let mut order: Vec<usize> = (0..count).filter(|&k| series.x[k].is_finite()).collect();
+    order.sort_by(|&a, &b| series.x[a].total_cmp(&series.x[b]));
+    let tags = if series.tags.len() >= count {
+        order.iter().map(|&k| series.tags[k].as_str()).collect()
+    } else {
+        Vec::new()
+    };
+    (
+        order.iter().map(|&k| series.x[k]).collect(),
+        order.iter().map(|&k| series.y[k]).collect(),
+        tags,
+    )
+}
+
+fn encode(values: &[f64]) -> String {
+    let bytes: Vec<u8> = values
+        .iter()
+        .flat_map(|&v| (v as f32).to_le_bytes())
+        .collect();
+    STANDARD.encode(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_in_any_order_are_sent_rising_with_their_tags() {
+        let chart = Chart {
+            series: vec![
+                Series {
+                    x: vec![2.0, 1.0, f64::NAN],
+                    y: vec![20.0, 10.0, 0.0],
+                    tags: vec!["b".into(), "a".into(), "none".into()],
+                    ..Series::default()
+                },
+                Series {
+                    x: vec![1.0, 2.0],
+                    y: vec![f64::NAN, 3.0],
+                    colour: Some(5),
+                    ..Series::default()
+                },
+            ],
+            ..Chart::default()
+        };
+        let json = ChartJson::of(&chart);
+        assert_eq!(json.grids.len(), 1, "both series share one grid");
+        assert_eq!(json.series[0].tags, ["a", "b"]);
+        assert_eq!(json.series[0].y, encode(&[10.0, 20.0]));
+        assert_eq!(json.series[1].colour, 5);
+    }
+}

@@ -1,0 +1,214 @@
+//! Pages of studies: one shell for every page that is not a comparison of engines on one scene.
+//!
+//! A [`Study`] is data: sections of text, tables and charts. [`render`] turns it into one
+//! self-contained page with the comparison page's look: it opens without a network, reads without
+//! a script (but for the charts), and works on a phone, in the dark and on paper.
+
+mod chart;
+mod page;
+
+pub use chart::{Axis, Chart, Series, Style};
+
+use crate::ReportError;
+
+/// Everything on one study's page. Strings may hold any characters: all are escaped, except
+/// [`Block::Html`]; `` `backticks` `` in running text become code.
+#[derive(Debug, Clone, Default)]
+pub struct Study {
+    /// Heading and title of the page, e.g. `paper`.
+    pub title: String,
+    /// Small line above the heading: what kind of study this is.
+    pub eyebrow: String,
+    /// One or two sentences below the heading.
+    pub lead: String,
+    /// The answer in one line, if the study has one.
+    pub verdict: Option<Verdict>,
+    /// The few figures that matter most.
+    pub tiles: Vec<Tile>,
+    /// The study itself, in order; each has a link in the top bar.
+    pub sections: Vec<Section>,
+    /// The command that repeats this study.
+    pub command: String,
+    /// Versions of the program and its parts, e.g. (`pinwheel`, `0.1.0`).
+    pub versions: Vec<(String, String)>,
+    /// The machine, e.g. (`processor`, ...), (`operating system`, ...).
+    pub machine: Vec<(String, String)>,
+}
+
+/// The answer of a study in one line.
+#[derive(Debug, Clone)]
+pub struct Verdict {
+    /// Whether everything the study asks for holds.
+    pub good: bool,
+    /// The answer.
+    pub headline: String,
+    /// What it rests on.
+    pub detail: String,
+}
+
+/// One figure in large type.
+#[derive(Debug, Clone, Default)]
+pub struct Tile {
+    /// What it is.
+    pub label: String,
+    /// The figure, formatted (see [`crate::format`]).
+    pub value: String,
+    /// Its unit, or empty.
+    pub unit: String,
+    /// How it was found, or what it compares with.
+    pub detail: String,
+}
+
+/// A part of the page with a heading.
+#[derive(Debug, Clone, Default)]
+pub struct Section {
+    /// Anchor: lower-case letters, digits and `-`; unique on the page. Not `top`, `main` or
+    /// `reproduce`.
+    pub id: String,
+    /// Heading; also the link's text in the top bar, so short.
+    pub title: String,
+    /// What stands under it.
+    pub blocks: Vec<Block>,
+}
+
+/// A piece of a section.
+#[derive(Debug, Clone)]
+pub enum Block {
+    /// A heading inside the section.
+    Heading(String),
+    /// A paragraph.
+    Text(String),
+    /// Points, one sentence or two each.
+    List(Vec<String>),
+    /// A table that can be sorted.
+    Table(Table),
+    /// Charts, side by side where there is room.
+    Charts(Vec<Chart>),
+    /// Blocks behind a line that opens them.
+    Details {
+        /// The line.
+        summary: String,
+        /// What it opens.
+        blocks: Vec<Block>,
+    },
+    /// Text as a terminal or a file shows it.
+    Code(String),
+    /// Markup written by this program; placed as it is. Inline styles and scripts are allowed,
+    /// anything from elsewhere is not.
+    Html(String),
+}
+
+/// A table.
+#[derive(Debug, Clone, Default)]
+pub struct Table {
+    /// What the table shows; read first by a screen reader.
+    pub caption: String,
+    /// Columns, left to right. The first names the row.
+    pub columns: Vec<Column>,
+    /// Rows of as many cells as there are columns; missing ones are empty.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// A column of a [`Table`].
+#[derive(Debug, Clone, Default)]
+pub struct Column {
+    /// Heading, with the unit.
+    pub label: String,
+    /// Whether figures stand in it: they are set to the right.
+    pub numeric: bool,
+}
+
+impl Column {
+    /// A column of words.
+    pub fn text(label: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            numeric: false,
+        }
+    }
+
+    /// A column of figures.
+    pub fn number(label: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            numeric: true,
+        }
+    }
+}
+
+/// A cell of a [`Table`].
+#[derive(Debug, Clone, Default)]
+pub struct Cell {
+    /// What stands in it.
+    pub text: String,
+    /// How it is marked, by sign and colour.
+    pub mark: Mark,
+    /// Shade of the ground from 0 (none) to 1 (full), for maps; `None` for plain cells.
+    pub heat: Option<f64>,
+    /// What the table is sorted by, where the text is not a plain number.
+    pub key: Option<f64>,
+}
+
+impl Cell {
+    /// A cell of words.
+    pub fn text(text: impl Into<String>) -> Self {
+        Self {
+            text: text.into(),
+            ..Self::default()
+        }
+    }
+
+    /// A figure: `text` is shown, `key` sorts.
+    pub fn number(text: impl Into<String>, key: f64) -> Self {
+        Self {
+            text: text.into(),
+            key: Some(key),
+            ..Self::default()
+        }
+    }
+
+    /// The same cell with a mark.
+    #[must_use]
+    pub fn marked(self, mark: Mark) -> Self {
+        Self { mark, ..self }
+    }
+
+    /// The same cell with a shaded ground, 0 to 1.
+    #[must_use]
+    pub fn heated(self, heat: f64) -> Self {
+        Self {
+            heat: Some(heat),
+            ..self
+        }
+    }
+}
+
+impl<T: Into<String>> From<T> for Cell {
+    fn from(text: T) -> Self {
+        Self::text(text)
+    }
+}
+
+/// How a cell is marked. Never by colour alone: each mark has a sign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mark {
+    /// Not marked.
+    #[default]
+    None,
+    /// Holds.
+    Good,
+    /// Does not hold.
+    Bad,
+    /// Worth a look.
+    Warn,
+    /// Stands back.
+    Muted,
+}
+
+/// Fills in a study's page. The page depends on the study alone.
+///
+/// # Errors
+/// Never in practice: the template or the charts' data cannot be written.
+pub fn render(study: &Study) -> Result<String, ReportError> {
+    page::render(study)
+}

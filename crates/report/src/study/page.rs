@@ -1,0 +1,244 @@
+//! A study's page as markup: blocks are rendered one by one, so that they can hold each other.
+
+use askama::Template;
+
+use super::chart::ChartJson;
+use super::{Block, Cell, Chart, Mark, Study, Table, Tile};
+use crate::ReportError;
+use crate::assets::{ASSETS, Assets};
+use crate::chart_data::json_for_script;
+
+/// The whole page.
+#[derive(Template)]
+#[template(path = "study.html")]
+struct Page<'a> {
+    study: &'a Study,
+    banner: Option<Banner<'a>>,
+    tiles: &'a [Tile],
+    sections: Vec<SectionHtml<'a>>,
+    chart_json: Option<String>,
+    assets: Assets,
+    page_js: &'static str,
+}
+
+struct Banner<'a> {
+    class: &'static str,
+    sign: &'static str,
+    headline: &'a str,
+    detail: String,
+}
+
+struct SectionHtml<'a> {
+    id: &'a str,
+    title: &'a str,
+    body: String,
+}
+
+#[derive(Template)]
+#[template(path = "study/table.html")]
+struct TableHtml<'a> {
+    table: &'a Table,
+    rows: Vec<Vec<CellHtml>>,
+}
+
+struct CellHtml {
+    numeric: bool,
+    class: &'static str,
+    sign: &'static str,
+    word: &'static str,
+    body: String,
+    key: String,
+    style: String,
+}
+
+#[derive(Template)]
+#[template(path = "study/charts.html")]
+struct ChartsHtml<'a> {
+    charts: Vec<ChartHtml<'a>>,
+}
+
+struct ChartHtml<'a> {
+    index: usize,
+    title: &'a str,
+    note: String,
+}
+
+pub(super) fn render(study: &Study) -> Result<String, ReportError> {
+    let mut charts = Vec::new();
+    let sections = study
+        .sections
+        .iter()
+        .map(|section| {
+            Ok(SectionHtml {
+                id: &section.id,
+                title: &section.title,
+                body: blocks(&section.blocks, &mut charts)?,
+            })
+        })
+        .collect::<Result<Vec<_>, ReportError>>()?;
+    let json: Vec<ChartJson<'_>> = charts.into_iter().map(ChartJson::of).collect();
+    let page = Page {
+        study,
+        banner: study.verdict.as_ref().map(|verdict| Banner {
+            class: if verdict.good { "pass" } else { "fail" },
+            sign: if verdict.good { "\u{2713}" } else { "\u{2715}" },
+            headline: &verdict.headline,
+            detail: inline(&verdict.detail),
+        }),
+        tiles: &study.tiles,
+        sections,
+        chart_json: if json.is_empty() {
+            None
+        } else {
+            Some(json_for_script(&json)?)
+        },
+        assets: ASSETS,
+        page_js: include_str!("../../assets/study.js"),
+    };
+    Ok(page.render()?)
+}
+
+/// The blocks' markup; charts are collected for the page's script.
+fn blocks<'a>(blocks: &'a [Block], charts: &mut Vec<&'a Chart>) -> Result<String, ReportError> {
+    let mut html = String::new();
+    for block in blocks {
+        html.push_str(&one(block, charts)?);
+        html.push('\n');
+    }
+    Ok(html)
+}
+
+fn one<'a>(block: &'a Block, charts: &mut Vec<&'a Chart>) -> Result<String, ReportError> {
+    Ok(match block {
+        Block::Heading(text) => format!("<h3>{}</h3>", inline(text)),
+        Block::Text(text) => format!("<p class=\"about\">{}</p>", inline(text)),
+        Block::List(points) => {
+            let points: Vec<String> = points
+                .iter()
+                .map(|p| format!("<li>{}</li>", inline(p)))
+                .collect();
+            format!("<ul class=\"points\">{}</ul>", points.join(""))
+        }
+        Block::Table(table) => TableHtml {
+            table,
+            rows: rows(table),
+        }
+        .render()?,
+        Block::Charts(list) => {
+            let first = charts.len();
+            charts.extend(list);
+            ChartsHtml {
+                charts: list
+                    .iter()
+                    .enumerate()
+                    .map(|(k, chart)| ChartHtml {
+                        index: first + k,
+                        title: &chart.title,
+                        note: inline(&chart.note),
+                    })
+                    .collect(),
+            }
+            .render()?
+        }
+        Block::Details {
+            summary,
+            blocks: inner,
+        } => format!(
+            "<details><summary>{}</summary><div class=\"inside\">{}</div></details>",
+            inline(summary),
+            blocks(inner, charts)?
+        ),
+        Block::Code(text) => {
+            format!("<pre class=\"code\"><code>{}</code></pre>", escape(text))
+        }
+        Block::Html(markup) => markup.clone(),
+    })
+}
+
+fn rows(table: &Table) -> Vec<Vec<CellHtml>> {
+    let empty = Cell::default();
+    table
+        .rows
+        .iter()
+        .map(|row| {
+            table
+                .columns
+                .iter()
+                .enumerate()
+                .map(|(k, column)| cell(row.get(k).unwrap_or(&empty), column.numeric))
+                .collect()
+        })
+        .collect()
+}
+
+fn cell(cell: &Cell, numeric: bool) -> CellHtml {
+    let (class, sign, word) = match cell.mark {
+        Mark::None => ("", "", ""),
+        Mark::Good => ("good", "\u{2713}", "holds: "),
+        Mark::Bad => ("bad", "\u{2715}", "does not hold: "),
+        Mark::Warn => ("warn", "!", "note: "),
+        Mark::Muted => ("muted", "", ""),
+    };
+    CellHtml {
+        numeric,
+        class,
+        sign,
+        word,
+        body: inline(&cell.text),
+        key: cell
+            .key
+            .filter(|k| k.is_finite())
+            .map(|k| format!("{k:e}"))
+            .unwrap_or_default(),
+        style: cell
+            .heat
+            .filter(|h| h.is_finite())
+            .map(|h| format!("--heat:{:.3}", h.clamp(0.0, 1.0)))
+            .unwrap_or_default(),
+    }
+}
+
+/// Escaped text in which `` `these` `` are code.
+fn inline(text: &str) -> String {
+    let parts: Vec<&str> = text.split('`').collect();
+    if parts.len().is_multiple_of(2) {
+        return escape(text); // a lone backtick is itself
+    }
+    parts
+        .iter()
+        .enumerate()
+        .map(|(k, part)| match k % 2 {
+            0 => escape(part),
+            _ => format!("<code>{}</code>", escape(part)),
+        })
+        .collect()
+}
+
+fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            _ => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn backticks_are_code_and_all_is_escaped() {
+        assert_eq!(
+            inline("a < `b & c` > d"),
+            "a &lt; <code>b &amp; c</code> &gt; d"
+        );
+        assert_eq!(inline("one ` alone"), "one ` alone");
+    }
+}
