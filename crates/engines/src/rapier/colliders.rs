@@ -1,7 +1,7 @@
 //! rapier all by itself: polyline wheels and holes, round sleeves, its own collision detection,
 //! its own contact spring and its own Coulomb friction.
 
-use pinwheel_gearbox::channels::PairSource;
+use pinwheel_gearbox::channels::{PRESSING_N, PairSource};
 use pinwheel_gearbox::contacts::{ContactEnergy, PairContact};
 use pinwheel_gearbox::scene::{Detection, Gear, Scene, Start};
 use pinwheel_gearbox::{Gearbox, Sleeve};
@@ -262,7 +262,11 @@ impl Contacts for Solid {
     }
 
     fn seen<'a>(&'a mut self, world: &'a World, _share: f64) -> Box<dyn PairSource + 'a> {
-        Box::new(Own(&self.meetings, world))
+        Box::new(Own {
+            meetings: &self.meetings,
+            world,
+            pressing: PRESSING_N * self.step_s,
+        })
     }
 
     fn law_calls(&self) -> u64 {
@@ -300,7 +304,12 @@ impl Meeting {
 
 /// What rapier's own contacts tell: which of them press. Its penetrations are those of polylines and
 /// its stiffness is no law's, so neither is given.
-struct Own<'a>(&'a [Meeting], &'a World);
+struct Own<'a> {
+    meetings: &'a [Meeting],
+    world: &'a World,
+    /// Impulse above which a contact presses, N s.
+    pressing: f64,
+}
 
 impl PairSource for Own<'_> {
     fn pair(&mut self, _: &[BodyState], _wheel: usize, _sleeve: Sleeve) -> Option<PairContact> {
@@ -308,9 +317,11 @@ impl PairSource for Own<'_> {
     }
 
     fn loaded(&mut self, _: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve)) -> bool {
-        for meeting in self.0 {
+        for meeting in self.meetings {
             let mut presses = false;
-            meeting.impulses(self.1, &mut |normal, _| presses |= normal > 0.0);
+            meeting.impulses(self.world, &mut |normal, _| {
+                presses |= normal > self.pressing
+            });
             if presses {
                 visit(meeting.wheel, meeting.sleeve);
             }
