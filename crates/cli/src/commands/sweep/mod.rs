@@ -186,7 +186,7 @@ fn summary(plan: &Plan, records: &[RunRecord], out: &Path) -> String {
         row("varied", plan.keys().collect::<Vec<_>>().join(", ")),
         row(
             "time",
-            format!("{cpu:.1} s CPU for {} s simulated", plan.duration_s()),
+            format!("{cpu:.1} s CPU for {:.3} s simulated", plan.duration_s()),
         ),
         row("results", out.join("results.csv").display().to_string()),
         row("report", out.join("index.html").display().to_string()),
