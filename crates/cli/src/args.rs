@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::scene::{Override, Scene};
 
+use crate::commands::sweep::SweepArgs;
 use crate::failure::Failure;
 use crate::screen;
 
@@ -16,6 +17,7 @@ Examples:
   pinwheel run paper --engine native             one engine: courses.csv and run.json
   pinwheel compare paper --set gear.backlash_m=0.0006 --out out/backlash
   pinwheel explain my-gear.toml                  what is modelled, assumed and to be expected
+  pinwheel sweep reference/sweeps/backlash.toml  lists and ranges of keys over all cores
   pinwheel engines                               what there is to compare with
   pinwheel laws                                  contact laws that a scene can name
 
@@ -44,6 +46,8 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Say what a scene models, what it leaves out and what to expect of it.
     Explain(ExplainArgs),
+    /// Run a scene with lists or ranges of keys over all cores and tabulate the figures.
+    Sweep(SweepArgs),
     /// List the engines of this build.
     Engines(EnginesArgs),
     /// List the contact laws with their source, domain and behaviour at slow impacts.

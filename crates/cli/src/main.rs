@@ -39,6 +39,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Run(args) => commands::run::run(args),
         Command::Compare(args) => commands::compare::compare(args),
         Command::Explain(args) => commands::explain::explain(args),
+        Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),
     }

@@ -17,7 +17,9 @@ use pinwheel_mbs::sliding::RateStage;
 use pinwheel_mbs::{BodyState, Wrench};
 use pulp::Simd;
 
+use super::detection::Exact;
 use super::field::{ContactEnergy, ContactField, PairContact};
+use super::pairs::Pairs;
 use crate::geometry::Geometry;
 use crate::layout::Layout;
 use crate::scene::Scene;
@@ -34,6 +36,8 @@ pub(super) struct LaneField<L> {
     law: L,
     friction: RegularisedCoulomb,
     pairs: LanePairs,
+    /// For single pairs, where lanes gain nothing.
+    scalar: Pairs<L, Exact>,
     /// With friction, if the gear has no more wheels than there is room for.
     sliding: Option<Sliding>,
 }
@@ -131,6 +135,7 @@ impl<L: LanesLaw> LaneField<L> {
                 external: Sleeves::new(layout.external_bodies()),
                 internal: Sleeves::new(layout.internal_bodies()),
             },
+            scalar: Pairs::new(scene, geometry, law, Exact::new(scene, geometry)),
         }
     }
 
@@ -177,6 +182,10 @@ impl<L: LanesLaw> ContactField for LaneField<L> {
         self.list(bodies, &mut |wheel, sleeve, frame, pair| {
             visit(&pair.contact(&law, wheel, sleeve, frame));
         });
+    }
+
+    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
+        self.scalar.nearest(bodies, wheel, sleeve)
     }
 
     fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
