@@ -16,6 +16,7 @@ Examples:
   pinwheel run paper --engine native             one engine: courses.csv and run.json
   pinwheel compare paper --set gear.backlash_m=0.0006 --out out/backlash
   pinwheel explain my-gear.toml                  what is modelled, assumed and to be expected
+  pinwheel stability --quick                     which method survives which hard scene
   pinwheel engines                               what there is to compare with
   pinwheel laws                                  contact laws that a scene can name
 
@@ -46,6 +47,8 @@ pub(crate) enum Command {
     Explain(ExplainArgs),
     /// List the engines of this build.
     Engines(EnginesArgs),
+    /// Study which method survives which hard scene, at which step, and how it fails.
+    Stability(crate::commands::stability::StabilityArgs),
     /// List the contact laws with their source, domain and behaviour at slow impacts.
     Laws(LawsArgs),
 }

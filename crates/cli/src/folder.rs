@@ -13,12 +13,13 @@ use crate::failure::Failure;
 use crate::interrupt;
 
 /// Files this program writes, at the top or in an engine's folder.
-const OURS: [&str; 5] = [
+const OURS: [&str; 6] = [
     "run.json",
     "summary.json",
     "index.html",
     "courses.csv",
     "courses.partial.csv",
+    "stability.csv",
 ];
 
 /// An output folder in the making. Dropped without [`publish`](Self::publish) it leaves nothing.
@@ -67,6 +68,11 @@ impl Folder {
     /// Gives the folder its name; returns it as the user wrote it.
     pub(crate) fn publish(self) -> Result<PathBuf, Failure> {
         interrupt::check()?;
+        self.publish_unfinished()
+    }
+
+    /// The same for a result that says itself how far it got before the user stopped it.
+    pub(crate) fn publish_unfinished(self) -> Result<PathBuf, Failure> {
         // Others may have written there while the engines ran.
         inspect(&self.target, &self.shown, self.force)?;
         let failed = |error: io::Error| {

@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             scene.solver.duration_s = 0.05;
             let mut found = Vec::new();
             for step in [1e-5, 5e-6] {
-                for switch in published::SWITCHES {
+                for switch in published::LIMITED {
                     found.push(published::limit(&scene, switch, step, &control)?);
                 }
             }

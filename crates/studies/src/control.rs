@@ -25,7 +25,7 @@ pub struct Control<'a> {
     /// Set from outside to stop; looked at in every sample of every run.
     pub cancel: &'a AtomicBool,
     /// Called at the beginning of every piece.
-    pub progress: &'a dyn Fn(Progress<'_>),
+    pub progress: &'a (dyn Fn(Progress<'_>) + Sync),
 }
 
 impl Control<'_> {

@@ -5,4 +5,5 @@ pub(crate) mod engines;
 pub(crate) mod explain;
 pub(crate) mod laws;
 pub(crate) mod run;
+pub(crate) mod stability;
 mod verdicts;
