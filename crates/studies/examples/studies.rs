@@ -36,7 +36,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         "horizon" => {
             for name in names {
-                match divergence::horizon(&Scene::load(name, &[])?, &control) {
+                match divergence::horizon(&Scene::load(name, &[])?, divergence::STEP, &mut |_| {
+                    false
+                }) {
                     Ok(found) => println!(
                         "{name}: {:?} largest {:.1e} last {:.1e}",
                         found.horizon_s, found.largest_share, found.last_share

@@ -12,7 +12,7 @@ use pinwheel_gearbox::scene::{FrictionLaw, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
-use crate::control::{Control, Ended};
+use crate::control::{Ended, run};
 use crate::measure::level;
 
 /// Share of the largest force that counts as visible.
@@ -58,25 +58,30 @@ impl Horizon {
     }
 }
 
-/// Step of both runs, s.
-const STEP: f64 = 2e-6;
+/// Step of both runs in a study, s.
+pub const STEP: f64 = 2e-6;
 
 /// Largest force below which there is nothing to compare, N.
 const FORCE_FLOOR: f64 = 1.0;
 
-/// Runs `scene` twice, with RK4 or, under friction, with `imex2`, and steps of 2e-6 s (or the scene's, if shorter).
+/// Runs `scene` twice, with RK4 or, under friction, with `imex2`, and steps of `step_s` (or the scene's, if shorter);
+/// `watch` receives the simulated time and returns true to stop.
 ///
 /// A run that does not reach its end, or has no forces to speak of, is an answer with the reason.
 ///
 /// # Errors
 /// Cancelled, or a scene that cannot be modelled.
-pub fn horizon(scene: &Scene, control: &Control<'_>) -> Result<Horizon, StudyError> {
+pub fn horizon(
+    scene: &Scene,
+    step_s: f64,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Horizon, StudyError> {
     let mut scene = scene.clone();
     let rubs = scene.contact.friction_coefficient > 0.0;
     let convex = scene.contact.friction_law == FrictionLaw::Regularised;
     let method = if rubs && convex { "imex2" } else { "rk4" };
     method.clone_into(&mut scene.solver.integrator);
-    scene.solver.step_s = scene.solver.step_s.min(STEP);
+    scene.solver.step_s = scene.solver.step_s.min(step_s);
     let mut found = Horizon {
         scene: scene.name.clone(),
         horizon_s: None,
@@ -91,7 +96,7 @@ pub fn horizon(scene: &Scene, control: &Control<'_>) -> Result<Horizon, StudyErr
     moved.mass.wheel.moment_kg_m2 = moved.mass.wheel.moment_kg_m2.next_up();
     let mut both = Vec::new();
     for scene in [&scene, &moved] {
-        match control.run(scene)? {
+        match run(scene, watch)? {
             Ended::Whole(run) => both.push(run.courses),
             Ended::Diverged { time_s, quantity } => {
                 found.refused = Some(format!("the run ends at t = {time_s:.4} s: {quantity}"));

@@ -12,7 +12,7 @@ use pinwheel_mbs::integrators::METHODS;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
-use crate::control::{Control, Ended};
+use crate::control::{Ended, run};
 use crate::measure::{Difference, difference, level};
 
 /// Relative L2 distance beyond which a run is not resolved: its own error is then about 0.1 or more.
@@ -60,14 +60,15 @@ impl Resolution {
     }
 }
 
-/// Repeats the native run of `scene` that gave `courses`, coarser.
+/// Repeats the native run of `scene` that gave `courses`, coarser; `watch` receives the simulated time and returns
+/// true to stop.
 ///
 /// # Errors
 /// Cancelled, or a scene that cannot be modelled.
 pub fn check(
     scene: &Scene,
     courses: &Courses,
-    control: &Control<'_>,
+    watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Resolution, StudyError> {
     let integrator = auto::integrator(scene).integrator;
     let adaptive = METHODS.iter().any(|m| m.name == integrator && m.adaptive);
@@ -84,7 +85,7 @@ pub fn check(
         moved: None,
         failure: None,
     };
-    match control.run(&coarse)? {
+    match run(&coarse, watch)? {
         Ended::Whole(other) => {
             found.moved = (level(courses).peak_force_n > FORCE_FLOOR)
                 .then(|| difference(&other.courses, courses));

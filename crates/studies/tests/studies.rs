@@ -94,7 +94,7 @@ fn hard_unresolved_runs_are_told() {
         let scene = scene(name, sets);
         let gearbox = pinwheel_gearbox::Gearbox::new(&scene).unwrap();
         let run = pinwheel_gearbox::native::run(&gearbox, &mut |_| false).unwrap();
-        resolution::check(&scene, &run.courses, &Control::quiet()).unwrap()
+        resolution::check(&scene, &run.courses, &mut |_| false).unwrap()
     };
     let fine = at("paper", &["solver.duration_s=0.05"]);
     assert!(
@@ -136,7 +136,7 @@ fn studies_stop_when_asked() {
 #[test]
 fn a_rounding_stays_one_on_the_paper() {
     let scene = scene("paper", &["solver.duration_s=0.1"]);
-    let found = divergence::horizon(&scene, &Control::quiet()).unwrap();
+    let found = divergence::horizon(&scene, divergence::STEP, &mut |_| false).unwrap();
     assert_eq!(found.horizon_s, None, "{}", found.sentence());
     assert!(
         found.largest_share > 0.0,
