@@ -64,6 +64,18 @@ impl Failure {
         }
     }
 
+    /// The word with its figure, for a cell of a table.
+    #[must_use]
+    pub fn short(&self) -> String {
+        match self {
+            Self::BlowUp { time_s, .. } => format!("blow-up at {time_s:.4} s"),
+            Self::Chatter { peak_ratio } => format!("chatter, {peak_ratio:.1} x"),
+            Self::WrongMean { share } => format!("wrong mean, {:.0} %", 100.0 * share),
+            Self::Drift { joint_m } => format!("drift, {joint_m:.0e} m"),
+            Self::WrongCourse { error } => format!("wrong course, {:.0} %", 100.0 * error),
+        }
+    }
+
     /// What was seen, with its figure.
     #[must_use]
     pub fn sentence(&self) -> String {

@@ -72,10 +72,8 @@ fn error(cell: &stability::Cell) -> Cell {
 
 fn first(cell: &stability::Cell) -> Cell {
     match (&cell.fails_first, &cell.failure) {
-        (Some(first), _) => Cell::text(format!("{}: {}", first.word(), first.sentence())),
-        (None, Some(failure)) => {
-            Cell::text(format!("{}: {}", failure.word(), failure.sentence())).marked(Mark::Bad)
-        }
+        (Some(first), _) => Cell::text(first.short()),
+        (None, Some(failure)) => Cell::text(failure.short()).marked(Mark::Bad),
         (None, None) if cell.never_failed => Cell::text("nothing did").marked(Mark::Good),
         (None, None) => Cell::text("chooses its steps").marked(Mark::Muted),
     }
@@ -158,7 +156,7 @@ pub(super) fn sections(survey: &Survey) -> Vec<Section> {
             "What fails first",
             "Above the largest step: blow-up (the run stops with an error that says when and which), chatter (forces far \
              too high), wrong mean, drift of the joints, or a wrong course (right sizes, lost phases). Only a blow-up is loud by itself; \
-             `pinwheel run` finds the others by repeating a run at twice its step."
+             `pinwheel run` finds the others by repeating a run at twice its step. The errors in full are in stability.csv."
                 .to_owned(),
             map(survey, "What fails first above the largest step", first),
         ),

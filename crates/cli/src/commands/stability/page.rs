@@ -147,7 +147,6 @@ fn scenes(survey: &Survey) -> Section {
         };
         vec![
             Cell::text(&row.scene),
-            Cell::text(&row.why),
             match auto {
                 Some(error) => Cell::text(format!("{}: {}", row.auto, format::relative(error)))
                     .marked(served(error)),
@@ -165,33 +164,58 @@ fn scenes(survey: &Survey) -> Section {
                 .marked(served(error)),
                 None => Cell::text("none").marked(Mark::Bad),
             },
+            Cell::text(&row.why),
+        ]
+    });
+    let references = survey.rows.iter().flatten().map(|row| {
+        vec![
+            Cell::text(&row.scene),
             match (&row.reference, &row.refused) {
                 (Some(reference), _) => Cell::text(format!(
-                    "{} at {:.1e}, to {}",
-                    reference.integrator,
-                    reference.setting,
-                    format::relative(reference.own_error.forces)
+                    "{} at {:.1e}",
+                    reference.integrator, reference.setting
                 )),
                 (None, reason) => Cell::text(reason.clone().unwrap_or_default()).marked(Mark::Bad),
+            },
+            match &row.reference {
+                Some(reference) => Cell::number(
+                    format::relative(reference.own_error.forces),
+                    reference.own_error.forces,
+                ),
+                None => Cell::text("-").marked(Mark::Muted),
             },
         ]
     });
     Section {
         id: "scenes".to_owned(),
         title: "Scenes".to_owned(),
-        blocks: vec![Block::Table(Table {
-            caption:
-                "What is hard, what `auto` takes for it and with which error, and what does best"
+        blocks: vec![
+            Block::Table(Table {
+                caption: "What is hard, what integrator = auto takes for it, and what does best, with the errors of the forces"
                     .to_owned(),
-            columns: vec![
-                Column::text("Scene"),
-                Column::text("Why it is hard"),
-                Column::text("`auto`"),
-                Column::text("Best"),
-                Column::text("Converged run, and its distance from a coarser one"),
-            ],
-            rows: rows.collect(),
-        })],
+                columns: vec![
+                    Column::text("Scene"),
+                    Column::text("auto"),
+                    Column::text("Best"),
+                    Column::text("Why it is hard"),
+                ],
+                rows: rows.collect(),
+            }),
+            Block::Details {
+                summary: "The converged runs that errors are measured against".to_owned(),
+                blocks: vec![Block::Table(Table {
+                    caption: "Method with its step or tolerance, and how far a run at twice the step, or ten times the tolerance, \
+                              lies from it"
+                        .to_owned(),
+                    columns: vec![
+                        Column::text("Scene"),
+                        Column::text("Converged run"),
+                        Column::number("Distance of a coarser one, forces"),
+                    ],
+                    rows: references.collect(),
+                })],
+            },
+        ],
     }
 }
 
