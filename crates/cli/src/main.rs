@@ -42,5 +42,6 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),
+        Command::Stability(args) => commands::stability::stability(args),
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod auto;
 pub mod channels;
+mod balance;
 pub mod claims;
 pub mod contacts;
 pub mod energy;
@@ -12,6 +13,7 @@ mod geometry;
 pub mod guard;
 mod layout;
 pub mod native;
+mod pace;
 mod recorder;
 pub mod scene;
 pub mod statics;

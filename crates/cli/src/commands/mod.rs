@@ -6,4 +6,5 @@ pub(crate) mod explain;
 pub(crate) mod laws;
 pub(crate) mod run;
 pub(crate) mod sweep;
+pub(crate) mod stability;
 mod verdicts;
