@@ -3,13 +3,15 @@
 //! [`stability::run`] gives the atlas of all hard scenes, formulations and integrators;
 //! [`divergence::horizon`] how long two runs that differ by a rounding stay together;
 //! [`drift::measure`] what long runs do to joints, phases and forces; [`published::run`] which of the
-//! published model's choices make it fail at high damping. All results serialise.
+//! published model's choices make it fail at high damping; [`precision::run`] what every engine's accuracy
+//! costs. All results serialise.
 
 mod control;
 pub mod divergence;
 pub mod drift;
 mod error;
 mod measure;
+pub mod precision;
 pub mod published;
 pub mod stability;
 
