@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::scene::{Override, Scene};
 
+use crate::commands::bench::BenchArgs;
 use crate::failure::Failure;
 use crate::screen;
 
@@ -15,6 +16,7 @@ Examples:
   pinwheel compare paper                         the paper's gearbox, every engine, one report
   pinwheel run paper --engine native             one engine: courses.csv and run.json
   pinwheel compare paper --set gear.backlash_m=0.0006 --out out/backlash
+  pinwheel bench paper                           what accuracy costs, native and peers
   pinwheel explain my-gear.toml                  what is modelled, assumed and to be expected
   pinwheel engines                               what there is to compare with
   pinwheel laws                                  contact laws that a scene can name
@@ -42,6 +44,8 @@ pub(crate) enum Command {
     Run(RunArgs),
     /// Run a scene on several engines, compare them and write a report.
     Compare(CompareArgs),
+    /// Measure what accuracy costs: error against time of every engine, integrator and step.
+    Bench(BenchArgs),
     /// Say what a scene models, what it leaves out and what to expect of it.
     Explain(ExplainArgs),
     /// List the engines of this build.

@@ -13,12 +13,15 @@ use crate::failure::Failure;
 use crate::interrupt;
 
 /// Files this program writes, at the top or in an engine's folder.
-const OURS: [&str; 5] = [
+const OURS: [&str; 8] = [
     "run.json",
     "summary.json",
     "index.html",
     "courses.csv",
     "courses.partial.csv",
+    "bench.csv",
+    "scaling.csv",
+    "mechanisms.csv",
 ];
 
 /// An output folder in the making. Dropped without [`publish`](Self::publish) it leaves nothing.
@@ -67,6 +70,11 @@ impl Folder {
     /// Gives the folder its name; returns it as the user wrote it.
     pub(crate) fn publish(self) -> Result<PathBuf, Failure> {
         interrupt::check()?;
+        self.publish_what_there_is()
+    }
+
+    /// The same although the user asked to stop: for studies whose results say that they are not complete.
+    pub(crate) fn publish_what_there_is(self) -> Result<PathBuf, Failure> {
         // Others may have written there while the engines ran.
         inspect(&self.target, &self.shown, self.force)?;
         let failed = |error: io::Error| {

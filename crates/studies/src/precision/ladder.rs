@@ -88,6 +88,8 @@ pub enum Stopped {
     Stagnates,
     /// The engine cannot honour the scene, or broke.
     Failed,
+    /// The user stopped the study.
+    Interrupted,
 }
 
 impl Stopped {
@@ -101,6 +103,7 @@ impl Stopped {
             Self::TooLong => "the next run would take too long",
             Self::Stagnates => "finer steps do not help: what is left is its model",
             Self::Failed => "does not run",
+            Self::Interrupted => "stopped by the user",
         }
     }
 }

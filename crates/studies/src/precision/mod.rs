@@ -6,18 +6,23 @@
 
 pub mod front;
 mod ladder;
+pub mod mechanisms;
 mod norms;
 mod ranking;
 mod reference;
 mod rows;
+pub mod scaling;
 mod series;
 
+pub use front::CostAt;
 pub use ladder::{Knob, Stopped, settings};
 pub use norms::{Errors, Span};
 pub use ranking::{Advantage, Entry, Ranking};
 pub use reference::{Reference, Solution};
 pub use rows::write_csv;
 pub use series::{Cost, Measure, Outcome, Point, Series};
+
+use std::sync::atomic::Ordering;
 
 use pinwheel_engines::{Engine, Track};
 use pinwheel_gearbox::scene::Scene;
@@ -83,12 +88,15 @@ pub struct WorkPrecision {
     pub reference: Reference,
     /// One engine and method each, native first.
     pub series: Vec<Series>,
+    /// False if the user stopped the study; what had been measured until then is kept.
+    pub complete: bool,
 }
 
 /// Runs the study. `engines` without the resolved native form, whose settings are not the scene's.
 ///
 /// # Errors
-/// Cancelled, or the reference run fails. What an engine does wrong stands in its series.
+/// Cancelled before the reference was there, or the reference run fails. What an engine does wrong
+/// stands in its series.
 pub fn run(
     scene: &Scene,
     engines: &[Box<dyn Engine>],
@@ -107,6 +115,9 @@ pub fn run(
     })?;
     let mut all = Vec::new();
     for (engine, method) in tasks {
+        if control.cancel.load(Ordering::Relaxed) {
+            break;
+        }
         let mut announce = |piece: &str| (control.progress)(Progress { done, total, piece });
         let truth = series::Truth {
             courses: &courses,
@@ -131,7 +142,14 @@ pub fn run(
         windows,
         reference,
         series: all,
+        complete: !control.cancel.load(Ordering::Relaxed),
     })
+}
+
+/// Integrators of the native solver.
+#[must_use]
+pub fn method_names() -> Vec<&'static str> {
+    METHODS.iter().map(|method| method.name).collect()
 }
 
 /// The methods of an engine: ours for the native forms, its own for others.

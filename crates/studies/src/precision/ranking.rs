@@ -99,7 +99,8 @@ fn advantage(entries: &[Entry]) -> Option<Advantage> {
         peer_cpu_s: peer_cost,
         ratio: peer_cost.value() / native_cost.value(),
         at_least: !upper
-            && (matches!(native_cost, CostAt::AtMost(_)) || matches!(peer_cost, CostAt::MoreThan(_))),
+            && (matches!(native_cost, CostAt::AtMost(_))
+                || matches!(peer_cost, CostAt::MoreThan(_))),
     })
 }
 

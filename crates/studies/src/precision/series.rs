@@ -196,7 +196,13 @@ pub(super) fn run(
             method.clone_into(&mut scene.solver.integrator);
         }
         knob.set(&mut scene, setting);
-        let point = point(&scene, engine, setting, truth, options, control)?;
+        let point = match point(&scene, engine, setting, truth, options, control) {
+            Err(StudyError::Cancelled) => {
+                series.stopped = Stopped::Interrupted;
+                break;
+            }
+            other => other?,
+        };
         let ended = match point.outcome {
             Outcome::Failed { .. } => Some(Stopped::Failed),
             Outcome::GivenUp { .. } => Some(Stopped::TooLong),
