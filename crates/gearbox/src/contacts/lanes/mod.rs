@@ -9,9 +9,11 @@ mod columns;
 mod listing;
 mod loads;
 mod shapes;
+mod sliding;
 mod walk;
 
 use pinwheel_contact::{LanesLaw, RegularisedCoulomb};
+use pinwheel_mbs::sliding::RateStage;
 use pinwheel_mbs::{BodyState, Wrench};
 use pulp::Simd;
 
@@ -24,6 +26,7 @@ use columns::Sleeves;
 use listing::Listing;
 use loads::Loads;
 use shapes::Shapes;
+use sliding::{Sliding, Split};
 use walk::{Sink, walk};
 
 /// The contact field of one law with exact detection, in lanes.
@@ -32,6 +35,8 @@ pub(super) struct LaneField<L> {
     law: L,
     friction: RegularisedCoulomb,
     pairs: LanePairs,
+    /// With friction, if the gear has no more wheels than there is room for.
+    sliding: Option<Sliding>,
 }
 
 /// What a walk needs.
@@ -54,6 +59,9 @@ struct SumWalk<'a, L, const FRICTION: bool>(Walk<'a, Loads<'a, L, FRICTION>>);
 
 /// A walk that visits.
 struct ListWalk<'a, L, F>(Walk<'a, Listing<L, F>>);
+
+/// A walk and the friction stage after it.
+struct SplitWalk<'a, 'b, L>(Walk<'a, Split<'a, L>>, &'a mut RateStage<'b>);
 
 impl<K> Walk<'_, K> {
     #[inline(always)]
@@ -96,17 +104,34 @@ where
     }
 }
 
+impl<L: LanesLaw> pulp::WithSimd for SplitWalk<'_, '_, L> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self(mut walk, stage) = self;
+        walk.run(simd);
+        walk.pairs.external.scatter(walk.sink.loads);
+        walk.pairs.internal.scatter(walk.sink.loads);
+        walk.sink.sliding.solve(simd, walk.sink.law, stage)
+    }
+}
+
 impl<L: LanesLaw> LaneField<L> {
     pub(super) fn new(scene: &Scene, geometry: &Geometry, law: L) -> Self {
         let contact = &scene.contact;
         let layout = Layout::of(&scene.gear);
+        let friction = RegularisedCoulomb {
+            coefficient: contact.friction_coefficient,
+            ramp: contact.friction_ramp_m_s,
+        };
         Self {
             arch: pulp::Arch::new(),
             law,
-            friction: RegularisedCoulomb {
-                coefficient: contact.friction_coefficient,
-                ramp: contact.friction_ramp_m_s,
-            },
+            friction,
+            sliding: (friction.coefficient > 0.0)
+                .then(|| Sliding::new(layout, friction))
+                .flatten(),
             pairs: LanePairs {
                 layout,
                 shapes: Shapes::new(scene, geometry),
@@ -174,5 +199,31 @@ impl<L: LanesLaw> ContactField for LaneField<L> {
 
     fn normal_force(&self, pair: &PairContact, rate: f64) -> f64 {
         self.law.force(pair.stiffness, pair.penetration_m, rate)
+    }
+
+    fn solve_friction(
+        &mut self,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+        stage: &mut RateStage<'_>,
+    ) -> Option<bool> {
+        let sliding = self.sliding.as_mut()?;
+        // Free are all bodies but the input.
+        if stage.rates.len() + 1 != bodies.len() {
+            return None;
+        }
+        sliding.clear();
+        let sink = Split {
+            law: self.law,
+            sliding,
+            loads,
+        };
+        let pairs = &mut self.pairs;
+        let walk = Walk {
+            pairs,
+            bodies,
+            sink,
+        };
+        Some(self.arch.dispatch(SplitWalk(walk, stage)))
     }
 }
