@@ -39,8 +39,8 @@ impl Knob {
 }
 
 /// Steps as multiples of the scene's: the coarsest, and how often it is halved.
-const COARSEST: f64 = 4.0;
-const HALVINGS: i32 = 9;
+const COARSEST: f64 = 8.0;
+const HALVINGS: i32 = 10;
 /// Tolerances: the loosest, and half decades below it.
 const LOOSEST: f64 = 1e-2;
 const HALF_DECADES: i32 = 16;

@@ -56,7 +56,7 @@ impl Default for Options {
             repeats: 5,
             repeat_s: 1.0,
             longest_s: 20.0,
-            longest_native_s: 4.0,
+            longest_native_s: 2.0,
             methods: Vec::new(),
         }
     }

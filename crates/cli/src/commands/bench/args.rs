@@ -29,7 +29,7 @@ pub(crate) struct BenchArgs {
     /// Relative L2 force error over the whole run at which the engines are ranked.
     #[arg(long, value_name = "ERROR", default_value_t = 1e-4)]
     pub(crate) target: f64,
-    /// CPU seconds that one run of a peer may take; the native solver gets a fifth.
+    /// CPU seconds that one run of a peer may take; the native solver gets a tenth.
     #[arg(long, value_name = "S", default_value_t = 20.0)]
     pub(crate) longest: f64,
     /// Runs of one setting at most, of which minimum and median are shown; long ones get fewer.

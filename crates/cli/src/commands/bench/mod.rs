@@ -203,7 +203,7 @@ fn options(args: &BenchArgs) -> Result<Options, Failure> {
         target: positive("target", args.target)?,
         repeats: args.repeats,
         longest_s,
-        longest_native_s: 0.2 * longest_s,
+        longest_native_s: 0.1 * longest_s,
         methods: args.methods.clone(),
         ..Options::default()
     })
