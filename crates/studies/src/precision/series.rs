@@ -253,11 +253,13 @@ fn point(
         let finished = outcome == Outcome::Finished;
         let (run, _) = first.get_or_insert((run, outcome));
         let spent: f64 = times.iter().sum();
-        let least = options.repeats.min(if run.stats.cpu_s < 0.5 * options.repeat_s {
-            3
-        } else {
-            2
-        });
+        let least = options
+            .repeats
+            .min(if run.stats.cpu_s < 0.5 * options.repeat_s {
+                3
+            } else {
+                2
+            });
         let enough = times.len() >= least && spent >= options.repeat_s;
         if !finished || enough || times.len() >= options.repeats.max(1) {
             break;
