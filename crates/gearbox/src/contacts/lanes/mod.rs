@@ -60,8 +60,8 @@ struct SumWalk<'a, L, const FRICTION: bool>(Walk<'a, Loads<'a, L, FRICTION>>);
 /// A walk that visits.
 struct ListWalk<'a, L, F>(Walk<'a, Listing<L, F>>);
 
-/// A walk and the friction stage after it.
-struct SplitWalk<'a, 'b, L>(Walk<'a, Split<'a, L>>, &'a mut RateStage<'b>);
+/// A walk that lists the contacts of a friction stage.
+struct SplitWalk<'a, L>(Walk<'a, Split<'a, L>>);
 
 impl<K> Walk<'_, K> {
     #[inline(always)]
@@ -104,16 +104,14 @@ where
     }
 }
 
-impl<L: LanesLaw> pulp::WithSimd for SplitWalk<'_, '_, L> {
-    type Output = bool;
+impl<L: LanesLaw> pulp::WithSimd for SplitWalk<'_, L> {
+    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self(mut walk, stage) = self;
-        walk.run(simd);
-        walk.pairs.external.scatter(walk.sink.loads);
-        walk.pairs.internal.scatter(walk.sink.loads);
-        walk.sink.sliding.solve(simd, walk.sink.law, stage)
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        self.0.run(simd);
+        self.0.pairs.external.scatter(self.0.sink.loads);
+        self.0.pairs.internal.scatter(self.0.sink.loads);
     }
 }
 
@@ -219,11 +217,12 @@ impl<L: LanesLaw> ContactField for LaneField<L> {
             loads,
         };
         let pairs = &mut self.pairs;
-        let walk = Walk {
+        self.arch.dispatch(SplitWalk(Walk {
             pairs,
             bodies,
             sink,
-        };
-        Some(self.arch.dispatch(SplitWalk(walk, stage)))
+        }));
+        let sliding = self.sliding.as_mut()?;
+        Some(sliding.solve(self.arch, self.law, stage))
     }
 }

@@ -30,30 +30,31 @@ impl Hubs {
         }
     }
 
-    /// Overwrites `step` (the right-hand side) with the solution, by Cholesky; destroys the matrix.
-    pub(super) fn solve(&mut self) {
-        let (n, l, x) = (self.count, &mut self.matrix, &mut self.step);
-        for j in 0..n {
-            for k in 0..j {
-                let factor = l[j][k];
-                for row in &mut l[j..n] {
-                    row[j] -= row[k] * factor;
+    /// Overwrites `step` (the right-hand side) with the solution, by L D L'; destroys the matrix.
+    ///
+    /// `N` is the number of hubs. One division a column and no root: this stands in the way of everything else.
+    #[inline(always)]
+    #[expect(clippy::needless_range_loop, reason = "the indices are the formula")]
+    pub(super) fn solve<const N: usize>(&mut self) {
+        let (l, x) = (&mut self.matrix, &mut self.step);
+        let mut inverse = [0.0; N];
+        for j in 0..N {
+            inverse[j] = 1.0 / l[j][j];
+            for i in j + 1..N {
+                // Row i of L times D, kept; the rows below are reduced by it.
+                let factor = l[i][j] * inverse[j];
+                for k in j + 1..=i {
+                    l[i][k] -= factor * l[k][j];
                 }
-            }
-            let root = 1.0 / l[j][j].sqrt();
-            for row in &mut l[j..n] {
-                row[j] *= root;
-            }
-            x[j] *= root;
-            for i in j + 1..n {
-                x[i] -= l[i][j] * x[j];
+                x[i] -= factor * x[j];
             }
         }
-        for j in (0..n).rev() {
-            for i in j + 1..n {
-                x[j] -= l[i][j] * x[i];
+        for j in (0..N).rev() {
+            let mut known = x[j];
+            for i in j + 1..N {
+                known -= l[i][j] * x[i];
             }
-            x[j] /= l[j][j];
+            x[j] = known * inverse[j];
         }
     }
 }
@@ -71,7 +72,7 @@ mod tests {
             hubs.matrix[i][..=i].copy_from_slice(&matrix[i][..=i]);
             hubs.step[i] = (0..3).map(|j| matrix[i][j] * x[j]).sum();
         }
-        hubs.solve();
+        hubs.solve::<3>();
         for (found, wanted) in hubs.step.iter().zip(x) {
             assert!((found - wanted).abs() < 1e-15, "{found} {wanted}");
         }

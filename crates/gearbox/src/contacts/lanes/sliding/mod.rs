@@ -19,9 +19,6 @@ use hubs::{Hubs, MOST_HUBS};
 pub(super) use split::Split;
 use table::{Leaf, Pair, Table};
 
-/// Times the normal forces are brought up to date with the rates found; see `pinwheel_mbs::sliding`.
-const PASSES: usize = 2;
-
 /// External, internal.
 const KINDS: usize = 2;
 
@@ -88,24 +85,34 @@ impl Sliding {
     }
 
     /// Solves the stage of the contacts that a [`Split`] listed. False if there is no solution.
-    #[inline(always)]
-    pub(super) fn solve<S: Simd, L: LanesLaw>(
+    ///
+    /// The normal forces are brought up to date once, after the first Newton step: damping makes them depend on
+    /// the rates a little, and what is left to move after that step changes the friction by less than 1e-3.
+    pub(super) fn solve<L: LanesLaw>(
         &mut self,
-        simd: S,
+        arch: pulp::Arch,
         law: L,
         stage: &mut RateStage<'_>,
     ) -> bool {
         self.begin(stage);
-        let passes = if stage.a > 0.0 { PASSES } else { 0 };
-        for pass in 0..passes {
-            if pass > 0 {
-                self.update_forces(simd, law);
-            }
-            if !self.minimise(simd, stage.a, stage.rates) {
-                return false;
+        if stage.a > 0.0 {
+            for (pass, most) in [1, newton::MOST_STEPS].into_iter().enumerate() {
+                if pass > 0 {
+                    arch.dispatch(Update(self, law));
+                }
+                let (a, rates) = (stage.a, &*stage.rates);
+                let solved = match self.wheels {
+                    1 => arch.dispatch(Minimise::<2>(self, a, rates, most)),
+                    2 => arch.dispatch(Minimise::<3>(self, a, rates, most)),
+                    3 => arch.dispatch(Minimise::<4>(self, a, rates, most)),
+                    _ => arch.dispatch(Minimise::<5>(self, a, rates, most)),
+                };
+                if !solved {
+                    return false;
+                }
             }
         }
-        self.finish(simd, stage);
+        arch.dispatch(Finish(self, stage));
         true
     }
 
@@ -117,6 +124,9 @@ impl Sliding {
             let wheel = Lanes::splat(simd, self.hubs.change[w]);
             for table in tables {
                 for from in table.groups::<S>() {
+                    if !table.is_active(from) {
+                        continue;
+                    }
                     let at = table.pairs(simd, from);
                     let closing = at.get(Pair::ClosingWheel).mul_add(
                         wheel,
@@ -142,6 +152,9 @@ impl Sliding {
             for from in self.groups::<S>(kind) {
                 let mut own = zero;
                 for (w, tables) in self.pairs.iter().enumerate() {
+                    if !tables[kind].is_active(from) {
+                        continue;
+                    }
                     let at = tables[kind].pairs(simd, from);
                     let slide = self.slide(simd, at.get(Pair::Slip)) * at.get(Pair::Force);
                     let change = at.get(Pair::Force) - at.get(Pair::Listed);
@@ -181,5 +194,42 @@ impl Sliding {
         let one = Lanes::splat(simd, 1.0);
         let share = slip * one.like(1.0 / self.friction.ramp);
         share.max(-one).min(one) * one.like(self.friction.coefficient)
+    }
+}
+
+/// Newton steps, compiled once per instruction set and number of hubs.
+struct Minimise<'a, const HUBS: usize>(&'a mut Sliding, f64, &'a [f64], usize);
+
+impl<const HUBS: usize> pulp::WithSimd for Minimise<'_, HUBS> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self(sliding, a, rates, most) = self;
+        sliding.minimise::<S, HUBS>(simd, a, rates, most)
+    }
+}
+
+/// Normal forces at the present rates.
+struct Update<'a, L>(&'a mut Sliding, L);
+
+impl<L: LanesLaw> pulp::WithSimd for Update<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.0.update_forces(simd, self.1);
+    }
+}
+
+/// The stage's rates and accelerations.
+struct Finish<'a, 'b>(&'a mut Sliding, &'a mut RateStage<'b>);
+
+impl pulp::WithSimd for Finish<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.0.finish(simd, self.1);
     }
 }

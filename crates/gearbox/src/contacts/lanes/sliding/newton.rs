@@ -7,12 +7,11 @@
 use pinwheel_contact::{Lanes, Mask};
 use pulp::Simd;
 
-use super::hubs::MOST_HUBS;
 use super::table::{Leaf, Pair};
 use super::{KINDS, Sliding};
 
 /// Newton steps at most; a gear takes 1 to 4.
-const MOST_STEPS: usize = 1000;
+pub(super) const MOST_STEPS: usize = 1000;
 /// Line searches end when the slope along the step fell to this share.
 const SLOPE_SHARE: f64 = 0.1;
 /// Newton ends when no sliding speed moves by more than this share of its ramp.
@@ -21,47 +20,59 @@ const RATE_SHARE: f64 = 1e-10;
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl Sliding {
-    /// Minimises from the present d and u. False when something is not finite.
+    /// Minimises from the present d and u in at most `most` Newton steps; `HUBS` is wheels + 1.
+    /// False when something is not finite, or when [`MOST_STEPS`] were not enough.
     #[inline(always)]
-    pub(super) fn minimise<S: Simd>(&mut self, simd: S, a: f64, rates: &[f64]) -> bool {
-        for _ in 0..MOST_STEPS {
-            self.assemble(simd, a);
-            self.hubs.solve();
-            let same_states = self.along_step(simd);
+    pub(super) fn minimise<S: Simd, const HUBS: usize>(
+        &mut self,
+        simd: S,
+        a: f64,
+        rates: &[f64],
+        most: usize,
+    ) -> bool {
+        let mut steps = 0;
+        while steps < most {
+            self.assemble::<S, HUBS>(simd, a);
+            self.hubs.solve::<HUBS>();
+            let same_states = self.along_step::<S, HUBS>(simd);
             // The function is quadratic as long as nothing begins to stick or slide.
             let share = if same_states {
                 Some(1.0)
             } else if self.step_is_rounding(rates) {
                 return true;
             } else {
-                self.line_search(simd, a)
+                self.line_search::<S, HUBS>(simd, a)
             };
             let Some(share) = share else { return false };
-            let settled = self.take(simd, share) && share == 1.0;
+            let settled = self.take::<S, HUBS>(simd, share) && share == 1.0;
             if settled {
-                return self.hubs.step.iter().all(|x| x.is_finite());
+                break;
             }
+            steps += 1;
         }
-        false
+        steps < MOST_STEPS && self.hubs.step[..HUBS].iter().all(|x| x.is_finite())
     }
 
     /// H and the negative gradient, the leaves eliminated.
     #[inline(always)]
-    fn assemble<S: Simd>(&mut self, simd: S, a: f64) {
-        let (wheels, hubs) = (self.wheels, self.hubs.count);
+    fn assemble<S: Simd, const HUBS: usize>(&mut self, simd: S, a: f64) {
+        let wheels = HUBS - 1;
         let zero = Lanes::splat(simd, 0.0);
         let slope = zero.like(a * self.friction.coefficient / self.friction.ramp);
-        let mut matrix = [[zero; MOST_HUBS]; MOST_HUBS];
-        let mut rhs = [zero; MOST_HUBS];
+        let mut matrix = [[zero; HUBS]; HUBS];
+        let mut rhs = [zero; HUBS];
         for kind in 0..KINDS {
             for from in self.groups::<S>(kind) {
                 let inertia = self.leaves[kind].leaf(simd, Leaf::Inertia, from);
                 let change = self.leaves[kind].leaf(simd, Leaf::Change, from);
                 let mut diagonal = inertia;
                 let mut own = -(inertia * change);
-                let mut border = [zero; MOST_HUBS];
+                let mut border = [zero; HUBS];
                 for w in 0..wheels {
                     let table = &self.pairs[w][kind];
+                    if !table.is_active(from) {
+                        continue;
+                    }
                     let at = table.pairs(simd, from);
                     let (slip, force) = (at.get(Pair::Slip), at.get(Pair::Force));
                     let (leaf, wheel, output) = (
@@ -87,7 +98,7 @@ impl Sliding {
                 let inverse = diagonal.recip();
                 let leaves = &mut self.leaves[kind];
                 leaves.store(Leaf::Free as usize, from, own * inverse);
-                for (i, row) in matrix[..hubs].iter_mut().enumerate() {
+                for (i, row) in matrix.iter_mut().enumerate() {
                     let over = border[i] * inverse;
                     leaves.store(Leaf::Border as usize + i, from, over);
                     rhs[i] = rhs[i] - over * own;
@@ -98,7 +109,7 @@ impl Sliding {
             }
         }
         let system = &mut self.hubs;
-        for i in 0..hubs {
+        for i in 0..HUBS {
             system.step[i] = rhs[i].sum() - system.inertia[i] * system.change[i];
             for (entry, sum) in system.matrix[i].iter_mut().zip(&matrix[i][..=i]) {
                 *entry = sum.sum();
@@ -110,9 +121,8 @@ impl Sliding {
     /// The leaves' steps and the change of every sliding speed. True if all contacts stay as they are
     /// at the end of the step.
     #[inline(always)]
-    fn along_step<S: Simd>(&mut self, simd: S) -> bool {
-        let hubs = self.hubs.count;
-        let mut steps = [Lanes::splat(simd, 0.0); MOST_HUBS];
+    fn along_step<S: Simd, const HUBS: usize>(&mut self, simd: S) -> bool {
+        let mut steps = [Lanes::splat(simd, 0.0); HUBS];
         for (step, &x) in steps.iter_mut().zip(&self.hubs.step) {
             *step = Lanes::splat(simd, x);
         }
@@ -121,18 +131,21 @@ impl Sliding {
             for from in self.groups::<S>(kind) {
                 let leaves = &mut self.leaves[kind];
                 let mut own = leaves.leaf(simd, Leaf::Free, from);
-                for (i, &step) in steps[..hubs].iter().enumerate() {
+                for (i, &step) in steps.iter().enumerate() {
                     own = own - leaves.load(simd, Leaf::Border as usize + i, from) * step;
                 }
                 leaves.store(Leaf::Step as usize, from, own);
-                for w in 0..self.wheels {
+                for w in 0..HUBS - 1 {
                     let table = &mut self.pairs[w][kind];
+                    if !table.is_active(from) {
+                        continue;
+                    }
                     let at = table.pairs(simd, from);
                     let (slip, force) = (at.get(Pair::Slip), at.get(Pair::Force));
                     let change = at.get(Pair::Sleeve).mul_add(
                         own,
                         at.get(Pair::Wheel)
-                            .mul_add(steps[w], at.get(Pair::Output) * steps[self.wheels]),
+                            .mul_add(steps[w], at.get(Pair::Output) * steps[HUBS - 1]),
                     );
                     table.store(Pair::SlipStep as usize, from, change);
                     same &= !self.differs(slip, slip + change, force).any();
@@ -144,7 +157,7 @@ impl Sliding {
 
     /// Moves by `share` of the step. True if no contact changed between sticking and sliding, or none moved.
     #[inline(always)]
-    fn take<S: Simd>(&mut self, simd: S, share: f64) -> bool {
+    fn take<S: Simd, const HUBS: usize>(&mut self, simd: S, share: f64) -> bool {
         let part = Lanes::splat(simd, share);
         let mut settled = true;
         for kind in 0..KINDS {
@@ -153,8 +166,11 @@ impl Sliding {
                 let step = leaves.leaf(simd, Leaf::Step, from);
                 let change = step.mul_add(part, leaves.leaf(simd, Leaf::Change, from));
                 leaves.store(Leaf::Change as usize, from, change);
-                for w in 0..self.wheels {
+                for w in 0..HUBS - 1 {
                     let table = &mut self.pairs[w][kind];
+                    if !table.is_active(from) {
+                        continue;
+                    }
                     let at = table.pairs(simd, from);
                     let (before, force) = (at.get(Pair::Slip), at.get(Pair::Force));
                     let after = at.get(Pair::SlipStep).mul_add(part, before);
@@ -218,7 +234,7 @@ impl Sliding {
 
     /// Derivative of the function along the step, at share `s` of it.
     #[inline(always)]
-    fn slope<S: Simd>(&self, simd: S, a: f64, s: f64) -> f64 {
+    fn slope<S: Simd, const HUBS: usize>(&self, simd: S, a: f64, s: f64) -> f64 {
         let part = Lanes::splat(simd, s);
         let (mut kinetic, mut friction) = (part.like(0.0), part.like(0.0));
         for kind in 0..KINDS {
@@ -227,8 +243,11 @@ impl Sliding {
                 let step = leaves.leaf(simd, Leaf::Step, from);
                 let change = step.mul_add(part, leaves.leaf(simd, Leaf::Change, from));
                 kinetic = (leaves.leaf(simd, Leaf::Inertia, from) * change).mul_add(step, kinetic);
-                for w in 0..self.wheels {
+                for w in 0..HUBS - 1 {
                     let table = &self.pairs[w][kind];
+                    if !table.is_active(from) {
+                        continue;
+                    }
                     let at = table.pairs(simd, from);
                     let du = at.get(Pair::SlipStep);
                     let slip = du.mul_add(part, at.get(Pair::Slip));
@@ -245,8 +264,11 @@ impl Sliding {
 
     /// Share of the step to take: 1 where the function still falls there, else near the minimum along it.
     #[inline(always)]
-    fn line_search<S: Simd>(&self, simd: S, a: f64) -> Option<f64> {
-        let (start, end) = (self.slope(simd, a, 0.0), self.slope(simd, a, 1.0));
+    fn line_search<S: Simd, const HUBS: usize>(&self, simd: S, a: f64) -> Option<f64> {
+        let (start, end) = (
+            self.slope::<S, HUBS>(simd, a, 0.0),
+            self.slope::<S, HUBS>(simd, a, 1.0),
+        );
         if !(start.is_finite() && end.is_finite()) {
             return None;
         }
@@ -261,7 +283,7 @@ impl Sliding {
             if !(s > 0.0 && s < 1.0) {
                 break;
             }
-            let here = self.slope(simd, a, s);
+            let here = self.slope::<S, HUBS>(simd, a, s);
             if here.abs() <= enough {
                 return Some(s);
             }

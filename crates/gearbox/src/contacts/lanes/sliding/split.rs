@@ -35,6 +35,7 @@ impl<S: Simd, L: LanesLaw> Sink<S> for Split<'_, L> {
 
         let kind = usize::from(!group.external);
         let table = &mut self.sliding.pairs[wheel.number][kind];
+        table.activate(from);
         table.put(Pair::Sleeve, from, arm.turned().dot(t));
         table.put(Pair::Wheel, from, -point.turned().dot(t));
         table.put(Pair::ClosingWheel, from, -point.turned().dot(n));

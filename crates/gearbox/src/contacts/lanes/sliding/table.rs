@@ -5,7 +5,7 @@ use pulp::Simd;
 
 use super::super::columns::PADDING;
 
-/// Columns of a pair of wheel and sleeve. Without contact all are 0.
+/// Columns of a pair of wheel and sleeve; 0 where there is no contact.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Pair {
     /// Sliding speed per rate of the sleeve, m.
@@ -70,6 +70,8 @@ impl<S: Simd> Pairs<'_, S> {
 pub(super) struct Table {
     length: usize,
     data: Vec<f64>,
+    /// By entry: the group that starts there has contacts. Values of others are left over.
+    active: Vec<bool>,
 }
 
 impl Table {
@@ -78,6 +80,7 @@ impl Table {
         Self {
             length,
             data: vec![0.0; length * columns],
+            active: vec![false; length],
         }
     }
 
@@ -92,8 +95,22 @@ impl Table {
         table
     }
 
+    /// No group has contacts.
+    #[inline(always)]
     pub(super) fn clear(&mut self) {
-        self.data.fill(0.0);
+        self.active.fill(false);
+    }
+
+    /// The group that starts at `from` has contacts.
+    #[inline(always)]
+    pub(super) fn activate(&mut self, from: usize) {
+        self.active[from] = true;
+    }
+
+    /// Whether the group that starts at `from` has contacts.
+    #[inline(always)]
+    pub(super) fn is_active(&self, from: usize) -> bool {
+        self.active[from]
     }
 
     #[inline(always)]
