@@ -1,8 +1,8 @@
 //! Cycloidal gearboxes: scene, mechanism, contacts and the native run.
 
 pub mod auto;
-pub mod channels;
 mod balance;
+pub mod channels;
 pub mod claims;
 pub mod contacts;
 pub mod energy;

@@ -4,8 +4,8 @@ use pinwheel_courses::{Courses, CoursesError};
 use pinwheel_mbs::integrators::{self, StepCounts, StepError, StepSettings, Stepper};
 use pinwheel_mbs::{Formulation, Lagrange, Reduced, Stabilisation};
 
-use crate::channels::{LawPairs, Seen};
 use crate::balance::Balance;
+use crate::channels::{LawPairs, Seen};
 use crate::energy::EnergyAccount;
 use crate::friction::GearForces;
 use crate::pace::Pace;
