@@ -10,6 +10,7 @@ pub mod divergence;
 pub mod drift;
 mod error;
 mod measure;
+pub mod paper;
 pub mod published;
 pub mod stability;
 
