@@ -1,6 +1,7 @@
 //! Cycloidal gearboxes: scene, mechanism, contacts and the native run.
 
 pub mod auto;
+pub mod channels;
 pub mod claims;
 pub mod contacts;
 pub mod energy;

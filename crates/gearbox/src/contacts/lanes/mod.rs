@@ -15,8 +15,9 @@ use pinwheel_contact::{LanesLaw, RegularisedCoulomb};
 use pinwheel_mbs::{BodyState, Wrench};
 use pulp::Simd;
 
+use super::detection::Exact;
 use super::field::{ContactEnergy, ContactField, PairContact};
-use super::pairs::{Loaded, WheelFrame};
+use super::pairs::{Loaded, Pairs, WheelFrame};
 use crate::geometry::Geometry;
 use crate::layout::{Layout, Sleeve};
 use crate::scene::Scene;
@@ -32,6 +33,8 @@ pub(super) struct LaneField<L> {
     law: L,
     friction: RegularisedCoulomb,
     pairs: LanePairs,
+    /// For single pairs, where lanes gain nothing.
+    scalar: Pairs<L, Exact>,
 }
 
 /// What a walk needs.
@@ -113,6 +116,7 @@ impl<L: LanesLaw> LaneField<L> {
                 external: Sleeves::new(layout.external_bodies()),
                 internal: Sleeves::new(layout.internal_bodies()),
             },
+            scalar: Pairs::new(scene, geometry, law, Exact::new(scene, geometry)),
         }
     }
 
@@ -163,6 +167,10 @@ impl<L: LanesLaw> ContactField for LaneField<L> {
         self.list(bodies, |wheel, sleeve, frame, pair| {
             visit(&pair.contact(&law, wheel, sleeve, frame));
         });
+    }
+
+    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
+        self.scalar.nearest(bodies, wheel, sleeve)
     }
 
     fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
