@@ -65,7 +65,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             scene.solver.duration_s = 0.3;
             serde_json::to_string_pretty(&published::run(&scene, &published::DAMPINGS, &control)?)?
         }
-        "paper" => serde_json::to_string_pretty(&paper::run(None, &control)?)?,
+        "paper" => serde_json::to_string_pretty(&paper::run(
+            &paper::Options {
+                figures: names.to_vec(),
+                peer: None,
+            },
+            &control,
+        )?)?,
         other => return Err(format!("no study `{other}`").into()),
     };
     println!("{json}");

@@ -1,6 +1,7 @@
 //! The paper, figure by figure: our curves in its axes, what it says they show, whether ours do.
 
 mod backlash;
+mod contact;
 mod damping;
 mod figure;
 mod peer;
@@ -49,48 +50,92 @@ pub struct Cost {
     pub ours_s: f64,
 }
 
-/// Pieces of the study beside the claims.
-const FIGURES: usize = 7;
+/// Names of the figures, as [`Options::figures`] takes them; those of one group are computed together.
+pub const NAMES: [&str; 15] = [
+    "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16", "17", "18", "spectra",
+];
 
-/// Computes every figure and judges every claim. `peer`: what stands in Adams' place in Fig. 10.
+/// What to compute.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// Some of [`NAMES`]; none: all, with the claims.
+    pub figures: Vec<String>,
+    /// What stands in Adams' place in Fig. 10.
+    pub peer: Option<Peer>,
+}
+
+type Make = fn(&Runs<'_>, &Options) -> Result<Vec<Figure>, StudyError>;
+
+/// The figures in groups that share their runs.
+const GROUPS: [(&[&str], &str, Make); 8] = [
+    (&["5", "6"], "Figs. 5 and 6", |runs, _| {
+        contact::one_contact(runs)
+    }),
+    (&["7", "8"], "Figs. 7 and 8", |runs, _| {
+        damping::figures(runs)
+    }),
+    (&["9"], "Fig. 9", |runs, _| Ok(vec![points::figure(runs)?])),
+    (&["10"], "Fig. 10", |runs, options| {
+        Ok(vec![peer::figure(runs, options.peer.as_ref())?])
+    }),
+    (&["11", "12", "13"], "Figs. 11 to 13", |runs, _| {
+        backlash::figures(runs)
+    }),
+    (&["14", "15", "16"], "Figs. 14 to 16", |runs, _| {
+        torque::figures(runs)
+    }),
+    (&["17", "18"], "Figs. 17 and 18", |runs, _| {
+        contact::with_backlash(runs)
+    }),
+    (&["spectra"], "spectra", |runs, _| {
+        Ok(vec![spectrum::figure(runs)?])
+    }),
+];
+
+/// Computes the figures and judges the claims.
 ///
 /// # Errors
 /// Cancelled, or a run failed that had to end.
-pub fn run(peer: Option<&Peer>, control: &Control<'_>) -> Result<Paper, StudyError> {
+pub fn run(options: &Options, control: &Control<'_>) -> Result<Paper, StudyError> {
     let start = Instant::now();
-    let list = claims::claims().map_err(|error| StudyError::Reference {
-        scene: "the list of claims".to_owned(),
-        reason: format!("cannot be read: {error}"),
-    })?;
-    let total = FIGURES + list.len();
+    let wanted =
+        |name: &str| options.figures.is_empty() || options.figures.iter().any(|f| f == name);
+    let groups: Vec<_> = GROUPS
+        .iter()
+        .filter(|(names, ..)| names.iter().any(|n| wanted(n)))
+        .collect();
+    let list = if options.figures.is_empty() {
+        claims::claims().map_err(|error| StudyError::Reference {
+            scene: "the list of claims".to_owned(),
+            reason: format!("cannot be read: {error}"),
+        })?
+    } else {
+        Vec::new()
+    };
+    let total = 1 + groups.len() + list.len();
     let mut done = 0;
     let mut begin = |piece: &str| {
         (control.progress)(Progress { done, total, piece });
         done += 1;
     };
     let runs = Runs::new(*control);
-
     begin("cost of a run");
     let costs = costs(&runs)?;
     let mut figures = Vec::new();
-    begin("Figs. 7 and 8");
-    figures.extend(damping::figures(&runs)?);
-    begin("Fig. 9");
-    figures.push(points::figure(&runs)?);
-    begin("Fig. 10");
-    figures.push(peer::figure(&runs, peer)?);
-    begin("Figs. 11 to 13");
-    figures.extend(backlash::figures(&runs)?);
-    begin("Figs. 14 to 16");
-    figures.extend(torque::figures(&runs)?);
-    begin("spectra");
-    let spectra = spectrum::figure(&runs)?;
-    figures.push(spectra);
-
+    for (names, piece, make) in groups {
+        begin(piece);
+        let made = make(&runs, options)?;
+        figures.extend(
+            made.into_iter()
+                .zip(*names)
+                .filter(|(_, name)| wanted(name))
+                .map(|(figure, _)| figure),
+        );
+    }
     let mut judged = Vec::new();
     let go = || !control.cancel.load(std::sync::atomic::Ordering::Relaxed);
     for claim in &list {
-        begin(&format!("claim `{}`", claim.id));
+        begin(&format!("claim {}", claim.id));
         match claims::judge_while(claim, &go) {
             Ok(found) => judged.extend(found),
             Err(NativeError::Stopped) => return Err(StudyError::Cancelled),
