@@ -12,6 +12,7 @@ pub mod divergence;
 pub mod drift;
 mod error;
 mod measure;
+pub mod paper;
 pub mod precision;
 pub mod published;
 pub mod resolution;
