@@ -166,6 +166,19 @@ class ContactLaw:
             bound[start : start + STATES_AT_ONCE] = np.bincount(found.state, force, part.shape[0])
         return bound
 
+    def nearest_gap_m(self, state: Floats) -> float:
+        """Points detection: how much nearer the nearest point is than the next one, m, at the closest call of one state."""
+        gaps = [np.inf]
+        q, rim_q = self.scene.gear.external_sleeve_radius_m, self.scene.gear.internal_sleeve_radius_m
+        _, _, _, local, _ = self._sleeves_in_wheel_frame(state[None], *self._outer)
+        _, wheel, sleeve, inner, _ = self._sleeves_in_wheel_frame(state[None], *self._inner)
+        inner -= self._holes[wheel - self.layout.wheel_bodies.start, sleeve - self.layout.internal_bodies.start]
+        for centres, points, radius in ((local, self._profile, q), (inner, self._rim, rim_q)):
+            two = np.partition(np.abs(centres[:, None] - points[None, :]), 1, axis=1)[:, :2]
+            touching = two[:, 0] < radius
+            gaps.extend((two[touching, 1] - two[touching, 0]).tolist())
+        return float(min(gaps))
+
     def _add_loads(self, states: Floats, loads: Floats) -> None:
         found = self.contacts(states)
         force = found.force_on_sleeve_n

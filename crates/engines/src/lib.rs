@@ -2,6 +2,8 @@
 
 mod engine;
 mod native;
+#[cfg(feature = "crossval")]
+pub mod python;
 #[cfg(feature = "rapier")]
 mod rapier;
 mod registry;
