@@ -59,6 +59,16 @@ fn contacts(criterion: &mut Criterion) {
                     black_box(&loads);
                 });
             });
+            let mut sum = 0.0;
+            group.bench_function(format!("{name}/{kernel:?}/listed"), |b| {
+                b.iter(|| {
+                    field.touching(black_box(&bodies), &mut |pair| sum += pair.normal_force_n)
+                });
+            });
+            group.bench_function(format!("{name}/{kernel:?}/energy"), |b| {
+                b.iter(|| black_box(field.energy(black_box(&bodies))));
+            });
+            black_box(sum);
         }
     }
     group.finish();

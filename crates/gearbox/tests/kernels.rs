@@ -1,6 +1,6 @@
 //! The contact loop in lanes against the scalar one, its oracle.
 
-use pinwheel_gearbox::contacts::Kernel;
+use pinwheel_gearbox::contacts::{ContactEnergy, Kernel, PairContact};
 use pinwheel_gearbox::scene::Scene;
 use pinwheel_gearbox::{Gearbox, Layout};
 use pinwheel_mbs::{BodyState, Wrench};
@@ -16,6 +16,20 @@ fn loads(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> Vec<Wrench>
         .unwrap()
         .add_loads(bodies, &mut loads);
     loads
+}
+
+/// Touching pairs and energies of one loop.
+fn pairs(
+    gearbox: &Gearbox,
+    kernel: Kernel,
+    bodies: &[BodyState],
+) -> (Vec<PairContact>, ContactEnergy) {
+    let mut gearbox = gearbox.clone();
+    gearbox.kernel = kernel;
+    let mut field = gearbox.contact_field().unwrap();
+    let mut list = Vec::new();
+    field.touching(bodies, &mut |pair| list.push(*pair));
+    (list, field.energy(bodies))
 }
 
 /// Initial states turned on by the input angle, every wheel and the output twisted by up to `twist`.
@@ -91,6 +105,22 @@ proptest! {
         });
         let force = noise + 1e-13 * largest;
         let moment = force * gearbox.geometry.curve.pitch_radius();
+        let (listed, oracle) = (pairs(&gearbox, Kernel::Lanes, &bodies), pairs(&gearbox, Kernel::Scalar, &bodies));
+        prop_assert_eq!(listed.0.len(), oracle.0.len());
+        for (a, b) in listed.0.iter().zip(&oracle.0) {
+            prop_assert_eq!((a.wheel, a.sleeve), (b.wheel, b.sleeve));
+            prop_assert!((a.penetration_m - b.penetration_m).abs() <= 4.0 * ulps);
+            // Friction's slope mu F/v_s turns rounding of velocities (1e-16 of 1 m/s) into force.
+            prop_assert!((a.normal_force_n - b.normal_force_n).abs() <= force, "{a:?} {b:?} {force}");
+            prop_assert!((a.friction_force_n - b.friction_force_n).abs() <= force, "{a:?} {b:?} {force}");
+            let near = |x: [f64; 2], y: [f64; 2], bound: f64| (x[0] - y[0]).abs().max((x[1] - y[1]).abs()) <= bound;
+            prop_assert!(near(a.point, b.point, 1e-12) && near(a.centre, b.centre, 1e-15), "{a:?} {b:?}");
+        }
+        let (a, b) = (listed.1, oracle.1);
+        let stored = 1e-12 * b.stored_j + force * 1e-3;
+        prop_assert!((a.stored_j - b.stored_j).abs() <= stored, "{a:?} {b:?}");
+        prop_assert!((a.damping_w - b.damping_w).abs() <= 1e-9 * b.damping_w + force, "{a:?} {b:?}");
+        prop_assert!((a.friction_w - b.friction_w).abs() <= 1e-9 * b.friction_w + force, "{a:?} {b:?}");
         for (a, b) in fast.iter().zip(&slow) {
             prop_assert!((a.fx - b.fx).abs() <= force, "{a:?} {b:?} {force}");
             prop_assert!((a.fy - b.fy).abs() <= force, "{a:?} {b:?} {force}");

@@ -25,13 +25,13 @@ pub(super) struct Pairs<L, D> {
 
 /// A wheel's frame and motion.
 #[derive(Clone, Copy)]
-struct WheelFrame {
-    centre: Complex,
+pub(super) struct WheelFrame {
+    pub(super) centre: Complex,
     /// e^{i theta}, wheel frame to ground.
-    turn: Complex,
+    pub(super) turn: Complex,
     /// Velocity of the centre in the wheel's directions.
-    velocity: Complex,
-    rate: f64,
+    pub(super) velocity: Complex,
+    pub(super) rate: f64,
 }
 
 impl WheelFrame {
@@ -53,15 +53,15 @@ impl WheelFrame {
 
 /// Rates and forces of a touch, still in the wheel's frame.
 #[derive(Clone, Copy)]
-struct Loaded {
-    touch: Touch,
+pub(super) struct Loaded {
+    pub(super) touch: Touch,
     /// W - P.
-    arm: Complex,
-    normal_rate: f64,
-    tangential_rate: f64,
-    normal_force: f64,
-    friction_force: f64,
-    along_force: f64,
+    pub(super) arm: Complex,
+    pub(super) normal_rate: f64,
+    pub(super) tangential_rate: f64,
+    pub(super) normal_force: f64,
+    pub(super) friction_force: f64,
+    pub(super) along_force: f64,
 }
 
 impl Loaded {
@@ -76,6 +76,42 @@ impl Loaded {
     fn on_sleeve(&self) -> Complex {
         self.touch.normal.turned().scale(self.friction_force)
             - self.touch.normal.scale(self.normal_force)
+    }
+
+    /// The pair in the ground frame.
+    #[inline]
+    pub(super) fn contact(
+        &self,
+        law: &impl NormalLaw,
+        wheel: usize,
+        sleeve: Sleeve,
+        frame: &WheelFrame,
+    ) -> PairContact {
+        let ground = |z: Complex| (frame.centre + z * frame.turn).to_array();
+        PairContact {
+            wheel,
+            sleeve,
+            point: ground(self.touch.point),
+            normal: (self.touch.normal * frame.turn).to_array(),
+            penetration_m: self.touch.penetration,
+            normal_rate_m_s: self.normal_rate,
+            tangential_rate_m_s: self.tangential_rate,
+            stiffness: law.stiffness(self.touch.stiffness),
+            normal_force_n: self.normal_force,
+            friction_force_n: self.friction_force,
+            along_force_n: self.along_force,
+            centre: ground(self.touch.point - self.arm),
+        }
+    }
+
+    /// Adds what the pair stores and dissipates.
+    #[inline]
+    pub(super) fn add_energy(&self, law: &impl NormalLaw, sum: &mut ContactEnergy) {
+        let (stiffness, depth) = (self.touch.stiffness, self.touch.penetration);
+        let elastic = law.force(stiffness, depth, 0.0);
+        sum.stored_j += law.stored(stiffness, depth);
+        sum.damping_w += (self.normal_force - elastic) * self.normal_rate;
+        sum.friction_w -= self.friction_force * self.tangential_rate;
     }
 }
 
@@ -210,11 +246,7 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&bodies[body]);
             self.wheel_pairs(wheel, bodies, &frame, |_, _, pair| {
-                let (stiffness, depth) = (pair.touch.stiffness, pair.touch.penetration);
-                let elastic = self.law.force(stiffness, depth, 0.0);
-                sum.stored_j += self.law.stored(stiffness, depth);
-                sum.damping_w += (pair.normal_force - elastic) * pair.normal_rate;
-                sum.friction_w -= pair.friction_force * pair.tangential_rate;
+                pair.add_energy(&self.law, &mut sum);
             });
         }
         sum
@@ -228,20 +260,7 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&bodies[body]);
             self.wheel_pairs(wheel, bodies, &frame, |sleeve, _, pair| {
-                visit(&PairContact {
-                    wheel,
-                    sleeve,
-                    point: (frame.centre + pair.touch.point * frame.turn).to_array(),
-                    normal: (pair.touch.normal * frame.turn).to_array(),
-                    penetration_m: pair.touch.penetration,
-                    normal_rate_m_s: pair.normal_rate,
-                    tangential_rate_m_s: pair.tangential_rate,
-                    stiffness: self.law.stiffness(pair.touch.stiffness),
-                    normal_force_n: pair.normal_force,
-                    friction_force_n: pair.friction_force,
-                    along_force_n: pair.along_force,
-                    centre: (frame.centre + (pair.touch.point - pair.arm) * frame.turn).to_array(),
-                });
+                visit(&pair.contact(&self.law, wheel, sleeve, &frame));
             });
         }
     }

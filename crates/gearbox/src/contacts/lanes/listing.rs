@@ -1,0 +1,74 @@
+//! Touching pairs one by one, found several at a time.
+
+use pinwheel_contact::{LanesLaw, RegularisedCoulomb};
+use pulp::Simd;
+
+use super::walk::{Group, Sink, Wheel};
+use crate::contacts::detection::Touch;
+use crate::contacts::pairs::{Loaded, WheelFrame};
+use crate::layout::Sleeve;
+
+/// Gives every touching pair, with rates and forces, to `visit`.
+pub(super) struct Listing<L, F> {
+    pub(super) law: L,
+    pub(super) friction: RegularisedCoulomb,
+    /// Wheel number, sleeve, the wheel's frame, the pair in that frame.
+    pub(super) visit: F,
+}
+
+impl<S: Simd, L: LanesLaw, F: FnMut(usize, Sleeve, &WheelFrame, &Loaded)> Sink<S>
+    for Listing<L, F>
+{
+    #[inline(always)]
+    fn group(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
+        let touching = &group.touching;
+        let arm = group.arm();
+        let relative = group.relative_velocity::<true>(simd, wheel);
+        let normal_rate = relative.dot(touching.normal);
+        let tangential_rate = relative.dot(touching.normal.turned());
+        let pressure = self
+            .law
+            .force_lanes(touching.stiffness, touching.penetration, normal_rate);
+        let frame = WheelFrame {
+            centre: wheel.centre.lane(0),
+            turn: wheel.turn.lane(0),
+            velocity: wheel.velocity.lane(0),
+            rate: wheel.rate.as_slice()[0],
+        };
+        let ones = pressure.like(1.0).only(touching.mask);
+        for (k, _) in ones
+            .as_slice()
+            .iter()
+            .enumerate()
+            .filter(|(_, x)| **x != 0.0)
+        {
+            let number = group.from + k;
+            let normal_force = pressure.as_slice()[k];
+            let tangential_rate = tangential_rate.as_slice()[k];
+            let pair = Loaded {
+                touch: Touch {
+                    point: touching.point.lane(k),
+                    normal: touching.normal.lane(k),
+                    penetration: touching.penetration.as_slice()[k],
+                    stiffness: touching.stiffness.as_slice()[k],
+                    stiffness_slope: 0.0,
+                },
+                arm: arm.lane(k),
+                normal_rate: normal_rate.as_slice()[k],
+                tangential_rate,
+                normal_force,
+                friction_force: self.friction.force(normal_force, tangential_rate),
+                along_force: 0.0,
+            };
+            let sleeve = if group.external {
+                Sleeve::External(number)
+            } else {
+                Sleeve::Internal(number)
+            };
+            (self.visit)(wheel.number, sleeve, &frame, &pair);
+        }
+    }
+
+    #[inline(always)]
+    fn end(&mut self, _: usize, _: &Wheel<S>) {}
+}

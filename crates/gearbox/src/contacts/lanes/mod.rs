@@ -1,0 +1,178 @@
+//! All pairs of wheels and sleeves, several at a time: the fast form of [`pairs`](super::pairs).
+//!
+//! Exact detection only. Sleeve states stand in structure-of-arrays columns, padded to whole groups
+//! of lanes whose surplus is masked. Formulas, signs and frames are those of the scalar loop, which
+//! stays as the oracle (tests: equal to 1e-13 relative). The vector instructions are chosen when the
+//! program runs, by what the processor has.
+
+mod columns;
+mod listing;
+mod loads;
+mod shapes;
+mod walk;
+
+use pinwheel_contact::{LanesLaw, RegularisedCoulomb};
+use pinwheel_mbs::{BodyState, Wrench};
+use pulp::Simd;
+
+use super::field::{ContactEnergy, ContactField, PairContact};
+use super::pairs::{Loaded, WheelFrame};
+use crate::geometry::Geometry;
+use crate::layout::{Layout, Sleeve};
+use crate::scene::Scene;
+use columns::Sleeves;
+use listing::Listing;
+use loads::Loads;
+use shapes::Shapes;
+use walk::{Sink, walk};
+
+/// The contact field of one law with exact detection, in lanes.
+pub(super) struct LaneField<L> {
+    arch: pulp::Arch,
+    law: L,
+    friction: RegularisedCoulomb,
+    pairs: LanePairs,
+}
+
+/// What a walk needs.
+struct LanePairs {
+    layout: Layout,
+    shapes: Shapes,
+    external: Sleeves,
+    internal: Sleeves,
+}
+
+/// One walk, as the dispatcher wants it: what is inlined here is compiled once per instruction set.
+struct Walk<'a, K> {
+    pairs: &'a mut LanePairs,
+    bodies: &'a [BodyState],
+    sink: K,
+}
+
+/// A walk that leaves its sums in the sleeves' columns.
+struct SumWalk<'a, L, const FRICTION: bool>(Walk<'a, Loads<'a, L, FRICTION>>);
+
+/// A walk that visits.
+struct ListWalk<'a, L, F>(Walk<'a, Listing<L, F>>);
+
+impl<K> Walk<'_, K> {
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, simd: S)
+    where
+        K: Sink<S>,
+    {
+        let LanePairs {
+            layout,
+            shapes,
+            external,
+            internal,
+        } = self.pairs;
+        let sleeves = [external, internal];
+        walk(simd, *layout, shapes, sleeves, self.bodies, &mut self.sink);
+    }
+}
+
+impl<L: LanesLaw, const FRICTION: bool> pulp::WithSimd for SumWalk<'_, L, FRICTION> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        self.0.run(simd);
+        self.0.pairs.external.scatter(self.0.sink.loads);
+        self.0.pairs.internal.scatter(self.0.sink.loads);
+    }
+}
+
+impl<L, F> pulp::WithSimd for ListWalk<'_, L, F>
+where
+    L: LanesLaw,
+    F: FnMut(usize, Sleeve, &WheelFrame, &Loaded),
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        self.0.run(simd);
+    }
+}
+
+impl<L: LanesLaw> LaneField<L> {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: L) -> Self {
+        let contact = &scene.contact;
+        let layout = Layout::of(&scene.gear);
+        Self {
+            arch: pulp::Arch::new(),
+            law,
+            friction: RegularisedCoulomb {
+                coefficient: contact.friction_coefficient,
+                ramp: contact.friction_ramp_m_s,
+            },
+            pairs: LanePairs {
+                layout,
+                shapes: Shapes::new(scene, geometry),
+                external: Sleeves::new(layout.external_bodies()),
+                internal: Sleeves::new(layout.internal_bodies()),
+            },
+        }
+    }
+
+    fn sum<const FRICTION: bool>(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
+        let sink = Loads::<L, FRICTION> {
+            law: self.law,
+            friction: self.friction,
+            loads,
+        };
+        let pairs = &mut self.pairs;
+        self.arch.dispatch(SumWalk(Walk {
+            pairs,
+            bodies,
+            sink,
+        }));
+    }
+
+    fn list(
+        &mut self,
+        bodies: &[BodyState],
+        visit: impl FnMut(usize, Sleeve, &WheelFrame, &Loaded),
+    ) {
+        let sink = Listing {
+            law: self.law,
+            friction: self.friction,
+            visit,
+        };
+        let pairs = &mut self.pairs;
+        self.arch.dispatch(ListWalk(Walk {
+            pairs,
+            bodies,
+            sink,
+        }));
+    }
+}
+
+impl<L: LanesLaw> ContactField for LaneField<L> {
+    fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
+        if self.friction.coefficient > 0.0 {
+            self.sum::<true>(bodies, loads);
+        } else {
+            self.sum::<false>(bodies, loads);
+        }
+    }
+
+    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
+        let law = self.law;
+        self.list(bodies, |wheel, sleeve, frame, pair| {
+            visit(&pair.contact(&law, wheel, sleeve, frame));
+        });
+    }
+
+    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
+        let mut sum = ContactEnergy::default();
+        let law = self.law;
+        self.list(bodies, |_, _, _, pair| pair.add_energy(&law, &mut sum));
+        sum
+    }
+
+    fn normal_force(&self, pair: &PairContact, rate: f64) -> f64 {
+        self.law.force(pair.stiffness, pair.penetration_m, rate)
+    }
+}

@@ -1,0 +1,99 @@
+//! Where sleeves touch, several at a time, in the wheel's frame.
+
+use pinwheel_contact::{ComplexLanes, Epitrochoid, HertzStiffness, Lanes, Mask};
+use pulp::Simd;
+
+use super::columns::Column;
+use crate::geometry::Geometry;
+use crate::scene::Scene;
+
+/// Touching lanes of a group in the wheel's frame.
+pub(super) struct Touching<S: Simd> {
+    pub(super) mask: Mask<S>,
+    pub(super) point: ComplexLanes<S>,
+    pub(super) normal: ComplexLanes<S>,
+    pub(super) penetration: Lanes<S>,
+    pub(super) stiffness: Lanes<S>,
+}
+
+/// Geometry of the contacts.
+#[derive(Debug, Clone)]
+pub(super) struct Shapes {
+    curve: Epitrochoid,
+    pub(super) zk: u32,
+    external_radius: f64,
+    /// K where C is straight: K = this * sqrt(1 - q kappa).
+    profile_stiffness: f64,
+    hole_stiffness: f64,
+    hole_radius: f64,
+    clearance: f64,
+    pub(super) directions: Column,
+    /// Hole centres in the wheel's frame, by wheel.
+    pub(super) holes: Vec<Column>,
+}
+
+impl Shapes {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry) -> Self {
+        let (gear, contact) = (&scene.gear, &scene.contact);
+        let hertz = HertzStiffness::new(
+            contact.young_pa,
+            contact.poisson,
+            contact.stiffness_multiplier,
+        );
+        let q = gear.external_sleeve_radius_m;
+        let holes = geometry.hole_centres.iter();
+        Self {
+            curve: geometry.curve.clone(),
+            zk: gear.external_sleeves as u32,
+            external_radius: q,
+            profile_stiffness: hertz.of_radius(q),
+            hole_stiffness: hertz.of_hole(gear.internal_sleeve_radius_m, gear.hole_radius_m),
+            hole_radius: gear.hole_radius_m,
+            clearance: gear.hole_radius_m - gear.internal_sleeve_radius_m,
+            directions: Column::padded(geometry.external_directions.iter().copied()),
+            holes: holes.map(|w| Column::padded(w.iter().copied())).collect(),
+        }
+    }
+
+    /// External sleeves centred at `p` (wheel frame) against the profile.
+    #[inline(always)]
+    pub(super) fn profile<S: Simd>(
+        &self,
+        p: ComplexLanes<S>,
+        unit: ComplexLanes<S>,
+        multiple: ComplexLanes<S>,
+        present: Mask<S>,
+    ) -> Touching<S> {
+        let feet = self.curve.penetrating_feet(p, unit, multiple, present);
+        let q = p.re.like(self.external_radius);
+        let radicand = p.re.like(1.0) - q * feet.curvature;
+        Touching {
+            mask: feet.inside,
+            point: feet.normal.scale_add(-q, feet.position),
+            normal: feet.normal.scale(p.re.like(-1.0)),
+            penetration: feet.depth,
+            stiffness: p.re.like(self.profile_stiffness) * radicand.sqrt(),
+        }
+    }
+
+    /// Internal sleeves centred at `p` (wheel frame) in their holes.
+    #[inline(always)]
+    pub(super) fn hole<S: Simd>(
+        &self,
+        p: ComplexLanes<S>,
+        centres: ComplexLanes<S>,
+        present: Mask<S>,
+    ) -> Touching<S> {
+        let offset = p - centres;
+        let distance = offset.dot(offset).sqrt();
+        let penetration = distance - p.re.like(self.clearance);
+        let normal = offset.scale(distance.recip());
+        Touching {
+            mask: p.re.like(0.0).less(penetration).and(present),
+            point: normal.scale_add(p.re.like(self.hole_radius), centres),
+            normal,
+            penetration,
+            stiffness: p.re.like(self.hole_stiffness),
+        }
+    }
+}

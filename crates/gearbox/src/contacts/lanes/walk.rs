@@ -1,0 +1,141 @@
+//! The walk over all pairs of wheels and sleeves, a group of lanes at a time.
+
+use pinwheel_contact::{Complex, ComplexLanes, Lanes};
+use pinwheel_mbs::BodyState;
+use pulp::Simd;
+
+use super::columns::Sleeves;
+use super::shapes::{Shapes, Touching};
+use crate::layout::Layout;
+
+/// A wheel's frame, and what its contacts add up to (in that frame).
+pub(super) struct Wheel<S: Simd> {
+    pub(super) number: usize,
+    pub(super) centre: ComplexLanes<S>,
+    /// e^{i theta}, wheel frame to ground.
+    pub(super) turn: ComplexLanes<S>,
+    /// Its inverse.
+    pub(super) back: ComplexLanes<S>,
+    pub(super) velocity: ComplexLanes<S>,
+    pub(super) rate: Lanes<S>,
+    pub(super) force: ComplexLanes<S>,
+    pub(super) moment: Lanes<S>,
+}
+
+impl<S: Simd> Wheel<S> {
+    #[inline(always)]
+    fn new(simd: S, number: usize, b: &BodyState) -> Self {
+        let turn = Complex::unit(b.angle);
+        let back = turn.conj();
+        let splat = |z| ComplexLanes::splat(simd, z);
+        Self {
+            number,
+            centre: splat(Complex::new(b.x, b.y)),
+            turn: splat(turn),
+            back: splat(back),
+            velocity: splat(Complex::new(b.vx, b.vy) * back),
+            rate: Lanes::splat(simd, b.rate),
+            force: splat(Complex::default()),
+            moment: Lanes::splat(simd, 0.0),
+        }
+    }
+}
+
+/// Lanes of one group, some of which touch.
+pub(super) struct Group<'a, S: Simd> {
+    /// External sleeves (else internal).
+    pub(super) external: bool,
+    /// Number of the group's first sleeve.
+    pub(super) from: usize,
+    /// Sleeve centres in the wheel's frame.
+    pub(super) p: ComplexLanes<S>,
+    pub(super) touching: Touching<S>,
+    pub(super) sleeves: &'a mut Sleeves,
+}
+
+impl<S: Simd> Group<'_, S> {
+    /// W - P.
+    #[inline(always)]
+    pub(super) fn arm(&self) -> ComplexLanes<S> {
+        self.touching.point - self.p
+    }
+
+    /// Velocity of the sleeves relative to the wheel at W, in the wheel's frame; see `Pairs::load`.
+    /// A sleeve's spin moves W across the normal only: without friction it may be left out.
+    #[inline(always)]
+    pub(super) fn relative_velocity<const SPIN: bool>(
+        &self,
+        simd: S,
+        wheel: &Wheel<S>,
+    ) -> ComplexLanes<S> {
+        let relative = self.sleeves.velocity.load(simd, self.from) * wheel.back
+            - wheel.velocity
+            - self.touching.point.turned().scale(wheel.rate);
+        if SPIN {
+            let rate = Lanes::load(simd, &self.sleeves.rate[self.from..]);
+            self.arm().turned().scale_add(rate, relative)
+        } else {
+            relative
+        }
+    }
+}
+
+/// What is done with touching pairs.
+pub(super) trait Sink<S: Simd> {
+    /// A group of which some lanes touch.
+    fn group(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>);
+
+    /// All groups of a wheel (body index `body`) were seen.
+    fn end(&mut self, body: usize, wheel: &Wheel<S>);
+}
+
+/// Visits every group with a touching pair: wheel by wheel, external sleeves before internal ones.
+#[inline(always)]
+pub(super) fn walk<S: Simd>(
+    simd: S,
+    layout: Layout,
+    shapes: &Shapes,
+    [external, internal]: [&mut Sleeves; 2],
+    bodies: &[BodyState],
+    sink: &mut impl Sink<S>,
+) {
+    external.gather(bodies);
+    internal.gather(bodies);
+    for (i, body) in layout.wheel_bodies().enumerate() {
+        let mut wheel = Wheel::new(simd, i, &bodies[body]);
+        // The ideal mesh has the foot of sleeve j at a0 = beta_j - theta, and zk beta_j is a whole turn.
+        let multiple = wheel.back.lane(0).powu(shapes.zk);
+        let multiple = ComplexLanes::splat(simd, multiple);
+        for (from, present) in external.groups(simd) {
+            let p = (external.position.load(simd, from) - wheel.centre) * wheel.back;
+            let unit = shapes.directions.load(simd, from) * wheel.back;
+            let touching = shapes.profile(p, unit, multiple, present);
+            if touching.mask.any() {
+                let group = Group {
+                    external: true,
+                    from,
+                    p,
+                    touching,
+                    sleeves: external,
+                };
+                sink.group(simd, group, &mut wheel);
+            }
+        }
+        for (from, present) in internal.groups(simd) {
+            let p = (internal.position.load(simd, from) - wheel.centre) * wheel.back;
+            let centres = shapes.holes[i].load(simd, from);
+            let touching = shapes.hole(p, centres, present);
+            if touching.mask.any() {
+                let group = Group {
+                    external: false,
+                    from,
+                    p,
+                    touching,
+                    sleeves: internal,
+                };
+                sink.group(simd, group, &mut wheel);
+            }
+        }
+        sink.end(body, &wheel);
+    }
+}
