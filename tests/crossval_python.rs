@@ -1,22 +1,25 @@
-//! exudyn and MuJoCo against the native solver.
-use pinwheel_engines::{Control, by_name};
+//! measuring
+use pinwheel_engines::python::law_agreement;
 use pinwheel_gearbox::scene::{Override, Scene};
 
 #[test]
-fn crossval_python_smoke() {
-    for engine in [
-        "mujoco-shared-law",
-        "exudyn-shared-law-explicit",
-        "exudyn-shared-law-constrained",
-        "mujoco-own-contact",
-        "exudyn-own-contact",
+fn crossval_python_law() {
+    for (preset, more) in [
+        ("paper", vec![]),
+        ("paper-friction", vec![]),
+        ("backlash-0.6", vec![]),
+        ("backlash-0.6", vec![Override::new("contact.friction_coefficient", "0.1")]),
+        ("steel", vec![]),
+        ("one-wheel", vec![]),
+        ("eleven-pins", vec![]),
+        ("forty-pins", vec![]),
+        ("paper-rough", vec![]),
+        ("paper-rough", vec![Override::new("contact.friction_coefficient", "0.1"), Override::new("gear.backlash_m", "0.0006")]),
+        ("paper-refined", vec![]),
     ] {
-        let scene = Scene::load("paper", &[Override::new("solver.duration_s", "0.01")]).unwrap();
+        let scene = Scene::load(preset, &more).unwrap();
         let t = std::time::Instant::now();
-        let run = by_name(engine, &scene)
-            .unwrap()
-            .run(&scene, &Control::quiet())
-            .unwrap();
-        println!("{engine}: {:?} {:?}", t.elapsed(), run.stats);
+        let a = law_agreement(&scene, 10_000, 1);
+        println!("{preset} {:?} {:?}: {:?} {a:?}", scene.contact.detection, scene.contact.friction_coefficient, t.elapsed());
     }
 }

@@ -42,6 +42,8 @@ pub(crate) enum Command {
     Run(RunArgs),
     /// Run a scene on several engines, compare them and write a report.
     Compare(CompareArgs),
+    /// Keep courses of the Python engines for builds and machines without them.
+    Record(crate::commands::record::RecordArgs),
     /// Say what a scene models, what it leaves out and what to expect of it.
     Explain(ExplainArgs),
     /// List the engines of this build.

@@ -10,84 +10,17 @@ use super::law::Published;
 use super::mujoco::{ATTACHED, Addresses, Attached, Place, detach};
 use super::watch::{Watch, watched};
 use super::{PythonError, border, convert, host};
+use crate::cards::Card;
 use crate::engine::{Control, Engine, EngineError, Run, Track};
 
 /// One engine of the package.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PythonEngine {
-    pub(super) name: &'static str,
-    /// Package whose version counts.
-    pub(super) package: &'static str,
-    pub(super) track: Track,
-    pub(super) summary: &'static str,
-    pub(super) differences: &'static str,
-}
-
-/// All of them, in the order of reports.
-pub(super) const ALL: &[PythonEngine] = &[
-    PythonEngine {
-        name: "mujoco-shared-law",
-        package: "mujoco-core",
-        track: Track::SharedLaw,
-        summary: "MuJoCo: hinges as a tree, Runge-Kutta 4; contact forces from Pinwheel's law",
-        differences: "Joints are not constraints but coordinates: every body turns on a hinge relative to its carrier, \
-            and MuJoCo's articulated-body equations give the mass matrix. Time integration is its own Runge-Kutta 4 at \
-            the scene's step, with our contact law in every stage through a compiled callback; friction is therefore \
-            explicit. The input speed is held by a rotor inertia of 1e12 kg m\u{b2} instead of a constraint (one part \
-            in 1e14), and the driver torque is that inertia times its deceleration. Contact points and contact law are \
-            the native solver's own: this comparison cannot find an error in them.",
-    },
-    PythonEngine {
-        name: "exudyn-shared-law-explicit",
-        package: "exudyn",
-        track: Track::SharedLaw,
-        summary: "exudyn: one kinematic tree, Runge-Kutta 4; contact forces from Pinwheel's law",
-        differences: "Joints are coordinates, as in MuJoCo, but in exudyn's kinematic tree with exudyn's Runge-Kutta 4 \
-            at the scene's step, and our contact law in every stage; friction is therefore explicit. The input speed is \
-            held by a rotor inertia of 1e12 kg m\u{b2} instead of a constraint (one part in 1e14). Contact points and \
-            contact law are the native solver's own: this comparison cannot find an error in them.",
-    },
-    PythonEngine {
-        name: "exudyn-shared-law-constrained",
-        package: "exudyn",
-        track: Track::SharedLaw,
-        summary: "exudyn: free bodies, joints and driver as constraints, implicit trapezoidal rule; Pinwheel's law",
-        differences: "The closest relative of the published formulation: three coordinates a body, revolutes and \
-            driver as constraints with Lagrange multipliers. Time integration is an implicit second-order method (index \
-            2: constraints hold at velocity level, and positions drift by a part of a step squared) with Newton \
-            iterations, our contact law in each of them; friction is implicit. Its error at the scene's step is that of \
-            the trapezoidal rule, far above the Runge-Kutta methods', and falls four times when the step is halved. \
-            Contact points and contact law are the native solver's own: this comparison cannot find an error in them.",
-    },
-    PythonEngine {
-        name: "mujoco-own-contact",
-        package: "mujoco-core",
-        track: Track::OwnContact,
-        summary: "MuJoCo alone: wheel edges as beds of 4000 small spheres, holes as limited tendons",
-        differences: "MuJoCo finds the contacts and computes the forces; nothing of ours runs in its step. Each wheel's \
-            edge is a bed of 4000 spheres with linear springs, which together give K \u{3b4}^1.5 for a locally circular \
-            edge and conserve energy where the paper's law does not: that is most of the difference in the driver \
-            torque. Holes are tendons of limited length with a chord approximation of K \u{3b4}^1.5. There is no ramp S \
-            and no friction, and steps are semi-implicit and of 1e-4 s: steady courses are comparable, the start-up \
-            transient is not.",
-    },
-    PythonEngine {
-        name: "exudyn-own-contact",
-        package: "exudyn",
-        track: Track::OwnContact,
-        summary: "exudyn alone: circles on a polygon of 8000 spring segments, spheres in hollow spheres",
-        differences: "exudyn finds the contacts and computes the forces; nothing of ours runs in its step. Each wheel's \
-            edge is a polygon of 8000 spring segments, which conserve energy where the paper's law does not; holes are \
-            hollow spheres with exponent 1.5, the law itself but for the ramp S. Damping of the external contacts acts \
-            as a rotational damper on the wheels, because exudyn's own ignores how a body turns. There is no friction: \
-            steady courses are comparable, the start-up transient is not.",
-    },
-];
+pub(super) struct PythonEngine(pub(super) &'static Card);
 
 impl PythonEngine {
     fn failed(&self, reason: impl ToString) -> EngineError {
         EngineError::Failed {
-            engine: self.name.to_owned(),
+            engine: self.0.name.to_owned(),
             reason: reason.to_string(),
         }
     }
@@ -101,7 +34,7 @@ impl PythonEngine {
 
     fn compile(&self, scene: &Scene) -> Result<(Gearbox, Box<dyn ContactField>), EngineError> {
         let unsupported = |reason: String| EngineError::Unsupported {
-            engine: self.name.to_owned(),
+            engine: self.0.name.to_owned(),
             reason,
         };
         let gearbox = Gearbox::new(scene).map_err(|error| unsupported(error.to_string()))?;
@@ -122,12 +55,12 @@ impl PythonEngine {
         let (gearbox, field) = self.compile(scene)?;
         host::ready(control.cancel).map_err(|error| self.not_ready(&error))?;
         let law =
-            (self.track == Track::SharedLaw).then(|| Published::new(&gearbox, disguise(field)));
+            (self.0.track == Track::SharedLaw).then(|| Published::new(&gearbox, disguise(field)));
         let scene_toml = scene.to_toml();
         let run = watched(control, |watch| {
             Python::attach(|py| {
                 self.drive(py, &scene_toml, law.as_ref(), every, watch)
-                    .map_err(|error| convert::error(py, self.name, &error))
+                    .map_err(|error| convert::error(py, self.0.name, &error))
             })
         });
         // Whatever Python did or left undone: no callback may reach this run any more.
@@ -152,7 +85,7 @@ impl PythonEngine {
         if let Some(law) = law {
             options.set_item("law", pointer(&package, law, every)?)?;
         }
-        let result = package.call_method("run", (scene_toml, self.name), Some(&options))?;
+        let result = package.call_method("run", (scene_toml, self.0.name), Some(&options))?;
         convert::run(&result)
     }
 }
@@ -229,33 +162,28 @@ fn layout(layout: &Bound<'_, PyDict>, bodies: usize) -> PyResult<(Addresses, Vec
 
 impl Engine for PythonEngine {
     fn name(&self) -> &'static str {
-        self.name
+        self.0.name
     }
 
     fn track(&self) -> Track {
-        self.track
+        self.0.track
     }
 
     fn version(&self) -> String {
-        host::pins()
-            .find(|pin| pin.package == self.package)
-            .map_or_else(String::new, |pin| {
-                let name = pin.package.trim_end_matches("-core");
-                format!("{name} {}", pin.version)
-            })
+        self.0.version()
     }
 
     fn summary(&self) -> &'static str {
-        self.summary
+        self.0.summary
     }
 
     fn differences(&self) -> &'static str {
-        self.differences
+        self.0.differences
     }
 
     fn supports(&self, scene: &Scene) -> Result<(), EngineError> {
         self.compile(scene)?;
-        if self.track == Track::SharedLaw {
+        if self.0.track == Track::SharedLaw {
             // The law is ours: what the native solver can do, it can do.
             return Ok(());
         }
@@ -264,9 +192,9 @@ impl Engine for PythonEngine {
         let scene_toml = scene.to_toml();
         Python::attach(|py| {
             host::package(py)
-                .and_then(|package| package.call_method1("check", (scene_toml, self.name)))
+                .and_then(|package| package.call_method1("check", (scene_toml, self.0.name)))
                 .map(|_| ())
-                .map_err(|error| convert::error(py, self.name, &error))
+                .map_err(|error| convert::error(py, self.0.name, &error))
         })
     }
 

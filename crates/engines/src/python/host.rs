@@ -15,6 +15,7 @@ use pyo3::types::PyModule;
 use super::convert::text_of;
 use super::environment::{self, ENGINES, Environment, Interpreter, fingerprint};
 use super::error::PythonError;
+use crate::cards::pins;
 
 /// The package's files: path below its folder, text.
 const SOURCES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/sources.rs"));
@@ -147,20 +148,4 @@ fn lay_out(cache: &Path) -> Result<PathBuf, PythonError> {
         write().map_err(|error| PythonError::storage(&path, error))?;
     }
     Ok(folder)
-}
-
-/// A pinned package.
-pub(super) struct Pin {
-    pub(super) package: &'static str,
-    pub(super) version: &'static str,
-}
-
-/// The pinned packages, from the list of what we ask for.
-pub(super) fn pins() -> impl Iterator<Item = Pin> {
-    include_str!("../../../../python/requirements.in")
-        .lines()
-        .filter_map(|line| {
-            let (package, version) = line.split_once("==")?;
-            (!package.starts_with('#')).then_some(Pin { package, version })
-        })
 }

@@ -20,12 +20,14 @@ pub use agreement::{Agreement, law_agreement};
 pub use environment::{Environment, Requirements, environment};
 pub use error::PythonError;
 
+use crate::cards::CARDS;
 use crate::engine::Engine;
+use engine::PythonEngine;
 
 /// All Python engines.
 pub(crate) fn engines() -> Vec<Box<dyn Engine>> {
-    engine::ALL
+    CARDS
         .iter()
-        .map(|engine| Box::new(*engine) as Box<dyn Engine>)
+        .map(|card| Box::new(PythonEngine(card)) as Box<dyn Engine>)
         .collect()
 }

@@ -4,7 +4,8 @@ use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, PairContact};
 use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::{BodyState, Wrench};
 
-use super::engine::{ALL, PythonEngine};
+use super::engine::PythonEngine;
+use crate::cards::card;
 use crate::engine::{Control, EngineError, Run};
 
 /// What goes wrong.
@@ -27,7 +28,7 @@ pub fn run(engine: &str, scene: &Scene, fault: Fault) -> Result<Run, EngineError
         engine: engine.to_owned(),
         reason: "there is no such Python engine".to_owned(),
     };
-    let engine: &PythonEngine = ALL.iter().find(|e| e.name == engine).ok_or_else(unknown)?;
+    let engine = PythonEngine(card(engine).ok_or_else(unknown)?);
     let every = if fault == Fault::FrozenForces { 4 } else { 1 };
     let faulty = |field| {
         Box::new(Faulty {
