@@ -96,3 +96,6 @@ pub(super) fn law_address() -> usize {
 pub(super) fn passive_address() -> usize {
     (passive as *const ()).expose_provenance()
 }
+
+#[cfg(test)]
+mod tests;

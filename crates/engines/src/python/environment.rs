@@ -160,19 +160,7 @@ fn ensure(
     wheels: Option<&Path>,
     cancel: &AtomicBool,
 ) -> Result<Environment, PythonError> {
-    let key = fingerprint(&[
-        requirements.text,
-        &interpreter.version,
-        // Two installations of one version may differ in their libraries.
-        &interpreter
-            .candidates
-            .first()
-            .map_or_else(String::new, |path| path.display().to_string()),
-    ]);
-    let name = format!(
-        "python-{}-{}-{key:016x}",
-        interpreter.version, requirements.name
-    );
+    let name = name_of(requirements, interpreter);
     let folder = cache.join(&name);
     if let Some(found) = whole(&folder, requirements) {
         return Ok(found);
@@ -184,7 +172,7 @@ fn ensure(
     }
     remove_leftovers(cache, &name);
     let executable = executable(interpreter)?;
-    let draft = tempfile_like(cache, &name);
+    let draft = draft_of(cache, &name);
     let note = Note::new("Python packages (once)");
     let made = make(&draft, &executable, requirements, wheels, &note);
     drop(note);
@@ -204,6 +192,23 @@ fn ensure(
         .ok_or_else(|| PythonError::storage(&folder, "the environment just made does not start"))
 }
 
+/// Folder name of an environment: another interpreter or another list of packages has another.
+fn name_of(requirements: Requirements, interpreter: &Interpreter) -> String {
+    let key = fingerprint(&[
+        requirements.text,
+        &interpreter.version,
+        // Two installations of one version may differ in their libraries.
+        &interpreter
+            .candidates
+            .first()
+            .map_or_else(String::new, |path| path.display().to_string()),
+    ]);
+    format!(
+        "python-{}-{}-{key:016x}",
+        interpreter.version, requirements.name
+    )
+}
+
 /// A complete environment, or `None`.
 fn whole(folder: &Path, requirements: Requirements) -> Option<Environment> {
     let marker = fs::read_to_string(folder.join(MARKER)).ok()?;
@@ -214,7 +219,7 @@ fn whole(folder: &Path, requirements: Requirements) -> Option<Environment> {
 }
 
 /// Where an environment is built; a prefix of its own tells it from whole ones.
-fn tempfile_like(cache: &Path, name: &str) -> PathBuf {
+fn draft_of(cache: &Path, name: &str) -> PathBuf {
     cache.join(format!(".{name}.{}.part", std::process::id()))
 }
 
@@ -339,3 +344,6 @@ pub(super) fn fingerprint(parts: &[&str]) -> u64 {
             (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
         })
 }
+
+#[cfg(test)]
+mod tests;
