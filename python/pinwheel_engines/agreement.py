@@ -36,8 +36,10 @@ class Agreement:
     """States left out because of a tie between two points."""
     worst_n: float
     """Of a force, N."""
+    largest_n: float
+    """The largest force in any state, N."""
     worst_relative: float
-    """Of a force, over the largest force of its state."""
+    """Of a force, over the largest force of its state; where nearly nothing touches, rounding is all there is."""
     worst_over_rounding: float
     """Of a force, over `ContactLaw.rounding_n` of its state."""
     worst_moment_relative: float
@@ -91,6 +93,7 @@ def compare(scene_toml: str, pointer: LawPointer, count: int, seed: int) -> Agre
         loaded=int(loaded.sum()),
         ambiguous=int(count - clear.sum()),
         worst_n=float(force[clear].max(initial=0.0)),
+        largest_n=float(size.max(initial=0.0)),
         worst_relative=float((force[loaded] / size[loaded]).max(initial=0.0)),
         worst_over_rounding=float((force[loaded] / rounding[loaded]).max(initial=0.0)),
         worst_moment_relative=float((moment[loaded] / (size[loaded] * reach)).max(initial=0.0)),

@@ -13,12 +13,15 @@ pub(crate) struct Card {
     pub(crate) track: Track,
     pub(crate) summary: &'static str,
     pub(crate) differences: &'static str,
+    /// Friction is evaluated explicitly, so it needs the steps that it takes to resolve it.
+    pub(crate) explicit_friction: bool,
 }
 
 /// All of them, in the order of reports.
 pub(crate) const CARDS: &[Card] = &[
     Card {
         name: "mujoco-shared-law",
+        explicit_friction: true,
         package: "mujoco-core",
         track: Track::SharedLaw,
         summary: "MuJoCo: hinges as a tree, Runge-Kutta 4; contact forces from Pinwheel's law",
@@ -31,6 +34,7 @@ pub(crate) const CARDS: &[Card] = &[
     },
     Card {
         name: "exudyn-shared-law-explicit",
+        explicit_friction: true,
         package: "exudyn",
         track: Track::SharedLaw,
         summary: "exudyn: one kinematic tree, Runge-Kutta 4; contact forces from Pinwheel's law",
@@ -41,6 +45,7 @@ pub(crate) const CARDS: &[Card] = &[
     },
     Card {
         name: "exudyn-shared-law-constrained",
+        explicit_friction: false,
         package: "exudyn",
         track: Track::SharedLaw,
         summary: "exudyn: free bodies, joints and driver as constraints, implicit trapezoidal rule; Pinwheel's law",
@@ -53,6 +58,7 @@ pub(crate) const CARDS: &[Card] = &[
     },
     Card {
         name: "mujoco-own-contact",
+        explicit_friction: false,
         package: "mujoco-core",
         track: Track::OwnContact,
         summary: "MuJoCo alone: wheel edges as beds of 4000 small spheres, holes as limited tendons",
@@ -65,6 +71,7 @@ pub(crate) const CARDS: &[Card] = &[
     },
     Card {
         name: "exudyn-own-contact",
+        explicit_friction: false,
         package: "exudyn",
         track: Track::OwnContact,
         summary: "exudyn alone: circles on a polygon of 8000 spring segments, spheres in hollow spheres",

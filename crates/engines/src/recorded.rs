@@ -200,6 +200,26 @@ fn trimmed(value: f64, decimals: usize) -> String {
     }
 }
 
+/// Whether a run resolves its scene well enough to be kept.
+///
+/// # Errors
+/// Why not, in words.
+pub fn worth_keeping(engine: &str, scene: &Scene) -> Result<(), String> {
+    let explicit = card(engine).is_some_and(|card| card.explicit_friction);
+    if explicit
+        && scene.contact.friction_coefficient > 0.0
+        && scene.solver.step_s > EXPLICIT_FRICTION_STEP_S
+    {
+        return Err(format!(
+            "its friction is explicit and takes steps of {EXPLICIT_FRICTION_STEP_S:e} s to resolve"
+        ));
+    }
+    Ok(())
+}
+
+/// Step that resolves regularised friction of the paper's gear by explicit methods, s.
+const EXPLICIT_FRICTION_STEP_S: f64 = 2e-7;
+
 /// Scene and engine of every recording of this build.
 pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
     FILES

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use pinwheel_engines::recorded::{RECORDED_SCENES, Recording};
+use pinwheel_engines::recorded::{RECORDED_SCENES, Recording, worth_keeping};
 use pinwheel_engines::{Engine, EngineError, registry};
 use pinwheel_gearbox::scene::Scene;
 
@@ -79,6 +79,10 @@ pub(crate) fn record(args: &RecordArgs) -> Result<u8, Failure> {
 /// Records one run and says so; false if the engine broke.
 fn one(engine: &dyn Engine, scene: &Scene, out: &Path) -> Result<bool, Failure> {
     let label = format!("{} {}", scene.name, engine.name());
+    if let Err(reason) = worth_keeping(engine.name(), scene) {
+        screen::show(&format!("{label}: not recorded: {reason}"))?;
+        return Ok(true);
+    }
     let ran = match engine.supports(scene) {
         Ok(()) => engines::run(engine, scene, &label)?,
         Err(error) => Err(error),

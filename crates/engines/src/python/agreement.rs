@@ -17,7 +17,10 @@ pub struct Agreement {
     pub states: usize,
     /// Of them, those in which something touches.
     pub loaded: usize,
-    /// Largest difference of any force over the largest force of its state.
+    /// Largest force in any state, N.
+    pub largest_n: f64,
+    /// Largest difference of any force over the largest force of its state; where nearly nothing touches, rounding
+    /// is all there is.
     pub worst_relative: f64,
     /// Largest difference of any force, N.
     pub worst_n: f64,
@@ -57,6 +60,7 @@ pub fn law_agreement(scene: &Scene, states: usize, seed: u64) -> Result<Agreemen
             Ok(Agreement {
                 states: count("states")?,
                 loaded: count("loaded")?,
+                largest_n: number("largest_n")?,
                 worst_relative: number("worst_relative")?,
                 worst_n: number("worst_n")?,
                 worst_over_rounding: number("worst_over_rounding")?,

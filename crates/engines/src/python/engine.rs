@@ -57,9 +57,15 @@ impl PythonEngine {
         let law =
             (self.0.track == Track::SharedLaw).then(|| Published::new(&gearbox, disguise(field)));
         let scene_toml = scene.to_toml();
+        // One start for all engines: they differ in how they go on.
+        let start: Vec<[f64; 6]> = gearbox
+            .initial_states()
+            .iter()
+            .map(|b| [b.x, b.y, b.angle, b.vx, b.vy, b.rate])
+            .collect();
         let run = watched(control, |watch| {
             Python::attach(|py| {
-                self.drive(py, &scene_toml, law.as_ref(), every, watch)
+                self.drive(py, &scene_toml, &start, law.as_ref(), every, watch)
                     .map_err(|error| convert::error(py, self.0.name, &error))
             })
         });
@@ -67,14 +73,23 @@ impl PythonEngine {
         if let Some(law) = &law {
             detach(law.number);
         }
-        run.map_err(|error| self.failed(error))??
-            .map_err(|reason| self.failed(reason))
+        let mut run = run
+            .map_err(|error| self.failed(error))??
+            .map_err(|reason| self.failed(reason))?;
+        if gearbox.has_friction() && self.0.explicit_friction {
+            run.stats.notes.push(
+                "Friction is explicit here, and its regularisation takes steps of about 2e-7 s to resolve."
+                    .to_owned(),
+            );
+        }
+        Ok(run)
     }
 
     fn drive(
         &self,
         py: Python<'_>,
         scene_toml: &str,
+        start: &[[f64; 6]],
         law: Option<&Published>,
         every: u64,
         watch: Watch,
@@ -82,6 +97,7 @@ impl PythonEngine {
         let package = host::package(py)?;
         let options = PyDict::new(py);
         options.set_item("on_progress", watch.into_python(py)?)?;
+        options.set_item("initial_states", start)?;
         if let Some(law) = law {
             options.set_item("law", pointer(&package, law, every)?)?;
         }
