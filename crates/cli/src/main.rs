@@ -44,5 +44,6 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),
         Command::Stability(args) => commands::stability::stability(args),
+        Command::Record(args) => commands::record::record(args),
     }
 }
