@@ -1,19 +1,20 @@
 //! The comparison itself: participants and limits in, verdicts out.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use pinwheel_courses::Courses;
 
 use crate::comparison::{Comparison, EngineEntry, EngineSummary, Figures, Pair, PairEntry};
 use crate::judge::{Judge, Sides};
-use crate::limits::Limit;
+use crate::limits::{Limit, StatedLimit};
 use crate::matrix::{self, track_of};
 use crate::metrics::PairMetrics;
-use crate::participant::{Context, Participant};
+use crate::participant::{Context, Participant, track};
 use crate::quantities::{self, INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, Quantity};
 use crate::statistics::{Statistics, View};
 use crate::verdict::{Counts, Verdict};
-use crate::windows::{self, SETTLING_S, Window, WindowKind};
+use crate::windows::{self, FEWEST_SAMPLES, SETTLING_S, Window, WindowKind};
 use crate::{CompareError, grid};
 
 /// Compares every finished run with every other on its track, window by window.
@@ -28,6 +29,19 @@ pub fn compare(
     context: &Context,
     participants: &[Participant],
     limits: &[Limit],
+) -> Result<Comparison, CompareError> {
+    compare_stated(context, participants, limits, &[])
+}
+
+/// [`compare`] with measured participants, held against the limits stated for them alone.
+///
+/// # Errors
+/// As [`compare`].
+pub fn compare_stated(
+    context: &Context,
+    participants: &[Participant],
+    limits: &[Limit],
+    stated: &[StatedLimit],
 ) -> Result<Comparison, CompareError> {
     if participants.is_empty() {
         return Err(CompareError::Empty);
@@ -55,6 +69,7 @@ pub fn compare(
     let quantities = quantities::derive(finished.iter().map(|p| &p.courses));
     let judge = Judge {
         limits,
+        stated,
         friction: context.friction_coefficient > 0.0,
     };
 
@@ -108,9 +123,10 @@ fn engine_summary(
         &[]
     };
     for window in windows {
-        let figures = figures(&participant.courses, context, window, quantities);
+        let figures = figures(participant, context, window, quantities);
         let output = quantities.iter().find(|q| q.name == OUTPUT_TORQUE);
-        if let Some((quantity, load_n_m)) = output.zip(context.load_n_m) {
+        let judged_alone = participant.track != track::MEASURED;
+        if let Some((quantity, load_n_m)) = output.zip(context.load_n_m).filter(|_| judged_alone) {
             let mean = figures
                 .quantities
                 .get(OUTPUT_TORQUE)
@@ -139,12 +155,13 @@ fn engine_summary(
 }
 
 fn figures(
-    courses: &Courses,
+    participant: &Participant,
     context: &Context,
     window: &Window,
     quantities: &[Quantity],
 ) -> Figures {
-    let samples = courses.window(window.from_s, window.to_s);
+    let courses = &participant.courses;
+    let samples = covered(&[participant], courses.window(window.from_s, window.to_s));
     let statistics: BTreeMap<String, Statistics> = quantities
         .iter()
         .filter_map(|quantity| {
@@ -171,6 +188,24 @@ fn figures(
         efficiency: efficiency(),
         quantities: statistics,
     }
+}
+
+/// The part of `samples` that all measured participants cover: theirs may be missing at both ends.
+fn covered(participants: &[&Participant], mut samples: Range<usize>) -> Range<usize> {
+    for participant in participants.iter().filter(|p| p.track == track::MEASURED) {
+        let channels = participant.courses.channels();
+        let there = |k: usize| {
+            let mut values = channels.iter().map(|channel| channel.values.get(k));
+            values.all(|value| value.is_some_and(|v| !v.is_nan()))
+        };
+        while samples.start < samples.end && !there(samples.start) {
+            samples.start += 1;
+        }
+        while samples.start < samples.end && !there(samples.end - 1) {
+            samples.end -= 1;
+        }
+    }
+    samples
 }
 
 fn pair(sides: Sides<'_>, windows: &[Window], quantities: &[Quantity], judge: Judge<'_>) -> Pair {
@@ -221,7 +256,14 @@ fn pair_entry(
         (_, 0) => return unjudged(format!("{} has no `{}`", b.name, quantity.name)),
         _ => {}
     }
-    let samples = a.courses.window(window.from_s, window.to_s);
+    let whole = a.courses.window(window.from_s, window.to_s);
+    let samples = covered(&[a, b], whole.clone());
+    if samples.len() < FEWEST_SAMPLES {
+        return unjudged(format!(
+            "the data cover {} samples of this window, fewer than {FEWEST_SAMPLES}",
+            samples.len()
+        ));
+    }
     let metrics = View::of(&a.courses, quantity, samples.clone())
         .zip(View::of(&b.courses, quantity, samples.clone()))
         .zip(a.courses.time_s().get(samples))

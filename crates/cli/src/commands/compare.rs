@@ -3,7 +3,9 @@
 use std::fs;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use pinwheel_compare::{Comparison, Context, Cost, Energy, Participant, Status, limits};
+use pinwheel_compare::{
+    Comparison, Context, Cost, Energy, Participant, Status, compare_stated, limits,
+};
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, RunStats, registry};
 use pinwheel_gearbox::Gearbox;
@@ -13,7 +15,7 @@ use pinwheel_report::{Fact, ReportInput};
 use serde::Serialize;
 
 use crate::args::{CompareArgs, quoted};
-use crate::commands::verdicts;
+use crate::commands::{foreign, verdicts};
 use crate::engines;
 use crate::failure::{ENGINE, EXCEEDED, Failure};
 use crate::folder::Folder;
@@ -37,6 +39,8 @@ struct Summary<'a> {
 
 pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let (scene, gearbox) = args.scene.load()?;
+    let foreign = foreign::open(&args.foreign)?;
+    let (scene, gearbox) = foreign::with_channels(&foreign, scene, gearbox)?;
     let asked_by_name = !args.engines.is_empty();
     let engines = chosen(&args.engines, &scene)?;
     let folder = Folder::prepare(&args.out.folder(&scene.name, "compare"), args.out.force)?;
@@ -46,8 +50,16 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         let label = format!("{} ({} of {})", engine.name(), k + 1, engines.len());
         participants.push(take_part(engine.as_ref(), &scene, &label, &folder)?);
     }
+    let mut stated = Vec::new();
+    for data in &foreign {
+        let (participant, limits) = data.take_part(&scene, &participants)?;
+        write_courses(&folder, &participant)?;
+        participants.push(participant);
+        stated.extend(limits);
+    }
 
-    let comparison = pinwheel_compare::compare(&context(&scene), &participants, limits::TABLE)
+    let context = context(&scene);
+    let comparison = compare_stated(&context, &participants, limits::TABLE, &stated)
         .map_err(|error| Failure::engine(format!("the courses cannot be compared: {error}")))?;
     write(args, &folder, &gearbox, &comparison, &participants)?;
     let out = folder.publish()?;
@@ -82,6 +94,22 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     } else {
         0
     })
+}
+
+/// The columns of a foreign set as they are compared.
+fn write_courses(folder: &Folder, participant: &Participant) -> Result<(), Failure> {
+    let place = folder.path().join(&participant.name);
+    let failed = |error: &dyn std::fmt::Display| {
+        Failure::input(format!(
+            "{}: cannot be written: {error}; choose another --out",
+            place.display()
+        ))
+    };
+    fs::create_dir_all(&place).map_err(|error| failed(&error))?;
+    participant
+        .courses
+        .save_csv(&place.join("courses.csv"))
+        .map_err(|error| failed(&error))
 }
 
 /// The engines named, or all of this build.
@@ -271,6 +299,7 @@ fn typed(args: &CompareArgs) -> String {
         command.push_str(" --engines ");
         command.push_str(&quoted(&args.engines.join(",")));
     }
+    command.push_str(&args.foreign.typed());
     command
 }
 

@@ -3,6 +3,7 @@
 pub(crate) mod compare;
 pub(crate) mod engines;
 pub(crate) mod explain;
+pub(crate) mod foreign;
 pub(crate) mod laws;
 pub(crate) mod run;
 pub(crate) mod sweep;

@@ -21,7 +21,7 @@ use super::detection::Exact;
 use super::field::{ContactEnergy, ContactField, PairContact};
 use super::pairs::Pairs;
 use crate::geometry::Geometry;
-use crate::layout::Layout;
+use crate::layout::{Layout, Sleeve};
 use crate::scene::Scene;
 use columns::Sleeves;
 use listing::{Listing, Visit};
