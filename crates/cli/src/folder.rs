@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 
 /// Files this program writes, at the top or in an engine's folder.
-const OURS: [&str; 9] = [
+const OURS: &[&str] = &[
     "results.csv",
     "results.parquet",
     "costs.csv",
@@ -23,6 +23,10 @@ const OURS: [&str; 9] = [
     "index.html",
     "courses.csv",
     "courses.partial.csv",
+    "stability.csv",
+    "bench.csv",
+    "scaling.csv",
+    "mechanisms.csv",
 ];
 
 /// An output folder in the making. Dropped without [`publish`](Self::publish) it leaves nothing.
@@ -71,6 +75,11 @@ impl Folder {
     /// Gives the folder its name; returns it as the user wrote it.
     pub(crate) fn publish(self) -> Result<PathBuf, Failure> {
         interrupt::check()?;
+        self.publish_unfinished()
+    }
+
+    /// The same although the user asked to stop: for studies whose results say how far they got.
+    pub(crate) fn publish_unfinished(self) -> Result<PathBuf, Failure> {
         // Others may have written there while the engines ran.
         inspect(&self.target, &self.shown, self.force)?;
         let failed = |error: io::Error| {

@@ -6,6 +6,7 @@ use std::ops::Range;
 use pinwheel_courses::Courses;
 
 use crate::comparison::{Comparison, EngineEntry, EngineSummary, Figures, Pair, PairEntry};
+use crate::grid::Common;
 use crate::judge::{Judge, Sides};
 use crate::limits::{Limit, StatedLimit};
 use crate::matrix::{self, track_of};
@@ -58,12 +59,20 @@ pub fn compare_stated(
         .iter()
         .filter(|p| p.status.is_finished())
         .collect();
-    for pair in finished.windows(2) {
-        grid::check(pair[0], pair[1])?;
-    }
     let nothing = Courses::default();
+    // The finest grid: recordings may hold a part of it.
+    let finest = finished
+        .iter()
+        .rev()
+        .max_by_key(|p| p.courses.len())
+        .copied();
+    if let Some(finest) = finest {
+        for other in &finished {
+            grid::common(finest, other)?;
+        }
+    }
     let (windows, absent_windows) = windows::windows(
-        finished.first().map_or(&nothing, |p| &p.courses),
+        finest.map_or(&nothing, |p| &p.courses),
         context.settling_s.unwrap_or(SETTLING_S),
     );
     let quantities = quantities::derive(finished.iter().map(|p| &p.courses));
@@ -71,6 +80,7 @@ pub fn compare_stated(
         limits,
         stated,
         friction: context.friction_coefficient > 0.0,
+        context,
     };
 
     let engines: Vec<EngineSummary> = participants
@@ -81,7 +91,7 @@ pub fn compare_stated(
     for (k, b) in finished.iter().enumerate() {
         for a in &finished[..k] {
             if let Some(track) = track_of(a, b) {
-                pairs.push(pair(Sides { track, a, b }, &windows, &quantities, judge));
+                pairs.push(pair(Sides { track, a, b }, &windows, &quantities, judge)?);
             }
         }
     }
@@ -161,10 +171,14 @@ fn figures(
     quantities: &[Quantity],
 ) -> Figures {
     let courses = &participant.courses;
-    let samples = covered(&[participant], courses.window(window.from_s, window.to_s));
+    let samples = covered(
+        &[(participant, courses)],
+        courses.window(window.from_s, window.to_s),
+    );
     let statistics: BTreeMap<String, Statistics> = quantities
         .iter()
         .filter_map(|quantity| {
+            let quantity = &shared(quantity, &[participant]);
             let view = View::of(courses, quantity, samples.clone())?;
             Some((quantity.name.clone(), Statistics::of(&view)?))
         })
@@ -190,10 +204,24 @@ fn figures(
     }
 }
 
+/// The quantity without channels that a measured participant lacks: a rig has force cells on three of
+/// sixteen sleeves. Engines have all channels of a quantity or none.
+fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quantity {
+    let mut quantity = quantity.clone();
+    if participants.iter().any(|p| p.track == track::MEASURED) {
+        quantity.channels.retain(|name| {
+            let has = |p: &&Participant| p.courses.channel(name).is_some();
+            participants.iter().all(has)
+        });
+    }
+    quantity
+}
+
 /// The part of `samples` that all measured participants cover: theirs may be missing at both ends.
-fn covered(participants: &[&Participant], mut samples: Range<usize>) -> Range<usize> {
-    for participant in participants.iter().filter(|p| p.track == track::MEASURED) {
-        let channels = participant.courses.channels();
+fn covered(participants: &[(&Participant, &Courses)], mut samples: Range<usize>) -> Range<usize> {
+    let measured = |p: &&(&Participant, &Courses)| p.0.track == track::MEASURED;
+    for (_, courses) in participants.iter().filter(measured) {
+        let channels = courses.channels();
         let there = |k: usize| {
             let mut values = channels.iter().map(|channel| channel.values.get(k));
             values.all(|value| value.is_some_and(|v| !v.is_nan()))
@@ -208,25 +236,32 @@ fn covered(participants: &[&Participant], mut samples: Range<usize>) -> Range<us
     samples
 }
 
-fn pair(sides: Sides<'_>, windows: &[Window], quantities: &[Quantity], judge: Judge<'_>) -> Pair {
+fn pair(
+    sides: Sides<'_>,
+    windows: &[Window],
+    quantities: &[Quantity],
+    judge: Judge<'_>,
+) -> Result<Pair, CompareError> {
+    let Sides { track, a, b } = sides;
+    let common = grid::common(a, b)?;
     let mut entries = Vec::new();
     for window in windows {
         for quantity in quantities {
-            entries.extend(pair_entry(sides, window, quantity, judge));
+            entries.extend(pair_entry(sides, &common, window, quantity, judge));
         }
     }
-    let Sides { track, a, b } = sides;
-    Pair {
+    Ok(Pair {
         a: a.name.clone(),
         b: b.name.clone(),
         track: track.to_owned(),
         entries,
-    }
+    })
 }
 
 /// `None` if neither engine has the quantity.
 fn pair_entry(
     sides: Sides<'_>,
+    (of_a, of_b): &Common<'_>,
     window: &Window,
     quantity: &Quantity,
     judge: Judge<'_>,
@@ -256,17 +291,18 @@ fn pair_entry(
         (_, 0) => return unjudged(format!("{} has no `{}`", b.name, quantity.name)),
         _ => {}
     }
-    let whole = a.courses.window(window.from_s, window.to_s);
-    let samples = covered(&[a, b], whole.clone());
+    let samples = of_a.window(window.from_s, window.to_s);
+    let samples = covered(&[(a, of_a.as_ref()), (b, of_b.as_ref())], samples);
+    let quantity = &shared(quantity, &[a, b]);
     if samples.len() < FEWEST_SAMPLES {
         return unjudged(format!(
-            "the data cover {} samples of this window, fewer than {FEWEST_SAMPLES}",
+            "both have {} samples in this window, fewer than {FEWEST_SAMPLES}",
             samples.len()
         ));
     }
-    let metrics = View::of(&a.courses, quantity, samples.clone())
-        .zip(View::of(&b.courses, quantity, samples.clone()))
-        .zip(a.courses.time_s().get(samples))
+    let metrics = View::of(of_a, quantity, samples.clone())
+        .zip(View::of(of_b, quantity, samples.clone()))
+        .zip(of_a.time_s().get(samples))
         .and_then(|((of_a, of_b), time_s)| PairMetrics::of(&of_a, &of_b, time_s));
     let Some(metrics) = metrics else {
         return unjudged(format!(
@@ -274,6 +310,6 @@ fn pair_entry(
             quantity.name
         ));
     };
-    let (checks, verdict) = judge.pair(sides, quantity, window.kind, &metrics);
+    let (checks, verdict) = judge.pair(sides, quantity, window, &metrics);
     entry(Some(metrics), checks, verdict)
 }

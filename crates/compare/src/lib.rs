@@ -24,7 +24,7 @@ pub use compare::{compare, compare_stated};
 pub use comparison::Comparison;
 pub use error::CompareError;
 pub use limits::{Limit, Metric, StatedLimit};
-pub use participant::{Context, Cost, Energy, Participant, Status, track};
+pub use participant::{Context, Cost, Divergence, Energy, Participant, Status, track};
 pub use quantities::Quantity;
 pub use verdict::{Check, Counts, Verdict};
 pub use windows::{Window, WindowKind};
