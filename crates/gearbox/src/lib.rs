@@ -2,6 +2,7 @@
 
 pub mod auto;
 mod balance;
+pub mod channels;
 pub mod claims;
 pub mod contacts;
 pub mod energy;

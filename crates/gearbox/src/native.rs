@@ -5,6 +5,7 @@ use pinwheel_mbs::integrators::{self, StepCounts, StepError, StepSettings, Stepp
 use pinwheel_mbs::{Formulation, Lagrange, Reduced, Stabilisation};
 
 use crate::balance::Balance;
+use crate::channels::{LawPairs, Seen};
 use crate::energy::EnergyAccount;
 use crate::friction::GearForces;
 use crate::pace::Pace;
@@ -82,6 +83,11 @@ pub fn run(
                 .map_err(GearboxError::from)?
                 .with_leaves(&sleeves)
                 .with_scales(gearbox.error_scales());
+            let system = if gearbox.channels.need_reactions() {
+                system.with_reactions()
+            } else {
+                system
+            };
             integrate(gearbox, system, watch)
         }
         scene::Formulation::Lagrange => {
@@ -159,6 +165,14 @@ fn integrate<F: Formulation>(
             break;
         }
         recorder.record_loads(t, seen.driver_torques[0], seen.bodies, seen.loads);
+        if recorder.wants_channels() {
+            recorder.record_channels(&mut Seen {
+                bodies: seen.bodies,
+                driver_torque_n_m: seen.driver_torques[0],
+                reactions: seen.reactions,
+                contacts: &mut LawPairs(field.as_mut()),
+            });
+        }
         before = t;
         if watch(t) {
             return Err(NativeError::Stopped);
