@@ -40,7 +40,10 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Compare(args) => commands::compare::compare(args),
         Command::Bench(args) => commands::bench::bench(args),
         Command::Explain(args) => commands::explain::explain(args),
+        Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),
+        Command::Stability(args) => commands::stability::stability(args),
+        Command::Record(args) => commands::record::record(args),
     }
 }

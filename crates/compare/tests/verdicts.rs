@@ -5,7 +5,8 @@ mod common;
 use common::{context, courses, participant};
 use pinwheel_compare::limits::{Friction, TABLE};
 use pinwheel_compare::{
-    CompareError, Limit, Metric, Participant, Status, Verdict, WindowKind, compare, track,
+    CompareError, Context, Divergence, Limit, Metric, Participant, Status, Verdict, WindowKind,
+    compare, track,
 };
 use pinwheel_courses::Courses;
 
@@ -298,6 +299,44 @@ fn faults() {
 }
 
 #[test]
+fn a_recording_is_compared_at_its_own_samples() {
+    let whole = courses(1.0);
+    let rows: Vec<usize> = (0..whole.len()).step_by(3).collect();
+    let mut recording = participant("mujoco-x", track::SHARED_LAW, courses(1.001).select(&rows));
+    let refused = compare(&context(), &[native(), recording.clone()], TABLE);
+    assert!(
+        matches!(refused, Err(CompareError::Grid { .. })),
+        "no recording"
+    );
+    recording.cost.recorded = Some("earlier".to_owned());
+    for order in [[native(), recording.clone()], [recording.clone(), native()]] {
+        let comparison = compare(&context(), &order, TABLE).unwrap();
+        assert_eq!(comparison.windows[0].samples, 301, "the live run's");
+        for entry in &comparison.pairs[0].entries {
+            let error = entry.metrics.as_ref().unwrap().relative_l2.unwrap();
+            let wanted = match entry.quantity.as_str() {
+                "output_torque_n_m" | "output_angle_rad" => 0.0,
+                _ => 1e-3 / 1.001,
+            };
+            assert!(
+                (error - wanted).abs() < 1e-12,
+                "{}: {error}",
+                entry.quantity
+            );
+        }
+    }
+    // A sample that the other has not is refused as ever.
+    let shifted: Vec<f64> = recording
+        .courses
+        .time_s()
+        .iter()
+        .map(|t| t + 4e-4)
+        .collect();
+    recording.courses = Courses::new(shifted).unwrap();
+    assert!(compare(&context(), &[native(), recording], TABLE).is_err());
+}
+
+#[test]
 fn summary_is_plain_json() {
     let comparison = compare(&context(), &[native(), foreign(0.99)], TABLE).unwrap();
     let json: serde_json::Value = serde_json::to_value(&comparison).unwrap();
@@ -310,5 +349,43 @@ fn summary_is_plain_json() {
     assert_eq!(
         json["engines"][0]["judged"][0]["checks"][0]["metric"],
         "mean-against-load"
+    );
+}
+
+/// Beyond the divergence horizon samples are not held against each other: only statistics are judged.
+#[test]
+fn beyond_the_horizon_only_statistics_are_judged() {
+    let pair = [native(), foreign(0.99)];
+    let at = |horizon_s: Option<f64>, limits: &[Limit]| {
+        let context = Context {
+            divergence: Some(Divergence {
+                horizon_s,
+                largest_share: 0.1,
+                told: "Test.".to_owned(),
+            }),
+            ..context()
+        };
+        let comparison = compare(&context, &pair, limits).unwrap();
+        let entries = &comparison.pairs[0].entries;
+        let forces = |e: &&pinwheel_compare::comparison::PairEntry| {
+            e.quantity == "external_sleeve_force_n" && e.window == WindowKind::Steady
+        };
+        let found = entries.iter().find(forces).unwrap();
+        (found.verdict.clone(), found.checks.len())
+    };
+    let samples = limit("foreign", 0.0099);
+    let mean = Limit {
+        metric: Metric::Mean,
+        ..limit("foreign", 0.02)
+    };
+    assert_eq!(at(None, &[samples, mean]), (Verdict::Exceeded, 2));
+    assert_eq!(at(Some(0.6), &[samples, mean]), (Verdict::Exceeded, 2));
+    // The steady window ends at 0.6 s.
+    assert_eq!(at(Some(0.59), &[samples, mean]), (Verdict::Within, 1));
+    let (verdict, checks) = at(Some(0.59), &[samples]);
+    assert_eq!(checks, 0);
+    assert!(
+        matches!(&verdict, Verdict::NotJudged { reason } if reason.contains("horizon")),
+        "{verdict:?}"
     );
 }

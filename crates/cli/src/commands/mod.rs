@@ -5,5 +5,8 @@ pub(crate) mod compare;
 pub(crate) mod engines;
 pub(crate) mod explain;
 pub(crate) mod laws;
+pub(crate) mod record;
 pub(crate) mod run;
+pub(crate) mod stability;
+pub(crate) mod sweep;
 mod verdicts;

@@ -58,6 +58,8 @@ struct EngineCard {
     style: usize,
     /// Why it was not judged, if it was not.
     trouble: Option<String>,
+    /// When and why, for a recorded run.
+    recorded: Option<String>,
 }
 
 impl<'a> Page<'a> {
@@ -78,6 +80,7 @@ impl<'a> Page<'a> {
                 .absent_windows
                 .iter()
                 .map(|w| format!("No {} window: {}.", w.kind.word(), w.reason))
+                .chain(comparison.context.divergence.iter().map(|d| d.told.clone()))
                 .collect(),
             chart_notes: charts.as_ref().map(|c| c.notes.clone()).unwrap_or_default(),
             chart_json: charts.as_ref().map(json_for_script).transpose()?,
@@ -112,6 +115,7 @@ fn engine_cards(comparison: &Comparison) -> Vec<EngineCard> {
             differences: engine.differences.clone(),
             style,
             trouble: engine.status.reason(),
+            recorded: engine.cost.recorded.clone(),
         })
         .collect()
 }

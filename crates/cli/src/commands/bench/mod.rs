@@ -126,7 +126,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
     let out = if complete {
         folder.publish()?
     } else {
-        folder.publish_what_there_is()?
+        folder.publish_unfinished()?
     };
     screen::show(&shown(&measured, &rankings, &out))?;
     if !complete {
