@@ -9,6 +9,10 @@ use crate::engine::Track;
 pub(crate) struct Card {
     pub(crate) name: &'static str,
     /// Package whose version counts.
+    #[cfg_attr(
+        not(feature = "crossval"),
+        expect(dead_code, reason = "asked for by live engines")
+    )]
     pub(crate) package: &'static str,
     pub(crate) track: Track,
     pub(crate) summary: &'static str,
@@ -88,6 +92,7 @@ pub(crate) fn card(name: &str) -> Option<&'static Card> {
     CARDS.iter().find(|card| card.name == name)
 }
 
+#[cfg(feature = "crossval")]
 impl Card {
     /// Name and pinned version of what is behind the engine.
     pub(crate) fn version(&self) -> String {
@@ -99,12 +104,14 @@ impl Card {
 }
 
 /// A pinned package.
+#[cfg(feature = "crossval")]
 pub(crate) struct Pin {
     pub(crate) package: &'static str,
     pub(crate) version: &'static str,
 }
 
 /// The pinned packages, from the list of what we ask for.
+#[cfg(feature = "crossval")]
 pub(crate) fn pins() -> impl Iterator<Item = Pin> {
     include_str!("../../../python/requirements.in")
         .lines()

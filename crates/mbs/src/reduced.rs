@@ -17,7 +17,7 @@
 
 use crate::mechanism::{BodyId, Forces, Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
-use crate::sliding::{Angle, PinnedContacts};
+use crate::sliding::{Angle, PinnedContacts, RateStage};
 use crate::state::{BodyState, Wrench};
 
 /// A body carried by another.
@@ -38,6 +38,8 @@ pub struct Reduced<F> {
     /// Lumped moment of inertia of every body.
     inertia: Vec<f64>,
     free: Vec<BodyId>,
+    /// Of the free bodies.
+    free_inertia: Vec<f64>,
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
     /// Moments about the pin, loads of carried bodies included.
@@ -47,6 +49,10 @@ pub struct Reduced<F> {
     torques: Vec<f64>,
     contacts: PinnedContacts,
     scales: Option<ErrorScales>,
+    /// Forces of the revolutes on their children; empty unless wanted.
+    reactions: Vec<[f64; 2]>,
+    /// What the bodies carry, of all reactions: scratch.
+    borne: Vec<[f64; 2]>,
 }
 
 impl<F: Forces> Reduced<F> {
@@ -121,10 +127,13 @@ impl<F: Forces> Reduced<F> {
         for carried in &carried {
             carrier_of[carried.body] = Some(carried.carrier);
         }
-        let moving = free.iter().map(|&body| inertia[body]).collect();
+        let moving: Vec<f64> = free.iter().map(|&body| inertia[body]).collect();
         Ok(Self {
             scales: None,
-            contacts: PinnedContacts::new(angles.clone(), carrier_of, free.clone(), moving),
+            reactions: Vec::new(),
+            borne: Vec::new(),
+            contacts: PinnedContacts::new(angles.clone(), carrier_of, free.clone(), moving.clone()),
+            free_inertia: moving,
             forces,
             angles,
             carried,
@@ -158,6 +167,20 @@ impl<F: Forces> Reduced<F> {
     #[must_use]
     pub fn with_scales(mut self, scales: ErrorScales) -> Self {
         self.scales = Some(scales);
+        self
+    }
+
+    /// Makes [`observe`](Formulation::observe) tell the forces of the revolutes, by Newton's law from
+    /// the accelerations: the elimination has made them unnecessary, not unknown.
+    ///
+    /// ```text
+    /// carried body:  reaction = m a - F,   a = A (alpha (k x s) - omega^2 s)
+    /// carrier:       reaction = sum of its bodies' reactions - F
+    /// ```
+    #[must_use]
+    pub fn with_reactions(mut self) -> Self {
+        self.reactions = vec![[0.0; 2]; self.mechanism.revolutes.len()];
+        self.borne = vec![[0.0; 2]; self.bodies.len()];
         self
     }
 
@@ -206,6 +229,37 @@ impl<F: Forces> Reduced<F> {
         self.sum_moments();
     }
 
+    /// Forces of the revolutes at time `t`, from the moments and loads of the last evaluation.
+    fn set_reactions(&mut self, t: f64) {
+        self.borne.fill([0.0; 2]);
+        for carried_ones in [true, false] {
+            for (k, joint) in self.mechanism.revolutes.iter().enumerate() {
+                if joint.parent.is_some() != carried_ones {
+                    continue;
+                }
+                let (child, load) = (self.bodies[joint.child], self.loads[joint.child]);
+                let [mut fx, mut fy] = self.borne[joint.child];
+                (fx, fy) = (fx - load.fx, fy - load.fy);
+                if let Some(parent) = joint.parent {
+                    let base = self.bodies[parent];
+                    let turning = match self.angles[parent] {
+                        Angle::Driven(driver) => self.mechanism.drivers[driver].motion.at(t).2,
+                        Angle::Free(_) => self.moments[parent] / self.inertia[parent],
+                        Angle::Idle => 0.0,
+                    };
+                    let (sx, sy) = (child.x - base.x, child.y - base.y);
+                    let mass = self.mechanism.bodies[joint.child].mass;
+                    let squared = base.rate * base.rate;
+                    fx += mass * (-turning * sy - squared * sx);
+                    fy += mass * (turning * sx - squared * sy);
+                    self.borne[parent][0] += fx;
+                    self.borne[parent][1] += fy;
+                }
+                self.reactions[k] = [fx, fy];
+            }
+        }
+    }
+
     /// Moments about the pins from the loads.
     fn sum_moments(&mut self) {
         for (moment, load) in self.moments.iter_mut().zip(&self.loads) {
@@ -250,25 +304,33 @@ impl<F: Forces> OdeSystem for Reduced<F> {
     fn split_stage(&mut self, t: f64, a: f64, y: &mut [f64], e: &mut [f64], i: &mut [f64]) {
         self.place(t, y);
         self.loads.fill(Wrench::default());
-        self.forces.apply_without_friction(
-            t,
-            &self.bodies,
-            &mut self.loads,
-            self.contacts.listed_mut(),
-        );
-        self.sum_moments();
         let n = self.free.len();
-        for (k, &body) in self.free.iter().enumerate() {
-            e[n + k] = self.moments[body] / self.inertia[body];
-        }
+        e.fill(0.0);
         i.fill(0.0);
-        if self
-            .contacts
-            .solve(a, &self.bodies, &self.forces, &mut y[n..])
-        {
-            self.contacts.accelerate(&mut e[n..], &mut i[n..]);
-        } else {
+        let mut stage = RateStage {
+            a,
+            rates: &mut y[n..],
+            inertia: &self.free_inertia,
+            explicit: &mut e[n..],
+            implicit: &mut i[n..],
+        };
+        let solved = self
+            .forces
+            .solve_friction(t, &self.bodies, &mut self.loads, &mut stage);
+        let solved = solved.unwrap_or_else(|| {
+            let listed = self.contacts.listed_mut();
+            self.forces
+                .apply_without_friction(t, &self.bodies, &mut self.loads, listed);
+            self.contacts
+                .solve_stage(&self.bodies, &self.forces, &mut stage)
+        });
+        if !solved {
             e.fill(f64::NAN);
+            return;
+        }
+        self.sum_moments();
+        for (k, &body) in self.free.iter().enumerate() {
+            e[n + k] += self.moments[body] / self.inertia[body];
         }
         e[..n].copy_from_slice(&y[n..]);
     }
@@ -297,12 +359,16 @@ impl<F: Forces> Formulation for Reduced<F> {
             self.torques[k] =
                 self.inertia[driver.child] * acceleration - self.moments[driver.child];
         }
+        let wanted = !self.reactions.is_empty();
+        if wanted {
+            self.set_reactions(t);
+        }
         Observation {
             time: t,
             bodies: &self.bodies,
             loads: &self.loads,
             driver_torques: &self.torques,
-            reactions: None,
+            reactions: wanted.then_some(self.reactions.as_slice()),
         }
     }
 

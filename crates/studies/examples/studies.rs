@@ -1,4 +1,4 @@
-//! Prints the studies: `studies atlas [SCENE...] | horizon SCENE... | drift SCENE | published`.
+//! Prints the studies: `studies atlas [SCENE...] | horizon SCENE... | drift SCENE | published | paper`.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -6,7 +6,7 @@
 )]
 
 use pinwheel_gearbox::scene::Scene;
-use pinwheel_studies::{Control, Progress, divergence, drift, published, stability};
+use pinwheel_studies::{Control, Progress, divergence, drift, paper, published, stability};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -36,7 +36,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         "horizon" => {
             for name in names {
-                match divergence::horizon(&Scene::load(name, &[])?, &control) {
+                match divergence::horizon(&Scene::load(name, &[])?, divergence::STEP, &mut |_| {
+                    false
+                }) {
                     Ok(found) => println!(
                         "{name}: {:?} largest {:.1e} last {:.1e}",
                         found.horizon_s, found.largest_share, found.last_share
@@ -54,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             scene.solver.duration_s = 0.05;
             let mut found = Vec::new();
             for step in [1e-5, 5e-6] {
-                for switch in published::SWITCHES {
+                for switch in published::LIMITED {
                     found.push(published::limit(&scene, switch, step, &control)?);
                 }
             }
@@ -65,6 +67,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             scene.solver.duration_s = 0.3;
             serde_json::to_string_pretty(&published::run(&scene, &published::DAMPINGS, &control)?)?
         }
+        "paper" => serde_json::to_string_pretty(&paper::run(
+            &paper::Options {
+                figures: names.to_vec(),
+                peer: None,
+            },
+            &control,
+        )?)?,
         other => return Err(format!("no study `{other}`").into()),
     };
     println!("{json}");

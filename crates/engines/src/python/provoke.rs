@@ -1,5 +1,6 @@
 //! Faults on purpose, for tests that a guard sees them. Not used by the program.
 
+use pinwheel_gearbox::Sleeve;
 use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, PairContact};
 use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::{BodyState, Wrench};
@@ -68,6 +69,10 @@ impl ContactField for Faulty {
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
         self.field.touching(bodies, visit);
+    }
+
+    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
+        self.field.nearest(bodies, wheel, sleeve)
     }
 
     fn normal_force(&self, pair: &PairContact, rate: f64) -> f64 {
