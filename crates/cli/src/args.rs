@@ -48,6 +48,8 @@ pub(crate) enum Command {
     Engines(EnginesArgs),
     /// List the contact laws with their source, domain and behaviour at slow impacts.
     Laws(LawsArgs),
+    /// Compute every figure and claim of the paper again, on one page.
+    Paper(crate::commands::paper::PaperArgs),
 }
 
 /// Which scene.

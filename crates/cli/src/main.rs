@@ -4,6 +4,7 @@
 //! 3 an engine is missing, diverged or failed; 130 stopped by the user.
 //! Results go to stdout, progress to stderr and only when that is a terminal.
 
+mod animation;
 mod args;
 mod commands;
 mod engines;
@@ -41,5 +42,6 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Explain(args) => commands::explain::explain(args),
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),
+        Command::Paper(args) => commands::paper::paper(args),
     }
 }

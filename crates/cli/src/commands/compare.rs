@@ -12,6 +12,7 @@ use pinwheel_gearbox::scene::{Assumption, Scene, Start, assumptions};
 use pinwheel_report::{Fact, ReportInput};
 use serde::Serialize;
 
+use crate::animation;
 use crate::args::{CompareArgs, quoted};
 use crate::commands::verdicts;
 use crate::engines;
@@ -226,6 +227,7 @@ fn write(
     let page = pinwheel_report::render(&ReportInput {
         comparison,
         participants,
+        animation: animation::of(scene)?,
         modelled: facts(&model.modelled),
         left_out: facts(&model.left_out),
         assumptions: assumed

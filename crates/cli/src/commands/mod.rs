@@ -4,5 +4,6 @@ pub(crate) mod compare;
 pub(crate) mod engines;
 pub(crate) mod explain;
 pub(crate) mod laws;
+pub(crate) mod paper;
 pub(crate) mod run;
 mod verdicts;
