@@ -55,12 +55,13 @@ pub(crate) fn window(
     let Ok(gearbox) = Gearbox::new(&scene) else {
         return Ok(None);
     };
-    let courses: Courses = match native::run(&gearbox, &mut |_| interrupt::flag().load(Ordering::Relaxed)) {
-        Ok(run) => run.courses,
-        // What there is until then is worth seeing.
-        Err(NativeError::Diverged { partial, .. }) => partial.courses,
-        Err(NativeError::Stopped) => return Err(Failure::stopped()),
-        Err(NativeError::Model(_) | NativeError::Courses(_)) => return Ok(None),
-    };
+    let courses: Courses =
+        match native::run(&gearbox, &mut |_| interrupt::flag().load(Ordering::Relaxed)) {
+            Ok(run) => run.courses,
+            // What there is until then is worth seeing.
+            Err(NativeError::Diverged { partial, .. }) => partial.courses,
+            Err(NativeError::Stopped) => return Err(Failure::stopped()),
+            Err(NativeError::Model(_) | NativeError::Courses(_)) => return Ok(None),
+        };
     Ok(Animation::of(title, &gear, &courses, (from_s, to_s)))
 }

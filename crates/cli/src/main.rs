@@ -39,9 +39,12 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
     match command {
         Command::Run(args) => commands::run::run(args),
         Command::Compare(args) => commands::compare::compare(args),
+        Command::Bench(args) => commands::bench::bench(args),
         Command::Explain(args) => commands::explain::explain(args),
+        Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),
         Command::Paper(args) => commands::paper::paper(args),
+        Command::Stability(args) => commands::stability::stability(args),
     }
 }

@@ -27,6 +27,18 @@ pub enum Metric {
     MeanAgainstLoad,
 }
 
+impl Metric {
+    /// Whether it holds one course's samples against the other's, which means nothing once a rounding has
+    /// driven two runs of one solver apart.
+    #[must_use]
+    pub fn is_pointwise(self) -> bool {
+        matches!(
+            self,
+            Self::RelativeL2 | Self::RelativeLinf | Self::SpragueGeers
+        )
+    }
+}
+
 /// Which scenes a row applies to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]

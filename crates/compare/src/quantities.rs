@@ -89,6 +89,13 @@ impl Quantity {
     }
 }
 
+/// What readers call a quantity of that name, and its unit; empty if unknown.
+#[must_use]
+pub fn label_and_unit(name: &str) -> (String, String) {
+    let Quantity { label, unit, .. } = Quantity::new(name);
+    (label, unit)
+}
+
 /// The quantities of all courses together, in the order of their first appearance; numbered
 /// channels of one name form one quantity, ordered by number.
 #[must_use]

@@ -6,6 +6,7 @@
 
 mod csv_file;
 mod error;
+pub mod foreign;
 #[cfg(feature = "parquet")]
 mod parquet_file;
 mod store;

@@ -147,7 +147,7 @@ document.addEventListener('DOMContentLoaded', () => {
     const found = Object.fromEntries(names.map((name) => [name, resolve(`var(--${name})`)]));
     found.wheel = [0, 1, 2, 3].map((k) => resolve(`var(--wheel-${k})`));
     found.edge = [0, 1, 2, 3].map((k) => resolve(`var(--wheel-${k}-edge)`));
-    const mix = (a, b, share) => resolve(`color-mix(in oklab, var(--force-${b}) ${Math.round(100 * share)}%, var(--force-${a}))`);
+    const mix = (a, b, share) => resolve(`color-mix(in oklch, var(--force-${b}) ${Math.round(100 * share)}%, var(--force-${a}))`);
     found.force = Array.from({ length: 41 }, (_, k) => (k <= 20 ? mix('low', 'middle', k / 20) : mix('middle', 'high', (k - 20) / 20)));
     probe.remove();
     return found;
@@ -158,8 +158,8 @@ document.addEventListener('DOMContentLoaded', () => {
     const context = canvas.getContext('2d');
     const { gear, radius } = box;
     const rim = radius + gear.d + gear.q * 1.45;
-    const reach = Math.max(0.24 * radius, 2.4 * gear.q);
-    const half = rim + 0.72 * reach;
+    const reach = Math.max(0.3 * radius, 2.6 * gear.q);
+    const half = rim + 0.42 * reach;
     function resize() {
       const ratio = Math.min(window.devicePixelRatio || 1, 2);
       const size = Math.max(1, Math.round(canvas.clientWidth * ratio));

@@ -66,7 +66,9 @@ impl Gear {
     /// How far apart samples should be, s, and how long a stretch fits into one page, s.
     #[must_use]
     pub fn sampling(&self) -> (f64, f64) {
-        let sleeve = std::f64::consts::TAU / self.input_speed_rad_s.abs().max(1e-9) / self.external_sleeves as f64;
+        let sleeve = std::f64::consts::TAU
+            / self.input_speed_rad_s.abs().max(1e-9)
+            / self.external_sleeves as f64;
         // Vibration of the wheels on their contacts, about 1 kHz, must not be lost either.
         let step = (sleeve / PER_SLEEVE).min(2e-4);
         let samples = BUDGET / (2 * self.channels());
@@ -128,7 +130,12 @@ impl Animation {
     /// Packs the samples from `from_s` to `to_s`, evenly spaced; `None` if a channel is missing or there
     /// are fewer than two samples.
     #[must_use]
-    pub fn of(title: impl Into<String>, gear: &Gear, courses: &Courses, (from_s, to_s): (f64, f64)) -> Option<Self> {
+    pub fn of(
+        title: impl Into<String>,
+        gear: &Gear,
+        courses: &Courses,
+        (from_s, to_s): (f64, f64),
+    ) -> Option<Self> {
         let range = courses.window(from_s, to_s);
         let time = courses.time_s().get(range.clone())?;
         let (&start, &end) = (time.first()?, time.last()?);
@@ -145,11 +152,17 @@ impl Animation {
             part("transmission_error_arcmin", ARCMIN)?,
         ];
         for i in 0..gear.wheels {
-            columns.push(part(&format!("wheel_transmission_error_arcmin_{i}"), ARCMIN)?);
+            columns.push(part(
+                &format!("wheel_transmission_error_arcmin_{i}"),
+                ARCMIN,
+            )?);
         }
         let forces = columns.len();
         for i in 0..gear.wheels {
-            for (kind, count) in [("external", gear.external_sleeves), ("internal", gear.internal_sleeves)] {
+            for (kind, count) in [
+                ("external", gear.external_sleeves),
+                ("internal", gear.internal_sleeves),
+            ] {
                 for n in 0..count {
                     columns.push(part(&format!("wheel_{i}_{kind}_normal_force_n_{n}"), 1.0)?);
                 }
@@ -210,8 +223,17 @@ fn pack(values: &[f64]) -> (Scale, Vec<u16>) {
         return (Scale { offset, step: 0.0 }, vec![0; values.len()]);
     }
     let step = (high - low) / f64::from(u16::MAX);
-    let number = |v: &f64| if v.is_finite() { ((v - low) / step).round() as u16 } else { 0 };
-    (Scale { offset: low, step }, values.iter().map(number).collect())
+    let number = |v: &f64| {
+        if v.is_finite() {
+            ((v - low) / step).round() as u16
+        } else {
+            0
+        }
+    };
+    (
+        Scale { offset: low, step },
+        values.iter().map(number).collect(),
+    )
 }
 
 /// Markup of one block with a clock for all of `views`, which must have the same sample times; style and script
@@ -223,7 +245,9 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
     let Some(first) = views.first() else {
         return Ok(String::new());
     };
-    let begin = ((begin_s - first.view.from) / first.view.step).round().max(0.0) as usize;
+    let begin = ((begin_s - first.view.from) / first.view.step)
+        .round()
+        .max(0.0) as usize;
     let block = Block {
         views: views.iter().map(|v| &v.view).collect(),
         begin: begin.min(first.view.count - 1),
@@ -265,12 +289,15 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
     }
     html.push_str("</select></label><div class=\"gearbox-chips\" role=\"group\" aria-label=\"What is drawn\"><button type=\"button\" aria-pressed=\"true\">Forces</button>");
     for i in 0..first.view.gear.wheels {
-        let _ = write!(html, "<button type=\"button\" data-wheel=\"{i}\" aria-pressed=\"true\">Wheel {i}</button>");
+        let _ = write!(
+            html,
+            "<button type=\"button\" data-wheel=\"{i}\" aria-pressed=\"true\">Wheel {i}</button>"
+        );
     }
     let full = crate::format::significant(first.view.full, 3);
     let _ = write!(
         html,
-        "</div></div><div class=\"gearbox-key\"><span>0</span><span class=\"ramp\"></span><span>{full}\u{202f}N, a full arrow. Line below: largest force of a pair, \
+        "</div></div><div class=\"gearbox-key\"><span>0</span><span class=\"ramp\"></span><span>{full}\u{202f}N, a full arrow. Strip: largest force of a pair over time, \
          <span style=\"color:var(--accent)\">external</span> and <span style=\"color:var(--force-middle)\">internal</span>. Point at a sleeve for its force.</span></div>\n\
          <script type=\"application/json\">{}</script></div>\n<script>{}</script>",
         json_for_script(&block)?,
@@ -280,7 +307,11 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
 }
 
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;").replace('\'', "&#39;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+        .replace('\'', "&#39;")
 }
 
 #[cfg(test)]
@@ -306,13 +337,23 @@ mod tests {
     fn courses() -> Courses {
         let mut courses = Courses::new((0..11).map(|k| f64::from(k) * 1e-3).collect()).unwrap();
         let mut push = |name: &str, value: f64| {
-            courses.push(name, (0..11).map(|k| value + f64::from(k)).collect()).unwrap();
+            courses
+                .push(name, (0..11).map(|k| value + f64::from(k)).collect())
+                .unwrap();
         };
-        for name in ["input_torque_n_m", "output_torque_n_m", "transmission_error_arcmin", "wheel_transmission_error_arcmin_0"] {
+        for name in [
+            "input_torque_n_m",
+            "output_torque_n_m",
+            "transmission_error_arcmin",
+            "wheel_transmission_error_arcmin_0",
+        ] {
             push(name, 1.0);
         }
         for n in 0..3 {
-            push(&format!("wheel_0_external_normal_force_n_{n}"), 10.0 * f64::from(n));
+            push(
+                &format!("wheel_0_external_normal_force_n_{n}"),
+                10.0 * f64::from(n),
+            );
         }
         for n in 0..2 {
             push(&format!("wheel_0_internal_normal_force_n_{n}"), 5.0);
@@ -325,16 +366,27 @@ mod tests {
         let values = [1.0, -3.0, 2.5, f64::NAN, 100.0];
         let (scale, packed) = pack(&values);
         for (v, k) in values.iter().zip(&packed).filter(|(v, _)| v.is_finite()) {
-            assert!((scale.offset + scale.step * f64::from(*k) - v).abs() <= 0.5 * scale.step + 1e-12);
+            assert!(
+                (scale.offset + scale.step * f64::from(*k) - v).abs() <= 0.5 * scale.step + 1e-12
+            );
         }
-        assert_eq!(pack(&[7.0, 7.0]).0, Scale { offset: 7.0, step: 0.0 });
+        assert_eq!(
+            pack(&[7.0, 7.0]).0,
+            Scale {
+                offset: 7.0,
+                step: 0.0
+            }
+        );
         assert_eq!(pack(&[f64::NAN]).1, [0]);
     }
 
     #[test]
     fn a_window_is_packed_channel_by_channel() {
         let made = Animation::of("a <gear>", &gear(), &courses(), (0.002, 0.006)).unwrap();
-        assert_eq!((made.view.count, made.view.channels.len()), (5, gear().channels()));
+        assert_eq!(
+            (made.view.count, made.view.channels.len()),
+            (5, gear().channels())
+        );
         let bytes = STANDARD.decode(&made.view.samples).unwrap();
         assert_eq!(bytes.len(), 2 * 5 * gear().channels());
         // The first channel rises from 3 to 7 N m.
@@ -359,7 +411,10 @@ mod tests {
         (large.external_sleeves, large.internal_sleeves, large.wheels) = (60, 12, 4);
         for gear in [gear(), large] {
             let (step, stretch) = gear.sampling();
-            assert!(step > 0.0 && 2.0 * gear.channels() as f64 * (stretch / step) < 1.01 * BUDGET as f64);
+            assert!(
+                step > 0.0
+                    && 2.0 * gear.channels() as f64 * (stretch / step) < 1.01 * BUDGET as f64
+            );
         }
     }
 }

@@ -27,7 +27,7 @@ pub enum SweepError {
         /// What it varies.
         values: String,
         /// Why.
-        source: SceneError,
+        source: Box<SceneError>,
     },
     /// A run that cannot be planned for another reason.
     #[error("run {number} ({values}): {what}")]

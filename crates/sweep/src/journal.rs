@@ -86,10 +86,11 @@ impl Journal {
         self.len() == 0
     }
 
-    /// Its folder.
+    /// Runs in its own folder, those of an earlier output not counted.
     #[must_use]
-    pub fn folder(&self) -> &Path {
-        &self.folder
+    pub fn in_its_folder(&self) -> usize {
+        let own = |(_, path): &&(RunRecord, PathBuf)| path.starts_with(&self.folder);
+        self.lock().values().filter(own).count()
     }
 
     /// The record of an identity, if its courses are kept as wanted.

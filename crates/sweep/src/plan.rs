@@ -61,7 +61,7 @@ impl Plan {
                 scene_at(&sweep, overrides, &values).map_err(|source| SweepError::Scene {
                     number,
                     values: in_words(&values),
-                    source,
+                    source: Box::new(source),
                 })?;
             let wrong = |what: String| SweepError::Run {
                 number,

@@ -131,7 +131,8 @@ fn motion() -> Result<Vec<Section>, Failure> {
     if views.is_empty() {
         return Ok(Vec::new());
     }
-    let markup = animate(&views, TURN.0).map_err(|error| Failure::engine(format!("the page cannot be made: {error}")))?;
+    let markup = animate(&views, TURN.0)
+        .map_err(|error| Failure::engine(format!("the page cannot be made: {error}")))?;
     Ok(vec![Section {
         id: "motion".into(),
         title: "Motion".into(),

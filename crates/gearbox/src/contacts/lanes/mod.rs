@@ -9,22 +9,25 @@ mod columns;
 mod listing;
 mod loads;
 mod shapes;
+mod sliding;
 mod walk;
 
 use pinwheel_contact::{LanesLaw, RegularisedCoulomb};
+use pinwheel_mbs::sliding::RateStage;
 use pinwheel_mbs::{BodyState, Wrench};
 use pulp::Simd;
 
 use super::detection::Exact;
 use super::field::{ContactEnergy, ContactField, PairContact};
-use super::pairs::{Loaded, Pairs, WheelFrame};
+use super::pairs::Pairs;
 use crate::geometry::Geometry;
 use crate::layout::{Layout, Sleeve};
 use crate::scene::Scene;
 use columns::Sleeves;
-use listing::Listing;
+use listing::{Listing, Visit};
 use loads::Loads;
 use shapes::Shapes;
+use sliding::{Sliding, Split};
 use walk::{Sink, walk};
 
 /// The contact field of one law with exact detection, in lanes.
@@ -35,6 +38,8 @@ pub(super) struct LaneField<L> {
     pairs: LanePairs,
     /// For single pairs, where lanes gain nothing.
     scalar: Pairs<L, Exact>,
+    /// With friction, if the gear has no more wheels than there is room for.
+    sliding: Option<Sliding>,
 }
 
 /// What a walk needs.
@@ -56,7 +61,10 @@ struct Walk<'a, K> {
 struct SumWalk<'a, L, const FRICTION: bool>(Walk<'a, Loads<'a, L, FRICTION>>);
 
 /// A walk that visits.
-struct ListWalk<'a, L, F>(Walk<'a, Listing<L, F>>);
+struct ListWalk<'a, 'v, L>(Walk<'a, Listing<'a, 'v, L>>);
+
+/// A walk that lists the contacts of a friction stage.
+struct SplitWalk<'a, L>(Walk<'a, Split<'a, L>>);
 
 impl<K> Walk<'_, K> {
     #[inline(always)]
@@ -86,11 +94,7 @@ impl<L: LanesLaw, const FRICTION: bool> pulp::WithSimd for SumWalk<'_, L, FRICTI
     }
 }
 
-impl<L, F> pulp::WithSimd for ListWalk<'_, L, F>
-where
-    L: LanesLaw,
-    F: FnMut(usize, Sleeve, &WheelFrame, &Loaded),
-{
+impl<L: LanesLaw> pulp::WithSimd for ListWalk<'_, '_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -99,17 +103,32 @@ where
     }
 }
 
+impl<L: LanesLaw> pulp::WithSimd for SplitWalk<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        self.0.run(simd);
+        self.0.pairs.external.scatter(self.0.sink.loads);
+        self.0.pairs.internal.scatter(self.0.sink.loads);
+    }
+}
+
 impl<L: LanesLaw> LaneField<L> {
     pub(super) fn new(scene: &Scene, geometry: &Geometry, law: L) -> Self {
         let contact = &scene.contact;
         let layout = Layout::of(&scene.gear);
+        let friction = RegularisedCoulomb {
+            coefficient: contact.friction_coefficient,
+            ramp: contact.friction_ramp_m_s,
+        };
         Self {
             arch: pulp::Arch::new(),
             law,
-            friction: RegularisedCoulomb {
-                coefficient: contact.friction_coefficient,
-                ramp: contact.friction_ramp_m_s,
-            },
+            friction,
+            sliding: (friction.coefficient > 0.0)
+                .then(|| Sliding::new(layout, friction))
+                .flatten(),
             pairs: LanePairs {
                 layout,
                 shapes: Shapes::new(scene, geometry),
@@ -134,11 +153,7 @@ impl<L: LanesLaw> LaneField<L> {
         }));
     }
 
-    fn list(
-        &mut self,
-        bodies: &[BodyState],
-        visit: impl FnMut(usize, Sleeve, &WheelFrame, &Loaded),
-    ) {
+    fn list(&mut self, bodies: &[BodyState], visit: &mut Visit<'_>) {
         let sink = Listing {
             law: self.law,
             friction: self.friction,
@@ -164,7 +179,7 @@ impl<L: LanesLaw> ContactField for LaneField<L> {
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
         let law = self.law;
-        self.list(bodies, |wheel, sleeve, frame, pair| {
+        self.list(bodies, &mut |wheel, sleeve, frame, pair| {
             visit(&pair.contact(&law, wheel, sleeve, frame));
         });
     }
@@ -176,11 +191,38 @@ impl<L: LanesLaw> ContactField for LaneField<L> {
     fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
         let mut sum = ContactEnergy::default();
         let law = self.law;
-        self.list(bodies, |_, _, _, pair| pair.add_energy(&law, &mut sum));
+        self.list(bodies, &mut |_, _, _, pair| pair.add_energy(&law, &mut sum));
         sum
     }
 
     fn normal_force(&self, pair: &PairContact, rate: f64) -> f64 {
         self.law.force(pair.stiffness, pair.penetration_m, rate)
+    }
+
+    fn solve_friction(
+        &mut self,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+        stage: &mut RateStage<'_>,
+    ) -> Option<bool> {
+        let sliding = self.sliding.as_mut()?;
+        // Free are all bodies but the input.
+        if stage.rates.len() + 1 != bodies.len() {
+            return None;
+        }
+        sliding.clear();
+        let sink = Split {
+            law: self.law,
+            sliding,
+            loads,
+        };
+        let pairs = &mut self.pairs;
+        self.arch.dispatch(SplitWalk(Walk {
+            pairs,
+            bodies,
+            sink,
+        }));
+        let sliding = self.sliding.as_mut()?;
+        Some(sliding.solve(self.arch, self.law, stage))
     }
 }
