@@ -49,6 +49,8 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Measure what accuracy costs: error against time of every engine, integrator and step.
     Bench(BenchArgs),
+    /// Keep courses of the Python engines for builds and machines without them.
+    Record(crate::commands::record::RecordArgs),
     /// Say what a scene models, what it leaves out and what to expect of it.
     Explain(ExplainArgs),
     /// Run a scene with lists or ranges of keys over all cores and tabulate the figures.

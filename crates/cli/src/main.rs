@@ -46,5 +46,6 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Laws(args) => commands::laws::laws(args),
         Command::Paper(args) => commands::paper::paper(args),
         Command::Stability(args) => commands::stability::stability(args),
+        Command::Record(args) => commands::record::record(args),
     }
 }
