@@ -53,7 +53,12 @@ fn program() -> Option<PathBuf> {
         .map(|path| std::env::split_paths(&path).collect())
         .unwrap_or_default();
     // Joining an absolute path gives the path itself.
-    let found = |name: &&str| places.iter().map(|place| place.join(name)).find(|p| p.is_file());
+    let found = |name: &&str| {
+        places
+            .iter()
+            .map(|place| place.join(name))
+            .find(|p| p.is_file())
+    };
     NAMES.iter().find_map(|name| found(&name))
 }
 
@@ -108,7 +113,10 @@ impl Chromium {
             loaded: false,
         };
         let target = browser.call("Target.createTarget", json!({"url": "about:blank"}));
-        let attached = browser.call("Target.attachToTarget", json!({"targetId": target["targetId"], "flatten": true}));
+        let attached = browser.call(
+            "Target.attachToTarget",
+            json!({"targetId": target["targetId"], "flatten": true}),
+        );
         browser.session = attached["sessionId"].as_str().map(str::to_owned);
         for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
             browser.call(domain, json!({}));
@@ -119,7 +127,11 @@ impl Chromium {
     /// Opens a file and waits until it is loaded. Returns what the console complained of.
     pub(crate) fn open(&mut self, page: &Path, look: Look) {
         let scheme = if look.dark { "dark" } else { "light" };
-        let motion = if look.still { "reduce" } else { "no-preference" };
+        let motion = if look.still {
+            "reduce"
+        } else {
+            "no-preference"
+        };
         self.call(
             "Emulation.setDeviceMetricsOverride",
             json!({"width": look.width, "height": 900, "deviceScaleFactor": 1, "mobile": look.width < 600}),
@@ -131,7 +143,10 @@ impl Chromium {
         self.complaints.clear();
         self.loaded = false;
         let page = page.canonicalize().unwrap();
-        let went = self.call("Page.navigate", json!({"url": format!("file://{}", page.display())}));
+        let went = self.call(
+            "Page.navigate",
+            json!({"url": format!("file://{}", page.display())}),
+        );
         assert!(went.get("errorText").is_none(), "{went}");
         while !self.loaded {
             self.read();
@@ -160,7 +175,9 @@ impl Chromium {
         if let Some(session) = &self.session {
             message["sessionId"] = json!(session);
         }
-        self.socket.send(Message::text(message.to_string())).unwrap();
+        self.socket
+            .send(Message::text(message.to_string()))
+            .unwrap();
         loop {
             let answer = self.read();
             if answer["id"] == id {
@@ -182,13 +199,24 @@ impl Chromium {
             Some("Page.loadEventFired") => self.loaded = true,
             Some("Runtime.exceptionThrown") => {
                 let details = &params["exceptionDetails"];
-                self.complaints.push(format!("exception: {} {}", details["text"], details["exception"]["description"]));
+                self.complaints.push(format!(
+                    "exception: {} {}",
+                    details["text"], details["exception"]["description"]
+                ));
             }
-            Some("Runtime.consoleAPICalled") if matches!(params["type"].as_str(), Some("error" | "warning" | "assert")) => {
+            Some("Runtime.consoleAPICalled")
+                if matches!(
+                    params["type"].as_str(),
+                    Some("error" | "warning" | "assert")
+                ) =>
+            {
                 self.complaints.push(format!("console: {}", params["args"]));
             }
-            Some("Log.entryAdded") if matches!(params["entry"]["level"].as_str(), Some("error" | "warning")) => {
-                self.complaints.push(format!("log: {}", params["entry"]["text"]));
+            Some("Log.entryAdded")
+                if matches!(params["entry"]["level"].as_str(), Some("error" | "warning")) =>
+            {
+                self.complaints
+                    .push(format!("log: {}", params["entry"]["text"]));
             }
             _ => {}
         }
@@ -213,7 +241,10 @@ fn address(profile: &Path) -> (u16, String) {
         if let (Some(Ok(port)), Some(path)) = (lines.next().map(str::parse), lines.next()) {
             return (port, path.to_owned());
         }
-        assert!(start.elapsed() < PATIENCE, "Chromium does not say where it listens");
+        assert!(
+            start.elapsed() < PATIENCE,
+            "Chromium does not say where it listens"
+        );
         std::thread::sleep(Duration::from_millis(50));
     }
 }

@@ -14,9 +14,21 @@ use pinwheel_tests::run_in;
 use serde_json::Value;
 
 const LOOKS: [Look; 3] = [
-    Look { width: 390, dark: false, still: true },
-    Look { width: 1280, dark: true, still: true },
-    Look { width: 1600, dark: false, still: true },
+    Look {
+        width: 390,
+        dark: false,
+        still: true,
+    },
+    Look {
+        width: 1280,
+        dark: true,
+        still: true,
+    },
+    Look {
+        width: 1600,
+        dark: false,
+        still: true,
+    },
 ];
 
 /// What a page looks like from inside, once all that can be opened is open.
@@ -87,7 +99,10 @@ fn faults(browser: &mut Chromium, page: &Path, look: Look) -> (Vec<String>, Valu
     }
     let ground = seen["ground"].as_f64().unwrap();
     if look.dark != (ground < 100.0) {
-        faults.push(format!("ground of {ground} in the {}", if look.dark { "dark" } else { "light" }));
+        faults.push(format!(
+            "ground of {ground} in the {}",
+            if look.dark { "dark" } else { "light" }
+        ));
     }
     (faults, seen)
 }
@@ -96,7 +111,11 @@ fn faults(browser: &mut Chromium, page: &Path, look: Look) -> (Vec<String>, Valu
 fn flawless(browser: &mut Chromium, page: &Path, plots: u64, gearboxes: u64) {
     for look in LOOKS {
         let (faults, seen) = faults(browser, page, look);
-        assert!(faults.is_empty(), "{} at {look:?}: {faults:#?}", page.display());
+        assert!(
+            faults.is_empty(),
+            "{} at {look:?}: {faults:#?}",
+            page.display()
+        );
         assert!(seen["plots"].as_u64().unwrap() >= plots, "{seen}");
         assert_eq!(seen["gearboxes"].as_u64().unwrap(), gearboxes, "{seen}");
     }
@@ -104,7 +123,9 @@ fn flawless(browser: &mut Chromium, page: &Path, plots: u64, gearboxes: u64) {
 
 #[test]
 fn browser_sees_what_is_wrong() {
-    let Some(mut browser) = Chromium::start() else { return };
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
     let dir = tempfile::tempdir().unwrap();
     let page = dir.path().join("bad.html");
     std::fs::write(
@@ -114,14 +135,25 @@ fn browser_sees_what_is_wrong() {
     )
     .unwrap();
     let (found, _) = faults(&mut browser, &page, LOOKS[1]);
-    for part in ["exception", "not drawn", "too wide", "wider than the screen", "ground of"] {
-        assert!(found.iter().any(|f| f.contains(part)), "{part} is not in {found:#?}");
+    for part in [
+        "exception",
+        "not drawn",
+        "too wide",
+        "wider than the screen",
+        "ground of",
+    ] {
+        assert!(
+            found.iter().any(|f| f.contains(part)),
+            "{part} is not in {found:#?}"
+        );
     }
 }
 
 #[test]
 fn browser_shows_the_comparison() {
-    let Some(mut browser) = Chromium::start() else { return };
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
     let dir = tempfile::tempdir().unwrap();
     let args = [
         "compare",
@@ -142,12 +174,16 @@ fn browser_shows_the_comparison() {
 
 #[test]
 fn browser_shows_the_paper() {
-    let Some(mut browser) = Chromium::start() else { return };
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
     let dir = tempfile::tempdir().unwrap();
     let done = run_in(dir.path(), ["paper", "--figures", "9,11", "--out", "p"]);
     assert_eq!(done.code, Some(0), "{done:?}");
     flawless(&mut browser, &dir.path().join("p/index.html"), 3, 1);
-    let summary: Value = serde_json::from_str(&std::fs::read_to_string(dir.path().join("p/summary.json")).unwrap()).unwrap();
+    let summary: Value =
+        serde_json::from_str(&std::fs::read_to_string(dir.path().join("p/summary.json")).unwrap())
+            .unwrap();
     assert_eq!(summary["figures"][0]["verdict"], "holds");
     let courses = std::fs::read_to_string(dir.path().join("p/fig-09a/courses.csv")).unwrap();
     assert!(courses.starts_with("time_s,") && courses.lines().count() > 1000);
@@ -173,12 +209,35 @@ fn moves(browser: &mut Chromium, page: &Path) {
       return [began, stopped, stepped, again];
     })()"#;
     let mut watch = |still: bool| {
-        browser.open(page, Look { width: 1280, dark: false, still });
+        browser.open(
+            page,
+            Look {
+                width: 1280,
+                dark: false,
+                still,
+            },
+        );
         let seen = browser.evaluate(WATCH);
-        let seen: Vec<bool> = seen.as_array().unwrap().iter().map(|v| v.as_bool().unwrap()).collect();
-        assert!(browser.complaints().is_empty(), "{:?}", browser.complaints());
+        let seen: Vec<bool> = seen
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|v| v.as_bool().unwrap())
+            .collect();
+        assert!(
+            browser.complaints().is_empty(),
+            "{:?}",
+            browser.complaints()
+        );
         seen
     };
-    assert_eq!(watch(false), [true, true, true, true], "began, stopped, stepped, began again");
-    assert!(!watch(true)[0], "it moves although less motion was asked for");
+    assert_eq!(
+        watch(false),
+        [true, true, true, true],
+        "began, stopped, stepped, began again"
+    );
+    assert!(
+        !watch(true)[0],
+        "it moves although less motion was asked for"
+    );
 }

@@ -1,6 +1,6 @@
 //! The engine that stands in Adams' place: one that finds and resolves contacts itself.
 
-use pinwheel_engines::{Engine, EngineError, Track, by_name};
+use pinwheel_engines::{Engine, EngineError, Track, by_name, recorded};
 use pinwheel_gearbox::scene::Scene;
 use pinwheel_studies::paper::Peer;
 
@@ -14,11 +14,14 @@ const PREFERRED: [&str; 3] = [
     "rapier-own-contact-colliders",
 ];
 
-/// The first engine there is, or the one named; `None` if this build has none at all.
+/// The engine named, live or else recorded; or of the preferred ones the first that is recorded or in this build.
+/// `None` if there is none at all.
+///
+/// Recordings go first where none is named: the Python engines take minutes for what this page shows of them.
 pub(super) fn peer(named: Option<&str>) -> Result<Option<Peer>, Failure> {
     let scene = Scene::default();
     if let Some(name) = named {
-        let engine = engines::find(name, &scene)?;
+        let engine = engines::find_or_recorded(name, &scene)?;
         if engine.track() != Track::OwnContact {
             return Err(Failure::input(format!(
                 "--against {name}: takes its contact forces from our law; name an own-contact engine of `pinwheel engines`"
@@ -28,20 +31,23 @@ pub(super) fn peer(named: Option<&str>) -> Result<Option<Peer>, Failure> {
     }
     let mut missing = Vec::new();
     for name in PREFERRED {
-        let Some(engine) = by_name(name, &scene) else {
-            missing.push(name);
-            continue;
-        };
-        if engine.supports(&scene).is_err() {
-            missing.push(name);
-            continue;
+        let recording = recorded::instead(
+            name,
+            &scene,
+            "it takes minutes; name it with --against to run it",
+        );
+        let engine = recording.or_else(|| by_name(name, &scene));
+        match engine.filter(|engine| engine.supports(&scene).is_ok()) {
+            Some(engine) => {
+                let note = if missing.is_empty() {
+                    String::new()
+                } else {
+                    format!("Neither built in nor recorded: {}.", missing.join(", "))
+                };
+                return run(engine.as_ref(), &scene, note).map(Some);
+            }
+            None => missing.push(name),
         }
-        let note = if missing.is_empty() {
-            String::new()
-        } else {
-            format!("This build has no {}.", missing.join(", no "))
-        };
-        return run(engine.as_ref(), &scene, note).map(Some);
     }
     Ok(None)
 }
