@@ -7,8 +7,8 @@ mod pairs;
 
 use pinwheel_contact::laws::hysteresis_factor;
 use pinwheel_contact::{
-    AdamsImpact, ConstantStiffness, Hysteresis, LanesLaw, LineContact, PaperConservative, PaperLaw,
-    PaperPrinted,
+    AdamsImpact, ConstantStiffness, Hysteresis, LaneLaw, LineContact, NormalLaw, PaperConservative,
+    PaperLaw, PaperPrinted,
 };
 
 pub use field::{ContactEnergy, ContactField, PairContact};
@@ -90,7 +90,7 @@ pub(crate) fn field(
     }
 }
 
-fn with_law<L: LanesLaw>(
+fn with_law<L: NormalLaw + Into<LaneLaw>>(
     scene: &Scene,
     geometry: &Geometry,
     kernel: Kernel,
@@ -101,7 +101,7 @@ fn with_law<L: LanesLaw>(
             if kernel == Kernel::Lanes
                 && scene.contact.friction_law == FrictionLaw::Regularised =>
         {
-            Box::new(LaneField::new(scene, geometry, law))
+            Box::new(LaneField::new(scene, geometry, law.into()))
         }
         Detection::Exact => Box::new(Pairs::new(
             scene,
