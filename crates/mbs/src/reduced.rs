@@ -310,6 +310,10 @@ impl<F: Forces> Formulation for Reduced<F> {
         self.free.len()
     }
 
+    fn newton_steps(&self) -> u64 {
+        self.contacts.newton_steps()
+    }
+
     fn joint_error(&mut self, _t: f64, _y: &[f64]) -> f64 {
         0.0
     }

@@ -206,7 +206,9 @@ impl<S: OdeSystem> Stepper<S> for Dopri5 {
             } else {
                 SHRINK
             };
-            limit = 1.0;
+            if !pinwheel_faults::armed(pinwheel_faults::Fault::ForgottenRejection) {
+                limit = 1.0;
+            }
         }
     }
 

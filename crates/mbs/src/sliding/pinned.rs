@@ -85,6 +85,12 @@ impl PinnedContacts {
         self.stage.accelerate(e, i);
     }
 
+    /// See [`SlidingStage::newton_steps`].
+    #[must_use]
+    pub fn newton_steps(&self) -> u64 {
+        self.stage.newton_steps()
+    }
+
     /// See [`SlidingStage::contact_forces`].
     pub fn contact_forces(&self) -> impl Iterator<Item = (&Contact, f64, f64)> {
         self.stage.contact_forces()

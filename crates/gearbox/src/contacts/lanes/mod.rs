@@ -12,6 +12,7 @@ mod shapes;
 mod walk;
 
 use pinwheel_contact::{LanesLaw, RegularisedCoulomb};
+use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::{BodyState, Wrench};
 use pulp::Simd;
 
@@ -97,15 +98,15 @@ where
 }
 
 impl<L: LanesLaw> LaneField<L> {
-    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: L) -> Self {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: L, arch: pulp::Arch) -> Self {
         let contact = &scene.contact;
         let layout = Layout::of(&scene.gear);
         Self {
-            arch: pulp::Arch::new(),
+            arch,
             law,
             friction: RegularisedCoulomb {
                 coefficient: contact.friction_coefficient,
-                ramp: contact.friction_ramp_m_s,
+                ramp: contact.friction_ramp_m_s * factor(Fault::FrictionSign, -1.0),
             },
             pairs: LanePairs {
                 layout,
