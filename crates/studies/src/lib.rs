@@ -5,6 +5,7 @@
 //! [`drift::measure`] what long runs do to joints, phases and forces; [`published::run`] which of the
 //! published model's choices make it fail at high damping. All results serialise.
 
+pub mod baseline;
 mod control;
 pub mod divergence;
 pub mod drift;
