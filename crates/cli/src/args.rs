@@ -48,6 +48,8 @@ pub(crate) enum Command {
     Engines(EnginesArgs),
     /// List the contact laws with their source, domain and behaviour at slow impacts.
     Laws(LawsArgs),
+    /// Keep accepted results, and say what a change of the solver moved.
+    Baseline(crate::commands::baseline::BaselineArgs),
 }
 
 /// Which scene.

@@ -41,5 +41,6 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Explain(args) => commands::explain::explain(args),
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),
+        Command::Baseline(args) => commands::baseline::baseline(args),
     }
 }

@@ -23,17 +23,48 @@ pub struct Mask<S: Simd> {
     m: [S::m64s; 2],
 }
 
+/// Both registers by one expression. Not a closure: the compiler may leave closures outside of the function that
+/// has the vector instructions, and each operation becomes a call.
+macro_rules! both {
+    ($self:ident, $k:ident, $value:expr) => {
+        Lanes {
+            simd: $self.simd,
+            v: [
+                {
+                    let $k = 0;
+                    $value
+                },
+                {
+                    let $k = 1;
+                    $value
+                },
+            ],
+        }
+    };
+}
+
+/// The same for masks.
+macro_rules! both_masks {
+    ($self:ident, $k:ident, $value:expr) => {
+        Mask {
+            simd: $self.simd,
+            m: [
+                {
+                    let $k = 0;
+                    $value
+                },
+                {
+                    let $k = 1;
+                    $value
+                },
+            ],
+        }
+    };
+}
+
 impl<S: Simd> Lanes<S> {
     /// Values in one group.
     pub const COUNT: usize = 2 * S::F64_LANES;
-
-    #[inline(always)]
-    fn from_fn(simd: S, f: impl Fn(usize) -> S::f64s) -> Self {
-        Self {
-            simd,
-            v: [f(0), f(1)],
-        }
-    }
 
     /// All lanes alike.
     #[must_use]
@@ -56,6 +87,9 @@ impl<S: Simd> Lanes<S> {
     #[must_use]
     #[inline(always)]
     pub fn load(simd: S, values: &[f64]) -> Self {
+        if let ([a, b, ..], _) = S::as_simd_f64s(values) {
+            return Self { simd, v: [*a, *b] };
+        }
         let (head, tail) = values.split_at(S::F64_LANES.min(values.len()));
         Self {
             simd,
@@ -86,7 +120,7 @@ impl<S: Simd> Lanes<S> {
     #[must_use]
     #[inline(always)]
     pub fn sqrt(self) -> Self {
-        Self::from_fn(self.simd, |k| self.simd.sqrt_f64s(self.v[k]))
+        both!(self, k, self.simd.sqrt_f64s(self.v[k]))
     }
 
     /// Inverses.
@@ -94,21 +128,23 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn recip(self) -> Self {
         let one = self.simd.splat_f64s(1.0);
-        Self::from_fn(self.simd, |k| self.simd.div_f64s(one, self.v[k]))
+        both!(self, k, self.simd.div_f64s(one, self.v[k]))
     }
 
     /// Absolute values.
     #[must_use]
     #[inline(always)]
     pub fn abs(self) -> Self {
-        Self::from_fn(self.simd, |k| self.simd.abs_f64s(self.v[k]))
+        // pulp's own abs is not inlined everywhere.
+        let rest = self.simd.splat_f64s(f64::from_bits(!(1 << 63)));
+        both!(self, k, self.simd.and_f64s(self.v[k], rest))
     }
 
     /// self * factor + term, fused where that is one instruction.
     #[must_use]
     #[inline(always)]
     pub fn mul_add(self, factor: Self, term: Self) -> Self {
-        Self::from_fn(self.simd, |k| {
+        both!(self, k, {
             self.simd.mul_add_e_f64s(self.v[k], factor.v[k], term.v[k])
         })
     }
@@ -117,25 +153,21 @@ impl<S: Simd> Lanes<S> {
     #[must_use]
     #[inline(always)]
     pub fn max(self, other: Self) -> Self {
-        Self::from_fn(self.simd, |k| self.simd.max_f64s(self.v[k], other.v[k]))
+        both!(self, k, self.simd.max_f64s(self.v[k], other.v[k]))
     }
 
     /// Smaller of two.
     #[must_use]
     #[inline(always)]
     pub fn min(self, other: Self) -> Self {
-        Self::from_fn(self.simd, |k| self.simd.min_f64s(self.v[k], other.v[k]))
+        both!(self, k, self.simd.min_f64s(self.v[k], other.v[k]))
     }
 
     /// Where `self < other`; false for NaN.
     #[must_use]
     #[inline(always)]
     pub fn less(self, other: Self) -> Mask<S> {
-        let less = |k: usize| self.simd.less_than_f64s(self.v[k], other.v[k]);
-        Mask {
-            simd: self.simd,
-            m: [less(0), less(1)],
-        }
+        both_masks!(self, k, self.simd.less_than_f64s(self.v[k], other.v[k]))
     }
 
     /// `self` where the mask is set, 0 elsewhere, whatever stands there.
@@ -143,7 +175,7 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn only(self, mask: Mask<S>) -> Self {
         let zero = self.simd.splat_f64s(0.0);
-        Self::from_fn(self.simd, |k| {
+        both!(self, k, {
             self.simd.select_f64s(mask.m[k], self.v[k], zero)
         })
     }
@@ -227,7 +259,7 @@ macro_rules! operator {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self::from_fn(self.simd, |k| self.simd.$function(self.v[k], other.v[k]))
+                both!(self, k, self.simd.$function(self.v[k], other.v[k]))
             }
         }
     };
@@ -240,7 +272,9 @@ impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self::from_fn(self.simd, |k| self.simd.neg_f64s(self.v[k]))
+        // pulp's own neg is not inlined everywhere.
+        let sign = self.simd.splat_f64s(-0.0);
+        both!(self, k, self.simd.xor_f64s(self.v[k], sign))
     }
 }
 

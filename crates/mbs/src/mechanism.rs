@@ -8,7 +8,7 @@
 //! multiplier is the torque **on the child**.
 
 use crate::BodyState;
-use crate::sliding::Contact;
+use crate::sliding::{Contact, RateStage};
 
 /// Index into [`Mechanism::bodies`].
 pub type BodyId = usize;
@@ -189,6 +189,21 @@ pub trait Forces {
     ) {
         contacts.clear();
         self.apply(time, bodies, loads);
+    }
+
+    /// Adds every applied load but the friction of contacts, and solves the friction of a stage.
+    ///
+    /// `Some(solved)` from forces that do so by a faster way than listing their contacts; the result must
+    /// be that of [`SlidingStage`](crate::sliding::SlidingStage). `None`, the default, and nothing is
+    /// touched: the contacts will be asked for by [`apply_without_friction`](Self::apply_without_friction).
+    fn solve_friction(
+        &mut self,
+        _time: f64,
+        _bodies: &[BodyState],
+        _loads: &mut [crate::Wrench],
+        _stage: &mut RateStage<'_>,
+    ) -> Option<bool> {
+        None
     }
 
     /// Normal force (N) of contact `index` of the last list if it closed at `rate` (m/s, along its

@@ -17,7 +17,7 @@
 
 use crate::mechanism::{BodyId, Forces, Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
-use crate::sliding::{Angle, PinnedContacts};
+use crate::sliding::{Angle, PinnedContacts, RateStage};
 use crate::state::{BodyState, Wrench};
 
 /// A body carried by another.
@@ -38,6 +38,8 @@ pub struct Reduced<F> {
     /// Lumped moment of inertia of every body.
     inertia: Vec<f64>,
     free: Vec<BodyId>,
+    /// Of the free bodies.
+    free_inertia: Vec<f64>,
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
     /// Moments about the pin, loads of carried bodies included.
@@ -47,6 +49,7 @@ pub struct Reduced<F> {
     torques: Vec<f64>,
     contacts: PinnedContacts,
     scales: Option<ErrorScales>,
+    newton_steps: u64,
 }
 
 impl<F: Forces> Reduced<F> {
@@ -121,10 +124,12 @@ impl<F: Forces> Reduced<F> {
         for carried in &carried {
             carrier_of[carried.body] = Some(carried.carrier);
         }
-        let moving = free.iter().map(|&body| inertia[body]).collect();
+        let moving: Vec<f64> = free.iter().map(|&body| inertia[body]).collect();
         Ok(Self {
             scales: None,
-            contacts: PinnedContacts::new(angles.clone(), carrier_of, free.clone(), moving),
+            newton_steps: 0,
+            contacts: PinnedContacts::new(angles.clone(), carrier_of, free.clone(), moving.clone()),
+            free_inertia: moving,
             forces,
             angles,
             carried,
@@ -250,25 +255,35 @@ impl<F: Forces> OdeSystem for Reduced<F> {
     fn split_stage(&mut self, t: f64, a: f64, y: &mut [f64], e: &mut [f64], i: &mut [f64]) {
         self.place(t, y);
         self.loads.fill(Wrench::default());
-        self.forces.apply_without_friction(
-            t,
-            &self.bodies,
-            &mut self.loads,
-            self.contacts.listed_mut(),
-        );
-        self.sum_moments();
         let n = self.free.len();
-        for (k, &body) in self.free.iter().enumerate() {
-            e[n + k] = self.moments[body] / self.inertia[body];
-        }
+        e.fill(0.0);
         i.fill(0.0);
-        if self
-            .contacts
-            .solve(a, &self.bodies, &self.forces, &mut y[n..])
-        {
-            self.contacts.accelerate(&mut e[n..], &mut i[n..]);
-        } else {
+        let mut stage = RateStage {
+            a,
+            rates: &mut y[n..],
+            inertia: &self.free_inertia,
+            explicit: &mut e[n..],
+            implicit: &mut i[n..],
+            newton_steps: 0,
+        };
+        let solved = self
+            .forces
+            .solve_friction(t, &self.bodies, &mut self.loads, &mut stage);
+        let solved = solved.unwrap_or_else(|| {
+            let listed = self.contacts.listed_mut();
+            self.forces
+                .apply_without_friction(t, &self.bodies, &mut self.loads, listed);
+            self.contacts
+                .solve_stage(&self.bodies, &self.forces, &mut stage)
+        });
+        self.newton_steps += stage.newton_steps;
+        if !solved {
             e.fill(f64::NAN);
+            return;
+        }
+        self.sum_moments();
+        for (k, &body) in self.free.iter().enumerate() {
+            e[n + k] += self.moments[body] / self.inertia[body];
         }
         e[..n].copy_from_slice(&y[n..]);
     }
@@ -311,7 +326,7 @@ impl<F: Forces> Formulation for Reduced<F> {
     }
 
     fn newton_steps(&self) -> u64 {
-        self.contacts.newton_steps()
+        self.newton_steps
     }
 
     fn joint_error(&mut self, _t: f64, _y: &[f64]) -> f64 {

@@ -1,5 +1,6 @@
 //! The contact forces of a whole gearbox as a function of its bodies' states.
 
+use pinwheel_mbs::sliding::RateStage;
 use pinwheel_mbs::{BodyState, Wrench};
 
 use crate::layout::Sleeve;
@@ -74,4 +75,15 @@ pub trait ContactField: Send {
 
     /// F_n of a pair that [`touching`](Self::touching) found, N, if it closed at `rate` (m/s) at the same positions.
     fn normal_force(&self, pair: &PairContact, rate: f64) -> f64;
+
+    /// Adds every load but friction and solves the friction of a stage, if this field has a way of its own;
+    /// else `None`, and nothing was touched. See [`Forces::solve_friction`](pinwheel_mbs::Forces::solve_friction).
+    fn solve_friction(
+        &mut self,
+        _bodies: &[BodyState],
+        _loads: &mut [Wrench],
+        _stage: &mut RateStage<'_>,
+    ) -> Option<bool> {
+        None
+    }
 }

@@ -1,6 +1,6 @@
 //! Contact forces and the load as the mechanism's applied forces, whole or with the friction told apart.
 
-use pinwheel_mbs::sliding::Contact;
+use pinwheel_mbs::sliding::{Contact, RateStage};
 use pinwheel_mbs::{BodyState, Forces, Wrench};
 
 use crate::contacts::{ContactField, PairContact};
@@ -76,6 +76,18 @@ impl Forces for GearForces<'_> {
             });
             pairs.push(*pair);
         });
+    }
+
+    fn solve_friction(
+        &mut self,
+        time: f64,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+        stage: &mut RateStage<'_>,
+    ) -> Option<bool> {
+        let solved = self.field.solve_friction(bodies, loads, stage)?;
+        loads[Layout::OUTPUT].moment += self.gearbox.load_torque(time);
+        Some(solved)
     }
 
     fn normal_force(&self, index: usize, listed: f64, rate: f64) -> f64 {

@@ -9,6 +9,7 @@ mod arrowhead;
 mod contact;
 mod pinned;
 mod problem;
+mod rates;
 mod stage;
 
 pub use arrowhead::Arrowhead;
@@ -16,4 +17,5 @@ pub use contact::{Contact, Row};
 pub(crate) use pinned::Angle;
 pub use pinned::PinnedContacts;
 pub use problem::{SlidingProblem, Slip};
+pub use rates::RateStage;
 pub use stage::SlidingStage;

@@ -4,6 +4,7 @@
 //! carried one also swings about its carrier's pin. What turns at a prescribed rate is an offset.
 
 use super::contact::{Contact, Row};
+use super::rates::RateStage;
 use super::stage::SlidingStage;
 use crate::mechanism::{BodyId, Forces};
 use crate::state::BodyState;
@@ -80,9 +81,20 @@ impl PinnedContacts {
         self.stage.solve(a, rates, law)
     }
 
-    /// See [`SlidingStage::accelerate`].
-    pub fn accelerate(&self, e: &mut [f64], i: &mut [f64]) {
-        self.stage.accelerate(e, i);
+    /// Solves a stage and adds up its accelerations. False if there is no solution.
+    pub fn solve_stage<F: Forces>(
+        &mut self,
+        bodies: &[BodyState],
+        forces: &F,
+        stage: &mut RateStage<'_>,
+    ) -> bool {
+        let before = self.newton_steps();
+        let solved = self.solve(stage.a, bodies, forces, stage.rates);
+        stage.newton_steps = self.newton_steps() - before;
+        if solved {
+            self.stage.accelerate(stage.explicit, stage.implicit);
+        }
+        solved
     }
 
     /// See [`SlidingStage::newton_steps`].

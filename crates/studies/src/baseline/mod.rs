@@ -17,6 +17,7 @@ pub mod quantity;
 mod record;
 mod reference;
 mod runner;
+mod same;
 pub mod table;
 mod yardstick;
 
@@ -29,6 +30,7 @@ pub use file::{Acceptance, Baseline, CaseQuantity, CaseRecord, HEAD, Head, Made,
 pub use judge::{CostCheck, Overlay, QuantityCheck, Verdict};
 pub use record::record;
 pub use runner::Costs;
+pub use same::{Fingerprint, Spread, across_loops, fingerprints};
 
 /// How the set is run.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use pinwheel_mbs::{BodyState, Wrench};
 use pulp::Simd;
 
 /// Columns are padded to a multiple of the widest group (two AVX-512 registers).
-const PADDING: usize = 16;
+pub(super) const PADDING: usize = 16;
 
 /// A column of planar vectors.
 #[derive(Debug, Clone, Default)]

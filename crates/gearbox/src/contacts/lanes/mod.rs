@@ -9,10 +9,12 @@ mod columns;
 mod listing;
 mod loads;
 mod shapes;
+mod sliding;
 mod walk;
 
 use pinwheel_contact::{LanesLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
+use pinwheel_mbs::sliding::RateStage;
 use pinwheel_mbs::{BodyState, Wrench};
 use pulp::Simd;
 
@@ -25,6 +27,7 @@ use columns::Sleeves;
 use listing::Listing;
 use loads::Loads;
 use shapes::Shapes;
+use sliding::{Sliding, Split};
 use walk::{Sink, walk};
 
 /// The contact field of one law with exact detection, in lanes.
@@ -33,6 +36,8 @@ pub(super) struct LaneField<L> {
     law: L,
     friction: RegularisedCoulomb,
     pairs: LanePairs,
+    /// With friction, if the gear has no more wheels than there is room for.
+    sliding: Option<Sliding>,
 }
 
 /// What a walk needs.
@@ -55,6 +60,9 @@ struct SumWalk<'a, L, const FRICTION: bool>(Walk<'a, Loads<'a, L, FRICTION>>);
 
 /// A walk that visits.
 struct ListWalk<'a, L, F>(Walk<'a, Listing<L, F>>);
+
+/// A walk that lists the contacts of a friction stage.
+struct SplitWalk<'a, L>(Walk<'a, Split<'a, L>>);
 
 impl<K> Walk<'_, K> {
     #[inline(always)]
@@ -97,17 +105,35 @@ where
     }
 }
 
+impl<L: LanesLaw> pulp::WithSimd for SplitWalk<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        self.0.run(simd);
+        self.0.pairs.external.scatter(self.0.sink.loads);
+        self.0.pairs.internal.scatter(self.0.sink.loads);
+    }
+}
+
 impl<L: LanesLaw> LaneField<L> {
     pub(super) fn new(scene: &Scene, geometry: &Geometry, law: L, arch: pulp::Arch) -> Self {
         let contact = &scene.contact;
         let layout = Layout::of(&scene.gear);
+        let friction = RegularisedCoulomb {
+            coefficient: contact.friction_coefficient,
+            ramp: contact.friction_ramp_m_s,
+        };
         Self {
             arch,
             law,
             friction: RegularisedCoulomb {
-                coefficient: contact.friction_coefficient,
-                ramp: contact.friction_ramp_m_s * factor(Fault::FrictionSign, -1.0),
+                ramp: friction.ramp * factor(Fault::FrictionSign, -1.0),
+                ..friction
             },
+            sliding: (friction.coefficient > 0.0)
+                .then(|| Sliding::new(layout, friction))
+                .flatten(),
             pairs: LanePairs {
                 layout,
                 shapes: Shapes::new(scene, geometry),
@@ -175,5 +201,32 @@ impl<L: LanesLaw> ContactField for LaneField<L> {
 
     fn normal_force(&self, pair: &PairContact, rate: f64) -> f64 {
         self.law.force(pair.stiffness, pair.penetration_m, rate)
+    }
+
+    fn solve_friction(
+        &mut self,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+        stage: &mut RateStage<'_>,
+    ) -> Option<bool> {
+        let sliding = self.sliding.as_mut()?;
+        // Free are all bodies but the input.
+        if stage.rates.len() + 1 != bodies.len() {
+            return None;
+        }
+        sliding.clear();
+        let sink = Split {
+            law: self.law,
+            sliding,
+            loads,
+        };
+        let pairs = &mut self.pairs;
+        self.arch.dispatch(SplitWalk(Walk {
+            pairs,
+            bodies,
+            sink,
+        }));
+        let sliding = self.sliding.as_mut()?;
+        Some(sliding.solve(self.arch, self.law, stage))
     }
 }
