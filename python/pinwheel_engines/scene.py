@@ -191,6 +191,8 @@ class Scene:
             data = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"the scene is not valid TOML: {error}") from error
+        # Channels beyond the contract's columns, which these engines do not record: no physics in it.
+        data.pop("output", None)
         scene = _read(Scene, data, "")
         assert isinstance(scene, Scene)
         _check_geometry(scene.gear)

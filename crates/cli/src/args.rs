@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::scene::{Override, Scene};
 
+use crate::commands::sweep::SweepArgs;
 use crate::failure::Failure;
 use crate::screen;
 
@@ -16,6 +17,8 @@ Examples:
   pinwheel run paper --engine native             one engine: courses.csv and run.json
   pinwheel compare paper --set gear.backlash_m=0.0006 --out out/backlash
   pinwheel explain my-gear.toml                  what is modelled, assumed and to be expected
+  pinwheel sweep reference/sweeps/backlash.toml  lists and ranges of keys over all cores
+  pinwheel stability --quick                     which method survives which hard scene
   pinwheel engines                               what there is to compare with
   pinwheel laws                                  contact laws that a scene can name
 
@@ -44,8 +47,12 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Say what a scene models, what it leaves out and what to expect of it.
     Explain(ExplainArgs),
+    /// Run a scene with lists or ranges of keys over all cores and tabulate the figures.
+    Sweep(SweepArgs),
     /// List the engines of this build.
     Engines(EnginesArgs),
+    /// Study which method survives which hard scene, at which step, and how it fails.
+    Stability(crate::commands::stability::StabilityArgs),
     /// List the contact laws with their source, domain and behaviour at slow impacts.
     Laws(LawsArgs),
     /// Keep accepted results, and say what a change of the solver moved.
@@ -81,13 +88,17 @@ Examples:
   pinwheel run paper --engine native-lagrange --set solver.integrator=rk4 --out out/rk4
 
 Writes DIR/courses.csv and DIR/run.json. A run that diverges ends with status 3 and leaves what
-was computed until then in DIR/courses.partial.csv.")]
+was computed until then in DIR/courses.partial.csv. A native run whose forces move by more than 30 % when it is
+repeated at twice its step ends with status 1: its step does not resolve the scene.")]
 pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     /// Engine, see `pinwheel engines`; `native` takes the formulation that the scene asks for.
     #[arg(long, value_name = "NAME", default_value = "native")]
     pub(crate) engine: String,
+    /// Do not repeat the run at twice its step to see whether the step resolves the scene (native engines).
+    #[arg(long)]
+    pub(crate) unchecked: bool,
     #[command(flatten)]
     pub(crate) out: OutArgs,
 }

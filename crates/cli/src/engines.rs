@@ -54,8 +54,14 @@ pub(crate) fn run(
     };
     let result = engine.run(scene, &control);
     progress.finish();
-    match result {
-        Err(EngineError::Cancelled) => Err(Failure::stopped()),
-        other => interrupt::check().map(|()| other),
+    let mut result = match result {
+        Err(EngineError::Cancelled) => return Err(Failure::stopped()),
+        other => interrupt::check().map(|()| other)?,
+    };
+    match &mut result {
+        Ok(run) => run.note_missing_channels(scene),
+        Err(EngineError::Diverged { partial, .. }) => partial.note_missing_channels(scene),
+        Err(_) => {}
     }
+    Ok(result)
 }

@@ -13,12 +13,17 @@ use crate::failure::Failure;
 use crate::interrupt;
 
 /// Files this program writes, at the top or in an engine's folder.
-const OURS: [&str; 5] = [
+const OURS: &[&str] = &[
+    "results.csv",
+    "results.parquet",
+    "costs.csv",
+    "sweep.toml",
     "run.json",
     "summary.json",
     "index.html",
     "courses.csv",
     "courses.partial.csv",
+    "stability.csv",
 ];
 
 /// An output folder in the making. Dropped without [`publish`](Self::publish) it leaves nothing.
@@ -67,6 +72,11 @@ impl Folder {
     /// Gives the folder its name; returns it as the user wrote it.
     pub(crate) fn publish(self) -> Result<PathBuf, Failure> {
         interrupt::check()?;
+        self.publish_unfinished()
+    }
+
+    /// The same for a result that says itself how far it got before the user stopped it.
+    pub(crate) fn publish_unfinished(self) -> Result<PathBuf, Failure> {
         // Others may have written there while the engines ran.
         inspect(&self.target, &self.shown, self.force)?;
         let failed = |error: io::Error| {
@@ -168,6 +178,19 @@ fn inspect(target: &Path, shown: &Path, force: bool) -> Result<(), Failure> {
     }
 }
 
+/// Whether this program writes files of that name.
+fn ours(name: &str) -> bool {
+    // The runs of a sweep: `run-0007.json`, `run-0007.csv`.
+    let number = name.strip_prefix("run-").and_then(|rest| {
+        let (number, extension) = rest.split_once('.')?;
+        ["json", "csv", "parquet"]
+            .contains(&extension)
+            .then_some(number)
+    });
+    OURS.contains(&name)
+        || number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
+}
+
 /// The first thing in a folder that is not an earlier output; `None` for an output or an empty folder.
 fn foreign(target: &Path) -> io::Result<Option<String>> {
     let mut written_by_us = false;
@@ -180,13 +203,13 @@ fn foreign(target: &Path) -> io::Result<Option<String>> {
             for inner in fs::read_dir(entry.path())? {
                 let inner = inner?;
                 let inner_name = inner.file_name().to_string_lossy().into_owned();
-                if !inner.file_type()?.is_file() || !OURS.contains(&inner_name.as_str()) {
+                if !inner.file_type()?.is_file() || !ours(&inner_name) {
                     return Ok(Some(format!("{name}/{inner_name}")));
                 }
             }
             continue;
         }
-        if !entry.file_type()?.is_file() || !OURS.contains(&name.as_str()) {
+        if !entry.file_type()?.is_file() || !ours(&name) {
             return Ok(Some(name));
         }
         written_by_us |= matches!(name.as_str(), "run.json" | "summary.json");
@@ -300,6 +323,7 @@ mod tests {
             (&["run.json", "sub/thesis.tex"], "`sub/thesis.tex`"),
             (&["index.html"], "without run.json"),
             (&["sub/courses.csv"], "without run.json"),
+            (&["summary.json", "runs/run-a.json"], "`runs/run-a.json`"),
         ] {
             let out = base.path().join("x");
             for file in files {

@@ -39,6 +39,11 @@ impl Progress {
 
     /// The engine reached `time_s`.
     pub(crate) fn reached(&self, time_s: f64) {
+        self.reached_with(time_s, &String::new);
+    }
+
+    /// The same with more to say, asked for when the bar is drawn.
+    pub(crate) fn reached_with(&self, time_s: f64, more: &dyn Fn() -> String) {
         if !self.visible {
             return;
         }
@@ -58,7 +63,12 @@ impl Progress {
             bar
         });
         bar.set_position((time_s / self.duration_s * PARTS as f64) as u64);
-        bar.set_message(message(time_s, self.duration_s, elapsed.as_secs_f64()));
+        let mut text = more();
+        if !text.is_empty() {
+            text.push_str(", ");
+        }
+        text.push_str(&message(time_s, self.duration_s, elapsed.as_secs_f64()));
+        bar.set_message(text);
     }
 
     /// Removes the bar.

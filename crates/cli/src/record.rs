@@ -6,6 +6,7 @@ use std::path::Path;
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, RunStats};
 use pinwheel_gearbox::scene::Scene;
+use pinwheel_studies::resolution::Resolution;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -24,6 +25,9 @@ pub(crate) struct RunRecord {
     samples: usize,
     #[serde(flatten)]
     stats: RunStats,
+    /// What the same run at twice the step shows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resolution: Option<Resolution>,
     scene: Scene,
     pinwheel_version: &'static str,
     machine: Machine,
@@ -53,6 +57,19 @@ pub(crate) fn write(
     courses: &Courses,
     stats: &RunStats,
 ) -> Result<(), Failure> {
+    write_checked(folder, engine, scene, ending, courses, stats, None)
+}
+
+/// The same, with what a coarser run shows.
+pub(crate) fn write_checked(
+    folder: &Path,
+    engine: &dyn Engine,
+    scene: &Scene,
+    ending: Ending,
+    courses: &Courses,
+    stats: &RunStats,
+    resolution: Option<&Resolution>,
+) -> Result<(), Failure> {
     let file = match ending {
         Ending::Finished => "courses.csv",
         Ending::Diverged { .. } => "courses.partial.csv",
@@ -68,6 +85,7 @@ pub(crate) fn write(
         courses: file,
         samples: courses.len(),
         stats: stats.clone(),
+        resolution: resolution.cloned(),
         scene: scene.clone(),
         pinwheel_version: env!("CARGO_PKG_VERSION"),
         machine: Machine::here(),

@@ -56,6 +56,7 @@ pub fn compare(
     let judge = Judge {
         limits,
         friction: context.friction_coefficient > 0.0,
+        context,
     };
 
     let engines: Vec<EngineSummary> = participants
@@ -232,6 +233,6 @@ fn pair_entry(
             quantity.name
         ));
     };
-    let (checks, verdict) = judge.pair(sides, quantity, window.kind, &metrics);
+    let (checks, verdict) = judge.pair(sides, quantity, window, &metrics);
     entry(Some(metrics), checks, verdict)
 }

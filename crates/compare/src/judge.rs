@@ -2,10 +2,10 @@
 
 use crate::limits::{Friction, Limit, Metric, NEGLIGIBLE, fits};
 use crate::metrics::PairMetrics;
-use crate::participant::{Participant, track};
+use crate::participant::{Context, Participant, track};
 use crate::quantities::Quantity;
 use crate::verdict::{Check, Verdict};
-use crate::windows::WindowKind;
+use crate::windows::{Window, WindowKind};
 
 /// Metrics that judge a pair, in the order of a report.
 const PAIR_METRICS: [Metric; 6] = [
@@ -24,6 +24,8 @@ pub(crate) struct Judge<'a> {
     pub(crate) limits: &'a [Limit],
     /// Whether the scene has friction.
     pub(crate) friction: bool,
+    /// The scene, for its divergence horizon.
+    pub(crate) context: &'a Context,
 }
 
 /// Two engines and the track they are compared on.
@@ -48,9 +50,10 @@ impl Judge<'_> {
         &self,
         Sides { track, a, b }: Sides<'_>,
         quantity: &Quantity,
-        window: WindowKind,
+        window: &Window,
         metrics: &PairMetrics,
     ) -> (Vec<Check>, Verdict) {
+        let pointwise = self.context.is_pointwise(window.to_s);
         if quantity.is_load() && metrics.larger_peak.is_some_and(|peak| peak < NEGLIGIBLE) {
             let reason = format!(
                 "both stay below {NEGLIGIBLE:e} {}: only rounding",
@@ -60,7 +63,8 @@ impl Judge<'_> {
         }
         let rows = self.limits.iter().filter(|row| {
             row.metric != Metric::MeanAgainstLoad
-                && row.window == window
+                && row.window == window.kind
+                && (pointwise || !row.metric.is_pointwise())
                 && fits(row.quantity, &quantity.name)
                 && fits(row.track, track)
         });
@@ -82,7 +86,14 @@ impl Judge<'_> {
             let rows: Vec<_> = rows.collect();
             checks = self.through_native(&rows, a, b, metrics);
         }
-        let reason = reason.unwrap_or_else(|| "no limit for this pair and window".to_owned());
+        let reason = reason.unwrap_or_else(|| {
+            if pointwise {
+                "no limit for this pair and window".to_owned()
+            } else {
+                "beyond the divergence horizon, where only statistics are judged, and no limit for them"
+                    .to_owned()
+            }
+        });
         let verdict = verdict(&checks, reason);
         (checks, verdict)
     }

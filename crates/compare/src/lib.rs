@@ -24,7 +24,7 @@ pub use compare::compare;
 pub use comparison::Comparison;
 pub use error::CompareError;
 pub use limits::{Limit, Metric};
-pub use participant::{Context, Cost, Energy, Participant, Status, track};
+pub use participant::{Context, Cost, Divergence, Energy, Participant, Status, track};
 pub use quantities::Quantity;
 pub use verdict::{Check, Counts, Verdict};
 pub use windows::{Window, WindowKind};

@@ -165,4 +165,27 @@ pub struct Context {
     /// Time in which the start-up transient has decayed, s; `None` takes
     /// [`SETTLING_S`](crate::windows::SETTLING_S). 0 for a run that starts in equilibrium.
     pub settling_s: Option<f64>,
+    /// What a rounding does to the scene, where it was measured.
+    pub divergence: Option<Divergence>,
+}
+
+/// How two runs of one solver come apart that differ by one rounding.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Divergence {
+    /// From here on the courses differ visibly, s, and only their statistics (mean, peak, RMS) can be compared;
+    /// `None`: not within the run.
+    pub horizon_s: Option<f64>,
+    /// Largest difference, as a share of the largest force.
+    pub largest_share: f64,
+    /// One sentence for the reader: how it was measured and what follows.
+    pub told: String,
+}
+
+impl Context {
+    /// Whether courses can be compared sample by sample up to `to_s`.
+    #[must_use]
+    pub fn is_pointwise(&self, to_s: f64) -> bool {
+        let horizon = self.divergence.as_ref().and_then(|d| d.horizon_s);
+        horizon.is_none_or(|horizon| to_s <= horizon)
+    }
 }

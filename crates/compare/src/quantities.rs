@@ -24,7 +24,9 @@ pub struct Quantity {
 }
 
 /// Suffixes of names and their units; longer ones first, as `_n_m` also ends in `_m`.
-const UNITS: [(&str, &str); 14] = [
+const UNITS: [(&str, &str); 16] = [
+    ("_n_m15", "N/m^1.5"),
+    ("_arcmin", "arcmin"),
     ("_n_m", "N m"),
     ("_rad_s2", "rad/s\u{b2}"),
     ("_rad_s", "rad/s"),
@@ -87,6 +89,13 @@ impl Quantity {
     }
 }
 
+/// What readers call a quantity of that name, and its unit; empty if unknown.
+#[must_use]
+pub fn label_and_unit(name: &str) -> (String, String) {
+    let Quantity { label, unit, .. } = Quantity::new(name);
+    (label, unit)
+}
+
 /// The quantities of all courses together, in the order of their first appearance; numbered
 /// channels of one name form one quantity, ordered by number.
 #[must_use]
@@ -129,6 +138,13 @@ mod tests {
             ("external_sleeve_force_n", "External sleeve force", "N"),
             ("output_angle_rad", "Output angle", "rad"),
             ("wheel_speed_rad_s", "Wheel speed", "rad/s"),
+            (
+                "wheel_0_external_stiffness_n_m15",
+                "Wheel 0 external stiffness",
+                "N/m^1.5",
+            ),
+            ("transmission_error_arcmin", "Transmission error", "arcmin"),
+            ("external_contact_ratio", "External contact ratio", ""),
             ("odd", "Odd", ""),
             ("_n", " n", ""),
         ] {

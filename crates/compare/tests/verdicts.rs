@@ -5,7 +5,8 @@ mod common;
 use common::{context, courses, participant};
 use pinwheel_compare::limits::{Friction, TABLE};
 use pinwheel_compare::{
-    CompareError, Limit, Metric, Participant, Status, Verdict, WindowKind, compare, track,
+    CompareError, Context, Divergence, Limit, Metric, Participant, Status, Verdict, WindowKind,
+    compare, track,
 };
 use pinwheel_courses::Courses;
 
@@ -310,5 +311,43 @@ fn summary_is_plain_json() {
     assert_eq!(
         json["engines"][0]["judged"][0]["checks"][0]["metric"],
         "mean-against-load"
+    );
+}
+
+/// Beyond the divergence horizon samples are not held against each other: only statistics are judged.
+#[test]
+fn beyond_the_horizon_only_statistics_are_judged() {
+    let pair = [native(), foreign(0.99)];
+    let at = |horizon_s: Option<f64>, limits: &[Limit]| {
+        let context = Context {
+            divergence: Some(Divergence {
+                horizon_s,
+                largest_share: 0.1,
+                told: "Test.".to_owned(),
+            }),
+            ..context()
+        };
+        let comparison = compare(&context, &pair, limits).unwrap();
+        let entries = &comparison.pairs[0].entries;
+        let forces = |e: &&pinwheel_compare::comparison::PairEntry| {
+            e.quantity == "external_sleeve_force_n" && e.window == WindowKind::Steady
+        };
+        let found = entries.iter().find(forces).unwrap();
+        (found.verdict.clone(), found.checks.len())
+    };
+    let samples = limit("foreign", 0.0099);
+    let mean = Limit {
+        metric: Metric::Mean,
+        ..limit("foreign", 0.02)
+    };
+    assert_eq!(at(None, &[samples, mean]), (Verdict::Exceeded, 2));
+    assert_eq!(at(Some(0.6), &[samples, mean]), (Verdict::Exceeded, 2));
+    // The steady window ends at 0.6 s.
+    assert_eq!(at(Some(0.59), &[samples, mean]), (Verdict::Within, 1));
+    let (verdict, checks) = at(Some(0.59), &[samples]);
+    assert_eq!(checks, 0);
+    assert!(
+        matches!(&verdict, Verdict::NotJudged { reason } if reason.contains("horizon")),
+        "{verdict:?}"
     );
 }

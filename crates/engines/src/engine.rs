@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_courses::Courses;
+use pinwheel_gearbox::channels::Channels;
 use pinwheel_gearbox::energy::EnergyAudit;
 use pinwheel_gearbox::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -69,6 +70,30 @@ pub struct Run {
     pub courses: Courses,
     /// Cost and settings.
     pub stats: RunStats,
+}
+
+impl Run {
+    /// Adds a note if channels that the scene asks for are not among the courses.
+    pub fn note_missing_channels(&mut self, scene: &Scene) {
+        let Ok(asked) = Channels::of(scene) else {
+            return;
+        };
+        let missing = asked.without(|name| self.courses.channel(name).is_some());
+        if missing.is_empty() {
+            return;
+        }
+        let families: Vec<&str> = missing
+            .families()
+            .into_iter()
+            .map(|(family, _)| family.pattern)
+            .collect();
+        self.stats.notes.push(format!(
+            "This engine does not know {} of the {} channels asked for: {}.",
+            missing.len(),
+            asked.len(),
+            families.join(", ")
+        ));
+    }
 }
 
 /// Why a run gave no complete courses.

@@ -33,6 +33,10 @@ pub struct Explanation {
     pub modelled: Vec<Statement>,
     /// What is not.
     pub left_out: Vec<Statement>,
+    /// Columns beside the contract's that the scene asks for.
+    pub channels: Vec<String>,
+    /// Every channel there is, `*` standing for numbers, with what it holds.
+    pub channels_available: Vec<Statement>,
 }
 
 /// Explains the model of a checked scene.
@@ -194,6 +198,13 @@ pub fn explain(scene: &Scene) -> Result<Explanation, GearboxError> {
             "from the start".to_owned()
         },
     );
+    for (family, count) in gearbox.channels.families() {
+        say(
+            &mut modelled,
+            format!("channel {} ({count})", family.pattern),
+            &format!("output.channels: {}", family.about),
+        );
+    }
     let choice = crate::auto::integrator(scene);
     say(
         &mut modelled,
@@ -235,6 +246,14 @@ pub fn explain(scene: &Scene) -> Result<Explanation, GearboxError> {
         contact_pairs: layout.wheels * sleeves,
         modelled,
         left_out,
+        channels: gearbox.channels.names().map(str::to_owned).collect(),
+        channels_available: crate::channels::FAMILIES
+            .iter()
+            .map(|family| Statement {
+                what: family.pattern.to_owned(),
+                why: family.about.to_owned(),
+            })
+            .collect(),
     })
 }
 

@@ -3,6 +3,7 @@
 use pinwheel_contact::HertzStiffness;
 use pinwheel_mbs::{Body, BodyState, Driver, ErrorScales, Mechanism, Motion, Revolute};
 
+use crate::channels::Channels;
 use crate::contacts::{self, ContactField, Kernel};
 use crate::geometry::Geometry;
 use crate::layout::Layout;
@@ -38,6 +39,9 @@ pub enum GearboxError {
         /// The load, N m.
         load_n_m: f64,
     },
+    /// No such channel.
+    #[error("{0}")]
+    Channel(String),
     /// No such integrator.
     #[error("no integrator `{0}`")]
     UnknownIntegrator(String),
@@ -52,6 +56,8 @@ pub struct Gearbox {
     pub layout: Layout,
     /// Derived geometry.
     pub geometry: Geometry,
+    /// Channels recorded beside the contract's columns.
+    pub channels: Channels,
     /// Which contact loop is used.
     pub kernel: Kernel,
     /// Initial states other than the ideal mesh's.
@@ -69,6 +75,7 @@ impl Gearbox {
             scene: scene.clone(),
             layout: Layout::of(&scene.gear),
             geometry,
+            channels: Channels::of(scene).map_err(GearboxError::Channel)?,
             kernel: Kernel::default(),
             start: None,
         };

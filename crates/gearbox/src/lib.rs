@@ -1,6 +1,8 @@
 //! Cycloidal gearboxes: scene, mechanism, contacts and the native run.
 
 pub mod auto;
+mod balance;
+pub mod channels;
 pub mod claims;
 pub mod contacts;
 pub mod energy;
@@ -11,6 +13,7 @@ mod geometry;
 pub mod guard;
 mod layout;
 pub mod native;
+mod pace;
 mod recorder;
 pub mod scene;
 pub mod statics;

@@ -1,11 +1,14 @@
 //! The native run: a scene's equations, integrated and recorded.
 
 use pinwheel_courses::{Courses, CoursesError};
-use pinwheel_mbs::integrators::{self, StepCounts, StepError, StepSettings};
+use pinwheel_mbs::integrators::{self, StepCounts, StepError, StepSettings, Stepper};
 use pinwheel_mbs::{Formulation, Lagrange, Reduced, Stabilisation};
 
+use crate::balance::Balance;
+use crate::channels::{LawPairs, Seen};
 use crate::energy::EnergyAccount;
 use crate::friction::GearForces;
+use crate::pace::Pace;
 use crate::scene;
 use crate::{Gearbox, GearboxError, Recorder, auto, guard};
 
@@ -82,6 +85,11 @@ pub fn run(
                 .map_err(GearboxError::from)?
                 .with_leaves(&sleeves)
                 .with_scales(gearbox.error_scales());
+            let system = if gearbox.channels.need_reactions() {
+                system.with_reactions()
+            } else {
+                system
+            };
             integrate(gearbox, system, watch)
         }
         scene::Formulation::Lagrange => {
@@ -124,36 +132,28 @@ fn integrate<F: Formulation>(
     let mut recorder = Recorder::new(gearbox);
     let mut joint_drift_m: f64 = 0.0;
     let mut fault = None;
-    let mut energy = EnergyAccount::new(&gearbox.mechanism());
+    let mechanism = gearbox.mechanism();
+    let mut energy = EnergyAccount::new(&mechanism);
+    let mut balance = Balance::new(&mechanism);
+    let mut pace = Pace::new(gearbox);
     let mut before = 0.0;
     'samples: for t in solver.sample_times_s() {
         // The energy account must not depend on how rarely the user samples.
-        for between in EnergyAccount::between(before, t, solver.step_s) {
-            while stepper.time() < between - 1e-9 * solver.step_s {
-                if stepper.counts().steps % STEPS_BETWEEN_LOOKS == 0 && watch(stepper.time()) {
-                    return Err(NativeError::Stopped);
-                }
-                if let Err(error) = stepper.step(&mut system) {
-                    let (StepError::NotFinite { time } | StepError::StepTooSmall { time }) = error;
-                    fault = Some((time, error.to_string()));
+        let entries = EnergyAccount::between(before, t, solver.step_s);
+        for (due, sampled) in entries.map(|e| (e, false)).chain([(t, true)]) {
+            match reach(&mut *stepper, &mut system, due, gearbox, &mut pace, watch) {
+                Ok(()) => {}
+                Err(Stop::Asked) => return Err(NativeError::Stopped),
+                Err(Stop::Fault(time, quantity)) => {
+                    fault = Some((time, quantity));
                     break 'samples;
                 }
             }
-            stepper.interpolate(&mut system, between, &mut y);
-            energy.add(gearbox, &system.observe(between, &y), field.as_mut());
-        }
-        before = t;
-        while stepper.time() < t - 1e-9 * solver.step_s {
-            if stepper.counts().steps % STEPS_BETWEEN_LOOKS == 0 && watch(stepper.time()) {
-                return Err(NativeError::Stopped);
-            }
-            if let Err(error) = stepper.step(&mut system) {
-                let (StepError::NotFinite { time } | StepError::StepTooSmall { time }) = error;
-                fault = Some((time, error.to_string()));
-                break 'samples;
+            stepper.interpolate(&mut system, due, &mut y);
+            if !sampled {
+                energy.add(gearbox, &system.observe(due, &y), field.as_mut());
             }
         }
-        stepper.interpolate(&mut system, t, &mut y);
         joint_drift_m = joint_drift_m.max(system.joint_error(t, &y));
         let seen = system.observe(t, &y);
         if let Err(quantity) = guard::check(gearbox, seen.bodies) {
@@ -161,7 +161,22 @@ fn integrate<F: Formulation>(
             break;
         }
         energy.add(gearbox, &seen, field.as_mut());
+        if let Some(audit) = energy.audit(before, t)
+            && let Err(quantity) = balance.add(&audit)
+        {
+            fault = Some((t, quantity));
+            break;
+        }
         recorder.record_loads(t, seen.driver_torques[0], seen.bodies, seen.loads);
+        if recorder.wants_channels() {
+            recorder.record_channels(&mut Seen {
+                bodies: seen.bodies,
+                driver_torque_n_m: seen.driver_torques[0],
+                reactions: seen.reactions,
+                contacts: &mut LawPairs(field.as_mut()),
+            });
+        }
+        before = t;
         if watch(t) {
             return Err(NativeError::Stopped);
         }
@@ -183,4 +198,38 @@ fn integrate<F: Formulation>(
             partial: Box::new(run),
         }),
     }
+}
+
+/// Why stepping ended.
+enum Stop {
+    /// The observer asked for it.
+    Asked,
+    /// When, s, and why no step can follow.
+    Fault(f64, String),
+}
+
+/// Steps until `t` is reached.
+fn reach<F: Formulation>(
+    stepper: &mut dyn Stepper<F>,
+    system: &mut F,
+    t: f64,
+    gearbox: &Gearbox,
+    pace: &mut Pace,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<(), Stop> {
+    while stepper.time() < t - 1e-9 * gearbox.scene.solver.step_s {
+        let (time, steps) = (stepper.time(), stepper.counts().steps);
+        if steps % STEPS_BETWEEN_LOOKS == 0 {
+            if watch(time) {
+                return Err(Stop::Asked);
+            }
+            pace.look(time, steps)
+                .map_err(|quantity| Stop::Fault(time, quantity))?;
+        }
+        stepper.step(system).map_err(|error| {
+            let (StepError::NotFinite { time } | StepError::StepTooSmall { time }) = error;
+            Stop::Fault(time, error.to_string())
+        })?;
+    }
+    Ok(())
 }

@@ -4,6 +4,7 @@ use pinwheel_courses::Courses;
 use pinwheel_mbs::{BodyState, Wrench};
 
 use crate::Gearbox;
+use crate::channels::{Seen, Values};
 use crate::contacts::ContactField;
 use crate::layout::{Layout, Sleeve};
 
@@ -15,6 +16,8 @@ pub struct Recorder {
     columns: Vec<Vec<f64>>,
     /// Force on each sleeve, external then internal, summed over the wheels.
     forces: Vec<[f64; 2]>,
+    /// What the scene asks for beyond the contract's columns.
+    channels: Option<Values>,
 }
 
 /// Columns before the sleeves.
@@ -32,6 +35,7 @@ impl Recorder {
             time: Vec::with_capacity(samples),
             columns: vec![Vec::with_capacity(samples); HEAD.len() + sleeves],
             forces: vec![[0.0; 2]; sleeves],
+            channels: Values::new(gearbox, samples),
         }
     }
 
@@ -104,6 +108,21 @@ impl Recorder {
         }
     }
 
+    /// True if the scene asks for channels: [`record_channels`](Self::record_channels) is then
+    /// due after every sample. Columns it cannot fill are left out of the courses.
+    #[must_use]
+    pub fn wants_channels(&self) -> bool {
+        self.channels.is_some()
+    }
+
+    /// Adds the channels of the sample that was recorded last.
+    pub fn record_channels(&mut self, seen: &mut Seen<'_>) {
+        let output_torque = self.columns[1].last().copied().unwrap_or(0.0);
+        if let Some(channels) = &mut self.channels {
+            channels.record(seen, output_torque);
+        }
+    }
+
     /// Samples so far.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -121,6 +140,7 @@ impl Recorder {
     /// # Errors
     /// Samples were not recorded in increasing time.
     pub fn finish(self) -> Result<Courses, pinwheel_courses::CoursesError> {
+        let samples = self.time.len();
         let mut courses = Courses::new(self.time)?;
         let externals =
             (0..self.layout.external_sleeves).map(|j| format!("external_sleeve_force_n_{j}"));
@@ -132,6 +152,9 @@ impl Recorder {
             .chain(externals)
             .chain(internals);
         for (name, values) in names.zip(self.columns) {
+            courses.push(name, values)?;
+        }
+        for (name, values) in self.channels.into_iter().flat_map(|c| c.finish(samples)) {
             courses.push(name, values)?;
         }
         Ok(courses)

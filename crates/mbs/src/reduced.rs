@@ -50,6 +50,10 @@ pub struct Reduced<F> {
     contacts: PinnedContacts,
     scales: Option<ErrorScales>,
     newton_steps: u64,
+    /// Forces of the revolutes on their children; empty unless wanted.
+    reactions: Vec<[f64; 2]>,
+    /// What the bodies carry, of all reactions: scratch.
+    borne: Vec<[f64; 2]>,
 }
 
 impl<F: Forces> Reduced<F> {
@@ -128,6 +132,8 @@ impl<F: Forces> Reduced<F> {
         Ok(Self {
             scales: None,
             newton_steps: 0,
+            reactions: Vec::new(),
+            borne: Vec::new(),
             contacts: PinnedContacts::new(angles.clone(), carrier_of, free.clone(), moving.clone()),
             free_inertia: moving,
             forces,
@@ -163,6 +169,20 @@ impl<F: Forces> Reduced<F> {
     #[must_use]
     pub fn with_scales(mut self, scales: ErrorScales) -> Self {
         self.scales = Some(scales);
+        self
+    }
+
+    /// Makes [`observe`](Formulation::observe) tell the forces of the revolutes, by Newton's law from
+    /// the accelerations: the elimination has made them unnecessary, not unknown.
+    ///
+    /// ```text
+    /// carried body:  reaction = m a - F,   a = A (alpha (k x s) - omega^2 s)
+    /// carrier:       reaction = sum of its bodies' reactions - F
+    /// ```
+    #[must_use]
+    pub fn with_reactions(mut self) -> Self {
+        self.reactions = vec![[0.0; 2]; self.mechanism.revolutes.len()];
+        self.borne = vec![[0.0; 2]; self.bodies.len()];
         self
     }
 
@@ -209,6 +229,37 @@ impl<F: Forces> Reduced<F> {
         self.loads.fill(Wrench::default());
         self.forces.apply(t, &self.bodies, &mut self.loads);
         self.sum_moments();
+    }
+
+    /// Forces of the revolutes at time `t`, from the moments and loads of the last evaluation.
+    fn set_reactions(&mut self, t: f64) {
+        self.borne.fill([0.0; 2]);
+        for carried_ones in [true, false] {
+            for (k, joint) in self.mechanism.revolutes.iter().enumerate() {
+                if joint.parent.is_some() != carried_ones {
+                    continue;
+                }
+                let (child, load) = (self.bodies[joint.child], self.loads[joint.child]);
+                let [mut fx, mut fy] = self.borne[joint.child];
+                (fx, fy) = (fx - load.fx, fy - load.fy);
+                if let Some(parent) = joint.parent {
+                    let base = self.bodies[parent];
+                    let turning = match self.angles[parent] {
+                        Angle::Driven(driver) => self.mechanism.drivers[driver].motion.at(t).2,
+                        Angle::Free(_) => self.moments[parent] / self.inertia[parent],
+                        Angle::Idle => 0.0,
+                    };
+                    let (sx, sy) = (child.x - base.x, child.y - base.y);
+                    let mass = self.mechanism.bodies[joint.child].mass;
+                    let squared = base.rate * base.rate;
+                    fx += mass * (-turning * sy - squared * sx);
+                    fy += mass * (turning * sx - squared * sy);
+                    self.borne[parent][0] += fx;
+                    self.borne[parent][1] += fy;
+                }
+                self.reactions[k] = [fx, fy];
+            }
+        }
     }
 
     /// Moments about the pins from the loads.
@@ -312,12 +363,16 @@ impl<F: Forces> Formulation for Reduced<F> {
             self.torques[k] =
                 self.inertia[driver.child] * acceleration - self.moments[driver.child];
         }
+        let wanted = !self.reactions.is_empty();
+        if wanted {
+            self.set_reactions(t);
+        }
         Observation {
             time: t,
             bodies: &self.bodies,
             loads: &self.loads,
             driver_torques: &self.torques,
-            reactions: None,
+            reactions: wanted.then_some(self.reactions.as_slice()),
         }
     }
 

@@ -36,7 +36,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         "horizon" => {
             for name in names {
-                match divergence::horizon(&Scene::load(name, &[])?, &control) {
+                match divergence::horizon(&Scene::load(name, &[])?, divergence::STEP, &mut |_| {
+                    false
+                }) {
                     Ok(found) => println!(
                         "{name}: {:?} largest {:.1e} last {:.1e}",
                         found.horizon_s, found.largest_share, found.last_share
@@ -54,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             scene.solver.duration_s = 0.05;
             let mut found = Vec::new();
             for step in [1e-5, 5e-6] {
-                for switch in published::SWITCHES {
+                for switch in published::LIMITED {
                     found.push(published::limit(&scene, switch, step, &control)?);
                 }
             }

@@ -25,7 +25,7 @@ pub struct Control<'a> {
     /// Set from outside to stop; looked at in every sample of every run.
     pub cancel: &'a AtomicBool,
     /// Called at the beginning of every piece.
-    pub progress: &'a dyn Fn(Progress<'_>),
+    pub progress: &'a (dyn Fn(Progress<'_>) + Sync),
 }
 
 impl Control<'_> {
@@ -41,16 +41,7 @@ impl Control<'_> {
 
     /// Runs a scene; a divergence is a result, not an error.
     pub(crate) fn run(&self, scene: &Scene) -> Result<Ended, StudyError> {
-        let gearbox = Gearbox::new(scene).map_err(|source| of_scene(scene, source))?;
-        match native::run(&gearbox, &mut |_| self.cancel.load(Ordering::Relaxed)) {
-            Ok(run) => Ok(Ended::Whole(Box::new(run))),
-            Err(NativeError::Diverged {
-                time_s, quantity, ..
-            }) => Ok(Ended::Diverged { time_s, quantity }),
-            Err(NativeError::Stopped) => Err(StudyError::Cancelled),
-            Err(NativeError::Model(source)) => Err(of_scene(scene, source)),
-            Err(NativeError::Courses(source)) => Err(StudyError::Courses(source)),
-        }
+        run(scene, &mut |_| self.cancel.load(Ordering::Relaxed))
     }
 
     /// Runs a scene that must reach its end.
@@ -62,6 +53,20 @@ impl Control<'_> {
                 reason: format!("diverged at t = {time_s:.6} s: {quantity}"),
             }),
         }
+    }
+}
+
+/// Runs a scene; `watch` as in [`native::run`].
+pub(crate) fn run(scene: &Scene, watch: &mut dyn FnMut(f64) -> bool) -> Result<Ended, StudyError> {
+    let gearbox = Gearbox::new(scene).map_err(|source| of_scene(scene, source))?;
+    match native::run(&gearbox, watch) {
+        Ok(run) => Ok(Ended::Whole(Box::new(run))),
+        Err(NativeError::Diverged {
+            time_s, quantity, ..
+        }) => Ok(Ended::Diverged { time_s, quantity }),
+        Err(NativeError::Stopped) => Err(StudyError::Cancelled),
+        Err(NativeError::Model(source)) => Err(of_scene(scene, source)),
+        Err(NativeError::Courses(source)) => Err(StudyError::Courses(source)),
     }
 }
 

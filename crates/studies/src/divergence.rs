@@ -9,17 +9,17 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::scene::{FrictionLaw, Scene};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
-use crate::control::Control;
+use crate::control::{Ended, run};
 use crate::measure::level;
 
 /// Share of the largest force that counts as visible.
 pub const VISIBLE: f64 = 1e-3;
 
 /// What a rounding grows to.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Horizon {
     /// The scene.
     pub scene: String,
@@ -33,54 +33,91 @@ pub struct Horizon {
     pub time_s: Vec<f64>,
     /// See `time_s`.
     pub share: Vec<f64>,
+    /// Length of the runs, s.
+    pub duration_s: f64,
+    /// Why there is no answer.
+    pub refused: Option<String>,
 }
 
 impl Horizon {
     /// One sentence for the reader.
     #[must_use]
     pub fn sentence(&self) -> String {
+        if let Some(reason) = &self.refused {
+            return format!("Not measured: {reason}.");
+        }
         match self.horizon_s {
             Some(t) => format!(
                 "A change in the last digit becomes visible after {t:.4} s: later, courses are compared by their statistics only."
             ),
             None => format!(
-                "A change in the last digit never grows beyond {:.1e} of the largest force: courses are compared point by point.",
-                self.largest_share
+                "A change in the last digit never grows beyond {:.1e} of the largest force within {} s: courses are compared point by point.",
+                self.largest_share, self.duration_s
             ),
         }
     }
 }
 
-/// Step of both runs, s.
-const STEP: f64 = 2e-6;
+/// Step of both runs in a study, s.
+pub const STEP: f64 = 2e-6;
 
-/// Runs `scene` twice, with RK4 or, under friction, with `imex2`, and steps of 2e-6 s (or the scene's, if shorter).
+/// Largest force below which there is nothing to compare, N.
+const FORCE_FLOOR: f64 = 1.0;
+
+/// Runs `scene` twice, with RK4 or, under friction, with `imex2`, and steps of `step_s` (or the scene's, if shorter);
+/// `watch` receives the simulated time and returns true to stop.
+///
+/// A run that does not reach its end, or has no forces to speak of, is an answer with the reason.
 ///
 /// # Errors
-/// Cancelled, or a run that does not reach its end.
-pub fn horizon(scene: &Scene, control: &Control<'_>) -> Result<Horizon, StudyError> {
+/// Cancelled, or a scene that cannot be modelled.
+pub fn horizon(
+    scene: &Scene,
+    step_s: f64,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Horizon, StudyError> {
     let mut scene = scene.clone();
     let rubs = scene.contact.friction_coefficient > 0.0;
     let convex = scene.contact.friction_law == FrictionLaw::Regularised;
     let method = if rubs && convex { "imex2" } else { "rk4" };
     method.clone_into(&mut scene.solver.integrator);
-    scene.solver.step_s = scene.solver.step_s.min(STEP);
-    let one = control.complete(&scene)?.courses;
+    scene.solver.step_s = scene.solver.step_s.min(step_s);
+    let mut found = Horizon {
+        scene: scene.name.clone(),
+        horizon_s: None,
+        largest_share: 0.0,
+        last_share: 0.0,
+        time_s: Vec::new(),
+        share: Vec::new(),
+        duration_s: scene.solver.duration_s,
+        refused: None,
+    };
     let mut moved = scene.clone();
     moved.mass.wheel.moment_kg_m2 = moved.mass.wheel.moment_kg_m2.next_up();
-    let other = control.complete(&moved)?.courses;
-    let size = level(&one).peak_force_n.max(f64::MIN_POSITIVE);
-    let share = shares(&one, &other, size);
-    let visible = share.iter().position(|&s| !(s <= VISIBLE));
+    let mut both = Vec::new();
+    for scene in [&scene, &moved] {
+        match run(scene, watch)? {
+            Ended::Whole(run) => both.push(run.courses),
+            Ended::Diverged { time_s, quantity } => {
+                found.refused = Some(format!("the run ends at t = {time_s:.4} s: {quantity}"));
+                return Ok(found);
+            }
+        }
+    }
+    let size = level(&both[0]).peak_force_n;
+    if size < FORCE_FLOOR {
+        found.refused = Some("there are no forces to speak of".to_owned());
+        return Ok(found);
+    }
+    let share = shares(&both[0], &both[1], size);
     let largest = |from: usize| share[from..].iter().fold(0.0, |most: f64, &s| most.max(s));
-    Ok(Horizon {
-        scene: scene.name.clone(),
-        horizon_s: visible.map(|k| one.time_s()[k]),
-        largest_share: largest(0),
-        last_share: largest(share.len() - share.len().div_ceil(10)),
-        time_s: one.time_s().to_vec(),
-        share,
-    })
+    found.largest_share = largest(0);
+    found.last_share = largest(share.len() - share.len().div_ceil(10));
+    found.time_s = both[0].time_s().to_vec();
+    let visible = share.iter().position(|&s| !(s <= VISIBLE));
+    found.horizon_s = visible.map(|k| found.time_s[k]);
+    found.share = share;
+    Ok(found)
 }
 
 fn shares(a: &Courses, b: &Courses, size: f64) -> Vec<f64> {

@@ -1,14 +1,14 @@
 //! What long runs do to joints, phases and forces.
 
 use pinwheel_gearbox::scene::{Formulation, Scene, Stabilisation};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 use crate::control::{Control, Ended};
 use crate::measure::{Difference, difference};
 
 /// One way of keeping the joints together.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drift {
     /// Stabilisation of the Lagrange form.
     pub stabilisation: Stabilisation,

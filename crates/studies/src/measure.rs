@@ -1,10 +1,10 @@
 //! How far one run's courses lie from another's, and how high they are.
 
 use pinwheel_courses::Courses;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Relative L2 differences.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Difference {
     /// All sleeve forces together.
     pub forces: f64,
@@ -13,7 +13,7 @@ pub struct Difference {
 }
 
 /// Sizes of a run's courses.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Level {
     /// Largest sleeve force, N.
     pub peak_force_n: f64,
@@ -27,7 +27,7 @@ const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"]
 const TORQUE: &str = "input_torque_n_m";
 
 /// `||a - b|| / ||b||` over the samples both have; `b` is the reference. Both start at 0 and share the
-/// sampling step.
+/// sampling step. 1 where `b` is nothing and `a` is not.
 #[must_use]
 pub fn difference(a: &Courses, b: &Courses) -> Difference {
     let mut forces = (0.0, 0.0);
@@ -43,6 +43,10 @@ pub fn difference(a: &Courses, b: &Courses) -> Difference {
     let root = |(error, size): (f64, f64)| {
         if error == 0.0 {
             return 0.0;
+        }
+        // Against nothing, something is wholly wrong.
+        if size == 0.0 {
+            return 1.0;
         }
         (error / size).sqrt()
     };

@@ -12,14 +12,14 @@
 //! All without friction, as in the preset `paper`.
 
 use pinwheel_gearbox::scene::{Detection, Scene};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 use crate::control::{Control, Ended, Progress};
 use crate::measure::{Difference, Level, difference, level};
 
 /// What is switched on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Switch {
     /// Our model, converged: the reference of all others.
@@ -36,9 +36,48 @@ pub enum Switch {
     Everything,
     /// Points detection at the paper's step: without what the others add.
     PointsAndStep,
+    /// Friction, whose coefficient is not printed: mu = 0.1, at the paper's method and step.
+    Friction,
+    /// All of them with friction, at the paper's step.
+    EverythingWithFriction,
+    /// Eq. 17 computed in millimetres: its factor (1 - R) is then -5, and damping feeds energy in.
+    Millimetres,
 }
 
-/// All, in the order of the table.
+impl Switch {
+    /// As a table names it.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Converged => "nothing: our model, converged",
+            Self::Step => "the paper's method and step",
+            Self::Points => "600 points a wheel, 20 a hole",
+            Self::Unclamped => "no clamp (Eq. 20 as printed)",
+            Self::PrintedVelocity => "velocity of Q as printed (Eq. 16, 17)",
+            Self::Everything => "all of them, at the paper's step",
+            Self::PointsAndStep => "600 points at the paper's step",
+            Self::Friction => "friction, mu = 0.1, at the paper's step",
+            Self::EverythingWithFriction => "all of them with friction, at the paper's step",
+            Self::Millimetres => "Eq. 17 in millimetres, at the paper's step",
+        }
+    }
+}
+
+/// Those for which the largest damping is looked for: what cannot be compared with the converged run is among
+/// them.
+pub const LIMITED: [Switch; 9] = [
+    Switch::Step,
+    Switch::Points,
+    Switch::Unclamped,
+    Switch::PrintedVelocity,
+    Switch::PointsAndStep,
+    Switch::Friction,
+    Switch::Everything,
+    Switch::EverythingWithFriction,
+    Switch::Millimetres,
+];
+
+/// Those whose errors are measured, in the order of the table.
 pub const SWITCHES: [Switch; 7] = [
     Switch::Converged,
     Switch::Step,
@@ -50,7 +89,7 @@ pub const SWITCHES: [Switch; 7] = [
 ];
 
 /// One run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
     /// C, N s/m.
     pub damping_n_s_m: f64,
@@ -70,6 +109,8 @@ pub struct Entry {
 pub const DAMPINGS: [f64; 6] = [8.0, 16.0, 32.0, 64.0, 200.0, 512.0];
 /// Points on a wheel and on a hole: the paper's rough analysis.
 const POINTS: (usize, usize) = (600, 20);
+/// Friction coefficient where there is friction.
+const FRICTION: f64 = 0.1;
 /// Step of the converged runs, s. Points make forces jump, so a fixed step serves all alike.
 const FINE: f64 = 5e-7;
 
@@ -122,8 +163,12 @@ pub fn run(
 
 fn switched(scene: &Scene, damping: f64, switch: Switch) -> Scene {
     let mut scene = scene.clone();
-    let all = switch == Switch::Everything;
+    let rubs = matches!(switch, Switch::Friction | Switch::EverythingWithFriction);
+    let all = matches!(switch, Switch::Everything | Switch::EverythingWithFriction);
     scene.contact.damping_n_s_m = damping;
+    if rubs {
+        scene.contact.friction_coefficient = FRICTION;
+    }
     if all || matches!(switch, Switch::Points | Switch::PointsAndStep) {
         scene.contact.detection = Detection::Points;
         (scene.contact.wheel_points, scene.contact.hole_points) = POINTS;
@@ -134,7 +179,15 @@ fn switched(scene: &Scene, damping: f64, switch: Switch) -> Scene {
     if all || switch == Switch::PrintedVelocity {
         scene.contact.damping_n_s_m *= 1.0 - scene.gear.external_sleeve_radius_m;
     }
-    let published = all || matches!(switch, Switch::Step | Switch::PointsAndStep);
+    if switch == Switch::Millimetres {
+        scene.contact.damping_n_s_m *= 1.0 - 1e3 * scene.gear.external_sleeve_radius_m;
+    }
+    let published = all
+        || rubs
+        || matches!(
+            switch,
+            Switch::Step | Switch::PointsAndStep | Switch::Millimetres
+        );
     (scene.solver.step_s, scene.solver.integrator) = if published {
         (1e-5, "rk2".to_owned())
     } else {
@@ -165,14 +218,14 @@ fn roughness(courses: &pinwheel_courses::Courses) -> f64 {
 }
 
 /// Where a model stops working as its damping grows.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Limit {
     /// What is switched on.
     pub switch: Switch,
     /// Step, s.
     pub step_s: f64,
     /// Largest damping, to 10 %, at which the run ends with peak forces below twice those without the
-    /// switch at the paper's damping, N s/m.
+    /// switch at the paper's damping, N s/m; 0: not even at [`LEAST_DAMPING`].
     pub damping_n_s_m: f64,
     /// How it fails above; `None`: not up to [`MOST_DAMPING`].
     pub failure: Option<String>,
@@ -181,7 +234,11 @@ pub struct Limit {
 /// Dampings above are not tried, N s/m.
 pub const MOST_DAMPING: f64 = 1e5;
 
-/// Doubles the damping from the paper's 8 N s/m until the model fails at the paper's method and `step`, then bisects.
+/// Dampings below are not tried, N s/m.
+pub const LEAST_DAMPING: f64 = 0.0625;
+
+/// Doubles the damping from the paper's 8 N s/m (or halves it, if that fails) until the verdict on the
+/// paper's method at `step` changes, then bisects.
 ///
 /// # Errors
 /// Cancelled, or the run at the paper's damping fails.
@@ -213,26 +270,32 @@ pub fn limit(
             }
         })
     };
-    let (mut good, mut bad) = (4.0, None);
-    while bad.is_none() && good < MOST_DAMPING {
-        match fails(2.0 * good)? {
-            None => good *= 2.0,
-            Some(how) => bad = Some((2.0 * good, how)),
+    let (mut good, mut bad) = (None, None);
+    let mut damping = 8.0;
+    loop {
+        match fails(damping)? {
+            None => good = Some(damping),
+            Some(how) => bad = Some((damping, how)),
+        }
+        damping *= if good.is_some() { 2.0 } else { 0.5 };
+        let both = good.is_some() && bad.is_some();
+        if both || !(LEAST_DAMPING..=2.0 * MOST_DAMPING).contains(&damping) {
+            break;
         }
     }
-    while let Some((high, _)) = &bad
-        && high / good > 1.1
+    while let (Some(low), Some((high, _))) = (good, &bad)
+        && high / low > 1.1
     {
-        let middle = (good * high).sqrt();
+        let middle: f64 = (low * high).sqrt();
         match fails(middle)? {
-            None => good = middle,
+            None => good = Some(middle),
             Some(how) => bad = Some((middle, how)),
         }
     }
     Ok(Limit {
         switch,
         step_s: step,
-        damping_n_s_m: good,
+        damping_n_s_m: good.unwrap_or(0.0),
         failure: bad.map(|(_, how)| how),
     })
 }

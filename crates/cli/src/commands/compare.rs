@@ -3,13 +3,16 @@
 use std::fs;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use pinwheel_compare::{Comparison, Context, Cost, Energy, Participant, Status, limits};
+use pinwheel_compare::{
+    Comparison, Context, Cost, Divergence, Energy, Participant, Status, limits,
+};
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, RunStats, registry};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::Statement;
 use pinwheel_gearbox::scene::{Assumption, Scene, Start, assumptions};
 use pinwheel_report::{Fact, ReportInput};
+use pinwheel_studies::{StudyError, divergence};
 use serde::Serialize;
 
 use crate::args::{CompareArgs, quoted};
@@ -17,7 +20,9 @@ use crate::commands::verdicts;
 use crate::engines;
 use crate::failure::{ENGINE, EXCEEDED, Failure};
 use crate::folder::Folder;
+use crate::interrupt;
 use crate::machine::Machine;
+use crate::progress::Progress;
 use crate::record::{self, Ending};
 use crate::screen;
 
@@ -47,7 +52,11 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         participants.push(take_part(engine.as_ref(), &scene, &label, &folder)?);
     }
 
-    let comparison = pinwheel_compare::compare(&context(&scene), &participants, limits::TABLE)
+    let context = Context {
+        divergence: divergence(&scene, &participants)?,
+        ..context(&scene)
+    };
+    let comparison = pinwheel_compare::compare(&context, &participants, limits::TABLE)
         .map_err(|error| Failure::engine(format!("the courses cannot be compared: {error}")))?;
     write(args, &folder, &gearbox, &comparison, &participants)?;
     let out = folder.publish()?;
@@ -201,6 +210,38 @@ fn context(scene: &Scene) -> Context {
         input_speed_rad_s: Some(scene.drive.input_speed_rad_s),
         friction_coefficient: scene.contact.friction_coefficient,
         settling_s: (scene.drive.start == Start::Equilibrium).then_some(0.0),
+        ..Context::default()
+    }
+}
+
+/// Longest step of the two runs that differ by a rounding, s.
+const DIVERGENCE_STEP: f64 = 5e-6;
+
+/// What a rounding does to the scene; `None` where nothing is compared or it cannot be measured.
+fn divergence(scene: &Scene, participants: &[Participant]) -> Result<Option<Divergence>, Failure> {
+    if participants
+        .iter()
+        .filter(|p| p.status.is_finished())
+        .count()
+        < 2
+    {
+        return Ok(None);
+    }
+    let progress = Progress::new("divergence of a rounding", scene.solver.duration_s);
+    let found = divergence::horizon(scene, DIVERGENCE_STEP, &mut |time_s| {
+        progress.reached(time_s);
+        interrupt::check().is_err()
+    });
+    progress.finish();
+    match found {
+        Ok(horizon) => Ok(Some(Divergence {
+            horizon_s: horizon.horizon_s,
+            largest_share: horizon.largest_share,
+            told: horizon.sentence(),
+        })),
+        Err(StudyError::Cancelled) => Err(Failure::stopped()),
+        // Another engine may honour a scene that the native one refuses.
+        Err(_) => Ok(None),
     }
 }
 

@@ -6,4 +6,6 @@ pub(crate) mod engines;
 pub(crate) mod explain;
 pub(crate) mod laws;
 pub(crate) mod run;
+pub(crate) mod stability;
+pub(crate) mod sweep;
 mod verdicts;

@@ -1,11 +1,17 @@
 //! `pinwheel run`: one scene, one engine.
 
-use pinwheel_engines::EngineError;
+use pinwheel_courses::Courses;
+use pinwheel_engines::{Engine, EngineError, Track};
+use pinwheel_gearbox::scene::{Formulation, Scene};
+use pinwheel_studies::StudyError;
+use pinwheel_studies::resolution::{self, Resolution};
 
 use crate::args::RunArgs;
 use crate::engines;
-use crate::failure::{ENGINE, Failure};
+use crate::failure::{ENGINE, EXCEEDED, Failure};
 use crate::folder::Folder;
+use crate::interrupt;
+use crate::progress::Progress;
 use crate::record::{self, Ending};
 use crate::screen::{self, TITLE, styled};
 use crate::table::{Cell, lines};
@@ -40,13 +46,19 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
             )));
         }
     };
-    record::write(
+    let resolution = if ending == Ending::Finished && !args.unchecked {
+        check(engine.as_ref(), &scene, &run.courses)?
+    } else {
+        None
+    };
+    record::write_checked(
         folder.path(),
         engine.as_ref(),
         &scene,
         ending.clone(),
         &run.courses,
         &run.stats,
+        resolution.as_ref(),
     )?;
     let out = folder.publish()?;
 
@@ -91,13 +103,52 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
             format!("{} velocities integrated", stats.degrees_of_freedom),
         ),
     ];
+    if let Some(resolution) = &resolution {
+        rows.push(row("resolution", resolution.sentence()));
+    }
     rows.extend(stats.notes.iter().map(|note| row("note", note.clone())));
     rows.push(row(
         "courses",
         out.join("courses.csv").display().to_string(),
     ));
     screen::show(&format!("{}\n{}", styled(TITLE, &scene.name), lines(&rows)))?;
+    if let Some(resolution) = resolution.filter(|resolution| !resolution.holds()) {
+        screen::complain(&format!(
+            "the step does not resolve this scene: {}; make solver.step_s or solver.tolerance smaller, or set solver.integrator to \"auto\"",
+            resolution.sentence()
+        ));
+        return Ok(EXCEEDED);
+    }
     Ok(0)
+}
+
+/// What a native run shows at twice its step. The resolved engine has no step of the scene's.
+fn check(
+    engine: &dyn Engine,
+    scene: &Scene,
+    courses: &Courses,
+) -> Result<Option<Resolution>, Failure> {
+    let mut scene = scene.clone();
+    scene.solver.formulation = match engine.name() {
+        "native-reduced" => Formulation::Reduced,
+        "native-lagrange" => Formulation::Lagrange,
+        _ => return Ok(None),
+    };
+    debug_assert_eq!(engine.track(), Track::Native);
+    let label = format!("{} once more, coarser", engine.name());
+    let progress = Progress::new(label, scene.solver.duration_s);
+    let found = resolution::check(&scene, courses, &mut |time_s| {
+        progress.reached(time_s);
+        interrupt::check().is_err()
+    });
+    progress.finish();
+    match found {
+        Ok(found) => Ok(Some(found)),
+        Err(StudyError::Cancelled) => Err(Failure::stopped()),
+        Err(error) => Err(Failure::engine(format!(
+            "the run cannot be repeated at twice its step: {error}; --unchecked leaves that out"
+        ))),
+    }
 }
 
 fn row(label: &str, value: String) -> Vec<Cell> {

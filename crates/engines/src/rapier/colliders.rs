@@ -1,6 +1,8 @@
 //! rapier all by itself: polyline wheels and holes, round sleeves, its own collision detection,
 //! its own contact spring and its own Coulomb friction.
 
+use pinwheel_gearbox::channels::{PRESSING_N, PairSource};
+use pinwheel_gearbox::contacts::{ContactEnergy, PairContact};
 use pinwheel_gearbox::scene::{Detection, Gear, Scene, Start};
 use pinwheel_gearbox::{Gearbox, Sleeve};
 use pinwheel_mbs::{BodyState, Wrench};
@@ -252,35 +254,83 @@ impl Contacts for Solid {
     fn forces(&mut self, world: &World, _now: &[BodyState], share: f64, sums: &mut Sums) {
         let per_impulse = 1.0 / (share * self.step_s);
         for meeting in &self.meetings {
-            let contacts = world
-                .physics
-                .narrow_phase
-                .contact_pair(meeting.edge, meeting.ball);
-            let Some(contacts) = contacts else { continue };
-            let sign = if contacts.collider1 == meeting.edge {
-                1.0
-            } else {
-                -1.0
-            };
-            for manifold in contacts.manifolds() {
-                if manifold.data.solver_contacts.is_empty() {
-                    continue;
-                }
-                for point in &manifold.points {
-                    // rapier's normal points out of the first body and pushes the second along it;
-                    // its friction impulse is on the first, along minus the normal turned by 90 degrees.
-                    let (normal, turned) = (manifold.data.normal, manifold.data.normal.perp());
-                    let impulse =
-                        point.data.impulse * normal + point.data.tangent_impulse.x * turned;
-                    let force = sign * per_impulse * impulse;
-                    sums.add(meeting.wheel, meeting.sleeve, [force.x, force.y]);
-                }
-            }
+            meeting.impulses(world, &mut |_, impulse| {
+                let force = per_impulse * impulse;
+                sums.add(meeting.wheel, meeting.sleeve, [force.x, force.y]);
+            });
         }
+    }
+
+    fn seen<'a>(&'a mut self, world: &'a World, _share: f64) -> Box<dyn PairSource + 'a> {
+        Box::new(Own {
+            meetings: &self.meetings,
+            world,
+            pressing: PRESSING_N * self.step_s,
+        })
     }
 
     fn law_calls(&self) -> u64 {
         0
+    }
+}
+
+impl Meeting {
+    /// Visits the impulses of the last step: the normal one's size, and the whole on the sleeve.
+    fn impulses(&self, world: &World, visit: &mut dyn FnMut(f64, Vector)) {
+        let contacts = world
+            .physics
+            .narrow_phase
+            .contact_pair(self.edge, self.ball);
+        let Some(contacts) = contacts else { return };
+        let sign = if contacts.collider1 == self.edge {
+            1.0
+        } else {
+            -1.0
+        };
+        for manifold in contacts.manifolds() {
+            if manifold.data.solver_contacts.is_empty() {
+                continue;
+            }
+            for point in &manifold.points {
+                // rapier's normal points out of the first body and pushes the second along it;
+                // its friction impulse is on the first, along minus the normal turned by 90 degrees.
+                let (normal, turned) = (manifold.data.normal, manifold.data.normal.perp());
+                let impulse = point.data.impulse * normal + point.data.tangent_impulse.x * turned;
+                visit(point.data.impulse, sign * impulse);
+            }
+        }
+    }
+}
+
+/// What rapier's own contacts tell: which of them press. Its penetrations are those of polylines and
+/// its stiffness is no law's, so neither is given.
+struct Own<'a> {
+    meetings: &'a [Meeting],
+    world: &'a World,
+    /// Impulse above which a contact presses, N s.
+    pressing: f64,
+}
+
+impl PairSource for Own<'_> {
+    fn pair(&mut self, _: &[BodyState], _wheel: usize, _sleeve: Sleeve) -> Option<PairContact> {
+        None
+    }
+
+    fn loaded(&mut self, _: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve)) -> bool {
+        for meeting in self.meetings {
+            let mut presses = false;
+            meeting.impulses(self.world, &mut |normal, _| {
+                presses |= normal > self.pressing
+            });
+            if presses {
+                visit(meeting.wheel, meeting.sleeve);
+            }
+        }
+        true
+    }
+
+    fn losses(&mut self, _: &[BodyState]) -> Option<ContactEnergy> {
+        None
     }
 }
 

@@ -7,9 +7,10 @@
 //! transmits F_n h exactly. rapier's Coulomb friction, implicit and bounded by mu F_n h, does the
 //! rest.
 
-use pinwheel_gearbox::contacts::{ContactField, PairContact};
+use pinwheel_gearbox::channels::{PRESSING_N, PairSource};
+use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, PairContact};
 use pinwheel_gearbox::scene::Scene;
-use pinwheel_gearbox::{Gearbox, Layout};
+use pinwheel_gearbox::{Gearbox, Layout, Sleeve};
 use pinwheel_mbs::{BodyState, Wrench};
 use rapier2d_f64::prelude::*;
 
@@ -179,28 +180,73 @@ impl Hooked {
 impl Hooked {
     /// Visits the pairs that touched in the last step, with the forces of rapier's impulses.
     fn transmitted(&self, world: &World, share: f64, visit: &mut dyn FnMut(&PairContact)) {
-        let per_impulse = 1.0 / (share * self.step_s);
         for Load { pair, .. } in self.table.iter().flatten() {
-            let sleeve = self.sleeves[sleeve_slot(self.layout, pair.sleeve)];
-            let contacts = world
-                .physics
-                .narrow_phase
-                .contact_pair(self.wheels[pair.wheel], sleeve);
-            let point = contacts
-                .and_then(|contacts| contacts.manifolds().first())
-                .filter(|manifold| !manifold.data.solver_contacts.is_empty())
-                .and_then(|manifold| manifold.points.first());
-            // rapier's friction impulse is on the first body, along that body's normal force turned
-            // by 90 degrees: t on a wheel, where the sleeve takes the opposite, or -t on a sleeve.
-            let (normal, friction) = point.map_or((0.0, 0.0), |point| {
-                (point.data.impulse, -point.data.tangent_impulse.x)
-            });
-            visit(&PairContact {
-                normal_force_n: normal * per_impulse,
-                friction_force_n: friction * per_impulse,
-                ..*pair
-            });
+            visit(&self.with_forces(world, share, *pair));
         }
+    }
+
+    /// A pair that touched in the last step with the forces of rapier's impulses.
+    fn with_forces(&self, world: &World, share: f64, pair: PairContact) -> PairContact {
+        let per_impulse = 1.0 / (share * self.step_s);
+        let sleeve = self.sleeves[sleeve_slot(self.layout, pair.sleeve)];
+        let contacts = world
+            .physics
+            .narrow_phase
+            .contact_pair(self.wheels[pair.wheel], sleeve);
+        let point = contacts
+            .and_then(|contacts| contacts.manifolds().first())
+            .filter(|manifold| !manifold.data.solver_contacts.is_empty())
+            .and_then(|manifold| manifold.points.first());
+        // rapier's friction impulse is on the first body, along that body's normal force turned
+        // by 90 degrees: t on a wheel, where the sleeve takes the opposite, or -t on a sleeve.
+        let (normal, friction) = point.map_or((0.0, 0.0), |point| {
+            (point.data.impulse, -point.data.tangent_impulse.x)
+        });
+        PairContact {
+            normal_force_n: normal * per_impulse,
+            friction_force_n: friction * per_impulse,
+            ..pair
+        }
+    }
+}
+
+/// Contacts at a sample: our geometry, rapier's forces.
+struct Transmitted<'a> {
+    hooked: &'a mut Hooked,
+    world: &'a World,
+    share: f64,
+}
+
+impl PairSource for Transmitted<'_> {
+    fn pair(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> Option<PairContact> {
+        let seen = self.hooked.field.nearest(bodies, wheel, sleeve);
+        let count = self.hooked.sleeves.len();
+        let slot = wheel * count + sleeve_slot(self.hooked.layout, sleeve);
+        Some(match self.hooked.table[slot] {
+            Some(_) => self.hooked.with_forces(self.world, self.share, seen),
+            None => seen,
+        })
+    }
+
+    fn loaded(&mut self, _bodies: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve)) -> bool {
+        self.hooked
+            .transmitted(self.world, self.share, &mut |pair| {
+                if pair.normal_force_n > PRESSING_N {
+                    visit(pair.wheel, pair.sleeve);
+                }
+            });
+        true
+    }
+
+    fn losses(&mut self, _bodies: &[BodyState]) -> Option<ContactEnergy> {
+        let mut sum = ContactEnergy::default();
+        self.hooked
+            .transmitted(self.world, self.share, &mut |pair| {
+                let elastic = self.hooked.field.normal_force(pair, 0.0);
+                sum.damping_w += (pair.normal_force_n - elastic) * pair.normal_rate_m_s;
+                sum.friction_w -= pair.friction_force_n * pair.tangential_rate_m_s;
+            });
+        Some(sum)
     }
 }
 
@@ -237,6 +283,14 @@ impl Contacts for Hooked {
         self.transmitted(world, share, &mut |pair| {
             sums.add(pair.wheel, pair.sleeve, pair.force_on_sleeve());
         });
+    }
+
+    fn seen<'a>(&'a mut self, world: &'a World, share: f64) -> Box<dyn PairSource + 'a> {
+        Box::new(Transmitted {
+            hooked: self,
+            world,
+            share,
+        })
     }
 
     fn law_calls(&self) -> u64 {

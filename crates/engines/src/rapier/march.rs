@@ -6,10 +6,12 @@
 use std::time::Instant;
 
 use cpu_time::ThreadTime;
+use pinwheel_gearbox::channels::{PairSource, Seen};
 use pinwheel_gearbox::scene::{FrictionLaw, Scene};
 use pinwheel_gearbox::{Gearbox, Layout, Recorder, Sleeve, guard};
 use pinwheel_mbs::{BodyState, Wrench};
 
+use super::reactions::reactions;
 use super::world::World;
 use crate::engine::{Control, EngineError, Run, RunStats};
 
@@ -30,6 +32,9 @@ pub(super) trait Contacts {
     /// Adds up the contact forces at t_n; asked right after the step from t_n. `now`: the states
     /// at t_n, velocities centred. `share`: of the step, see [`World::share`].
     fn forces(&mut self, world: &World, now: &[BodyState], share: f64, sums: &mut Sums);
+
+    /// What is known of single contacts at t_n, for channels; asked where [`forces`](Self::forces) is.
+    fn seen<'a>(&'a mut self, world: &'a World, share: f64) -> Box<dyn PairSource + 'a>;
 
     /// Evaluations of our contact law inside the steps so far.
     fn law_calls(&self) -> u64;
@@ -61,6 +66,21 @@ impl Sums {
         self.sleeves[slot][1] += fy;
         self.wheels[wheel][0] -= fx;
         self.wheels[wheel][1] -= fy;
+    }
+
+    /// Force on a body, N; 0 for the shafts, which touch nothing.
+    pub(super) fn on_body(&self, body: usize) -> [f64; 2] {
+        let (wheels, sleeves) = (
+            self.layout.wheel_bodies(),
+            self.layout.external_bodies().start,
+        );
+        if body >= sleeves {
+            self.sleeves[body - sleeves]
+        } else if wheels.contains(&body) {
+            self.wheels[body - wheels.start]
+        } else {
+            [0.0; 2]
+        }
     }
 
     fn clear(&mut self) {
@@ -165,6 +185,7 @@ pub(super) fn march(
     let mut now: Vec<BodyState> = Vec::with_capacity(layout.bodies());
     let mut loads = vec![Wrench::default(); layout.bodies()];
     let mut samples = grid.samples.iter().peekable();
+    let mut joints = Vec::new();
     let mut drift: f64 = 0.0;
     let mut node: u64 = 0;
     let mut ran_away = None;
@@ -190,7 +211,17 @@ pub(super) fn march(
             world.centre(&mut now);
             sums.clear();
             contacts.forces(&world, &now, share, &mut sums);
-            recorder.record_forces(sample_s, sums.driver_torque(&now), &now, &sums.sleeves);
+            let driver_torque_n_m = sums.driver_torque(&now);
+            recorder.record_forces(sample_s, driver_torque_n_m, &now, &sums.sleeves);
+            if recorder.wants_channels() {
+                reactions(gearbox, &world, &sums, &mut joints);
+                recorder.record_channels(&mut Seen {
+                    bodies: &now,
+                    driver_torque_n_m,
+                    reactions: Some(&joints),
+                    contacts: contacts.seen(&world, share).as_mut(),
+                });
+            }
             if control.reached(sample_s) {
                 return Err(EngineError::Cancelled);
             }

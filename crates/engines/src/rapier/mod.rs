@@ -8,6 +8,7 @@ mod colliders;
 mod contact_hook;
 mod march;
 mod outlines;
+mod reactions;
 mod shared_law;
 mod spring;
 mod world;

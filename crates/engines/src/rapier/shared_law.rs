@@ -1,6 +1,7 @@
 //! rapier's bodies, joints and time integration under Pinwheel's contact forces.
 
 use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::channels::{LawPairs, PairSource};
 use pinwheel_gearbox::contacts::ContactField;
 use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::{BodyState, Wrench};
@@ -114,6 +115,10 @@ impl Contacts for Law {
         self.field.touching(now, &mut |pair| {
             sums.add(pair.wheel, pair.sleeve, pair.force_on_sleeve());
         });
+    }
+
+    fn seen<'a>(&'a mut self, _world: &'a World, _share: f64) -> Box<dyn PairSource + 'a> {
+        Box::new(LawPairs(self.field.as_mut()))
     }
 
     fn law_calls(&self) -> u64 {

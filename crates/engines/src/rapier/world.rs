@@ -141,6 +141,15 @@ impl World {
         }
     }
 
+    /// Acceleration of a body's centre over the step just taken, m/s^2.
+    pub(super) fn acceleration(&self, body: usize) -> [f64; 2] {
+        let (state, earlier) = (&self.states[body], &self.earlier[body]);
+        [
+            (state.vx - earlier[0]) / self.step_s,
+            (state.vy - earlier[1]) / self.step_s,
+        ]
+    }
+
     /// Share of a step over which the loads act: half of the first one, because the initial
     /// velocities belong to t_0 and not to t_{-1/2}.
     pub(super) fn share(&self) -> f64 {

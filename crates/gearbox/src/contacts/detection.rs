@@ -15,7 +15,7 @@ pub(super) struct Touch {
     pub(super) point: Complex,
     /// n, from the sleeve centre to W.
     pub(super) normal: Complex,
-    /// delta > 0, m.
+    /// delta, m; above 0 but for [`Detection::profile_gap`] and [`Detection::hole_gap`].
     pub(super) penetration: f64,
     /// K, N/m^1.5.
     pub(super) stiffness: f64,
@@ -29,6 +29,10 @@ pub(super) trait Detection: Send + 'static {
     fn profile(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Touch>;
     /// Internal sleeve in hole `k` of `wheel`.
     fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch>;
+    /// Closest points of an external sleeve that [`profile`](Self::profile) finds without contact.
+    fn profile_gap(&self, p: Complex) -> Touch;
+    /// Closest points of an internal sleeve that [`hole`](Self::hole) finds without contact.
+    fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch;
 }
 
 /// What both detections share.
@@ -99,24 +103,57 @@ impl Exact {
     }
 }
 
-impl Detection for Exact {
+impl Exact {
     #[inline]
-    fn profile(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Touch> {
-        let foot = self.0.curve.penetrating_foot(p, unit, multiple)?;
+    fn at(&self, foot: &Foot) -> Touch {
         let q = self.0.external_radius;
         let stiffness = self.0.hertz.of_profile(q, foot.at.curvature);
         let stiffness_slope = if self.1 {
-            self.0.stiffness_slope(&foot, stiffness)
+            self.0.stiffness_slope(foot, stiffness)
         } else {
             0.0
         };
-        Some(Touch {
+        Touch {
             point: foot.at.position - foot.at.normal.scale(q),
             normal: -foot.at.normal,
             penetration: -foot.distance,
             stiffness,
             stiffness_slope,
-        })
+        }
+    }
+}
+
+/// Direction of an offset from a hole's centre; the wheel's x axis in the centre itself.
+fn outwards(offset: Complex) -> Complex {
+    let distance = offset.norm();
+    if distance > 0.0 {
+        offset.scale(1.0 / distance)
+    } else {
+        Complex::ONE
+    }
+}
+
+impl Detection for Exact {
+    #[inline]
+    fn profile(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Touch> {
+        let foot = self.0.curve.penetrating_foot(p, unit, multiple)?;
+        Some(self.at(&foot))
+    }
+
+    fn profile_gap(&self, p: Complex) -> Touch {
+        self.at(&self.0.curve.closest(p))
+    }
+
+    fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch {
+        let hole = &self.0.holes[wheel][k];
+        let normal = outwards(p - hole.centre);
+        Touch {
+            point: hole.centre + normal.scale(hole.radius),
+            normal,
+            penetration: (p - hole.centre).norm() + self.0.internal_radius - hole.radius,
+            stiffness: self.0.hole_stiffness,
+            stiffness_slope: 0.0,
+        }
     }
 
     #[inline]
@@ -178,6 +215,16 @@ impl Points {
             stiffness_slope: 0.0,
         })
     }
+
+    fn gap(p: Complex, point: Complex, radius: f64, stiffness: f64) -> Touch {
+        Touch {
+            point,
+            normal: outwards(point - p),
+            penetration: radius - (point - p).norm(),
+            stiffness,
+            stiffness_slope: 0.0,
+        }
+    }
 }
 
 impl Detection for Points {
@@ -206,5 +253,20 @@ impl Detection for Points {
             self.shapes.internal_radius,
             self.shapes.hole_stiffness,
         )
+    }
+
+    fn profile_gap(&self, p: Complex) -> Touch {
+        let foot = self.shapes.curve.closest(p);
+        let (vertex, _) = self.profile.nearest(p, foot.parameter());
+        let radius = self.shapes.external_radius;
+        Self::gap(p, vertex.position, radius, vertex.stiffness)
+    }
+
+    fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch {
+        let hole = &self.shapes.holes[wheel][k];
+        let direction = self.hole.nearest(p - hole.centre);
+        let point = hole.centre + direction.scale(hole.radius);
+        let (radius, stiffness) = (self.shapes.internal_radius, self.shapes.hole_stiffness);
+        Self::gap(p, point, radius, stiffness)
     }
 }

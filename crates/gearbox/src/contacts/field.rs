@@ -5,7 +5,7 @@ use pinwheel_mbs::{BodyState, Wrench};
 
 use crate::layout::Sleeve;
 
-/// One touching pair of wheel and sleeve.
+/// One pair of wheel and sleeve at its closest points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairContact {
     /// Wheel number (0, 1, ...), not a body index.
@@ -16,7 +16,7 @@ pub struct PairContact {
     pub point: [f64; 2],
     /// n, unit vector from the sleeve centre P to W. Ground frame.
     pub normal: [f64; 2],
-    /// delta > 0, m.
+    /// delta, m: above 0 where they touch, below 0 a gap.
     pub penetration_m: f64,
     /// v_n = d(delta)/dt, m/s.
     pub normal_rate_m_s: f64,
@@ -72,6 +72,10 @@ pub trait ContactField: Send {
 
     /// Visits every touching pair (penetration > 0), wheel by wheel, external before internal.
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact));
+
+    /// One pair, touching or not; without contact its forces are 0 and its penetration is minus the gap.
+    /// For looking at single pairs: away from contact it searches the whole curve.
+    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact;
 
     /// F_n of a pair that [`touching`](Self::touching) found, N, if it closed at `rate` (m/s) at the same positions.
     fn normal_force(&self, pair: &PairContact, rate: f64) -> f64;

@@ -147,13 +147,7 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
     /// v_rel = (sleeve's material velocity at W, spin included) - (wheel's at W), then Eq. 20 and 21.
     #[inline]
     fn load(&self, touch: Touch, wheel: &WheelFrame, sleeve: &BodyState, p: Complex) -> Loaded {
-        let arm = touch.point - p;
-        let sleeve_velocity = Complex::new(sleeve.vx, sleeve.vy) * wheel.turn.conj()
-            + arm.turned().scale(sleeve.rate);
-        let wheel_velocity = wheel.velocity + touch.point.turned().scale(wheel.rate);
-        let relative = sleeve_velocity - wheel_velocity;
-        let normal_rate = relative.dot(touch.normal);
-        let tangential_rate = relative.dot(touch.normal.turned());
+        let (arm, normal_rate, tangential_rate) = self.rates(&touch, wheel, sleeve, p);
         let normal_force = self
             .law
             .force(touch.stiffness, touch.penetration, normal_rate);
@@ -172,6 +166,24 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             friction_force,
             along_force,
         }
+    }
+
+    /// The arm W - P, and v_n and v_t there.
+    #[inline]
+    fn rates(
+        &self,
+        touch: &Touch,
+        wheel: &WheelFrame,
+        sleeve: &BodyState,
+        p: Complex,
+    ) -> (Complex, f64, f64) {
+        let arm = touch.point - p;
+        let sleeve_velocity = Complex::new(sleeve.vx, sleeve.vy) * wheel.turn.conj()
+            + arm.turned().scale(sleeve.rate);
+        let wheel_velocity = wheel.velocity + touch.point.turned().scale(wheel.rate);
+        let relative = sleeve_velocity - wheel_velocity;
+        let normal_rate = relative.dot(touch.normal);
+        (arm, normal_rate, relative.dot(touch.normal.turned()))
     }
 
     /// Visits every touching pair of one wheel.
@@ -264,5 +276,40 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
                 visit(&pair.contact(&self.law, wheel, sleeve, &frame));
             });
         }
+    }
+
+    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
+        let frame = WheelFrame::of(&bodies[self.layout.wheel_bodies().start + wheel]);
+        let body = &bodies[self.layout.sleeve_body(sleeve)];
+        let p = frame.point(body);
+        let touch = match sleeve {
+            Sleeve::External(j) => {
+                let back = frame.turn.conj();
+                let multiple = back.powu(self.external_sleeves);
+                let unit = self.external_directions[j] * back;
+                self.detection.profile(p, unit, multiple)
+            }
+            Sleeve::Internal(k) => self.detection.hole(wheel, k, p),
+        };
+        let pair = match touch {
+            Some(touch) => self.load(touch, &frame, body, p),
+            None => {
+                let touch = match sleeve {
+                    Sleeve::External(_) => self.detection.profile_gap(p),
+                    Sleeve::Internal(k) => self.detection.hole_gap(wheel, k, p),
+                };
+                let (arm, normal_rate, tangential_rate) = self.rates(&touch, &frame, body, p);
+                Loaded {
+                    touch,
+                    arm,
+                    normal_rate,
+                    tangential_rate,
+                    normal_force: 0.0,
+                    friction_force: 0.0,
+                    along_force: 0.0,
+                }
+            }
+        };
+        pair.contact(&self.law, wheel, sleeve, &frame)
     }
 }

@@ -23,6 +23,9 @@ pub struct Scene {
     pub contact: Contact,
     /// Formulation, integrator and sampling.
     pub solver: Solver,
+    /// What is recorded beyond the contract's columns.
+    #[serde(skip_serializing_if = "Output::is_default")]
+    pub output: Output,
 }
 
 /// Geometry (Tab. 1 and Fig. 3 of the paper).
@@ -205,6 +208,20 @@ pub struct Solver {
     pub stabilisation: Stabilisation,
 }
 
+/// What is recorded beyond the contract's columns.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Output {
+    /// Names of channels ([`crate::channels::FAMILIES`]), in which `*` stands for any characters.
+    pub channels: Vec<String>,
+}
+
+impl Output {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 impl Default for Scene {
     fn default() -> Self {
         Self {
@@ -215,6 +232,7 @@ impl Default for Scene {
             drive: Drive::default(),
             contact: Contact::default(),
             solver: Solver::default(),
+            output: Output::default(),
         }
     }
 }

@@ -230,6 +230,9 @@ fn defaults(name: Option<&str>) -> Table {
     table
         .entry("description")
         .or_insert_with(|| Value::String(String::new()));
+    if let Ok(output) = Value::try_from(&scene.output) {
+        table.entry("output").or_insert(output);
+    }
     table
 }
 
@@ -314,6 +317,23 @@ fn scalar(like: &Value, item: &Item) -> Result<Value, (String, String)> {
                 "write it like 16, without point or quotes",
             ),
         },
+        Value::Array(_) => {
+            let texts = match (item.as_array(), item.as_str()) {
+                (Some(list), _) => list.iter().map(toml_edit::Value::as_str).collect(),
+                // One name needs no brackets.
+                (None, Some(text)) => Some(vec![text]),
+                (None, None) => None,
+            };
+            match texts {
+                Some(texts) => Ok(Value::Array(
+                    texts
+                        .into_iter()
+                        .map(|text| Value::String(text.to_owned()))
+                        .collect(),
+                )),
+                None => wrong("a list of texts", "write it like [\"efficiency\"]"),
+            }
+        }
         _ => match item.as_str() {
             Some(text) => Ok(Value::String(text.to_owned())),
             None => wrong("text", "write it in quotes"),

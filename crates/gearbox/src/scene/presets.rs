@@ -61,6 +61,7 @@ pub const PRESETS: &[Preset] = presets![
     "hard-steel",
     "hard-steel-damped",
     "hard-stiffness-0.1",
+    "hard-stiffness-0.1-damped",
     "hard-zero-load",
     "hard-zero-load-friction",
 ];

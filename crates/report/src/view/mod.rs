@@ -78,6 +78,7 @@ impl<'a> Page<'a> {
                 .absent_windows
                 .iter()
                 .map(|w| format!("No {} window: {}.", w.kind.word(), w.reason))
+                .chain(comparison.context.divergence.iter().map(|d| d.told.clone()))
                 .collect(),
             chart_notes: charts.as_ref().map(|c| c.notes.clone()).unwrap_or_default(),
             chart_json: charts.as_ref().map(json_for_script).transpose()?,

@@ -4,11 +4,12 @@
 //! step against a converged run, what fails first above the largest step, and the energy balance.
 
 mod reference;
+mod search;
 mod verdict;
 
 use pinwheel_gearbox::auto;
 use pinwheel_gearbox::scene::{Formulation, PRESETS, Scene};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 pub use reference::Reference;
 pub use verdict::Failure;
@@ -17,13 +18,8 @@ use crate::StudyError;
 use crate::control::{Control, Ended, Progress};
 use crate::measure::{Difference, Level, level};
 
-/// Decay rate times step that Dormand and Prince's method stands, about.
-const DOPRI5_LIMIT: f64 = 3.3;
-/// Explicit steps that are not worth waiting for.
-const MOST_STEPS: f64 = 1e7;
-
 /// A formulation with an integrator.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Method {
     /// Equations.
     pub formulation: Formulation,
@@ -34,7 +30,7 @@ pub struct Method {
 }
 
 /// What to study.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Options {
     /// Presets or scene files.
     pub scenes: Vec<String>,
@@ -46,6 +42,17 @@ pub struct Options {
     pub longest_s: f64,
     /// Steps between which the largest stable one is looked for, s.
     pub steps_s: [f64; 2],
+}
+
+impl Options {
+    /// As the default, with runs of 0.02 s: the first impacts, and a fifth of the time.
+    #[must_use]
+    pub fn quick() -> Self {
+        Self {
+            longest_s: 0.02,
+            ..Self::default()
+        }
+    }
 }
 
 impl Default for Options {
@@ -88,7 +95,7 @@ pub fn hard_scenes() -> impl Iterator<Item = &'static str> {
 }
 
 /// What one method does on one scene.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     /// The method.
     pub method: Method,
@@ -115,12 +122,14 @@ pub struct Cell {
 }
 
 /// One scene.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Its name.
     pub scene: String,
     /// Why it is hard.
     pub why: String,
+    /// What `integrator = "auto"` takes for it.
+    pub auto: String,
     /// The run everything is compared with.
     pub reference: Option<Reference>,
     /// Why there is none: a scene that is refused is a result too.
@@ -130,7 +139,7 @@ pub struct Row {
 }
 
 /// The result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Atlas {
     /// What was asked.
     pub options: Options,
@@ -158,13 +167,24 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<Atlas, StudyError
     })
 }
 
-fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<Row, StudyError> {
+fn auto_choice(scene: &Scene) -> String {
+    let mut scene = scene.clone();
+    auto::AUTO.clone_into(&mut scene.solver.integrator);
+    auto::integrator(&scene).integrator
+}
+
+/// Studies one scene, a preset or a file, with every method. A scene that cannot be resolved is a row with the reason.
+///
+/// # Errors
+/// Cancelled, or a scene that cannot be loaded.
+pub fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<Row, StudyError> {
     let mut scene = Scene::load(name, &[])?;
     scene.solver.duration_s = scene.solver.duration_s.min(options.longest_s);
-    scene.solver.sample_s = scene.solver.sample_s.min(1e-4);
+    scene.solver.sample_s = scene.solver.sample_s.min(1e-4).min(scene.solver.duration_s);
     let mut row = Row {
         scene: scene.name.clone(),
         why: scene.description.clone(),
+        auto: auto_choice(&scene),
         reference: None,
         refused: None,
         cells: Vec::new(),
@@ -217,14 +237,6 @@ fn cell(
         never_failed: false,
         fails_first: None,
     };
-    if method.integrator == "dopri5" {
-        let rate = auto::friction_rate(scene);
-        let steps = scene.solver.duration_s * rate / DOPRI5_LIMIT;
-        if steps > MOST_STEPS {
-            cell.failure = Some(Failure::TooStiff { steps });
-            return Ok(cell);
-        }
-    }
     let ended = at(options.step_s)?;
     cell.failure = judge.failure(&ended);
     if let Ended::Whole(run) = &ended {
@@ -237,52 +249,8 @@ fn cell(
     if method.tolerance.is_none() {
         let stable = cell.failure.is_none();
         let first = |step: f64| Ok(judge.failure(&at(step)?));
-        (cell.largest_step_s, cell.fails_first) = largest_step(options, stable, first)?;
+        (cell.largest_step_s, cell.fails_first) = search::largest_step(options, stable, first)?;
         cell.never_failed = cell.fails_first.is_none() && cell.largest_step_s.is_some();
     }
     Ok(cell)
-}
-
-/// Doubles or halves from the study's step until the verdict changes, then bisects to 10 %.
-fn largest_step(
-    options: &Options,
-    stable: bool,
-    mut failure: impl FnMut(f64) -> Result<Option<Failure>, StudyError>,
-) -> Result<(Option<f64>, Option<Failure>), StudyError> {
-    let [least, most] = options.steps_s;
-    let (mut good, mut bad) = (stable.then_some(options.step_s), None);
-    let mut step = options.step_s;
-    if !stable {
-        bad = failure(step)?.map(|how| (step, how));
-    }
-    loop {
-        step *= if stable { 2.0 } else { 0.5 };
-        if step > most || step < least {
-            break;
-        }
-        match failure(step)? {
-            None => {
-                good = Some(step);
-                if !stable {
-                    break;
-                }
-            }
-            Some(how) => {
-                bad = Some((step, how));
-                if stable {
-                    break;
-                }
-            }
-        }
-    }
-    while let (Some(low), Some((high, _))) = (good, &bad)
-        && high / low > 1.1
-    {
-        let middle = (low * high).sqrt();
-        match failure(middle)? {
-            None => good = Some(middle),
-            Some(how) => bad = Some((middle, how)),
-        }
-    }
-    Ok((good, bad.map(|(_, how)| how)))
 }

@@ -2,14 +2,14 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::scene::{Detection, Formulation, Scene};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 use crate::control::Control;
 use crate::measure::{Difference, Level, difference, level};
 
 /// How the converged run was made.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
     /// Integrator.
     pub integrator: String,

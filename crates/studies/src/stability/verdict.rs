@@ -1,13 +1,13 @@
 //! Whether a run gives the right picture, and how it fails if not.
 
 use pinwheel_courses::Courses;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::control::Ended;
 use crate::measure::{Difference, Level, difference, level};
 
 /// How a run fails. A blow-up is loud by itself; what ends with wrong numbers looks like data.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Failure {
     /// The run stopped with an error.
@@ -16,11 +16,6 @@ pub enum Failure {
         time_s: f64,
         /// What.
         quantity: String,
-    },
-    /// Not tried: an explicit method has to follow the friction's rate, and this run would take that many steps.
-    TooStiff {
-        /// Estimated steps.
-        steps: f64,
     },
     /// Forces far above the converged ones.
     Chatter {
@@ -31,6 +26,11 @@ pub enum Failure {
     WrongMean {
         /// Difference as a share of the torque's converged RMS.
         share: f64,
+    },
+    /// Joints come apart (Lagrange form).
+    Drift {
+        /// Largest joint error, m.
+        joint_m: f64,
     },
     /// Right sizes, wrong course: phases are lost.
     WrongCourse {
@@ -43,12 +43,59 @@ pub enum Failure {
 const PEAK_RATIO: f64 = 1.5;
 /// The mean torque may be off by this share.
 const MEAN_SHARE: f64 = 0.1;
+/// Joints may be apart by this, m: a hundredth of the paper's ramp, and so of the force in it.
+const JOINT_ERROR: f64 = 1e-7;
 /// Forces may be off by this much: beyond half, a course has nothing to do with the right one.
 const COURSE_ERROR: f64 = 0.5;
 /// Forces (N) and torques (N m) below which nothing is judged: an idle gear has none to speak of.
 const FORCE_FLOOR: f64 = 1.0;
 const TORQUE_FLOOR: f64 = 0.01;
 
+impl Failure {
+    /// One or two words.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::BlowUp { .. } => "blow-up",
+            Self::Chatter { .. } => "chatter",
+            Self::WrongMean { .. } => "wrong mean",
+            Self::Drift { .. } => "drift",
+            Self::WrongCourse { .. } => "wrong course",
+        }
+    }
+
+    /// The word with its figure, for a cell of a table.
+    #[must_use]
+    pub fn short(&self) -> String {
+        match self {
+            Self::BlowUp { time_s, .. } => format!("blow-up at {time_s:.4} s"),
+            Self::Chatter { peak_ratio } => format!("chatter, {peak_ratio:.1} x"),
+            Self::WrongMean { share } => format!("wrong mean, {:.0} %", 100.0 * share),
+            Self::Drift { joint_m } => format!("drift, {joint_m:.0e} m"),
+            Self::WrongCourse { error } => format!("wrong course, {:.0} %", 100.0 * error),
+        }
+    }
+
+    /// What was seen, with its figure.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        match self {
+            Self::BlowUp { time_s, quantity } => {
+                format!("stopped with an error at t = {time_s:.4} s: {quantity}")
+            }
+            Self::Chatter { peak_ratio } => {
+                format!("largest force {peak_ratio:.2} times the converged one")
+            }
+            Self::WrongMean { share } => {
+                format!("mean driver torque off by {:.0} %", 100.0 * share)
+            }
+            Self::Drift { joint_m } => format!("joints {joint_m:.1e} m apart"),
+            Self::WrongCourse { error } => format!("forces {:.0} % off", 100.0 * error),
+        }
+    }
+}
+
+/// What runs are judged against.
 pub(super) struct Judge<'a> {
     pub(super) reference: &'a Courses,
     pub(super) level: Level,
@@ -71,6 +118,11 @@ impl Judge<'_> {
             }
             Ended::Whole(run) => run,
         };
+        if !(run.joint_drift_m <= JOINT_ERROR) {
+            return Some(Failure::Drift {
+                joint_m: run.joint_drift_m,
+            });
+        }
         let found = level(&run.courses);
         let peak = self.level.peak_force_n.max(FORCE_FLOOR);
         let peak_ratio = found.peak_force_n / peak;

@@ -8,17 +8,17 @@ use crate::contacts::detection::Touch;
 use crate::contacts::pairs::{Loaded, WheelFrame};
 use crate::layout::Sleeve;
 
+/// Takes a pair: wheel number, sleeve, the wheel's frame, the pair in that frame.
+pub(super) type Visit<'a> = dyn FnMut(usize, Sleeve, &WheelFrame, &Loaded) + 'a;
+
 /// Gives every touching pair, with rates and forces, to `visit`.
-pub(super) struct Listing<L, F> {
+pub(super) struct Listing<'a, 'v, L> {
     pub(super) law: L,
     pub(super) friction: RegularisedCoulomb,
-    /// Wheel number, sleeve, the wheel's frame, the pair in that frame.
-    pub(super) visit: F,
+    pub(super) visit: &'a mut Visit<'v>,
 }
 
-impl<S: Simd, L: LanesLaw, F: FnMut(usize, Sleeve, &WheelFrame, &Loaded)> Sink<S>
-    for Listing<L, F>
-{
+impl<S: Simd, L: LanesLaw> Sink<S> for Listing<'_, '_, L> {
     #[inline(always)]
     fn group(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let touching = &group.touching;

@@ -18,13 +18,14 @@ use pinwheel_mbs::sliding::RateStage;
 use pinwheel_mbs::{BodyState, Wrench};
 use pulp::Simd;
 
+use super::detection::Exact;
 use super::field::{ContactEnergy, ContactField, PairContact};
-use super::pairs::{Loaded, WheelFrame};
+use super::pairs::Pairs;
 use crate::geometry::Geometry;
 use crate::layout::{Layout, Sleeve};
 use crate::scene::Scene;
 use columns::Sleeves;
-use listing::Listing;
+use listing::{Listing, Visit};
 use loads::Loads;
 use shapes::Shapes;
 use sliding::{Sliding, Split};
@@ -36,6 +37,8 @@ pub(super) struct LaneField<L> {
     law: L,
     friction: RegularisedCoulomb,
     pairs: LanePairs,
+    /// For single pairs, where lanes gain nothing.
+    scalar: Pairs<L, Exact>,
     /// With friction, if the gear has no more wheels than there is room for.
     sliding: Option<Sliding>,
 }
@@ -59,7 +62,7 @@ struct Walk<'a, K> {
 struct SumWalk<'a, L, const FRICTION: bool>(Walk<'a, Loads<'a, L, FRICTION>>);
 
 /// A walk that visits.
-struct ListWalk<'a, L, F>(Walk<'a, Listing<L, F>>);
+struct ListWalk<'a, 'v, L>(Walk<'a, Listing<'a, 'v, L>>);
 
 /// A walk that lists the contacts of a friction stage.
 struct SplitWalk<'a, L>(Walk<'a, Split<'a, L>>);
@@ -92,11 +95,7 @@ impl<L: LanesLaw, const FRICTION: bool> pulp::WithSimd for SumWalk<'_, L, FRICTI
     }
 }
 
-impl<L, F> pulp::WithSimd for ListWalk<'_, L, F>
-where
-    L: LanesLaw,
-    F: FnMut(usize, Sleeve, &WheelFrame, &Loaded),
-{
+impl<L: LanesLaw> pulp::WithSimd for ListWalk<'_, '_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -140,6 +139,7 @@ impl<L: LanesLaw> LaneField<L> {
                 external: Sleeves::new(layout.external_bodies()),
                 internal: Sleeves::new(layout.internal_bodies()),
             },
+            scalar: Pairs::new(scene, geometry, law, Exact::new(scene, geometry)),
         }
     }
 
@@ -157,11 +157,7 @@ impl<L: LanesLaw> LaneField<L> {
         }));
     }
 
-    fn list(
-        &mut self,
-        bodies: &[BodyState],
-        visit: impl FnMut(usize, Sleeve, &WheelFrame, &Loaded),
-    ) {
+    fn list(&mut self, bodies: &[BodyState], visit: &mut Visit<'_>) {
         let sink = Listing {
             law: self.law,
             friction: self.friction,
@@ -187,15 +183,19 @@ impl<L: LanesLaw> ContactField for LaneField<L> {
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
         let law = self.law;
-        self.list(bodies, |wheel, sleeve, frame, pair| {
+        self.list(bodies, &mut |wheel, sleeve, frame, pair| {
             visit(&pair.contact(&law, wheel, sleeve, frame));
         });
+    }
+
+    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
+        self.scalar.nearest(bodies, wheel, sleeve)
     }
 
     fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
         let mut sum = ContactEnergy::default();
         let law = self.law;
-        self.list(bodies, |_, _, _, pair| pair.add_energy(&law, &mut sum));
+        self.list(bodies, &mut |_, _, _, pair| pair.add_energy(&law, &mut sum));
         sum
     }
 

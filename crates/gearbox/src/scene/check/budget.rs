@@ -3,6 +3,7 @@
 use super::super::error::Fault;
 use super::super::model::Scene;
 use super::number::{above, short};
+use super::output;
 
 /// Samples kept in memory at most.
 const MOST_SAMPLES: f64 = 5e6;
@@ -73,8 +74,8 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
         ));
     }
 
-    // Time, torques and angle beside the sleeves.
-    let columns = (sleeves + 4) as f64;
+    // Time, torques and angle beside the sleeves, and what is asked for.
+    let columns = (sleeves + 4 + output::columns(scene)?) as f64;
     let most = MOST_SAMPLES.min(MOST_VALUES / columns);
     let samples = solver.duration_s / solver.sample_s + 1.0;
     if samples > most {
@@ -85,8 +86,13 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
                 short(samples.floor())
             ),
             format!(
-                "give at least {} s, or a shorter run",
-                above(solver.duration_s / (most - 1.0))
+                "give at least {} s, or a shorter run{}",
+                above(solver.duration_s / (most - 1.0)),
+                if scene.output.channels.is_empty() {
+                    ""
+                } else {
+                    ", or ask for fewer output.channels"
+                }
             ),
         ));
     }

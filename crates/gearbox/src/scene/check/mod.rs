@@ -6,6 +6,7 @@
 mod budget;
 mod geometry;
 mod number;
+mod output;
 mod ranges;
 
 use super::error::Fault;

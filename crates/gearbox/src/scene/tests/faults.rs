@@ -449,3 +449,48 @@ fn files_that_are_no_text_or_too_long() {
             .contains("longer than")
     );
 }
+
+#[test]
+fn channels_that_do_not_exist() {
+    for (line, part) in [
+        (
+            "channels = [\"eficiency\"]",
+            "line 2: `output.channels` has no `eficiency`; did you mean `efficiency`?",
+        ),
+        (
+            "channels = [\"wheel_2_external_penetration_m_0\"]",
+            "wheels are 0 to 1",
+        ),
+        ("channels = [3]", "must be a list of texts"),
+        ("channels = 3", "must be a list of texts"),
+        ("chanels = []", "did you mean `output.channels`?"),
+    ] {
+        let error = Scene::from_toml(&format!("[output]\n{line}\n"), "mine.toml", &[]).unwrap_err();
+        assert!(error.to_string().contains(part), "{error}");
+    }
+    let many = "[output]\nchannels = [\"*\"]\n[solver]\nsample_s = 1e-6\n";
+    let error = Scene::from_toml(many, "mine.toml", &[]).unwrap_err();
+    assert!(
+        error.to_string().contains("fewer output.channels"),
+        "{error}"
+    );
+}
+
+#[test]
+fn channels_from_file_and_command_line() {
+    let read = |text: &str, sets: &[Override]| Scene::from_toml(text, "mine.toml", sets).unwrap();
+    let scene = read("[output]\nchannels = [\"efficiency\"]\n", &[]);
+    assert_eq!(scene.output.channels, ["efficiency"]);
+    assert_eq!(read(&scene.to_toml(), &[]), scene);
+    let set = |value: &str| read("", &[Override::new("output.channels", value)]);
+    assert_eq!(set("efficiency"), scene);
+    assert_eq!(
+        set("[\"efficiency\", \"input_power_w\"]")
+            .output
+            .channels
+            .len(),
+        2
+    );
+    // What asks for nothing writes nothing: files of before stay as they were.
+    assert!(!Scene::default().to_toml().contains("output]"));
+}

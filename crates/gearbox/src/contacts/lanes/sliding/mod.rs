@@ -22,6 +22,7 @@ use table::{Leaf, Pair, Table};
 
 /// External, internal.
 const KINDS: usize = 2;
+const INTERNAL: usize = 1;
 
 /// Pairs, sleeves and hubs of one stage.
 #[derive(Debug, Clone)]
@@ -90,8 +91,7 @@ impl Sliding {
 
     /// Solves the stage of the contacts that a [`Split`] listed. False if there is no solution.
     ///
-    /// The normal forces are brought up to date once, after the first Newton step: damping makes them depend on
-    /// the rates a little, and what is left to move after that step changes the friction by less than 1e-3.
+    /// The normal forces are brought up to date once, after the first Newton step, as there.
     pub(super) fn solve<L: LanesLaw>(
         &mut self,
         arch: pulp::Arch,

@@ -8,7 +8,7 @@ use pinwheel_contact::{Lanes, Mask};
 use pulp::Simd;
 
 use super::table::{Leaf, Pair};
-use super::{KINDS, Sliding};
+use super::{INTERNAL, KINDS, Sliding};
 
 /// Newton steps at most; a gear takes 1 to 4.
 pub(super) const MOST_STEPS: usize = 1000;
@@ -18,6 +18,12 @@ const SLOPE_SHARE: f64 = 0.1;
 const RATE_SHARE: f64 = 1e-10;
 /// And when no rate moves by more than its rounding.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// Hubs that sleeves of a kind touch: only internal ones are carried by the output, the last.
+#[inline(always)]
+fn touched<const HUBS: usize>(kind: usize) -> usize {
+    if kind == INTERNAL { HUBS } else { HUBS - 1 }
+}
 
 impl Sliding {
     /// Minimises from the present d and u in at most `most` Newton steps; `HUBS` is wheels + 1.
@@ -35,18 +41,18 @@ impl Sliding {
             self.assemble::<S, HUBS>(simd, a);
             self.hubs.solve::<HUBS>();
             self.newton_steps += 1;
-            let same_states = self.along_step::<S, HUBS>(simd);
-            // The function is quadratic as long as nothing begins to stick or slide.
-            let share = if same_states {
-                Some(1.0)
-            } else if self.step_is_rounding(rates) {
+            if self.along_step::<S, HUBS>(simd) {
+                // Nothing begins to stick or slide: the function is quadratic so far, and this its minimum.
+                self.take::<S, HUBS, false>(simd, 1.0);
+                break;
+            }
+            if self.step_is_rounding(rates) {
                 return true;
-            } else {
-                self.line_search::<S, HUBS>(simd, a)
+            }
+            let Some(share) = self.line_search::<S, HUBS>(simd, a) else {
+                return false;
             };
-            let Some(share) = share else { return false };
-            let settled = self.take::<S, HUBS>(simd, share) && share == 1.0;
-            if settled {
+            if self.take::<S, HUBS, true>(simd, share) && share == 1.0 {
                 break;
             }
             steps += 1;
@@ -76,30 +82,29 @@ impl Sliding {
                     }
                     let at = table.pairs(simd, from);
                     let (slip, force) = (at.get(Pair::Slip), at.get(Pair::Force));
-                    let (leaf, wheel, output) = (
-                        at.get(Pair::Sleeve),
-                        at.get(Pair::Wheel),
-                        at.get(Pair::Output),
-                    );
+                    let (leaf, wheel) = (at.get(Pair::Sleeve), at.get(Pair::Wheel));
                     let push = self.slide(simd, slip) * force * zero.like(a);
                     own = own - leaf * push;
                     rhs[w] = rhs[w] - wheel * push;
-                    rhs[wheels] = rhs[wheels] - output * push;
                     let sticking = slope * force;
                     let weight = sticking - sticking.only(self.slides(slip));
-                    let (on_leaf, on_wheel, on_output) =
-                        (weight * leaf, weight * wheel, weight * output);
+                    let (on_leaf, on_wheel) = (weight * leaf, weight * wheel);
                     diagonal = on_leaf.mul_add(leaf, diagonal);
                     border[w] = on_leaf.mul_add(wheel, border[w]);
-                    border[wheels] = on_leaf.mul_add(output, border[wheels]);
                     matrix[w][w] = on_wheel.mul_add(wheel, matrix[w][w]);
-                    matrix[wheels][w] = on_output.mul_add(wheel, matrix[wheels][w]);
-                    matrix[wheels][wheels] = on_output.mul_add(output, matrix[wheels][wheels]);
+                    if kind == INTERNAL {
+                        let output = at.get(Pair::Output);
+                        rhs[wheels] = rhs[wheels] - output * push;
+                        border[wheels] = on_leaf.mul_add(output, border[wheels]);
+                        matrix[wheels][w] = on_wheel.mul_add(output, matrix[wheels][w]);
+                        let on_output = weight * output;
+                        matrix[wheels][wheels] = on_output.mul_add(output, matrix[wheels][wheels]);
+                    }
                 }
                 let inverse = diagonal.recip();
                 let leaves = &mut self.leaves[kind];
                 leaves.store(Leaf::Free as usize, from, own * inverse);
-                for (i, row) in matrix.iter_mut().enumerate() {
+                for (i, row) in matrix.iter_mut().enumerate().take(touched::<HUBS>(kind)) {
                     let over = border[i] * inverse;
                     leaves.store(Leaf::Border as usize + i, from, over);
                     rhs[i] = rhs[i] - over * own;
@@ -132,7 +137,7 @@ impl Sliding {
             for from in self.groups::<S>(kind) {
                 let leaves = &mut self.leaves[kind];
                 let mut own = leaves.leaf(simd, Leaf::Free, from);
-                for (i, &step) in steps.iter().enumerate() {
+                for (i, &step) in steps.iter().enumerate().take(touched::<HUBS>(kind)) {
                     own = own - leaves.load(simd, Leaf::Border as usize + i, from) * step;
                 }
                 leaves.store(Leaf::Step as usize, from, own);
@@ -143,12 +148,12 @@ impl Sliding {
                     }
                     let at = table.pairs(simd, from);
                     let (slip, force) = (at.get(Pair::Slip), at.get(Pair::Force));
-                    let change = at.get(Pair::Sleeve).mul_add(
-                        own,
-                        at.get(Pair::Wheel)
-                            .mul_add(steps[w], at.get(Pair::Output) * steps[HUBS - 1]),
-                    );
-                    table.store(Pair::SlipStep as usize, from, change);
+                    let mut change = at.get(Pair::Sleeve) * own;
+                    change = at.get(Pair::Wheel).mul_add(steps[w], change);
+                    if kind == INTERNAL {
+                        change = at.get(Pair::Output).mul_add(steps[HUBS - 1], change);
+                    }
+                    table.put(Pair::SlipStep, from, change);
                     same &= !self.differs(slip, slip + change, force).any();
                 }
             }
@@ -156,9 +161,10 @@ impl Sliding {
         same
     }
 
-    /// Moves by `share` of the step. True if no contact changed between sticking and sliding, or none moved.
+    /// Moves by `share` of the step. True if no contact changed between sticking and sliding, or none moved; this
+    /// is only looked at with `LOOK`.
     #[inline(always)]
-    fn take<S: Simd, const HUBS: usize>(&mut self, simd: S, share: f64) -> bool {
+    fn take<S: Simd, const HUBS: usize, const LOOK: bool>(&mut self, simd: S, share: f64) -> bool {
         let part = Lanes::splat(simd, share);
         let mut settled = true;
         for kind in 0..KINDS {
@@ -175,7 +181,10 @@ impl Sliding {
                     let at = table.pairs(simd, from);
                     let (before, force) = (at.get(Pair::Slip), at.get(Pair::Force));
                     let after = at.get(Pair::SlipStep).mul_add(part, before);
-                    table.store(Pair::Slip as usize, from, after);
+                    table.put(Pair::Slip, from, after);
+                    if !LOOK {
+                        continue;
+                    }
                     let moved = part
                         .like(RATE_SHARE * self.friction.ramp)
                         .less((after - before).abs());

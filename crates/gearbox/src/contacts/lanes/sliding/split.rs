@@ -5,8 +5,8 @@ use pinwheel_mbs::Wrench;
 use pulp::Simd;
 
 use super::super::walk::{Group, Sink, Wheel};
-use super::Sliding;
 use super::table::Pair;
+use super::{INTERNAL, Sliding};
 
 /// Adds normal forces to the bodies' loads and lists the pairs.
 pub(in super::super) struct Split<'a, L> {
@@ -33,7 +33,7 @@ impl<S: Simd, L: LanesLaw> Sink<S> for Split<'_, L> {
         wheel.moment = wheel.moment - point.cross(on_sleeve);
         group.sleeves.force.add(simd, from, on_sleeve * wheel.turn);
 
-        let kind = usize::from(!group.external);
+        let kind = if group.external { 0 } else { INTERNAL };
         let table = &mut self.sliding.pairs[wheel.number][kind];
         table.activate(from);
         table.put(Pair::Sleeve, from, arm.turned().dot(t));

@@ -1,0 +1,501 @@
+//! The map of a foreign file (TOML): which column is what.
+//!
+//! ```toml
+//! name = "adams"
+//! [file]
+//! separator = ";"
+//! decimal = ","
+//! [time]
+//! column = "TIME"
+//! unit = "ms"
+//! offset_s = 0.0        # added: the file's 0 is this time of the run
+//! [columns]
+//! input_torque_n_m = { column = "Motor torque", unit = "N mm", factor = -1.0 }
+//! "external_sleeve_force_n_*" = { column = "SLEEVE_*", first = 1, unit = "N" }
+//! external_sleeve_force_n_3 = { magnitude_of = ["FX_4", "FY_4"] }
+//! ```
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use super::error::ForeignError;
+use super::units;
+
+/// A map.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Map {
+    /// Name in the comparison: letters, digits, `-`, `_` and `.`; the file's if left out.
+    #[serde(default)]
+    pub name: Option<String>,
+    /// Version of the program or rig behind the data.
+    #[serde(default)]
+    pub version: String,
+    /// One line on what it is.
+    #[serde(default)]
+    pub summary: String,
+    /// How it differs from the scene, in plain words.
+    #[serde(default)]
+    pub differences: String,
+    /// How the file is written.
+    #[serde(default)]
+    pub file: FileFormat,
+    /// The time.
+    #[serde(default)]
+    pub time: TimeColumn,
+    /// Our names and where their values stand. A name may hold one `*` for a number.
+    pub columns: BTreeMap<String, Source>,
+    /// What to do with rows that cannot be read.
+    #[serde(default)]
+    pub rows: Rows,
+    /// How values are put onto the run's sample times.
+    #[serde(default)]
+    pub resample: Resampling,
+    /// Limits that the comparison holds this set against; without any nothing of it is judged.
+    #[serde(default)]
+    pub limits: Vec<StatedLimit>,
+}
+
+/// How the file is written.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FileFormat {
+    /// `,`, `;`, `tab`, `|` or `space` (any number of blanks).
+    pub separator: String,
+    /// `.` or `,`.
+    pub decimal: String,
+    /// Lines before the header.
+    pub skip_lines: usize,
+    /// Whether a row names the columns; without it they are named by number.
+    pub header: bool,
+    /// Rows between the header and the data, for example of units.
+    pub lines_after_header: usize,
+    /// Character that begins comment lines.
+    pub comment: Option<String>,
+}
+
+impl Default for FileFormat {
+    fn default() -> Self {
+        Self {
+            separator: ",".to_owned(),
+            decimal: ".".to_owned(),
+            skip_lines: 0,
+            header: true,
+            lines_after_header: 0,
+            comment: None,
+        }
+    }
+}
+
+/// A column by name, or by number, the first being 1.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(untagged)]
+pub enum ColumnRef {
+    /// As the header has it, blanks around it left out.
+    Name(String),
+    /// 1, 2, ...
+    Number(usize),
+}
+
+/// The time: `factor * unit * value + offset_s`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TimeColumn {
+    /// Which column.
+    pub column: ColumnRef,
+    /// Its unit.
+    pub unit: String,
+    /// A further factor.
+    pub factor: f64,
+    /// Added, s.
+    pub offset_s: f64,
+}
+
+impl Default for TimeColumn {
+    fn default() -> Self {
+        Self {
+            column: ColumnRef::Name("time_s".to_owned()),
+            unit: "s".to_owned(),
+            factor: 1.0,
+            offset_s: 0.0,
+        }
+    }
+}
+
+/// Where a column's values stand.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "a column is \"NAME\" or { column = \"NAME\", unit = \"N mm\", factor = 1.0, offset = 0.0, first = 0 } or { magnitude_of = [\"FX\", \"FY\"] }"
+)]
+pub enum Source {
+    /// A column in our unit.
+    Plain(ColumnRef),
+    /// Everything else.
+    Full(FullSource),
+}
+
+/// A column with its unit: `factor * unit * value + offset`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FullSource {
+    /// The column; one `*` stands for a number where our name has one.
+    #[serde(default)]
+    pub column: Option<ColumnRef>,
+    /// Columns whose root of the sum of squares is the value, for components of a force.
+    #[serde(default)]
+    pub magnitude_of: Vec<ColumnRef>,
+    /// Unit of the column; ours if left out.
+    #[serde(default)]
+    pub unit: Option<String>,
+    /// A further factor, for example -1 for the other sign.
+    #[serde(default = "one")]
+    pub factor: f64,
+    /// Added, in our unit.
+    #[serde(default)]
+    pub offset: f64,
+    /// Number of the file that is our 0.
+    #[serde(default)]
+    pub first: usize,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// What to do with rows that cannot be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Rows {
+    /// See [`BadRows`].
+    pub bad: BadRows,
+}
+
+/// What to do with rows that cannot be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum BadRows {
+    /// An error that names them.
+    #[default]
+    Refuse,
+    /// They are left out and named in the report.
+    Skip,
+}
+
+/// How values are put onto the run's sample times where those of the file differ.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Resampling {
+    /// Between the samples.
+    pub method: Method,
+    /// Gaps longer than this many of the file's usual spacings are not bridged.
+    pub longest_gap: f64,
+}
+
+impl Default for Resampling {
+    fn default() -> Self {
+        Self {
+            method: Method::Cubic,
+            longest_gap: 4.0,
+        }
+    }
+}
+
+/// What stands between two samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// The cubic through the four nearest.
+    Cubic,
+    /// The straight line.
+    Linear,
+}
+
+impl Method {
+    /// The word of the map.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Cubic => "cubic",
+            Self::Linear => "linear",
+        }
+    }
+}
+
+/// A limit that the user states.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StatedLimit {
+    /// Quantity, a pattern (`*` for any characters).
+    pub quantity: String,
+    /// `steady`, `transient` or `whole`.
+    pub window: String,
+    /// `relative-l2`, `relative-linf`, `mean`, `peak`, `rms` or `sprague-geers`.
+    pub metric: String,
+    /// The limit.
+    pub limit: f64,
+    /// Why it is what it is.
+    #[serde(default)]
+    pub reason: String,
+}
+
+impl Map {
+    /// Reads a map.
+    ///
+    /// # Errors
+    /// What is wrong, where, and the remedy.
+    pub fn from_toml(text: &str, source_name: &str) -> Result<Self, ForeignError> {
+        let map: Self = toml::from_str(text).map_err(|error| {
+            let at = error.span().map_or(0, |span| span.start).min(text.len());
+            ForeignError::Map {
+                source_name: source_name.to_owned(),
+                line: 1 + text.as_bytes()[..at]
+                    .iter()
+                    .filter(|&&byte| byte == b'\n')
+                    .count(),
+                what: error.message().trim().replace('\n', " "),
+            }
+        })?;
+        map.check()
+            .map_err(|(key, what, remedy)| ForeignError::Key {
+                source_name: source_name.to_owned(),
+                key,
+                what,
+                remedy,
+            })?;
+        Ok(map)
+    }
+
+    fn check(&self) -> Result<(), (String, String, String)> {
+        let wrong = |key: &str, what: &str, remedy: &str| {
+            Err((key.to_owned(), what.to_owned(), remedy.to_owned()))
+        };
+        if let Some(name) = &self.name
+            && !plain(name)
+        {
+            return wrong(
+                "name",
+                "must be letters, digits, `-`, `_` and `.`",
+                "write something like \"adams-2020\"",
+            );
+        }
+        let file = &self.file;
+        if file.separator_byte().is_none() && file.separator != "space" {
+            return wrong(
+                "file.separator",
+                "is not understood",
+                "write \",\", \";\", \"|\", \"tab\" or \"space\"",
+            );
+        }
+        if ![".", ","].contains(&file.decimal.as_str()) || file.decimal == file.separator {
+            return wrong(
+                "file.decimal",
+                "must be \".\" or \",\", and not the separator",
+                "set file.separator too",
+            );
+        }
+        if file.comment.as_ref().is_some_and(|c| c.len() != 1) {
+            return wrong("file.comment", "must be one character", "write \"#\"");
+        }
+        let time = &self.time;
+        if units::factor("time_s", &time.unit).is_err() {
+            return wrong(
+                "time.unit",
+                "is no unit of time",
+                "write \"s\", \"ms\", \"us\" or \"min\"",
+            );
+        }
+        if !(time.factor > 0.0 && time.factor.is_finite() && time.offset_s.is_finite()) {
+            return wrong(
+                "time",
+                "needs a positive factor and a finite offset",
+                "leave out what you do not need",
+            );
+        }
+        if self.columns.is_empty() {
+            return wrong(
+                "columns",
+                "names nothing to compare",
+                "map at least one of our columns",
+            );
+        }
+        for (name, source) in &self.columns {
+            let full = source.full();
+            if full.column.is_some() == !full.magnitude_of.is_empty() {
+                return wrong(
+                    name,
+                    "needs either `column` or `magnitude_of`",
+                    "give one of them",
+                );
+            }
+            if !(full.factor.is_finite() && full.factor != 0.0 && full.offset.is_finite()) {
+                return wrong(
+                    name,
+                    "needs a finite factor that is not 0, and a finite offset",
+                    "leave out what you do not need",
+                );
+            }
+            if name.matches('*').count() > 1 {
+                return wrong(
+                    name,
+                    "has more than one `*`",
+                    "one stands for the sleeve's or wheel's number",
+                );
+            }
+            let stars = full.columns().all(|column| match column {
+                ColumnRef::Name(column) => column.matches('*').count() == name.matches('*').count(),
+                ColumnRef::Number(_) => !name.contains('*'),
+            });
+            if !stars {
+                return wrong(
+                    name,
+                    "and its column must both hold one `*`, or none",
+                    "write \"force_n_*\" = { column = \"F_*\" }",
+                );
+            }
+            if let Some(unit) = &full.unit
+                && let Err(fitting) = units::factor(name, unit)
+            {
+                let remedy = if fitting.is_empty() {
+                    "leave it out and give a factor".to_owned()
+                } else {
+                    format!("write one of {}", fitting.join(", "))
+                };
+                return Err((name.clone(), format!("cannot be in `{unit}`"), remedy));
+            }
+        }
+        if !(self.resample.longest_gap >= 1.0) {
+            return wrong(
+                "resample.longest_gap",
+                "must be at least 1",
+                "4 bridges three missing rows",
+            );
+        }
+        if self
+            .limits
+            .iter()
+            .any(|limit| !(limit.limit > 0.0 && limit.limit.is_finite()))
+        {
+            return wrong(
+                "limits",
+                "holds a limit that is not above 0",
+                "write limit = 0.05 for 5 %",
+            );
+        }
+        Ok(())
+    }
+}
+
+/// Whether a name can be a folder's everywhere.
+fn plain(name: &str) -> bool {
+    let known = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    !name.is_empty() && name.len() <= 80 && !name.starts_with('.') && name.chars().all(known)
+}
+
+impl FileFormat {
+    /// The separator as CSV readers have it; `None` for blanks.
+    pub(super) fn separator_byte(&self) -> Option<u8> {
+        match self.separator.as_str() {
+            "," => Some(b','),
+            ";" => Some(b';'),
+            "|" => Some(b'|'),
+            "tab" | "\t" => Some(b'\t'),
+            _ => None,
+        }
+    }
+}
+
+impl Source {
+    /// Written out.
+    pub(super) fn full(&self) -> FullSource {
+        match self {
+            Self::Full(full) => full.clone(),
+            Self::Plain(column) => FullSource {
+                column: Some(column.clone()),
+                magnitude_of: Vec::new(),
+                unit: None,
+                factor: 1.0,
+                offset: 0.0,
+                first: 0,
+            },
+        }
+    }
+}
+
+impl FullSource {
+    /// The columns it reads.
+    pub(super) fn columns(&self) -> impl Iterator<Item = &ColumnRef> {
+        self.column.iter().chain(&self.magnitude_of)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fault(text: &str) -> String {
+        Map::from_toml(text, "m.toml").unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_short_map_is_enough() {
+        let map = Map::from_toml(
+            "[columns]\ninput_torque_n_m = \"T\"\noutput_angle_rad = 3\n",
+            "m.toml",
+        )
+        .unwrap();
+        assert_eq!(map.columns.len(), 2);
+        assert_eq!(
+            (map.file.separator.as_str(), map.rows.bad),
+            (",", BadRows::Refuse)
+        );
+        assert_eq!(
+            map.columns["output_angle_rad"].full().column,
+            Some(ColumnRef::Number(3))
+        );
+    }
+
+    #[test]
+    fn faults_have_a_remedy() {
+        for (text, part) in [
+            ("", "missing field `columns`"),
+            ("[columns]\n", "names nothing"),
+            ("[columns]\na_n = 1\nx = [", "line 3"),
+            ("colums = 1", "unknown field `colums`"),
+            (
+                "[columns]\na_n = { column = \"F\", unit = \"mm\" }",
+                "write one of N, newton",
+            ),
+            (
+                "[columns]\na_n = { unit = \"N\" }",
+                "either `column` or `magnitude_of`",
+            ),
+            ("[columns]\na_n = { column = \"F\", factor = 0.0 }", "not 0"),
+            ("[columns]\n\"a_n_*\" = \"F\"", "both hold one `*`"),
+            (
+                "[columns]\na_n = \"F\"\n[time]\nunit = \"N\"",
+                "no unit of time",
+            ),
+            (
+                "[columns]\na_n = \"F\"\n[file]\ndecimal = \",\"",
+                "set file.separator too",
+            ),
+            (
+                "[columns]\na_n = \"F\"\n[file]\nseparator = \"x\"",
+                "\"tab\"",
+            ),
+            ("name = \"../x\"\n[columns]\na_n = \"F\"", "letters, digits"),
+            (
+                "[columns]\na_n = \"F\"\n[[limits]]\nquantity = \"*\"\nwindow = \"steady\"\nmetric = \"mean\"\nlimit = 0.0",
+                "above 0",
+            ),
+        ] {
+            let line = fault(text);
+            assert!(
+                line.contains(part) && !line.contains('\n'),
+                "{text}: {line}"
+            );
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! Courses from elsewhere: a CSV of Adams, RecurDyn or a test rig, by a map of its columns.
+//!
+//! [`Map`] is the file that says which column is what, in which unit and from when; [`read`] gives
+//! the mapped columns on their own sample times with every row that could not be read named;
+//! [`resample`] puts them onto the times of a run and says what that costs.
+
+mod error;
+mod map;
+mod read;
+mod resample;
+mod units;
+
+pub use error::ForeignError;
+pub use map::{
+    BadRows, ColumnRef, FileFormat, Map, Method, Resampling, Source, StatedLimit, TimeColumn,
+};
+pub use read::{BadRow, Foreign, read};
+pub use resample::{Resampled, resample};

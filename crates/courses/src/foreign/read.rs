@@ -1,0 +1,356 @@
+//! Reading a foreign file: columns found, cells converted, bad rows named.
+
+use std::io::{BufRead as _, BufReader, Read};
+
+use super::error::{ForeignError, short};
+use super::map::{BadRows, ColumnRef, FileFormat, Map};
+use super::units;
+use crate::Courses;
+
+/// Bad rows kept with their reason; the others are counted as one.
+const MOST_NAMED: usize = 1000;
+/// Rows that must be left.
+const FEWEST_ROWS: usize = 10;
+
+/// A row that could not be read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BadRow {
+    /// Line of the file, the first being 1.
+    pub line: usize,
+    /// Why.
+    pub reason: String,
+}
+
+/// What a foreign file holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Foreign {
+    /// The mapped columns on the file's own times, in our units.
+    pub courses: Courses,
+    /// Rows that were left out.
+    pub bad: Vec<BadRow>,
+    /// Rows of data in the file.
+    pub rows: usize,
+}
+
+/// One of our columns and where its value comes from.
+struct Wanted {
+    name: String,
+    /// Indices of the file's columns; several give a magnitude.
+    from: Vec<usize>,
+    factor: f64,
+    offset: f64,
+}
+
+/// Reads a file by its map.
+///
+/// # Errors
+/// A column that is not there; bad rows, unless the map skips them; too few rows that can be read.
+pub fn read(source: impl Read, map: &Map) -> Result<Foreign, ForeignError> {
+    let mut lines = Lines::new(source, &map.file)?;
+    let header = lines.header(&map.file)?;
+    let time_column = header.find("time.column", &map.time.column)?;
+    // The unit is known: the map was checked.
+    let time_factor = map.time.factor * units::factor("time_s", &map.time.unit).unwrap_or(1.0);
+    let wanted = wanted(map, &header)?;
+    let decimal_comma = map.file.decimal == ",";
+
+    let mut times: Vec<f64> = Vec::new();
+    let mut values: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
+    let (mut bad, mut rows) = (Vec::new(), 0);
+    let mut row_values = vec![0.0; wanted.len()];
+    while let Some((line, cells)) = lines.next()? {
+        rows += 1;
+        let cell = |index: usize| -> Result<f64, String> {
+            let text = cells.get(index).map(|text| text.trim()).unwrap_or_default();
+            if text.is_empty() {
+                return Err(format!("column `{}` is empty", short(&header.name(index))));
+            }
+            let number = if decimal_comma {
+                text.replace(',', ".").parse()
+            } else {
+                text.parse()
+            };
+            match number {
+                Ok(value) if f64::is_finite(value) => Ok(value),
+                _ => Err(format!(
+                    "column `{}`: `{}` is not a number",
+                    short(&header.name(index)),
+                    short(text)
+                )),
+            }
+        };
+        let mut one = || -> Result<f64, String> {
+            let time = cell(time_column)? * time_factor + map.time.offset_s;
+            if let Some(&before) = times.last()
+                && !(time > before)
+            {
+                return Err(format!("time does not increase: {time} s after {before} s"));
+            }
+            for (slot, wanted) in row_values.iter_mut().zip(&wanted) {
+                let value = match wanted.from.as_slice() {
+                    [single] => cell(*single)?,
+                    several => {
+                        let mut squares = 0.0;
+                        for &index in several {
+                            squares += cell(index)?.powi(2);
+                        }
+                        squares.sqrt()
+                    }
+                };
+                *slot = value * wanted.factor + wanted.offset;
+            }
+            Ok(time)
+        };
+        match one() {
+            Ok(time) => {
+                times.push(time);
+                for (column, value) in values.iter_mut().zip(&row_values) {
+                    column.push(*value);
+                }
+            }
+            Err(reason) => bad.push(BadRow { line, reason }),
+        }
+    }
+    if !bad.is_empty() && map.rows.bad == BadRows::Refuse {
+        return Err(ForeignError::Rows { bad, total: rows });
+    }
+    if times.len() < FEWEST_ROWS || 2 * times.len() < rows {
+        return Err(ForeignError::Few {
+            good: times.len(),
+            total: rows,
+            bad,
+        });
+    }
+    bad.truncate(MOST_NAMED);
+    let own = |error: crate::CoursesError| ForeignError::Io(error.to_string());
+    let mut courses = Courses::new(times).map_err(own)?;
+    for (wanted, column) in wanted.into_iter().zip(values) {
+        courses.push(wanted.name, column).map_err(own)?;
+    }
+    Ok(Foreign { courses, bad, rows })
+}
+
+/// Names of the file's columns.
+struct Header {
+    names: Vec<String>,
+    /// Without a header columns go by number only.
+    named: bool,
+}
+
+impl Header {
+    fn name(&self, index: usize) -> String {
+        self.names
+            .get(index)
+            .cloned()
+            .unwrap_or_else(|| (index + 1).to_string())
+    }
+
+    fn position(&self, column: &str) -> Option<usize> {
+        self.names
+            .iter()
+            .position(|name| self.named && name == column)
+    }
+
+    fn find(&self, key: &str, column: &ColumnRef) -> Result<usize, ForeignError> {
+        let found = match column {
+            ColumnRef::Name(name) => self.position(name.trim()),
+            ColumnRef::Number(number) => number
+                .checked_sub(1)
+                .filter(|index| *index < self.names.len()),
+        };
+        found.ok_or_else(|| ForeignError::Column {
+            key: key.to_owned(),
+            column: match column {
+                ColumnRef::Name(name) => name.clone(),
+                ColumnRef::Number(number) => number.to_string(),
+            },
+            there: self.names.clone(),
+        })
+    }
+}
+
+/// Our columns, `*` written out; a plain name wins over a pattern.
+fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
+    let mut list: Vec<Wanted> = Vec::new();
+    let patterns_last = map.columns.iter().filter(|(name, _)| !name.contains('*'));
+    for (name, source) in
+        patterns_last.chain(map.columns.iter().filter(|(name, _)| name.contains('*')))
+    {
+        let full = source.full();
+        let unit = full
+            .unit
+            .as_ref()
+            .map_or(1.0, |unit| units::factor(name, unit).unwrap_or(1.0));
+        let (factor, offset) = (full.factor * unit, full.offset);
+        if !name.contains('*') {
+            let from: Result<Vec<usize>, _> = full
+                .columns()
+                .map(|column| header.find(name, column))
+                .collect();
+            list.push(Wanted {
+                name: name.clone(),
+                from: from?,
+                factor,
+                offset,
+            });
+            continue;
+        }
+        for number in 0.. {
+            let there = |column: &ColumnRef| match column {
+                ColumnRef::Name(column) => header.position(
+                    &column
+                        .trim()
+                        .replace('*', &(full.first + number).to_string()),
+                ),
+                ColumnRef::Number(_) => None,
+            };
+            let from: Option<Vec<usize>> = full.columns().map(there).collect();
+            let Some(from) = from else {
+                if number == 0 {
+                    let first: Vec<String> = full
+                        .columns()
+                        .map(|column| match column {
+                            ColumnRef::Name(column) => column.replace('*', &full.first.to_string()),
+                            ColumnRef::Number(number) => number.to_string(),
+                        })
+                        .collect();
+                    return Err(ForeignError::Column {
+                        key: name.clone(),
+                        column: first.join("`, `"),
+                        there: header.names.clone(),
+                    });
+                }
+                break;
+            };
+            let name = name.replace('*', &number.to_string());
+            if !list.iter().any(|known| known.name == name) {
+                list.push(Wanted {
+                    name,
+                    from,
+                    factor,
+                    offset,
+                });
+            }
+        }
+    }
+    Ok(list)
+}
+
+/// Rows of cells with their line numbers.
+enum Lines<R> {
+    Separated {
+        reader: Box<csv::Reader<BufReader<R>>>,
+        skipped: usize,
+        record: csv::ByteRecord,
+    },
+    Blanks {
+        reader: BufReader<R>,
+        line: usize,
+        comment: Option<u8>,
+    },
+}
+
+impl<R: Read> Lines<R> {
+    fn new(source: R, format: &FileFormat) -> Result<Self, ForeignError> {
+        let mut reader = BufReader::new(source);
+        let mut first = Vec::new();
+        for _ in 0..format.skip_lines {
+            first.clear();
+            reader
+                .read_until(b'\n', &mut first)
+                .map_err(|error| ForeignError::Io(error.to_string()))?;
+        }
+        let comment = format.comment.as_ref().and_then(|text| text.bytes().next());
+        Ok(match format.separator_byte() {
+            Some(separator) => Self::Separated {
+                reader: Box::new(
+                    csv::ReaderBuilder::new()
+                        .has_headers(false)
+                        .flexible(true)
+                        .delimiter(separator)
+                        .comment(comment)
+                        .from_reader(reader),
+                ),
+                skipped: format.skip_lines,
+                record: csv::ByteRecord::new(),
+            },
+            None => Self::Blanks {
+                reader,
+                line: format.skip_lines,
+                comment,
+            },
+        })
+    }
+
+    /// The next row that is not empty.
+    fn next(&mut self) -> Result<Option<(usize, Vec<String>)>, ForeignError> {
+        match self {
+            Self::Separated {
+                reader,
+                skipped,
+                record,
+            } => {
+                let more = reader
+                    .read_byte_record(record)
+                    .map_err(|error| ForeignError::Io(error.to_string()))?;
+                // Old exports are Latin-1: names and units may hold what is no UTF-8.
+                let cells = record
+                    .iter()
+                    .map(|cell| String::from_utf8_lossy(cell).into_owned())
+                    .collect();
+                let line = record
+                    .position()
+                    .map_or(0, |position| position.line() as usize)
+                    + *skipped;
+                Ok(more.then_some((line, cells)))
+            }
+            Self::Blanks {
+                reader,
+                line,
+                comment,
+            } => loop {
+                let mut bytes = Vec::new();
+                let count = reader
+                    .read_until(b'\n', &mut bytes)
+                    .map_err(|error| ForeignError::Io(error.to_string()))?;
+                if count == 0 {
+                    return Ok(None);
+                }
+                *line += 1;
+                let text = String::from_utf8_lossy(&bytes);
+                let cells: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
+                let is_comment =
+                    comment.is_some_and(|c| text.trim_start().bytes().next() == Some(c));
+                if !cells.is_empty() && !is_comment {
+                    return Ok(Some((*line, cells)));
+                }
+            },
+        }
+    }
+
+    fn header(&mut self, format: &FileFormat) -> Result<Header, ForeignError> {
+        // Without a header the first row of data only tells how many columns there are: it is read again.
+        let Some((_, cells)) = (if format.header { self.next()? } else { None }) else {
+            let most = if format.header { 0 } else { 10_000 };
+            let names = (1..=most).map(|number: usize| number.to_string()).collect();
+            return Ok(Header {
+                names,
+                named: false,
+            });
+        };
+        for _ in 0..format.lines_after_header {
+            self.next()?;
+        }
+        let clean = |name: String| {
+            name.trim()
+                .trim_start_matches('\u{feff}')
+                .trim_matches('"')
+                .trim()
+                .to_owned()
+        };
+        Ok(Header {
+            names: cells.into_iter().map(clean).collect(),
+            named: true,
+        })
+    }
+}

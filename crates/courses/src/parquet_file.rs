@@ -1,0 +1,222 @@
+//! Parquet in and out: typed columns, every digit, a tenth of the time of CSV to read back.
+//!
+//! One row group, no compression (codecs are the heavy part of the library), dictionary pages where
+//! values repeat. Numbers are doubles, whole numbers 64 bits, texts UTF-8; cells may be empty.
+
+use std::io::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::{LogicalType, Repetition, Type as Physical};
+use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
+use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
+use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
+use parquet::record::Field;
+use parquet::schema::types::{Type, TypePtr};
+
+use crate::{Courses, CoursesError};
+
+/// Values of one column; all of a file's have the same length.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cells {
+    /// Doubles.
+    Number(Vec<Option<f64>>),
+    /// Whole numbers.
+    Whole(Vec<Option<i64>>),
+    /// Texts.
+    Text(Vec<Option<String>>),
+}
+
+impl Cells {
+    fn schema(&self, name: &str) -> Result<TypePtr, CoursesError> {
+        let (physical, logical) = match self {
+            Self::Number(_) => (Physical::DOUBLE, None),
+            Self::Whole(_) => (Physical::INT64, None),
+            Self::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+        };
+        let column = Type::primitive_type_builder(name, physical)
+            .with_repetition(Repetition::OPTIONAL)
+            .with_logical_type(logical);
+        Ok(Arc::new(column.build()?))
+    }
+}
+
+/// Writes named columns as a Parquet file.
+///
+/// # Errors
+/// The library's: columns of different lengths, or the writer's own.
+pub fn write_table(
+    sink: impl Write + Send,
+    columns: &[(String, Cells)],
+) -> Result<(), CoursesError> {
+    let fields: Result<Vec<TypePtr>, _> = columns
+        .iter()
+        .map(|(name, cells)| cells.schema(name))
+        .collect();
+    let schema = Type::group_type_builder("table")
+        .with_fields(fields?)
+        .build()?;
+    // The same columns give the same bytes: no version of a library in the file.
+    let properties = WriterProperties::builder().set_created_by("pinwheel".to_owned());
+    let mut writer =
+        SerializedFileWriter::new(sink, Arc::new(schema), Arc::new(properties.build()))?;
+    let mut group = writer.next_row_group()?;
+    for (_, cells) in columns {
+        match cells {
+            Cells::Number(values) => write_column::<DoubleType, _>(&mut group, values, |v| *v)?,
+            Cells::Whole(values) => write_column::<Int64Type, _>(&mut group, values, |v| *v)?,
+            Cells::Text(values) => write_column::<ByteArrayType, _>(&mut group, values, |v| {
+                ByteArray::from(v.as_str())
+            })?,
+        }
+    }
+    group.close()?;
+    writer.close()?;
+    Ok(())
+}
+
+fn write_column<T: DataType, V>(
+    group: &mut SerializedRowGroupWriter<'_, impl Write + Send>,
+    values: &[Option<V>],
+    convert: impl Fn(&V) -> T::T,
+) -> Result<(), CoursesError> {
+    let Some(mut column) = group.next_column()? else {
+        return Ok(());
+    };
+    let present: Vec<T::T> = values.iter().flatten().map(convert).collect();
+    let levels: Vec<i16> = values.iter().map(|v| i16::from(v.is_some())).collect();
+    column
+        .typed::<T>()
+        .write_batch(&present, Some(&levels), None)?;
+    column.close()?;
+    Ok(())
+}
+
+/// Reads the columns of a Parquet file of this crate's kinds.
+///
+/// # Errors
+/// The library's, for what is no Parquet file; columns of other types are read as empty cells.
+pub fn read_table(
+    source: impl ChunkReader + 'static,
+) -> Result<Vec<(String, Cells)>, CoursesError> {
+    let reader = SerializedFileReader::new(source)?;
+    let schema = reader.metadata().file_metadata().schema().clone();
+    let mut columns: Vec<(String, Cells)> = schema
+        .get_fields()
+        .iter()
+        .map(|field| {
+            let cells = match field.is_primitive().then(|| field.get_physical_type()) {
+                Some(Physical::DOUBLE) => Cells::Number(Vec::new()),
+                Some(Physical::INT64) => Cells::Whole(Vec::new()),
+                _ => Cells::Text(Vec::new()),
+            };
+            (field.name().to_owned(), cells)
+        })
+        .collect();
+    for row in reader.get_row_iter(None)? {
+        let row = row?;
+        for ((_, field), (_, cells)) in row.get_column_iter().zip(&mut columns) {
+            match (cells, field) {
+                (Cells::Number(list), Field::Double(value)) => list.push(Some(*value)),
+                (Cells::Number(list), _) => list.push(None),
+                (Cells::Whole(list), Field::Long(value)) => list.push(Some(*value)),
+                (Cells::Whole(list), _) => list.push(None),
+                (Cells::Text(list), Field::Str(value)) => list.push(Some(value.clone())),
+                (Cells::Text(list), _) => list.push(None),
+            }
+        }
+    }
+    Ok(columns)
+}
+
+impl Courses {
+    /// Writes a Parquet file: `time_s` and all channels.
+    ///
+    /// # Errors
+    /// The file cannot be made or written.
+    pub fn save_parquet(&self, path: &Path) -> Result<(), CoursesError> {
+        let cells = |values: &[f64]| Cells::Number(values.iter().copied().map(Some).collect());
+        let channels = self.channels().iter();
+        let columns: Vec<(String, Cells)> =
+            std::iter::once(("time_s".to_owned(), cells(self.time_s())))
+                .chain(channels.map(|channel| (channel.name.clone(), cells(&channel.values))))
+                .collect();
+        let file = std::fs::File::create(path).map_err(|source| CoursesError::Io {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        write_table(file, &columns)
+    }
+
+    /// Reads what [`save_parquet`](Self::save_parquet) wrote, or any Parquet file of doubles with a
+    /// `time_s` column; empty cells are read as NaN.
+    ///
+    /// # Errors
+    /// The file cannot be opened, is no Parquet file, has no time or time that does not increase.
+    pub fn load_parquet(path: &Path) -> Result<Self, CoursesError> {
+        let file = std::fs::File::open(path).map_err(|source| CoursesError::Io {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        let (mut time, mut channels) = (None, Vec::new());
+        for (name, cells) in read_table(file)? {
+            if let Cells::Number(values) = cells {
+                let values: Vec<f64> = values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect();
+                if name == "time_s" {
+                    time = Some(values);
+                } else {
+                    channels.push((name, values));
+                }
+            }
+        }
+        let mut courses = Self::new(time.ok_or(CoursesError::NoTime)?)?;
+        for (name, values) in channels {
+            courses.push(name, values)?;
+        }
+        Ok(courses)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn round_trip_is_exact() {
+        let mut courses = Courses::new(vec![0.0, 1e-4, 0.1 + 0.2]).unwrap();
+        courses
+            .push("a_n", vec![1.0 / 3.0, -1e-300, f64::MAX])
+            .unwrap();
+        courses.push("gear.b_m", vec![1.0, 1.0, -0.0]).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("courses.parquet");
+        courses.save_parquet(&path).unwrap();
+        assert_eq!(Courses::load_parquet(&path).unwrap(), courses);
+        std::fs::write(&path, "time_s\n0\n").unwrap();
+        assert!(matches!(
+            Courses::load_parquet(&path),
+            Err(CoursesError::Parquet(_))
+        ));
+    }
+
+    #[test]
+    fn cells_may_be_empty() {
+        let columns = vec![
+            ("n".to_owned(), Cells::Number(vec![Some(0.1), None])),
+            ("k".to_owned(), Cells::Whole(vec![None, Some(-3)])),
+            (
+                "t".to_owned(),
+                Cells::Text(vec![Some("é, \"x\"".to_owned()), None]),
+            ),
+        ];
+        let mut bytes = Vec::new();
+        write_table(&mut bytes, &columns).unwrap();
+        assert_eq!(read_table(bytes::Bytes::from(bytes)).unwrap(), columns);
+        let uneven = [
+            columns[0].clone(),
+            ("x".to_owned(), Cells::Whole(vec![None])),
+        ];
+        assert!(write_table(Vec::new(), &uneven).is_err());
+    }
+}

@@ -1,0 +1,45 @@
+//! Forces of the revolutes, from what the bodies did: the mass of a body times its acceleration is
+//! the contact forces on it, plus the force of its own revolute, less those of the bodies it carries.
+//!
+//! rapier's own impulses hold the position corrections of its solver too; this is the force that the
+//! motion it computed needs.
+
+use pinwheel_gearbox::{Gearbox, Layout};
+
+use super::march::Sums;
+use super::world::World;
+
+/// Force of the revolute that carries each body, N, ground frame, in [`Layout`] order; the samples'
+/// contact forces are `sums`, the step just taken is centred at the sample.
+pub(super) fn reactions(gearbox: &Gearbox, world: &World, sums: &Sums, into: &mut Vec<[f64; 2]>) {
+    let layout = gearbox.layout;
+    into.clear();
+    into.resize(layout.bodies(), [0.0; 2]);
+    let mass = &gearbox.scene.mass;
+    let carried = [
+        (
+            layout.wheel_bodies(),
+            mass.wheel.mass_kg,
+            Some(Layout::INPUT),
+        ),
+        (layout.external_bodies(), mass.external_sleeve.mass_kg, None),
+        (
+            layout.internal_bodies(),
+            mass.internal_sleeve.mass_kg,
+            Some(Layout::OUTPUT),
+        ),
+    ];
+    for (bodies, mass, carrier) in carried {
+        for body in bodies {
+            let ([ax, ay], [fx, fy]) = (world.acceleration(body), sums.on_body(body));
+            into[body] = [mass * ax - fx, mass * ay - fy];
+            if let Some(carrier) = carrier {
+                into[carrier][0] += into[body][0];
+                into[carrier][1] += into[body][1];
+            }
+        }
+    }
+    let [ax, ay] = world.acceleration(Layout::OUTPUT);
+    into[Layout::OUTPUT][0] += mass.output_shaft.mass_kg * ax;
+    into[Layout::OUTPUT][1] += mass.output_shaft.mass_kg * ay;
+}

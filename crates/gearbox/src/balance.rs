@@ -1,0 +1,102 @@
+//! Tells a run whose energy comes from nowhere from one that a contact law merely feeds a little.
+//!
+//! ```text
+//! |sum of remainders| <= MOST (sum of |work of the driver| + |work of the load|, sample by sample, + kinetic energy at the start)
+//! ```
+//! An explicit method that cannot follow friction lets spins jump back and forth: forces may look right
+//! while the account loses a hundred times the work done. Angles stay in their mesh, so that only the
+//! energy shows it.
+
+use pinwheel_mbs::Mechanism;
+
+use crate::energy::EnergyAudit;
+
+/// Largest remainder as a share of what was turned over. Measured over all presets with `rk2`, `rk4` and
+/// `imex2` at 1e-5 s: runs that are right stay below 0.16 (the first 0.1 ms of steel, whose 5.6 kHz the
+/// account's entries hardly resolve; 0.03 later), runs that are not come to 36 and more.
+const MOST: f64 = 2.0;
+
+/// The account so far.
+#[derive(Debug, Clone)]
+pub(crate) struct Balance {
+    remainder_j: f64,
+    turnover_j: f64,
+}
+
+impl Balance {
+    /// Nothing turned over yet but the energy that the bodies start with.
+    pub(crate) fn new(mechanism: &Mechanism) -> Self {
+        let kinetic = mechanism.bodies.iter().map(|body| {
+            let v = &body.start;
+            0.5 * (body.mass * (v.vx * v.vx + v.vy * v.vy) + body.moment * v.rate * v.rate)
+        });
+        Self {
+            remainder_j: 0.0,
+            turnover_j: kinetic.sum(),
+        }
+    }
+
+    /// Adds the account from one sample to the next.
+    ///
+    /// # Errors
+    /// How much energy nothing accounts for.
+    pub(crate) fn add(&mut self, audit: &EnergyAudit) -> Result<(), String> {
+        self.remainder_j += audit.remainder_j;
+        self.turnover_j += audit.driver_j.abs() + audit.load_j.abs();
+        // A NaN is found out by the states' own guard.
+        if self.remainder_j.abs() > MOST * self.turnover_j {
+            return Err(format!(
+                "nothing accounts for {:.3e} J of energy, with {:.3e} J turned over: the method does not follow the \
+                 forces at this step",
+                self.remainder_j, self.turnover_j
+            ));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn audit(driver_j: f64, remainder_j: f64) -> EnergyAudit {
+        EnergyAudit {
+            from_s: 0.0,
+            to_s: 1.0,
+            driver_j,
+            load_j: -driver_j,
+            kinetic_j: 0.0,
+            stored_j: 0.0,
+            damping_j: 0.0,
+            friction_j: 0.0,
+            remainder_j,
+            remainder_share: remainder_j / driver_j,
+        }
+    }
+
+    #[test]
+    fn remainders_add_up() {
+        let nothing = Mechanism {
+            bodies: Vec::new(),
+            revolutes: Vec::new(),
+            drivers: Vec::new(),
+        };
+        let mut balance = Balance::new(&nothing);
+        assert!(balance.add(&audit(1.0, 3.0)).is_ok(), "3 of 2 J");
+        assert!(balance.add(&audit(1.0, -3.0)).is_ok(), "they cancel");
+        let told = balance.add(&audit(0.1, 9.0)).unwrap_err();
+        assert!(told.contains("9.000e0 J"), "{told}");
+    }
+
+    #[test]
+    fn rounding_at_rest_is_no_fault() {
+        let nothing = Mechanism {
+            bodies: Vec::new(),
+            revolutes: Vec::new(),
+            drivers: Vec::new(),
+        };
+        let mut balance = Balance::new(&nothing);
+        assert!(balance.add(&audit(0.0, 0.0)).is_ok());
+        assert!(balance.add(&audit(f64::NAN, f64::NAN)).is_ok());
+    }
+}

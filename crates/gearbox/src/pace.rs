@@ -1,0 +1,82 @@
+//! Ends a run whose adaptive steps have become so short that its end is out of reach.
+
+use crate::Gearbox;
+use crate::auto;
+
+/// Accepted steps between two looks.
+const SPAN: u64 = 20_000;
+/// Steps that may be left at the pace of the last [`SPAN`]: at ten microseconds a step five minutes.
+/// Measured most of a run worth having: 9e6 (`dopri5` on `hard-friction-narrow`, 0.6 s).
+const MOST_STEPS: f64 = 3e7;
+
+/// Progress of one run with steps from a tolerance.
+#[derive(Debug, Clone)]
+pub(crate) struct Pace {
+    end: f64,
+    last: f64,
+    next_look: u64,
+    integrator: String,
+    rubs: bool,
+}
+
+impl Pace {
+    /// At time 0.
+    pub(crate) fn new(gearbox: &Gearbox) -> Self {
+        Self {
+            end: gearbox.scene.solver.duration_s,
+            last: 0.0,
+            next_look: SPAN,
+            integrator: auto::integrator(&gearbox.scene).integrator,
+            rubs: gearbox.has_friction(),
+        }
+    }
+
+    /// Looks at a run that has reached `time` in `steps` steps.
+    ///
+    /// # Errors
+    /// What it would take to reach the end, and what to do instead.
+    pub(crate) fn look(&mut self, time: f64, steps: u64) -> Result<(), String> {
+        if steps < self.next_look {
+            return Ok(());
+        }
+        let step = (time - self.last) / SPAN as f64;
+        let left = (self.end - time) / step;
+        self.last = time;
+        self.next_look = steps + SPAN;
+        if left > MOST_STEPS {
+            let remedy = if self.rubs && !self.integrator.starts_with("imex2") {
+                "set solver.integrator to \"imex2\" or \"auto\", which treat friction implicitly"
+            } else {
+                "raise solver.tolerance, or name a method with a fixed step in solver.integrator"
+            };
+            return Err(format!(
+                "{} has come down to steps of {step:.1e} s, {left:.0e} of them to the end: the forces are too stiff for \
+                 it; {remedy}",
+                self.integrator
+            ));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    #[test]
+    fn only_a_pace_without_end_is_refused() {
+        let mut scene = Scene::default();
+        scene.solver.integrator = "dopri5".to_owned();
+        let mut pace = Pace::new(&Gearbox::new(&scene).unwrap());
+        assert_eq!(pace.look(1e-12, SPAN - 1), Ok(()), "too early to tell");
+        assert_eq!(pace.look(0.01, SPAN), Ok(()));
+        // A short passage of tiny steps at a switch is over before anybody looks.
+        assert_eq!(pace.look(0.02, 2 * SPAN), Ok(()));
+        let told = pace.look(0.02 + 1e-6, 3 * SPAN).unwrap_err();
+        assert!(
+            told.contains("5.0e-11 s") && told.contains("solver.tolerance"),
+            "{told}"
+        );
+    }
+}

@@ -1,0 +1,23 @@
+//! Studies as data: a base scene, lists or ranges of its keys, and what to keep of every run.
+//!
+//! [`Sweep`] is the file, [`Plan`] every run it asks for as a checked scene, [`execute`] runs them over
+//! all cores with finished runs kept in a [`Journal`], [`results`] lays them out as a table. Every run
+//! is computed by one thread on its own, so the numbers are the same whatever the number of threads.
+
+mod axis;
+mod error;
+mod execute;
+mod file;
+mod journal;
+mod plan;
+mod record;
+mod results;
+
+pub use axis::{Axis, Value};
+pub use error::SweepError;
+pub use execute::{Control, execute};
+pub use file::{KeepCourses, MOST_BYTES, Sweep};
+pub use journal::Journal;
+pub use plan::{MOST_RUNS, Plan, PlannedRun};
+pub use record::{Outcome, RunRecord, Spread};
+pub use results::{Column, Results, costs, results};
