@@ -11,7 +11,7 @@ use pinwheel_studies::baseline::{
 
 fn accepted() -> Baseline {
     let dir: PathBuf =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference/baselines/accepted");
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../reference/baselines/accepted");
     Baseline::read(&dir).unwrap()
 }
 
@@ -50,7 +50,7 @@ fn regress_accepted_results() {
 /// The files are small enough for a review, and every scene is in them.
 #[test]
 fn regress_baseline_is_small_and_whole() {
-    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference/baselines/accepted");
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../reference/baselines/accepted");
     let files = std::fs::read_dir(&dir)
         .unwrap()
         .map(|file| file.unwrap().metadata().unwrap().len());
