@@ -9,7 +9,7 @@ Two kinds of comparison, never mixed:
 """
 
 from pinwheel_engines.border import LawPointer
-from pinwheel_engines.engines import ENGINES, run
+from pinwheel_engines.engines import ENGINES, check, run
 from pinwheel_engines.errors import (
     Cancelled,
     Diverged,
@@ -37,6 +37,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "Unsupported",
+    "check",
     "evaluate",
     "run",
 ]

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from pinwheel_engines.bed import check_own_contact
 from pinwheel_engines.border import LawPointer
 from pinwheel_engines.errors import EngineFailed, PinwheelError, Unsupported
 from pinwheel_engines.result import Result
@@ -73,6 +74,18 @@ ENGINES: dict[str, EngineInfo] = {
         "as a rotational damper on the wheels. No ramp S, no friction.",
     ),
 }
+
+
+def check(scene_toml: str, engine: str) -> None:
+    """Raises SceneError or Unsupported when an engine cannot honour a scene; starts no run.
+
+    A shared-law engine can do what its law can; what an own-contact engine can do is `bed.check_own_contact`'s.
+    """
+    if engine not in ENGINES:
+        raise Unsupported(engine, f"there is no such engine; known are {', '.join(ENGINES)}")
+    scene = Scene.from_toml(scene_toml)
+    if not ENGINES[engine].takes_law:
+        check_own_contact(engine, scene)
 
 
 def run(

@@ -88,6 +88,7 @@ class ContactLaw:
         inner = np.arange(layout.internal_bodies.start, layout.internal_bodies.stop)
         self._outer = np.meshgrid(wheels, outer, indexing="ij")
         self._inner = np.meshgrid(wheels, inner, indexing="ij")
+        self._stiffness_rounding = 0.0
         self.points = contact.detection == "points"
         if self.points:
             self._set_up_points()
@@ -106,6 +107,10 @@ class ContactLaw:
                 "than the sleeve; take more points"
             )
         self._profile_stiffness = self.stiffness_factor * np.sqrt(gear.external_sleeve_radius_m / softness)
+        # A circle through points a spacing s apart has a curvature known to 2 ulp/s^2: the finer the points, the less.
+        spacing = np.abs(np.roll(self._profile, -1) - self._profile)
+        curvature_rounding = 4.0 * np.spacing(gear.pitch_radius_m) / spacing**2
+        self._stiffness_rounding = float(np.max(0.5 * gear.external_sleeve_radius_m * curvature_rounding / softness))
         self._rim = gear.hole_radius_m * turns(contact.hole_points)
 
     def profile_stiffness(self, a: Floats) -> Floats:
@@ -147,8 +152,9 @@ class ContactLaw:
 
         A penetration is the difference of lengths of about the pitch radius, so it is known to their unit in the last place
         (1.4e-17 m), however small it is itself; the normal force follows with its slope. Friction below its ramp follows the
-        sliding rate, a difference of speeds of up to R times the greatest rate, in the same way. Two implementations that
-        differ by more than a few of these do not compute the same law.
+        sliding rate, a difference of speeds of up to R times the greatest rate, in the same way. With points detection the
+        stiffness follows a curvature through three of them. Two implementations that differ by more than a few of these do
+        not compute the same law.
         """
         states = np.asarray(states, dtype=np.float64)
         bound = np.zeros(states.shape[0])
@@ -163,8 +169,22 @@ class ContactLaw:
             speed = np.spacing(reach * np.max(np.abs(part[..., 5]), axis=1))[found.state]
             friction = contact.friction_coefficient * found.normal_force_n / contact.friction_ramp_m_s
             force = length * (1.0 + contact.friction_coefficient) + speed * (friction + contact.damping_n_s_m)
+            force += self._stiffness_rounding * found.normal_force_n
             bound[start : start + STATES_AT_ONCE] = np.bincount(found.state, force, part.shape[0])
         return bound
+
+    def nearest_gap_m(self, state: Floats) -> float:
+        """Points detection: how much nearer the nearest point is than the next one, m, at the closest call of one state."""
+        gaps = [np.inf]
+        q, rim_q = self.scene.gear.external_sleeve_radius_m, self.scene.gear.internal_sleeve_radius_m
+        _, _, _, local, _ = self._sleeves_in_wheel_frame(state[None], *self._outer)
+        _, wheel, sleeve, inner, _ = self._sleeves_in_wheel_frame(state[None], *self._inner)
+        inner -= self._holes[wheel - self.layout.wheel_bodies.start, sleeve - self.layout.internal_bodies.start]
+        for centres, points, radius in ((local, self._profile, q), (inner, self._rim, rim_q)):
+            two = np.partition(np.abs(centres[:, None] - points[None, :]), 1, axis=1)[:, :2]
+            touching = two[:, 0] < radius
+            gaps.extend((two[touching, 1] - two[touching, 0]).tolist())
+        return float(min(gaps))
 
     def _add_loads(self, states: Floats, loads: Floats) -> None:
         found = self.contacts(states)

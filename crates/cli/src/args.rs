@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::scene::{Override, Scene};
 
+use crate::commands::bench::BenchArgs;
 use crate::commands::sweep::SweepArgs;
 use crate::failure::Failure;
 use crate::screen;
@@ -16,6 +17,7 @@ Examples:
   pinwheel compare paper                         the paper's gearbox, every engine, one report
   pinwheel run paper --engine native             one engine: courses.csv and run.json
   pinwheel compare paper --set gear.backlash_m=0.0006 --out out/backlash
+  pinwheel bench paper                           what accuracy costs, native and peers
   pinwheel explain my-gear.toml                  what is modelled, assumed and to be expected
   pinwheel sweep reference/sweeps/backlash.toml  lists and ranges of keys over all cores
   pinwheel stability --quick                     which method survives which hard scene
@@ -45,6 +47,10 @@ pub(crate) enum Command {
     Run(RunArgs),
     /// Run a scene on several engines, compare them and write a report.
     Compare(CompareArgs),
+    /// Measure what accuracy costs: error against time of every engine, integrator and step.
+    Bench(BenchArgs),
+    /// Keep courses of the Python engines for builds and machines without them.
+    Record(crate::commands::record::RecordArgs),
     /// Say what a scene models, what it leaves out and what to expect of it.
     Explain(ExplainArgs),
     /// Run a scene with lists or ranges of keys over all cores and tabulate the figures.

@@ -1,6 +1,6 @@
 //! Which engines a command means, and one run of one of them.
 
-use pinwheel_engines::{Control, Engine, EngineError, Run, by_name, registry};
+use pinwheel_engines::{Control, Engine, EngineError, Run, by_name, recorded, registry};
 use pinwheel_gearbox::scene::{Scene, did_you_mean};
 
 use crate::failure::Failure;
@@ -29,6 +29,12 @@ pub(crate) fn find(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, Failure
             did_you_mean(name, &known)
         ))
     })
+}
+
+/// The engine of that name, or its recording of this very scene where this build lacks the engine.
+pub(crate) fn find_or_recorded(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, Failure> {
+    find(name, scene)
+        .or_else(|missing| recorded::instead(name, scene, recorded::NOT_BUILT).ok_or(missing))
 }
 
 /// Every name `--engine` takes.

@@ -24,6 +24,9 @@ const OURS: &[&str] = &[
     "courses.csv",
     "courses.partial.csv",
     "stability.csv",
+    "bench.csv",
+    "scaling.csv",
+    "mechanisms.csv",
 ];
 
 /// An output folder in the making. Dropped without [`publish`](Self::publish) it leaves nothing.
@@ -75,7 +78,7 @@ impl Folder {
         self.publish_unfinished()
     }
 
-    /// The same for a result that says itself how far it got before the user stopped it.
+    /// The same although the user asked to stop: for studies whose results say how far they got.
     pub(crate) fn publish_unfinished(self) -> Result<PathBuf, Failure> {
         // Others may have written there while the engines ran.
         inspect(&self.target, &self.shown, self.force)?;

@@ -38,11 +38,13 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
     match command {
         Command::Run(args) => commands::run::run(args),
         Command::Compare(args) => commands::compare::compare(args),
+        Command::Bench(args) => commands::bench::bench(args),
         Command::Explain(args) => commands::explain::explain(args),
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),
         Command::Baseline(args) => commands::baseline::baseline(args),
         Command::Stability(args) => commands::stability::stability(args),
+        Command::Record(args) => commands::record::record(args),
     }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use pinwheel_courses::Courses;
 
 use crate::comparison::{Comparison, EngineEntry, EngineSummary, Figures, Pair, PairEntry};
+use crate::grid::Common;
 use crate::judge::{Judge, Sides};
 use crate::limits::Limit;
 use crate::matrix::{self, track_of};
@@ -13,7 +14,7 @@ use crate::participant::{Context, Participant};
 use crate::quantities::{self, INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, Quantity};
 use crate::statistics::{Statistics, View};
 use crate::verdict::{Counts, Verdict};
-use crate::windows::{self, SETTLING_S, Window, WindowKind};
+use crate::windows::{self, FEWEST_SAMPLES, SETTLING_S, Window, WindowKind};
 use crate::{CompareError, grid};
 
 /// Compares every finished run with every other on its track, window by window.
@@ -44,12 +45,20 @@ pub fn compare(
         .iter()
         .filter(|p| p.status.is_finished())
         .collect();
-    for pair in finished.windows(2) {
-        grid::check(pair[0], pair[1])?;
-    }
     let nothing = Courses::default();
+    // The finest grid: recordings may hold a part of it.
+    let finest = finished
+        .iter()
+        .rev()
+        .max_by_key(|p| p.courses.len())
+        .copied();
+    if let Some(finest) = finest {
+        for other in &finished {
+            grid::common(finest, other)?;
+        }
+    }
     let (windows, absent_windows) = windows::windows(
-        finished.first().map_or(&nothing, |p| &p.courses),
+        finest.map_or(&nothing, |p| &p.courses),
         context.settling_s.unwrap_or(SETTLING_S),
     );
     let quantities = quantities::derive(finished.iter().map(|p| &p.courses));
@@ -67,7 +76,7 @@ pub fn compare(
     for (k, b) in finished.iter().enumerate() {
         for a in &finished[..k] {
             if let Some(track) = track_of(a, b) {
-                pairs.push(pair(Sides { track, a, b }, &windows, &quantities, judge));
+                pairs.push(pair(Sides { track, a, b }, &windows, &quantities, judge)?);
             }
         }
     }
@@ -174,25 +183,32 @@ fn figures(
     }
 }
 
-fn pair(sides: Sides<'_>, windows: &[Window], quantities: &[Quantity], judge: Judge<'_>) -> Pair {
+fn pair(
+    sides: Sides<'_>,
+    windows: &[Window],
+    quantities: &[Quantity],
+    judge: Judge<'_>,
+) -> Result<Pair, CompareError> {
+    let Sides { track, a, b } = sides;
+    let common = grid::common(a, b)?;
     let mut entries = Vec::new();
     for window in windows {
         for quantity in quantities {
-            entries.extend(pair_entry(sides, window, quantity, judge));
+            entries.extend(pair_entry(sides, &common, window, quantity, judge));
         }
     }
-    let Sides { track, a, b } = sides;
-    Pair {
+    Ok(Pair {
         a: a.name.clone(),
         b: b.name.clone(),
         track: track.to_owned(),
         entries,
-    }
+    })
 }
 
 /// `None` if neither engine has the quantity.
 fn pair_entry(
     sides: Sides<'_>,
+    (of_a, of_b): &Common<'_>,
     window: &Window,
     quantity: &Quantity,
     judge: Judge<'_>,
@@ -222,10 +238,16 @@ fn pair_entry(
         (_, 0) => return unjudged(format!("{} has no `{}`", b.name, quantity.name)),
         _ => {}
     }
-    let samples = a.courses.window(window.from_s, window.to_s);
-    let metrics = View::of(&a.courses, quantity, samples.clone())
-        .zip(View::of(&b.courses, quantity, samples.clone()))
-        .zip(a.courses.time_s().get(samples))
+    let samples = of_a.window(window.from_s, window.to_s);
+    if samples.len() < FEWEST_SAMPLES {
+        return unjudged(format!(
+            "both have {} samples in this window, fewer than {FEWEST_SAMPLES}",
+            samples.len()
+        ));
+    }
+    let metrics = View::of(of_a, quantity, samples.clone())
+        .zip(View::of(of_b, quantity, samples.clone()))
+        .zip(of_a.time_s().get(samples))
         .and_then(|((of_a, of_b), time_s)| PairMetrics::of(&of_a, &of_b, time_s));
     let Some(metrics) = metrics else {
         return unjudged(format!(

@@ -1,4 +1,11 @@
 //! The rule that courses are compared on one sample grid, and are never interpolated.
+//!
+//! A recorded course may hold fewer samples than a live one. Then both are compared at the samples
+//! of the recording, each of which must be one of the other's.
+
+use std::borrow::Cow;
+
+use pinwheel_courses::Courses;
 
 use crate::CompareError;
 use crate::participant::Participant;
@@ -7,8 +14,56 @@ use crate::participant::Participant;
 /// small a part of its change over one sample.
 const SLACK: f64 = 1e-6;
 
+/// Two courses on the same samples.
+pub(crate) type Common<'a> = (Cow<'a, Courses>, Cow<'a, Courses>);
+
+/// The courses of two runs on the samples that both have.
+///
+/// # Errors
+/// The sample times differ, and neither run is a recording whose samples the other one has.
+pub(crate) fn common<'a>(
+    a: &'a Participant,
+    b: &'a Participant,
+) -> Result<Common<'a>, CompareError> {
+    let (of_a, of_b) = (&a.courses, &b.courses);
+    let Err(error) = check(a, b) else {
+        return Ok((Cow::Borrowed(of_a), Cow::Borrowed(of_b)));
+    };
+    if b.cost.recorded.is_some()
+        && let Some(rows) = rows_of(of_b, of_a)
+    {
+        return Ok((Cow::Owned(of_a.select(&rows)), Cow::Borrowed(of_b)));
+    }
+    if a.cost.recorded.is_some()
+        && let Some(rows) = rows_of(of_a, of_b)
+    {
+        return Ok((Cow::Borrowed(of_a), Cow::Owned(of_b.select(&rows))));
+    }
+    Err(error)
+}
+
+/// Rows of `whole` at the times of `part`; `None` if one is missing.
+fn rows_of(part: &Courses, whole: &Courses) -> Option<Vec<usize>> {
+    let times = whole.time_s();
+    part.time_s()
+        .iter()
+        .map(|&time| {
+            let after = times.partition_point(|&t| t < time);
+            let near = |row: usize| {
+                let t = times.get(row)?;
+                let spacing = match row.checked_sub(1).and_then(|before| times.get(before)) {
+                    Some(before) => t - before,
+                    None => times.get(1)? - t,
+                };
+                ((t - time).abs() <= SLACK * spacing).then_some(row)
+            };
+            near(after).or_else(|| near(after.checked_sub(1)?))
+        })
+        .collect()
+}
+
 /// Checks that two runs have the same sample times.
-pub(crate) fn check(a: &Participant, b: &Participant) -> Result<(), CompareError> {
+fn check(a: &Participant, b: &Participant) -> Result<(), CompareError> {
     let (times_a, times_b) = (a.courses.time_s(), b.courses.time_s());
     let mut before = f64::NEG_INFINITY;
     for (row, (&time_a, &time_b)) in times_a.iter().zip(times_b).enumerate() {

@@ -118,6 +118,9 @@ pub struct Cost {
     pub joint_drift_m: Option<f64>,
     /// Where the energy went, window by window, of engines that keep an account.
     pub energy: Vec<Energy>,
+    /// Set for a course that was not computed now but recorded earlier: when, with what, and why it stands here.
+    /// Costs are then those of the recording, on its machine; its samples may be a part of the others'.
+    pub recorded: Option<String>,
 }
 
 /// Energy account of one window, J: growth of kinetic and stored energy = works - losses + remainder.

@@ -299,6 +299,44 @@ fn faults() {
 }
 
 #[test]
+fn a_recording_is_compared_at_its_own_samples() {
+    let whole = courses(1.0);
+    let rows: Vec<usize> = (0..whole.len()).step_by(3).collect();
+    let mut recording = participant("mujoco-x", track::SHARED_LAW, courses(1.001).select(&rows));
+    let refused = compare(&context(), &[native(), recording.clone()], TABLE);
+    assert!(
+        matches!(refused, Err(CompareError::Grid { .. })),
+        "no recording"
+    );
+    recording.cost.recorded = Some("earlier".to_owned());
+    for order in [[native(), recording.clone()], [recording.clone(), native()]] {
+        let comparison = compare(&context(), &order, TABLE).unwrap();
+        assert_eq!(comparison.windows[0].samples, 301, "the live run's");
+        for entry in &comparison.pairs[0].entries {
+            let error = entry.metrics.as_ref().unwrap().relative_l2.unwrap();
+            let wanted = match entry.quantity.as_str() {
+                "output_torque_n_m" | "output_angle_rad" => 0.0,
+                _ => 1e-3 / 1.001,
+            };
+            assert!(
+                (error - wanted).abs() < 1e-12,
+                "{}: {error}",
+                entry.quantity
+            );
+        }
+    }
+    // A sample that the other has not is refused as ever.
+    let shifted: Vec<f64> = recording
+        .courses
+        .time_s()
+        .iter()
+        .map(|t| t + 4e-4)
+        .collect();
+    recording.courses = Courses::new(shifted).unwrap();
+    assert!(compare(&context(), &[native(), recording], TABLE).is_err());
+}
+
+#[test]
 fn summary_is_plain_json() {
     let comparison = compare(&context(), &[native(), foreign(0.99)], TABLE).unwrap();
     let json: serde_json::Value = serde_json::to_value(&comparison).unwrap();

@@ -87,6 +87,27 @@ impl Courses {
         self.time_s.is_empty()
     }
 
+    /// The courses of some samples only; rows that do not exist, or do not come after their predecessor, are left out.
+    #[must_use]
+    pub fn select(&self, rows: &[usize]) -> Self {
+        let mut kept: Vec<usize> = Vec::with_capacity(rows.len());
+        for &row in rows {
+            if row < self.len() && kept.last().is_none_or(|&last| row > last) {
+                kept.push(row);
+            }
+        }
+        let pick = |values: &[f64]| kept.iter().map(|&row| values[row]).collect();
+        let channels = self.channels.iter().map(|channel| Channel {
+            name: channel.name.clone(),
+            values: pick(&channel.values),
+        });
+        Self {
+            time_s: pick(&self.time_s),
+            channels: channels.collect(),
+            index: self.index.clone(),
+        }
+    }
+
     /// All channels in the order they were added.
     #[must_use]
     pub fn channels(&self) -> &[Channel] {

@@ -61,6 +61,9 @@ pub struct RunStats {
     pub energy: Vec<EnergyAudit>,
     /// Remarks for the reader (approximations, guards that fired).
     pub notes: Vec<String>,
+    /// For courses that were recorded earlier and not computed now: when, with what, and why they stand here.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub recorded: Option<String>,
 }
 
 /// A finished run.

@@ -1,9 +1,13 @@
 //! Engines behind one trait: the native solver and the peers it is checked against.
 
+mod cards;
 mod engine;
 mod native;
+#[cfg(feature = "crossval")]
+pub mod python;
 #[cfg(feature = "rapier")]
 mod rapier;
+pub mod recorded;
 mod registry;
 
 pub use engine::{Control, Engine, EngineError, Run, RunStats, Track};

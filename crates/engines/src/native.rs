@@ -166,6 +166,7 @@ impl Engine for Native {
                     .filter_map(|(from, to)| run.energy.audit(from, to))
                     .collect(),
                 notes: Vec::new(),
+                recorded: None,
             };
             Run {
                 courses: run.courses,

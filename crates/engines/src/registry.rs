@@ -16,6 +16,8 @@ pub fn registry() -> Vec<Box<dyn Engine>> {
     let engines = native.into_iter();
     #[cfg(feature = "rapier")]
     let engines = engines.chain(crate::rapier::engines());
+    #[cfg(feature = "crossval")]
+    let engines = engines.chain(crate::python::engines());
     engines.collect()
 }
 

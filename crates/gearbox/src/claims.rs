@@ -3,7 +3,9 @@
 //! What is claimed, how it is judged and the explanation stand in `reference/published/paper.toml`; figures are
 //! computed here from short runs, verdicts follow from the figures by the rules below and from nothing else.
 
+mod backlash;
 mod figures;
+mod runs;
 
 use serde::{Deserialize, Serialize};
 
@@ -75,7 +77,15 @@ pub fn claims() -> Result<Vec<Claim>, toml::de::Error> {
 /// # Errors
 /// A run failed that the claim does not expect to fail.
 pub fn judge(claim: &Claim) -> Result<Option<Judgement>, NativeError> {
-    let Some((figure, numbers, verdict)) = figures::of(&claim.id)? else {
+    judge_while(claim, &|| true)
+}
+
+/// [`judge`] as long as `go` says so; it is asked at every sample of every run.
+///
+/// # Errors
+/// As [`judge`], and [`NativeError::Stopped`] once `go` is false.
+pub fn judge_while(claim: &Claim, go: &dyn Fn() -> bool) -> Result<Option<Judgement>, NativeError> {
+    let Some((figure, numbers, verdict)) = figures::of(&claim.id, go)? else {
         return Ok(None);
     };
     Ok(Some(Judgement {

@@ -146,7 +146,7 @@ const PinwheelCharts = (() => {
         width: series.points ? 0 : series.thin ? 1 : 1.6,
         dash: series.thin ? [4, 4] : dashOf(series.style),
         points: series.points || series.markers ? { show: true, size: series.points ? 9 : 7, fill: () => lineColour(series.style) } : { show: false },
-        spanGaps: false,
+        spanGaps: series.sparse === true,
       }))),
       hooks: {
         setCursor: [(u) => {

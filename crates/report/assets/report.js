@@ -131,7 +131,7 @@
       let current;
       function series() {
         current = channel(quantity, chosen);
-        const drawn = (of) => order.map((e) => ({ label: engines[e].name, style: engines[e].style, visible: state.visible[e], values: of(e) }));
+        const drawn = (of) => order.map((e) => ({ label: engines[e].name, style: engines[e].style, visible: state.visible[e], sparse: engines[e].sparse, values: of(e) }));
         return [drawn((e) => values(current, e)), drawn((e) => differences(current, e, state.base, state.log))];
       }
       const name = () => (several ? `${quantity.label} no. ${quantity.channels[chosen].label}` : quantity.label);

@@ -4,9 +4,12 @@
 //! Differences are taken in 64 bits before they are shortened: of two engines that agree to 1e-9
 //! the page still shows what parts them. Metrics never come from here.
 
+use std::borrow::Cow;
+
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use pinwheel_compare::{Participant, Quantity, Window, WindowKind, quantities, track};
+use pinwheel_courses::Courses;
 use serde::Serialize;
 
 /// Base64 characters the courses of one page may take; with styles, scripts and tables the page
@@ -39,6 +42,8 @@ struct Line {
     track: String,
     /// Position among all participants: colour and dash of its line.
     style: usize,
+    /// Samples lie apart with gaps between them, over which the line is drawn.
+    sparse: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -70,6 +75,7 @@ impl ChartData {
     /// Chooses engines, channels and samples and encodes them; `None` if nobody has courses.
     pub(crate) fn of(participants: &[Participant], windows: &[Window]) -> Option<Self> {
         let mut notes = Vec::new();
+        let participants = &spread(participants);
         let drawn = drawn(participants, &mut notes);
         let &(_, base) = drawn.first()?;
         let time_s = base.courses.time_s();
@@ -92,6 +98,7 @@ impl ChartData {
                     name: p.name.clone(),
                     track: p.track.clone(),
                     style,
+                    sparse: p.cost.recorded.is_some(),
                 })
                 .collect(),
             quantities: quantities
@@ -105,14 +112,52 @@ impl ChartData {
     }
 }
 
+/// Recordings hold fewer samples than live runs: on the finest grid the others are gaps, not numbers.
+fn spread(participants: &[Participant]) -> Vec<Cow<'_, Participant>> {
+    let finest = participants
+        .iter()
+        .map(|p| p.courses.time_s())
+        .max_by_key(|time| time.len())
+        .unwrap_or_default();
+    let spread = |participant: &Participant| -> Option<Participant> {
+        participant.cost.recorded.as_ref()?;
+        let mut whole = Courses::new(finest.to_vec()).ok()?;
+        let time = participant.courses.time_s();
+        let rows: Vec<Option<usize>> = finest
+            .iter()
+            .map(|t| {
+                let row = time.partition_point(|other| *other < t - 1e-9 * t.max(1e-9));
+                time.get(row)
+                    .is_some_and(|other| (other - t).abs() <= 1e-9 * t.max(1e-9))
+                    .then_some(row)
+            })
+            .collect();
+        for channel in participant.courses.channels() {
+            let values = rows
+                .iter()
+                .map(|row| row.map_or(f64::NAN, |row| channel.values[row]));
+            whole.push(channel.name.clone(), values.collect()).ok()?;
+        }
+        Some(Participant {
+            courses: whole,
+            ..participant.clone()
+        })
+    };
+    participants
+        .iter()
+        .map(|p| spread(p).map_or(Cow::Borrowed(p), Cow::Owned))
+        .collect()
+}
+
 /// Participants with something to draw, the first being what the others are stored against:
 /// a finished native run if there is one, because that is what differs least from most.
 fn drawn<'a>(
-    participants: &'a [Participant],
+    participants: &'a [Cow<'a, Participant>],
     notes: &mut Vec<String>,
 ) -> Vec<(usize, &'a Participant)> {
     let mut drawn: Vec<(usize, &Participant)> = participants
         .iter()
+        .map(Cow::as_ref)
         .enumerate()
         .filter(|(_, p)| !p.courses.is_empty())
         .collect();

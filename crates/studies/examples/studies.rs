@@ -1,4 +1,4 @@
-//! Prints the studies: `studies atlas [SCENE...] | horizon SCENE... | drift SCENE | published`.
+//! Prints the studies: `studies atlas [SCENE...] | horizon SCENE... | drift SCENE | published | paper`.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -6,7 +6,7 @@
 )]
 
 use pinwheel_gearbox::scene::Scene;
-use pinwheel_studies::{Control, Progress, divergence, drift, published, stability};
+use pinwheel_studies::{Control, Progress, divergence, drift, paper, published, stability};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -67,6 +67,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             scene.solver.duration_s = 0.3;
             serde_json::to_string_pretty(&published::run(&scene, &published::DAMPINGS, &control)?)?
         }
+        "paper" => serde_json::to_string_pretty(&paper::run(
+            &paper::Options {
+                figures: names.to_vec(),
+                peer: None,
+            },
+            &control,
+        )?)?,
         other => return Err(format!("no study `{other}`").into()),
     };
     println!("{json}");

@@ -5,7 +5,7 @@
 //! [`divergence::horizon`] how long two runs that differ by a rounding stay together;
 //! [`drift::measure`] what long runs do to joints, phases and forces; [`published::run`] which of the
 //! published model's choices make it fail at high damping; [`resolution::check`] whether a run's step resolves its
-//! scene. All results serialise.
+//! scene; [`precision::run`] what every engine's accuracy costs. All results serialise.
 
 pub mod baseline;
 mod control;
@@ -13,6 +13,8 @@ pub mod divergence;
 pub mod drift;
 mod error;
 mod measure;
+pub mod paper;
+pub mod precision;
 pub mod published;
 pub mod resolution;
 pub mod stability;

@@ -7,7 +7,7 @@ use pinwheel_compare::{
     Comparison, Context, Cost, Divergence, Energy, Participant, Status, limits,
 };
 use pinwheel_courses::Courses;
-use pinwheel_engines::{Engine, EngineError, RunStats, registry};
+use pinwheel_engines::{Engine, EngineError, RunStats, recorded, registry};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::Statement;
 use pinwheel_gearbox::scene::{Assumption, Scene, Start, assumptions};
@@ -93,14 +93,16 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     })
 }
 
-/// The engines named, or all of this build.
+/// The engines named, or all of this build and the recordings of those it lacks.
 fn chosen(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, Failure> {
     if names.is_empty() {
-        return Ok(registry());
+        let mut engines = registry();
+        engines.extend(recorded::missing(scene));
+        return Ok(engines);
     }
     let mut engines: Vec<Box<dyn Engine>> = Vec::new();
     for name in names {
-        let engine = engines::find(name.trim(), scene)?;
+        let engine = engines::find_or_recorded(name.trim(), scene)?;
         if engines.iter().any(|other| other.name() == engine.name()) {
             return Err(Failure::input(format!(
                 "--engines names {} twice; name each engine once",
@@ -123,6 +125,12 @@ fn take_part(
         Ok(()) => engines::run(engine, scene, label)?,
         Err(error) => Err(error),
     };
+    // A live engine that is missing here (no Python, no network) may have been recorded.
+    if let Err(EngineError::Failed { reason, .. }) = &ran
+        && let Some(recorded) = recorded::instead(engine.name(), scene, reason)
+    {
+        return take_part(recorded.as_ref(), scene, label, folder);
+    }
     let nothing = || (Courses::default(), RunStats::default());
     let ((courses, stats), status) = match ran {
         Ok(run) => ((run.courses, run.stats), Status::Finished),
@@ -182,6 +190,7 @@ fn cost(stats: RunStats) -> Cost {
         settings: stats.settings,
         notes: stats.notes,
         joint_drift_m: stats.joint_drift_m,
+        recorded: stats.recorded,
         energy: stats
             .energy
             .iter()
@@ -277,10 +286,7 @@ fn write(
         machine: machine.rows(),
         command: command.clone(),
         scene_toml: scene.to_toml(),
-        made: SystemTime::now()
-            .duration_since(UNIX_EPOCH)
-            .ok()
-            .map(|since| date(since.as_secs())),
+        made: today(),
     })
     .map_err(|error| Failure::engine(format!("the report cannot be made: {error}")))?;
     let place = folder.path().join("index.html");
@@ -313,6 +319,14 @@ fn typed(args: &CompareArgs) -> String {
         command.push_str(&quoted(&args.engines.join(",")));
     }
     command
+}
+
+/// Today's date, `2026-01-31`.
+pub(crate) fn today() -> Option<String> {
+    SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .ok()
+        .map(|since| date(since.as_secs()))
 }
 
 /// `2026-01-31` in UTC from seconds since 1970, by the Gregorian calendar's 400-year cycle of

@@ -86,7 +86,9 @@ fn engines(comparison: &Comparison) -> Vec<Vec<Cell>> {
         row.push(figure(INPUT_TORQUE, "N m", false));
         row.push(figure("external_sleeve_force_n", "N", true));
         row.push(figure("internal_sleeve_force_n", "N", true));
-        if engine.cost.wall_s > 0.0 {
+        if engine.cost.recorded.is_some() {
+            row.push(Cell::figure("recorded"));
+        } else if engine.cost.wall_s > 0.0 {
             row.push(Cell::figure(format!("{:.2} s", engine.cost.wall_s)));
         } else {
             row.push(Cell::figure("-"));

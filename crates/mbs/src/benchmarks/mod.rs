@@ -55,7 +55,16 @@ pub enum ProblemError {
     /// No such method.
     #[error("no integrator `{0}`")]
     UnknownMethod(String),
+    /// The observer asked to stop.
+    #[error("stopped at t = {time} s")]
+    Stopped {
+        /// Where, s.
+        time: f64,
+    },
 }
+
+/// Steps between two looks at whether to stop.
+const STEPS_BETWEEN_LOOKS: u64 = 100;
 
 impl Problem {
     /// Integrates in the Lagrange form by `method` and reads the solution at `times` (s, increasing).
@@ -69,6 +78,21 @@ impl Problem {
         settings: StepSettings,
         times: &[f64],
     ) -> Result<Solved, ProblemError> {
+        self.solve_watched(stabilisation, method, settings, times, &mut |_| false)
+    }
+
+    /// The same; `watch` is asked every 100 steps and returns true to stop.
+    ///
+    /// # Errors
+    /// See [`ProblemError`].
+    pub fn solve_watched(
+        &self,
+        stabilisation: Stabilisation,
+        method: &str,
+        settings: StepSettings,
+        times: &[f64],
+        watch: &mut dyn FnMut(StepCounts) -> bool,
+    ) -> Result<Solved, ProblemError> {
         let mut system = Lagrange::new(self.mechanism.clone(), self.loads.clone(), stabilisation)?;
         let mut y = system.initial();
         let mut stepper = start::<Lagrange<Elements>>(method, settings, 0.0, &y)
@@ -79,6 +103,12 @@ impl Problem {
             // A step that ends within rounding of t has arrived.
             while stepper.time() < t * (1.0 - 1e-12) {
                 stepper.step(&mut system)?;
+                let counts = stepper.counts();
+                if counts.steps % STEPS_BETWEEN_LOOKS == 0 && watch(counts) {
+                    return Err(ProblemError::Stopped {
+                        time: stepper.time(),
+                    });
+                }
             }
             stepper.interpolate(&mut system, t, &mut y);
             joint_error = joint_error.max(system.joint_error(t, &y));

@@ -3,6 +3,8 @@
 //! All methods hand out the state at any time inside the last step, so that samples never cut
 //! steps: a run takes the same steps whatever is recorded.
 
+mod dop853;
+mod dop853_coefficients;
 mod dopri5;
 mod explicit;
 mod heun;
@@ -11,6 +13,7 @@ mod imex_adaptive;
 mod midpoint;
 mod rk4;
 
+pub use dop853::Dop853;
 pub use dopri5::Dopri5;
 pub use explicit::{FixedStep, Tableau};
 pub use imex::ImexFixed;
@@ -91,6 +94,7 @@ pub const METHODS: &[MethodInfo] = &[
     midpoint::INFO,
     rk4::INFO,
     dopri5::INFO,
+    dop853::INFO,
     imex::INFO,
     imex_adaptive::INFO,
 ];
@@ -123,6 +127,10 @@ pub fn start<S: OdeSystem>(
         "dopri5" => {
             let StepSettings { step, tolerance } = settings;
             Some(Box::new(Dopri5::new(step, tolerance, t, y)))
+        }
+        "dop853" => {
+            let StepSettings { step, tolerance } = settings;
+            Some(Box::new(Dop853::new(step, tolerance, t, y)))
         }
         "imex2-adaptive" => {
             let StepSettings { step, tolerance } = settings;

@@ -17,6 +17,8 @@ pub(super) struct CostRow {
     pub(super) style: usize,
     pub(super) track: String,
     pub(super) status: &'static str,
+    /// When and why, for a recorded run.
+    pub(super) recorded: Option<String>,
     pub(super) wall: (String, String),
     /// Wall time over the longest one's in per cent, for the bar.
     pub(super) bar: String,
@@ -42,9 +44,11 @@ pub(super) fn table(comparison: &Comparison) -> Costs {
 }
 
 fn rows(comparison: &Comparison) -> Vec<CostRow> {
+    // A recording's time was another machine's.
     let longest = comparison
         .engines
         .iter()
+        .filter(|e| e.cost.recorded.is_none())
         .map(|e| e.cost.wall_s)
         .fold(0.0, f64::max);
     comparison
@@ -59,12 +63,17 @@ fn rows(comparison: &Comparison) -> Vec<CostRow> {
                 engine: engine.name.clone(),
                 style,
                 track: engine.track.clone(),
-                status: engine.status.word(),
+                status: if cost.recorded.is_some() {
+                    "recorded"
+                } else {
+                    engine.status.word()
+                },
+                recorded: cost.recorded.clone(),
                 wall: time(cost.wall_s),
                 bar: format!(
                     "{:.1}",
                     100.0
-                        * if longest > 0.0 {
+                        * if longest > 0.0 && cost.recorded.is_none() {
                             cost.wall_s / longest
                         } else {
                             0.0

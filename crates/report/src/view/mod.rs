@@ -58,6 +58,8 @@ struct EngineCard {
     style: usize,
     /// Why it was not judged, if it was not.
     trouble: Option<String>,
+    /// When and why, for a recorded run.
+    recorded: Option<String>,
 }
 
 impl<'a> Page<'a> {
@@ -113,6 +115,7 @@ fn engine_cards(comparison: &Comparison) -> Vec<EngineCard> {
             differences: engine.differences.clone(),
             style,
             trouble: engine.status.reason(),
+            recorded: engine.cost.recorded.clone(),
         })
         .collect()
 }

@@ -1,0 +1,73 @@
+//! Our law against the package's own, written a second time from the paper's equations, at random states.
+
+use std::sync::atomic::AtomicBool;
+
+use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::scene::Scene;
+use pyo3::prelude::*;
+
+use super::law::Published;
+use super::{convert, engine, host};
+use crate::engine::EngineError;
+
+/// How far the two implementations are apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Agreement {
+    /// States compared.
+    pub states: usize,
+    /// Of them, those in which something touches.
+    pub loaded: usize,
+    /// Largest force in any state, N.
+    pub largest_n: f64,
+    /// Largest difference of any force over the largest force of its state; where nearly nothing touches, rounding
+    /// is all there is.
+    pub worst_relative: f64,
+    /// Largest difference of any force, N.
+    pub worst_n: f64,
+    /// Largest difference of any force over what rounding of lengths and speeds explains in its state.
+    pub worst_over_rounding: f64,
+    /// Largest difference of any moment over (largest force of its state times the largest lever), relative.
+    pub worst_moment_relative: f64,
+    /// States left out because two points of a wheel are equally near to within rounding (points detection).
+    pub ambiguous: usize,
+}
+
+/// Compares both laws at `states` random states near the mesh.
+///
+/// # Errors
+/// The scene has a law that only ours knows, or Python is missing or broke.
+pub fn law_agreement(scene: &Scene, states: usize, seed: u64) -> Result<Agreement, EngineError> {
+    const NAME: &str = "the numpy contact law";
+    let failed = |reason: String| EngineError::Failed {
+        engine: NAME.to_owned(),
+        reason,
+    };
+    host::ready(&AtomicBool::new(false)).map_err(|error| failed(error.to_string()))?;
+    let gearbox = Gearbox::new(scene).map_err(|error| failed(error.to_string()))?;
+    let field = gearbox
+        .contact_field()
+        .map_err(|error| failed(error.to_string()))?;
+    let law = Published::new(&gearbox, field);
+    Python::attach(|py| {
+        let compare = || -> PyResult<Agreement> {
+            let package = host::package(py)?;
+            let pointer = engine::pointer(&package, &law, 1)?;
+            let found = py
+                .import("pinwheel_engines.agreement")?
+                .call_method1("compare", (scene.to_toml(), pointer, states, seed))?;
+            let number = |name: &str| -> PyResult<f64> { found.getattr(name)?.extract() };
+            let count = |name: &str| -> PyResult<usize> { found.getattr(name)?.extract() };
+            Ok(Agreement {
+                states: count("states")?,
+                loaded: count("loaded")?,
+                largest_n: number("largest_n")?,
+                worst_relative: number("worst_relative")?,
+                worst_n: number("worst_n")?,
+                worst_over_rounding: number("worst_over_rounding")?,
+                worst_moment_relative: number("worst_moment_relative")?,
+                ambiguous: count("ambiguous")?,
+            })
+        };
+        compare().map_err(|error| convert::error(py, NAME, &error))
+    })
+}

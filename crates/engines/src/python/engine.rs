@@ -1,0 +1,220 @@
+//! The Python engines behind the one trait.
+
+use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::contacts::ContactField;
+use pinwheel_gearbox::scene::Scene;
+use pyo3::prelude::*;
+use pyo3::types::{PyCFunction, PyDict};
+
+use super::law::Published;
+use super::mujoco::{ATTACHED, Addresses, Attached, Place, detach};
+use super::watch::{Watch, watched};
+use super::{PythonError, border, convert, host};
+use crate::cards::Card;
+use crate::engine::{Control, Engine, EngineError, Run, Track};
+
+/// One engine of the package.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PythonEngine(pub(super) &'static Card);
+
+impl PythonEngine {
+    fn failed(&self, reason: impl ToString) -> EngineError {
+        EngineError::Failed {
+            engine: self.0.name.to_owned(),
+            reason: reason.to_string(),
+        }
+    }
+
+    fn not_ready(&self, error: &PythonError) -> EngineError {
+        match error {
+            PythonError::Stopped => EngineError::Cancelled,
+            other => self.failed(other),
+        }
+    }
+
+    fn compile(&self, scene: &Scene) -> Result<(Gearbox, Box<dyn ContactField>), EngineError> {
+        let unsupported = |reason: String| EngineError::Unsupported {
+            engine: self.0.name.to_owned(),
+            reason,
+        };
+        let gearbox = Gearbox::new(scene).map_err(|error| unsupported(error.to_string()))?;
+        let field = gearbox
+            .contact_field()
+            .map_err(|error| unsupported(error.to_string()))?;
+        Ok((gearbox, field))
+    }
+
+    /// Runs a scene with the given contact forces. `every`: see [`Attached::every`].
+    pub(super) fn run_with(
+        &self,
+        scene: &Scene,
+        control: &Control<'_>,
+        disguise: impl FnOnce(Box<dyn ContactField>) -> Box<dyn ContactField>,
+        every: u64,
+    ) -> Result<Run, EngineError> {
+        let (gearbox, field) = self.compile(scene)?;
+        host::ready(control.cancel).map_err(|error| self.not_ready(&error))?;
+        let law =
+            (self.0.track == Track::SharedLaw).then(|| Published::new(&gearbox, disguise(field)));
+        let scene_toml = scene.to_toml();
+        // One start for all engines: they differ in how they go on.
+        let start: Vec<[f64; 6]> = gearbox
+            .initial_states()
+            .iter()
+            .map(|b| [b.x, b.y, b.angle, b.vx, b.vy, b.rate])
+            .collect();
+        let run = watched(control, |watch| {
+            Python::attach(|py| {
+                self.drive(py, &scene_toml, &start, law.as_ref(), every, watch)
+                    .map_err(|error| convert::error(py, self.0.name, &error))
+            })
+        });
+        // Whatever Python did or left undone: no callback may reach this run any more.
+        if let Some(law) = &law {
+            detach(law.number);
+        }
+        let mut run = run
+            .map_err(|error| self.failed(error))??
+            .map_err(|reason| self.failed(reason))?;
+        if gearbox.has_friction() && self.0.explicit_friction {
+            run.stats.notes.push(
+                "Friction is explicit here, and its regularisation takes steps of about 2e-7 s to resolve."
+                    .to_owned(),
+            );
+        }
+        Ok(run)
+    }
+
+    fn drive(
+        &self,
+        py: Python<'_>,
+        scene_toml: &str,
+        start: &[[f64; 6]],
+        law: Option<&Published>,
+        every: u64,
+        watch: Watch,
+    ) -> PyResult<Result<Run, String>> {
+        let package = host::package(py)?;
+        let options = PyDict::new(py);
+        options.set_item("on_progress", watch.into_python(py)?)?;
+        options.set_item("initial_states", start)?;
+        if let Some(law) = law {
+            options.set_item("law", pointer(&package, law, every)?)?;
+        }
+        let result = package.call_method("run", (scene_toml, self.0.name), Some(&options))?;
+        convert::run(&result)
+    }
+}
+
+/// The package's `LawPointer` to a law.
+pub(super) fn pointer<'py>(
+    package: &Bound<'py, PyModule>,
+    law: &Published,
+    every: u64,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = package.py();
+    let (run, bodies, shared) = (law.number, law.bodies, law.law.clone());
+    let attach = PyCFunction::new_closure(py, None, None, move |args, _| -> PyResult<usize> {
+        let (addresses, places) = layout(args.get_item(0)?.cast::<PyDict>()?, bodies)?;
+        detach(run);
+        super::law::locked(&ATTACHED).push(Attached::new(
+            run,
+            addresses,
+            places,
+            shared.clone(),
+            every,
+        ));
+        Ok(border::passive_address())
+    })?;
+    let leave = PyCFunction::new_closure(py, None, None, move |_, _| detach(run))?;
+    package
+        .getattr("LawPointer")?
+        .call1((border::law_address(), run, attach, leave))
+}
+
+/// Addresses and joints from the layout that the package hands over.
+fn layout(layout: &Bound<'_, PyDict>, bodies: usize) -> PyResult<(Addresses, Vec<Place>)> {
+    let item = |name: &str| {
+        layout
+            .get_item(name)?
+            .ok_or_else(|| pyo3::exceptions::PyKeyError::new_err(name.to_owned()))
+    };
+    let number = |name: &str| -> PyResult<usize> { item(name)?.extract() };
+    let addresses = Addresses {
+        data: number("data")?,
+        qpos: number("qpos")?,
+        qvel: number("qvel")?,
+        qfrc_passive: number("qfrc_passive")?,
+        counters: number("counters")?,
+        coordinates: number("coordinates")?,
+    };
+    let coordinates: Vec<usize> = item("coordinate")?.extract()?;
+    let carriers: Vec<i64> = item("carrier")?.extract()?;
+    let x: Vec<f64> = item("offset_x_m")?.extract()?;
+    let y: Vec<f64> = item("offset_y_m")?.extract()?;
+    let places: Vec<Place> = coordinates
+        .into_iter()
+        .zip(carriers)
+        .zip(x.into_iter().zip(y))
+        .map(|((coordinate, carrier), (x, y))| Place {
+            coordinate,
+            carrier: usize::try_from(carrier).ok(),
+            offset: [x, y],
+        })
+        .collect();
+    let sound = places.len() == bodies
+        && places.iter().all(|place| {
+            place.coordinate < addresses.coordinates
+                && place.carrier.is_none_or(|carrier| carrier < bodies)
+        });
+    if sound {
+        Ok((addresses, places))
+    } else {
+        Err(pyo3::exceptions::PyValueError::new_err(format!(
+            "the layout does not fit a scene of {bodies} bodies"
+        )))
+    }
+}
+
+impl Engine for PythonEngine {
+    fn name(&self) -> &'static str {
+        self.0.name
+    }
+
+    fn track(&self) -> Track {
+        self.0.track
+    }
+
+    fn version(&self) -> String {
+        self.0.version()
+    }
+
+    fn summary(&self) -> &'static str {
+        self.0.summary
+    }
+
+    fn differences(&self) -> &'static str {
+        self.0.differences
+    }
+
+    fn supports(&self, scene: &Scene) -> Result<(), EngineError> {
+        self.compile(scene)?;
+        if self.0.track == Track::SharedLaw {
+            // The law is ours: what the native solver can do, it can do.
+            return Ok(());
+        }
+        static NEVER: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
+        host::ready(&NEVER).map_err(|error| self.not_ready(&error))?;
+        let scene_toml = scene.to_toml();
+        Python::attach(|py| {
+            host::package(py)
+                .and_then(|package| package.call_method1("check", (scene_toml, self.0.name)))
+                .map(|_| ())
+                .map_err(|error| convert::error(py, self.0.name, &error))
+        })
+    }
+
+    fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
+        self.run_with(scene, control, |field| field, 1)
+    }
+}

@@ -1,0 +1,349 @@
+//! The virtual environment of the Python engines: made at the first use, reused ever after.
+//!
+//! It lives in the user's cache folder under a name that depends on the interpreter and on every
+//! pinned package, so that a change of either makes another one. It is built beside its place and
+//! renamed when it is whole; a lock lets one process build while others wait. What an interrupted
+//! build leaves is removed by the next.
+
+use std::ffi::OsStr;
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use super::error::PythonError;
+use super::host;
+
+mod process;
+
+use process::{Note, call, python_of};
+
+/// Names an existing environment, which is used as it is.
+pub(super) const ENVIRONMENT: &str = "PINWHEEL_PYTHON_ENV";
+/// Names a folder of wheels to install from, without a network.
+pub(super) const WHEELS: &str = "PINWHEEL_WHEELS";
+/// Names the folder to keep environments in, instead of the user's cache folder.
+pub(super) const CACHE: &str = "PINWHEEL_CACHE";
+
+/// Written last into an environment: its requirements.
+const MARKER: &str = "pinwheel-requirements.txt";
+
+/// Pinned and hashed packages.
+#[derive(Debug, Clone, Copy)]
+pub struct Requirements {
+    /// Short name, part of the environment's.
+    pub name: &'static str,
+    /// Text of a requirements file with hashes.
+    pub text: &'static str,
+}
+
+/// What the engines need.
+pub(super) const ENGINES: Requirements = Requirements {
+    name: "engines",
+    text: include_str!("../../../../python/requirements.txt"),
+};
+
+/// A Python environment that is ready for use.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Environment {
+    /// Its folder.
+    pub folder: PathBuf,
+    /// Its interpreter.
+    pub python: PathBuf,
+    /// Where its packages are.
+    pub packages: PathBuf,
+}
+
+/// The interpreter whose library this program embeds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Interpreter {
+    /// `3.11.7`
+    pub(super) version: String,
+    /// Where its executable may be, most likely first.
+    pub(super) candidates: Vec<PathBuf>,
+}
+
+/// The environment with the given packages, made if need be; `ENVIRONMENT` and `WHEELS` are heeded.
+///
+/// # Errors
+/// See [`PythonError`].
+pub fn environment(
+    requirements: Requirements,
+    cancel: &AtomicBool,
+) -> Result<Environment, PythonError> {
+    let interpreter = host::interpreter()?;
+    if let Some(folder) = std::env::var_os(ENVIRONMENT).filter(|value| !value.is_empty()) {
+        return named(Path::new(&folder), &interpreter);
+    }
+    let wheels = std::env::var_os(WHEELS)
+        .filter(|value| !value.is_empty())
+        .map(PathBuf::from);
+    ensure(
+        requirements,
+        &interpreter,
+        &cache()?,
+        wheels.as_deref(),
+        cancel,
+    )
+}
+
+/// The folder of all that is made once and kept.
+pub(super) fn cache() -> Result<PathBuf, PythonError> {
+    let named = std::env::var_os(CACHE).filter(|value| !value.is_empty());
+    let folder = match named {
+        Some(folder) => PathBuf::from(folder),
+        None => match dirs::cache_dir() {
+            Some(folder) => folder.join("pinwheel"),
+            None => {
+                return Err(PythonError::storage(
+                    Path::new("~"),
+                    "there is no home folder",
+                ));
+            }
+        },
+    };
+    fs::create_dir_all(&folder).map_err(|error| PythonError::storage(&folder, error))?;
+    fs::canonicalize(&folder).map_err(|error| PythonError::storage(&folder, error))
+}
+
+/// The environment that the user named.
+fn named(folder: &Path, interpreter: &Interpreter) -> Result<Environment, PythonError> {
+    let refuse = |reason: String| PythonError::Named {
+        folder: folder.to_owned(),
+        reason,
+    };
+    let (found, version) = probe(folder).map_err(refuse)?;
+    let minor = |version: &str| {
+        version
+            .splitn(3, '.')
+            .take(2)
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    if minor(&version) != minor(&interpreter.version) {
+        return Err(refuse(format!(
+            "it is of Python {version}, and this program embeds {}",
+            interpreter.version
+        )));
+    }
+    Ok(found)
+}
+
+/// Asks an environment's interpreter where its packages are, and its version.
+fn probe(folder: &Path) -> Result<(Environment, String), String> {
+    let python = python_of(folder);
+    if !python.exists() {
+        return Err(format!("there is no {}", python.display()));
+    }
+    let ask = "import sys, sysconfig; print('%d.%d.%d' % sys.version_info[:3]); print(sysconfig.get_path('purelib'))";
+    let said = call(&python, ["-I", "-c", ask], None)?;
+    let mut lines = said.lines();
+    match (lines.next(), lines.next()) {
+        (Some(version), Some(packages)) => Ok((
+            Environment {
+                folder: folder.to_owned(),
+                python,
+                packages: PathBuf::from(packages),
+            },
+            version.to_owned(),
+        )),
+        _ => Err(format!("{} does not answer", python.display())),
+    }
+}
+
+/// The environment in the cache: found, or made under a lock.
+fn ensure(
+    requirements: Requirements,
+    interpreter: &Interpreter,
+    cache: &Path,
+    wheels: Option<&Path>,
+    cancel: &AtomicBool,
+) -> Result<Environment, PythonError> {
+    let name = name_of(requirements, interpreter);
+    let folder = cache.join(&name);
+    if let Some(found) = whole(&folder, requirements) {
+        return Ok(found);
+    }
+    let _lock = lock(&cache.join(format!("{name}.lock")), cancel)?;
+    // Another process may have made it meanwhile.
+    if let Some(found) = whole(&folder, requirements) {
+        return Ok(found);
+    }
+    remove_leftovers(cache, &name);
+    let executable = executable(interpreter)?;
+    let draft = draft_of(cache, &name);
+    let note = Note::new("Python packages (once)");
+    let made = make(&draft, &executable, requirements, wheels, &note);
+    drop(note);
+    if let Err(error) = made {
+        let _ = fs::remove_dir_all(&draft);
+        return Err(if cancel.load(Ordering::Relaxed) {
+            PythonError::Stopped
+        } else {
+            error
+        });
+    }
+    if folder.exists() {
+        fs::remove_dir_all(&folder).map_err(|error| PythonError::storage(&folder, error))?;
+    }
+    fs::rename(&draft, &folder).map_err(|error| PythonError::storage(&folder, error))?;
+    whole(&folder, requirements)
+        .ok_or_else(|| PythonError::storage(&folder, "the environment just made does not start"))
+}
+
+/// Folder name of an environment: another interpreter or another list of packages has another.
+fn name_of(requirements: Requirements, interpreter: &Interpreter) -> String {
+    let key = fingerprint(&[
+        requirements.text,
+        &interpreter.version,
+        // Two installations of one version may differ in their libraries.
+        &interpreter
+            .candidates
+            .first()
+            .map_or_else(String::new, |path| path.display().to_string()),
+    ]);
+    format!(
+        "python-{}-{}-{key:016x}",
+        interpreter.version, requirements.name
+    )
+}
+
+/// A complete environment, or `None`.
+fn whole(folder: &Path, requirements: Requirements) -> Option<Environment> {
+    let marker = fs::read_to_string(folder.join(MARKER)).ok()?;
+    if marker != requirements.text {
+        return None;
+    }
+    probe(folder).ok().map(|(found, _)| found)
+}
+
+/// Where an environment is built; a prefix of its own tells it from whole ones.
+fn draft_of(cache: &Path, name: &str) -> PathBuf {
+    cache.join(format!(".{name}.{}.part", std::process::id()))
+}
+
+/// Drafts of builds that were cut off: nobody else builds while we hold the lock.
+fn remove_leftovers(cache: &Path, name: &str) {
+    let prefix = format!(".{name}.");
+    for entry in fs::read_dir(cache).into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(&prefix) {
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+/// An exclusive lock, held as long as the file lives; the system frees it when a process dies.
+fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, PythonError> {
+    let file = File::options()
+        .create(true)
+        .truncate(false)
+        .write(true)
+        .open(path)
+        .map_err(|error| PythonError::storage(path, error))?;
+    let mut note = None;
+    loop {
+        match file.try_lock() {
+            Ok(()) => return Ok(file),
+            Err(TryLockError::WouldBlock) => {
+                note.get_or_insert_with(|| Note::new("Python packages"))
+                    .say("another process installs them");
+                if cancel.load(Ordering::Relaxed) {
+                    return Err(PythonError::Stopped);
+                }
+                thread::sleep(Duration::from_millis(100));
+            }
+            Err(TryLockError::Error(error)) => return Err(PythonError::storage(path, error)),
+        }
+    }
+}
+
+/// The executable of the embedded interpreter.
+fn executable(interpreter: &Interpreter) -> Result<PathBuf, PythonError> {
+    let ask = "import sys; print('%d.%d.%d' % sys.version_info[:3])";
+    interpreter
+        .candidates
+        .iter()
+        .find(|path| {
+            call(path, ["-I", "-c", ask], None).is_ok_and(|said| said.trim() == interpreter.version)
+        })
+        .cloned()
+        .ok_or_else(|| PythonError::NoInterpreter {
+            version: interpreter.version.clone(),
+            tried: interpreter
+                .candidates
+                .iter()
+                .map(|path| path.display().to_string())
+                .collect::<Vec<_>>()
+                .join(", "),
+        })
+}
+
+/// Makes and fills an environment; the marker comes last.
+fn make(
+    draft: &Path,
+    executable: &Path,
+    requirements: Requirements,
+    wheels: Option<&Path>,
+    note: &Note,
+) -> Result<(), PythonError> {
+    note.say("making a virtual environment");
+    call(
+        executable,
+        [
+            OsStr::new("-I"),
+            "-m".as_ref(),
+            "venv".as_ref(),
+            draft.as_ref(),
+        ],
+        Some(note),
+    )
+    .map_err(|reason| PythonError::Venv {
+        interpreter: executable.to_owned(),
+        reason,
+    })?;
+    let list = draft.join("requirements.txt");
+    fs::write(&list, requirements.text).map_err(|error| PythonError::storage(&list, error))?;
+    let mut arguments: Vec<&OsStr> = [
+        "-I",
+        "-m",
+        "pip",
+        "install",
+        "--disable-pip-version-check",
+        "--no-input",
+        "--progress-bar",
+        "off",
+        "--only-binary",
+        ":all:",
+        "--require-hashes",
+        "--retries",
+        "2",
+    ]
+    .map(OsStr::new)
+    .to_vec();
+    if let Some(wheels) = wheels {
+        arguments.extend([
+            OsStr::new("--no-index"),
+            "--find-links".as_ref(),
+            wheels.as_ref(),
+        ]);
+    }
+    arguments.extend([OsStr::new("-r"), list.as_ref()]);
+    call(&python_of(draft), arguments, Some(note))
+        .map_err(|reason| PythonError::Install { reason })?;
+    let marker = draft.join(MARKER);
+    fs::write(&marker, requirements.text).map_err(|error| PythonError::storage(&marker, error))
+}
+
+/// FNV-1a, 64 bits: tells versions of a text apart in a name; stable across compilers, unlike std's.
+pub(super) fn fingerprint(parts: &[&str]) -> u64 {
+    parts
+        .iter()
+        .flat_map(|part| part.bytes().chain([0xff]))
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        })
+}
+
+#[cfg(test)]
+mod tests;

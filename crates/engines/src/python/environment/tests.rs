@@ -1,0 +1,125 @@
+//! Environments that are cut off, refused, wanted twice at once, or impossible.
+
+use std::sync::Arc;
+
+use super::*;
+
+static GO: AtomicBool = AtomicBool::new(false);
+
+/// No packages: what is tested is all but their download.
+const NOTHING: Requirements = Requirements {
+    name: "nothing",
+    text: "# none\n",
+};
+
+fn interpreter() -> Interpreter {
+    host::interpreter().unwrap()
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn two_at_once_make_one_and_leftovers_go() {
+    let cache = tempfile::tempdir().unwrap();
+    let here = Arc::new(cache.path().to_owned());
+    // What a build leaves that was cut off: a draft, and a folder without a marker.
+    let name = name_of(NOTHING, &interpreter());
+    fs::create_dir(here.join(&name)).unwrap();
+    fs::write(here.join(&name).join("half"), "").unwrap();
+    fs::create_dir(here.join(format!(".{name}.1.part"))).unwrap();
+    let makers: Vec<_> = (0..2)
+        .map(|_| {
+            let here = Arc::clone(&here);
+            thread::spawn(move || ensure(NOTHING, &interpreter(), &here, None, &GO).unwrap())
+        })
+        .collect();
+    let made: Vec<Environment> = makers.into_iter().map(|m| m.join().unwrap()).collect();
+    assert_eq!(made[0], made[1]);
+    assert_eq!(made[0].folder, here.join(&name));
+    assert!(made[0].packages.starts_with(&made[0].folder), "{made:?}");
+    assert!(
+        !made[0].folder.join("half").exists(),
+        "a half environment was used"
+    );
+    assert_eq!(names(&here), [name.clone(), format!("{name}.lock")]);
+    // A named environment is used as it is.
+    assert_eq!(named(&made[0].folder, &interpreter()).unwrap(), made[0]);
+    let other = Interpreter {
+        version: "3.99.0".to_owned(),
+        candidates: Vec::new(),
+    };
+    let refused = named(&made[0].folder, &other).unwrap_err().to_string();
+    assert!(
+        refused.contains("embeds 3.99.0") && refused.contains(ENVIRONMENT),
+        "{refused}"
+    );
+}
+
+#[test]
+fn packages_that_cannot_be_had_leave_nothing_behind() {
+    let cache = tempfile::tempdir().unwrap();
+    let wheels = tempfile::tempdir().unwrap();
+    let absent = Requirements {
+        name: "absent",
+        text: "no-such-package==1.0 --hash=sha256:0000000000000000000000000000000000000000000000000000000000000000\n",
+    };
+    let error = ensure(
+        absent,
+        &interpreter(),
+        cache.path(),
+        Some(wheels.path()),
+        &GO,
+    )
+    .unwrap_err();
+    let text = error.to_string();
+    assert!(matches!(error, PythonError::Install { .. }), "{text}");
+    for word in ["no-such-package", WHEELS, ENVIRONMENT] {
+        assert!(text.contains(word), "{text}");
+    }
+    let left = names(cache.path());
+    assert!(left.iter().all(|name| name.ends_with(".lock")), "{left:?}");
+}
+
+#[test]
+fn who_waits_for_the_lock_can_be_stopped() {
+    let cache = tempfile::tempdir().unwrap();
+    let path = cache.path().join("x.lock");
+    let held = lock(&path, &GO).unwrap();
+    let stopped = lock(&path, &AtomicBool::new(true));
+    assert!(matches!(stopped, Err(PythonError::Stopped)));
+    drop(held);
+    assert!(lock(&path, &AtomicBool::new(true)).is_ok());
+}
+
+#[test]
+fn faults_name_the_remedy() {
+    let nowhere = named(Path::new("/nowhere"), &interpreter()).unwrap_err();
+    assert!(nowhere.to_string().contains(ENVIRONMENT), "{nowhere}");
+    let cache = tempfile::tempdir().unwrap();
+    let none = Interpreter {
+        version: "3.99.0".to_owned(),
+        candidates: interpreter().candidates,
+    };
+    let error = ensure(NOTHING, &none, cache.path(), None, &GO).unwrap_err();
+    assert!(
+        matches!(error, PythonError::NoInterpreter { .. }),
+        "{error}"
+    );
+    let file = cache.path().join("file");
+    fs::write(&file, "").unwrap();
+    let error = ensure(NOTHING, &interpreter(), &file, None, &GO).unwrap_err();
+    assert!(error.to_string().contains(CACHE), "{error}");
+}
+
+#[test]
+fn fingerprints_tell_texts_apart() {
+    assert_eq!(fingerprint(&[]), 0xcbf2_9ce4_8422_2325);
+    assert_ne!(fingerprint(&["ab", "c"]), fingerprint(&["a", "bc"]));
+}

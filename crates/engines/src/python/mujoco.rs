@@ -1,0 +1,159 @@
+//! From MuJoCo's joint angles to body states, and from contact loads back to joint torques.
+//!
+//! Joint angles are relative to the carrier. A carried body's own torque acts on its carrier's
+//! joint as well, because that joint turns it, and its force acts there with the arm's lever.
+
+use std::sync::Mutex;
+
+use pinwheel_contact::Complex;
+
+use super::law::{Law, SharedLaw, locked};
+
+/// Where one body's joint is, and where the body sits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Place {
+    /// Index of its joint in MuJoCo's arrays.
+    pub(super) coordinate: usize,
+    /// The body it sits on; `None`: the ground. Carriers stand on the ground themselves.
+    pub(super) carrier: Option<usize>,
+    /// Its centre on its carrier, m.
+    pub(super) offset: [f64; 2],
+}
+
+/// Addresses of one run's numbers in MuJoCo, valid until it detaches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Addresses {
+    /// The mjData itself.
+    pub(super) data: usize,
+    /// Joint angles, `coordinates` doubles.
+    pub(super) qpos: usize,
+    /// Joint rates.
+    pub(super) qvel: usize,
+    /// Joint torques, to be added to.
+    pub(super) qfrc_passive: usize,
+    /// Two 64-bit counters: evaluations, and those at another state than the one before.
+    pub(super) counters: usize,
+    /// Length of the arrays.
+    pub(super) coordinates: usize,
+}
+
+/// One run of MuJoCo under our law.
+pub(super) struct Attached {
+    pub(super) run: usize,
+    pub(super) addresses: Addresses,
+    pub(super) places: Vec<Place>,
+    pub(super) law: SharedLaw,
+    /// Evaluate at every so many calls only, as a frozen force would; 1 but in tests.
+    pub(super) every: u64,
+    pub(super) calls: u64,
+    /// Angles and rates of the last evaluation.
+    pub(super) last: Vec<f64>,
+    pub(super) torques: Vec<f64>,
+    pub(super) states: Vec<f64>,
+    pub(super) loads: Vec<f64>,
+}
+
+/// All runs that MuJoCo may call back for. Its callback is process-wide: it is found by its data.
+pub(super) static ATTACHED: Mutex<Vec<Attached>> = Mutex::new(Vec::new());
+
+/// Forgets a run: its addresses are stale.
+pub(super) fn detach(run: usize) {
+    locked(&ATTACHED).retain(|attached| attached.run != run);
+}
+
+/// What the callback did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Counted {
+    pub(super) evaluated: bool,
+    pub(super) moved: bool,
+}
+
+impl Attached {
+    pub(super) fn new(
+        run: usize,
+        addresses: Addresses,
+        places: Vec<Place>,
+        law: SharedLaw,
+        every: u64,
+    ) -> Self {
+        let bodies = places.len();
+        Self {
+            run,
+            addresses,
+            places,
+            law,
+            every,
+            calls: 0,
+            last: Vec::new(),
+            torques: vec![0.0; addresses.coordinates],
+            states: vec![0.0; 6 * bodies],
+            loads: vec![0.0; 3 * bodies],
+        }
+    }
+
+    /// Adds the contact torques at joint angles `q` and rates `v` to `out`.
+    pub(super) fn add_torques(&mut self, q: &[f64], v: &[f64], out: &mut [f64]) -> Counted {
+        let evaluated = self.calls.is_multiple_of(self.every);
+        self.calls += 1;
+        let mut moved = false;
+        if evaluated {
+            let now = || q.iter().chain(v);
+            moved = !self.last.iter().eq(now());
+            self.last.clear();
+            self.last.extend(now());
+            let law = std::sync::Arc::clone(&self.law);
+            self.evaluate(q, v, &mut locked(&law));
+        }
+        for (out, torque) in out.iter_mut().zip(&self.torques) {
+            *out += torque;
+        }
+        Counted { evaluated, moved }
+    }
+
+    fn evaluate(&mut self, q: &[f64], v: &[f64], law: &mut Law) {
+        let absolute = |place: &Place, joints: &[f64]| {
+            let carrier = place
+                .carrier
+                .map_or(0.0, |carrier| joints[self.places[carrier].coordinate]);
+            joints[place.coordinate] + carrier
+        };
+        for (place, state) in self
+            .places
+            .iter()
+            .zip(self.states.as_chunks_mut::<6>().0.iter_mut())
+        {
+            let (arm, rate) = arm(place, &self.places, q, v);
+            let swing = arm.turned().scale(rate);
+            *state = [
+                arm.re,
+                arm.im,
+                absolute(place, q),
+                swing.re,
+                swing.im,
+                absolute(place, v),
+            ];
+        }
+        law.evaluate(&self.states, &mut self.loads);
+        self.torques.fill(0.0);
+        for (place, &[fx, fy, moment]) in self.places.iter().zip(self.loads.as_chunks::<3>().0) {
+            self.torques[place.coordinate] += moment;
+            if let Some(carrier) = place.carrier {
+                let (arm, _) = arm(place, &self.places, q, v);
+                self.torques[self.places[carrier].coordinate] +=
+                    moment + arm.cross(Complex::new(fx, fy));
+            }
+        }
+    }
+}
+
+/// A body's arm on its carrier (or its place on the ground), m, in the ground frame, and the rate at which it turns.
+fn arm(place: &Place, places: &[Place], q: &[f64], v: &[f64]) -> (Complex, f64) {
+    let offset = Complex::new(place.offset[0], place.offset[1]);
+    match place.carrier {
+        None => (offset, 0.0),
+        Some(carrier) => {
+            let joint = places[carrier].coordinate;
+            (offset * Complex::unit(q[joint]), v[joint])
+        }
+    }
+}

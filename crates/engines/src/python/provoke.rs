@@ -1,0 +1,81 @@
+//! Faults on purpose, for tests that a guard sees them. Not used by the program.
+
+use pinwheel_gearbox::Sleeve;
+use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, PairContact};
+use pinwheel_gearbox::scene::Scene;
+use pinwheel_mbs::{BodyState, Wrench};
+
+use super::engine::PythonEngine;
+use crate::cards::card;
+use crate::engine::{Control, EngineError, Run};
+
+/// What goes wrong.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fault {
+    /// Contact loads hold their value over four calls (MuJoCo only).
+    FrozenForces,
+    /// From this call on the loads are not numbers.
+    NotANumber(u64),
+    /// From this call on the loads are this many times too large.
+    TooLarge(u64, f64),
+}
+
+/// Runs a scene in a shared-law engine with the fault.
+///
+/// # Errors
+/// The one the guard makes of it, or [`EngineError::Unsupported`] for an unknown engine.
+pub fn run(engine: &str, scene: &Scene, fault: Fault) -> Result<Run, EngineError> {
+    let unknown = || EngineError::Unsupported {
+        engine: engine.to_owned(),
+        reason: "there is no such Python engine".to_owned(),
+    };
+    let engine = PythonEngine(card(engine).ok_or_else(unknown)?);
+    let every = if fault == Fault::FrozenForces { 4 } else { 1 };
+    let faulty = |field| {
+        Box::new(Faulty {
+            field,
+            fault,
+            calls: 0,
+        }) as Box<dyn ContactField>
+    };
+    engine.run_with(scene, &Control::quiet(), faulty, every)
+}
+
+struct Faulty {
+    field: Box<dyn ContactField>,
+    fault: Fault,
+    calls: u64,
+}
+
+impl ContactField for Faulty {
+    fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
+        self.field.add_loads(bodies, loads);
+        self.calls += 1;
+        let factor = match self.fault {
+            Fault::NotANumber(from) if self.calls >= from => f64::NAN,
+            Fault::TooLarge(from, factor) if self.calls >= from => factor,
+            _ => return,
+        };
+        for load in loads {
+            load.fx *= factor;
+            load.fy *= factor;
+            load.moment *= factor;
+        }
+    }
+
+    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
+        self.field.energy(bodies)
+    }
+
+    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
+        self.field.touching(bodies, visit);
+    }
+
+    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
+        self.field.nearest(bodies, wheel, sleeve)
+    }
+
+    fn normal_force(&self, pair: &PairContact, rate: f64) -> f64 {
+        self.field.normal_force(pair, rate)
+    }
+}

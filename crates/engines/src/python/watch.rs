@@ -1,0 +1,88 @@
+//! A Python run on a thread of its own, with progress and cancellation on the caller's.
+//!
+//! A Python object must not borrow from its maker, and [`Control`] is a borrow. So times go to the
+//! caller's thread through a channel, and its answer comes back.
+
+use std::panic::resume_unwind;
+use std::sync::Mutex;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::{Builder, scope};
+
+use pyo3::prelude::*;
+use pyo3::types::PyCFunction;
+
+use crate::engine::Control;
+
+/// Enough for deep C++ recursion and Python's own.
+const STACK_BYTES: usize = 64 << 20;
+
+/// What a run tells the caller's thread.
+enum Message {
+    Reached(f64),
+    /// Said also by a run that panics; Python may keep the other sender alive.
+    Over,
+}
+
+/// A run's way to its caller.
+pub(super) struct Watch {
+    tell: SyncSender<Message>,
+    hear: Receiver<bool>,
+}
+
+impl Watch {
+    /// The Python function `on_progress(time_s) -> stop`.
+    pub(super) fn into_python(self, py: Python<'_>) -> PyResult<Bound<'_, PyCFunction>> {
+        let line = Mutex::new(self);
+        PyCFunction::new_closure(py, None, None, move |args, _| -> PyResult<bool> {
+            let time_s: f64 = args.get_item(0)?.extract()?;
+            // Other threads may run Python while the caller draws its progress.
+            Ok(args.py().detach(|| {
+                let line = line.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+                line.tell.send(Message::Reached(time_s)).is_err()
+                    || line.hear.recv().unwrap_or(true)
+            }))
+        })
+    }
+}
+
+/// Says [`Message::Over`] however the run ends.
+struct End(SyncSender<Message>);
+
+impl Drop for End {
+    fn drop(&mut self) {
+        let _ = self.0.send(Message::Over);
+    }
+}
+
+/// Runs `work` on a thread of its own; `control` is asked at every time that `work` reports.
+///
+/// # Errors
+/// The system has no thread left.
+pub(super) fn watched<T: Send>(
+    control: &Control<'_>,
+    work: impl FnOnce(Watch) -> T + Send,
+) -> std::io::Result<T> {
+    let (tell, told) = sync_channel(0);
+    let (answer, hear) = sync_channel(1);
+    let watch = Watch {
+        tell: tell.clone(),
+        hear,
+    };
+    scope(|scope| {
+        let worker = Builder::new()
+            .name("python engine".to_owned())
+            .stack_size(STACK_BYTES)
+            .spawn_scoped(scope, move || {
+                let _end = End(tell);
+                work(watch)
+            })?;
+        while let Ok(Message::Reached(time_s)) = told.recv() {
+            if answer.send(control.reached(time_s)).is_err() {
+                break;
+            }
+        }
+        // Whoever still reports is told to stop.
+        drop((told, answer));
+        worker.join().or_else(|panic| resume_unwind(panic))
+    })
+}

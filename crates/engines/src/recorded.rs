@@ -1,0 +1,412 @@
+//! Recorded courses: what a Python engine gave for a scene, for builds and machines without it.
+//!
+//! `reference/recorded/SCENE/ENGINE.toml` says what was recorded, how and when, `ENGINE.csv` beside
+//! it holds the courses, thinned and rounded: both are embedded in the program. A recording stands
+//! in for a run of the very scene it was made of and of no other; it is never interpolated.
+
+use std::fmt::Write as _;
+
+use pinwheel_courses::Courses;
+use pinwheel_gearbox::scene::{Scene, Solver};
+use serde::{Deserialize, Serialize};
+
+use crate::cards::{Card, card};
+use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
+
+/// The recordings' files: path below their folder, text.
+const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/recorded.rs"));
+
+/// Distance of recorded samples, s: 51 in the transient window, 301 in the steady one of 0.6 s.
+pub const SAMPLE_S: f64 = 1e-3;
+
+/// The scenes that recordings are kept of.
+pub const RECORDED_SCENES: [&str; 6] = [
+    "paper",
+    "paper-friction",
+    "backlash-0.6",
+    "steel",
+    "eleven-pins",
+    "forty-pins",
+];
+
+/// One engine's courses of one scene.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recording {
+    /// Engine name.
+    pub engine: String,
+    /// Its version.
+    pub version: String,
+    /// Day it was made, `2026-01-31`.
+    pub date: String,
+    /// The command that makes it again.
+    pub command: String,
+    /// The machine it was made on.
+    pub machine: String,
+    /// Significant digits of the courses' largest values.
+    pub digits: usize,
+    /// Cost and settings of the recorded run.
+    pub stats: RunStats,
+    /// The whole scene.
+    pub scene: Scene,
+    /// The courses, at samples [`SAMPLE_S`] apart.
+    #[serde(skip)]
+    pub courses: Courses,
+}
+
+/// Why a recording is of no use.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordingError {
+    /// The description is not as it should be.
+    #[error(
+        "the description of the recording is broken: {0}; record it anew with `pinwheel record`"
+    )]
+    Description(#[from] toml::de::Error),
+    /// The description cannot be written.
+    #[error("the description of the recording cannot be written: {0}")]
+    Unwritable(#[from] toml::ser::Error),
+    /// The courses are not as they should be.
+    #[error("the recorded courses are broken: {0}; record them anew with `pinwheel record`")]
+    Courses(#[from] pinwheel_courses::CoursesError),
+}
+
+impl Recording {
+    /// A recording of a run, thinned and rounded.
+    #[must_use]
+    pub fn new(engine: &dyn Engine, scene: &Scene, run: Run) -> Self {
+        let digits = digits(engine.name());
+        let every = (SAMPLE_S / scene.solver.sample_s).round().max(1.0) as usize;
+        let rows: Vec<usize> = (0..run.courses.len()).step_by(every).collect();
+        Self {
+            engine: engine.name().to_owned(),
+            version: engine.version(),
+            date: String::new(),
+            command: String::new(),
+            machine: String::new(),
+            digits,
+            stats: run.stats,
+            scene: scene.clone(),
+            courses: run.courses.select(&rows),
+        }
+    }
+
+    /// Description and courses as text.
+    ///
+    /// # Errors
+    /// See [`RecordingError`].
+    pub fn write(&self) -> Result<(String, String), RecordingError> {
+        Ok((toml::to_string(self)?, self.csv()))
+    }
+
+    /// Reads what [`Recording::write`] wrote.
+    ///
+    /// # Errors
+    /// See [`RecordingError`].
+    pub fn read(description: &str, csv: &str) -> Result<Self, RecordingError> {
+        let mut recording: Self = toml::from_str(description)?;
+        recording.courses = Courses::read_csv(csv.as_bytes())?;
+        Ok(recording)
+    }
+
+    /// Every quantity with as many decimals as its largest value has room for, and no more than needed.
+    fn csv(&self) -> String {
+        let channels = self.courses.channels();
+        let decimals: Vec<usize> = channels
+            .iter()
+            .map(|channel| {
+                let group = pinwheel_courses::group_of(&channel.name).0;
+                let peak = channels
+                    .iter()
+                    .filter(|other| pinwheel_courses::group_of(&other.name).0 == group)
+                    .flat_map(|other| &other.values)
+                    .fold(0.0_f64, |peak, value| peak.max(value.abs()));
+                let leading = if peak > 0.0 {
+                    peak.log10().floor()
+                } else {
+                    0.0
+                };
+                (self.digits as f64 - 1.0 - leading).clamp(0.0, 15.0) as usize
+            })
+            .collect();
+        let mut text = String::from("time_s");
+        for channel in channels {
+            let _ = write!(text, ",{}", channel.name);
+        }
+        for (row, time_s) in self.courses.time_s().iter().enumerate() {
+            let _ = write!(text, "\n{}", trimmed(*time_s, 9));
+            for (channel, &decimals) in channels.iter().zip(&decimals) {
+                let _ = write!(text, ",{}", trimmed(channel.values[row], decimals));
+            }
+        }
+        text.push('\n');
+        text
+    }
+
+    /// Whether a run of `scene` would be this recording, or its beginning: all keys agree but those that
+    /// name the scene, belong to the native solver, or choose samples.
+    fn is_of(&self, scene: &Scene) -> bool {
+        let bare = |scene: &Scene| Scene {
+            name: String::new(),
+            description: String::new(),
+            solver: Solver {
+                step_s: scene.solver.step_s,
+                ..Solver::default()
+            },
+            ..scene.clone()
+        };
+        bare(scene) == bare(&self.scene)
+            && scene.solver.duration_s <= self.scene.solver.duration_s * (1.0 + 1e-12)
+    }
+
+    /// The recorded samples that a run of `scene` would have.
+    fn at_samples_of(&self, scene: &Scene) -> Courses {
+        let wanted = scene.solver.sample_times_s();
+        let slack = 1e-6 * scene.solver.sample_s;
+        let rows: Vec<usize> = self
+            .courses
+            .time_s()
+            .iter()
+            .enumerate()
+            .filter(|&(_, time)| {
+                let at = wanted.partition_point(|t| *t < time - slack);
+                wanted.get(at).is_some_and(|t| (t - time).abs() <= slack)
+            })
+            .map(|(row, _)| row)
+            .collect();
+        self.courses.select(&rows)
+    }
+}
+
+/// Digits that leave an engine's own accuracy untouched: a thousandth of its limits.
+fn digits(engine: &str) -> usize {
+    match card(engine).map(|card| card.track) {
+        Some(Track::OwnContact) => 6,
+        _ if engine.ends_with("constrained") => 7,
+        _ => 9,
+    }
+}
+
+/// A number without superfluous zeros, or signs of them.
+fn trimmed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let text = if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &text
+    };
+    match text {
+        "-0" | "" => "0".to_owned(),
+        text => text.to_owned(),
+    }
+}
+
+/// Whether a run resolves its scene well enough to be kept.
+///
+/// # Errors
+/// Why not, in words.
+pub fn worth_keeping(engine: &str, scene: &Scene) -> Result<(), String> {
+    let explicit = card(engine).is_some_and(|card| card.explicit_friction);
+    if explicit
+        && scene.contact.friction_coefficient > 0.0
+        && scene.solver.step_s > EXPLICIT_FRICTION_STEP_S
+    {
+        return Err(format!(
+            "its friction is explicit and takes steps of {EXPLICIT_FRICTION_STEP_S:e} s to resolve"
+        ));
+    }
+    Ok(())
+}
+
+/// Step that resolves regularised friction of the paper's gear by explicit methods, s.
+const EXPLICIT_FRICTION_STEP_S: f64 = 2e-7;
+
+/// Scene and engine of every recording of this build.
+pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
+    FILES
+        .iter()
+        .filter_map(|(name, _)| name.strip_suffix(".toml")?.split_once('/'))
+}
+
+/// The recording of an engine and a scene, by their names.
+///
+/// The inner error: it is there and broken.
+#[must_use]
+pub fn find(scene: &str, engine: &str) -> Option<Result<Recording, RecordingError>> {
+    let text = |ending: &str| {
+        let name = format!("{scene}/{engine}.{ending}");
+        FILES
+            .iter()
+            .find(|(path, _)| *path == name)
+            .map(|(_, text)| *text)
+    };
+    Some(Recording::read(text("toml")?, text("csv")?))
+}
+
+/// A recording of `engine` that stands for a run of `scene`; `why` says for the reader why it does.
+#[must_use]
+pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>> {
+    let card = card(engine)?;
+    let recording = list()
+        .filter(|&(_, recorded)| recorded == engine)
+        .filter_map(|(name, _)| find(name, engine)?.ok())
+        .find(|recording| recording.is_of(scene))?;
+    Some(Box::new(Recorded {
+        card,
+        recording,
+        why: why.to_owned(),
+    }))
+}
+
+/// Recordings for a scene of all engines that this build lacks.
+#[must_use]
+pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
+    crate::cards::CARDS
+        .iter()
+        .filter(|_| !cfg!(feature = "crossval"))
+        .filter_map(|card| instead(card.name, scene, NOT_BUILT))
+        .collect()
+}
+
+/// Why a build without Python engines shows recordings.
+pub const NOT_BUILT: &str = "this build has no Python engines (feature crossval)";
+
+/// A recording in the place of an engine.
+struct Recorded {
+    card: &'static Card,
+    recording: Recording,
+    why: String,
+}
+
+impl Engine for Recorded {
+    fn name(&self) -> &'static str {
+        self.card.name
+    }
+
+    fn track(&self) -> Track {
+        self.card.track
+    }
+
+    fn version(&self) -> String {
+        format!("{}, recorded", self.recording.version)
+    }
+
+    fn summary(&self) -> &'static str {
+        self.card.summary
+    }
+
+    fn differences(&self) -> &'static str {
+        self.card.differences
+    }
+
+    fn supports(&self, scene: &Scene) -> Result<(), EngineError> {
+        if self.recording.is_of(scene) {
+            return Ok(());
+        }
+        Err(EngineError::Unsupported {
+            engine: self.card.name.to_owned(),
+            reason: "there is no recording of it".to_owned(),
+        })
+    }
+
+    fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
+        self.supports(scene)?;
+        if control.reached(scene.solver.duration_s) {
+            return Err(EngineError::Cancelled);
+        }
+        let Recording {
+            version,
+            date,
+            command,
+            machine,
+            stats,
+            ..
+        } = &self.recording;
+        Ok(Run {
+            courses: self.recording.at_samples_of(scene),
+            stats: RunStats {
+                recorded: Some(format!(
+                    "Recorded on {date} with {version} on {machine} by `{command}`, because {}.",
+                    self.why
+                )),
+                ..stats.clone()
+            },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recording() -> Recording {
+        let mut courses = Courses::new(vec![0.0, 1e-3, 2e-3]).unwrap();
+        let mut push = |name: &str, values: [f64; 3]| courses.push(name, values.to_vec()).unwrap();
+        push(
+            "external_sleeve_force_n_0",
+            [0.0, 123.456_789_012, -0.000_000_04],
+        );
+        push("external_sleeve_force_n_1", [1.5, 1e-12, 2.0]);
+        Recording {
+            engine: "mujoco-shared-law".to_owned(),
+            version: "mujoco 1".to_owned(),
+            date: "2026-01-31".to_owned(),
+            command: "pinwheel record".to_owned(),
+            machine: "x".to_owned(),
+            digits: 7,
+            stats: RunStats::default(),
+            scene: Scene::load("paper", &[]).unwrap(),
+            courses,
+        }
+    }
+
+    #[test]
+    fn numbers_keep_their_digits_and_no_more() {
+        let csv = recording().csv();
+        assert_eq!(
+            csv,
+            "time_s,external_sleeve_force_n_0,external_sleeve_force_n_1\n0,0,1.5\n0.001,123.4568,0\n0.002,0,2\n"
+        );
+    }
+
+    #[test]
+    fn written_and_read() {
+        let made = recording();
+        let (description, csv) = made.write().unwrap();
+        let read = Recording::read(&description, &csv).unwrap();
+        assert_eq!(read.scene, made.scene);
+        assert_eq!(read.stats, made.stats);
+        assert_eq!(read.courses.len(), 3);
+        assert!(Recording::read(&description.replace("engine", "motor"), &csv).is_err());
+        assert!(Recording::read(&description, &csv.replace("1.5", "x")).is_err());
+    }
+
+    #[test]
+    fn stands_for_its_own_scene_only() {
+        let recording = recording();
+        let mut scene = Scene::load("paper", &[]).unwrap();
+        scene.name = "mine".to_owned();
+        scene.solver.integrator = "rk4".to_owned();
+        scene.solver.duration_s = 0.0015;
+        assert!(recording.is_of(&scene));
+        assert_eq!(recording.at_samples_of(&scene).time_s(), [0.0, 1e-3]);
+        // Samples that a run would not have are not given.
+        scene.solver.sample_s = 7e-4;
+        assert_eq!(recording.at_samples_of(&scene).time_s(), [0.0]);
+        scene.gear.backlash_m = 1e-5;
+        assert!(!recording.is_of(&scene));
+        scene.gear.backlash_m = 0.0;
+        scene.solver.duration_s = 1.0;
+        assert!(!recording.is_of(&scene), "too long");
+    }
+
+    #[test]
+    fn embedded_recordings_are_sound() {
+        for (scene, engine) in list() {
+            let recording = find(scene, engine).unwrap().unwrap();
+            assert_eq!(recording.engine, engine);
+            assert_eq!(recording.scene.name, scene);
+            assert!(recording.courses.len() > 100, "{scene} {engine}");
+            assert!(card(engine).is_some());
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! Dormand and Prince's method of order 8 with error estimates of orders 5 and 3, dense output of order 7 and a
+//! step from a tolerance: for long smooth stretches and high accuracy.
+//!
+//! ```text
+//! k_i = f(t + c_i h, y + h sum_{j<i} a_ij k_j)      i = 1..12;  y+ by row 13, whose k is the next step's first
+//! err = h |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2),      |e| the RMS over the components of sum e_i k_i/(tolerance scale)
+//! h+  = h clamp(0.9 err^(-1/8), 1/3, 6)
+//! ```
+//! [Hairer, Norsett, Wanner 1993, II.5 and II.10]. The continuous extension takes three evaluations more, and is
+//! made only for steps in which somebody looks. What a rejected step computed is thrown away; the step after a
+//! rejection does not grow.
+
+use super::dop853_coefficients::{A, C, D, E3, E5, EXTENDED, Row, STAGES};
+use super::{MethodInfo, StepCounts, StepError, Stepper};
+use crate::OdeSystem;
+
+pub(super) const INFO: MethodInfo = MethodInfo {
+    name: "dop853",
+    summary: "Dormand-Prince 8(5,3), steps from the tolerance, dense output: for smooth motion and many digits",
+    order: 8,
+    adaptive: true,
+};
+
+const SAFETY: f64 = 0.9;
+const SHRINK: f64 = 1.0 / 3.0;
+const GROW: f64 = 6.0;
+/// The step's exponent.
+const EXPONENT: f64 = 1.0 / 8.0;
+/// Coefficients of the continuous extension beside the state at the start.
+const DENSE: usize = 7;
+
+/// A run with steps from a tolerance.
+#[derive(Debug, Clone)]
+pub struct Dop853 {
+    tolerance: f64,
+    time: f64,
+    /// Next step to try, and the last one taken.
+    h: f64,
+    taken: f64,
+    counts: StepCounts,
+    y: Vec<f64>,
+    /// State at the start of the last step.
+    before: Vec<f64>,
+    /// Stages of the last step; `k[STAGES]` is f at `y` if `fresh`.
+    k: Vec<Vec<f64>>,
+    fresh: bool,
+    /// Stages and result of the step being tried.
+    trial: Vec<Vec<f64>>,
+    next: Vec<f64>,
+    scale: Vec<f64>,
+    /// The continuous extension of the last step, if `extended`.
+    dense: [Vec<f64>; DENSE],
+    extended: bool,
+}
+
+impl Dop853 {
+    /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` a step.
+    #[must_use]
+    pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
+        let zeros = vec![0.0; y.len()];
+        Self {
+            tolerance,
+            time: t,
+            h,
+            taken: h,
+            counts: StepCounts::default(),
+            y: y.to_vec(),
+            before: y.to_vec(),
+            k: vec![zeros.clone(); EXTENDED],
+            fresh: false,
+            trial: vec![zeros.clone(); EXTENDED],
+            next: zeros.clone(),
+            scale: zeros.clone(),
+            dense: std::array::from_fn(|_| zeros.clone()),
+            extended: false,
+        }
+    }
+
+    /// f at the current state.
+    fn refresh<S: OdeSystem>(&mut self, system: &mut S) {
+        if !self.fresh {
+            system.derivative(self.time, &self.y, &mut self.k[STAGES]);
+            self.counts.evaluations += 1;
+            self.fresh = true;
+        }
+    }
+
+    /// All stages from `trial[0]`; the result is in `next`.
+    fn stages<S: OdeSystem>(&mut self, system: &mut S) {
+        for i in 1..=STAGES {
+            combine(&self.y, self.h, A[i], &self.trial, &mut self.next);
+            if i < STAGES {
+                system.derivative(self.time + C[i] * self.h, &self.next, &mut self.trial[i]);
+                self.counts.evaluations += 1;
+            }
+        }
+    }
+
+    /// The error above; infinite if anything is not finite.
+    fn error<S: OdeSystem>(&mut self, system: &S) -> f64 {
+        system.scale(&self.next, &mut self.scale);
+        let (mut fifth, mut third) = (0.0, 0.0);
+        for (c, scale) in self.scale.iter().enumerate() {
+            let relative = |row: Row| {
+                let error: f64 = row.iter().map(|&(i, e)| e * self.trial[i][c]).sum();
+                let relative = error / (self.tolerance * scale);
+                relative * relative
+            };
+            fifth += relative(E5);
+            third += relative(E3);
+        }
+        if fifth == 0.0 && third == 0.0 {
+            return 0.0;
+        }
+        let norm = self.h * fifth / ((fifth + 0.01 * third) * self.y.len() as f64).sqrt();
+        if norm.is_finite() && self.next.iter().all(|x| x.is_finite()) {
+            norm
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Makes the continuous extension of the last step.
+    fn extend<S: OdeSystem>(&mut self, system: &mut S) {
+        self.refresh(system);
+        let (h, start) = (self.taken, self.time - self.taken);
+        for i in STAGES + 1..EXTENDED {
+            combine(&self.before, h, A[i], &self.k, &mut self.next);
+            system.derivative(start + C[i] * h, &self.next, &mut self.k[i]);
+            self.counts.evaluations += 1;
+        }
+        for c in 0..self.y.len() {
+            let change = self.y[c] - self.before[c];
+            let (first, last) = (h * self.k[0][c], h * self.k[STAGES][c]);
+            self.dense[0][c] = change;
+            self.dense[1][c] = first - change;
+            self.dense[2][c] = 2.0 * change - (first + last);
+            for (row, dense) in D.iter().zip(&mut self.dense[3..]) {
+                let sum: f64 = row.iter().map(|&(i, d)| d * self.k[i][c]).sum();
+                dense[c] = h * sum;
+            }
+        }
+        self.extended = true;
+    }
+}
+
+/// out = y + h sum row_i k_i.
+fn combine(y: &[f64], h: f64, row: Row, k: &[Vec<f64>], out: &mut [f64]) {
+    for (c, out) in out.iter_mut().enumerate() {
+        let slope: f64 = row.iter().map(|&(i, a)| a * k[i][c]).sum();
+        *out = y[c] + h * slope;
+    }
+}
+
+impl<S: OdeSystem> Stepper<S> for Dop853 {
+    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+        self.refresh(system);
+        self.trial[0].copy_from_slice(&self.k[STAGES]);
+        if !self.trial[0].iter().all(|x| x.is_finite()) {
+            return Err(StepError::NotFinite { time: self.time });
+        }
+        let mut limit = GROW;
+        loop {
+            if !(self.h > 4.0 * f64::EPSILON * self.time.abs().max(f64::MIN_POSITIVE)) {
+                return Err(StepError::StepTooSmall { time: self.time });
+            }
+            self.stages(system);
+            let error = self.error(system);
+            if error <= 1.0 {
+                std::mem::swap(&mut self.k, &mut self.trial);
+                std::mem::swap(&mut self.before, &mut self.y);
+                std::mem::swap(&mut self.y, &mut self.next);
+                self.taken = self.h;
+                self.time += self.h;
+                self.h *= (SAFETY * error.max(1e-12).powf(-EXPONENT)).clamp(SHRINK, limit);
+                system.settle(self.time, &mut self.y);
+                (self.fresh, self.extended) = (false, false);
+                self.counts.steps += 1;
+                return Ok(());
+            }
+            self.counts.rejected += 1;
+            self.h *= if error.is_finite() {
+                (SAFETY * error.powf(-EXPONENT)).max(SHRINK)
+            } else {
+                SHRINK
+            };
+            limit = 1.0;
+        }
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn state(&self) -> &[f64] {
+        &self.y
+    }
+
+    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+        if self.counts.steps == 0 || (self.time - t).abs() < 1e-9 * self.taken {
+            y.copy_from_slice(&self.y);
+            return;
+        }
+        if !self.extended {
+            self.extend(system);
+        }
+        let s = 1.0 - (self.time - t) / self.taken;
+        let u = 1.0 - s;
+        for (c, y) in y.iter_mut().enumerate() {
+            let mut sum = 0.0;
+            for (i, dense) in self.dense.iter().enumerate().rev() {
+                sum = (sum + dense[c]) * if i % 2 == 0 { s } else { u };
+            }
+            *y = self.before[c] + sum;
+        }
+        system.settle(t, y);
+    }
+
+    fn counts(&self) -> StepCounts {
+        self.counts
+    }
+}

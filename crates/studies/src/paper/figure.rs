@@ -1,0 +1,101 @@
+//! A figure of the paper as data: what it says, our curves, our numbers, the verdict.
+
+use pinwheel_gearbox::claims::Verdict;
+use serde::Serialize;
+
+/// One figure.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Figure {
+    /// `fig-07`; of what the paper has no figure for, a word.
+    pub id: String,
+    /// `Fig. 7`, or a word.
+    pub name: String,
+    /// What is drawn.
+    pub title: String,
+    /// What the paper says it shows.
+    pub says: String,
+    /// What ours show, with the numbers.
+    pub found: String,
+    /// Why: what makes the difference, or under which condition.
+    pub why: String,
+    /// The numbers of `found`, for programs.
+    pub numbers: Vec<Number>,
+    /// Whether ours show what the paper says.
+    pub verdict: Verdict,
+    /// The curves.
+    pub plots: Vec<Plot>,
+}
+
+/// A number with its name and unit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Number {
+    /// Name in `snake_case`.
+    pub name: String,
+    /// Value in `unit`.
+    pub value: f64,
+    /// Unit; empty for ratios.
+    pub unit: String,
+}
+
+/// Curves on one pair of axes, the paper's.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Plot {
+    /// `fig-07a`: name of its data file.
+    pub key: String,
+    /// Heading.
+    pub title: String,
+    /// Horizontal axis with its unit, e.g. `Time (s)`.
+    pub x_label: String,
+    /// Vertical axis with its unit.
+    pub y_label: String,
+    /// Whether the vertical axis is logarithmic.
+    pub y_log: bool,
+    /// Horizontal values.
+    #[serde(skip)]
+    pub x: Vec<f64>,
+    /// Curves over `x`; not a number where a curve has no value.
+    pub curves: Vec<Curve>,
+    /// What is to be seen.
+    pub note: String,
+}
+
+/// One curve.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Curve {
+    /// Name in the legend.
+    pub label: String,
+    /// Drawn as single points instead of a line.
+    pub points: bool,
+    /// Values, as many as its plot has abscissae.
+    #[serde(skip)]
+    pub y: Vec<f64>,
+}
+
+impl Curve {
+    /// A line.
+    pub(super) fn line(label: impl Into<String>, y: impl Into<Vec<f64>>) -> Self {
+        Self {
+            label: label.into(),
+            points: false,
+            y: y.into(),
+        }
+    }
+}
+
+/// A number.
+pub(super) fn number(name: impl Into<String>, value: f64, unit: &str) -> Number {
+    Number {
+        name: name.into(),
+        value,
+        unit: unit.to_owned(),
+    }
+}
+
+/// Holds always, sometimes, or not.
+pub(super) fn verdict(always: bool, sometimes: bool) -> Verdict {
+    match (always, sometimes) {
+        (true, _) => Verdict::Holds,
+        (false, true) => Verdict::Conditional,
+        (false, false) => Verdict::DoesNotHold,
+    }
+}

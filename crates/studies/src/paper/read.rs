@@ -1,0 +1,108 @@
+//! What is read off courses.
+
+use pinwheel_courses::Courses;
+
+/// The contract's columns.
+pub(super) const INPUT: &str = "input_torque_n_m";
+pub(super) const OUTPUT: &str = "output_torque_n_m";
+pub(super) const EXTERNAL: &str = "external_sleeve_force_n";
+pub(super) const INTERNAL: &str = "internal_sleeve_force_n";
+
+/// Where the start-up transient is gone, s.
+pub(super) const STEADY: (f64, f64) = (0.3, 0.6);
+/// One input turn, which the single figures draw, s. The paper speaks of 0.24 to 0.28 s.
+pub(super) const DRAWN: (f64, f64) = (0.24, 0.36);
+/// The start-up transient after its first swings, s.
+pub(super) const DYING: (f64, f64) = (0.06, 0.15);
+
+/// The values of one channel within a window; none if there is no such channel.
+pub(super) fn part<'a>(courses: &'a Courses, name: &str, window: (f64, f64)) -> &'a [f64] {
+    let range = courses.window(window.0, window.1);
+    courses
+        .channel(name)
+        .and_then(|values| values.get(range))
+        .unwrap_or(&[])
+}
+
+/// The sample times within a window.
+pub(super) fn times(courses: &Courses, window: (f64, f64)) -> Vec<f64> {
+    courses.time_s()[courses.window(window.0, window.1)].to_vec()
+}
+
+/// All values of a group of channels within a window.
+pub(super) fn all(courses: &Courses, group: &str, window: (f64, f64)) -> Vec<f64> {
+    let range = courses.window(window.0, window.1);
+    let channels = courses.group(group);
+    let parts = channels
+        .iter()
+        .filter_map(|values| values.get(range.clone()));
+    parts.flatten().copied().collect()
+}
+
+/// The largest value; 0 without any.
+pub(super) fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(0.0, f64::max)
+}
+
+/// Largest less smallest; 0 without any.
+pub(super) fn range(values: &[f64]) -> f64 {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if high >= low { high - low } else { 0.0 }
+}
+
+/// Arithmetic mean; 0 without any.
+pub(super) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// RMS of `a - b` over the RMS of `b`.
+pub(super) fn off(a: &[f64], b: &[f64]) -> f64 {
+    let error: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
+    let size: f64 = b.iter().map(|b| b * b).sum();
+    if error == 0.0 {
+        0.0
+    } else {
+        (error / size).sqrt()
+    }
+}
+
+/// The value that a share of the values lies below; 0 without any.
+pub(super) fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let place = (share * sorted.len() as f64) as usize;
+    sorted
+        .get(place.min(sorted.len().saturating_sub(1)))
+        .copied()
+        .unwrap_or(0.0)
+}
+
+/// RMS of a course less its own mean over `half` samples to both sides: how much it oscillates faster than that.
+pub(super) fn roughness(values: &[f64], half: usize) -> f64 {
+    let mut sum = 0.0;
+    for (k, value) in values.iter().enumerate() {
+        let around = &values[k.saturating_sub(half)..(k + half + 1).min(values.len())];
+        let apart = value - mean(around);
+        sum += apart * apart;
+    }
+    (sum / values.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wave_is_as_rough_as_it_is_high() {
+        let wave: Vec<f64> = (0..1000)
+            .map(|k| 5.0 + 2.0 * (f64::from(k) * 0.1 * std::f64::consts::TAU).sin())
+            .collect();
+        // Ten samples a wave: half of 10 takes whole waves away, all but the ends.
+        assert!((roughness(&wave, 10) - 2.0_f64.sqrt()).abs() < 0.02);
+        assert!(roughness(&[3.0; 50], 5) < 1e-12);
+        assert!((range(&wave) - 4.0).abs() < 0.2 && range(&[]) == 0.0);
+        assert_eq!(quantile(&[3.0, 1.0, 2.0, 4.0], 0.5), 3.0);
+        assert!((off(&[1.1, 2.2], &[1.0, 2.0]) - 0.1).abs() < 1e-12);
+    }
+}

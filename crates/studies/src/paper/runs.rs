@@ -1,0 +1,94 @@
+//! The runs behind the figures: each scene once, however many figures draw it.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::rc::Rc;
+use std::time::Instant;
+
+use pinwheel_courses::Courses;
+use pinwheel_gearbox::scene::{Detection, Scene};
+
+use crate::StudyError;
+use crate::control::Control;
+
+/// How contacts are found and the equations solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Model {
+    /// Ours, converged: the exact profile, Runge-Kutta 4.
+    Ours,
+    /// The paper's: so many points on a wheel (and 20 or 100 on a hole), Heun.
+    Points(usize),
+}
+
+impl Model {
+    pub(super) fn words(self) -> String {
+        match self {
+            Self::Ours => "exact profile".to_owned(),
+            Self::Points(count) => format!("{count} points"),
+        }
+    }
+
+    /// The paper's scene with this model.
+    pub(super) fn scene(self) -> Scene {
+        let mut scene = Scene::default();
+        match self {
+            Self::Ours => "rk4".clone_into(&mut scene.solver.integrator),
+            Self::Points(count) => {
+                scene.contact.detection = Detection::Points;
+                scene.contact.wheel_points = count;
+                // The paper's rough and refined analyses.
+                scene.contact.hole_points = if count < 4000 { 20 } else { 100 };
+            }
+        }
+        scene
+    }
+}
+
+/// Courses with what they cost.
+#[derive(Debug)]
+pub(super) struct Run {
+    pub(super) courses: Courses,
+    pub(super) wall_s: f64,
+}
+
+/// All runs so far.
+pub(super) struct Runs<'a> {
+    control: Control<'a>,
+    known: RefCell<HashMap<String, Rc<Run>>>,
+}
+
+impl<'a> Runs<'a> {
+    pub(super) fn new(control: Control<'a>) -> Self {
+        Self {
+            control,
+            known: RefCell::new(HashMap::new()),
+        }
+    }
+
+    /// The paper's scene with `model` and one change, run to its end.
+    pub(super) fn get(
+        &self,
+        model: Model,
+        change: impl FnOnce(&mut Scene),
+    ) -> Result<Rc<Run>, StudyError> {
+        let mut scene = model.scene();
+        change(&mut scene);
+        let key = scene.to_toml();
+        if let Some(run) = self.known.borrow().get(&key) {
+            return Ok(Rc::clone(run));
+        }
+        let start = Instant::now();
+        let courses = self.control.complete(&scene)?.courses;
+        let run = Rc::new(Run {
+            courses,
+            wall_s: start.elapsed().as_secs_f64(),
+        });
+        self.known.borrow_mut().insert(key, Rc::clone(&run));
+        Ok(run)
+    }
+
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.known.borrow().len()
+    }
+}

@@ -1,0 +1,134 @@
+//! What an error costs: interpolation on the front of a series in the log-log plane.
+//!
+//! The front is what no other point of the series beats in both cost and error. Between two of its points
+//! the cost of an error is taken from the straight line through both in (log error, log cost). Beyond
+//! its ends there is only a bound, and it is given as one.
+
+use serde::Serialize;
+
+/// Cost of an error, as far as it is known.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(tag = "kind", content = "value", rename_all = "kebab-case")]
+pub enum CostAt {
+    /// Between two runs.
+    Interpolated(f64),
+    /// The cheapest run is already better.
+    AtMost(f64),
+    /// The best run is still worse: reaching the error costs more than it did.
+    MoreThan(f64),
+}
+
+impl CostAt {
+    /// The figure, whatever it means.
+    #[must_use]
+    pub fn value(self) -> f64 {
+        match self {
+            Self::Interpolated(v) | Self::AtMost(v) | Self::MoreThan(v) => v,
+        }
+    }
+
+    /// Whether the error is reached at all.
+    #[must_use]
+    pub fn reached(self) -> bool {
+        !matches!(self, Self::MoreThan(_))
+    }
+}
+
+/// The points that no other beats in both, by rising cost and falling error. Points are (cost, error);
+/// those that are not finite and positive are left out.
+#[must_use]
+pub fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let sound = |x: f64| x.is_finite() && x > 0.0;
+    let mut points: Vec<(f64, f64)> = points
+        .iter()
+        .copied()
+        .filter(|&(cost, error)| sound(cost) && sound(error))
+        .collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut front: Vec<(f64, f64)> = Vec::new();
+    for point in points {
+        if front.last().is_none_or(|last| point.1 < last.1) {
+            front.push(point);
+        }
+    }
+    front
+}
+
+/// Cost of `error` on the front of the points (cost, error). `None` without points.
+#[must_use]
+pub fn cost_at(points: &[(f64, f64)], error: f64) -> Option<CostAt> {
+    let front = front(points);
+    let (first, last) = (front.first()?, front.last()?);
+    if first.1 <= error {
+        return Some(CostAt::AtMost(first.0));
+    }
+    if last.1 > error {
+        return Some(CostAt::MoreThan(last.0));
+    }
+    let k = front.iter().position(|point| point.1 <= error)?;
+    let ((c0, e0), (c1, e1)) = (front[k - 1], front[k]);
+    let share = (e0 / error).ln() / (e0 / e1).ln();
+    Some(CostAt::Interpolated(c0 * (c1 / c0).powf(share)))
+}
+
+/// Exponent p and factor a of `cost = a size^p`, by least squares of the logarithms. `None` with fewer than two sizes.
+#[must_use]
+pub fn power_law(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let logs: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (x.ln(), y.ln())).collect();
+    let n = logs.len() as f64;
+    let mean = |get: fn(&(f64, f64)) -> f64| logs.iter().map(get).sum::<f64>() / n;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let (mut xx, mut xy) = (0.0, 0.0);
+    for p in &logs {
+        xx += (p.0 - x) * (p.0 - x);
+        xy += (p.0 - x) * (p.1 - y);
+    }
+    let exponent = xy / xx;
+    exponent
+        .is_finite()
+        .then(|| (exponent, (y - exponent * x).exp()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A second-order method: error = cost^-2.
+    const LINE: [(f64, f64); 3] = [(10.0, 1e-2), (100.0, 1e-4), (1000.0, 1e-6)];
+
+    #[test]
+    fn between_points_on_the_straight_line() {
+        let Some(CostAt::Interpolated(cost)) = cost_at(&LINE, 1e-3) else {
+            panic!("interpolated");
+        };
+        assert!((cost / 1000.0_f64.sqrt() - 1.0).abs() < 1e-12, "{cost}");
+        let Some(CostAt::Interpolated(cost)) = cost_at(&LINE, 1e-4) else {
+            panic!("interpolated");
+        };
+        assert!((cost - 100.0).abs() < 1e-9, "{cost}");
+    }
+
+    #[test]
+    fn beyond_its_ends_only_bounds() {
+        assert_eq!(cost_at(&LINE, 0.1), Some(CostAt::AtMost(10.0)));
+        assert_eq!(cost_at(&LINE, 1e-7), Some(CostAt::MoreThan(1000.0)));
+        assert_eq!(cost_at(&[], 1e-3), None);
+        assert_eq!(cost_at(&[(1.0, f64::NAN)], 1e-3), None);
+    }
+
+    #[test]
+    fn beaten_points_are_not_on_the_front() {
+        let mut points = LINE.to_vec();
+        // Dearer and worse, equal and worse, and one that ran away.
+        points.extend([(120.0, 5e-3), (100.0, 2e-4), (1.0, f64::INFINITY)]);
+        points.reverse();
+        assert_eq!(front(&points), LINE);
+    }
+
+    #[test]
+    fn exponents() {
+        let (p, a) = power_law(&[(1.0, 3.0), (10.0, 30.0), (100.0, 300.0)]).unwrap();
+        assert!((p - 1.0).abs() < 1e-12 && (a - 3.0).abs() < 1e-12);
+        assert_eq!(power_law(&[(2.0, 3.0)]), None);
+    }
+}

@@ -1,0 +1,212 @@
+//! The settings a method is tried with, coarse to fine, and when to stop.
+
+use pinwheel_engines::Track;
+use pinwheel_gearbox::scene::Scene;
+use pinwheel_mbs::integrators::METHODS;
+use serde::Serialize;
+
+use super::Options;
+
+/// What is turned to trade time for accuracy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Knob {
+    /// `solver.step_s`, s.
+    StepS,
+    /// `solver.tolerance`.
+    Tolerance,
+}
+
+impl Knob {
+    /// The knob of an integrator of ours.
+    #[must_use]
+    pub fn of(method: &str) -> Self {
+        let adaptive = METHODS.iter().any(|m| m.name == method && m.adaptive);
+        if adaptive {
+            Self::Tolerance
+        } else {
+            Self::StepS
+        }
+    }
+
+    /// Turns it.
+    pub fn set(self, scene: &mut Scene, setting: f64) {
+        match self {
+            Self::StepS => scene.solver.step_s = setting,
+            Self::Tolerance => scene.solver.tolerance = setting,
+        }
+    }
+}
+
+/// Steps as multiples of the scene's: the coarsest, and how often it is halved.
+const COARSEST: f64 = 8.0;
+const HALVINGS: i32 = 10;
+/// Tolerances: the loosest, and half decades below it.
+const LOOSEST: f64 = 1e-2;
+const HALF_DECADES: i32 = 16;
+
+/// Settings of a knob for a scene, coarse to fine. Steps divide the sampling step evenly, because some
+/// engines sample at ends of steps only.
+#[must_use]
+pub fn settings(knob: Knob, scene: &Scene) -> Vec<f64> {
+    match knob {
+        Knob::Tolerance => (0..=HALF_DECADES)
+            .map(|k| {
+                let exact = LOOSEST * 10.0_f64.powf(-0.5 * f64::from(k));
+                // Two digits are enough to name a tolerance.
+                let digits = 10.0_f64.powf(exact.log10().floor() - 1.0);
+                (exact / digits).round() * digits
+            })
+            .collect(),
+        Knob::StepS => {
+            let sample = scene.solver.sample_s;
+            let mut steps: Vec<f64> = (0..=HALVINGS)
+                .map(|k| {
+                    let step = scene.solver.step_s * COARSEST / 2.0_f64.powi(k);
+                    sample / (sample / step * (1.0 - 1e-9)).ceil().max(1.0)
+                })
+                .collect();
+            steps.dedup();
+            steps
+        }
+    }
+}
+
+/// Why a series has no finer point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stopped {
+    /// All settings were tried.
+    Finished,
+    /// Far better than the target, and finer runs are not cheap.
+    GoodEnough,
+    /// As near to the reference as the reference can tell.
+    AtTheReference,
+    /// The next run would take too long.
+    TooLong,
+    /// Finer steps no longer help: the rest is the engine's model.
+    Stagnates,
+    /// The engine cannot honour the scene, or broke.
+    Failed,
+    /// The user stopped the study.
+    Interrupted,
+}
+
+impl Stopped {
+    /// For the reader.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Finished => "all settings tried",
+            Self::GoodEnough => "ten times better than the target",
+            Self::AtTheReference => "at the reference's own error",
+            Self::TooLong => "the next run would take too long",
+            Self::Stagnates => "finer steps do not help: what is left is its model",
+            Self::Failed => "does not run",
+            Self::Interrupted => "stopped by the user",
+        }
+    }
+}
+
+/// A run this cheap (s) is made whatever it brings.
+const CHEAP_S: f64 = 0.25;
+/// An error that falls by less than this factor from one step to its half does not fall.
+const STAGNANT: f64 = 1.15;
+
+/// What is known of a series after a run.
+pub(super) struct State {
+    pub(super) track: Track,
+    /// CPU time of the last run, s, and of the one before.
+    pub(super) cpu_s: f64,
+    /// Error of the last run; infinite if it failed.
+    pub(super) error: f64,
+    /// Error of the one before.
+    pub(super) error_before: f64,
+    /// Upper estimate of the reference's own error.
+    pub(super) reference_error: f64,
+}
+
+impl State {
+    /// Whether and why to stop before a run whose setting is `ratio` times finer.
+    pub(super) fn stop(&self, knob: Knob, ratio: f64, options: &Options) -> Option<Stopped> {
+        let next = match knob {
+            Knob::StepS => self.cpu_s * ratio,
+            Knob::Tolerance => self.cpu_s * ratio.powf(0.4),
+        };
+        if self.error <= 0.1 * self.reference_error || self.error == 0.0 {
+            return Some(Stopped::AtTheReference);
+        }
+        if self.error <= 0.1 * options.target && next > CHEAP_S {
+            return Some(Stopped::GoodEnough);
+        }
+        if next > options.longest(self.track) {
+            return Some(Stopped::TooLong);
+        }
+        let stagnant = self.track == Track::OwnContact
+            && self.error.is_finite()
+            && self.error_before < STAGNANT * self.error;
+        stagnant.then_some(Stopped::Stagnates)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_halve_and_divide_the_samples() {
+        let scene = Scene::default();
+        let steps = settings(Knob::StepS, &scene);
+        assert!(steps.contains(&scene.solver.step_s), "{steps:?}");
+        for pair in steps.windows(2) {
+            assert!((1.5..2.6).contains(&(pair[0] / pair[1])), "{pair:?}");
+        }
+        for step in steps {
+            let parts = scene.solver.sample_s / step;
+            assert!((parts - parts.round()).abs() < 1e-9, "{step}");
+        }
+    }
+
+    #[test]
+    fn tolerances_fall_by_half_decades() {
+        let tolerances = settings(Knob::Tolerance, &Scene::default());
+        assert_eq!(tolerances[0], 1e-2);
+        assert!((tolerances[1] / 3.2e-3 - 1.0).abs() < 1e-12);
+        assert!((tolerances[16] / 1e-10 - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_series_stops_for_a_reason() {
+        let options = Options::default();
+        let state = |track, cpu_s, error, error_before| State {
+            track,
+            cpu_s,
+            error,
+            error_before,
+            reference_error: 1e-8,
+        };
+        let stop = |state: State| state.stop(Knob::StepS, 2.0, &options);
+        assert_eq!(stop(state(Track::Native, 0.1, 1e-6, 4e-6)), None);
+        assert_eq!(
+            stop(state(Track::Native, 1.0, 1e-6, 4e-6)),
+            Some(Stopped::GoodEnough)
+        );
+        assert_eq!(
+            stop(state(Track::SharedLaw, 1e3, 1e-2, 4e-2)),
+            Some(Stopped::TooLong)
+        );
+        assert_eq!(
+            stop(state(Track::OwnContact, 1.0, 1e-2, 1e-2)),
+            Some(Stopped::Stagnates)
+        );
+        assert_eq!(stop(state(Track::SharedLaw, 1.0, 1e-2, 1e-2)), None);
+        assert_eq!(
+            stop(state(Track::Native, 1.0, 1e-10, 1e-9)),
+            Some(Stopped::AtTheReference)
+        );
+        assert_eq!(
+            stop(state(Track::Native, 1.0, f64::INFINITY, f64::INFINITY)),
+            None
+        );
+    }
+}

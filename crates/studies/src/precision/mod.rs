@@ -1,0 +1,168 @@
+//! Speed against error: every engine, integrator and step (or tolerance) of one scene against a converged run.
+//!
+//! [`run`] gives a [`WorkPrecision`]: the reference with its own error, one [`Series`] an engine and method
+//! with a [`Point`] a setting (errors by window, CPU time, right-hand-side calls), and what a given
+//! error costs each ([`WorkPrecision::ranking`]).
+
+pub mod front;
+mod ladder;
+pub mod mechanisms;
+mod norms;
+mod ranking;
+mod reference;
+mod rows;
+pub mod scaling;
+mod series;
+
+pub use front::CostAt;
+pub use ladder::{Knob, Stopped, settings};
+pub use norms::{Errors, Span};
+pub use ranking::{Advantage, Entry, Ranking};
+pub use reference::{Reference, Solution};
+pub use rows::write_csv;
+pub use series::{Cost, Measure, Outcome, Point, Series};
+
+use std::sync::atomic::Ordering;
+
+use pinwheel_engines::{Engine, Track};
+use pinwheel_gearbox::scene::Scene;
+use pinwheel_mbs::integrators::METHODS;
+use serde::Serialize;
+
+use crate::StudyError;
+use crate::control::{Control, Progress};
+
+/// What is tried.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Options {
+    /// Relative L2 force error over the whole run at which engines are ranked.
+    pub target: f64,
+    /// Runs of one setting at most; the cost is their minimum and median.
+    pub repeats: usize,
+    /// CPU time at which a setting is no longer repeated for its own sake, s.
+    pub repeat_s: f64,
+    /// A foreign engine's single run takes no longer than this, s CPU.
+    pub longest_s: f64,
+    /// The same for the native solver, which has many more series.
+    pub longest_native_s: f64,
+    /// Integrators of the native solver; empty: all.
+    pub methods: Vec<String>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            target: 1e-4,
+            repeats: 5,
+            repeat_s: 1.0,
+            longest_s: 20.0,
+            longest_native_s: 2.0,
+            methods: Vec::new(),
+        }
+    }
+}
+
+impl Options {
+    /// How long a single run of an engine may take, s CPU.
+    #[must_use]
+    pub fn longest(&self, track: Track) -> f64 {
+        match track {
+            Track::Native => self.longest_native_s,
+            Track::SharedLaw | Track::OwnContact => self.longest_s,
+        }
+    }
+}
+
+/// The study's result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WorkPrecision {
+    /// Name of the scene.
+    pub scene: String,
+    /// Duration, s.
+    pub duration_s: f64,
+    /// What was tried.
+    pub options: Options,
+    /// Windows; errors stand in this order everywhere. The first is the whole run.
+    pub windows: Vec<Span>,
+    /// What everything is measured against.
+    pub reference: Reference,
+    /// One engine and method each, native first.
+    pub series: Vec<Series>,
+    /// False if the user stopped the study; what had been measured until then is kept.
+    pub complete: bool,
+}
+
+/// Runs the study. `engines` without the resolved native form, whose settings are not the scene's.
+///
+/// # Errors
+/// Cancelled before the reference was there, or the reference run fails. What an engine does wrong
+/// stands in its series.
+pub fn run(
+    scene: &Scene,
+    engines: &[Box<dyn Engine>],
+    options: &Options,
+    control: &Control<'_>,
+) -> Result<WorkPrecision, StudyError> {
+    let tasks: Vec<(&dyn Engine, Option<&str>)> = engines
+        .iter()
+        .flat_map(|engine| methods(engine.as_ref(), options))
+        .collect();
+    let total = tasks.len() + 3;
+    let mut done = 0;
+    let (reference, windows, courses) = reference::run(scene, control, &mut |piece| {
+        (control.progress)(Progress { done, total, piece });
+        done += 1;
+    })?;
+    let mut all = Vec::new();
+    for (engine, method) in tasks {
+        if control.cancel.load(Ordering::Relaxed) {
+            break;
+        }
+        let mut announce = |piece: &str| (control.progress)(Progress { done, total, piece });
+        let truth = series::Truth {
+            courses: &courses,
+            windows: &windows,
+            error: reference.error(0).force_l2,
+        };
+        all.push(series::run(
+            scene,
+            engine,
+            method,
+            &truth,
+            options,
+            control,
+            &mut announce,
+        )?);
+        done += 1;
+    }
+    Ok(WorkPrecision {
+        scene: scene.name.clone(),
+        duration_s: scene.solver.duration_s,
+        options: options.clone(),
+        windows,
+        reference,
+        series: all,
+        complete: !control.cancel.load(Ordering::Relaxed),
+    })
+}
+
+/// Integrators of the native solver.
+#[must_use]
+pub fn method_names() -> Vec<&'static str> {
+    METHODS.iter().map(|method| method.name).collect()
+}
+
+/// The methods of an engine: ours for the native forms, its own for others.
+fn methods<'a>(
+    engine: &'a dyn Engine,
+    options: &'a Options,
+) -> Vec<(&'a dyn Engine, Option<&'a str>)> {
+    if engine.track() != Track::Native {
+        return vec![(engine, None)];
+    }
+    METHODS
+        .iter()
+        .filter(|m| options.methods.is_empty() || options.methods.iter().any(|name| name == m.name))
+        .map(|m| (engine, Some(m.name)))
+        .collect()
+}

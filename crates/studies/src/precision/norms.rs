@@ -1,0 +1,152 @@
+//! How far a run lies from the reference, window by window.
+//!
+//! ```text
+//! L2   = sqrt(sum (a - b)^2 / sum b^2)      over all sleeves and all samples of the window
+//! Linf = max |a - b| / max |b|
+//! ```
+
+use pinwheel_compare::windows::{SETTLING_S, windows};
+use pinwheel_courses::Courses;
+use pinwheel_gearbox::scene::{Scene, Start};
+use serde::Serialize;
+
+/// A part of the run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Span {
+    /// `whole`, `transient` or `steady`.
+    pub name: String,
+    /// Start, s, included.
+    pub from_s: f64,
+    /// End, s, included.
+    pub to_s: f64,
+}
+
+/// Relative errors in one window; dimensionless.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Errors {
+    /// L2, all sleeve forces together.
+    pub force_l2: f64,
+    /// Linf, all sleeve forces together.
+    pub force_max: f64,
+    /// L2, driver torque.
+    pub torque_l2: f64,
+    /// Linf, driver torque.
+    pub torque_max: f64,
+}
+
+impl Errors {
+    /// The larger of each.
+    #[must_use]
+    pub fn or_worse(self, other: Self) -> Self {
+        Self {
+            force_l2: self.force_l2.max(other.force_l2),
+            force_max: self.force_max.max(other.force_max),
+            torque_l2: self.torque_l2.max(other.torque_l2),
+            torque_max: self.torque_max.max(other.torque_max),
+        }
+    }
+}
+
+/// The whole run first, then its transient and its steady part, where it is long enough to have them.
+pub(super) fn spans(scene: &Scene, courses: &Courses) -> Vec<Span> {
+    let settling = if scene.drive.start == Start::Equilibrium {
+        0.0
+    } else {
+        SETTLING_S
+    };
+    let end = courses.time_s().last().copied().unwrap_or(0.0);
+    let mut spans = vec![Span {
+        name: "whole".to_owned(),
+        from_s: 0.0,
+        to_s: end,
+    }];
+    let (mut parts, _) = windows(courses, settling);
+    parts.retain(|window| window.to_s - window.from_s < end);
+    parts.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
+    spans.extend(parts.into_iter().map(|window| Span {
+        name: window.kind.word().to_owned(),
+        from_s: window.from_s,
+        to_s: window.to_s,
+    }));
+    spans
+}
+
+/// Errors of `a` against `b` in a window. Both hold the same samples; a run without forces has errors
+/// of 0 or infinity.
+pub(super) fn errors(a: &Courses, b: &Courses, span: &Span) -> Errors {
+    let (mut force, mut torque) = (Sums::default(), Sums::default());
+    let range = b.window(span.from_s, span.to_s);
+    for prefix in ["external_sleeve_force_n", "internal_sleeve_force_n"] {
+        for (x, y) in a.group(prefix).iter().zip(b.group(prefix)) {
+            force.add(&x[range.clone()], &y[range.clone()]);
+        }
+    }
+    let name = "input_torque_n_m";
+    if let (Some(x), Some(y)) = (a.channel(name), b.channel(name)) {
+        torque.add(&x[range.clone()], &y[range]);
+    }
+    Errors {
+        force_l2: share(force.square, force.size).sqrt(),
+        force_max: share(force.most, force.largest),
+        torque_l2: share(torque.square, torque.size).sqrt(),
+        torque_max: share(torque.most, torque.largest),
+    }
+}
+
+fn share(error: f64, size: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / size }
+}
+
+#[derive(Default)]
+struct Sums {
+    square: f64,
+    size: f64,
+    most: f64,
+    largest: f64,
+}
+
+impl Sums {
+    fn add(&mut self, a: &[f64], b: &[f64]) {
+        for (a, b) in a.iter().zip(b) {
+            let difference = (a - b).abs();
+            self.square += difference * difference;
+            self.size += b * b;
+            self.most = self.most.max(difference);
+            self.largest = self.largest.max(b.abs());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn courses(force: [f64; 3]) -> Courses {
+        let mut courses = Courses::new(vec![0.0, 1.0, 2.0]).unwrap();
+        courses
+            .push("external_sleeve_force_n_0", force.to_vec())
+            .unwrap();
+        courses
+            .push("internal_sleeve_force_n_0", vec![0.0; 3])
+            .unwrap();
+        courses.push("input_torque_n_m", vec![1.0; 3]).unwrap();
+        courses
+    }
+
+    #[test]
+    fn norms_by_hand() {
+        let span = |from_s, to_s| Span {
+            name: String::new(),
+            from_s,
+            to_s,
+        };
+        let (a, b) = (courses([3.0, 4.0, 1.0]), courses([3.0, 4.0, 0.0]));
+        let whole = errors(&a, &b, &span(0.0, 2.0));
+        assert_eq!((whole.force_l2, whole.force_max), (0.2, 0.25));
+        assert_eq!((whole.torque_l2, whole.torque_max), (0.0, 0.0));
+        let early = errors(&a, &b, &span(0.0, 1.0));
+        assert_eq!((early.force_l2, early.force_max), (0.0, 0.0));
+        let late = errors(&a, &b, &span(2.0, 2.0));
+        assert!(late.force_l2.is_infinite());
+    }
+}

@@ -1,0 +1,146 @@
+//! What one error costs every engine, and how far the native solver is ahead of the fastest peer.
+
+use pinwheel_engines::Track;
+use serde::Serialize;
+
+use super::WorkPrecision;
+use super::front::CostAt;
+use super::series::Measure;
+
+/// Cost of the error in one series.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Entry {
+    /// Engine and method.
+    pub label: String,
+    /// Track of the engine.
+    pub track: Track,
+    /// CPU time, s; `None` if no run finished.
+    pub cpu_s: Option<CostAt>,
+    /// Right-hand-side calls; `None` if no run finished or they are not counted.
+    pub rhs_calls: Option<CostAt>,
+}
+
+/// The native solver's lead.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Advantage {
+    /// The fastest native series.
+    pub native: String,
+    /// Its CPU time, s.
+    pub native_cpu_s: CostAt,
+    /// The fastest peer, or the one whose bound is lowest.
+    pub peer: String,
+    /// Its CPU time, s.
+    pub peer_cpu_s: CostAt,
+    /// Quotient of both.
+    pub ratio: f64,
+    /// The quotient is a lower bound: the native cost is an upper one, or the peer's a lower one.
+    pub at_least: bool,
+}
+
+/// All series at one error in one window.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Ranking {
+    /// Name of the window.
+    pub window: String,
+    /// Relative L2 force error.
+    pub error: f64,
+    /// In the order of the series.
+    pub entries: Vec<Entry>,
+    /// `None` where the native solver does not reach the error, or there is no peer.
+    pub advantage: Option<Advantage>,
+}
+
+impl WorkPrecision {
+    /// Ranks all series at a relative L2 force error in window `window`.
+    ///
+    /// Peers of the own-contact track count where they reach the error; those that do not have their own
+    /// model, not too long a step. A peer that shares the law counts with its lower bound otherwise.
+    #[must_use]
+    pub fn ranking(&self, window: usize, error: f64) -> Ranking {
+        let entries: Vec<Entry> = self
+            .series
+            .iter()
+            .map(|series| Entry {
+                label: series.label(),
+                track: series.track,
+                cpu_s: series.cost_at(window, error, Measure::Cpu),
+                rhs_calls: series.cost_at(window, error, Measure::Rhs),
+            })
+            .collect();
+        Ranking {
+            window: self.windows.get(window).map_or("", |w| &w.name).to_owned(),
+            error,
+            advantage: advantage(&entries),
+            entries,
+        }
+    }
+}
+
+fn advantage(entries: &[Entry]) -> Option<Advantage> {
+    let cheapest = |take: &dyn Fn(&Entry, CostAt) -> bool| {
+        entries
+            .iter()
+            .filter_map(|entry| Some((entry, entry.cpu_s?)))
+            .filter(|&(entry, cost)| take(entry, cost))
+            .min_by(|a, b| a.1.value().total_cmp(&b.1.value()))
+    };
+    let (native, native_cost) =
+        cheapest(&|entry, cost| entry.track == Track::Native && cost.reached())?;
+    let (peer, peer_cost) = cheapest(&|entry, cost| match entry.track {
+        Track::Native => false,
+        Track::SharedLaw => true,
+        Track::OwnContact => cost.reached(),
+    })?;
+    let upper = matches!(peer_cost, CostAt::AtMost(_));
+    Some(Advantage {
+        native: native.label.clone(),
+        native_cpu_s: native_cost,
+        peer: peer.label.clone(),
+        peer_cpu_s: peer_cost,
+        ratio: peer_cost.value() / native_cost.value(),
+        at_least: !upper
+            && (matches!(native_cost, CostAt::AtMost(_))
+                || matches!(peer_cost, CostAt::MoreThan(_))),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(label: &str, track: Track, cost: CostAt) -> Entry {
+        Entry {
+            label: label.to_owned(),
+            track,
+            cpu_s: Some(cost),
+            rhs_calls: None,
+        }
+    }
+
+    #[test]
+    fn the_lead_is_over_the_fastest_peer() {
+        let own = Track::OwnContact;
+        let mut entries = vec![
+            entry("a", Track::Native, CostAt::Interpolated(0.5)),
+            entry("b", Track::Native, CostAt::Interpolated(0.25)),
+            entry("c", Track::Native, CostAt::MoreThan(0.01)),
+            entry("slow", Track::SharedLaw, CostAt::Interpolated(50.0)),
+            entry("fast", Track::SharedLaw, CostAt::Interpolated(25.0)),
+            entry("other law", own, CostAt::MoreThan(1.0)),
+        ];
+        let found = advantage(&entries).unwrap();
+        assert_eq!((&*found.native, &*found.peer), ("b", "fast"));
+        assert!((found.ratio - 100.0).abs() < 1e-12 && !found.at_least);
+
+        // A peer that was cut off before may be the fastest: then the ratio is a bound.
+        entries.push(entry("cut off", Track::SharedLaw, CostAt::MoreThan(5.0)));
+        let found = advantage(&entries).unwrap();
+        assert_eq!(found.peer, "cut off");
+        assert!((found.ratio - 20.0).abs() < 1e-12 && found.at_least);
+
+        entries.push(entry("own", own, CostAt::Interpolated(2.5)));
+        assert_eq!(advantage(&entries).unwrap().peer, "own");
+        assert_eq!(advantage(&entries[..3]), None);
+        assert_eq!(advantage(&entries[3..]), None);
+    }
+}

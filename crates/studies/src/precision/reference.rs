@@ -1,0 +1,146 @@
+//! The converged run, and proof that it is: two methods that have nothing in common but the forces.
+//!
+//! | scene | reference | second method |
+//! |---|---|---|
+//! | no friction, exact contact | dopri5, tolerance 1e-11 | rk4, fixed step of about 1/1000 period |
+//! | friction | dopri5, tolerance 1e-9 | imex2 (friction implicit), a fortieth of the scene's step |
+//! | discrete points | rk4, a fortieth of the scene's step | rk2, the same step |
+//!
+//! The distance between the two is the error of the worse of them, and thus an upper estimate for the
+//! reference. What the reference gains from a tolerance ten times (a step two times) coarser is given beside it.
+
+use pinwheel_courses::Courses;
+use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::scene::{Detection, Formulation, FrictionLaw, Scene};
+use serde::Serialize;
+
+use super::Knob;
+use super::norms::{Errors, Span, errors, spans};
+use crate::StudyError;
+use crate::control::Control;
+
+/// One converged solution.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Solution {
+    /// Integrator.
+    pub method: String,
+    /// What its setting is.
+    pub knob: Knob,
+    /// Step (s) or tolerance.
+    pub setting: f64,
+    /// Right-hand-side calls.
+    pub rhs_calls: u64,
+}
+
+/// What everything is measured against.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reference {
+    /// The solution taken.
+    pub solution: Solution,
+    /// The other one.
+    pub second: Solution,
+    /// Distance of the second from the first, window by window: an upper estimate of the reference's error.
+    pub between_methods: Vec<Errors>,
+    /// Distance of a coarser run by the first method.
+    pub to_coarser: Vec<Errors>,
+    /// Its setting.
+    pub coarser_setting: f64,
+}
+
+impl Reference {
+    /// Upper estimate of the reference's error in window `k`.
+    #[must_use]
+    pub fn error(&self, k: usize) -> Errors {
+        self.between_methods[k]
+    }
+}
+
+/// Fixed steps of the second method, in radians of the fastest elastic oscillation.
+const STEP_RADIANS: f64 = 0.01;
+/// Fixed steps where forces jump or friction is stiff, as a share of the scene's.
+const DIVISION: f64 = 40.0;
+
+struct Plan {
+    method: &'static str,
+    setting: f64,
+}
+
+impl Plan {
+    fn knob(&self) -> Knob {
+        Knob::of(self.method)
+    }
+
+    fn scene(&self, scene: &Scene, setting: f64) -> Scene {
+        let mut scene = scene.clone();
+        scene.solver.formulation = Formulation::Reduced;
+        self.method.clone_into(&mut scene.solver.integrator);
+        self.knob().set(&mut scene, setting);
+        scene
+    }
+
+    fn coarser(&self) -> f64 {
+        match self.knob() {
+            Knob::Tolerance => 10.0 * self.setting,
+            Knob::StepS => 2.0 * self.setting,
+        }
+    }
+}
+
+fn plans(scene: &Scene) -> Result<[Plan; 2], StudyError> {
+    let contact = &scene.contact;
+    let short = scene.solver.step_s / DIVISION;
+    let plan = |method, setting| Plan { method, setting };
+    if contact.detection == Detection::Points {
+        return Ok([plan("rk4", short), plan("rk2", short)]);
+    }
+    if contact.friction_coefficient > 0.0 {
+        let second = if contact.friction_law == FrictionLaw::Regularised {
+            plan("imex2", short)
+        } else {
+            plan("rk4", short)
+        };
+        return Ok([plan("dopri5", 1e-9), second]);
+    }
+    let gearbox = Gearbox::new(scene).map_err(|source| StudyError::Scene {
+        scene: scene.name.clone(),
+        source,
+    })?;
+    let step = STEP_RADIANS / gearbox.error_scales().frequency;
+    Ok([
+        plan("dopri5", 1e-11),
+        plan("rk4", step.min(scene.solver.step_s)),
+    ])
+}
+
+/// Runs both methods and the coarser one; returns the windows and the courses too.
+pub(super) fn run(
+    scene: &Scene,
+    control: &Control<'_>,
+    announce: &mut dyn FnMut(&str),
+) -> Result<(Reference, Vec<Span>, Courses), StudyError> {
+    let [first, second] = plans(scene)?;
+    let mut solve = |plan: &Plan, setting: f64| {
+        announce(&format!("reference: {}, {setting:.2e}", plan.method));
+        let run = control.complete(&plan.scene(scene, setting))?;
+        let solution = Solution {
+            method: plan.method.to_owned(),
+            knob: plan.knob(),
+            setting,
+            rhs_calls: run.counts.evaluations,
+        };
+        Ok::<_, StudyError>((solution, run.courses))
+    };
+    let (solution, courses) = solve(&first, first.setting)?;
+    let (other, others) = solve(&second, second.setting)?;
+    let (_, coarser) = solve(&first, first.coarser())?;
+    let spans = spans(scene, &courses);
+    let against = |run: &Courses| spans.iter().map(|s| errors(run, &courses, s)).collect();
+    let reference = Reference {
+        solution,
+        second: other,
+        between_methods: against(&others),
+        to_coarser: against(&coarser),
+        coarser_setting: first.coarser(),
+    };
+    Ok((reference, spans, courses))
+}

@@ -1,0 +1,100 @@
+"""Two implementations of the contact law at the same random states: how far apart, and how much of it is rounding.
+
+Points detection takes the nearest of a wheel's points. Where two are equally near but for rounding, two correct
+implementations may take different ones, whose normals differ by a whole spacing: such states are counted and left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel_engines.border import LawPointer, StageLaw
+from pinwheel_engines.law import ContactLaw
+from pinwheel_engines.layout import Kinematics
+from pinwheel_engines.scene import Scene
+
+Floats = npt.NDArray[np.float64]
+
+# Two distances that differ by less are a tie, m: a hundred units in the last place of the pitch radius.
+TIE_M = 1e-15
+
+# Roundings that two correct implementations may be apart; more needs another reason.
+MOST_ROUNDINGS = 4.0
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Largest differences over all states that were compared."""
+
+    states: int
+    loaded: int
+    """States in which something touches."""
+    ambiguous: int
+    """States left out because of a tie between two points."""
+    worst_n: float
+    """Of a force, N."""
+    largest_n: float
+    """The largest force in any state, N."""
+    worst_relative: float
+    """Of a force, over the largest force of its state; where nearly nothing touches, rounding is all there is."""
+    worst_over_rounding: float
+    """Of a force, over `ContactLaw.rounding_n` of its state."""
+    worst_moment_relative: float
+    """Of a moment, over the largest force of its state times the largest radius of the mechanism."""
+
+
+def random_states(scene: Scene, count: int, seed: int) -> Floats:
+    """States near the mesh: any input angle, angles and rates off the ideal ones, sleeves that turn; within the backlash."""
+    rng = np.random.default_rng(seed)
+    kinematics = Kinematics(scene.gear)
+    layout = kinematics.layout
+    states = np.empty((count, layout.bodies, 6))
+    # One whole cycle of the mesh and more.
+    span_s = 2.0 * np.pi * scene.gear.lobes / max(abs(scene.drive.input_speed_rad_s), 1e-3)
+    # Some ten nominal deformations of the paper's gear, at a tenth of a millimetre a radius of 5 cm.
+    spread_rad = 2e-4
+    play_rad = scene.gear.backlash_m / (scene.gear.eccentricity_m * scene.gear.lobes)
+    for i in range(count):
+        angles, rates = kinematics.ideal(scene, rng.uniform(0.0, span_s))
+        angles[1:] += rng.uniform(-1.0, 1.0) * play_rad
+        angles[1 : layout.wheel_bodies.stop] += rng.normal(size=1 + layout.wheels) * spread_rad
+        rates[1:] += rng.normal(size=layout.bodies - 1) * 0.5
+        states[i] = kinematics.states(angles, rates)
+    return states
+
+
+def compare(scene_toml: str, pointer: LawPointer, count: int, seed: int) -> Agreement:
+    """Evaluates the numpy law and a compiled one at the same random states. Raises Unsupported for a law it does not know."""
+    scene = Scene.from_toml(scene_toml)
+    law, compiled = ContactLaw(scene), StageLaw(scene, pointer)
+    states = random_states(scene, count, seed)
+    ours = law.loads(states)
+    theirs = np.empty_like(ours)
+    for i, state in enumerate(states):
+        compiled.states[:] = state
+        theirs[i] = compiled.evaluate_at(0.0)
+    difference = theirs - ours
+    rounding = law.rounding_n(states)
+    force = np.abs(difference[..., :2]).max(axis=(1, 2))
+    clear = np.ones(count, dtype=np.bool_)
+    if law.points:
+        # A tie is the only other reason that counts, and it is looked for only where one is needed.
+        for i in np.nonzero(force > MOST_ROUNDINGS * rounding)[0]:
+            clear[i] = law.nearest_gap_m(states[i]) > TIE_M
+    size = np.abs(ours[..., :2]).max(axis=(1, 2))
+    moment = np.abs(difference[..., 2]).max(axis=1)
+    loaded = clear & (size > 0.0)
+    reach = scene.gear.pitch_radius_m
+    return Agreement(
+        states=count,
+        loaded=int(loaded.sum()),
+        ambiguous=int(count - clear.sum()),
+        worst_n=float(force[clear].max(initial=0.0)),
+        largest_n=float(size.max(initial=0.0)),
+        worst_relative=float((force[loaded] / size[loaded]).max(initial=0.0)),
+        worst_over_rounding=float((force[loaded] / rounding[loaded]).max(initial=0.0)),
+        worst_moment_relative=float((moment[loaded] / (size[loaded] * reach)).max(initial=0.0)),
+    )

@@ -1,0 +1,144 @@
+//! Faults on purpose, and the process after them.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use pinwheel_engines::python::provoke::{self, Fault};
+
+use super::*;
+
+/// Guards: each fault on purpose, seen as an error, and the process of use afterwards.
+#[test]
+fn crossval_python_guards() {
+    let short = scene("paper", &[("solver.duration_s", "0.002")]);
+    let clean = SHARED.map(|engine| run(engine, &short));
+    for fault in [Fault::NotANumber(300), Fault::TooLarge(300, 1e9)] {
+        for (engine, before) in SHARED.iter().zip(&clean) {
+            match provoke::run(engine, &short, fault) {
+                Err(EngineError::Diverged {
+                    time_s,
+                    quantity,
+                    partial,
+                    ..
+                }) => {
+                    println!("{engine} {fault:?}: t = {time_s} s, {quantity}");
+                    assert!(time_s > 0.0 && time_s <= 0.002, "{time_s}");
+                    let kept = &partial.courses;
+                    assert!(!kept.is_empty() && kept.len() < before.len());
+                    assert!(
+                        kept.channels()
+                            .iter()
+                            .all(|channel| channel.values.iter().all(|v| v.is_finite()))
+                    );
+                }
+                other => panic!("{engine} {fault:?}: {other:?}"),
+            }
+            assert_same_bits(&run(engine, &short), before, engine);
+        }
+    }
+    let frozen = provoke::run(MUJOCO, &short, Fault::FrozenForces);
+    let text = frozen.unwrap_err().to_string();
+    assert!(text.contains("frozen") && text.contains("stages"), "{text}");
+    assert_same_bits(&run(MUJOCO, &short), &clean[0], MUJOCO);
+}
+
+/// Real steel at a step far beyond the stability limit: MuJoCo would reset its state, exudyn report success.
+#[test]
+fn crossval_python_silent_blow_up_is_an_error() {
+    let steel = scene(
+        "steel",
+        &[
+            ("solver.step_s", "1e-3"),
+            ("solver.sample_s", "1e-3"),
+            ("solver.duration_s", "0.05"),
+        ],
+    );
+    for engine in SHARED {
+        match attempt(engine, &steel) {
+            Err(EngineError::Diverged {
+                quantity, partial, ..
+            }) => {
+                println!("{engine}: {quantity}");
+                assert!(!partial.courses.is_empty());
+            }
+            other => panic!("{engine} did not diverge: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn crossval_python_repeats_and_alternates() {
+    let scene = scene("eleven-pins", &[("solver.duration_s", "0.002")]);
+    let other = self::scene("paper", &[("solver.duration_s", "0.001")]);
+    let first = ALL.map(|engine| run(engine, &scene));
+    for (engine, before) in ALL.iter().zip(&first) {
+        run(MUJOCO, &other);
+        assert_same_bits(&run(engine, &scene), before, engine);
+    }
+    // Two at a time, on threads of their own.
+    std::thread::scope(|scope| {
+        for (engine, before) in ALL.iter().zip(&first).take(2) {
+            let scene = &scene;
+            scope.spawn(move || assert_same_bits(&run(engine, scene), before, engine));
+        }
+    });
+}
+
+#[test]
+fn crossval_python_progress_and_stop() {
+    let scene = scene("paper", &[("solver.duration_s", "0.01")]);
+    for engine in ALL {
+        let (cancel, seen) = (AtomicBool::new(false), Mutex::new(Vec::new()));
+        let control = Control {
+            cancel: &cancel,
+            progress: &|time_s| {
+                seen.lock().unwrap().push(time_s);
+                if time_s > 4.5e-4 {
+                    cancel.store(true, Ordering::Relaxed);
+                }
+            },
+        };
+        let outcome = by_name(engine, &scene).unwrap().run(&scene, &control);
+        assert!(matches!(outcome, Err(EngineError::Cancelled)), "{engine}");
+        let seen = seen.into_inner().unwrap();
+        let wanted: Vec<f64> = (0..=5).map(|k| f64::from(k) * 1e-4).collect();
+        assert_eq!(seen.len(), wanted.len(), "{engine}: {seen:?}");
+        assert!(seen.iter().zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-12));
+    }
+}
+
+#[test]
+fn crossval_python_refuses_what_it_cannot_honour() {
+    let reason = |engine: &str, scene: &Scene| match by_name(engine, scene).unwrap().supports(scene)
+    {
+        Err(error @ EngineError::Unsupported { .. }) => error.to_string(),
+        other => panic!("{engine}: {other:?}"),
+    };
+    for engine in [MUJOCO_OWN, EXUDYN_OWN] {
+        assert!(reason(engine, &scene("paper-friction", &[])).contains("friction_coefficient"));
+        assert!(reason(engine, &scene("steel", &[])).contains("ramp"));
+        let law = scene("paper", &[("contact.law", "\"constant\"")]);
+        assert!(reason(engine, &law).contains("contact.law"));
+        by_name(engine, &law)
+            .unwrap()
+            .supports(&scene("paper", &[]))
+            .unwrap();
+    }
+}
+
+/// What the package reads is what the program writes: every preset, every key.
+#[test]
+fn crossval_python_reads_every_preset() {
+    for preset in pinwheel_gearbox::scene::PRESETS {
+        let mut scene = Scene::load(preset.name, &[]).unwrap();
+        scene.solver.duration_s = 1e-5;
+        scene.solver.step_s = scene.solver.step_s.min(1e-5);
+        scene.solver.sample_s = 1e-5;
+        match attempt(MUJOCO, &scene) {
+            Ok(run) => assert_eq!(run.courses.len(), 2, "{}", preset.name),
+            // Some hard presets are hard for that.
+            Err(EngineError::Diverged { .. }) => {}
+            Err(other) => panic!("{}: {other}", preset.name),
+        }
+    }
+}

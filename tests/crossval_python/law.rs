@@ -1,0 +1,84 @@
+//! The contact law across the border: against a second implementation, and through every key.
+
+use pinwheel_engines::EngineError;
+use pinwheel_engines::python::law_agreement;
+
+use super::*;
+
+/// The law in Rust and the one in numpy, written from the paper's equations alone, at 10 000 random states.
+///
+/// A penetration is a difference of lengths of 64 mm, known to 1.4e-17 m whatever its size, so a force is known to
+/// its slope times that. Measured over that bound: at most 1.2; over the largest force of the preset: 9.4e-13. With
+/// 12 000 points stiffness comes from a circle through three that are 36 um apart, which costs a digit: 7.6e-12.
+/// Over the largest force of the *same* state the worst is 2e-9, in states where next to nothing touches.
+#[test]
+fn crossval_python_law_in_numpy() {
+    let friction = ("contact.friction_coefficient", "0.1");
+    let play = ("gear.backlash_m", "0.0006");
+    for (preset, settings, largest) in [
+        ("paper", vec![], 1e-12),
+        ("paper-friction", vec![], 1e-12),
+        ("backlash-0.6", vec![], 1e-12),
+        ("backlash-0.6", vec![friction], 1e-12),
+        ("steel", vec![], 1e-12),
+        ("one-wheel", vec![], 1e-12),
+        ("eleven-pins", vec![], 1e-12),
+        ("forty-pins", vec![friction], 1e-12),
+        ("paper-rough", vec![], 1e-12),
+        ("paper-rough", vec![friction, play], 1e-12),
+        ("paper-refined", vec![], 1e-11),
+    ] {
+        let scene = scene(preset, &settings);
+        let found = law_agreement(&scene, 10_000, 1).unwrap();
+        println!("{preset} {settings:?}: {found:?}");
+        assert!(found.loaded > 5_000, "states that say nothing");
+        assert!(found.ambiguous < 10, "{found:?}");
+        assert_within(preset, found.worst_n / found.largest_n, largest);
+        assert_within("roundings", found.worst_over_rounding, 3.0);
+    }
+    // A law that is off is seen.
+    let mut off = scene("paper", &[]);
+    off.contact.law = "constant".to_owned();
+    assert!(matches!(
+        law_agreement(&off, 10, 1),
+        Err(EngineError::Unsupported { .. })
+    ));
+}
+
+/// The same Runge-Kutta 4 in other coordinates and another program: rounding. Every law, every friction, both
+/// detections and other gears reach the engines through the border. Measured 4.5e-13 at most.
+#[test]
+fn crossval_python_every_law_same_method() {
+    let base = [("solver.duration_s", "0.002"), ("solver.step_s", "1e-5")];
+    let cases: [(&str, &[(&str, &str)]); 12] = [
+        ("paper", &[]),
+        ("paper", &[("contact.law", "\"paper-printed\"")]),
+        ("paper", &[("contact.law", "\"paper-conservative\"")]),
+        ("paper", &[("contact.law", "\"constant\"")]),
+        ("paper", &[("contact.law", "\"adams-impact\"")]),
+        ("paper", &[("contact.law", "\"line-contact\"")]),
+        ("paper", &[("contact.law", "\"lankarani-nikravesh\"")]),
+        ("paper-rough", &[]),
+        ("one-wheel", &[("drive.load_ramp_s", "0.001")]),
+        ("eleven-pins", &[("drive.start", "\"equilibrium\"")]),
+        ("forty-pins", &[]),
+        (
+            "paper",
+            &[
+                ("contact.friction_coefficient", "0.05"),
+                ("contact.friction_law", "\"adams\""),
+                ("contact.friction_ramp_m_s", "0.05"),
+                ("contact.friction_dynamic_speed_m_s", "0.1"),
+                ("contact.friction_dynamic_coefficient", "0.03"),
+            ],
+        ),
+    ];
+    for (preset, settings) in cases {
+        let scene = scene(preset, &[&base, settings].concat());
+        let reference = native(&scene, "rk4", 1e-5);
+        for engine in [MUJOCO, EXPLICIT] {
+            let error = worst(&run(engine, &scene), &reference, 0.0);
+            assert_within(&format!("{preset} {settings:?} {engine}"), error, 5e-12);
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! The Python package on its own: its tests, its linters, its command line, in an environment of its own.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::atomic::AtomicBool;
+
+use pinwheel_engines::python::{Environment, Requirements, environment};
+
+const DEVELOPMENT: Requirements = Requirements {
+    name: "development",
+    text: include_str!("../../python/requirements-dev.txt"),
+};
+
+fn tools() -> Environment {
+    environment(DEVELOPMENT, &AtomicBool::new(false)).unwrap()
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../python")
+}
+
+fn python(arguments: &[&str]) -> Command {
+    let mut command = Command::new(tools().python);
+    // Nothing is written into the source tree.
+    command
+        .args(arguments)
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .current_dir(folder());
+    command
+}
+
+fn assert_fine(what: &str, output: &Output) {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert!(
+        output.status.success(),
+        "{what}: {}\n{}\n{}",
+        output.status,
+        text(&output.stdout),
+        text(&output.stderr)
+    );
+}
+
+#[test]
+fn crossval_python_package_passes_its_own_tests() {
+    let tests = python(&["-m", "pytest", "-q", "-p", "no:cacheprovider"])
+        .output()
+        .unwrap();
+    assert_fine("pytest", &tests);
+}
+
+#[test]
+fn crossval_python_package_is_clean() {
+    let ruff = python(&["-m", "ruff", "check", "--no-cache", "."])
+        .output()
+        .unwrap();
+    assert_fine("ruff", &ruff);
+    let mypy = python(&["-m", "mypy", "--cache-dir", "/dev/null"])
+        .output()
+        .unwrap();
+    assert_fine("mypy", &mypy);
+}
+
+#[test]
+fn crossval_python_package_runs_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let scene = dir.path().join("scene.toml");
+    std::fs::write(&scene, pinwheel_gearbox::scene::preset("paper").unwrap()).unwrap();
+    for module in ["pinwheel_engines.mujoco", "pinwheel_engines.exudyn"] {
+        let run = Command::new(tools().python)
+            .args([
+                "-m",
+                module,
+                "scene.toml",
+                "--duration",
+                "2e-4",
+                "--out",
+                "out.csv",
+            ])
+            .env("PYTHONPATH", folder())
+            .env("PYTHONDONTWRITEBYTECODE", "1")
+            .current_dir(dir.path())
+            .output()
+            .unwrap();
+        assert_fine(module, &run);
+        let courses = pinwheel_courses::Courses::load_csv(&dir.path().join("out.csv")).unwrap();
+        assert_eq!(courses.len(), 3);
+    }
+    assert_eq!(
+        pinwheel_tests::names_in(dir.path()),
+        ["out.csv", "scene.toml"]
+    );
+}
