@@ -7,8 +7,8 @@ mod pairs;
 
 use pinwheel_contact::laws::hysteresis_factor;
 use pinwheel_contact::{
-    AdamsImpact, ConstantStiffness, Hysteresis, LanesLaw, LineContact, PaperConservative, PaperLaw,
-    PaperPrinted,
+    AdamsImpact, ConstantStiffness, Hysteresis, LaneLaw, LineContact, NormalLaw, PaperConservative,
+    PaperLaw, PaperPrinted,
 };
 
 pub use field::{ContactEnergy, ContactField, PairContact};
@@ -132,7 +132,7 @@ pub(crate) fn field(
     }
 }
 
-fn with_law<L: LanesLaw>(
+fn with_law<L: NormalLaw + Into<LaneLaw>>(
     scene: &Scene,
     geometry: &Geometry,
     kernel: Kernel,
@@ -143,7 +143,8 @@ fn with_law<L: LanesLaw>(
             if kernel != Kernel::Scalar
                 && scene.contact.friction_law == FrictionLaw::Regularised =>
         {
-            Box::new(LaneField::new(scene, geometry, law, kernel.arch()))
+            let arch = kernel.arch();
+            Box::new(LaneField::new(scene, geometry, law.into(), arch))
         }
         Detection::Exact => Box::new(Pairs::new(
             scene,
