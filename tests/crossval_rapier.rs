@@ -219,10 +219,13 @@ fn crossval_rapier_hook_without_friction() {
     assert_close(&courses, &shared, &FORCES, (0.0, 0.35), 2e-4);
 }
 
-/// Implicit Coulomb friction at 1e-5 s against a native run that resolves the scene's friction.
-/// Steady: measured 1.3e-3 in the driver torque, 1.2e-3 and 4.4e-4 in the forces; the creep below
-/// the ramp speed, which Coulomb has not, is most of it. Start-up: 9.9e-4 and 9.0e-4 in the forces;
-/// 2.5e-3 in the driver torque, from single samples at which a contact begins to stick or slide.
+/// Implicit Coulomb friction against a native run that resolves the scene's friction, within 2e-3.
+/// Steady, 1e-5 s: measured 1.3e-3 in the driver torque, 1.2e-3 and 4.4e-4 in the forces; the creep below
+/// the ramp speed, which Coulomb has not, is most of it. Start-up, 2e-6 s: 1.5e-3 in the driver torque, 9.8e-4 in
+/// the output's, 6.4e-4 in the forces.
+///
+/// At 1e-5 s the start-up has 9.3e-4 in the forces and 2.5e-3 in the driver torque: contacts begin to stick or
+/// slide up to a step late, and each such sample is up to 0.05 N m off (5e-6 s: 2.1e-3).
 #[test]
 fn crossval_rapier_hook_with_friction() {
     let scene = scene("paper-friction", &[("solver.duration_s", "0.35")]);
@@ -232,6 +235,13 @@ fn crossval_rapier_hook_with_friction() {
     assert_close(&courses, &reference, &FORCES, (0.3, 0.35), 2e-3);
     assert_close(&courses, &reference, &FORCES, (0.0, 0.05), 2e-3);
     assert_close(&courses, &reference, &TORQUES, (0.0, 0.05), 5e-3);
+    let fine = self::scene(
+        "paper-friction",
+        &[("solver.duration_s", "0.05"), ("solver.step_s", "2e-6")],
+    );
+    let fine = run(HOOK, &fine);
+    assert_close(&fine, &reference, &TORQUES, (0.0, 0.05), 2e-3);
+    assert_close(&fine, &reference, &FORCES, (0.0, 0.05), 2e-3);
 }
 
 /// Light sleeves make friction fifty times stiffer: a native run at 2e-7 s is 6 % off in the

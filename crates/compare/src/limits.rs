@@ -80,6 +80,23 @@ pub struct Limit {
     pub reason: &'static str,
 }
 
+/// A limit that the owner of measured data states.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StatedLimit {
+    /// Name of the participant.
+    pub engine: String,
+    /// Window.
+    pub window: WindowKind,
+    /// Quantity, a pattern.
+    pub quantity: String,
+    /// Metric.
+    pub metric: Metric,
+    /// The limit itself.
+    pub limit: f64,
+    /// Why it is what it is.
+    pub reason: String,
+}
+
 /// Forces (N) and torques (N m) that stay below this are rounding, and are not judged: 16 digits
 /// of the 100 N of a sleeve, times some thousand for what 28 bodies and a solver add.
 pub const NEGLIGIBLE: f64 = 1e-9;

@@ -3,7 +3,9 @@
 use pulp::Simd;
 
 use crate::lanes::Lanes;
-use crate::laws::{NormalLaw, PaperLaw};
+use crate::laws::{
+    AdamsImpact, ConstantStiffness, Hysteresis, LineContact, NormalLaw, PaperLaw, PaperPrinted,
+};
 
 /// A [`NormalLaw`] that the contact loop in lanes can use.
 ///
@@ -45,3 +47,68 @@ impl LanesLaw for PaperLaw {
         (ramp * rate.mul_add(c(self.damping), elastic)).max(c(0.0))
     }
 }
+
+macro_rules! lane_laws {
+    ($($law:ident),*) => {
+        /// Any of the laws for lanes, told apart once a group of lanes.
+        ///
+        /// A contact loop by law would be compiled for every law and every instruction set; this one only for
+        /// the latter, and the branch is always taken the same way.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        #[expect(missing_docs, reason = "the laws speak for themselves")]
+        pub enum LaneLaw {
+            $($law($law)),*
+        }
+
+        $(impl From<$law> for LaneLaw {
+            fn from(law: $law) -> Self {
+                Self::$law(law)
+            }
+        })*
+
+        impl NormalLaw for LaneLaw {
+            #[inline]
+            fn force(&self, stiffness: f64, penetration: f64, rate: f64) -> f64 {
+                match self {
+                    $(Self::$law(law) => law.force(stiffness, penetration, rate)),*
+                }
+            }
+
+            #[inline]
+            fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
+                match self {
+                    $(Self::$law(law) => law.stored(stiffness, penetration)),*
+                }
+            }
+
+            #[inline]
+            fn stiffness(&self, hertz: f64) -> f64 {
+                match self {
+                    $(Self::$law(law) => law.stiffness(hertz)),*
+                }
+            }
+        }
+
+        impl LanesLaw for LaneLaw {
+            #[inline(always)]
+            fn force_lanes<S: Simd>(
+                &self,
+                stiffness: Lanes<S>,
+                penetration: Lanes<S>,
+                rate: Lanes<S>,
+            ) -> Lanes<S> {
+                match self {
+                    $(Self::$law(law) => law.force_lanes(stiffness, penetration, rate)),*
+                }
+            }
+        }
+    };
+}
+lane_laws!(
+    AdamsImpact,
+    ConstantStiffness,
+    Hysteresis,
+    LineContact,
+    PaperLaw,
+    PaperPrinted
+);

@@ -22,7 +22,7 @@ pub use friction::{AdamsFriction, Friction, RegularisedCoulomb};
 pub use hertz::HertzStiffness;
 pub use hole::Hole;
 pub use lanes::{ComplexLanes, Lanes, Mask};
-pub use law_lanes::LanesLaw;
+pub use law_lanes::{LaneLaw, LanesLaw};
 pub use laws::{
     AdamsImpact, ConstantStiffness, Hysteresis, LineContact, NormalLaw, PaperConservative,
     PaperLaw, PaperPrinted, ramp,

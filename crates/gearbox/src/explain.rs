@@ -1,5 +1,6 @@
 //! What a scene needs, what is left out of its model, and why.
 
+use pinwheel_contact::laws::hysteresis_factor;
 use serde::Serialize;
 
 use crate::scene::{Detection, Formulation, Scene, Stabilisation};
@@ -219,6 +220,16 @@ pub fn explain(scene: &Scene) -> Result<Explanation, GearboxError> {
                 scene.gear.backlash_m * 1e3
             ),
             "gear.backlash_m",
+        );
+    }
+    if hysteresis_factor(&scene.contact.law, scene.contact.restitution).is_some() {
+        say(
+            &mut left_out,
+            "the impact speed of each pair".to_owned(),
+            &format!(
+                "the law takes contact.impact_speed_m_s = {} m/s for all: forces stay a function of the state alone",
+                scene.contact.impact_speed_m_s
+            ),
         );
     }
     for (what, why) in [

@@ -1,10 +1,13 @@
 //! One file per command.
 
+pub(crate) mod baseline;
 pub(crate) mod bench;
 pub(crate) mod compare;
 pub(crate) mod engines;
 pub(crate) mod explain;
+pub(crate) mod foreign;
 pub(crate) mod laws;
+pub(crate) mod paper;
 pub(crate) mod record;
 pub(crate) mod run;
 pub(crate) mod stability;

@@ -12,7 +12,8 @@ mod shapes;
 mod sliding;
 mod walk;
 
-use pinwheel_contact::{LanesLaw, RegularisedCoulomb};
+use pinwheel_contact::{LaneLaw, LanesLaw, NormalLaw, RegularisedCoulomb};
+use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::sliding::RateStage;
 use pinwheel_mbs::{BodyState, Wrench};
 use pulp::Simd;
@@ -30,14 +31,14 @@ use shapes::Shapes;
 use sliding::{Sliding, Split};
 use walk::{Sink, walk};
 
-/// The contact field of one law with exact detection, in lanes.
-pub(super) struct LaneField<L> {
+/// The contact field with exact detection, in lanes.
+pub(super) struct LaneField {
     arch: pulp::Arch,
-    law: L,
+    law: LaneLaw,
     friction: RegularisedCoulomb,
     pairs: LanePairs,
     /// For single pairs, where lanes gain nothing.
-    scalar: Pairs<L, Exact>,
+    scalar: Pairs<LaneLaw, Exact>,
     /// With friction, if the gear has no more wheels than there is room for.
     sliding: Option<Sliding>,
 }
@@ -114,8 +115,8 @@ impl<L: LanesLaw> pulp::WithSimd for SplitWalk<'_, L> {
     }
 }
 
-impl<L: LanesLaw> LaneField<L> {
-    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: L) -> Self {
+impl LaneField {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: LaneLaw, arch: pulp::Arch) -> Self {
         let contact = &scene.contact;
         let layout = Layout::of(&scene.gear);
         let friction = RegularisedCoulomb {
@@ -123,9 +124,12 @@ impl<L: LanesLaw> LaneField<L> {
             ramp: contact.friction_ramp_m_s,
         };
         Self {
-            arch: pulp::Arch::new(),
+            arch,
             law,
-            friction,
+            friction: RegularisedCoulomb {
+                ramp: friction.ramp * factor(Fault::FrictionSign, -1.0),
+                ..friction
+            },
             sliding: (friction.coefficient > 0.0)
                 .then(|| Sliding::new(layout, friction))
                 .flatten(),
@@ -140,7 +144,7 @@ impl<L: LanesLaw> LaneField<L> {
     }
 
     fn sum<const FRICTION: bool>(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
-        let sink = Loads::<L, FRICTION> {
+        let sink = Loads::<LaneLaw, FRICTION> {
             law: self.law,
             friction: self.friction,
             loads,
@@ -168,7 +172,7 @@ impl<L: LanesLaw> LaneField<L> {
     }
 }
 
-impl<L: LanesLaw> ContactField for LaneField<L> {
+impl ContactField for LaneField {
     fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
         if self.friction.coefficient > 0.0 {
             self.sum::<true>(bodies, loads);
