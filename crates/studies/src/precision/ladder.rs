@@ -109,8 +109,8 @@ impl Stopped {
 
 /// A run this cheap (s) is made whatever it brings.
 const CHEAP_S: f64 = 0.25;
-/// An error that falls by less than this factor from one step to its half does not fall.
-const STAGNANT: f64 = 1.15;
+/// An error that falls by less than this factor over two settings does not fall.
+const STAGNANT: f64 = 1.3;
 
 /// What is known of a series after a run.
 pub(super) struct State {
@@ -119,7 +119,7 @@ pub(super) struct State {
     pub(super) cpu_s: f64,
     /// Error of the last run; infinite if it failed.
     pub(super) error: f64,
-    /// Error of the one before.
+    /// Error two runs before.
     pub(super) error_before: f64,
     /// Upper estimate of the reference's own error.
     pub(super) reference_error: f64,

@@ -182,7 +182,7 @@ pub(super) fn run(
         error_before: f64::INFINITY,
         reference_error: truth.error,
     };
-    let mut before = None;
+    let (mut before, mut last_error) = (None, f64::INFINITY);
     for setting in settings(knob, scene) {
         if let Some(coarser) = before
             && let Some(reason) = state.stop(knob, coarser / setting, options)
@@ -214,7 +214,8 @@ pub(super) fn run(
         {
             state.cpu_s = cost.cpu_min_s;
         }
-        state.error_before = state.error;
+        state.error_before = last_error;
+        last_error = state.error;
         state.error = point.errors.first().map_or(f64::INFINITY, |e| e.force_l2);
         series.points.push(point);
         if let Some(reason) = ended {
