@@ -59,7 +59,7 @@ fn program() -> Option<PathBuf> {
             .map(|place| place.join(name))
             .find(|p| p.is_file())
     };
-    NAMES.iter().find_map(|name| found(&name))
+    NAMES.iter().find_map(|name| found(name))
 }
 
 impl Chromium {

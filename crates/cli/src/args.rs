@@ -64,6 +64,8 @@ pub(crate) enum Command {
     Laws(LawsArgs),
     /// Compute every figure and claim of the paper again, on one page.
     Paper(crate::commands::paper::PaperArgs),
+    /// Keep accepted results, and say what a change of the solver moved.
+    Baseline(crate::commands::baseline::BaselineArgs),
 }
 
 /// Which scene.

@@ -45,6 +45,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),
         Command::Paper(args) => commands::paper::paper(args),
+        Command::Baseline(args) => commands::baseline::baseline(args),
         Command::Stability(args) => commands::stability::stability(args),
         Command::Record(args) => commands::record::record(args),
     }

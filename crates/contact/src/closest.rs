@@ -89,7 +89,7 @@ impl Epitrochoid {
     fn local_search(&self, p: Complex, unit: Complex, multiple: Complex, reject: bool) -> Local {
         let (mut u, mut v) = (unit, multiple);
         let tolerance = TANGENTIAL_TOLERANCE * self.pitch_radius;
-        let mut last_step = false;
+        let mut last_step = pinwheel_faults::armed(pinwheel_faults::Fault::StaleFoot);
         for _ in 0..MAX_STEPS {
             let at = self.at_unit(u, v);
             let r = p - at.position;

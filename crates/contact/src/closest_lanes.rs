@@ -124,7 +124,7 @@ impl Epitrochoid {
         // Lanes still looking for their foot, and those Newton gave up.
         let mut open = present;
         let mut lost = present.without(present);
-        let mut last_step = false;
+        let mut last_step = pinwheel_faults::armed(pinwheel_faults::Fault::StaleFoot);
         let mut steps = 0;
         let (at, s) = loop {
             let at = self.at_lanes(u, v);

@@ -7,6 +7,8 @@
 //! profile that is the inward offset of C by the sleeve radius q, R_c = 1/kappa_C - q and the
 //! radicand is q (1 - q kappa_C): no singularity at the inflections.
 
+use pinwheel_faults::{Fault, factor};
+
 /// K as a function of the effective radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HertzStiffness {
@@ -17,6 +19,7 @@ impl HertzStiffness {
     /// Both bodies of one material: Young's modulus (Pa), Poisson's ratio, multiplier H.
     #[must_use]
     pub fn new(young: f64, poisson: f64, multiplier: f64) -> Self {
+        let multiplier = multiplier * factor(Fault::Stiffness, 1.01);
         let h = (1.0 - poisson * poisson) / (std::f64::consts::PI * young);
         Self {
             coefficient: 4.0 * multiplier / (3.0 * std::f64::consts::PI * 2.0 * h),

@@ -8,6 +8,7 @@
 use std::f64::consts::{PI, TAU};
 
 use pinwheel_contact::{Complex, Epitrochoid};
+use pinwheel_faults::{Fault, armed};
 
 use crate::GearboxError;
 use crate::scene::Gear;
@@ -42,7 +43,7 @@ impl Geometry {
                 )
             })?;
         let spread = |n: usize| (0..n).map(move |k| TAU * k as f64 / n as f64);
-        let wheel_phases: Vec<f64> = spread(gear.wheels).collect();
+        let mut wheel_phases: Vec<f64> = spread(gear.wheels).collect();
         let lobes = gear.external_sleeves as f64 - 1.0;
         let rw = gear.internal_circle_radius_m;
         let hole_centres = wheel_phases
@@ -54,6 +55,9 @@ impl Geometry {
                     .collect()
             })
             .collect();
+        if let (true, Some(last)) = (armed(Fault::WheelPhase), wheel_phases.last_mut()) {
+            *last += 1e-4;
+        }
         Ok(Self {
             curve,
             external_directions: spread(gear.external_sleeves).map(Complex::unit).collect(),

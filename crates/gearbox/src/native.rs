@@ -19,6 +19,8 @@ pub struct NativeRun {
     pub courses: Courses,
     /// What the integrator did.
     pub counts: StepCounts,
+    /// Newton steps of the implicit stages, samples inside steps included.
+    pub newton_steps: u64,
     /// Velocities integrated.
     pub degrees_of_freedom: usize,
     /// Largest joint error at any sample, m.
@@ -181,6 +183,7 @@ fn integrate<F: Formulation>(
     let run = NativeRun {
         courses: recorder.finish()?,
         counts: stepper.counts(),
+        newton_steps: system.newton_steps(),
         degrees_of_freedom: system.degrees_of_freedom(),
         joint_drift_m,
         end_s: stepper.time(),

@@ -258,7 +258,11 @@ impl<F: Forces> Lagrange<F> {
             let joint = &self.mechanism.revolutes[k];
             let rate_parent = joint.parent.map_or(0.0, |p| self.bodies[p].rate);
             let rate_child = self.bodies[joint.child].rate;
-            let (wp2, wc2) = (rate_parent * rate_parent, rate_child * rate_child);
+            let kept = pinwheel_faults::factor(pinwheel_faults::Fault::DroppedGamma, 0.0);
+            let (wp2, wc2) = (
+                kept * rate_parent * rate_parent,
+                kept * rate_child * rate_child,
+            );
             let arms = self.arms[k];
             let mut gamma = [
                 wc2 * arms.child[0] - wp2 * arms.parent[0],
@@ -467,6 +471,12 @@ impl<F: Forces> Formulation for Lagrange<F> {
 
     fn degrees_of_freedom(&self) -> usize {
         3 * self.bodies.len()
+    }
+
+    fn newton_steps(&self) -> u64 {
+        self.contacts
+            .as_ref()
+            .map_or(0, PinnedContacts::newton_steps)
     }
 
     fn joint_error(&mut self, _t: f64, y: &[f64]) -> f64 {

@@ -70,6 +70,11 @@ pub trait Formulation: OdeSystem {
     /// Velocities integrated.
     fn degrees_of_freedom(&self) -> usize;
 
+    /// Newton steps of all implicit stages so far, samples inside steps included.
+    fn newton_steps(&self) -> u64 {
+        0
+    }
+
     /// Largest position error of any joint at y, m.
     fn joint_error(&mut self, t: f64, y: &[f64]) -> f64;
 }

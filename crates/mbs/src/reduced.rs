@@ -49,6 +49,7 @@ pub struct Reduced<F> {
     torques: Vec<f64>,
     contacts: PinnedContacts,
     scales: Option<ErrorScales>,
+    newton_steps: u64,
     /// Forces of the revolutes on their children; empty unless wanted.
     reactions: Vec<[f64; 2]>,
     /// What the bodies carry, of all reactions: scratch.
@@ -130,6 +131,7 @@ impl<F: Forces> Reduced<F> {
         let moving: Vec<f64> = free.iter().map(|&body| inertia[body]).collect();
         Ok(Self {
             scales: None,
+            newton_steps: 0,
             reactions: Vec::new(),
             borne: Vec::new(),
             contacts: PinnedContacts::new(angles.clone(), carrier_of, free.clone(), moving.clone()),
@@ -313,6 +315,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
             inertia: &self.free_inertia,
             explicit: &mut e[n..],
             implicit: &mut i[n..],
+            newton_steps: 0,
         };
         let solved = self
             .forces
@@ -324,6 +327,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
             self.contacts
                 .solve_stage(&self.bodies, &self.forces, &mut stage)
         });
+        self.newton_steps += stage.newton_steps;
         if !solved {
             e.fill(f64::NAN);
             return;
@@ -374,6 +378,10 @@ impl<F: Forces> Formulation for Reduced<F> {
 
     fn degrees_of_freedom(&self) -> usize {
         self.free.len()
+    }
+
+    fn newton_steps(&self) -> u64 {
+        self.newton_steps
     }
 
     fn joint_error(&mut self, _t: f64, _y: &[f64]) -> f64 {

@@ -7,6 +7,7 @@
 //! published model's choices make it fail at high damping; [`resolution::check`] whether a run's step resolves its
 //! scene; [`precision::run`] what every engine's accuracy costs. All results serialise.
 
+pub mod baseline;
 mod control;
 pub mod divergence;
 pub mod drift;

@@ -5,6 +5,7 @@
 //! both bodies, so action and reaction balance in force and in moment.
 
 use pinwheel_contact::{AdamsFriction, Complex, Friction, NormalLaw, RegularisedCoulomb};
+use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::{BodyState, Wrench};
 
 use super::detection::{Detection, Touch};
@@ -120,7 +121,7 @@ fn friction(contact: &scene::Contact) -> Friction {
     match contact.friction_law {
         FrictionLaw::Regularised => Friction::Regularised(RegularisedCoulomb {
             coefficient: contact.friction_coefficient,
-            ramp: contact.friction_ramp_m_s,
+            ramp: contact.friction_ramp_m_s * factor(Fault::FrictionSign, -1.0),
         }),
         FrictionLaw::Adams => Friction::Adams(AdamsFriction {
             static_coefficient: contact.friction_coefficient,

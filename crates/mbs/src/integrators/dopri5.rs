@@ -10,7 +10,7 @@
 //! divided by tolerance times the system's scale. What a rejected step computed is thrown away:
 //! only its error shortens the next attempt, and the step after a rejection does not grow.
 
-use super::{MethodInfo, StepCounts, StepError, Stepper};
+use super::{MethodInfo, StepCounts, StepError, Stepper, short_step};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
@@ -189,7 +189,7 @@ impl<S: OdeSystem> Stepper<S> for Dopri5 {
                 self.remember();
                 self.taken = self.h;
                 self.time += self.h;
-                self.h *= factor.clamp(SHRINK, limit);
+                self.h = short_step(self.h * factor.clamp(SHRINK, limit));
                 self.last_error = floor.max(1e-4);
                 std::mem::swap(&mut self.y, &mut self.next);
                 self.k.swap(0, STAGES - 1);
@@ -201,12 +201,15 @@ impl<S: OdeSystem> Stepper<S> for Dopri5 {
                 return Ok(());
             }
             self.counts.rejected += 1;
-            self.h *= if error.is_finite() {
+            let factor = if error.is_finite() {
                 (SAFETY * error.powf(-0.2)).max(SHRINK)
             } else {
                 SHRINK
             };
-            limit = 1.0;
+            self.h = short_step(self.h * factor);
+            if !pinwheel_faults::armed(pinwheel_faults::Fault::ForgottenRejection) {
+                limit = 1.0;
+            }
         }
     }
 

@@ -13,7 +13,7 @@
 //! of the whole run, not that of one step, is proportional to the tolerance.
 
 use super::imex::{Point, advance};
-use super::{MethodInfo, StepCounts, StepError, Stepper};
+use super::{MethodInfo, StepCounts, StepError, Stepper, short_step};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
@@ -128,11 +128,11 @@ impl<S: OdeSystem> Stepper<S> for ImexAdaptive {
                 SHRINK
             };
             if share <= 1.0 {
-                self.h = h * factor;
+                self.h = short_step(h * factor);
                 self.accept(system, self.time + h);
                 return Ok(());
             }
-            self.h = h * factor.min(SAFETY);
+            self.h = short_step(h * factor.min(SAFETY));
             self.counts.rejected += 1;
         }
     }

@@ -88,11 +88,19 @@ impl PinnedContacts {
         forces: &F,
         stage: &mut RateStage<'_>,
     ) -> bool {
+        let before = self.newton_steps();
         let solved = self.solve(stage.a, bodies, forces, stage.rates);
+        stage.newton_steps = self.newton_steps() - before;
         if solved {
             self.stage.accelerate(stage.explicit, stage.implicit);
         }
         solved
+    }
+
+    /// See [`SlidingStage::newton_steps`].
+    #[must_use]
+    pub fn newton_steps(&self) -> u64 {
+        self.stage.newton_steps()
     }
 
     /// See [`SlidingStage::contact_forces`].

@@ -14,4 +14,6 @@ pub struct RateStage<'a> {
     pub explicit: &'a mut [f64],
     /// Receives what friction does, 0 on entry, rad/s^2.
     pub implicit: &'a mut [f64],
+    /// Receives the Newton steps it took, 0 on entry.
+    pub newton_steps: u64,
 }

@@ -1,5 +1,7 @@
 //! One implicit stage: from listed contacts to velocities that agree with their friction.
 
+use pinwheel_faults::{Fault, factor};
+
 use super::contact::{Contact, Row};
 use super::problem::{MOST_STEPS, Newton, SlidingProblem, Slip};
 
@@ -19,6 +21,7 @@ pub struct SlidingStage {
     normal_forces: Vec<f64>,
     friction: Vec<f64>,
     target: Vec<f64>,
+    newton_steps: u64,
 }
 
 impl SlidingStage {
@@ -33,6 +36,7 @@ impl SlidingStage {
             friction: Vec::new(),
             target: vec![0.0; inertia.len()],
             problem: SlidingProblem::new(inertia, is_leaf),
+            newton_steps: 0,
         }
     }
 
@@ -78,11 +82,22 @@ impl SlidingStage {
             if end.is_none() || (most == MOST_STEPS && end == Some(Newton::Unfinished)) {
                 return false;
             }
+            self.newton_steps += match end {
+                Some(Newton::Settled(steps)) => steps,
+                _ => most,
+            } as u64;
         }
         self.friction.clear();
-        let rates = self.slips.iter().map(|slip| slip.force(slip.rate.value(v)));
-        self.friction.extend(rates);
+        let sign = factor(Fault::FrictionSign, -1.0);
+        let forces = self.slips.iter().map(|slip| slip.force(slip.rate.value(v)));
+        self.friction.extend(forces.map(|force| sign * force));
         true
+    }
+
+    /// Newton steps of all stages so far.
+    #[must_use]
+    pub fn newton_steps(&self) -> u64 {
+        self.newton_steps
     }
 
     /// Adds what friction does to the accelerations `i`, and what the change of the normal forces does to `e`.

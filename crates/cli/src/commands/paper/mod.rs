@@ -208,7 +208,7 @@ mod tests {
             "time_s,\"Force (N): d = 0, exact\"\n0,1.5\n0.5,\n"
         );
         assert_eq!(
-            Courses::read_csv("time_s\n0\n".as_bytes())
+            pinwheel_courses::Courses::read_csv("time_s\n0\n".as_bytes())
                 .map(|c| c.len())
                 .ok(),
             Some(1)

@@ -13,6 +13,7 @@ mod sliding;
 mod walk;
 
 use pinwheel_contact::{LaneLaw, LanesLaw, NormalLaw, RegularisedCoulomb};
+use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::sliding::RateStage;
 use pinwheel_mbs::{BodyState, Wrench};
 use pulp::Simd;
@@ -115,7 +116,7 @@ impl<L: LanesLaw> pulp::WithSimd for SplitWalk<'_, L> {
 }
 
 impl LaneField {
-    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: LaneLaw) -> Self {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: LaneLaw, arch: pulp::Arch) -> Self {
         let contact = &scene.contact;
         let layout = Layout::of(&scene.gear);
         let friction = RegularisedCoulomb {
@@ -123,9 +124,12 @@ impl LaneField {
             ramp: contact.friction_ramp_m_s,
         };
         Self {
-            arch: pulp::Arch::new(),
+            arch,
             law,
-            friction,
+            friction: RegularisedCoulomb {
+                ramp: friction.ramp * factor(Fault::FrictionSign, -1.0),
+                ..friction
+            },
             sliding: (friction.coefficient > 0.0)
                 .then(|| Sliding::new(layout, friction))
                 .flatten(),

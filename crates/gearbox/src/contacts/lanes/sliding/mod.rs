@@ -11,6 +11,7 @@ mod split;
 mod table;
 
 use pinwheel_contact::{Lanes, LanesLaw, RegularisedCoulomb};
+use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::sliding::RateStage;
 use pulp::Simd;
 
@@ -34,6 +35,8 @@ pub(super) struct Sliding {
     counts: [usize; KINDS],
     hubs: Hubs,
     friction: RegularisedCoulomb,
+    /// Of the stage at hand.
+    newton_steps: u64,
 }
 
 impl Sliding {
@@ -48,6 +51,7 @@ impl Sliding {
             counts,
             hubs: Hubs::new(wheels + 1),
             friction,
+            newton_steps: 0,
         })
     }
 
@@ -95,6 +99,7 @@ impl Sliding {
         stage: &mut RateStage<'_>,
     ) -> bool {
         self.begin(stage);
+        self.newton_steps = 0;
         if stage.a > 0.0 {
             for (pass, most) in [1, newton::MOST_STEPS].into_iter().enumerate() {
                 if pass > 0 {
@@ -112,6 +117,7 @@ impl Sliding {
                 }
             }
         }
+        stage.newton_steps = self.newton_steps;
         arch.dispatch(Finish(self, stage));
         true
     }
@@ -147,6 +153,7 @@ impl Sliding {
     fn finish<S: Simd>(&mut self, simd: S, stage: &mut RateStage<'_>) {
         let wheels = self.wheels;
         let zero = Lanes::splat(simd, 0.0);
+        let sign = zero.like(factor(Fault::FrictionSign, -1.0));
         let (mut friction, mut pressure) = ([zero; MOST_HUBS], [zero; MOST_HUBS]);
         for kind in 0..KINDS {
             for from in self.groups::<S>(kind) {
@@ -156,7 +163,7 @@ impl Sliding {
                         continue;
                     }
                     let at = tables[kind].pairs(simd, from);
-                    let slide = self.slide(simd, at.get(Pair::Slip)) * at.get(Pair::Force);
+                    let slide = self.slide(simd, at.get(Pair::Slip)) * at.get(Pair::Force) * sign;
                     let change = at.get(Pair::Force) - at.get(Pair::Listed);
                     own = own - at.get(Pair::Sleeve) * slide;
                     friction[w] = friction[w] - at.get(Pair::Wheel) * slide;

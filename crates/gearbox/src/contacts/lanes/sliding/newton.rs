@@ -40,6 +40,7 @@ impl Sliding {
         while steps < most {
             self.assemble::<S, HUBS>(simd, a);
             self.hubs.solve::<HUBS>();
+            self.newton_steps += 1;
             if self.along_step::<S, HUBS>(simd) {
                 // Nothing begins to stick or slide: the function is quadratic so far, and this its minimum.
                 self.take::<S, HUBS, false>(simd, 1.0);

@@ -1,0 +1,111 @@
+//! Known faults that tests switch on, to see that the checks find them.
+//!
+//! The solver's crates call [`armed`] and [`factor`] where such a fault would be made. Without the feature
+//! `inject` both are constants and nothing of them is left in the program. With it (tests only) a fault acts
+//! in the thread that holds an [`Armed`], for as long as it is held.
+
+/// A fault somebody could make.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// Friction drives the sliding instead of opposing it.
+    FrictionSign,
+    /// The constraints' accelerations leave out the centripetal terms (gamma of Eq. 9).
+    DroppedGamma,
+    /// The foot point stays where the search began, at the ideal mesh.
+    StaleFoot,
+    /// The step control lets a step grow right after a rejected one.
+    ForgottenRejection,
+    /// The Hertzian stiffness is 1 % too large.
+    Stiffness,
+    /// The last wheel's eccentric is 0.1 mrad out of phase with its holes and its teeth.
+    WheelPhase,
+}
+
+impl Fault {
+    /// All faults.
+    pub const ALL: [Self; 6] = [
+        Self::FrictionSign,
+        Self::DroppedGamma,
+        Self::StaleFoot,
+        Self::ForgottenRejection,
+        Self::Stiffness,
+        Self::WheelPhase,
+    ];
+
+    /// In words.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::FrictionSign => "sign of friction",
+            Self::DroppedGamma => "dropped gamma term",
+            Self::StaleFoot => "stale foot point",
+            Self::ForgottenRejection => "step control forgets a rejection",
+            Self::Stiffness => "1 % stiffness error",
+            Self::WheelPhase => "one wheel's phase",
+        }
+    }
+}
+
+/// Whether `fault` acts in this thread.
+#[cfg(not(feature = "inject"))]
+#[must_use]
+#[inline(always)]
+pub const fn armed(_fault: Fault) -> bool {
+    false
+}
+
+/// `wrong` where `fault` acts, otherwise 1.
+#[cfg(not(feature = "inject"))]
+#[must_use]
+#[inline(always)]
+pub const fn factor(_fault: Fault, _wrong: f64) -> f64 {
+    1.0
+}
+
+#[cfg(feature = "inject")]
+pub use switch::{Armed, armed, factor};
+
+#[cfg(feature = "inject")]
+mod switch {
+    use std::cell::Cell;
+    use std::marker::PhantomData;
+
+    use crate::Fault;
+
+    thread_local! {
+        static ACTING: Cell<Option<Fault>> = const { Cell::new(None) };
+    }
+
+    /// Whether `fault` acts in this thread.
+    #[must_use]
+    #[inline]
+    pub fn armed(fault: Fault) -> bool {
+        ACTING.get() == Some(fault)
+    }
+
+    /// `wrong` where `fault` acts, otherwise 1.
+    #[must_use]
+    #[inline]
+    pub fn factor(fault: Fault, wrong: f64) -> f64 {
+        if armed(fault) { wrong } else { 1.0 }
+    }
+
+    /// A fault acts in this thread until this is dropped.
+    #[derive(Debug)]
+    pub struct Armed(PhantomData<*const ()>);
+
+    impl Armed {
+        /// Lets `fault` act; the one before no longer does.
+        #[must_use]
+        pub fn with(fault: Fault) -> Self {
+            ACTING.set(Some(fault));
+            Self(PhantomData)
+        }
+    }
+
+    impl Drop for Armed {
+        fn drop(&mut self) {
+            ACTING.set(None);
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! What can go wrong with a baseline.
+
+use std::path::PathBuf;
+
+use crate::StudyError;
+
+/// Why there is no baseline, or no check of it.
+#[derive(Debug, thiserror::Error)]
+pub enum BaselineError {
+    /// A file that cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file that cannot be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file that is no part of a baseline.
+    #[error("{}: {what}", path.display())]
+    Spoiled {
+        /// Which.
+        path: PathBuf,
+        /// What is wrong in it.
+        what: String,
+    },
+    /// A layout of another time.
+    #[error("{}: format {found} is not the one this program writes ({}); record it anew", path.display(), super::file::FORMAT)]
+    Format {
+        /// Which file.
+        path: PathBuf,
+        /// Its format.
+        found: u32,
+    },
+    /// A choice of the set that does not come to its end cannot be a baseline.
+    #[error("{scene}, {choice}: {reason}")]
+    DoesNotHold {
+        /// Which scene.
+        scene: String,
+        /// By which solver.
+        choice: String,
+        /// How it ended.
+        reason: String,
+    },
+    /// No scene of the set has this name.
+    #[error("no scene of the baselines is called `{0}`")]
+    NoScene(String),
+    /// A run failed.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+}

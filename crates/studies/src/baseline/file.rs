@@ -1,0 +1,303 @@
+//! A baseline as files: `baseline.toml` with what made it and why, and one file a scene.
+//!
+//! Text that a review can read: an accepted change shows as changed lines of exact summaries, errors and counts,
+//! with the courses' whole numbers below.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::error::BaselineError;
+use super::quantity::{self, SKETCH};
+use super::runner::Costs;
+
+/// Version of the layout.
+pub(super) const FORMAT: u32 = 1;
+/// Name of the file that makes a folder a baseline.
+pub const HEAD: &str = "baseline.toml";
+
+/// An accepted state of the solver.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Baseline {
+    /// What made it.
+    pub head: Head,
+    /// One a scene.
+    pub scenes: Vec<SceneRecord>,
+}
+
+/// What made a baseline, and its history.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Head {
+    /// [`FORMAT`].
+    pub format: u32,
+    /// Names of the scenes, whose files stand beside this one.
+    pub scenes: Vec<String>,
+    /// What made the current state.
+    pub made: Made,
+    /// Every acceptance, oldest first.
+    pub accepted: Vec<Acceptance>,
+}
+
+/// Where and by what a baseline was made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Made {
+    /// Year-month-day.
+    pub date: String,
+    /// Commit of the source, with `+changes` if there were any; `unknown` outside a repository.
+    pub commit: String,
+    /// Version of the program.
+    pub version: String,
+    /// `optimised` or `debug`.
+    pub build: String,
+    /// Vector instructions of the contact loop.
+    pub vectors: String,
+    /// Model of the processor.
+    pub processor: String,
+    /// Why instructions were not counted; empty if they were.
+    pub no_instructions: String,
+}
+
+/// Why a state was accepted.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Acceptance {
+    /// Year-month-day.
+    pub date: String,
+    /// Commit of the source.
+    pub commit: String,
+    /// The reason given.
+    pub reason: String,
+}
+
+/// One scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SceneRecord {
+    /// Its name in the set.
+    pub scene: String,
+    /// What it is in the set for.
+    pub why: String,
+    /// Preset it is made of.
+    pub preset: String,
+    /// Keys changed.
+    pub set: Vec<String>,
+    /// The converged run.
+    pub reference: ReferenceRecord,
+    /// The accepted runs.
+    #[serde(rename = "case")]
+    pub cases: Vec<CaseRecord>,
+}
+
+/// A converged run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReferenceRecord {
+    /// How it was made.
+    pub settings: String,
+    /// One a quantity.
+    #[serde(rename = "quantity")]
+    pub quantities: Vec<ReferenceQuantity>,
+}
+
+/// One quantity of a converged run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReferenceQuantity {
+    /// Its key.
+    pub key: String,
+    /// What differences are shares of: the root mean square of all samples (for energies the larger work, for joint
+    /// errors the penetration under static load), in the quantity's unit.
+    pub scale: f64,
+    /// The reference's own error, a share of the scale.
+    pub own_error: f64,
+    /// Unit of the numbers in `courses`.
+    pub quantum: f64,
+    /// Kept samples, one line a channel.
+    pub courses: Vec<String>,
+}
+
+/// One accepted run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CaseRecord {
+    /// Name of the solver choice.
+    pub choice: String,
+    /// Keys it sets.
+    pub set: Vec<String>,
+    /// What it cost.
+    pub costs: Costs,
+    /// Largest share by which roundings moved its right-hand sides when this was recorded.
+    pub count_spread: f64,
+    /// One a quantity.
+    #[serde(rename = "quantity")]
+    pub quantities: Vec<CaseQuantity>,
+}
+
+/// One quantity of an accepted run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CaseQuantity {
+    /// Its key.
+    pub key: String,
+    /// Mean of all samples.
+    pub mean: f64,
+    /// Largest magnitude.
+    pub peak: f64,
+    /// Exact sketch of all samples, see [`quantity`].
+    pub sketch: [f64; SKETCH],
+    /// Error against the converged run over the kept samples, a share of the scale.
+    pub error: f64,
+    /// What roundings changed when this was recorded, a share of the scale.
+    pub rounding: f64,
+    /// Unit of the numbers in `differences`.
+    pub quantum: f64,
+    /// Kept samples less the converged ones, one line a channel.
+    pub differences: Vec<String>,
+}
+
+impl Baseline {
+    /// The file of a scene.
+    fn scene_file(name: &str) -> String {
+        format!("{name}.toml")
+    }
+
+    /// Reads the baseline in the folder `dir`.
+    ///
+    /// # Errors
+    /// No such folder, or files that are not what [`write`](Self::write) left.
+    pub fn read(dir: &Path) -> Result<Self, BaselineError> {
+        let head: Head = read_toml(&dir.join(HEAD))?;
+        if head.format != FORMAT {
+            return Err(BaselineError::Format {
+                path: dir.join(HEAD),
+                found: head.format,
+            });
+        }
+        let mut scenes = Vec::new();
+        for name in &head.scenes {
+            let path = dir.join(Self::scene_file(name));
+            let record: SceneRecord = read_toml(&path)?;
+            record.check(&path)?;
+            scenes.push(record);
+        }
+        Ok(Self { head, scenes })
+    }
+
+    /// Writes all files into the folder `dir`, which exists.
+    ///
+    /// # Errors
+    /// The folder cannot be written.
+    pub fn write(&self, dir: &Path) -> Result<(), BaselineError> {
+        write_toml(&dir.join(HEAD), &self.head)?;
+        for scene in &self.scenes {
+            write_toml(&dir.join(Self::scene_file(&scene.scene)), scene)?;
+        }
+        Ok(())
+    }
+
+    /// Names of the baselines in a folder of baselines, sorted.
+    #[must_use]
+    pub fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(folder)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .filter(|entry| entry.path().join(HEAD).is_file())
+            .filter_map(|entry| entry.file_name().into_string().ok())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+impl SceneRecord {
+    /// Refuses what could not be compared.
+    fn check(&self, path: &Path) -> Result<(), BaselineError> {
+        let spoiled = |what: String| BaselineError::Spoiled {
+            path: path.to_owned(),
+            what,
+        };
+        for quantity in &self.reference.quantities {
+            if quantity::by_key(&quantity.key).is_none() {
+                return Err(spoiled(format!("no quantity is called `{}`", quantity.key)));
+            }
+            let sound = quantity.scale > 0.0 && quantity.quantum > 0.0 && quantity.own_error >= 0.0;
+            if !sound || quantity.samples().is_none() {
+                return Err(spoiled(format!(
+                    "the converged {} is damaged",
+                    quantity.key
+                )));
+            }
+        }
+        for case in &self.cases {
+            for quantity in &case.quantities {
+                let reference = self.reference.quantity(&quantity.key);
+                if reference
+                    .and_then(|reference| quantity.samples(reference))
+                    .is_none()
+                {
+                    return Err(spoiled(format!(
+                        "{} of {} is damaged",
+                        quantity.key, case.choice
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl ReferenceRecord {
+    /// The quantity called `key`.
+    #[must_use]
+    pub fn quantity(&self, key: &str) -> Option<&ReferenceQuantity> {
+        self.quantities.iter().find(|quantity| quantity.key == key)
+    }
+}
+
+impl ReferenceQuantity {
+    /// Kept samples by channel; `None` if a line is damaged.
+    #[must_use]
+    pub fn samples(&self) -> Option<Vec<Vec<f64>>> {
+        self.courses
+            .iter()
+            .map(|line| super::quantised::from_line(line, self.quantum))
+            .collect()
+    }
+}
+
+impl CaseQuantity {
+    /// Kept samples by channel; `None` if a line is damaged or does not fit the reference.
+    #[must_use]
+    pub fn samples(&self, reference: &ReferenceQuantity) -> Option<Vec<Vec<f64>>> {
+        let base = reference.samples()?;
+        if base.len() != self.differences.len() || !(self.quantum > 0.0) {
+            return None;
+        }
+        let lines = self.differences.iter().zip(base);
+        lines
+            .map(|(line, base)| {
+                let differences = super::quantised::from_line(line, self.quantum)?;
+                let fits = differences.len() == base.len();
+                fits.then(|| base.iter().zip(&differences).map(|(a, d)| a + d).collect())
+            })
+            .collect()
+    }
+}
+
+fn read_toml<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, BaselineError> {
+    let text = fs::read_to_string(path).map_err(|source| BaselineError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    toml::from_str(&text).map_err(|error| BaselineError::Spoiled {
+        path: path.to_owned(),
+        what: error.message().to_owned(),
+    })
+}
+
+fn write_toml(path: &PathBuf, value: &impl Serialize) -> Result<(), BaselineError> {
+    let text = toml::to_string_pretty(value).map_err(|error| BaselineError::Spoiled {
+        path: path.clone(),
+        what: error.to_string(),
+    })?;
+    fs::write(path, text).map_err(|source| BaselineError::Write {
+        path: path.clone(),
+        source,
+    })
+}

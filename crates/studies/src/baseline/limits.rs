@@ -1,0 +1,104 @@
+//! Every threshold of a check, in one place, with the measurement it comes from (`docs/baselines.md` repeats them).
+
+/// Results count as the same up to this many times the largest difference that roundings made when the baseline
+/// was recorded: other vector instructions, the scalar loop, and an inertia one digit up and down. Those five include
+/// every instruction set that contact loops know; what else differs between machines (the system's sine, the
+/// compiler) is of the kind of the inertias.
+pub const ROUNDING_MARGIN: f64 = 30.0;
+
+/// Where a rounding turned an accepted step into a rejected one, differences are those of two runs of one tolerance,
+/// a large share of the error already; a result then counts as the same up to this many times it.
+pub const FLIP_MARGIN: f64 = 3.0;
+
+/// What is larger than this, as a share of the quantity's size, is no accumulated rounding but such a case
+/// (measured: roundings make 1e-15 to 6e-10, the largest on steel; one step more or less makes 1e-7 and more).
+pub const LARGEST_ROUNDING: f64 = 1e-8;
+
+/// No difference below this share counts: 1e4 steps of roundings of 1e-16 each, all one way.
+pub const ROUNDING_FLOOR: f64 = 1e-12;
+
+/// Up to where a change is a rounding, if roundings made `recorded` (shares of the quantity's size).
+#[must_use]
+pub fn same_up_to(recorded: f64) -> f64 {
+    let flip = (FLIP_MARGIN * recorded).max(LARGEST_ROUNDING);
+    (ROUNDING_MARGIN * recorded).min(flip).max(ROUNDING_FLOOR)
+}
+
+/// A change of the error by less than this share of the error is none. Methods of one order differ by factors in
+/// their errors (rk2 and rk4 on the paper's gear by 700, dopri5 between two step controls of one tolerance by 1.3),
+/// while an error read from the kept samples, a part of all, is no better known than to some per cent.
+pub const ERROR_SHARE: f64 = 0.1;
+
+/// Counts of methods with a step control may move by this share, or three times what roundings moved them when the
+/// baseline was recorded: a rounding that turns one accepted step into a rejected one moves the rest.
+pub const ADAPTIVE_COUNT_SHARE: f64 = 0.03;
+
+/// Rejections are few, so their count may move by this many besides [`ADAPTIVE_COUNT_SHARE`] of the steps.
+pub const REJECTIONS: f64 = 5.0;
+
+/// Newton steps may move by this share: contacts near a switch need one more or one less.
+pub const NEWTON_SHARE: f64 = 0.02;
+
+/// Instructions may move by this share on the same build and processor: counters and the system's own work.
+pub const INSTRUCTION_SHARE: f64 = 0.01;
+
+/// The time over all cases, in yardsticks, may move by this share where it is judged at all.
+pub const TIME_SHARE: f64 = 0.3;
+
+/// Quanta of a kept course as shares of the quantity's size: of the converged courses (fine enough for errors of
+/// 1e-7), and of the accepted ones (their sketches are exact; the courses are for the eye).
+pub const REFERENCE_QUANTUM: f64 = 1e-7;
+/// See [`REFERENCE_QUANTUM`].
+pub const COURSE_QUANTUM: f64 = 1e-5;
+
+/// What a reader should know of the limits, one row each: name, value, reason.
+#[must_use]
+pub fn table() -> Vec<[String; 3]> {
+    let row = |name: &str, value: String, reason: &str| [name.to_owned(), value, reason.to_owned()];
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    vec![
+        row(
+            "same to rounding",
+            format!(
+                "{ROUNDING_MARGIN:.0} x recorded up to {LARGEST_ROUNDING:.0e}, beyond that {FLIP_MARGIN:.0} x; at least {ROUNDING_FLOOR:.0e}"
+            ),
+            "largest difference when recording between vector instructions, the scalar loop and inertias one digit apart",
+        ),
+        row(
+            "error",
+            format!("{} of it + the reference's own error", percent(ERROR_SHARE)),
+            "what kept samples tell of an error; below its own error the converged run tells nothing",
+        ),
+        row(
+            "right-hand sides, steps",
+            format!(
+                "none; with a step control {}",
+                percent(ADAPTIVE_COUNT_SHARE)
+            ),
+            "a fixed step has no choice; a rounding can reject a step and move all that follow",
+        ),
+        row(
+            "rejections",
+            format!(
+                "{REJECTIONS:.0} + {} of the steps",
+                percent(ADAPTIVE_COUNT_SHARE)
+            ),
+            "few, so counted and not only a share",
+        ),
+        row(
+            "Newton steps",
+            percent(NEWTON_SHARE),
+            "contacts near a switch need one more or one less",
+        ),
+        row(
+            "instructions",
+            percent(INSTRUCTION_SHARE),
+            "judged only on the build and vector instructions that were recorded",
+        ),
+        row(
+            "time over all cases",
+            percent(TIME_SHARE),
+            "shown always, judged only on demand: processors differ in more than speed",
+        ),
+    ]
+}

@@ -1,0 +1,250 @@
+//! Making a baseline: converged runs, accepted runs, and what roundings do to them.
+
+use pinwheel_gearbox::contacts::Kernel;
+use pinwheel_gearbox::scene::Scene;
+
+use super::cases::{Choice, SceneCase};
+use super::error::BaselineError;
+use super::file::{
+    Acceptance, Baseline, CaseQuantity, CaseRecord, FORMAT, Head, Made, ReferenceQuantity,
+    ReferenceRecord, SceneRecord,
+};
+use super::limits;
+use super::quantised::{quantum, to_line};
+use super::quantity::{Values, rms};
+use super::runner::{Costs, Finished, Job, Outcome, run_all};
+use super::{Options, reference};
+use crate::StudyError;
+use crate::control::Control;
+
+/// Runs everything and puts it together; `accepted` is the history, the reason for this record at its end.
+///
+/// # Errors
+/// Stopped, or a run of the set does not come to its end.
+pub fn record(
+    made: Made,
+    accepted: Vec<Acceptance>,
+    options: &Options,
+    control: &Control<'_>,
+) -> Result<Baseline, BaselineError> {
+    let chosen: Vec<&SceneCase> = options.scenes()?;
+    let mut jobs = Vec::new();
+    for case in &chosen {
+        jobs.extend(reference::jobs(&load(case, None)?));
+        for choice in case.choices {
+            jobs.extend(case_jobs(case, choice, options)?);
+        }
+    }
+    let mut outcomes = run_all(&jobs, options.threads, control)?.into_iter();
+    let mut scenes = Vec::new();
+    for case in chosen {
+        scenes.push(scene_record(case, &mut outcomes)?);
+    }
+    Ok(Baseline {
+        head: Head {
+            format: FORMAT,
+            scenes: scenes.iter().map(|scene| scene.scene.clone()).collect(),
+            made,
+            accepted,
+        },
+        scenes,
+    })
+}
+
+/// A scene of the set by one choice, or as it is.
+pub(super) fn load(case: &SceneCase, choice: Option<&Choice>) -> Result<Scene, BaselineError> {
+    Ok(case.scene(choice).map_err(StudyError::from)?)
+}
+
+/// The run that is kept or checked.
+pub(super) fn plain_job(
+    case: &SceneCase,
+    choice: &Choice,
+    options: &Options,
+) -> Result<Job, BaselineError> {
+    Ok(Job {
+        label: format!("{}, {}", case.name, choice.name),
+        scene: load(case, Some(choice))?,
+        kernel: options.kernel,
+        repeats: options.repeats,
+    })
+}
+
+/// The run that is kept, then those that differ from it by roundings.
+fn case_jobs(
+    case: &SceneCase,
+    choice: &Choice,
+    options: &Options,
+) -> Result<Vec<Job>, BaselineError> {
+    let plain = plain_job(case, choice, options)?;
+    let mut jobs = vec![plain.clone()];
+    jobs.extend(roundings(&plain));
+    Ok(jobs)
+}
+
+/// The same run by other vector instructions and the scalar loop, and with the wheels' inertia one digit up and down.
+pub(super) fn roundings(plain: &Job) -> Vec<Job> {
+    let plain = Job {
+        repeats: 0,
+        ..plain.clone()
+    };
+    let by = |kernel| Job {
+        kernel,
+        ..plain.clone()
+    };
+    let moved = |digit: fn(f64) -> f64| {
+        let mut job = plain.clone();
+        let moment = &mut job.scene.mass.wheel.moment_kg_m2;
+        *moment = digit(*moment);
+        job
+    };
+    vec![
+        by(Kernel::Avx2),
+        by(Kernel::Portable),
+        by(Kernel::Scalar),
+        moved(f64::next_up),
+        moved(f64::next_down),
+    ]
+}
+
+fn scene_record(
+    case: &SceneCase,
+    outcomes: &mut impl Iterator<Item = Outcome>,
+) -> Result<SceneRecord, BaselineError> {
+    let mut next = |choice: &str| -> Result<Finished, BaselineError> {
+        let missing = || Err("the run is missing".to_owned());
+        outcomes
+            .next()
+            .unwrap_or_else(missing)
+            .map_err(|reason| BaselineError::DoesNotHold {
+                scene: case.name.to_owned(),
+                choice: choice.to_owned(),
+                reason,
+            })
+    };
+    let (fine, coarse) = (next("converged")?, next("converged")?);
+    let gearbox =
+        pinwheel_gearbox::Gearbox::new(&load(case, None)?).map_err(|source| StudyError::Scene {
+            scene: case.name.to_owned(),
+            source,
+        })?;
+    let penetration = gearbox.error_scales().length;
+    let reference = ReferenceRecord {
+        settings: reference::settings(),
+        quantities: fine
+            .values
+            .iter()
+            .zip(&coarse.values)
+            .map(|(fine, coarse)| reference_quantity(fine, coarse, penetration))
+            .collect(),
+    };
+    let mut cases = Vec::new();
+    for choice in case.choices {
+        let plain = next(choice.name)?;
+        let mut varied = Vec::new();
+        for _ in 0..ROUNDINGS {
+            varied.push(next(choice.name)?);
+        }
+        cases.push(CaseRecord {
+            choice: choice.name.to_owned(),
+            set: choice
+                .sets
+                .iter()
+                .map(|(key, value)| format!("{key}={value}"))
+                .collect(),
+            costs: plain.costs,
+            count_spread: varied
+                .iter()
+                .map(|run| spread(&run.costs, &plain.costs))
+                .fold(0.0, f64::max),
+            quantities: (0..plain.values.len())
+                .filter_map(|k| {
+                    let reference = reference.quantities.get(k)?;
+                    let others: Vec<&Values> =
+                        varied.iter().filter_map(|run| run.values.get(k)).collect();
+                    Some(case_quantity(&plain.values[k], &others, reference))
+                })
+                .collect(),
+        });
+    }
+    Ok(SceneRecord {
+        scene: case.name.to_owned(),
+        why: case.why.to_owned(),
+        preset: case.preset.to_owned(),
+        set: case.changes(),
+        reference,
+        cases,
+    })
+}
+
+/// Share by which two runs differ in right-hand sides.
+fn spread(a: &Costs, b: &Costs) -> f64 {
+    a.right_hand_sides.abs_diff(b.right_hand_sides) as f64 / b.right_hand_sides.max(1) as f64
+}
+
+/// Runs of [`roundings`].
+const ROUNDINGS: usize = 5;
+
+fn reference_quantity(fine: &Values, coarse: &Values, penetration: f64) -> ReferenceQuantity {
+    let size = match fine.quantity.key {
+        // Driver and load, in this order.
+        "energy" => fine
+            .all()
+            .take(2)
+            .fold(0.0, |most: f64, x| most.max(x.abs())),
+        "joint_drift" => penetration,
+        _ => fine.rms(),
+    };
+    let scale = size.max(f64::MIN_POSITIVE);
+    let quantum = quantum(fine.peak().max(scale), limits::REFERENCE_QUANTUM);
+    let own_error = (fine.distance(coarse) / scale).max(0.3 * quantum / scale);
+    ReferenceQuantity {
+        key: fine.quantity.key.to_owned(),
+        scale,
+        own_error,
+        quantum,
+        courses: fine
+            .kept()
+            .iter()
+            .map(|channel| to_line(channel, quantum))
+            .collect(),
+    }
+}
+
+fn case_quantity(
+    plain: &Values,
+    varied: &[&Values],
+    reference: &ReferenceQuantity,
+) -> CaseQuantity {
+    let (scale, key) = (reference.scale, plain.quantity.key);
+    let converged = reference.samples().unwrap_or_default();
+    let differences: Vec<Vec<f64>> = plain
+        .kept()
+        .iter()
+        .zip(&converged)
+        .map(|(ours, base)| ours.iter().zip(base).map(|(a, b)| a - b).collect())
+        .collect();
+    let share = if key == "joint_drift" {
+        1e-12
+    } else {
+        limits::COURSE_QUANTUM
+    };
+    let quantum = quantum(plain.peak().max(scale), share).max(reference.quantum.min(scale * share));
+    let rounding = varied
+        .iter()
+        .map(|other| plain.distance(other) / scale)
+        .fold(0.0, f64::max);
+    CaseQuantity {
+        key: key.to_owned(),
+        mean: plain.mean(),
+        peak: plain.peak(),
+        sketch: plain.sketch(),
+        error: rms(differences.iter().flatten().copied()) / scale,
+        rounding,
+        quantum,
+        differences: differences
+            .iter()
+            .map(|channel| to_line(channel, quantum))
+            .collect(),
+    }
+}

@@ -1,0 +1,164 @@
+//! Runs of the set: results, counts and times, on one thread or several.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+use cpu_time::ThreadTime;
+use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::contacts::Kernel;
+use pinwheel_gearbox::native::{self, NativeError};
+use pinwheel_gearbox::scene::Scene;
+use serde::{Deserialize, Serialize};
+
+use super::instructions::Counter;
+use super::quantity::{self, Values};
+use super::yardstick;
+use crate::StudyError;
+use crate::control::{Control, Progress};
+
+/// What a run cost.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Costs {
+    /// Evaluations of the contact forces.
+    pub right_hand_sides: u64,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejections: u64,
+    /// Newton steps of implicit stages.
+    pub newton_steps: u64,
+    /// Instructions in user space, where the machine counts them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instructions: Option<u64>,
+    /// CPU time over the yardstick's; `None` if it was not measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_ratio: Option<f64>,
+}
+
+/// A run that came to its end.
+#[derive(Debug, Clone)]
+pub(super) struct Finished {
+    pub(super) time_s: Vec<f64>,
+    pub(super) values: Vec<Values>,
+    pub(super) costs: Costs,
+}
+
+/// How a run ended: with results, or diverged (in words).
+pub(super) type Outcome = Result<Finished, String>;
+
+/// One run to make.
+#[derive(Debug, Clone)]
+pub(super) struct Job {
+    /// For progress.
+    pub(super) label: String,
+    pub(super) scene: Scene,
+    pub(super) kernel: Kernel,
+    /// Times it is run for its time; 0: time and instructions are not measured.
+    pub(super) repeats: usize,
+}
+
+/// Makes one run on this thread.
+pub(super) fn run(
+    job: &Job,
+    cancel: &AtomicBool,
+    counter: &mut Counter,
+) -> Result<Outcome, StudyError> {
+    let of_scene = |source| StudyError::Scene {
+        scene: job.label.clone(),
+        source,
+    };
+    let mut gearbox = Gearbox::new(&job.scene).map_err(of_scene)?;
+    gearbox.kernel = job.kernel;
+    let go = || native::run(&gearbox, &mut |_| cancel.load(Ordering::Relaxed));
+    let (mut least, mut unit) = (f64::INFINITY, f64::INFINITY);
+    let mut instructions = None;
+    let mut result = None;
+    for _ in 0..job.repeats {
+        unit = unit.min(yardstick::measure());
+        let start = ThreadTime::now();
+        let (run, count) = counter.count(go);
+        least = least.min(start.elapsed().as_secs_f64());
+        unit = unit.min(yardstick::measure());
+        instructions = count;
+        result = Some(run);
+    }
+    let run = match result.unwrap_or_else(go) {
+        Ok(run) => run,
+        Err(NativeError::Stopped) => return Err(StudyError::Cancelled),
+        Err(NativeError::Model(source)) => return Err(of_scene(source)),
+        Err(NativeError::Courses(source)) => return Err(StudyError::Courses(source)),
+        Err(error @ NativeError::Diverged { .. }) => return Ok(Err(error.to_string())),
+    };
+    Ok(Ok(Finished {
+        time_s: run.courses.time_s().to_vec(),
+        values: quantity::values(&gearbox, &run),
+        costs: Costs {
+            right_hand_sides: run.counts.evaluations,
+            steps: run.counts.steps,
+            rejections: run.counts.rejected,
+            newton_steps: run.newton_steps,
+            instructions,
+            time_ratio: (job.repeats > 0 && unit > 0.0).then_some(least / unit),
+        },
+    }))
+}
+
+/// Makes all runs; outcomes in the order of the jobs, the same to the bit for any number of `threads`
+/// (with one, this thread makes them).
+pub(super) fn run_all(
+    jobs: &[Job],
+    threads: usize,
+    control: &Control<'_>,
+) -> Result<Vec<Outcome>, StudyError> {
+    let report = |done: usize, job: &Job| {
+        (control.progress)(Progress {
+            done,
+            total: jobs.len(),
+            piece: &job.label,
+        });
+    };
+    if threads <= 1 {
+        let mut counter = Counter::new();
+        let each = jobs.iter().enumerate().map(|(k, job)| {
+            report(k, job);
+            run(job, control.cancel, &mut counter)
+        });
+        return each.collect();
+    }
+    let next = AtomicUsize::new(0);
+    let cancel = control.cancel;
+    let mut outcomes: Vec<Option<Outcome>> = vec![None; jobs.len()];
+    let mut failed = None;
+    std::thread::scope(|scope| {
+        let (sender, receiver) = mpsc::channel();
+        for _ in 0..threads.min(jobs.len()) {
+            let (sender, next) = (sender.clone(), &next);
+            scope.spawn(move || {
+                let mut counter = Counter::new();
+                loop {
+                    let k = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(job) = jobs.get(k) else { break };
+                    if sender.send((k, run(job, cancel, &mut counter))).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        for (done, (k, outcome)) in receiver.iter().enumerate() {
+            report(done + 1, &jobs[k]);
+            match outcome {
+                Ok(outcome) => outcomes[k] = Some(outcome),
+                Err(error) => {
+                    // The others see a closed channel or the cancelled flag, and stop.
+                    failed = Some(error);
+                    break;
+                }
+            }
+        }
+    });
+    match failed {
+        Some(error) => Err(error),
+        None => Ok(outcomes.into_iter().flatten().collect()),
+    }
+}

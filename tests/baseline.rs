@@ -1,0 +1,110 @@
+//! `pinwheel baseline` as users meet it: what it writes, what it refuses, how it ends.
+
+use std::path::{Path, PathBuf};
+
+use pinwheel_tests::{names_in, run_in};
+
+/// A folder of baselines that holds a copy of the accepted one.
+fn copied(base: &Path) -> PathBuf {
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference/baselines/accepted");
+    let to = base.join("baselines/accepted");
+    std::fs::create_dir_all(&to).unwrap();
+    for file in std::fs::read_dir(from).unwrap() {
+        let file = file.unwrap();
+        std::fs::copy(file.path(), to.join(file.file_name())).unwrap();
+    }
+    to
+}
+
+const CHECK: [&str; 9] = [
+    "baseline",
+    "check",
+    "accepted",
+    "--dir",
+    "baselines",
+    "--only",
+    "paper",
+    "--repeats",
+    "0",
+];
+
+#[test]
+fn a_check_writes_its_page_and_judges() {
+    let base = tempfile::tempdir().unwrap();
+    let accepted = copied(base.path());
+    let fine = run_in(base.path(), CHECK);
+    assert_eq!(fine.code, Some(0), "{}{}", fine.stdout, fine.stderr);
+    assert!(fine.stdout.contains("reduced-dopri5"), "{}", fine.stdout);
+    assert_eq!(
+        names_in(&base.path().join("out/baseline-accepted")),
+        ["index.html", "summary.json"]
+    );
+
+    // An accepted run that needed a step less: now one more is worse.
+    let file = accepted.join("paper.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let tampered = text.replacen("right_hand_sides = 4000", "right_hand_sides = 3998", 1);
+    assert_ne!(text, tampered);
+    std::fs::write(&file, tampered).unwrap();
+    let worse = run_in(base.path(), CHECK);
+    assert_eq!(worse.code, Some(1), "{}{}", worse.stdout, worse.stderr);
+    assert!(worse.stdout.contains("worse"), "{}", worse.stdout);
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_a_remedy() {
+    let base = tempfile::tempdir().unwrap();
+    let accepted = copied(base.path());
+    let before = names_in(&accepted);
+    for (words, part) in [
+        (
+            &["record", "accepted", "--dir", "baselines"][..],
+            "--accept",
+        ),
+        (
+            &["record", "accepted", "--dir", "baselines", "--accept", " "],
+            "--accept",
+        ),
+        (
+            &["check", "nothing", "--dir", "baselines"],
+            "there are accepted",
+        ),
+        (&["check", "--dir", "nowhere"], "--dir"),
+        (&["check", "../up", "--dir", "baselines"], "no name"),
+        (&["check", "--dir", "baselines", "--only", "papr"], "papr"),
+    ] {
+        let outcome = run_in(base.path(), [&["baseline"], words].concat());
+        assert_eq!(outcome.code, Some(2), "{words:?} {}", outcome.stderr);
+        assert!(
+            outcome.stderr.contains(part),
+            "{words:?} {}",
+            outcome.stderr
+        );
+        assert_eq!(
+            outcome.stderr.trim_end().lines().count(),
+            1,
+            "{}",
+            outcome.stderr
+        );
+    }
+    std::fs::write(accepted.join("paper.toml"), "scene = 1").unwrap();
+    let spoiled = run_in(base.path(), CHECK);
+    assert_eq!(spoiled.code, Some(2), "{}", spoiled.stderr);
+    assert!(spoiled.stderr.contains("paper.toml"), "{}", spoiled.stderr);
+    assert_eq!(names_in(&accepted), before);
+    assert_eq!(names_in(base.path()), ["baselines"]);
+}
+
+#[test]
+fn the_list_tells_why() {
+    let base = tempfile::tempdir().unwrap();
+    copied(base.path());
+    let list = run_in(
+        base.path(),
+        ["baseline", "list", "--dir", "baselines", "--json"],
+    );
+    assert_eq!(list.code, Some(0), "{}", list.stderr);
+    let value: serde_json::Value = serde_json::from_str(&list.stdout).unwrap();
+    assert_eq!(value[0]["name"], "accepted");
+    assert!(value[0]["accepted"][0]["reason"].is_string());
+}
