@@ -46,8 +46,11 @@ fn on_grid(courses: &Courses, name: &str, x: &[f64]) -> Vec<f64> {
     x.iter().map(at).collect()
 }
 
+/// A change to a scene, with its name.
+type Suspect = (&'static str, fn(&mut Scene));
+
 /// What might make Adams' spikes, each switched on in our own solver.
-fn suspects() -> [(&'static str, fn(&mut Scene)); 5] {
+fn suspects() -> [Suspect; 5] {
     fn impact(scene: &mut Scene) {
         "adams-impact".clone_into(&mut scene.contact.law);
     }
