@@ -67,7 +67,10 @@ def random_states(scene: Scene, count: int, seed: int) -> Floats:
 
 
 def compare(scene_toml: str, pointer: LawPointer, count: int, seed: int) -> Agreement:
-    """Evaluates the numpy law and a compiled one at the same random states. Raises Unsupported for a law it does not know."""
+    """Evaluates the numpy law and a compiled one at the same random states.
+
+    Raises Unsupported for a law that numpy does not know.
+    """
     scene = Scene.from_toml(scene_toml)
     law, compiled = ContactLaw(scene), StageLaw(scene, pointer)
     states = random_states(scene, count, seed)
@@ -82,8 +85,8 @@ def compare(scene_toml: str, pointer: LawPointer, count: int, seed: int) -> Agre
     clear = np.ones(count, dtype=np.bool_)
     if law.points:
         # A tie is the only other reason that counts, and it is looked for only where one is needed.
-        for i in np.nonzero(force > MOST_ROUNDINGS * rounding)[0]:
-            clear[i] = law.nearest_gap_m(states[i]) > TIE_M
+        for row in np.nonzero(force > MOST_ROUNDINGS * rounding)[0]:
+            clear[row] = law.nearest_gap_m(states[row]) > TIE_M
     size = np.abs(ours[..., :2]).max(axis=(1, 2))
     moment = np.abs(difference[..., 2]).max(axis=1)
     loaded = clear & (size > 0.0)

@@ -49,17 +49,9 @@ fn crossval_python_program_leaves_only_its_output() {
 fn crossval_python_program_stops_when_asked() {
     for engine in ["mujoco-shared-law", "exudyn-shared-law-constrained"] {
         let dir = tempfile::tempdir().unwrap();
-        let child = pinwheel()
-            .args([
-                "run",
-                "paper",
-                "--engine",
-                engine,
-                "--set",
-                "solver.duration_s=1000",
-                "--out",
-                "out",
-            ])
+        let mut child = pinwheel()
+            .args(["run", "paper", "--engine", engine, "--out", "out"])
+            .args(["--set", "solver.duration_s=1000", "--set", "solver.sample_s=0.01"])
             .current_dir(dir.path())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -67,6 +59,7 @@ fn crossval_python_program_stops_when_asked() {
             .spawn()
             .unwrap();
         while names_in(dir.path()).is_empty() {
+            assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
             std::thread::sleep(Duration::from_millis(5));
         }
         // Python is being loaded, or steps already: both must end.

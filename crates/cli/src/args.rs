@@ -8,6 +8,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::scene::{Override, Scene};
 
 use crate::commands::bench::BenchArgs;
+use crate::commands::foreign::ForeignArgs;
 use crate::commands::sweep::SweepArgs;
 use crate::failure::Failure;
 use crate::screen;
@@ -116,6 +117,8 @@ Examples:
   pinwheel compare paper
   pinwheel compare paper --engines native-reduced,native-lagrange --set solver.duration_s=0.05
 
+  pinwheel compare paper --against rig.csv --map rig.toml     a foreign CSV beside the engines
+
 Writes DIR/index.html (open it in a browser), DIR/summary.json and DIR/<engine>/courses.csv.
 Engines that cannot honour the scene are left out, with the reason in the report.")]
 pub(crate) struct CompareArgs {
@@ -124,6 +127,8 @@ pub(crate) struct CompareArgs {
     /// Engines to compare, separated by commas [default: all that can run the scene].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) engines: Vec<String>,
+    #[command(flatten)]
+    pub(crate) foreign: ForeignArgs,
     #[command(flatten)]
     pub(crate) out: OutArgs,
 }

@@ -1,16 +1,17 @@
 //! The comparison itself: participants and limits in, verdicts out.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use pinwheel_courses::Courses;
 
 use crate::comparison::{Comparison, EngineEntry, EngineSummary, Figures, Pair, PairEntry};
 use crate::grid::Common;
 use crate::judge::{Judge, Sides};
-use crate::limits::Limit;
+use crate::limits::{Limit, StatedLimit};
 use crate::matrix::{self, track_of};
 use crate::metrics::PairMetrics;
-use crate::participant::{Context, Participant};
+use crate::participant::{Context, Participant, track};
 use crate::quantities::{self, INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, Quantity};
 use crate::statistics::{Statistics, View};
 use crate::verdict::{Counts, Verdict};
@@ -29,6 +30,19 @@ pub fn compare(
     context: &Context,
     participants: &[Participant],
     limits: &[Limit],
+) -> Result<Comparison, CompareError> {
+    compare_stated(context, participants, limits, &[])
+}
+
+/// [`compare`] with measured participants, held against the limits stated for them alone.
+///
+/// # Errors
+/// As [`compare`].
+pub fn compare_stated(
+    context: &Context,
+    participants: &[Participant],
+    limits: &[Limit],
+    stated: &[StatedLimit],
 ) -> Result<Comparison, CompareError> {
     if participants.is_empty() {
         return Err(CompareError::Empty);
@@ -64,6 +78,7 @@ pub fn compare(
     let quantities = quantities::derive(finished.iter().map(|p| &p.courses));
     let judge = Judge {
         limits,
+        stated,
         friction: context.friction_coefficient > 0.0,
         context,
     };
@@ -118,14 +133,23 @@ fn engine_summary(
         &[]
     };
     for window in windows {
-        let figures = figures(&participant.courses, context, window, quantities);
+        let figures = figures(participant, context, window, quantities);
         let output = quantities.iter().find(|q| q.name == OUTPUT_TORQUE);
-        if let Some((quantity, load_n_m)) = output.zip(context.load_n_m) {
+        let judged_alone = participant.track != track::MEASURED;
+        if let Some((quantity, load_n_m)) = output.zip(context.load_n_m).filter(|_| judged_alone) {
             let mean = figures
                 .quantities
                 .get(OUTPUT_TORQUE)
                 .map(|statistics| statistics.mean);
             let found = judge.load(participant, quantity, window.kind, mean, load_n_m);
+            let found = found.map(|(checks, verdict)| {
+                if participant.cost.recorded.is_none() {
+                    return (checks, verdict);
+                }
+                // One sample a millisecond aliases the ripple into the mean: 1e-4 of it for 40 sleeves.
+                let reason = "a recording has too few samples for this mean".to_owned();
+                (Vec::new(), Verdict::NotJudged { reason })
+            });
             judged.extend(found.map(|(checks, verdict)| EngineEntry {
                 quantity: quantity.name.clone(),
                 window: window.kind,
@@ -149,15 +173,20 @@ fn engine_summary(
 }
 
 fn figures(
-    courses: &Courses,
+    participant: &Participant,
     context: &Context,
     window: &Window,
     quantities: &[Quantity],
 ) -> Figures {
-    let samples = courses.window(window.from_s, window.to_s);
+    let courses = &participant.courses;
+    let samples = covered(
+        &[(participant, courses)],
+        courses.window(window.from_s, window.to_s),
+    );
     let statistics: BTreeMap<String, Statistics> = quantities
         .iter()
         .filter_map(|quantity| {
+            let quantity = &shared(quantity, &[participant]);
             let view = View::of(courses, quantity, samples.clone())?;
             Some((quantity.name.clone(), Statistics::of(&view)?))
         })
@@ -181,6 +210,38 @@ fn figures(
         efficiency: efficiency(),
         quantities: statistics,
     }
+}
+
+/// The quantity without channels that a measured participant lacks: a rig has force cells on three of
+/// sixteen sleeves. Engines have all channels of a quantity or none.
+fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quantity {
+    let mut quantity = quantity.clone();
+    if participants.iter().any(|p| p.track == track::MEASURED) {
+        quantity.channels.retain(|name| {
+            let has = |p: &&Participant| p.courses.channel(name).is_some();
+            participants.iter().all(has)
+        });
+    }
+    quantity
+}
+
+/// The part of `samples` that all measured participants cover: theirs may be missing at both ends.
+fn covered(participants: &[(&Participant, &Courses)], mut samples: Range<usize>) -> Range<usize> {
+    let measured = |p: &&(&Participant, &Courses)| p.0.track == track::MEASURED;
+    for (_, courses) in participants.iter().filter(measured) {
+        let channels = courses.channels();
+        let there = |k: usize| {
+            let mut values = channels.iter().map(|channel| channel.values.get(k));
+            values.all(|value| value.is_some_and(|v| !v.is_nan()))
+        };
+        while samples.start < samples.end && !there(samples.start) {
+            samples.start += 1;
+        }
+        while samples.start < samples.end && !there(samples.end - 1) {
+            samples.end -= 1;
+        }
+    }
+    samples
 }
 
 fn pair(
@@ -239,6 +300,8 @@ fn pair_entry(
         _ => {}
     }
     let samples = of_a.window(window.from_s, window.to_s);
+    let samples = covered(&[(a, of_a.as_ref()), (b, of_b.as_ref())], samples);
+    let quantity = &shared(quantity, &[a, b]);
     if samples.len() < FEWEST_SAMPLES {
         return unjudged(format!(
             "both have {} samples in this window, fewer than {FEWEST_SAMPLES}",

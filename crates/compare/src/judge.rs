@@ -1,6 +1,6 @@
 //! From the table of limits to a verdict.
 
-use crate::limits::{Friction, Limit, Metric, NEGLIGIBLE, fits};
+use crate::limits::{Friction, Limit, Metric, NEGLIGIBLE, StatedLimit, fits};
 use crate::metrics::PairMetrics;
 use crate::participant::{Context, Participant, track};
 use crate::quantities::Quantity;
@@ -22,6 +22,8 @@ const PAIR_METRICS: [Metric; 6] = [
 pub(crate) struct Judge<'a> {
     /// The table.
     pub(crate) limits: &'a [Limit],
+    /// Limits of measured participants.
+    pub(crate) stated: &'a [StatedLimit],
     /// Whether the scene has friction.
     pub(crate) friction: bool,
     /// The scene, for its divergence horizon.
@@ -61,6 +63,9 @@ impl Judge<'_> {
             );
             return (Vec::new(), Verdict::NotJudged { reason });
         }
+        if [a, b].iter().any(|p| p.track == track::MEASURED) {
+            return self.measured(&[&a.name, &b.name], quantity, window.kind, metrics);
+        }
         let rows = self.limits.iter().filter(|row| {
             row.metric != Metric::MeanAgainstLoad
                 && row.window == window.kind
@@ -94,6 +99,37 @@ impl Judge<'_> {
                     .to_owned()
             }
         });
+        let verdict = verdict(&checks, reason);
+        (checks, verdict)
+    }
+
+    /// Judges a pair of which one is measured: by what is stated for it, by nothing else.
+    fn measured(
+        &self,
+        names: &[&String],
+        quantity: &Quantity,
+        window: WindowKind,
+        metrics: &PairMetrics,
+    ) -> (Vec<Check>, Verdict) {
+        let rows = self.stated.iter().filter(|row| {
+            names.contains(&&row.engine)
+                && row.window == window
+                && fits(&row.quantity, &quantity.name)
+        });
+        let checks: Vec<Check> = rows
+            .map(|row| {
+                let value = value(metrics, row.metric);
+                Check {
+                    metric: row.metric,
+                    value,
+                    limit: row.limit,
+                    measured: None,
+                    reason: row.reason.clone(),
+                    within: value.is_some_and(|value| value <= row.limit),
+                }
+            })
+            .collect();
+        let reason = "measured data: no limit is stated for this quantity and window".to_owned();
         let verdict = verdict(&checks, reason);
         (checks, verdict)
     }

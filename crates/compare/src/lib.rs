@@ -20,10 +20,10 @@ pub mod statistics;
 pub mod verdict;
 pub mod windows;
 
-pub use compare::compare;
+pub use compare::{compare, compare_stated};
 pub use comparison::Comparison;
 pub use error::CompareError;
-pub use limits::{Limit, Metric};
+pub use limits::{Limit, Metric, StatedLimit};
 pub use participant::{Context, Cost, Divergence, Energy, Participant, Status, track};
 pub use quantities::Quantity;
 pub use verdict::{Check, Counts, Verdict};

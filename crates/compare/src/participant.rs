@@ -11,6 +11,9 @@ pub mod track {
     pub const SHARED_LAW: &str = "shared-law";
     /// The engine detects or resolves contact itself.
     pub const OWN_CONTACT: &str = "own-contact";
+    /// Data from elsewhere: another program's export, a test rig. Samples may be missing (NaN) before
+    /// and after what it covers, and only limits that its owner states apply.
+    pub const MEASURED: &str = "measured";
 }
 
 /// One engine's run.

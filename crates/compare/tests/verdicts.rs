@@ -325,6 +325,14 @@ fn a_recording_is_compared_at_its_own_samples() {
             );
         }
     }
+    let judged = &compare(&context(), &[native(), recording.clone()], TABLE)
+        .unwrap()
+        .engines[1]
+        .judged;
+    assert!(
+        matches!(judged[0].verdict, Verdict::NotJudged { .. }),
+        "an aliased mean"
+    );
     // A sample that the other has not is refused as ever.
     let shifted: Vec<f64> = recording
         .courses

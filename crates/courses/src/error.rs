@@ -44,10 +44,6 @@ pub enum CoursesError {
     /// The CSV itself is malformed.
     #[error("malformed CSV: {0}")]
     Csv(#[from] csv::Error),
-    /// A Parquet file cannot be written, or is none.
-    #[cfg(feature = "parquet")]
-    #[error("Parquet: {0}")]
-    Parquet(#[from] parquet::errors::ParquetError),
     /// A file cannot be read or written.
     #[error("{path}: {source}")]
     Io {

@@ -7,11 +7,7 @@
 mod csv_file;
 mod error;
 pub mod foreign;
-#[cfg(feature = "parquet")]
-mod parquet_file;
 mod store;
 
 pub use error::CoursesError;
-#[cfg(feature = "parquet")]
-pub use parquet_file::{Cells, read_table, write_table};
 pub use store::{Channel, Courses, group_of};

@@ -132,9 +132,8 @@ fn integrate<F: Formulation>(
     let mut recorder = Recorder::new(gearbox);
     let mut joint_drift_m: f64 = 0.0;
     let mut fault = None;
-    let mechanism = gearbox.mechanism();
-    let mut energy = EnergyAccount::new(&mechanism);
-    let mut balance = Balance::new(&mechanism);
+    let mut energy = EnergyAccount::new(&gearbox.mechanism());
+    let mut balance = Balance::new(gearbox);
     let mut pace = Pace::new(gearbox);
     let mut before = 0.0;
     'samples: for t in solver.sample_times_s() {

@@ -23,7 +23,20 @@ pub struct Recorder {
 /// Columns before the sleeves.
 const HEAD: [&str; 3] = ["input_torque_n_m", "output_torque_n_m", "output_angle_rad"];
 
+fn contract(layout: Layout) -> impl Iterator<Item = String> {
+    let externals = (0..layout.external_sleeves).map(|j| format!("external_sleeve_force_n_{j}"));
+    let internals = (0..layout.internal_sleeves).map(|k| format!("internal_sleeve_force_n_{k}"));
+    let head = HEAD.iter().map(|&name| name.to_owned());
+    head.chain(externals).chain(internals)
+}
+
 impl Recorder {
+    /// Names of the contract's columns after the time, in their order.
+    #[must_use]
+    pub fn contract(gearbox: &Gearbox) -> Vec<String> {
+        contract(gearbox.layout).collect()
+    }
+
     /// An empty recording with room for the scene's samples.
     #[must_use]
     pub fn new(gearbox: &Gearbox) -> Self {
@@ -142,15 +155,7 @@ impl Recorder {
     pub fn finish(self) -> Result<Courses, pinwheel_courses::CoursesError> {
         let samples = self.time.len();
         let mut courses = Courses::new(self.time)?;
-        let externals =
-            (0..self.layout.external_sleeves).map(|j| format!("external_sleeve_force_n_{j}"));
-        let internals =
-            (0..self.layout.internal_sleeves).map(|k| format!("internal_sleeve_force_n_{k}"));
-        let names = HEAD
-            .iter()
-            .map(|&s| s.to_owned())
-            .chain(externals)
-            .chain(internals);
+        let names = contract(self.layout);
         for (name, values) in names.zip(self.columns) {
             courses.push(name, values)?;
         }

@@ -9,7 +9,8 @@
 //!   linear in v_n that is the damping (1 - R) C, and so it is modelled;
 //! - the step of 1e-5 s instead of a converged run.
 //!
-//! All without friction, as in the preset `paper`.
+//! For the largest damping that a model stands, friction (whose coefficient is not printed) and Eq. 17 computed in
+//! millimetres are tried as well; everything else is without friction, as in the preset `paper`.
 
 use pinwheel_gearbox::scene::{Detection, Scene};
 use serde::{Deserialize, Serialize};

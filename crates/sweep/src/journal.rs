@@ -120,11 +120,15 @@ impl Journal {
             // The record comes last: where it is, its courses are.
             let file = path.with_extension(extension);
             self.whole(&file, |sink| {
-                let written = match how {
-                    #[cfg(feature = "parquet")]
-                    KeepCourses::Parquet => courses.save_parquet(sink.path()),
-                    _ => courses.write_csv(sink.as_file_mut()),
-                };
+                #[cfg(feature = "parquet")]
+                if how == KeepCourses::Parquet {
+                    let written = crate::save_courses(courses, sink.path());
+                    return written.map_err(|fault| SweepError::Io {
+                        path: file.clone(),
+                        source: std::io::Error::other(fault),
+                    });
+                }
+                let written = courses.write_csv(sink.as_file_mut());
                 written.map_err(|source| SweepError::Courses {
                     path: file.clone(),
                     source,

@@ -9,6 +9,8 @@ mod error;
 mod execute;
 mod file;
 mod journal;
+#[cfg(feature = "parquet")]
+mod parquet_file;
 mod plan;
 mod record;
 mod results;
@@ -18,6 +20,8 @@ pub use error::SweepError;
 pub use execute::{Control, execute};
 pub use file::{KeepCourses, MOST_BYTES, Sweep};
 pub use journal::Journal;
+#[cfg(feature = "parquet")]
+pub use parquet_file::{Cells, ParquetFault, load_courses, read_table, save_courses, write_table};
 pub use plan::{MOST_RUNS, Plan, PlannedRun};
 pub use record::{Outcome, RunRecord, Spread};
 pub use results::{Column, Results, costs, results};

@@ -186,8 +186,8 @@ impl Results {
     /// # Errors
     /// The writer's.
     #[cfg(feature = "parquet")]
-    pub fn write_parquet(&self, sink: impl Write + Send) -> Result<(), CoursesError> {
-        use pinwheel_courses::Cells;
+    pub fn write_parquet(&self, sink: impl Write + Send) -> Result<(), crate::ParquetFault> {
+        use crate::Cells;
         let cells = |column: &Column| match column {
             Column::Number(values) => Cells::Number(values.clone()),
             Column::Whole(values) => Cells::Whole(values.clone()),
@@ -197,7 +197,7 @@ impl Results {
             .columns
             .iter()
             .map(|(name, column)| (name.clone(), cells(column)));
-        pinwheel_courses::write_table(sink, &columns.collect::<Vec<_>>())
+        crate::write_table(sink, &columns.collect::<Vec<_>>())
     }
 }
 

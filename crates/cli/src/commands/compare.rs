@@ -4,7 +4,7 @@ use std::fs;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use pinwheel_compare::{
-    Comparison, Context, Cost, Divergence, Energy, Participant, Status, limits,
+    Comparison, Context, Cost, Divergence, Energy, Participant, Status, compare_stated, limits,
 };
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, RunStats, recorded, registry};
@@ -16,7 +16,7 @@ use pinwheel_studies::{StudyError, divergence};
 use serde::Serialize;
 
 use crate::args::{CompareArgs, quoted};
-use crate::commands::verdicts;
+use crate::commands::{foreign, verdicts};
 use crate::engines;
 use crate::failure::{ENGINE, EXCEEDED, Failure};
 use crate::folder::Folder;
@@ -42,6 +42,8 @@ struct Summary<'a> {
 
 pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let (scene, gearbox) = args.scene.load()?;
+    let foreign = foreign::open(&args.foreign)?;
+    let (scene, gearbox) = foreign::with_channels(&foreign, scene, gearbox)?;
     let asked_by_name = !args.engines.is_empty();
     let engines = chosen(&args.engines, &scene)?;
     let folder = Folder::prepare(&args.out.folder(&scene.name, "compare"), args.out.force)?;
@@ -51,12 +53,19 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         let label = format!("{} ({} of {})", engine.name(), k + 1, engines.len());
         participants.push(take_part(engine.as_ref(), &scene, &label, &folder)?);
     }
+    let mut stated = Vec::new();
+    for data in &foreign {
+        let (participant, limits) = data.take_part(&scene, &participants)?;
+        write_courses(&folder, &participant)?;
+        participants.push(participant);
+        stated.extend(limits);
+    }
 
     let context = Context {
         divergence: divergence(&scene, &participants)?,
         ..context(&scene)
     };
-    let comparison = pinwheel_compare::compare(&context, &participants, limits::TABLE)
+    let comparison = compare_stated(&context, &participants, limits::TABLE, &stated)
         .map_err(|error| Failure::engine(format!("the courses cannot be compared: {error}")))?;
     write(args, &folder, &gearbox, &comparison, &participants)?;
     let out = folder.publish()?;
@@ -91,6 +100,22 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     } else {
         0
     })
+}
+
+/// The columns of a foreign set as they are compared.
+fn write_courses(folder: &Folder, participant: &Participant) -> Result<(), Failure> {
+    let place = folder.path().join(&participant.name);
+    let failed = |error: &dyn std::fmt::Display| {
+        Failure::input(format!(
+            "{}: cannot be written: {error}; choose another --out",
+            place.display()
+        ))
+    };
+    fs::create_dir_all(&place).map_err(|error| failed(&error))?;
+    participant
+        .courses
+        .save_csv(&place.join("courses.csv"))
+        .map_err(|error| failed(&error))
 }
 
 /// The engines named, or all of this build and the recordings of those it lacks.
@@ -318,6 +343,7 @@ fn typed(args: &CompareArgs) -> String {
         command.push_str(" --engines ");
         command.push_str(&quoted(&args.engines.join(",")));
     }
+    command.push_str(&args.foreign.typed());
     command
 }
 

@@ -5,6 +5,7 @@ pub(crate) mod bench;
 pub(crate) mod compare;
 pub(crate) mod engines;
 pub(crate) mod explain;
+pub(crate) mod foreign;
 pub(crate) mod laws;
 pub(crate) mod record;
 pub(crate) mod run;

@@ -322,7 +322,7 @@ impl Map {
         }
         for (name, source) in &self.columns {
             let full = source.full();
-            if full.column.is_some() == !full.magnitude_of.is_empty() {
+            if full.column.is_some() != full.magnitude_of.is_empty() {
                 return wrong(
                     name,
                     "needs either `column` or `magnitude_of`",

@@ -1,6 +1,6 @@
 //! What every run cost. Wall times are of this machine; counts are not.
 
-use pinwheel_compare::{Comparison, Cost};
+use pinwheel_compare::{Comparison, Cost, track};
 
 use crate::format;
 
@@ -57,8 +57,18 @@ fn rows(comparison: &Comparison) -> Vec<CostRow> {
         .enumerate()
         .map(|(style, engine)| {
             let cost = &engine.cost;
-            let time = |value: f64| (format::seconds(value), value.to_string());
-            let count = |value: u64| (format::count(value), value.to_string());
+            // Measured data cost this machine nothing.
+            let measured = engine.track == track::MEASURED;
+            let or_none = |text: String, key: String| {
+                if measured {
+                    (format::NONE.to_owned(), String::new())
+                } else {
+                    (text, key)
+                }
+            };
+            let time = |value: f64| or_none(format::seconds(value), value.to_string());
+            let count = |value: u64| or_none(format::count(value), value.to_string());
+            let number = |value: usize| or_none(value.to_string(), String::new()).0;
             CostRow {
                 engine: engine.name.clone(),
                 style,
@@ -84,8 +94,8 @@ fn rows(comparison: &Comparison) -> Vec<CostRow> {
                 steps: count(cost.steps),
                 rejected: format::count(cost.rejected_steps),
                 step: time(cost.step_s),
-                degrees_of_freedom: cost.degrees_of_freedom.to_string(),
-                bodies: cost.bodies.to_string(),
+                degrees_of_freedom: number(cost.degrees_of_freedom),
+                bodies: number(cost.bodies),
                 drift: match cost.joint_drift_m {
                     Some(drift) => (format::metres(drift), drift.to_string()),
                     None => (format::NONE.to_owned(), String::new()),

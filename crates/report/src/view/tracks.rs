@@ -34,7 +34,8 @@ pub(super) fn sections(comparison: &Comparison) -> Vec<TrackSection> {
     names.sort_by_key(|name| match *name {
         track::SHARED_LAW => 0,
         track::OWN_CONTACT => 1,
-        track::NATIVE => 3,
+        track::NATIVE => 4,
+        track::MEASURED => 3,
         _ => 2,
     });
     let alone = names.len() == 1;
@@ -61,6 +62,12 @@ fn section(comparison: &Comparison, name: &str, place: usize, alone: bool) -> Tr
             "Own contact".to_owned(),
             "Each engine detects and resolves contact itself. This checks geometry and law \
              independently, to a few per cent.",
+        ),
+        track::MEASURED => (
+            "Measured".to_owned(),
+            "Data from elsewhere, another program's export or a test rig, by a map of its columns. \
+             Model, parameters, units and sampling may differ; what was done to put it beside the \
+             others stands in its notes. Only limits that the map states are checked.",
         ),
         other => (
             other.to_owned(),

@@ -54,8 +54,7 @@ pub fn settings(knob: Knob, scene: &Scene) -> Vec<f64> {
             .map(|k| {
                 let exact = LOOSEST * 10.0_f64.powf(-0.5 * f64::from(k));
                 // Two digits are enough to name a tolerance.
-                let digits = 10.0_f64.powf(exact.log10().floor() - 1.0);
-                (exact / digits).round() * digits
+                format!("{exact:.1e}").parse().unwrap_or(exact)
             })
             .collect(),
         Knob::StepS => {
@@ -171,8 +170,7 @@ mod tests {
     fn tolerances_fall_by_half_decades() {
         let tolerances = settings(Knob::Tolerance, &Scene::default());
         assert_eq!(tolerances[0], 1e-2);
-        assert!((tolerances[1] / 3.2e-3 - 1.0).abs() < 1e-12);
-        assert!((tolerances[16] / 1e-10 - 1.0).abs() < 1e-9);
+        assert_eq!((tolerances[1], tolerances[16]), (3.2e-3, 1e-10));
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! One engine and method at every setting of its ladder.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
-use std::time::Instant;
 
+use cpu_time::ProcessTime;
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, Run, Track};
 use pinwheel_gearbox::scene::Scene;
@@ -315,7 +315,8 @@ fn once(
 ) -> Result<Result<(Run, Outcome), Outcome>, StudyError> {
     let stop = AtomicBool::new(false);
     let (looks, reached_ns) = (AtomicU32::new(0), AtomicU64::new(0));
-    let started = Instant::now();
+    // CPU time of the process: a busy machine must not make a run look long.
+    let started = ProcessTime::now();
     let longest = PATIENCE * options.longest(engine.track());
     let progress = |time_s: f64| {
         if control.cancel.load(Ordering::Relaxed) {

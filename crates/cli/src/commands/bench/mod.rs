@@ -75,7 +75,7 @@ impl Measured {
         let mut rankings: Vec<Ranking> = (0..study.windows.len())
             .map(|window| study.ranking(window, target))
             .collect();
-        rankings.extend([10.0 * target, 0.1 * target].map(|error| study.ranking(0, error)));
+        rankings.extend([10.0 * target, target / 10.0].map(|error| study.ranking(0, error)));
         rankings
     }
 }

@@ -1,6 +1,6 @@
 //! The page of `pinwheel bench`: headline, then scene, mechanisms and scaling.
 
-use pinwheel_report::format::{relative, seconds, significant};
+use pinwheel_report::format::{limit, relative, seconds, significant};
 use pinwheel_report::study::{Block, Section, Study, Tile, Verdict};
 use pinwheel_studies::precision::{Advantage, Ranking, WorkPrecision};
 
@@ -62,7 +62,7 @@ fn lead(measured: &Measured) -> String {
         return "What integrators cost on published mechanisms, and how the cost grows with the gear.".to_owned();
     }
     format!(
-        "What accuracy costs: every engine, integrator and step on the scene `{}` over {} s, against a converged run. \
+        "What accuracy costs: every engine, integrator and step on the scene {} over {} s, against a converged run. \
          All runs were made in one session on one machine.",
         scene.name, scene.solver.duration_s
     )
@@ -84,7 +84,7 @@ fn verdict(study: &WorkPrecision, ranking: &Ranking, lead: &Advantage) -> Verdic
         good: lead.ratio >= 1.0,
         headline: format!(
             "At a force error of {} the native solver is {}{factor} times faster than the fastest peer",
-            relative(ranking.error),
+            limit(ranking.error),
             if lead.at_least { "at least " } else { "" },
         ),
         detail: format!(
@@ -111,13 +111,13 @@ fn tiles(study: &WorkPrecision, ranking: &Ranking) -> Vec<Tile> {
             label: "Native".to_owned(),
             value: figures::cpu(lead.native_cpu_s),
             unit: String::new(),
-            detail: format!("CPU time at {}: {}", relative(ranking.error), lead.native),
+            detail: format!("CPU time at {}: {}", limit(ranking.error), lead.native),
         });
         tiles.push(Tile {
             label: "Fastest peer".to_owned(),
             value: figures::cpu(lead.peer_cpu_s),
             unit: String::new(),
-            detail: format!("CPU time at {}: {}", relative(ranking.error), lead.peer),
+            detail: format!("CPU time at {}: {}", limit(ranking.error), lead.peer),
         });
         tiles.push(Tile {
             label: "Ratio".to_owned(),

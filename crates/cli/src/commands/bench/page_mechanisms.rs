@@ -1,6 +1,6 @@
 //! Error against cost on published mechanisms.
 
-use pinwheel_report::format::{relative, seconds};
+use pinwheel_report::format::{limit, seconds};
 use pinwheel_report::study::{Axis, Block, Cell, Chart, Column, Section, Series, Style, Table};
 use pinwheel_studies::precision::front::cost_at;
 use pinwheel_studies::precision::mechanisms::{MechanismStudy, MethodSolves};
@@ -44,7 +44,7 @@ pub(super) fn section(found: &[MechanismStudy]) -> Section {
 fn costs(found: &[MechanismStudy]) -> Block {
     let mut columns = vec![Column::text("Mechanism"), Column::text("Method")];
     for error in ERRORS {
-        columns.push(Column::number(format!("CPU at {}", relative(error))));
+        columns.push(Column::number(format!("CPU at {}", limit(error))));
         columns.push(Column::number("calls"));
     }
     let mut rows = Vec::new();

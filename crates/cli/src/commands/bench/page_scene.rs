@@ -1,7 +1,7 @@
 //! The scene's sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
 
 use pinwheel_engines::Track;
-use pinwheel_report::format::{relative, seconds};
+use pinwheel_report::format::{limit, relative, seconds};
 use pinwheel_report::study::{
     Axis, Block, Cell, Chart, Column, Mark, Section, Series, Style, Table,
 };
@@ -37,10 +37,7 @@ fn costs(study: &WorkPrecision, rankings: &[Ranking]) -> Section {
     }
     columns.push(Column::number("RHS calls, whole"));
     for ranking in by_error {
-        columns.push(Column::number(format!(
-            "CPU at {}",
-            relative(ranking.error)
-        )));
+        columns.push(Column::number(format!("CPU at {}", limit(ranking.error))));
     }
     columns.push(Column::text("Series ends"));
     let rows = study.series.iter().enumerate().map(|(k, series)| {
@@ -74,10 +71,10 @@ fn costs(study: &WorkPrecision, rankings: &[Ranking]) -> Section {
              after that, over the whole run, ten times that error and a tenth of it. Costs are interpolated on the \
              front of each series in the log-log plane; `\u{2264}` says that the coarsest run is already better, `>` \
              that the finest is still worse.",
-            relative(target)
+            limit(target)
         )),
         Block::Table(Table {
-            caption: format!("Cost of a force error of {}", relative(target)),
+            caption: format!("Cost of a force error of {}", limit(target)),
             columns,
             rows: rows.collect(),
         }),
@@ -95,7 +92,7 @@ fn leads(rankings: &[Ranking]) -> Block {
     let rows = rankings.iter().map(|ranking| {
         let mut row = vec![
             Cell::text(ranking.window.clone()),
-            Cell::number(relative(ranking.error), ranking.error),
+            Cell::number(limit(ranking.error), ranking.error),
         ];
         match &ranking.advantage {
             None => row.extend(["\u{2013}", "\u{2013}", "\u{2013}"].map(Cell::text)),
@@ -181,9 +178,8 @@ fn chart(
     let series = study
         .series
         .iter()
-        .enumerate()
-        .filter(|(_, series)| take(series))
-        .filter_map(|(k, series)| {
+        .filter(|series| take(series))
+        .filter_map(|series| {
             let points = series.points(window, measure);
             if points.is_empty() {
                 return None;
@@ -201,7 +197,7 @@ fn chart(
                 tags: finished
                     .map(|p| format!("{name} {}", figures::setting(p.setting)))
                     .collect(),
-                colour: Some(k),
+                colour: None,
             })
         });
     let mut series: Vec<Series> = series.collect();

@@ -49,7 +49,13 @@ fn verdict(survey: &Survey) -> Verdict {
         "Forces against a converged run, at a step of {} or the tolerance in the column's head.{stopped}",
         format::seconds(survey.plan.atlas.step_s)
     );
-    if unserved.is_empty() && rows > 0 {
+    if rows == 0 {
+        Verdict {
+            good: false,
+            headline: "No scene of the atlas is done yet".to_owned(),
+            detail,
+        }
+    } else if unserved.is_empty() {
         Verdict {
             good: done == all,
             headline: format!(

@@ -15,7 +15,21 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::record::Field;
 use parquet::schema::types::{Type, TypePtr};
 
-use crate::{Courses, CoursesError};
+use pinwheel_courses::{Courses, CoursesError};
+
+/// Faults of Parquet files.
+#[derive(Debug, thiserror::Error)]
+pub enum ParquetFault {
+    /// It cannot be written, or is none.
+    #[error("Parquet: {0}")]
+    Parquet(#[from] parquet::errors::ParquetError),
+    /// It is one, but not of courses.
+    #[error(transparent)]
+    Courses(#[from] CoursesError),
+    /// It cannot be opened or made.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+}
 
 /// Values of one column; all of a file's have the same length.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +43,7 @@ pub enum Cells {
 }
 
 impl Cells {
-    fn schema(&self, name: &str) -> Result<TypePtr, CoursesError> {
+    fn schema(&self, name: &str) -> Result<TypePtr, ParquetFault> {
         let (physical, logical) = match self {
             Self::Number(_) => (Physical::DOUBLE, None),
             Self::Whole(_) => (Physical::INT64, None),
@@ -49,8 +63,8 @@ impl Cells {
 pub fn write_table(
     sink: impl Write + Send,
     columns: &[(String, Cells)],
-) -> Result<(), CoursesError> {
-    let fields: Result<Vec<TypePtr>, _> = columns
+) -> Result<(), ParquetFault> {
+    let fields: Result<Vec<TypePtr>, ParquetFault> = columns
         .iter()
         .map(|(name, cells)| cells.schema(name))
         .collect();
@@ -80,7 +94,7 @@ fn write_column<T: DataType, V>(
     group: &mut SerializedRowGroupWriter<'_, impl Write + Send>,
     values: &[Option<V>],
     convert: impl Fn(&V) -> T::T,
-) -> Result<(), CoursesError> {
+) -> Result<(), ParquetFault> {
     let Some(mut column) = group.next_column()? else {
         return Ok(());
     };
@@ -99,7 +113,7 @@ fn write_column<T: DataType, V>(
 /// The library's, for what is no Parquet file; columns of other types are read as empty cells.
 pub fn read_table(
     source: impl ChunkReader + 'static,
-) -> Result<Vec<(String, Cells)>, CoursesError> {
+) -> Result<Vec<(String, Cells)>, ParquetFault> {
     let reader = SerializedFileReader::new(source)?;
     let schema = reader.metadata().file_metadata().schema().clone();
     let mut columns: Vec<(String, Cells)> = schema
@@ -130,52 +144,42 @@ pub fn read_table(
     Ok(columns)
 }
 
-impl Courses {
-    /// Writes a Parquet file: `time_s` and all channels.
-    ///
-    /// # Errors
-    /// The file cannot be made or written.
-    pub fn save_parquet(&self, path: &Path) -> Result<(), CoursesError> {
-        let cells = |values: &[f64]| Cells::Number(values.iter().copied().map(Some).collect());
-        let channels = self.channels().iter();
-        let columns: Vec<(String, Cells)> =
-            std::iter::once(("time_s".to_owned(), cells(self.time_s())))
-                .chain(channels.map(|channel| (channel.name.clone(), cells(&channel.values))))
-                .collect();
-        let file = std::fs::File::create(path).map_err(|source| CoursesError::Io {
-            path: path.to_path_buf(),
-            source,
-        })?;
-        write_table(file, &columns)
-    }
+/// Writes courses as a Parquet file: `time_s` and all channels.
+///
+/// # Errors
+/// The file cannot be made or written.
+pub fn save_courses(courses: &Courses, path: &Path) -> Result<(), ParquetFault> {
+    let cells = |values: &[f64]| Cells::Number(values.iter().copied().map(Some).collect());
+    let channels = courses.channels().iter();
+    let columns: Vec<(String, Cells)> =
+        std::iter::once(("time_s".to_owned(), cells(courses.time_s())))
+            .chain(channels.map(|channel| (channel.name.clone(), cells(&channel.values))))
+            .collect();
+    write_table(std::fs::File::create(path)?, &columns)
+}
 
-    /// Reads what [`save_parquet`](Self::save_parquet) wrote, or any Parquet file of doubles with a
-    /// `time_s` column; empty cells are read as NaN.
-    ///
-    /// # Errors
-    /// The file cannot be opened, is no Parquet file, has no time or time that does not increase.
-    pub fn load_parquet(path: &Path) -> Result<Self, CoursesError> {
-        let file = std::fs::File::open(path).map_err(|source| CoursesError::Io {
-            path: path.to_path_buf(),
-            source,
-        })?;
-        let (mut time, mut channels) = (None, Vec::new());
-        for (name, cells) in read_table(file)? {
-            if let Cells::Number(values) = cells {
-                let values: Vec<f64> = values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect();
-                if name == "time_s" {
-                    time = Some(values);
-                } else {
-                    channels.push((name, values));
-                }
+/// Reads what [`save_courses`] wrote, or any Parquet file of doubles with a `time_s` column; empty
+/// cells are read as NaN.
+///
+/// # Errors
+/// The file cannot be opened, is no Parquet file, has no time or time that does not increase.
+pub fn load_courses(path: &Path) -> Result<Courses, ParquetFault> {
+    let (mut time, mut channels) = (None, Vec::new());
+    for (name, cells) in read_table(std::fs::File::open(path)?)? {
+        if let Cells::Number(values) = cells {
+            let values: Vec<f64> = values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect();
+            if name == "time_s" {
+                time = Some(values);
+            } else {
+                channels.push((name, values));
             }
         }
-        let mut courses = Self::new(time.ok_or(CoursesError::NoTime)?)?;
-        for (name, values) in channels {
-            courses.push(name, values)?;
-        }
-        Ok(courses)
     }
+    let mut courses = Courses::new(time.ok_or(CoursesError::NoTime)?)?;
+    for (name, values) in channels {
+        courses.push(name, values)?;
+    }
+    Ok(courses)
 }
 
 #[cfg(test)]
@@ -191,13 +195,10 @@ mod tests {
         courses.push("gear.b_m", vec![1.0, 1.0, -0.0]).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("courses.parquet");
-        courses.save_parquet(&path).unwrap();
-        assert_eq!(Courses::load_parquet(&path).unwrap(), courses);
+        save_courses(&courses, &path).unwrap();
+        assert_eq!(load_courses(&path).unwrap(), courses);
         std::fs::write(&path, "time_s\n0\n").unwrap();
-        assert!(matches!(
-            Courses::load_parquet(&path),
-            Err(CoursesError::Parquet(_))
-        ));
+        assert!(matches!(load_courses(&path), Err(ParquetFault::Parquet(_))));
     }
 
     #[test]

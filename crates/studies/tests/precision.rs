@@ -1,0 +1,190 @@
+//! Speed against error on five milliseconds of the paper's gear.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use pinwheel_engines::{Control as Watch, Engine, EngineError, Native, Run, Track, by_name};
+use pinwheel_gearbox::scene::Scene;
+use pinwheel_studies::precision::{
+    Measure, Options, Outcome, Stopped, WorkPrecision, run, write_csv,
+};
+use pinwheel_studies::{Control, Progress, StudyError};
+
+fn scene(sets: &[&str]) -> Scene {
+    let mut all = vec!["solver.duration_s=0.005".parse().unwrap()];
+    all.extend(sets.iter().map(|set| set.parse().unwrap()));
+    Scene::load("paper", &all).unwrap()
+}
+
+fn options(methods: &[&str]) -> Options {
+    Options {
+        repeats: 1,
+        methods: methods.iter().map(|&name| name.to_owned()).collect(),
+        ..Options::default()
+    }
+}
+
+/// The native solver in a peer's clothes: counts nothing, and cannot take long steps.
+struct Peer;
+
+impl Engine for Peer {
+    fn name(&self) -> &'static str {
+        "peer"
+    }
+    fn track(&self) -> Track {
+        Track::SharedLaw
+    }
+    fn version(&self) -> String {
+        "1".to_owned()
+    }
+    fn summary(&self) -> &'static str {
+        ""
+    }
+    fn differences(&self) -> &'static str {
+        ""
+    }
+    fn supports(&self, _: &Scene) -> Result<(), EngineError> {
+        Ok(())
+    }
+    fn run(&self, scene: &Scene, control: &Watch<'_>) -> Result<Run, EngineError> {
+        let mut run = Native::LAGRANGE.run(scene, control)?;
+        run.stats.rhs_calls = 0;
+        if scene.solver.step_s > 2e-5 {
+            return Err(EngineError::Diverged {
+                engine: "peer".to_owned(),
+                time_s: 0.001,
+                quantity: "everything".to_owned(),
+                partial: Box::new(run),
+            });
+        }
+        Ok(run)
+    }
+}
+
+fn study(methods: &[&str]) -> WorkPrecision {
+    let engines: Vec<Box<dyn Engine>> = vec![Box::new(Native::REDUCED), Box::new(Peer)];
+    run(&scene(&[]), &engines, &options(methods), &Control::quiet()).unwrap()
+}
+
+#[test]
+fn errors_fall_at_the_order_and_the_reference_is_converged() {
+    let study = study(&["rk2", "rk4", "dopri5", "dop853"]);
+    assert!(study.complete);
+    assert_eq!(study.windows[0].name, "whole");
+    // Measured 3e-9 (dopri5 at 1e-11 against rk4 at 1.3e-6 s).
+    let distance = study.reference.error(0).force_l2;
+    assert!(distance > 0.0 && distance < 1e-7, "{distance:e}");
+    let error = |method: &str, setting: f64| {
+        let series = study.series.iter().find(|s| s.method == method).unwrap();
+        let point = series
+            .points
+            .iter()
+            .find(|p| (p.setting / setting - 1.0).abs() < 1e-6);
+        point.unwrap().errors[0].force_l2
+    };
+    let order = (error("rk2", 1e-5) / error("rk2", 5e-6)).log2();
+    // Measured 1.99; contacts that open and close leave a little.
+    assert!((order - 2.0).abs() < 0.2, "{order}");
+    // RK4's order is 4 between contacts only.
+    let order = (error("rk4", 2e-5) / error("rk4", 1e-5)).log2();
+    assert!(order > 2.0, "{order}");
+    for method in ["dopri5", "dop853"] {
+        assert!(error(method, 1e-8) < 1e-2 * error(method, 1e-4), "{method}");
+    }
+    // The torque, and the largest error, belong to the same runs.
+    let point = &study.series[0].points[2];
+    assert!(point.errors[0].torque_l2 > 0.0 && point.errors[0].force_max > 0.0);
+}
+
+#[test]
+fn engines_that_do_not_count_or_diverge_have_their_place() {
+    let study = study(&["dopri5"]);
+    let peer = study.series.last().unwrap();
+    assert_eq!((peer.label().as_str(), peer.order), ("peer", None));
+    assert!(matches!(peer.points[0].outcome, Outcome::Diverged { time_s, .. } if time_s == 0.001));
+    assert!(peer.points[0].errors.is_empty());
+    assert!(peer.points(0, Measure::Rhs).is_empty());
+    assert!(peer.points(0, Measure::Cpu).len() >= 3);
+
+    let ranking = study.ranking(0, 1e-3);
+    let lead = ranking.advantage.unwrap();
+    assert_eq!(
+        (lead.native.as_str(), lead.peer.as_str()),
+        ("native-reduced dopri5", "peer")
+    );
+    assert!(lead.ratio.is_finite() && ranking.entries[1].rhs_calls.is_none());
+}
+
+#[test]
+fn csv_and_json_can_be_read_back() {
+    let study = study(&["rk4"]);
+    let mut bytes = Vec::new();
+    write_csv(&study, &mut bytes).unwrap();
+    let mut reader = csv::Reader::from_reader(bytes.as_slice());
+    let header = reader.headers().unwrap().clone();
+    let column = |name: &str| header.iter().position(|h| h == name).unwrap();
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let points: usize = study.series.iter().map(|s| s.points.len()).sum();
+    assert_eq!(rows.len(), points);
+    let first = &study.series[0].points[0];
+    assert_eq!(&rows[0][column("method")], "rk4");
+    let read: f64 = rows[0][column("whole_force_l2")].parse().unwrap();
+    assert_eq!(read, first.errors[0].force_l2);
+    let step: f64 = rows[0][column("step_s")].parse().unwrap();
+    assert_eq!(step, first.setting);
+    let peer = rows.iter().find(|row| &row[0] == "peer").unwrap();
+    assert_eq!(
+        (&peer[column("status")], &peer[column("rhs_calls")]),
+        ("diverged", "")
+    );
+    let value = serde_json::to_value(&study).unwrap();
+    assert_eq!(
+        value["series"][0]["points"][0]["outcome"]["status"],
+        "finished"
+    );
+    assert_eq!(value["windows"][0]["name"], "whole");
+}
+
+/// Stopped while the second series runs: the first is kept, and the study says that it is not complete.
+#[test]
+fn what_was_measured_survives_a_stop() {
+    let stop = AtomicBool::new(false);
+    let progress = |progress: Progress<'_>| {
+        if progress.piece.starts_with("native-lagrange") {
+            stop.store(true, Ordering::Relaxed);
+        }
+    };
+    let control = Control {
+        cancel: &stop,
+        progress: &progress,
+    };
+    let scene = scene(&[]);
+    let engines: Vec<Box<dyn Engine>> = ["native-reduced", "native-lagrange"]
+        .iter()
+        .map(|name| by_name(name, &scene).unwrap())
+        .collect();
+    let study = run(&scene, &engines, &options(&["rk4"]), &control).unwrap();
+    assert!(!study.complete);
+    assert_ne!(study.series[0].stopped, Stopped::Interrupted);
+    assert!(!study.series[0].points.is_empty());
+    assert_eq!(study.series[1].stopped, Stopped::Interrupted);
+
+    stop.store(true, Ordering::Relaxed);
+    assert!(matches!(
+        run(&scene, &engines, &options(&["rk4"]), &control),
+        Err(StudyError::Cancelled)
+    ));
+}
+
+#[test]
+fn friction_has_a_reference_of_its_own() {
+    let scene = scene(&[
+        "contact.friction_coefficient=0.1",
+        "solver.duration_s=0.002",
+    ]);
+    let engines: Vec<Box<dyn Engine>> = vec![Box::new(Native::REDUCED)];
+    let study = run(&scene, &engines, &options(&["imex2"]), &Control::quiet()).unwrap();
+    assert_eq!(study.reference.second.method, "imex2");
+    // Measured 6e-6; see the module for the two methods.
+    assert!(study.reference.error(0).force_l2 < 1e-4);
+    assert!(study.series[0].points.last().unwrap().errors[0].force_l2 < 1e-3);
+}

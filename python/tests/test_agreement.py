@@ -1,0 +1,49 @@
+"""The comparison of two laws: it sees a difference, and tells a tie between two points from one."""
+
+import numpy as np
+import pytest
+
+from pinwheel_engines import ContactLaw, Unsupported
+from pinwheel_engines.agreement import TIE_M, compare
+from pinwheel_engines.layout import Kinematics
+from tests import scenes
+
+
+@pytest.mark.parametrize("name", ["paper", "friction", "backlash", "points"])
+def test_one_law_agrees_with_itself(name):
+    scene = scenes.scene(scenes.ALL[name])
+    plain = scenes.PlainLaw(scene)
+    found = compare(scene.to_toml(), plain.pointer, 50, seed=1)
+    assert found.states == 50
+    assert found.loaded > 30
+    assert found.largest_n > 10.0
+    assert found.worst_over_rounding < 0.5
+    assert found.ambiguous == 0
+
+
+def test_a_law_that_is_off_is_seen():
+    scene = scenes.scene()
+    stiffer = scenes.PlainLaw(scenes.scene("[contact]\nstiffness_multiplier = 0.0100000001"))
+    found = compare(scene.to_toml(), stiffer.pointer, 50, seed=1)
+    assert found.worst_over_rounding > 100.0
+    assert 1e-9 < found.worst_relative < 1e-7
+
+
+def test_a_law_that_numpy_does_not_know_is_refused():
+    pointer = scenes.PlainLaw(scenes.scene()).pointer
+    with pytest.raises(Unsupported):
+        compare('[contact]\nlaw = "constant"', pointer, 5, seed=1)
+
+
+def test_ties_between_points():
+    # One wheel at rest in the ideal mesh, its hole's points symmetric about the line through the sleeve.
+    scene = scenes.scene(scenes.POINTS)
+    law = ContactLaw(scene)
+    angles, rates = Kinematics(scene.gear).ideal(scene)
+    angles[2:4] += 1e-4
+    state = Kinematics(scene.gear).states(angles, rates)
+    gap = law.nearest_gap_m(state)
+    assert 0.0 <= gap < 1e-4
+    # Far from a tie for a state taken at random.
+    assert law.nearest_gap_m(scenes.random_states(scene, 1, seed=3)[0]) > TIE_M
+    assert np.isfinite(gap)

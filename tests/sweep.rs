@@ -1,0 +1,174 @@
+//! `pinwheel sweep` as a user meets it: what it writes, and what a kill leaves.
+
+use std::path::Path;
+use std::time::Duration;
+
+use pinwheel_tests::{names_in, pinwheel, run_in};
+use serde_json::Value;
+
+const SWEEP: &str = "\
+name = \"small\"
+engines = [\"native-reduced\"]
+[set]
+solver.duration_s = 0.01
+[vary]
+gear.backlash_m = { from = 0.0, to = 3.0e-4, points = 4 }
+contact.damping_n_s_m = [8.0, 16.0]
+";
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap()
+}
+
+#[test]
+fn a_sweep_writes_whole_results() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("small.toml"), SWEEP).unwrap();
+    let one = run_in(
+        dir.path(),
+        ["sweep", "small.toml", "--jobs", "1", "--out", "one"],
+    );
+    assert_eq!((one.code, one.stderr.as_str()), (Some(0), ""), "{one:?}");
+    let three = run_in(dir.path(), ["sweep", "small.toml", "--jobs", "3"]);
+    assert!(three.stdout.contains("8 finished"), "{three:?}");
+    let (one, out) = (dir.path().join("one"), dir.path().join("out/small-sweep"));
+    assert_eq!(
+        read(&one.join("results.csv")),
+        read(&out.join("results.csv"))
+    );
+    let names = names_in(&out);
+    for name in [
+        "costs.csv",
+        "index.html",
+        "results.csv",
+        "runs",
+        "summary.json",
+        "sweep.toml",
+    ] {
+        assert!(names.iter().any(|n| n == name), "{name}: {names:?}");
+    }
+    assert_eq!(names_in(&out.join("runs")).len(), 8);
+    assert_eq!(
+        names_in(dir.path()),
+        ["one", "out", "small.toml"],
+        "nothing unfinished is left"
+    );
+    let summary: Value = serde_json::from_str(&read(&out.join("summary.json"))).unwrap();
+    assert_eq!(
+        (&summary["runs"], &summary["finished"]),
+        (&Value::from(8), &Value::from(8))
+    );
+    assert_eq!(summary["rows"][7]["gear.backlash_m"], 3e-4);
+    assert!(
+        summary["rows"][0]["peak_external_sleeve_force_n"]
+            .as_f64()
+            .unwrap()
+            > 100.0
+    );
+    let page = read(&out.join("index.html"));
+    assert!(page.contains("gear.backlash_m") && page.contains("small"));
+    // An earlier output is replaced as a whole; --list runs nothing.
+    assert_eq!(run_in(dir.path(), ["sweep", "small.toml"]).code, Some(0));
+    let list = run_in(
+        dir.path(),
+        ["sweep", "small.toml", "--list", "--set", "gear.wheels=1"],
+    );
+    assert_eq!(list.stdout.lines().count(), 10, "{}", list.stdout);
+}
+
+#[test]
+fn bad_sweeps_end_with_a_line() {
+    let dir = tempfile::tempdir().unwrap();
+    for (text, part) in [
+        ("[vary]\ngear.wheels = [1, 0]\n", "run 2 (gear.wheels = 0)"),
+        ("vry = 1\n", "did you mean `vary`?"),
+        ("engines = [\"nativ\"]\n", "did you mean"),
+    ] {
+        std::fs::write(dir.path().join("bad.toml"), text).unwrap();
+        let outcome = run_in(dir.path(), ["sweep", "bad.toml"]);
+        assert_eq!(outcome.code, Some(2), "{outcome:?}");
+        assert!(
+            outcome.stderr.contains(part) && outcome.stderr.lines().count() == 1,
+            "{}",
+            outcome.stderr
+        );
+        assert_eq!(names_in(dir.path()), ["bad.toml"]);
+    }
+    let missing = run_in(dir.path(), ["sweep", "none.toml"]);
+    assert!(
+        missing.code == Some(2) && missing.stderr.contains("sweep file"),
+        "{missing:?}"
+    );
+    // A run that diverges is a result, and status 3.
+    std::fs::write(
+        dir.path().join("wild.toml"),
+        "[set]\nsolver.duration_s = 0.01\n[vary]\nsolver.step_s = [1e-5, 1e-4]\n",
+    )
+    .unwrap();
+    let wild = run_in(dir.path(), ["sweep", "wild.toml", "--out", "wild"]);
+    assert_eq!(wild.code, Some(3), "{wild:?}");
+    assert!(read(&dir.path().join("wild/results.csv")).contains("diverged"));
+}
+
+/// Killed without a chance to clean up, a sweep keeps every finished run whole, and goes on with them.
+#[test]
+fn a_killed_sweep_goes_on() {
+    let dir = tempfile::tempdir().unwrap();
+    // Long enough to be killed in the middle, whatever the machine: it is killed once two runs are there.
+    let long = SWEEP.replace("0.01", "0.05");
+    std::fs::write(dir.path().join("long.toml"), &long).unwrap();
+    let journal = dir.path().join("long.unfinished");
+    let runs = || {
+        names_in(&journal)
+            .iter()
+            .filter(|name| name.starts_with("run-"))
+            .count()
+    };
+    let mut child = pinwheel()
+        .current_dir(dir.path())
+        .args(["sweep", "long.toml", "--jobs", "1", "--out", "long"])
+        .spawn()
+        .unwrap();
+    while runs() < 2 && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let kept = runs();
+    assert!((2..8).contains(&kept), "{kept}");
+    assert!(!dir.path().join("long").exists());
+    for name in names_in(&journal)
+        .iter()
+        .filter(|name| name.starts_with("run-"))
+    {
+        let record: Value = serde_json::from_str(&read(&journal.join(name))).unwrap();
+        assert_eq!(record["status"], "finished");
+    }
+    let again = run_in(dir.path(), ["sweep", "long.toml", "--out", "long"]);
+    assert!(
+        again.code == Some(2) && again.stderr.contains("--resume"),
+        "{again:?}"
+    );
+    let stamps: Vec<_> = names_in(&journal)
+        .iter()
+        .filter(|name| name.starts_with("run-"))
+        .map(|name| {
+            serde_json::from_str::<Value>(&read(&journal.join(name))).unwrap()["cpu_s"].clone()
+        })
+        .collect();
+    let resumed = run_in(
+        dir.path(),
+        ["sweep", "long.toml", "--out", "long", "--resume"],
+    );
+    assert_eq!(resumed.code, Some(0), "{resumed:?}");
+    // The kept runs were not run again: their times are still those of the first attempt.
+    let costs = read(&dir.path().join("long/costs.csv"));
+    for stamp in stamps {
+        assert!(costs.contains(&stamp.to_string()), "{stamp} {costs}");
+    }
+    assert!(!journal.exists());
+    let whole = run_in(dir.path(), ["sweep", "long.toml", "--out", "whole"]);
+    assert_eq!(whole.code, Some(0));
+    let results = |name: &str| read(&dir.path().join(name).join("results.csv"));
+    assert_eq!(results("long"), results("whole"));
+}
