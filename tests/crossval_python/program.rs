@@ -51,7 +51,12 @@ fn crossval_python_program_stops_when_asked() {
         let dir = tempfile::tempdir().unwrap();
         let mut child = pinwheel()
             .args(["run", "paper", "--engine", engine, "--out", "out"])
-            .args(["--set", "solver.duration_s=1000", "--set", "solver.sample_s=0.01"])
+            .args([
+                "--set",
+                "solver.duration_s=1000",
+                "--set",
+                "solver.sample_s=0.01",
+            ])
             .current_dir(dir.path())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())

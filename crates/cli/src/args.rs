@@ -62,6 +62,8 @@ pub(crate) enum Command {
     Stability(crate::commands::stability::StabilityArgs),
     /// List the contact laws with their source, domain and behaviour at slow impacts.
     Laws(LawsArgs),
+    /// Compute every figure and claim of the paper again, on one page.
+    Paper(crate::commands::paper::PaperArgs),
     /// Keep accepted results, and say what a change of the solver moved.
     Baseline(crate::commands::baseline::BaselineArgs),
 }

@@ -4,6 +4,7 @@
 //! 3 an engine is missing, diverged or failed; 130 stopped by the user.
 //! Results go to stdout, progress to stderr and only when that is a terminal.
 
+mod animation;
 mod args;
 mod commands;
 mod engines;
@@ -43,6 +44,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),
+        Command::Paper(args) => commands::paper::paper(args),
         Command::Baseline(args) => commands::baseline::baseline(args),
         Command::Stability(args) => commands::stability::stability(args),
         Command::Record(args) => commands::record::record(args),

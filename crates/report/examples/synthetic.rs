@@ -148,6 +148,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let page = render(&ReportInput {
         comparison: &comparison,
         participants: &participants,
+        animation: None,
         modelled: vec![
             fact(
                 "28 bodies, 27 degrees of freedom",

@@ -3,6 +3,8 @@
 
 use pinwheel_compare::{Comparison, Participant};
 
+use crate::animation::Animation;
+
 /// Everything on the page.
 #[derive(Debug, Clone)]
 pub struct ReportInput<'a> {
@@ -10,6 +12,8 @@ pub struct ReportInput<'a> {
     pub comparison: &'a Comparison,
     /// The same participants the comparison was made from: their courses are drawn.
     pub participants: &'a [Participant],
+    /// The gearbox in motion, if there is one to show, and the time it begins at, s.
+    pub animation: Option<(Animation, f64)>,
     /// What was modelled, e.g. bodies, joints, contact law.
     pub modelled: Vec<Fact>,
     /// What was left out, and why.

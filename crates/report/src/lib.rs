@@ -3,6 +3,7 @@
 //! [`render`] fills in the page of a comparison, [`study::render`] that of any other study. A page opens without a network, reads without a script (every table
 //! is plain HTML), and draws its courses with an embedded plotting library.
 
+pub mod animation;
 mod assets;
 mod chart_data;
 mod error;

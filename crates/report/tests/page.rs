@@ -59,6 +59,7 @@ fn page_of(comparison: &Comparison, participants: &[Participant]) -> Result<Stri
     render(&ReportInput {
         comparison,
         participants,
+        animation: None,
         modelled: vec![Fact::new("28 bodies", "")],
         left_out: vec![Fact::new("Gravity", "It is small.")],
         assumptions: vec![Fact::new("Radius 6 mm", "Fig. 3 is missing.")],

@@ -15,6 +15,7 @@ use pinwheel_report::{Fact, ReportInput};
 use pinwheel_studies::{StudyError, divergence};
 use serde::Serialize;
 
+use crate::animation;
 use crate::args::{CompareArgs, quoted};
 use crate::commands::{foreign, verdicts};
 use crate::engines;
@@ -301,6 +302,7 @@ fn write(
     let page = pinwheel_report::render(&ReportInput {
         comparison,
         participants,
+        animation: animation::of(scene)?,
         modelled: facts(&model.modelled),
         left_out: facts(&model.left_out),
         assumptions: assumed

@@ -266,7 +266,10 @@ impl Data {
             ));
         }
         let times = self.foreign.courses.time_s();
-        let (first, last) = (times.first().unwrap_or(&0.0), times.last().unwrap_or(&0.0));
+        // Without the digits that factor and offset have rounded.
+        let nano = |time: Option<&f64>| format!("{:.9}", time.copied().unwrap_or(0.0));
+        let short = |text: String| text.trim_end_matches('0').trim_end_matches('.').to_owned();
+        let (first, last) = (short(nano(times.first())), short(nano(times.last())));
         let offset = self.map.time.offset_s;
         notes.push(format!(
             "{} rows from {first} to {last} s{}.",

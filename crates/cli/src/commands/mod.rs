@@ -7,6 +7,7 @@ pub(crate) mod engines;
 pub(crate) mod explain;
 pub(crate) mod foreign;
 pub(crate) mod laws;
+pub(crate) mod paper;
 pub(crate) mod record;
 pub(crate) mod run;
 pub(crate) mod stability;

@@ -15,7 +15,7 @@ use pinwheel_compare::{Comparison, Verdict, WindowKind};
 
 use crate::assets::{ASSETS, Assets};
 use crate::chart_data::{ChartData, json_for_script};
-use crate::{Fact, ReportError, ReportInput};
+use crate::{Fact, ReportError, ReportInput, animation};
 use banner::{Banner, Tile};
 use costs::Costs;
 use tracks::TrackSection;
@@ -29,6 +29,8 @@ pub(crate) struct Page<'a> {
     banner: Banner,
     tiles: Vec<Tile>,
     remarks: Vec<String>,
+    /// Markup of the moving gearbox, or nothing.
+    animation: Option<String>,
     chart_notes: Vec<String>,
     chart_json: Option<String>,
     tracks: Vec<TrackSection>,
@@ -82,6 +84,11 @@ impl<'a> Page<'a> {
                 .map(|w| format!("No {} window: {}.", w.kind.word(), w.reason))
                 .chain(comparison.context.divergence.iter().map(|d| d.told.clone()))
                 .collect(),
+            animation: input
+                .animation
+                .as_ref()
+                .map(|(view, begin)| animation::markup(std::slice::from_ref(view), *begin))
+                .transpose()?,
             chart_notes: charts.as_ref().map(|c| c.notes.clone()).unwrap_or_default(),
             chart_json: charts.as_ref().map(json_for_script).transpose()?,
             tracks: tracks::sections(comparison),

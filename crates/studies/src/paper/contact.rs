@@ -148,7 +148,7 @@ fn spread(values: &[f64], samples: &Range<usize>, shown: &Range<usize>) -> Vec<f
         .clone()
         .map(|k| {
             if samples.contains(&k) {
-                values[k - samples.start]
+                values.get(k - samples.start).copied().unwrap_or(f64::NAN)
             } else {
                 f64::NAN
             }

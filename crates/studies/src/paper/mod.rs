@@ -120,7 +120,16 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<Paper, StudyError
     };
     let runs = Runs::new(*control);
     begin("cost of a run");
-    let costs = costs(&runs)?;
+    let mut costs = costs(&runs)?;
+    if let Some(peer) = &options.peer
+        && let Some(wall_s) = peer.wall_s
+    {
+        costs.push(Cost {
+            what: format!("{} in Adams' place", peer.name),
+            paper_s: Some(3600.0),
+            ours_s: wall_s,
+        });
+    }
     let mut figures = Vec::new();
     for (names, piece, make) in groups {
         begin(piece);

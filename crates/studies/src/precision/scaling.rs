@@ -189,8 +189,10 @@ pub fn write_csv(scaling: &Scaling, sink: impl Write) -> Result<(), StudyError> 
 /// The paper's gear with other numbers of sleeves and wheels.
 #[must_use]
 pub fn gear(wheels: usize, external: usize, internal: usize) -> Scene {
-    let mut scene = Scene::default();
-    scene.name = format!("scaling: {wheels} wheels, {external} + {internal} sleeves");
+    let mut scene = Scene {
+        name: format!("scaling: {wheels} wheels, {external} + {internal} sleeves"),
+        ..Scene::default()
+    };
     // R = e zk/m grows with zk: same teeth on a larger circle.
     let growth = external as f64 / scene.gear.external_sleeves as f64;
     let gear = &mut scene.gear;

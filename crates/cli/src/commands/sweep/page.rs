@@ -99,7 +99,7 @@ pub(super) fn page(
             tile(
                 "Runs",
                 count(records.len() as u64),
-                format!("{} engines", sweep.engines.len()),
+                sweep.engines.join(", "),
             ),
             tile("Varied", varied.len().to_string(), varied.join(", ")),
             tile(

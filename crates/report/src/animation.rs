@@ -1,0 +1,420 @@
+//! The gearbox in motion: an engine's courses, packed for the page's script.
+//!
+//! Angles travel as what parts them from the ideal mesh, forces pair by pair, each channel as 16-bit
+//! steps between its least and its largest value (an angle to 1e-5 of its own deviation, a force to
+//! 0.01 N). The script finds points and directions of contact on the same curve as the solver.
+
+use std::fmt::Write as _;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use pinwheel_courses::Courses;
+use serde::Serialize;
+
+use crate::ReportError;
+use crate::chart_data::json_for_script;
+
+/// Channels that an animation needs beside the contract's (`output.channels` of the scene).
+pub const CHANNELS: [&str; 4] = [
+    "transmission_error_arcmin",
+    "wheel_transmission_error_arcmin_*",
+    "wheel_*_external_normal_force_n_*",
+    "wheel_*_internal_normal_force_n_*",
+];
+
+/// Bytes that the samples of one gearbox may take before they are encoded.
+const BUDGET: usize = 360_000;
+/// Samples in the time a wheel takes from sleeve to sleeve: forces must not lose their shape.
+const PER_SLEEVE: f64 = 24.0;
+/// Forces below this share of the largest are not drawn.
+const LEAST: f64 = 1e-3;
+/// Radians of a minute of arc.
+const ARCMIN: f64 = std::f64::consts::PI / (180.0 * 60.0);
+
+/// Dimensions that are drawn. Lengths in m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gear {
+    /// e
+    pub eccentricity_m: f64,
+    /// zk
+    pub external_sleeves: usize,
+    /// m
+    pub shortening: f64,
+    /// q
+    pub external_sleeve_radius_m: f64,
+    /// zi
+    pub internal_sleeves: usize,
+    /// Radius of an internal sleeve.
+    pub internal_sleeve_radius_m: f64,
+    /// Radius of the circle the internal sleeves sit on.
+    pub internal_circle_radius_m: f64,
+    /// Radius of a hole.
+    pub hole_radius_m: f64,
+    /// Wheels.
+    pub wheels: usize,
+    /// d
+    pub backlash_m: f64,
+    /// Speed of the input, rad/s.
+    pub input_speed_rad_s: f64,
+}
+
+impl Gear {
+    fn channels(&self) -> usize {
+        3 + self.wheels * (1 + self.external_sleeves + self.internal_sleeves)
+    }
+
+    /// How far apart samples should be, s, and how long a stretch fits into one page, s.
+    #[must_use]
+    pub fn sampling(&self) -> (f64, f64) {
+        let sleeve = std::f64::consts::TAU
+            / self.input_speed_rad_s.abs().max(1e-9)
+            / self.external_sleeves as f64;
+        // Vibration of the wheels on their contacts, about 1 kHz, must not be lost either.
+        let step = (sleeve / PER_SLEEVE).min(2e-4);
+        let samples = BUDGET / (2 * self.channels());
+        (step, step * samples.saturating_sub(1) as f64)
+    }
+}
+
+/// One gearbox, ready to be drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Animation {
+    title: String,
+    view: View,
+}
+
+/// What the script reads of it. Lengths in mm, which is what a page can draw well.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct View {
+    gear: GearJson,
+    speed: f64,
+    from: f64,
+    step: f64,
+    count: usize,
+    /// Force of a full arrow, N: 99 in 100 samples of the loaded sleeves lie below in the second half.
+    full: f64,
+    least: f64,
+    channels: Vec<Scale>,
+    samples: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct GearJson {
+    e: f64,
+    zk: usize,
+    m: f64,
+    q: f64,
+    zi: usize,
+    ri: f64,
+    rw: f64,
+    rh: f64,
+    wheels: usize,
+    d: f64,
+}
+
+/// `value = offset + step * number`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+struct Scale {
+    offset: f64,
+    step: f64,
+}
+
+#[derive(Serialize)]
+struct Block<'a> {
+    views: Vec<&'a View>,
+    /// Sample it begins at.
+    begin: usize,
+}
+
+impl Animation {
+    /// Packs the samples from `from_s` to `to_s`, evenly spaced; `None` if a channel is missing or there
+    /// are fewer than two samples.
+    #[must_use]
+    pub fn of(
+        title: impl Into<String>,
+        gear: &Gear,
+        courses: &Courses,
+        (from_s, to_s): (f64, f64),
+    ) -> Option<Self> {
+        let range = courses.window(from_s, to_s);
+        let time = courses.time_s().get(range.clone())?;
+        let (&start, &end) = (time.first()?, time.last()?);
+        if time.len() < 2 {
+            return None;
+        }
+        let part = |name: &str, scale: f64| -> Option<Vec<f64>> {
+            let values = courses.channel(name)?.get(range.clone())?;
+            Some(values.iter().map(|v| v * scale).collect())
+        };
+        let mut columns = vec![
+            part("input_torque_n_m", 1.0)?,
+            part("output_torque_n_m", 1.0)?,
+            part("transmission_error_arcmin", ARCMIN)?,
+        ];
+        for i in 0..gear.wheels {
+            columns.push(part(
+                &format!("wheel_transmission_error_arcmin_{i}"),
+                ARCMIN,
+            )?);
+        }
+        let forces = columns.len();
+        for i in 0..gear.wheels {
+            for (kind, count) in [
+                ("external", gear.external_sleeves),
+                ("internal", gear.internal_sleeves),
+            ] {
+                for n in 0..count {
+                    columns.push(part(&format!("wheel_{i}_{kind}_normal_force_n_{n}"), 1.0)?);
+                }
+            }
+        }
+        let mut channels = Vec::new();
+        let mut bytes = Vec::with_capacity(2 * columns.len() * time.len());
+        for column in &columns {
+            let (scale, packed) = pack(column);
+            channels.push(scale);
+            bytes.extend(packed.into_iter().flat_map(u16::to_le_bytes));
+        }
+        let later = time.len() / 2;
+        let mut loads: Vec<f64> = columns[forces..]
+            .iter()
+            .flat_map(|c| &c[later..])
+            .copied()
+            .filter(|f| *f > 1e-6)
+            .collect();
+        loads.sort_by(f64::total_cmp);
+        let full = loads.get(loads.len() * 99 / 100).copied().unwrap_or(1.0);
+        let mm = |metres: f64| 1e3 * metres;
+        Some(Self {
+            title: title.into(),
+            view: View {
+                gear: GearJson {
+                    e: mm(gear.eccentricity_m),
+                    zk: gear.external_sleeves,
+                    m: gear.shortening,
+                    q: mm(gear.external_sleeve_radius_m),
+                    zi: gear.internal_sleeves,
+                    ri: mm(gear.internal_sleeve_radius_m),
+                    rw: mm(gear.internal_circle_radius_m),
+                    rh: mm(gear.hole_radius_m),
+                    wheels: gear.wheels,
+                    d: mm(gear.backlash_m),
+                },
+                speed: gear.input_speed_rad_s,
+                from: start,
+                step: (end - start) / (time.len() - 1) as f64,
+                count: time.len(),
+                full,
+                least: LEAST * full,
+                channels,
+                samples: STANDARD.encode(bytes),
+            },
+        })
+    }
+}
+
+/// The values in 65 535 steps from the least to the largest; what is not a number lies at the least.
+fn pack(values: &[f64]) -> (Scale, Vec<u16>) {
+    let finite = || values.iter().copied().filter(|v| v.is_finite());
+    let low = finite().fold(f64::INFINITY, f64::min);
+    let high = finite().fold(f64::NEG_INFINITY, f64::max);
+    if !(high > low) {
+        let offset = if low.is_finite() { low } else { 0.0 };
+        return (Scale { offset, step: 0.0 }, vec![0; values.len()]);
+    }
+    let step = (high - low) / f64::from(u16::MAX);
+    let number = |v: &f64| {
+        if v.is_finite() {
+            ((v - low) / step).round() as u16
+        } else {
+            0
+        }
+    };
+    (
+        Scale { offset: low, step },
+        values.iter().map(number).collect(),
+    )
+}
+
+/// Markup of one block with a clock for all of `views`, which must have the same sample times; style and script
+/// are included, so there should be one block on a page. `begin_s`: where it starts and begins again.
+///
+/// # Errors
+/// Never in practice: the data cannot be written.
+pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> {
+    let Some(first) = views.first() else {
+        return Ok(String::new());
+    };
+    let begin = ((begin_s - first.view.from) / first.view.step)
+        .round()
+        .max(0.0) as usize;
+    let block = Block {
+        views: views.iter().map(|v| &v.view).collect(),
+        begin: begin.min(first.view.count - 1),
+    };
+    let mut html = format!(
+        "<style>{}</style>\n<div class=\"gearboxes\"><div class=\"gearbox-views\">\n",
+        include_str!("../assets/animation.css")
+    );
+    for Animation { title, view } in views {
+        let title = escape(title);
+        let _ = writeln!(
+            html,
+            "<figure class=\"gearbox-view\"><canvas tabindex=\"0\" role=\"img\" aria-label=\"{title}: {} wheels with {} lobes between {} external and {} internal sleeves, arrows for the contact forces. Space plays and pauses, arrow keys step.\"></canvas>\
+             <figcaption>{title}</figcaption><dl class=\"gearbox-read\">\
+             <dt>Input</dt><dd></dd><dt>Output</dt><dd></dd><dt>Input torque</dt><dd></dd><dt>Output torque</dt><dd></dd>\
+             <dt>Largest external force</dt><dd></dd><dt>Largest internal force</dt><dd></dd><dt>External sleeves loaded, by wheel</dt><dd></dd></dl></figure>",
+            view.gear.wheels,
+            view.gear.zk - 1,
+            view.gear.zk,
+            view.gear.zi
+        );
+    }
+    html.push_str(
+        "</div>\n<noscript><p class=\"notice\">The moving gearbox needs a script.</p></noscript>\
+         <div class=\"gearbox-time\" hidden><canvas aria-hidden=\"true\"></canvas><input type=\"range\" min=\"0\" max=\"1\" step=\"1\" value=\"0\" aria-label=\"Time\"></div>\
+         <div class=\"gearbox-controls\" hidden><button type=\"button\" class=\"play\" aria-pressed=\"false\">\u{25b6} Play</button><span class=\"at\"></span>\
+         <label class=\"control\"><span class=\"control-label\">Speed</span><select>",
+    );
+    for (value, label) in [
+        ("0.002", "1/500"),
+        ("0.005", "1/200"),
+        ("0.02", "1/50"),
+        ("0.05", "1/20"),
+        ("0.2", "1/5"),
+        ("1", "real time"),
+    ] {
+        let chosen = if value == "0.02" { " selected" } else { "" };
+        let _ = write!(html, "<option value=\"{value}\"{chosen}>{label}</option>");
+    }
+    html.push_str("</select></label><div class=\"gearbox-chips\" role=\"group\" aria-label=\"What is drawn\"><button type=\"button\" aria-pressed=\"true\">Forces</button>");
+    for i in 0..first.view.gear.wheels {
+        let _ = write!(
+            html,
+            "<button type=\"button\" data-wheel=\"{i}\" aria-pressed=\"true\">Wheel {i}</button>"
+        );
+    }
+    let full = crate::format::significant(first.view.full, 3);
+    let _ = write!(
+        html,
+        "</div></div><div class=\"gearbox-key\"><span>0</span><span class=\"ramp\"></span><span>{full}\u{202f}N, a full arrow. Strip: largest force of a pair over time, \
+         <span style=\"color:var(--accent)\">external</span> and <span style=\"color:var(--force-middle)\">internal</span>. Point at a sleeve for its force.</span></div>\n\
+         <script type=\"application/json\">{}</script></div>\n<script>{}</script>",
+        json_for_script(&block)?,
+        include_str!("../assets/animation.js")
+    );
+    Ok(html)
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+        .replace('\'', "&#39;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gear() -> Gear {
+        Gear {
+            eccentricity_m: 0.0028,
+            external_sleeves: 3,
+            shortening: 0.7,
+            external_sleeve_radius_m: 0.006,
+            internal_sleeves: 2,
+            internal_sleeve_radius_m: 0.006,
+            internal_circle_radius_m: 0.038,
+            hole_radius_m: 0.0088,
+            wheels: 1,
+            backlash_m: 0.0,
+            input_speed_rad_s: 52.34,
+        }
+    }
+
+    fn courses() -> Courses {
+        let mut courses = Courses::new((0..11).map(|k| f64::from(k) * 1e-3).collect()).unwrap();
+        let mut push = |name: &str, value: f64| {
+            courses
+                .push(name, (0..11).map(|k| value + f64::from(k)).collect())
+                .unwrap();
+        };
+        for name in [
+            "input_torque_n_m",
+            "output_torque_n_m",
+            "transmission_error_arcmin",
+            "wheel_transmission_error_arcmin_0",
+        ] {
+            push(name, 1.0);
+        }
+        for n in 0..3 {
+            push(
+                &format!("wheel_0_external_normal_force_n_{n}"),
+                10.0 * f64::from(n),
+            );
+        }
+        for n in 0..2 {
+            push(&format!("wheel_0_internal_normal_force_n_{n}"), 5.0);
+        }
+        courses
+    }
+
+    #[test]
+    fn values_come_back_to_a_step() {
+        let values = [1.0, -3.0, 2.5, f64::NAN, 100.0];
+        let (scale, packed) = pack(&values);
+        for (v, k) in values.iter().zip(&packed).filter(|(v, _)| v.is_finite()) {
+            assert!(
+                (scale.offset + scale.step * f64::from(*k) - v).abs() <= 0.5 * scale.step + 1e-12
+            );
+        }
+        assert_eq!(
+            pack(&[7.0, 7.0]).0,
+            Scale {
+                offset: 7.0,
+                step: 0.0
+            }
+        );
+        assert_eq!(pack(&[f64::NAN]).1, [0]);
+    }
+
+    #[test]
+    fn a_window_is_packed_channel_by_channel() {
+        let made = Animation::of("a <gear>", &gear(), &courses(), (0.002, 0.006)).unwrap();
+        assert_eq!(
+            (made.view.count, made.view.channels.len()),
+            (5, gear().channels())
+        );
+        let bytes = STANDARD.decode(&made.view.samples).unwrap();
+        assert_eq!(bytes.len(), 2 * 5 * gear().channels());
+        // The first channel rises from 3 to 7 N m.
+        assert!((made.view.channels[0].offset - 3.0).abs() < 1e-12);
+        assert_eq!(u16::from_le_bytes([bytes[8], bytes[9]]), u16::MAX);
+        let html = markup(&[made], 0.004).unwrap();
+        assert!(html.contains("a &lt;gear&gt;") && html.contains("\"begin\":2"));
+        assert!(!html.contains("http:") && !html.contains("https:"));
+    }
+
+    #[test]
+    fn without_the_channels_there_is_none() {
+        let bare = Courses::new(vec![0.0, 1.0]).unwrap();
+        assert!(Animation::of("x", &gear(), &bare, (0.0, 1.0)).is_none());
+        assert!(Animation::of("x", &gear(), &courses(), (0.5, 1.0)).is_none());
+        assert_eq!(markup(&[], 0.0).unwrap(), "");
+    }
+
+    #[test]
+    fn a_page_stays_small_for_any_gear() {
+        let mut large = gear();
+        (large.external_sleeves, large.internal_sleeves, large.wheels) = (60, 12, 4);
+        for gear in [gear(), large] {
+            let (step, stretch) = gear.sampling();
+            assert!(
+                step > 0.0
+                    && 2.0 * gear.channels() as f64 * (stretch / step) < 1.01 * BUDGET as f64
+            );
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! Headless Chromium, driven over its DevTools protocol: one page at a time.
+
+use std::io::Write as _;
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+use tungstenite::{Message, WebSocket};
+
+/// How long anything may take on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(120);
+/// Names under which it is installed, and where it stands on a Mac.
+const NAMES: [&str; 7] = [
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+    "chrome",
+    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
+    "/Applications/Chromium.app/Contents/MacOS/Chromium",
+];
+
+/// How a page is looked at.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Look {
+    pub(crate) width: u32,
+    pub(crate) dark: bool,
+    pub(crate) still: bool,
+}
+
+/// A running browser; dropped, it ends.
+pub(crate) struct Chromium {
+    child: Child,
+    socket: WebSocket<TcpStream>,
+    /// Profile; removed with the browser.
+    _profile: TempDir,
+    next: u64,
+    session: Option<String>,
+    /// What went wrong on the page since it was opened.
+    complaints: Vec<String>,
+    loaded: bool,
+}
+
+/// The browser's program: `PINWHEEL_CHROMIUM`, or the first installed one.
+fn program() -> Option<PathBuf> {
+    if let Some(path) = std::env::var_os("PINWHEEL_CHROMIUM") {
+        return Some(path.into());
+    }
+    let places: Vec<PathBuf> = std::env::var_os("PATH")
+        .map(|path| std::env::split_paths(&path).collect())
+        .unwrap_or_default();
+    // Joining an absolute path gives the path itself.
+    let found = |name: &&str| {
+        places
+            .iter()
+            .map(|place| place.join(name))
+            .find(|p| p.is_file())
+    };
+    NAMES.iter().find_map(|name| found(name))
+}
+
+impl Chromium {
+    /// Starts it; `None`, said aloud, where there is none, unless `PINWHEEL_REQUIRE_BROWSER` is set.
+    pub(crate) fn start() -> Option<Self> {
+        let Some(program) = program() else {
+            assert!(
+                std::env::var_os("PINWHEEL_REQUIRE_BROWSER").is_none(),
+                "PINWHEEL_REQUIRE_BROWSER is set and there is no Chromium: install it, or name it in PINWHEEL_CHROMIUM"
+            );
+            // Straight to the stream: what a passing test prints is not shown.
+            let _ = std::io::stderr().write_all(
+                b"SKIPPED: no Chromium, so the pages were not looked at; install it (Debian: apt-get install chromium) \
+                  or name it in PINWHEEL_CHROMIUM\n",
+            );
+            return None;
+        };
+        let profile = tempfile::tempdir().unwrap();
+        let child = Command::new(&program)
+            .args([
+                "--headless=new",
+                "--remote-debugging-port=0",
+                "--no-first-run",
+                "--no-default-browser-check",
+                "--disable-gpu",
+                "--disable-dev-shm-usage",
+                "--disable-background-networking",
+                "--hide-scrollbars",
+                // The pages are our own, and containers seldom allow its sandbox.
+                "--no-sandbox",
+            ])
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .arg("about:blank")
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap_or_else(|error| panic!("{}: {error}", program.display()));
+        let (port, path) = address(profile.path());
+        let stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        let url = format!("ws://127.0.0.1:{port}{path}");
+        let (socket, _) = tungstenite::client(url, stream).unwrap();
+        let mut browser = Self {
+            child,
+            socket,
+            _profile: profile,
+            next: 0,
+            session: None,
+            complaints: Vec::new(),
+            loaded: false,
+        };
+        let target = browser.call("Target.createTarget", json!({"url": "about:blank"}));
+        let attached = browser.call(
+            "Target.attachToTarget",
+            json!({"targetId": target["targetId"], "flatten": true}),
+        );
+        browser.session = attached["sessionId"].as_str().map(str::to_owned);
+        for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
+            browser.call(domain, json!({}));
+        }
+        Some(browser)
+    }
+
+    /// Opens a file and waits until it is loaded. Returns what the console complained of.
+    pub(crate) fn open(&mut self, page: &Path, look: Look) {
+        let scheme = if look.dark { "dark" } else { "light" };
+        let motion = if look.still {
+            "reduce"
+        } else {
+            "no-preference"
+        };
+        self.call(
+            "Emulation.setDeviceMetricsOverride",
+            json!({"width": look.width, "height": 900, "deviceScaleFactor": 1, "mobile": look.width < 600}),
+        );
+        self.call(
+            "Emulation.setEmulatedMedia",
+            json!({"features": [{"name": "prefers-color-scheme", "value": scheme}, {"name": "prefers-reduced-motion", "value": motion}]}),
+        );
+        self.complaints.clear();
+        self.loaded = false;
+        let page = page.canonicalize().unwrap();
+        let went = self.call(
+            "Page.navigate",
+            json!({"url": format!("file://{}", page.display())}),
+        );
+        assert!(went.get("errorText").is_none(), "{went}");
+        while !self.loaded {
+            self.read();
+        }
+    }
+
+    /// The value of a script, promises awaited.
+    pub(crate) fn evaluate(&mut self, script: &str) -> Value {
+        let got = self.call(
+            "Runtime.evaluate",
+            json!({"expression": script, "awaitPromise": true, "returnByValue": true}),
+        );
+        assert!(got.get("exceptionDetails").is_none(), "{got:#}");
+        got["result"]["value"].clone()
+    }
+
+    /// Errors and warnings of the console, and exceptions, since the page was opened.
+    pub(crate) fn complaints(&self) -> &[String] {
+        &self.complaints
+    }
+
+    fn call(&mut self, method: &str, params: Value) -> Value {
+        self.next += 1;
+        let id = self.next;
+        let mut message = json!({"id": id, "method": method, "params": params});
+        if let Some(session) = &self.session {
+            message["sessionId"] = json!(session);
+        }
+        self.socket
+            .send(Message::text(message.to_string()))
+            .unwrap();
+        loop {
+            let answer = self.read();
+            if answer["id"] == id {
+                assert!(answer.get("error").is_none(), "{method}: {answer}");
+                return answer["result"].clone();
+            }
+        }
+    }
+
+    /// The next message; events are noted.
+    fn read(&mut self) -> Value {
+        let message = self.socket.read().expect("the browser answers");
+        let Message::Text(text) = message else {
+            return Value::Null;
+        };
+        let message: Value = serde_json::from_str(&text).unwrap();
+        let params = &message["params"];
+        match message["method"].as_str() {
+            Some("Page.loadEventFired") => self.loaded = true,
+            Some("Runtime.exceptionThrown") => {
+                let details = &params["exceptionDetails"];
+                self.complaints.push(format!(
+                    "exception: {} {}",
+                    details["text"], details["exception"]["description"]
+                ));
+            }
+            Some("Runtime.consoleAPICalled")
+                if matches!(
+                    params["type"].as_str(),
+                    Some("error" | "warning" | "assert")
+                ) =>
+            {
+                self.complaints.push(format!("console: {}", params["args"]));
+            }
+            Some("Log.entryAdded")
+                if matches!(params["entry"]["level"].as_str(), Some("error" | "warning")) =>
+            {
+                self.complaints
+                    .push(format!("log: {}", params["entry"]["text"]));
+            }
+            _ => {}
+        }
+        message
+    }
+}
+
+impl Drop for Chromium {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Where it listens: it writes port and path into its profile.
+fn address(profile: &Path) -> (u16, String) {
+    let file = profile.join("DevToolsActivePort");
+    let start = Instant::now();
+    loop {
+        let text = std::fs::read_to_string(&file).unwrap_or_default();
+        let mut lines = text.lines();
+        if let (Some(Ok(port)), Some(path)) = (lines.next().map(str::parse), lines.next()) {
+            return (port, path.to_owned());
+        }
+        assert!(
+            start.elapsed() < PATIENCE,
+            "Chromium does not say where it listens"
+        );
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}

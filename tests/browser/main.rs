@@ -1,0 +1,243 @@
+//! The pages in a real browser: no complaint in the console, every figure drawn, nothing wider than the
+//! screen, on a phone and a desk, in the light and in the dark.
+//!
+//! Without Chromium these tests say that they were skipped; with `PINWHEEL_REQUIRE_BROWSER` set they fail.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod chromium;
+
+use std::path::Path;
+
+use chromium::{Chromium, Look};
+use pinwheel_tests::run_in;
+use serde_json::Value;
+
+const LOOKS: [Look; 3] = [
+    Look {
+        width: 390,
+        dark: false,
+        still: true,
+    },
+    Look {
+        width: 1280,
+        dark: true,
+        still: true,
+    },
+    Look {
+        width: 1600,
+        dark: false,
+        still: true,
+    },
+];
+
+/// What a page looks like from inside, once all that can be opened is open.
+const LOOK_AT: &str = r#"(async () => {
+  const rest = () => new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(r, 100))));
+  document.querySelectorAll('details').forEach((d) => { d.open = true; });
+  await rest();
+  await rest();
+  const probe = document.body.appendChild(document.createElement('i'));
+  const rgb = (text) => {
+    probe.style.color = text;
+    const pen = new OffscreenCanvas(1, 1).getContext('2d');
+    pen.fillStyle = getComputedStyle(probe).color;
+    pen.fillRect(0, 0, 1, 1);
+    return [...pen.getImageData(0, 0, 1, 1).data];
+  };
+  const lines = Array.from({ length: 8 }, (_, k) => rgb(`var(--line-${k})`));
+  const near = (a, b) => Math.abs(a[0] - b[0]) + Math.abs(a[1] - b[1]) + Math.abs(a[2] - b[2]) < 24;
+  const ground = rgb(getComputedStyle(document.body).backgroundColor);
+  probe.remove();
+  const canvases = [...document.querySelectorAll('main canvas')].filter((c) => c.offsetParent !== null);
+  const blank = canvases.filter((canvas) => {
+    const { width, height } = canvas;
+    if (!width || !height) return true;
+    const data = canvas.getContext('2d').getImageData(0, 0, width, height).data;
+    const curve = Boolean(canvas.closest('.uplot'));
+    const colours = new Set();
+    let hits = 0;
+    for (let k = 0; k < data.length; k += 4) {
+      if (data[k + 3] < 250) continue;
+      const pixel = [data[k], data[k + 1], data[k + 2]];
+      if (curve ? lines.some((line) => near(line, pixel)) : true) hits += 1;
+      if (colours.size < 50) colours.add(pixel.join());
+    }
+    return curve ? hits < 20 : colours.size < 5;
+  }).map((canvas) => canvas.closest('figure, section, .panel')?.textContent.trim().slice(0, 60) || canvas.outerHTML);
+  const room = document.documentElement.clientWidth;
+  const wide = [...document.querySelectorAll('main *, header *, footer *')].filter((e) => {
+    const box = e.getBoundingClientRect();
+    return box.width > 0 && box.right > room + 1 && !e.closest('.scroll, pre, nav, .unseen, svg');
+  }).slice(0, 5).map((e) => e.outerHTML.slice(0, 120));
+  return {
+    canvases: canvases.length, blank, wide,
+    plots: document.querySelectorAll('main .uplot').length,
+    waiting: [...document.querySelectorAll('[data-chart]')].filter((h) => !h.querySelector('.uplot')).length,
+    gearboxes: document.querySelectorAll('.gearboxes[data-ready]').length,
+    overflow: document.documentElement.scrollWidth - room,
+    ground: (ground[0] + ground[1] + ground[2]) / 3,
+  };
+})()"#;
+
+/// Everything that is wrong with a page in one look.
+fn faults(browser: &mut Chromium, page: &Path, look: Look) -> (Vec<String>, Value) {
+    browser.open(page, look);
+    let seen = browser.evaluate(LOOK_AT);
+    let mut faults: Vec<String> = browser.complaints().to_vec();
+    let mut list = |what: &str, key: &str| {
+        let found = seen[key].as_array().unwrap();
+        faults.extend(found.iter().map(|v| format!("{what}: {v}")));
+    };
+    list("not drawn", "blank");
+    list("too wide", "wide");
+    if seen["overflow"].as_i64().unwrap() > 0 {
+        faults.push(format!("{} px wider than the screen", seen["overflow"]));
+    }
+    if seen["waiting"].as_i64().unwrap() > 0 {
+        faults.push(format!("{} charts never drawn", seen["waiting"]));
+    }
+    let ground = seen["ground"].as_f64().unwrap();
+    if look.dark != (ground < 100.0) {
+        faults.push(format!(
+            "ground of {ground} in the {}",
+            if look.dark { "dark" } else { "light" }
+        ));
+    }
+    (faults, seen)
+}
+
+/// A page in all looks, with at least so many plots and moving gearboxes.
+fn flawless(browser: &mut Chromium, page: &Path, plots: u64, gearboxes: u64) {
+    for look in LOOKS {
+        let (faults, seen) = faults(browser, page, look);
+        assert!(
+            faults.is_empty(),
+            "{} at {look:?}: {faults:#?}",
+            page.display()
+        );
+        assert!(seen["plots"].as_u64().unwrap() >= plots, "{seen}");
+        assert_eq!(seen["gearboxes"].as_u64().unwrap(), gearboxes, "{seen}");
+    }
+}
+
+#[test]
+fn browser_sees_what_is_wrong() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let page = dir.path().join("bad.html");
+    std::fs::write(
+        &page,
+        "<!doctype html><title>x</title><body style='background:#fff'><main><canvas width=40 height=40></canvas>\
+         <div style='width:3000px'>wide</div></main><header></header><script>absent()</script>",
+    )
+    .unwrap();
+    let (found, _) = faults(&mut browser, &page, LOOKS[1]);
+    for part in [
+        "exception",
+        "not drawn",
+        "too wide",
+        "wider than the screen",
+        "ground of",
+    ] {
+        assert!(
+            found.iter().any(|f| f.contains(part)),
+            "{part} is not in {found:#?}"
+        );
+    }
+}
+
+#[test]
+fn browser_shows_the_comparison() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let args = [
+        "compare",
+        "paper",
+        "--engines",
+        "native-reduced,native-lagrange",
+        "--set",
+        "solver.duration_s=0.02",
+        "--out",
+        "r",
+    ];
+    let done = run_in(dir.path(), args);
+    assert_eq!(done.code, Some(0), "{done:?}");
+    let page = dir.path().join("r/index.html");
+    flawless(&mut browser, &page, 4, 1);
+    moves(&mut browser, &page);
+}
+
+#[test]
+fn browser_shows_the_paper() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let done = run_in(dir.path(), ["paper", "--figures", "9,11", "--out", "p"]);
+    assert_eq!(done.code, Some(0), "{done:?}");
+    flawless(&mut browser, &dir.path().join("p/index.html"), 3, 1);
+    let summary: Value =
+        serde_json::from_str(&std::fs::read_to_string(dir.path().join("p/summary.json")).unwrap())
+            .unwrap();
+    assert_eq!(summary["figures"][0]["verdict"], "holds");
+    let courses = std::fs::read_to_string(dir.path().join("p/fig-09a/courses.csv")).unwrap();
+    assert!(courses.starts_with("time_s,") && courses.lines().count() > 1000);
+}
+
+/// The gearbox moves, stops at a click, moves at a key, and waits for those who asked for less motion.
+fn moves(browser: &mut Chromium, page: &Path) {
+    const WATCH: &str = r#"(async () => {
+      const host = document.querySelector('.gearboxes');
+      const wait = (ms) => new Promise((r) => setTimeout(r, ms));
+      const at = () => host.querySelector('.at').textContent;
+      const moving = async () => { const before = at(); for (let k = 0; k < 40 && at() === before; k += 1) await wait(50); return at() !== before; };
+      host.scrollIntoView();
+      const began = await moving();
+      host.querySelector('.play').click();
+      const paused = at(); await wait(300);
+      const stopped = at() === paused;
+      const key = (k) => host.querySelector('canvas').dispatchEvent(new KeyboardEvent('keydown', { key: k, bubbles: true }));
+      key('ArrowRight');
+      const stepped = at() !== paused;
+      key(' ');
+      const again = await moving();
+      return [began, stopped, stepped, again];
+    })()"#;
+    let mut watch = |still: bool| {
+        browser.open(
+            page,
+            Look {
+                width: 1280,
+                dark: false,
+                still,
+            },
+        );
+        let seen = browser.evaluate(WATCH);
+        let seen: Vec<bool> = seen
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|v| v.as_bool().unwrap())
+            .collect();
+        assert!(
+            browser.complaints().is_empty(),
+            "{:?}",
+            browser.complaints()
+        );
+        seen
+    };
+    assert_eq!(
+        watch(false),
+        [true, true, true, true],
+        "began, stopped, stepped, began again"
+    );
+    assert!(
+        !watch(true)[0],
+        "it moves although less motion was asked for"
+    );
+}
