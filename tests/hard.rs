@@ -205,11 +205,14 @@ struct Served {
     bound: f64,
 }
 
+/// `hard-all-open` depends on where the steps fall when all contacts close at once: 3.7e-4 with steps to the last
+/// digit, 1.12e-3 with steps that are the same on every processor.
+///
 /// One row a hard preset. What `auto` takes is `dopri5` without friction, `imex2` with it, RK4 for points.
 #[rustfmt::skip]
 const SERVED: &[Served] = &[
     Served { scene: "hard-adhesive", by: "auto", bound: 1.6e-5 },
-    Served { scene: "hard-all-open", by: "auto", bound: 5.5e-4 },
+    Served { scene: "hard-all-open", by: "auto", bound: 1.7e-3 },
     Served { scene: "hard-backlash-0.1", by: "auto", bound: 8.0e-5 },
     Served { scene: "hard-backlash-1", by: "auto", bound: 3.5e-4 },
     Served { scene: "hard-damping-0", by: "auto", bound: 6.6e-5 },

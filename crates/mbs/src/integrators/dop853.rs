@@ -11,7 +11,7 @@
 //! rejection does not grow.
 
 use super::dop853_coefficients::{A, C, D, E3, E5, EXTENDED, Row, STAGES};
-use super::{MethodInfo, StepCounts, StepError, Stepper};
+use super::{MethodInfo, StepCounts, StepError, Stepper, short_step};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
@@ -172,18 +172,20 @@ impl<S: OdeSystem> Stepper<S> for Dop853 {
                 std::mem::swap(&mut self.y, &mut self.next);
                 self.taken = self.h;
                 self.time += self.h;
-                self.h *= (SAFETY * error.max(1e-12).powf(-EXPONENT)).clamp(SHRINK, limit);
+                let factor = SAFETY * error.max(1e-12).powf(-EXPONENT);
+                self.h = short_step(self.h * factor.clamp(SHRINK, limit));
                 system.settle(self.time, &mut self.y);
                 (self.fresh, self.extended) = (false, false);
                 self.counts.steps += 1;
                 return Ok(());
             }
             self.counts.rejected += 1;
-            self.h *= if error.is_finite() {
+            let factor = if error.is_finite() {
                 (SAFETY * error.powf(-EXPONENT)).max(SHRINK)
             } else {
                 SHRINK
             };
+            self.h = short_step(self.h * factor);
             limit = 1.0;
         }
     }

@@ -87,6 +87,13 @@ choice!(
     "solver.tolerance" = "1e-6"
 );
 choice!(
+    DOP853,
+    "reduced-dop853",
+    "reduced",
+    "dop853",
+    "solver.tolerance" = "1e-6"
+);
+choice!(
     IMEX2,
     "reduced-imex2",
     "reduced",
@@ -162,6 +169,7 @@ pub const SCENES: &[SceneCase] = &[
             MIDPOINT,
             RK4,
             DOPRI5,
+            DOP853,
             IMEX2,
             IMEX2_ADAPTIVE,
             LAGRANGE_RK2,
@@ -190,7 +198,11 @@ pub const SCENES: &[SceneCase] = &[
         "another gear: eleven sleeves, three wheels"
     ),
     scene!("forty-pins", &[RK2, DOPRI5], "another gear: forty sleeves"),
-    scene!("steel", &[RK4_FINE, DOPRI5], "hundred times the stiffness"),
+    scene!(
+        "steel",
+        &[RK4_FINE, DOPRI5, DOP853],
+        "hundred times the stiffness"
+    ),
     scene!(
         "paper-rough",
         &[RK2, RK4],

@@ -98,8 +98,9 @@ mod tests {
         let wave: Vec<f64> = (0..1000)
             .map(|k| 5.0 + 2.0 * (f64::from(k) * 0.1 * std::f64::consts::TAU).sin())
             .collect();
-        // Ten samples a wave: half of 10 takes whole waves away, all but the ends.
-        assert!((roughness(&wave, 10) - 2.0_f64.sqrt()).abs() < 0.02);
+        // Ten samples a wave: of the 21 around a sample two whole waves vanish from the mean, the sample itself
+        // counts once too often. The ends are less regular.
+        assert!((roughness(&wave, 10) - 20.0 / 21.0 * 2.0_f64.sqrt()).abs() < 0.02);
         assert!(roughness(&[3.0; 50], 5) < 1e-12);
         assert!((range(&wave) - 4.0).abs() < 0.2 && range(&[]) == 0.0);
         assert_eq!(quantile(&[3.0, 1.0, 2.0, 4.0], 0.5), 3.0);
