@@ -1,5 +1,8 @@
 //! Why the program ends early: an exit status and one line with the remedy.
 
+use std::fmt::Display;
+use std::path::Path;
+
 use pinwheel_gearbox::scene::SceneError;
 
 /// Ran, but a limit was exceeded.
@@ -33,6 +36,14 @@ impl Failure {
             code: ENGINE,
             message: message.into(),
         }
+    }
+
+    /// A file or folder of the output cannot be written.
+    pub(crate) fn unwritable(path: &Path, error: &dyn Display) -> Self {
+        Self::input(format!(
+            "{}: cannot be written: {error}; choose another --out",
+            path.display()
+        ))
     }
 
     pub(crate) fn stopped() -> Self {

@@ -52,12 +52,9 @@ impl Folder {
             // As a plain mkdir would: the user's umask decides.
             builder.permissions(fs::Permissions::from_mode(0o777));
         }
-        let staging = builder.tempdir_in(&beside).map_err(|error| {
-            Failure::input(format!(
-                "{}: cannot be written: {error}; choose another --out",
-                beside.display()
-            ))
-        })?;
+        let staging = builder
+            .tempdir_in(&beside)
+            .map_err(|error| Failure::unwritable(&beside, &error))?;
         interrupt::unfinished(Some(staging.path()));
         Ok(Self {
             target,
@@ -82,12 +79,7 @@ impl Folder {
     pub(crate) fn publish_unfinished(self) -> Result<PathBuf, Failure> {
         // Others may have written there while the engines ran.
         inspect(&self.target, &self.shown, self.force)?;
-        let failed = |error: io::Error| {
-            Failure::input(format!(
-                "{}: cannot be written: {error}; choose another --out",
-                self.shown.display()
-            ))
-        };
+        let failed = |error: io::Error| Failure::unwritable(&self.shown, &error);
         if let Some(parent) = self.target.parent() {
             fs::create_dir_all(parent).map_err(failed)?;
         }

@@ -95,13 +95,13 @@ pub(crate) fn write_checked(
 
 /// Writes pretty JSON with a final newline.
 pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {
-    let failed = |error: &dyn std::fmt::Display| {
-        Failure::input(format!(
-            "{}: cannot be written: {error}; choose another --out",
-            path.display()
-        ))
-    };
-    let mut text = serde_json::to_string_pretty(value).map_err(|error| failed(&error))?;
+    let mut text =
+        serde_json::to_string_pretty(value).map_err(|error| Failure::unwritable(path, &error))?;
     text.push('\n');
-    fs::write(path, text).map_err(|error| failed(&error))
+    write_text(path, &text)
+}
+
+/// Writes a file of the output.
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    fs::write(path, text).map_err(|error| Failure::unwritable(path, &error))
 }

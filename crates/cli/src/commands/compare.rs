@@ -106,17 +106,11 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
 /// The columns of a foreign set as they are compared.
 fn write_courses(folder: &Folder, participant: &Participant) -> Result<(), Failure> {
     let place = folder.path().join(&participant.name);
-    let failed = |error: &dyn std::fmt::Display| {
-        Failure::input(format!(
-            "{}: cannot be written: {error}; choose another --out",
-            place.display()
-        ))
-    };
-    fs::create_dir_all(&place).map_err(|error| failed(&error))?;
+    fs::create_dir_all(&place).map_err(|error| Failure::unwritable(&place, &error))?;
     participant
         .courses
         .save_csv(&place.join("courses.csv"))
-        .map_err(|error| failed(&error))
+        .map_err(|error| Failure::unwritable(&place, &error))
 }
 
 /// The engines named, or all of this build and the recordings of those it lacks.
@@ -316,13 +310,7 @@ fn write(
         made: today(),
     })
     .map_err(|error| Failure::engine(format!("the report cannot be made: {error}")))?;
-    let place = folder.path().join("index.html");
-    fs::write(&place, page).map_err(|error| {
-        Failure::input(format!(
-            "{}: cannot be written: {error}; choose another --out",
-            place.display()
-        ))
-    })?;
+    record::write_text(&folder.path().join("index.html"), &page)?;
     record::write_json(
         &folder.path().join("summary.json"),
         &Summary {

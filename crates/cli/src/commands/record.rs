@@ -115,12 +115,7 @@ fn one(engine: &dyn Engine, scene: &Scene, out: &Path) -> Result<bool, Failure> 
         }
         Ok(())
     };
-    write().map_err(|error| {
-        Failure::input(format!(
-            "{}: cannot be written: {error}; choose another --out",
-            path.display()
-        ))
-    })?;
+    write().map_err(|error| Failure::unwritable(&path, &error))?;
     screen::show(&format!(
         "{label}: {} samples, {} kB",
         recording.courses.len(),

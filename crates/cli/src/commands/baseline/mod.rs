@@ -200,13 +200,7 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
 
     let (command, machine) = (typed(args), Machine::here());
     let html = page::page(name, &accepted.head, &found, &command, &machine)?;
-    let place = folder.path().join("index.html");
-    fs::write(&place, html).map_err(|error| {
-        Failure::input(format!(
-            "{}: cannot be written: {error}; choose another --out",
-            place.display()
-        ))
-    })?;
+    record::write_text(&folder.path().join("index.html"), &html)?;
     record::write_json(
         &folder.path().join("summary.json"),
         &Summary {

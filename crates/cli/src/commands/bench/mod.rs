@@ -10,7 +10,7 @@ mod page_scene;
 
 pub(crate) use args::BenchArgs;
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
@@ -280,24 +280,17 @@ fn write(
     rankings: &[Ranking],
     complete: bool,
 ) -> Result<(), Failure> {
-    let failed = |path: &Path, error: &dyn std::fmt::Display| {
-        Failure::input(format!(
-            "{}: cannot be written: {error}; choose another --out",
-            path.display()
-        ))
-    };
-    let place = folder.join("index.html");
     let page = pinwheel_report::study::render(&page::page(measured, rankings, complete))
         .map_err(|error| Failure::engine(format!("the page cannot be made: {error}")))?;
-    fs::write(&place, page).map_err(|error| failed(&place, &error))?;
+    record::write_text(&folder.join("index.html"), &page)?;
     let sink = |name: &str| {
         let path = folder.join(name);
         File::create(&path)
             .map(BufWriter::new)
-            .map_err(|error| failed(&path, &error))
+            .map_err(|error| Failure::unwritable(&path, &error))
     };
     let table = |name: &str, outcome: Result<(), StudyError>| {
-        outcome.map_err(|error| failed(&folder.join(name), &error))
+        outcome.map_err(|error| Failure::unwritable(&folder.join(name), &error))
     };
     if let Some(study) = &measured.study {
         let name = "bench.csv";

@@ -50,12 +50,12 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<u8, Failure> {
     let (command, machine) = (args.typed(), Machine::here());
     let against = options.peer.as_ref().map(|peer| peer.name.as_str());
     let page = page::page(&found, &command, &machine)?;
-    write(&folder.path().join("index.html"), &page)?;
+    record::write_text(&folder.path().join("index.html"), &page)?;
     for plot in found.figures.iter().flat_map(|figure| &figure.plots) {
         let place = folder.path().join(&plot.key);
-        fs::create_dir_all(&place).map_err(|error| cannot_write(&place, &error))?;
+        fs::create_dir_all(&place).map_err(|error| Failure::unwritable(&place, &error))?;
         let place = place.join("courses.csv");
-        write(&place, &csv(plot))?;
+        record::write_text(&place, &csv(plot))?;
     }
     record::write_json(
         &folder.path().join("summary.json"),
@@ -135,17 +135,6 @@ fn csv(plot: &Plot) -> String {
         text.push('\n');
     }
     text
-}
-
-fn cannot_write(place: &Path, error: &std::io::Error) -> Failure {
-    Failure::input(format!(
-        "{}: cannot be written: {error}; choose another --out",
-        place.display()
-    ))
-}
-
-fn write(place: &Path, text: &str) -> Result<(), Failure> {
-    fs::write(place, text).map_err(|error| cannot_write(place, &error))
 }
 
 /// The verdicts on the terminal.

@@ -65,11 +65,11 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
 
     let (command, machine) = (typed(args), Machine::here());
     let place = |name: &str| folder.path().join(name);
-    write(
+    record::write_text(
         &place("index.html"),
         &page::page(&survey, &command, &machine)?,
     )?;
-    write(&place("stability.csv"), &csv::lines(&survey)?)?;
+    record::write_text(&place("stability.csv"), &csv::lines(&survey)?)?;
     record::write_json(
         &place("summary.json"),
         &Summary {
@@ -181,15 +181,6 @@ fn work(survey: &mut Survey, args: &StabilityArgs) -> Result<bool, Failure> {
         Err(error @ StudyError::Scene { .. }) => Err(Failure::input(error.to_string())),
         Err(error) => Err(Failure::engine(format!("the study failed: {error}"))),
     }
-}
-
-fn write(place: &Path, text: &str) -> Result<(), Failure> {
-    fs::write(place, text).map_err(|error| {
-        Failure::input(format!(
-            "{}: cannot be written: {error}; choose another --out",
-            place.display()
-        ))
-    })
 }
 
 /// The command that repeats this study.

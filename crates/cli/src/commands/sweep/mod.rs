@@ -39,7 +39,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
                 place.display()
             )));
         }
-        fs::remove_dir_all(&place).map_err(|error| cannot_write(&place, &error))?;
+        fs::remove_dir_all(&place).map_err(|error| Failure::unwritable(&place, &error))?;
     }
     let earlier = out.join("runs");
     let journal =
@@ -63,7 +63,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     written::write(&folder, &plan, &records, &journal, &typed(args))?;
     let out = folder.publish()?;
     // Only now: had it failed, --resume would still find every run.
-    fs::remove_dir_all(&place).map_err(|error| cannot_write(&place, &error))?;
+    fs::remove_dir_all(&place).map_err(|error| Failure::unwritable(&place, &error))?;
     screen::show(&summary(&plan, &records, &out))?;
     let broken = records
         .iter()
@@ -212,11 +212,4 @@ fn typed(args: &SweepArgs) -> String {
 
 fn failure(error: SweepError) -> Failure {
     Failure::input(error.to_string())
-}
-
-fn cannot_write(path: &Path, error: &dyn std::fmt::Display) -> Failure {
-    Failure::input(format!(
-        "{}: cannot be written: {error}; choose another --out",
-        path.display()
-    ))
 }

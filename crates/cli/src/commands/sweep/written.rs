@@ -9,7 +9,7 @@ use pinwheel_sweep::{Column, Journal, Plan, Results, RunRecord, costs, results};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::{cannot_write, failure, page};
+use super::{failure, page};
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::machine::Machine;
@@ -44,20 +44,20 @@ pub(super) fn write(
     #[cfg(feature = "parquet")]
     {
         let path = at.join("results.parquet");
-        let file = File::create(&path).map_err(|error| cannot_write(&path, &error))?;
+        let file = File::create(&path).map_err(|error| Failure::unwritable(&path, &error))?;
         table
             .write_parquet(file)
-            .map_err(|error| cannot_write(&path, &error))?;
+            .map_err(|error| Failure::unwritable(&path, &error))?;
     }
-    text(&at.join("sweep.toml"), &plan.sweep.text)?;
+    record::write_text(&at.join("sweep.toml"), &plan.sweep.text)?;
     let runs = at.join("runs");
-    fs::create_dir_all(&runs).map_err(|error| cannot_write(&runs, &error))?;
+    fs::create_dir_all(&runs).map_err(|error| Failure::unwritable(&runs, &error))?;
     for (run, record) in plan.runs.iter().zip(records) {
         journal.copy(record, run.number, &runs).map_err(failure)?;
     }
     let html = study::render(&page::page(plan, records, &table, command, &machine))
         .map_err(|error| Failure::engine(format!("the report cannot be made: {error}")))?;
-    text(&at.join("index.html"), &html)?;
+    record::write_text(&at.join("index.html"), &html)?;
     let sweep = &plan.sweep;
     record::write_json(
         &at.join("summary.json"),
@@ -81,14 +81,10 @@ pub(super) fn write(
 }
 
 fn csv(table: &Results, path: &Path) -> Result<(), Failure> {
-    let file = File::create(path).map_err(|error| cannot_write(path, &error))?;
+    let file = File::create(path).map_err(|error| Failure::unwritable(path, &error))?;
     table
         .write_csv(BufWriter::new(file))
-        .map_err(|error| cannot_write(path, &error))
-}
-
-fn text(path: &Path, text: &str) -> Result<(), Failure> {
-    fs::write(path, text).map_err(|error| cannot_write(path, &error))
+        .map_err(|error| Failure::unwritable(path, &error))
 }
 
 fn rows(table: &Results) -> Vec<Map<String, Value>> {
