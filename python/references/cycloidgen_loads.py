@@ -5,8 +5,8 @@ poses over the pitch of the external sleeves and over the period of the internal
 `--toml` the extremes, as `reference/published/cycloidgen.toml` records them. Runs in an environment made from
 `requirements-cycloidgen.txt`, with the folder `python` on the path.
 
-The package's crank and disc turn the other way (centre at e (cos phi, -sin phi)), so its pictures are mirrored. Lengths are
-in mm inside it, in m in what is printed.
+What is printed is in Pinwheel's terms: angles counter-clockwise, sleeve 0 at angle 0 and counted the same way, lengths in m,
+levers above 0 where a sleeve can push.
 """
 
 from __future__ import annotations
@@ -50,17 +50,32 @@ def specification(scene: Scene) -> GearSpec:
 
 
 def ring_pose(spec: GearSpec, phi: float, torque_n_m: float) -> dict[str, Any]:
-    """All external sleeves at one crank angle, and their sum along and across the eccentric."""
+    """All external sleeves at one angle of the eccentric, and their sum along and across it.
+
+    The package's crank turns the other way (centre at e (cos phi, -sin phi)): its picture is mirrored, sleeve by sleeve.
+    """
     state = contacts(spec, phi)
     forces = state.forces(1e3 * torque_n_m)
     along = np.array([np.cos(phi), -np.sin(phi)])
     bearing = (forces[:, None] * state.normals).sum(axis=0)
+    mirror = -np.arange(forces.size)
     return {
-        "phi": phi,
-        "levers_m": (1e-3 * state.moment_arms).tolist(),
-        "forces_n": forces.tolist(),
-        "bearing_n": [float(bearing @ along), float(bearing @ [-along[1], along[0]])],
+        "input_rad": phi,
+        "levers_m": (-1e-3 * state.moment_arms[mirror]).tolist(),
+        "forces_n": forces[mirror].tolist(),
+        # Of the sleeves on the disc; mirrored likewise.
+        "bearing_n": [-float(bearing @ along), float(bearing @ [along[1], -along[0]])],
     }
+
+
+def output_pose(spec: GearSpec, phi: float, torque_n_m: float) -> dict[str, Any]:
+    """All internal sleeves at one angle of the eccentric.
+
+    The package loads those whose moment on the disc has the sense of the external ones', where equilibrium wants the
+    opposite. Its figures are therefore those of the mirrored pose, which two mirrors make ours but for the angle.
+    """
+    state = output_loads(spec, -phi, 1e3 * torque_n_m)
+    return {"input_rad": phi, "levers_m": (-1e-3 * state.moment_arms).tolist(), "forces_n": state.forces.tolist()}
 
 
 def loads(scene: Scene) -> dict[str, Any]:
@@ -70,10 +85,7 @@ def loads(scene: Scene) -> dict[str, Any]:
     pitch = 2 * np.pi / scene.gear.external_sleeves
     ring = [ring_pose(spec, float(phi), torque) for phi in np.linspace(0.0, pitch, POSES, endpoint=False)]
     period = output_stage_period(spec.lobes, spec.output_pin_count)
-    output = [
-        {"phi": float(phi), "forces_n": output_loads(spec, float(phi), 1e3 * torque).forces.tolist()}
-        for phi in np.linspace(0.0, period, POSES, endpoint=False)
-    ]
+    output = [output_pose(spec, float(phi), torque) for phi in np.linspace(0.0, period, POSES, endpoint=False)]
 
     def extremes(values: list[Any]) -> list[Any]:
         return [min(values), max(values)]

@@ -3,7 +3,6 @@
 //! It runs in a small environment of its own, so that the one of the engines does not grow by what only this test needs.
 
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
@@ -11,6 +10,7 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_engines::python::{Requirements, environment};
 use pinwheel_gearbox::statics::{LinearMesh, LinearOutput, Statics};
 use pinwheel_gearbox::{Gearbox, Sleeve};
+use pinwheel_tests::repository;
 use serde_json::Value;
 
 use super::*;
@@ -21,10 +21,6 @@ const CYCLOIDGEN: Requirements = Requirements {
     text: include_str!("../../python/requirements-cycloidgen.txt"),
     only_listed: true,
 };
-
-fn repository() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
 
 fn recording() -> Vec<toml::Table> {
     let text = include_str!("../../reference/published/cycloidgen.toml");
@@ -42,15 +38,14 @@ fn live() -> &'static [Value] {
     LIVE.get_or_init(|| {
         let environment =
             environment(CYCLOIDGEN, &AtomicBool::new(false)).unwrap_or_else(|e| panic!("{e}"));
-        let root = repository();
         let scenes = recording().into_iter().map(|gear| {
             let name = gear["scene"].as_str().unwrap();
-            root.join(format!("reference/scenes/{name}.toml"))
+            repository(&format!("reference/scenes/{name}.toml"))
         });
         let run = Command::new(environment.python)
-            .arg(root.join("python/references/cycloidgen_loads.py"))
+            .arg(repository("python/references/cycloidgen_loads.py"))
             .args(scenes)
-            .env("PYTHONPATH", root.join("python"))
+            .env("PYTHONPATH", repository("python"))
             .env("PYTHONDONTWRITEBYTECODE", "1")
             .output()
             .unwrap();
@@ -67,13 +62,6 @@ fn numbers(value: &Value) -> Vec<f64> {
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
-}
-
-/// The package counts sleeves the other way round: its sleeve k is our zk - k.
-fn mirrored(value: &Value) -> Vec<f64> {
-    let mut values = numbers(value);
-    values[1..].reverse();
-    values
 }
 
 /// Largest difference over the largest value.
@@ -110,7 +98,7 @@ fn crossval_cycloidgen_gives_what_was_recorded() {
     println!("live against recorded: {worst:.1e}");
 }
 
-/// Levers, forces, bearing force and torque equivalence of every pose, both stages.
+/// Levers, forces, bearing force and torque equivalence of every pose, both stages. Measured: 1.2e-13 at most.
 #[test]
 fn crossval_cycloidgen_closed_forms() {
     for live in live() {
@@ -119,98 +107,118 @@ fn crossval_cycloidgen_closed_forms() {
         let (mesh, output) = (LinearMesh::of(&gear), LinearOutput::of(&gear));
         let torque = number(&live["wheel_torque_n_m"]);
         let zk = gear.external_sleeves;
-        let mut worst = [0.0_f64; 5];
-        let ring = live["ring"].as_array().unwrap();
-        assert_eq!(ring.len(), 48);
-        for pose in ring {
-            let phi = number(&pose["phi"]);
-            let levers: Vec<f64> = (0..zk)
-                .map(|k| mesh.lever(TAU * k as f64 / zk as f64 - phi))
-                .collect();
-            let bearing = numbers(&pose["bearing_n"]);
-            let ours = mesh.bearing(-phi, torque);
-            let across = torque / (gear.eccentricity_m * (zk as f64 - 1.0));
-            let found = [
-                off(&levers, &mirrored(&pose["levers_m"])),
-                off(&mesh.forces(-phi, torque), &mirrored(&pose["forces_n"])),
-                off(&[ours[0], -ours[1]], &bearing),
-                (bearing[1].abs() / across - 1.0).abs(),
-            ];
-            for (worst, found) in worst.iter_mut().zip(found) {
-                *worst = worst.max(found);
+        let mut worst = [0.0_f64; 6];
+        let mut note = |found: &[(usize, f64)]| {
+            for &(which, error) in found {
+                worst[which] = worst[which].max(error);
             }
+        };
+        let [ring, internal] = ["ring", "output"].map(|key| live[key].as_array().unwrap());
+        assert_eq!((ring.len(), internal.len()), (48, 48));
+        for pose in ring {
+            let first = -number(&pose["input_rad"]);
+            let ours: Vec<f64> = (0..zk)
+                .map(|k| mesh.lever(first + TAU * k as f64 / zk as f64))
+                .collect();
+            let forces = mesh.forces(first, torque);
+            let bearing = mesh.bearing(first, torque);
+            let theirs = numbers(&pose["bearing_n"]);
+            let across = torque / (gear.eccentricity_m * (zk as f64 - 1.0));
+            note(&[
+                (0, off(&ours, &numbers(&pose["levers_m"]))),
+                (1, off(&forces, &numbers(&pose["forces_n"]))),
+                (2, off(&bearing, &theirs)),
+                (3, (theirs[1] / across - 1.0).abs()),
+            ]);
         }
-        for pose in live["output"].as_array().unwrap() {
-            let turned = number(&pose["phi"]) * zk as f64 / (zk as f64 - 1.0);
-            let error = off(
-                &output.forces(-turned, torque),
-                &mirrored(&pose["forces_n"]),
-            );
-            worst[4] = worst[4].max(error);
+        for pose in internal {
+            // From the output the eccentric turns zk/zs times as fast.
+            let first = -number(&pose["input_rad"]) * zk as f64 / (zk as f64 - 1.0);
+            let lever = |k| {
+                gear.internal_circle_radius_m
+                    * (first + TAU * k as f64 / gear.internal_sleeves as f64).sin()
+            };
+            let ours: Vec<f64> = (0..gear.internal_sleeves).map(lever).collect();
+            let forces = output.forces(first, torque);
+            note(&[
+                (4, off(&ours, &numbers(&pose["levers_m"]))),
+                (5, off(&forces, &numbers(&pose["forces_n"]))),
+            ]);
         }
-        println!(
-            "{name}: levers, forces, bearing, T/(e zs), output forces: {worst:.1e?}"
-        );
-        assert!(worst.iter().all(|w| *w < 1e-13), "{name}: {worst:?}");
+        println!("{name}: levers, forces, bearing, T/(e zs), internal levers, forces: {worst:?}");
+        assert!(worst.iter().all(|w| *w < 3e-13), "{name}: {worst:?}");
     }
 }
 
-/// Our solver knows the curve and the law and nothing of levers. As stiffness grows its forces tend to
-/// F = T l^p/sum of l^(p + 1) with the package's levers, p the exponent of the law, and its loaded sleeves to the package's.
+/// Our solver knows the curve and the law, and nothing of levers. As stiffness grows its forces tend to
+/// `F = T l^p/sum of l^(p + 1)` with the levers of the package, p the exponent of the law.
+///
+/// Penetrations bend the picture in proportion. Measured: external forces are off by up to 4.4e-4 of the largest, internal ones
+/// by 1.6e-4, T/(e zs) by 9.5e-6; a hundred times stiffer, with penetrations 63 times smaller (100^0.9), by 6.9e-6, 2.5e-6 (63
+/// times less) and 1.5e-7.
 #[test]
 fn crossval_cycloidgen_levers_carry_the_solver() {
     for live in live() {
         let name = live["scene"].as_str().unwrap();
         let torque = number(&live["wheel_torque_n_m"]);
-        let power = 10.0 / 9.0;
-        let mut errors = Vec::new();
-        for stiffness in ["1", "100"] {
-            let text = torque.to_string();
-            let scene = scene(
-                name,
-                &[
-                    ("gear.wheels", "1"),
-                    ("drive.output_torque_n_m", &text),
-                    ("contact.law", "\"line-contact\""),
-                    ("contact.stiffness_multiplier", stiffness),
-                ],
+        let errors = ["1", "100"].map(|stiffness| {
+            let load = torque.to_string();
+            let settings = [
+                ("gear.wheels", "1"),
+                ("drive.output_torque_n_m", load.as_str()),
+                ("contact.law", "\"line-contact\""),
+                ("contact.stiffness_multiplier", stiffness),
+            ];
+            let worst = solver_against(live, &scene(name, &settings), torque);
+            println!(
+                "{name}, stiffness {stiffness}: external, internal forces, T/(e zs): {worst:?}"
             );
-            let gearbox = Gearbox::new(&scene).unwrap();
-            let mut statics = Statics::new(&gearbox).unwrap();
-            let mut worst = [0.0_f64; 3];
-            for pose in live["ring"].as_array().unwrap().iter().step_by(6) {
-                let found = statics.solve(number(&pose["phi"]), torque).unwrap();
-                let mut forces = vec![0.0; scene.gear.external_sleeves];
-                let mut across = 0.0;
-                let (s, c) = number(&pose["phi"]).sin_cos();
-                for pair in statics.touching(&found) {
-                    if let Sleeve::External(k) = pair.sleeve {
+            worst
+        });
+        let [soft, stiff] = errors;
+        for stage in 0..2 {
+            assert!(stiff[stage] < 1.2e-5, "{name}: {errors:?}");
+            let gain = soft[stage] / stiff[stage];
+            assert!((60.0..66.0).contains(&gain), "{name}: {errors:?}");
+        }
+        assert!(stiff[2] < 3e-7, "{name}: {errors:?}");
+    }
+}
+
+/// Largest errors of the external and the internal forces, over the largest, and of the bearing force across the eccentric.
+fn solver_against(live: &Value, scene: &Scene, torque: f64) -> [f64; 3] {
+    let gearbox = Gearbox::new(scene).unwrap();
+    let mut statics = Statics::new(&gearbox).unwrap();
+    let mut worst = [0.0_f64; 3];
+    for (stage, key) in ["ring", "output"].into_iter().enumerate() {
+        for pose in live[key].as_array().unwrap().iter().step_by(6) {
+            let phi = number(&pose["input_rad"]);
+            let found = statics.solve(phi, torque).unwrap();
+            let (s, c) = phi.sin_cos();
+            let levers = numbers(&pose["levers_m"]);
+            let mut forces = vec![0.0; levers.len()];
+            let mut across = 0.0;
+            for pair in statics.touching(&found) {
+                match (stage, pair.sleeve) {
+                    (0, Sleeve::External(k)) => {
                         forces[k] = pair.normal_force_n;
                         let [fx, fy] = pair.force_on_sleeve();
                         across += fx * s - fy * c;
                     }
-                }
-                let levers: Vec<f64> = mirrored(&pose["levers_m"]);
-                println!("{levers:?} {forces:?}");
-                let share: Vec<f64> = levers.iter().map(|l| (-l).max(0.0).powf(power)).collect();
-                let sum: f64 = share.iter().zip(&levers).map(|(f, l)| -f * l).sum();
-                let wanted: Vec<f64> = share.iter().map(|f| torque * f / sum).collect();
-                let theirs = numbers(&pose["bearing_n"])[1].abs();
-                let loaded = |forces: &[f64], least: f64| {
-                    forces.iter().filter(|f| **f > least).count() as f64
-                };
-                let count = loaded(&forces, 1e-3) - loaded(&wanted, 1e-3);
-                let found = [
-                    off(&forces, &wanted),
-                    (across.abs() / theirs - 1.0).abs(),
-                    count.abs(),
-                ];
-                for (worst, found) in worst.iter_mut().zip(found) {
-                    *worst = worst.max(found);
+                    (1, Sleeve::Internal(k)) => forces[k] = pair.normal_force_n,
+                    _ => {}
                 }
             }
-            println!("{name}, {stiffness}: forces, T/(e zs), count: {worst:.1e?}");
-            errors.push(worst);
+            let power = 10.0 / 9.0;
+            let shares: Vec<f64> = levers.iter().map(|l| l.max(0.0).powf(power)).collect();
+            let sum: f64 = shares.iter().zip(&levers).map(|(f, l)| f * l).sum();
+            let wanted: Vec<f64> = shares.iter().map(|f| torque * f / sum).collect();
+            worst[stage] = worst[stage].max(off(&forces, &wanted));
+            if stage == 0 {
+                let theirs = numbers(&pose["bearing_n"])[1];
+                worst[2] = worst[2].max(((across / theirs).abs() - 1.0).abs());
+            }
         }
     }
+    worst
 }

@@ -85,7 +85,8 @@ impl LinearMesh {
 /// One wheel on its internal sleeves, at zero clearance on linear springs.
 ///
 /// Seen from the output shaft a wheel moves on a circle of radius e without turning, so all normals are parallel to the
-/// eccentric and `l_k = rw sin(beta_k)`, beta_k the angle of sleeve k from the eccentric; shared like the external forces.
+/// eccentric and `l_k = rw sin(beta_k)`, beta_k the angle of sleeve k from the eccentric. They share the torque like the
+/// external sleeves and on the same side: a wheel is pressed inward by these and towards the gear's centre by those.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearOutput {
     /// rw, m.
