@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use pinwheel_tests::{names_in, run_in};
+use pinwheel_tests::{names_in, repository, run_in};
 
 /// A folder of baselines that holds a copy of the accepted one.
 fn copied(base: &Path) -> PathBuf {
-    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference/baselines/accepted");
+    let from = repository("reference/baselines/accepted");
     let to = base.join("baselines/accepted");
     std::fs::create_dir_all(&to).unwrap();
     for file in std::fs::read_dir(from).unwrap() {

@@ -7,8 +7,9 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_courses::Courses;
-use pinwheel_engines::{Control, EngineError, Run, by_name};
-use pinwheel_gearbox::scene::{FrictionLaw, Override, Scene, Start};
+use pinwheel_engines::{Control, EngineError, by_name};
+use pinwheel_gearbox::scene::{FrictionLaw, Scene, Start};
+use pinwheel_tests::runs::{self, attempt, channels, native, run, scene};
 
 const SHARED: &str = "rapier-shared-law";
 const HOOK: &str = "rapier-own-contact-hook";
@@ -17,56 +18,8 @@ const COLLIDERS: &str = "rapier-own-contact-colliders";
 const TORQUES: [&str; 2] = ["input_torque_n_m", "output_torque_n_m"];
 const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];
 
-fn scene(preset: &str, settings: &[(&str, &str)]) -> Scene {
-    let overrides: Vec<Override> = settings
-        .iter()
-        .map(|&(key, value)| Override::new(key, value))
-        .collect();
-    Scene::load(preset, &overrides).unwrap()
-}
-
-fn attempt(engine: &str, scene: &Scene) -> Result<Run, EngineError> {
-    by_name(engine, scene)
-        .unwrap()
-        .run(scene, &Control::quiet())
-}
-
-fn run(engine: &str, scene: &Scene) -> Courses {
-    attempt(engine, scene).unwrap().courses
-}
-
-/// A native run of the same scene with a method and step that resolve it.
-fn resolved(scene: &Scene, integrator: &str, step_s: f64) -> Courses {
-    let mut scene = scene.clone();
-    scene.solver.integrator = integrator.to_owned();
-    scene.solver.step_s = step_s;
-    run("native", &scene)
-}
-
-/// The channels of a quantity: a single one, or one per sleeve.
-fn channels<'a>(courses: &'a Courses, quantity: &str) -> Vec<&'a [f64]> {
-    let group = courses.group(quantity);
-    if group.is_empty() {
-        courses.channel(quantity).into_iter().collect()
-    } else {
-        group
-    }
-}
-
-/// RMS of the difference over RMS of the reference, all channels of a quantity jointly.
 fn relative(courses: &Courses, reference: &Courses, quantity: &str, from_s: f64, to_s: f64) -> f64 {
-    let window = reference.window(from_s, to_s);
-    assert!(window.len() > 50, "window of {} samples", window.len());
-    let (ours, theirs) = (channels(courses, quantity), channels(reference, quantity));
-    assert_eq!(ours.len(), theirs.len());
-    let (mut difference, mut size) = (0.0, 0.0);
-    for (a, b) in ours.iter().zip(&theirs) {
-        for i in window.clone() {
-            difference += (a[i] - b[i]).powi(2);
-            size += b[i].powi(2);
-        }
-    }
-    (difference / size).sqrt()
+    runs::relative(courses, reference, &[quantity], (from_s, to_s))
 }
 
 /// Mean over the window and the channels.
@@ -113,7 +66,7 @@ fn assert_mean(courses: &Courses, reference: &Courses, quantity: &str, limit: f6
 fn crossval_rapier_shared_law_steady() {
     let scene = scene("paper", &[]);
     let courses = run(SHARED, &scene);
-    let reference = resolved(&scene, "rk4", 5e-6);
+    let reference = native(&scene, "rk4", 5e-6);
     assert_close(&courses, &reference, &TORQUES, (0.3, 0.6), 1e-4);
     assert_close(&courses, &reference, &FORCES, (0.3, 0.6), 1e-4);
     let driver = mean(&courses, TORQUES[0], 0.3, 0.6);
@@ -133,7 +86,7 @@ fn crossval_rapier_shared_law_transient() {
         )
     };
     let fine = run(SHARED, &at("2e-6"));
-    let reference = resolved(&at("2e-6"), "rk4", 2e-6);
+    let reference = native(&at("2e-6"), "rk4", 2e-6);
     assert_close(&fine, &reference, &TORQUES, (0.0, 0.05), 2e-4);
     assert_close(&fine, &reference, &FORCES, (0.0, 0.05), 2e-4);
 
@@ -160,7 +113,7 @@ fn crossval_rapier_shared_law_other_gears() {
             &[("solver.duration_s", "0.03"), ("solver.step_s", "2e-6")],
         );
         let courses = run(SHARED, &scene);
-        let reference = resolved(&scene, "rk4", 2e-6);
+        let reference = native(&scene, "rk4", 2e-6);
         assert_close(&courses, &reference, &TORQUES, (0.0, 0.03), limit);
         assert_close(&courses, &reference, &FORCES, (0.0, 0.03), limit);
     }
@@ -175,7 +128,7 @@ fn crossval_rapier_from_equilibrium() {
         ("solver.duration_s", "0.05"),
     ];
     let scene = scene("paper", &settings);
-    let reference = resolved(&scene, "rk4", 5e-6);
+    let reference = native(&scene, "rk4", 5e-6);
     for engine in [SHARED, HOOK] {
         let courses = run(engine, &scene);
         assert_close(&courses, &reference, &TORQUES, (0.0, 0.05), 1e-4);
@@ -196,7 +149,7 @@ fn crossval_rapier_other_laws() {
             ("solver.step_s", "2e-6"),
         ];
         let scene = scene("paper", &settings);
-        let reference = resolved(&scene, "rk4", 2e-6);
+        let reference = native(&scene, "rk4", 2e-6);
         for engine in [SHARED, HOOK] {
             let courses = run(engine, &scene);
             assert_close(&courses, &reference, &TORQUES, (0.0, 0.02), 2e-4);
@@ -211,7 +164,7 @@ fn crossval_rapier_other_laws() {
 fn crossval_rapier_hook_without_friction() {
     let scene = scene("paper", &[("solver.duration_s", "0.35")]);
     let courses = run(HOOK, &scene);
-    let reference = resolved(&scene, "rk4", 5e-6);
+    let reference = native(&scene, "rk4", 5e-6);
     assert_close(&courses, &reference, &TORQUES, (0.3, 0.35), 2e-4);
     assert_close(&courses, &reference, &FORCES, (0.3, 0.35), 2e-4);
     let shared = run(SHARED, &scene);
@@ -230,7 +183,7 @@ fn crossval_rapier_hook_without_friction() {
 fn crossval_rapier_hook_with_friction() {
     let scene = scene("paper-friction", &[("solver.duration_s", "0.35")]);
     let courses = run(HOOK, &scene);
-    let reference = resolved(&scene, "rk2", 2e-7);
+    let reference = native(&scene, "rk2", 2e-7);
     assert_close(&courses, &reference, &TORQUES, (0.3, 0.35), 2e-3);
     assert_close(&courses, &reference, &FORCES, (0.3, 0.35), 2e-3);
     assert_close(&courses, &reference, &FORCES, (0.0, 0.05), 2e-3);
@@ -254,7 +207,7 @@ fn crossval_rapier_hook_with_light_sleeves() {
     ];
     let scene = scene("eleven-pins", &settings);
     let courses = run(HOOK, &scene);
-    let reference = resolved(&scene, "rk2", 2e-8);
+    let reference = native(&scene, "rk2", 2e-8);
     assert_close(&courses, &reference, &FORCES, (0.0, 0.01), 2e-3);
     assert_close(&courses, &reference, &TORQUES, (0.0, 0.01), 5e-3);
 }
@@ -266,7 +219,7 @@ fn crossval_rapier_hook_with_light_sleeves() {
 fn crossval_rapier_colliders_means() {
     let scene = scene("paper", &[]);
     let courses = run(COLLIDERS, &scene);
-    let reference = resolved(&scene, "rk4", 1e-5);
+    let reference = native(&scene, "rk4", 1e-5);
     for quantity in TORQUES {
         assert_mean(&courses, &reference, quantity, 1.5e-2);
     }
@@ -287,7 +240,7 @@ fn crossval_rapier_colliders_means_of_other_gears() {
         println!("{preset}");
         let scene = scene(preset, &[]);
         let courses = run(COLLIDERS, &scene);
-        let reference = resolved(&scene, "rk4", 1e-5);
+        let reference = native(&scene, "rk4", 1e-5);
         for quantity in TORQUES {
             assert_mean(&courses, &reference, quantity, 1.5e-2);
         }
@@ -401,7 +354,7 @@ fn channels_agree_or_are_missing() {
             ("output.channels", "*"),
         ],
     );
-    let native = resolved(&scene, "dopri5", 1e-5);
+    let native = native(&scene, "dopri5", 1e-5);
     for (engine, pairs) in [(SHARED, true), (HOOK, true), (COLLIDERS, false)] {
         let mut scene = scene.clone();
         if !pairs {

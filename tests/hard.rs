@@ -1,42 +1,21 @@
 //! Hard cases: methods that must survive them do, methods that cannot say so loudly.
 
 use pinwheel_courses::Courses;
-use pinwheel_engines::{Control, EngineError, Run, by_name};
-use pinwheel_gearbox::scene::{Detection, Override, PRESETS, Scene};
-
-fn scene(preset: &str, settings: &[(&str, &str)]) -> Scene {
-    let overrides: Vec<Override> = settings
-        .iter()
-        .map(|&(key, value)| Override::new(key, value))
-        .collect();
-    Scene::load(preset, &overrides).unwrap()
-}
-
-fn run(engine: &str, scene: &Scene) -> Result<Run, EngineError> {
-    by_name(engine, scene)
-        .unwrap()
-        .run(scene, &Control::quiet())
-}
-
-fn groups<'a>(courses: &'a Courses, names: &[&str]) -> Vec<&'a [f64]> {
-    names
-        .iter()
-        .flat_map(|name| match courses.channel(name) {
-            Some(values) => vec![values],
-            None => courses.group(name),
-        })
-        .collect()
-}
+use pinwheel_engines::EngineError;
+use pinwheel_gearbox::scene::{Detection, PRESETS};
+use pinwheel_tests::runs::{self, attempt as run, scene};
 
 const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];
 
-/// RMS(difference)/RMS(reference) over all channels.
+fn forces_of(courses: &Courses) -> Vec<&[f64]> {
+    FORCES
+        .iter()
+        .flat_map(|quantity| runs::channels(courses, quantity))
+        .collect()
+}
+
 fn relative(found: &Courses, reference: &Courses, names: &[&str]) -> f64 {
-    let (a, b) = (groups(found, names), groups(reference, names));
-    let pairs = || a.iter().zip(&b).flat_map(|(a, b)| a.iter().zip(b.iter()));
-    let difference: f64 = pairs().map(|(a, b)| (a - b).powi(2)).sum();
-    let square: f64 = pairs().map(|(_, b)| b.powi(2)).sum();
-    (difference / square).sqrt()
+    runs::relative(found, reference, names, (0.0, f64::INFINITY))
 }
 
 /// Every hard preset ends in both forms with forces a gear of this load can have, or with an error that says
@@ -60,7 +39,7 @@ fn hard_presets_run_or_say_why() {
                         name != "hard-steel",
                         "Heun at 1e-5 s is far beyond its limit there"
                     );
-                    let forces = groups(&run.courses, &FORCES);
+                    let forces = forces_of(&run.courses);
                     let largest = forces
                         .iter()
                         .flat_map(|f| f.iter())
@@ -278,7 +257,7 @@ fn hard_presets_are_served_within_their_bounds() {
         };
         let found = at(row.by, "1e-5", "1e-6");
         let forces = |courses: &Courses| {
-            let groups = groups(courses, &FORCES);
+            let groups = forces_of(courses);
             let all = groups.iter().flat_map(|g| g.iter());
             all.fold(0.0, |most: f64, &force| most.max(force))
         };

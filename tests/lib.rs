@@ -1,34 +1,36 @@
-//! Helpers of the whole-program tests.
+//! What the whole-program tests share: the program, and runs of engines.
+
+pub mod runs;
 
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-use std::sync::OnceLock;
 
-use escargot::{CargoBuild, CargoRun};
+/// A path in the repository.
+#[must_use]
+pub fn repository(path: &str) -> PathBuf {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join(path)
+}
 
-/// The program `pinwheel`, built once per test binary with the tests' own profile and features.
+/// The program `pinwheel` with the tests' own profile and features.
+///
+/// Cargo builds it before it runs a test of its package and puts it one folder above that test.
 ///
 /// # Panics
-/// When it cannot be built.
+/// When it is not there: the calling test belongs to another package.
 #[must_use]
 pub fn pinwheel() -> Command {
-    static BUILT: OnceLock<CargoRun> = OnceLock::new();
-    let built = BUILT.get_or_init(|| {
-        let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/cli/Cargo.toml");
-        let mut build = CargoBuild::new()
-            .manifest_path(manifest)
-            .bin("pinwheel")
-            .current_release();
-        if cfg!(feature = "crossval") {
-            build = build.features("crossval");
-        }
-        match build.run() {
-            Ok(built) => built,
-            Err(error) => panic!("the program pinwheel does not build: {error}"),
-        }
-    });
-    built.command()
+    let name = format!("pinwheel{}", std::env::consts::EXE_SUFFIX);
+    let program = std::env::current_exe()
+        .ok()
+        .and_then(|test| Some(test.parent()?.parent()?.join(name)))
+        .filter(|program| program.is_file());
+    match program {
+        Some(program) => Command::new(program),
+        None => panic!(
+            "no program beside this test: list the test in the manifest of the package pinwheel"
+        ),
+    }
 }
 
 /// How a finished program left.

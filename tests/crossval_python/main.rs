@@ -12,8 +12,9 @@ mod program;
 mod recordings;
 
 use pinwheel_courses::Courses;
-use pinwheel_engines::{Control, EngineError, Run, by_name};
-use pinwheel_gearbox::scene::{Override, Scene};
+use pinwheel_engines::{Control, EngineError, by_name};
+use pinwheel_gearbox::scene::Scene;
+use pinwheel_tests::runs::{self, attempt, channels, native, run, scene};
 
 const MUJOCO: &str = "mujoco-shared-law";
 const EXPLICIT: &str = "exudyn-shared-law-explicit";
@@ -30,55 +31,9 @@ const QUANTITIES: [&str; 4] = [
     "internal_sleeve_force_n",
 ];
 
-fn scene(preset: &str, settings: &[(&str, &str)]) -> Scene {
-    let overrides: Vec<Override> = settings
-        .iter()
-        .map(|&(key, value)| Override::new(key, value))
-        .collect();
-    Scene::load(preset, &overrides).unwrap()
-}
-
-fn attempt(engine: &str, scene: &Scene) -> Result<Run, EngineError> {
-    by_name(engine, scene)
-        .unwrap()
-        .run(scene, &Control::quiet())
-}
-
-fn run(engine: &str, scene: &Scene) -> Courses {
-    attempt(engine, scene).unwrap().courses
-}
-
-/// A native run of the same scene with a method and step.
-fn native(scene: &Scene, integrator: &str, step_s: f64) -> Courses {
-    let mut scene = scene.clone();
-    scene.solver.integrator = integrator.to_owned();
-    scene.solver.step_s = step_s;
-    run("native", &scene)
-}
-
-fn channels<'a>(courses: &'a Courses, quantity: &str) -> Vec<&'a [f64]> {
-    let group = courses.group(quantity);
-    if group.is_empty() {
-        courses.channel(quantity).into_iter().collect()
-    } else {
-        group
-    }
-}
-
-/// RMS of the difference over RMS of the reference, all channels of a quantity jointly.
+/// Error of one quantity from a time on.
 fn relative(courses: &Courses, reference: &Courses, quantity: &str, from_s: f64) -> f64 {
-    let window = reference.window(from_s, f64::INFINITY);
-    assert!(window.len() > 5 && courses.len() == reference.len());
-    let (ours, theirs) = (channels(courses, quantity), channels(reference, quantity));
-    assert_eq!(ours.len(), theirs.len());
-    let (mut difference, mut size) = (0.0, 0.0);
-    for (a, b) in ours.iter().zip(&theirs) {
-        for i in window.clone() {
-            difference += (a[i] - b[i]).powi(2);
-            size += b[i].powi(2);
-        }
-    }
-    (difference / size).sqrt()
+    runs::relative(courses, reference, &[quantity], (from_s, f64::INFINITY))
 }
 
 /// The largest of the four quantities' errors.

@@ -1,6 +1,6 @@
 //! The Python package on its own: its tests, its linters, its command line, in an environment of its own.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Output};
 use std::sync::atomic::AtomicBool;
 
@@ -16,7 +16,7 @@ fn tools() -> Environment {
 }
 
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../python")
+    pinwheel_tests::repository("python")
 }
 
 fn python(arguments: &[&str]) -> Command {
