@@ -312,9 +312,10 @@ def test_what_cannot_be_run_is_said():
         run('[contact]\nlaw = "other"', "exudyn-shared-law-explicit")
     # A compiled law may know it.
     scene = scenes.scene("", 1e-4)
-    pointer = scenes.PlainLaw(scene).pointer
+    # Kept by name: its function must outlive the run.
+    plain = scenes.PlainLaw(scene)
     text = scene.to_toml().replace('law = "paper"', 'law = "other"')
-    assert run(text, "exudyn-shared-law-explicit", law=pointer).stats.steps == 10
+    assert run(text, "exudyn-shared-law-explicit", law=plain.pointer).stats.steps == 10
 
 
 def test_columns_are_the_contracts():

@@ -6,6 +6,8 @@
 //! at the start and no memory of the leg before. Within a leg f is that leg's own at both ends
 //! ([`OdeSystem::enter_leg`]).
 
+use pinwheel_faults::{Fault, armed};
+
 use super::{StepCounts, StepError, StepSettings, Stepper, start};
 use crate::OdeSystem;
 
@@ -61,7 +63,9 @@ impl<S: OdeSystem> Legs<S> {
             return;
         }
         if let Some(from) = self.ends.pop() {
-            self.restart(from, self.settings.step);
+            if !armed(Fault::PassedBreak) {
+                self.restart(from, self.settings.step);
+            }
             system.enter_leg(from);
         }
     }
@@ -82,7 +86,7 @@ impl<S: OdeSystem> Legs<S> {
 impl<S: OdeSystem> Stepper<S> for Legs<S> {
     /// As of the method; a step that begins at the end of a leg enters the next.
     fn step(&mut self, system: &mut S) -> Result<(), StepError> {
-        if pinwheel_faults::armed(pinwheel_faults::Fault::PassedBreak) {
+        if armed(Fault::PassedBreak) {
             return self.stepper.step(system);
         }
         self.enter(system);
