@@ -1,5 +1,4 @@
-//! A load that changes during the run: methods keep their order and tolerance over it, the energy account closes,
-//! and the scenes' other engines have no say in it.
+//! A load that changes during the run: methods keep their order and tolerance over it, and the energy account closes.
 
 use pinwheel_courses::Courses;
 use pinwheel_faults::{Armed, Fault};
@@ -68,7 +67,7 @@ fn error(integrator: &str, step: &str, tolerance: &str, formulation: &str) -> (f
 }
 
 /// Orders between 2e-5 and 2.5e-6 s. Measured 2.00 for all methods of order two and 3.68 for `rk4`; when steps pass over the
-/// jumps Heun's error is 8.6 times as large at 2.5e-6 s.
+/// jumps Heun's error is 8.6 times as large at 2.5e-6 s, and `rk4`'s order 1.45.
 #[test]
 fn hard_fixed_steps_keep_their_order_over_load_changes() {
     let order = |integrator: &str, formulation: &str| {
@@ -92,6 +91,7 @@ fn hard_fixed_steps_keep_their_order_over_load_changes() {
     assert!(order("rk4", "reduced") < 1.7);
 }
 
+/// Measured 7.5 and 15 tolerances (`dopri5`), 2.8 and 7.3 (`dop853`).
 #[test]
 fn hard_tolerances_hold_over_load_changes() {
     for integrator in ["dopri5", "dop853"] {
@@ -99,15 +99,13 @@ fn hard_tolerances_hold_over_load_changes() {
             let (kept, calls) = error(integrator, "1e-5", tolerance, "reduced");
             println!("{integrator} at {tolerance}: {kept:.2e} in {calls}");
             let scale: f64 = tolerance.parse().unwrap();
-            assert!(
-                kept < 100.0 * scale,
-                "{integrator} at {tolerance}: {kept:e}"
-            );
+            assert!(kept < 30.0 * scale, "{integrator} at {tolerance}: {kept:e}");
         }
     }
 }
 
-/// A law with a potential closes its account over jumps and ramps of the load, and on both sides of each.
+/// A law with a potential closes its account over jumps and ramps of the load, and on both sides of each: measured
+/// 2.9e-8 J of 0.84 J.
 #[test]
 fn hard_energy_closes_over_load_changes() {
     let settings = [
@@ -127,7 +125,7 @@ fn hard_energy_closes_over_load_changes() {
             "{:.5} to {:.5} s: load {:.3e} J, remainder {:.1e} J",
             audit.from_s, audit.to_s, audit.load_j, audit.remainder_j
         );
-        assert!(audit.remainder_j.abs() < 1e-6, "{audit:?}");
+        assert!(audit.remainder_j.abs() < 1e-7, "{audit:?}");
     }
 }
 
