@@ -4,14 +4,14 @@
 //! minimise over d:  1/2 d' M d + a sum_c L_c v_s H(u_c / v_s),   u_c = u*_c + J_c d,   L = mu F_n
 //! ```
 
-use pinwheel_contact::{Lanes, Mask};
+use pinwheel_contact::{Lanes, LanesLaw, Mask};
 use pulp::Simd;
 
 use super::table::{Leaf, Pair};
 use super::{INTERNAL, KINDS, Sliding};
 
 /// Newton steps at most; a gear takes 1 to 4.
-pub(super) const MOST_STEPS: usize = 1000;
+const MOST_STEPS: usize = 1000;
 /// Line searches end when the slope along the step fell to this share.
 const SLOPE_SHARE: f64 = 0.1;
 /// Newton ends when no sliding speed moves by more than this share of its ramp.
@@ -26,38 +26,81 @@ fn touched<const HUBS: usize>(kind: usize) -> usize {
 }
 
 impl Sliding {
-    /// Minimises from the present d and u in at most `most` Newton steps; `HUBS` is wheels + 1.
-    /// False when something is not finite, or when [`MOST_STEPS`] were not enough.
+    /// Minimises from d = 0. False when something is not finite, or when [`MOST_STEPS`] were not enough.
+    ///
+    /// The normal forces are brought up to date once, after the first step, as in the module that is the oracle.
+    /// `HUBS` is wheels + 1.
     #[inline(always)]
-    pub(super) fn minimise<S: Simd, const HUBS: usize>(
+    pub(super) fn minimise<S: Simd, L: LanesLaw, const HUBS: usize>(
         &mut self,
         simd: S,
+        law: L,
         a: f64,
         rates: &[f64],
-        most: usize,
     ) -> bool {
-        let mut steps = 0;
-        while steps < most {
+        for step in 0..MOST_STEPS {
+            let first = step == 0;
             self.assemble::<S, HUBS>(simd, a);
             self.hubs.solve::<HUBS>();
             self.newton_steps += 1;
-            if self.along_step::<S, HUBS>(simd) {
+            let same = self.along_step::<S, HUBS>(simd);
+            let mut share = 1.0;
+            if !same {
+                if self.step_is_rounding(rates) {
+                    if first {
+                        self.update_forces::<S, L, HUBS>(simd, law);
+                        continue;
+                    }
+                    return true;
+                }
+                let Some(some) = self.line_search::<S, HUBS>(simd, a) else {
+                    return false;
+                };
+                share = some;
+            }
+            if first {
+                self.take::<S, HUBS, false>(simd, share);
+                self.update_forces::<S, L, HUBS>(simd, law);
+            } else if same {
                 // Nothing begins to stick or slide: the function is quadratic so far, and this its minimum.
-                self.take::<S, HUBS, false>(simd, 1.0);
-                break;
+                self.take::<S, HUBS, false>(simd, share);
+                return self.is_finite::<HUBS>();
+            } else if self.take::<S, HUBS, true>(simd, share) && share == 1.0 {
+                return self.is_finite::<HUBS>();
             }
-            if self.step_is_rounding(rates) {
-                return true;
-            }
-            let Some(share) = self.line_search::<S, HUBS>(simd, a) else {
-                return false;
-            };
-            if self.take::<S, HUBS, true>(simd, share) && share == 1.0 {
-                break;
-            }
-            steps += 1;
         }
-        steps < MOST_STEPS && self.hubs.step[..HUBS].iter().all(|x| x.is_finite())
+        false
+    }
+
+    #[inline(always)]
+    fn is_finite<const HUBS: usize>(&self) -> bool {
+        self.hubs.step[..HUBS].iter().all(|x| x.is_finite())
+    }
+
+    /// F_n at the present rates.
+    #[inline(always)]
+    fn update_forces<S: Simd, L: LanesLaw, const HUBS: usize>(&mut self, simd: S, law: L) {
+        let output = Lanes::splat(simd, self.hubs.change[HUBS - 1]);
+        for w in 0..HUBS - 1 {
+            let wheel = Lanes::splat(simd, self.hubs.change[w]);
+            for table in &mut self.pairs[w] {
+                for from in table.groups::<S>() {
+                    if !table.is_active(from) {
+                        continue;
+                    }
+                    let at = table.pairs(simd, from);
+                    let closing = at.get(Pair::ClosingWheel).mul_add(
+                        wheel,
+                        at.get(Pair::ClosingOutput)
+                            .mul_add(output, at.get(Pair::Closing)),
+                    );
+                    let depth = at.get(Pair::Penetration);
+                    let force = law.force_lanes(at.get(Pair::Stiffness), depth, closing);
+                    let force = force.only(force.like(0.0).less(depth));
+                    table.put(Pair::Force, from, force);
+                }
+            }
+        }
     }
 
     /// H and the negative gradient, the leaves eliminated.
