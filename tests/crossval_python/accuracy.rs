@@ -96,8 +96,7 @@ fn crossval_python_friction() {
     assert_within(MUJOCO, worst(&attempt.courses, &reference, 0.0), 1e-3);
 }
 
-/// A load that jumps between two steps, live; through a backlash of 0.6 mm all contacts open and strike again. Measured
-/// MEASURED_C.
+/// A load that jumps between two steps, live; through a backlash of 0.6 mm all contacts open and strike again.
 #[test]
 fn crossval_python_load_changes() {
     for (preset, explicit, constrained) in [
