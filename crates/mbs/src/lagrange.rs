@@ -434,6 +434,10 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
             self.pack(y);
         }
     }
+
+    fn enter_leg(&mut self, from: f64) {
+        self.forces.enter_leg(from);
+    }
 }
 
 impl<F: Forces> Formulation for Lagrange<F> {

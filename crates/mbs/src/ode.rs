@@ -30,6 +30,12 @@ pub trait OdeSystem {
 
     /// Puts an accepted state back onto the invariants the system keeps; by default there are none.
     fn settle(&mut self, _t: f64, _y: &mut [f64]) {}
+
+    /// From now on f is that of the leg which begins at `from` (s), wherever it is asked for, until the next call.
+    ///
+    /// At a time where f jumps it has two values: the leg that ends there has the one, the leg that begins there
+    /// the other. By default f has no jumps.
+    fn enter_leg(&mut self, _from: f64) {}
 }
 
 /// Errors that count as 1 in each kind of component, for methods that choose their steps. A stiff

@@ -341,6 +341,10 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         }
         e[..n].copy_from_slice(&y[n..]);
     }
+
+    fn enter_leg(&mut self, from: f64) {
+        self.forces.enter_leg(from);
+    }
 }
 
 impl<F: Forces> Formulation for Reduced<F> {

@@ -146,6 +146,10 @@ impl<S: OdeSystem> Stepper<S> for ImexFixed {
         &self.now.y
     }
 
+    fn next_step(&self) -> f64 {
+        self.h
+    }
+
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         let back = <Self as Stepper<S>>::time(self) - t;
         if self.counts.steps == 0 || back.abs() < 1e-9 * self.h {
