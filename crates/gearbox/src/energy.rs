@@ -16,12 +16,15 @@
 use pinwheel_mbs::{Mechanism, Observation};
 use serde::{Deserialize, Serialize};
 
-use crate::contacts::ContactField;
+use crate::contacts::ContactEnergy;
 use crate::layout::Layout;
 
 /// Steps between two entries at most: 1e-4 s at the paper's step is 8 entries a period of its fastest
 /// oscillation (1.2 kHz), and costs a few per cent of the run.
 const STEPS: f64 = 10.0;
+
+/// Intervals that differ by no more than this share are equal: sample times are products and sums of decimal numbers.
+const EQUAL: f64 = 1e-9;
 
 /// Powers and energies over a run.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -85,9 +88,8 @@ impl EnergyAccount {
         self.legs.push(self.time.len());
     }
 
-    /// Adds an entry. `load`: N m on the output shaft.
-    pub(crate) fn add(&mut self, load: f64, seen: &Observation<'_>, field: &mut dyn ContactField) {
-        let contacts = field.energy(seen.bodies);
+    /// Adds an entry. `load`: N m on the output shaft; `contacts`: of the state seen.
+    pub(crate) fn add(&mut self, load: f64, seen: &Observation<'_>, contacts: ContactEnergy) {
         let driver = seen.driver_torques.first().copied().unwrap_or(0.0);
         let values = [
             driver * seen.bodies[Layout::INPUT].rate,
@@ -182,6 +184,24 @@ fn interval(time: &[f64], values: &[f64], k: usize) -> f64 {
     let from = k.saturating_sub(1).min(time.len().saturating_sub(4));
     let to = (from + 4).min(time.len());
     let (low, h) = (time[k], time[k + 1] - time[k]);
+    if let [t0, .., t3] = time[from..to]
+        && to - from == 4
+        && (t3 - t0 - 3.0 * h).abs() < EQUAL * h
+        && (time[from + 1] - t0 - h).abs() < EQUAL * h
+    {
+        // The same integral for equal intervals, which nearly all are.
+        let weights: [f64; 4] = match k - from {
+            0 => [9.0, 19.0, -5.0, 1.0],
+            1 => [-1.0, 13.0, 13.0, -1.0],
+            _ => [1.0, -5.0, 19.0, 9.0],
+        };
+        let sum: f64 = weights
+            .iter()
+            .zip(&values[from..to])
+            .map(|(w, v)| w * v)
+            .sum();
+        return h * sum / 24.0;
+    }
     let at = |t: f64| -> f64 {
         (from..to)
             .map(|i| {

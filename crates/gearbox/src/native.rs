@@ -2,10 +2,11 @@
 
 use pinwheel_courses::{Courses, CoursesError};
 use pinwheel_mbs::integrators::{Legs, StepCounts, StepError, StepSettings, Stepper};
-use pinwheel_mbs::{Formulation, Lagrange, Reduced, Stabilisation};
+use pinwheel_mbs::{Formulation, Lagrange, Observation, Reduced, Stabilisation};
 
 use crate::balance::Balance;
 use crate::channels::{LawPairs, Seen};
+use crate::contacts::{ContactEnergy, ContactField};
 use crate::due::Due;
 use crate::energy::EnergyAccount;
 use crate::friction::GearForces;
@@ -160,7 +161,8 @@ fn integrate<F: Formulation>(
             stepper.interpolate(&mut system, due.time(), &mut y);
             if let Due::Entry(time) | Due::Break(time, _) = due {
                 let seen = system.observe(time, &y);
-                energy.add(load.torque(time), &seen, field.as_mut());
+                let contacts = contact_energy(&seen, field.as_mut());
+                energy.add(load.torque(time), &seen, contacts);
             }
             if let Due::Break(_, from) = due {
                 stepper.enter(&mut system);
@@ -174,7 +176,8 @@ fn integrate<F: Formulation>(
             fault = Some((t, quantity));
             break;
         }
-        energy.add(load.torque(t), &seen, field.as_mut());
+        let contacts = contact_energy(&seen, field.as_mut());
+        energy.add(load.torque(t), &seen, contacts);
         if let Some(audit) = energy.audit(before, t)
             && let Err(quantity) = balance.add(&audit)
         {
@@ -212,6 +215,11 @@ fn integrate<F: Formulation>(
             partial: Box::new(run),
         }),
     }
+}
+
+/// The contacts' energy as the forces told it, or asked for.
+fn contact_energy(seen: &Observation<'_>, field: &mut dyn ContactField) -> ContactEnergy {
+    seen.energy.unwrap_or_else(|| field.energy(seen.bodies))
 }
 
 /// Why stepping ended.

@@ -30,6 +30,11 @@ fn contract(layout: Layout) -> impl Iterator<Item = String> {
     head.chain(externals).chain(internals)
 }
 
+/// Of a force, N. `hypot` is exact to the last digit where squares overflow, which costs 2 % of a fast run.
+fn magnitude(fx: f64, fy: f64) -> f64 {
+    (fx * fx + fy * fy).sqrt()
+}
+
 impl Recorder {
     /// Names of the contract's columns after the time, in their order.
     #[must_use]
@@ -115,7 +120,7 @@ impl Recorder {
         let head = [driver_torque, output_torque, output.angle];
         let values = head
             .into_iter()
-            .chain(forces.iter().map(|&[fx, fy]| fx.hypot(fy)));
+            .chain(forces.iter().map(|&[fx, fy]| magnitude(fx, fy)));
         for (column, value) in self.columns.iter_mut().zip(values) {
             column.push(value);
         }

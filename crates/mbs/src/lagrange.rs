@@ -366,6 +366,11 @@ impl<F: Forces> Lagrange<F> {
     fn evaluate(&mut self, t: f64) -> Result<(), usize> {
         self.loads.fill(Wrench::default());
         self.forces.apply(t, &self.bodies, &mut self.loads);
+        self.accelerate(t)
+    }
+
+    /// Accelerations and multipliers under the loads.
+    fn accelerate(&mut self, t: f64) -> Result<(), usize> {
         self.rotate_arms();
         self.factor_beside()?;
         self.set_gamma(t);
@@ -454,7 +459,9 @@ impl<F: Forces> Formulation for Lagrange<F> {
 
     fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
         self.prepare(t, y);
-        let solved = self.evaluate(t).is_ok();
+        self.loads.fill(Wrench::default());
+        let energy = self.forces.apply_observed(t, &self.bodies, &mut self.loads);
+        let solved = self.accelerate(t).is_ok();
         for k in 0..self.reactions.len() {
             let mu = *self.saddle.constraint(k);
             self.reactions[k] = if solved {
@@ -472,6 +479,7 @@ impl<F: Forces> Formulation for Lagrange<F> {
             bodies: &self.bodies,
             loads: &self.loads,
             driver_torques: &self.torques,
+            energy,
             reactions: Some(&self.reactions),
         }
     }

@@ -21,4 +21,4 @@ pub use mechanism::{Body, BodyId, Driver, Forces, Mechanism, MechanismError, Mot
 pub use ode::{ErrorScales, Formulation, Observation, OdeSystem};
 pub use reduced::Reduced;
 pub use saddle::SaddlePoint;
-pub use state::{BodyState, Wrench};
+pub use state::{BodyState, ContactEnergy, Wrench};

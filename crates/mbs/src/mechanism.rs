@@ -7,8 +7,8 @@
 //! parent takes the opposite. A driver prescribes `angle_child - angle_parent = f(t)`; its
 //! multiplier is the torque **on the child**.
 
-use crate::BodyState;
 use crate::sliding::{Contact, RateStage};
+use crate::{BodyState, ContactEnergy};
 
 /// Index into [`Mechanism::bodies`].
 pub type BodyId = usize;
@@ -176,6 +176,18 @@ impl Mechanism {
 pub trait Forces {
     /// Adds every applied load to `loads` (body order of the mechanism).
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [crate::Wrench]);
+
+    /// [`apply`](Self::apply) for a state that is looked at, with the contacts' energy if that is cheaper to tell
+    /// now than later. The loads are the same.
+    fn apply_observed(
+        &mut self,
+        time: f64,
+        bodies: &[BodyState],
+        loads: &mut [crate::Wrench],
+    ) -> Option<ContactEnergy> {
+        self.apply(time, bodies, loads);
+        None
+    }
 
     /// Adds every applied load but the friction of contacts, and lists these contacts.
     ///

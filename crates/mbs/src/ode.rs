@@ -1,6 +1,6 @@
 //! What an integrator needs to know of a system, and what a formulation tells of its state.
 
-use crate::{BodyState, Wrench};
+use crate::{BodyState, ContactEnergy, Wrench};
 
 /// y' = f(t, y).
 pub trait OdeSystem {
@@ -62,6 +62,8 @@ pub struct Observation<'a> {
     pub loads: &'a [Wrench],
     /// Torque of each driver on its child, N m.
     pub driver_torques: &'a [f64],
+    /// Energy of the contacts; `None` where the forces do not tell it.
+    pub energy: Option<ContactEnergy>,
     /// Force of each revolute on its child, N; `None` where the formulation does not know them.
     pub reactions: Option<&'a [[f64; 2]]>,
 }

@@ -364,7 +364,9 @@ impl<F: Forces> Formulation for Reduced<F> {
                 self.bodies[body].angle = start.angle + start.rate * t;
             }
         }
-        self.evaluate(t);
+        self.loads.fill(Wrench::default());
+        let energy = self.forces.apply_observed(t, &self.bodies, &mut self.loads);
+        self.sum_moments();
         for (k, driver) in self.mechanism.drivers.iter().enumerate() {
             let (_, _, acceleration) = driver.motion.at(t);
             self.torques[k] =
@@ -379,6 +381,7 @@ impl<F: Forces> Formulation for Reduced<F> {
             bodies: &self.bodies,
             loads: &self.loads,
             driver_torques: &self.torques,
+            energy,
             reactions: wanted.then_some(self.reactions.as_slice()),
         }
     }

@@ -27,3 +27,14 @@ pub struct Wrench {
     /// N m, counter-clockwise.
     pub moment: f64,
 }
+
+/// What the contacts do to the energy; both powers are at least 0 for a law that only dissipates.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactEnergy {
+    /// Stored, J.
+    pub stored_j: f64,
+    /// Lost in the normal direction, W: the part of the normal force that is not there at rate 0, times the rate.
+    pub damping_w: f64,
+    /// Lost by sliding, W.
+    pub friction_w: f64,
+}

@@ -56,7 +56,8 @@ fn regress_baseline_is_small_and_whole() {
         .unwrap()
         .map(|file| file.unwrap().metadata().unwrap().len());
     let bytes: u64 = files.sum();
-    assert!(bytes < 300_000, "{bytes} bytes");
+    // 46 scenes of about 10 kB, most of it the reference.
+    assert!(bytes < 500_000, "{bytes} bytes");
     let baseline = accepted();
     for case in baseline::SCENES {
         let record = baseline

@@ -1,5 +1,6 @@
 //! The contact forces of a whole gearbox as a function of its bodies' states.
 
+pub use pinwheel_mbs::ContactEnergy;
 use pinwheel_mbs::sliding::RateStage;
 use pinwheel_mbs::{BodyState, Wrench};
 
@@ -35,17 +36,6 @@ pub struct PairContact {
     pub centre: [f64; 2],
 }
 
-/// What the contacts do to the energy; both powers are at least 0 for a law that only dissipates.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ContactEnergy {
-    /// Stored, J.
-    pub stored_j: f64,
-    /// Lost in the normal direction, W: the part of the normal force that is not there at rate 0, times the rate.
-    pub damping_w: f64,
-    /// Lost by sliding, W.
-    pub friction_w: f64,
-}
-
 impl PairContact {
     /// Force on the sleeve in the ground frame, N. The wheel takes the opposite; all of it acts at W but
     /// [`along_force_n`](Self::along_force_n), which acts at the sleeve's centre.
@@ -69,6 +59,16 @@ pub trait ContactField: Send {
 
     /// What the contacts store and dissipate at these states.
     fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy;
+
+    /// Both at once.
+    fn add_loads_with_energy(
+        &mut self,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+    ) -> ContactEnergy {
+        self.add_loads(bodies, loads);
+        self.energy(bodies)
+    }
 
     /// Visits every touching pair (penetration > 0), wheel by wheel, external before internal.
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact));

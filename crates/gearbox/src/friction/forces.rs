@@ -1,7 +1,7 @@
 //! Contact forces and the load as the mechanism's applied forces, whole or with the friction told apart.
 
 use pinwheel_mbs::sliding::{Contact, RateStage};
-use pinwheel_mbs::{BodyState, Forces, Wrench};
+use pinwheel_mbs::{BodyState, ContactEnergy, Forces, Wrench};
 
 use crate::contacts::{ContactField, PairContact};
 use crate::layout::Layout;
@@ -35,6 +35,16 @@ impl Forces for GearForces<'_> {
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
         loads[Layout::OUTPUT].moment += self.load.torque(time);
         self.field.add_loads(bodies, loads);
+    }
+
+    fn apply_observed(
+        &mut self,
+        time: f64,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+    ) -> Option<ContactEnergy> {
+        loads[Layout::OUTPUT].moment += self.load.torque(time);
+        Some(self.field.add_loads_with_energy(bodies, loads))
     }
 
     fn apply_without_friction(

@@ -2,7 +2,7 @@
 //!
 //! Windows are short. The start-up transient excites every vibration and two and a half meshes pass
 //! through it, so errors of a method, of a contact and of a step control all show within 20 ms.
-//! Not in the set: scenes whose forces are only rounding (no load), those no method resolves
+//! All hard presets are in it but these: scenes whose forces are only rounding (no load), the one no method resolves
 //! (feather-light sleeves), and `hard-long-run`, which is `paper` for longer.
 
 use pinwheel_gearbox::scene::{Override, Scene, SceneError};
@@ -277,6 +277,32 @@ pub const SCENES: &[SceneCase] = &[
         &[RK4_FINE, DOPRI5],
         "high frequency and strong damping"
     ),
+    // The other hard presets that hold, one run each: a change that breaks only one of them is seen.
+    scene!("hard-adhesive", &[DOPRI5], "contacts that pull"),
+    scene!("hard-all-open", &[DOPRI5], "no contact at the start"),
+    scene!("hard-backlash-0.1", &[DOPRI5], "little play"),
+    scene!("hard-damping-0", &[DOPRI5], "nothing dies out"),
+    scene!("hard-damping-1", &[DOPRI5], "little damping"),
+    scene!("hard-damping-512", &[DOPRI5], "damping that is stiff"),
+    scene!("hard-forty-sleeves", &[DOPRI5], "many pairs"),
+    scene!("hard-load-removed", &[DOPRI5], "a load that goes away"),
+    scene!("hard-one-sleeve", &[DOPRI5], "one loaded sleeve"),
+    scene!("hard-points-120", &[RK4], "a polygon as profile"),
+    scene!("hard-points-600", &[RK4], "the published polygon"),
+    scene!("hard-points-16000", &[RK4], "a fine polygon"),
+    scene!("hard-ramp-1e-7", &[DOPRI5], "forces that begin steeply"),
+    scene!("hard-rpm-20", &[DOPRI5], "almost at rest"),
+    scene!(
+        "hard-steel",
+        &[RK4_FINE],
+        "steel by a fixed step that just resolves it"
+    ),
+    scene!("hard-stiffness-0.1", &[DOPRI5], "ten times the stiffness"),
+    scene!(
+        "hard-stiffness-0.1-damped",
+        &[DOPRI5],
+        "that with strong damping"
+    ),
 ];
 
 impl SceneCase {
@@ -329,6 +355,27 @@ mod tests {
                     choice.name
                 );
             }
+        }
+    }
+
+    /// A hard case that nobody watches would break unseen.
+    #[test]
+    fn every_hard_case_that_holds_is_in_the_set() {
+        let left_out = [
+            "hard-feather-sleeves",
+            "hard-long-run",
+            "hard-zero-load",
+            "hard-zero-load-friction",
+        ];
+        for preset in pinwheel_gearbox::scene::PRESETS {
+            let hard = preset.name.starts_with("hard-") && !left_out.contains(&preset.name);
+            let watched = SCENES.iter().any(|case| case.preset == preset.name);
+            assert_eq!(
+                hard,
+                watched && preset.name.starts_with("hard-"),
+                "{}",
+                preset.name
+            );
         }
     }
 

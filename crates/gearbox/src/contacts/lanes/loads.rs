@@ -1,35 +1,50 @@
 //! Forces of all touching pairs, summed onto the bodies.
 
 use pinwheel_contact::{Complex, Lanes, LanesLaw, RegularisedCoulomb};
-use pinwheel_mbs::Wrench;
+use pinwheel_mbs::{ContactEnergy, Wrench};
 use pulp::Simd;
 
 use super::walk::{Group, Sink, Wheel};
 
-/// Adds forces (Eq. 20, 21) to the sleeves' columns and to the wheels' loads.
-pub(super) struct Loads<'a, L, const FRICTION: bool> {
+/// Adds forces (Eq. 20, 21) to the sleeves' columns and to the wheels' loads, and with `ENERGY` what they store and
+/// dissipate.
+pub(super) struct Loads<'a, L, const FRICTION: bool, const ENERGY: bool> {
     pub(super) law: L,
     pub(super) friction: RegularisedCoulomb,
     pub(super) loads: &'a mut [Wrench],
+    pub(super) energy: &'a mut ContactEnergy,
 }
 
-impl<S: Simd, L: LanesLaw, const FRICTION: bool> Sink<S> for Loads<'_, L, FRICTION> {
+impl<S: Simd, L: LanesLaw, const FRICTION: bool, const ENERGY: bool> Sink<S>
+    for Loads<'_, L, FRICTION, ENERGY>
+{
     #[inline(always)]
     fn group(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let (touching, from) = (&group.touching, group.from);
         let (n, arm) = (touching.normal, group.arm());
         let relative = group.relative_velocity::<FRICTION>(simd, wheel);
-        let pressure =
-            self.law
-                .force_lanes(touching.stiffness, touching.penetration, relative.dot(n));
+        let (stiffness, depth) = (touching.stiffness, touching.penetration);
+        let closing = relative.dot(n);
+        let pressure = self.law.force_lanes(stiffness, depth, closing);
         let mut on_sleeve = n.scale(-pressure);
+        if ENERGY {
+            let mask = touching.mask;
+            let elastic = self.law.force_lanes(stiffness, depth, depth.like(0.0));
+            let stored = self.law.stored_lanes(stiffness, depth);
+            self.energy.stored_j += stored.only(mask).sum();
+            self.energy.damping_w += ((pressure - elastic) * closing).only(mask).sum();
+        }
         if FRICTION {
             let t = n.turned();
             let one = arm.re.like(1.0);
-            let share = relative.dot(t) * arm.re.like(1.0 / self.friction.ramp);
+            let sliding = relative.dot(t);
+            let share = sliding * arm.re.like(1.0 / self.friction.ramp);
             let drag =
                 pressure * arm.re.like(-self.friction.coefficient) * share.max(-one).min(one);
             on_sleeve = t.scale_add(drag, on_sleeve);
+            if ENERGY {
+                self.energy.friction_w -= (drag * sliding).only(touching.mask).sum();
+            }
         }
         // Masked lanes may hold anything, NaN included.
         let on_sleeve = on_sleeve.only(touching.mask);

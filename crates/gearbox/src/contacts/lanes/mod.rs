@@ -59,7 +59,9 @@ struct Walk<'a, K> {
 }
 
 /// A walk that leaves its sums in the sleeves' columns.
-struct SumWalk<'a, L, const FRICTION: bool>(Walk<'a, Loads<'a, L, FRICTION>>);
+struct SumWalk<'a, L, const FRICTION: bool, const ENERGY: bool>(
+    Walk<'a, Loads<'a, L, FRICTION, ENERGY>>,
+);
 
 /// A walk that visits.
 struct ListWalk<'a, 'v, L>(Walk<'a, Listing<'a, 'v, L>>);
@@ -84,7 +86,9 @@ impl<K> Walk<'_, K> {
     }
 }
 
-impl<L: LanesLaw, const FRICTION: bool> pulp::WithSimd for SumWalk<'_, L, FRICTION> {
+impl<L: LanesLaw, const FRICTION: bool, const ENERGY: bool> pulp::WithSimd
+    for SumWalk<'_, L, FRICTION, ENERGY>
+{
     type Output = ();
 
     #[inline(always)]
@@ -143,11 +147,17 @@ impl LaneField {
         }
     }
 
-    fn sum<const FRICTION: bool>(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
-        let sink = Loads::<LaneLaw, FRICTION> {
+    fn sum<const FRICTION: bool, const ENERGY: bool>(
+        &mut self,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+    ) -> ContactEnergy {
+        let mut energy = ContactEnergy::default();
+        let sink = Loads::<LaneLaw, FRICTION, ENERGY> {
             law: self.law,
             friction: self.friction,
             loads,
+            energy: &mut energy,
         };
         let pairs = &mut self.pairs;
         self.arch.dispatch(SumWalk(Walk {
@@ -155,6 +165,7 @@ impl LaneField {
             bodies,
             sink,
         }));
+        energy
     }
 
     fn list(&mut self, bodies: &[BodyState], visit: &mut Visit<'_>) {
@@ -175,9 +186,21 @@ impl LaneField {
 impl ContactField for LaneField {
     fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
         if self.friction.coefficient > 0.0 {
-            self.sum::<true>(bodies, loads);
+            self.sum::<true, false>(bodies, loads);
         } else {
-            self.sum::<false>(bodies, loads);
+            self.sum::<false, false>(bodies, loads);
+        }
+    }
+
+    fn add_loads_with_energy(
+        &mut self,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+    ) -> ContactEnergy {
+        if self.friction.coefficient > 0.0 {
+            self.sum::<true, true>(bodies, loads)
+        } else {
+            self.sum::<false, true>(bodies, loads)
         }
     }
 
