@@ -70,7 +70,9 @@ const PinwheelCharts = (() => {
       const digits = Math.min(6, Math.max(1, Math.floor(Math.log10(largest)) - Math.floor(Math.log10(spacing)) + 1));
       return values.map((v) => (v === null || v === undefined ? '' : v === 0 ? '0' : number(v, digits)));
     }
-    const decimals = Math.min(9, Math.max(0, -Math.floor(Math.log10(spacing) + 1e-9)));
+    let decimals = Math.min(9, Math.max(0, -Math.floor(Math.log10(spacing) + 1e-9)));
+    const whole = (digits) => Math.abs(spacing * 10 ** digits - Math.round(spacing * 10 ** digits)) < 1e-6;
+    if (!whole(decimals) && whole(decimals + 1)) decimals += 1; // 0.0025, 0.005, 0.0075
     return values.map((v) => (v === null || v === undefined ? '' : v.toFixed(decimals).replace('-', '−')));
   }
   // On a log axis only whole decades have a line and a number, and not all where there are many.

@@ -49,6 +49,8 @@ pub struct Overlay {
     pub time_s: Vec<f64>,
     /// New, at all samples.
     pub after: Vec<f64>,
+    /// New, at the kept samples.
+    pub after_kept: Vec<f64>,
 }
 
 /// One quantity of one case.
@@ -174,6 +176,7 @@ fn overlay(
         converged: converged.into_iter().nth(channel)?,
         time_s: time_s.to_vec(),
         after: values.channels.get(channel)?.clone(),
+        after_kept: kept.into_iter().nth(channel)?,
     })
 }
 
@@ -313,6 +316,17 @@ mod tests {
         assert!((check.change - 2e-3).abs() < 1e-5 && (check.error_after - 1e-3).abs() < 1e-6);
         // The sketch sees what the kept samples cannot: 1e-8 of 100 is 1e-10.
         assert!((0.1..10.0).contains(&(judged(0.1 + 1e-8).change / 1e-10)));
+    }
+
+    /// What is drawn at a time is the value of that time.
+    #[test]
+    fn overlays_are_in_step() {
+        let overlay = judged(0.12).overlay.unwrap();
+        assert!(overlay.kept_s.len() > 2);
+        for (time, value) in overlay.kept_s.iter().zip(&overlay.after_kept) {
+            let k = overlay.time_s.iter().position(|t| t == time).unwrap();
+            assert_eq!(overlay.after[k], *value);
+        }
     }
 
     #[test]

@@ -166,14 +166,6 @@ fn charts(case: &CaseCheck, quantity: &QuantityCheck, overlay: &Overlay) -> [Cha
         tags: Vec::new(),
         colour: Some(colour),
     };
-    let every: Vec<f64> = {
-        let stride = overlay
-            .time_s
-            .len()
-            .div_ceil(overlay.kept_s.len().max(1))
-            .max(1);
-        overlay.after.iter().step_by(stride).copied().collect()
-    };
     let error = |course: &[f64]| -> Vec<f64> {
         course
             .iter()
@@ -219,7 +211,13 @@ fn charts(case: &CaseCheck, quantity: &QuantityCheck, overlay: &Overlay) -> [Cha
             "error against the converged run".to_owned(),
             axis("Error"),
             vec![
-                series("after", Style::Both, &overlay.kept_s, error(&every), 0),
+                series(
+                    "after",
+                    Style::Both,
+                    &overlay.kept_s,
+                    error(&overlay.after_kept),
+                    0,
+                ),
                 series(
                     "before",
                     Style::Both,
