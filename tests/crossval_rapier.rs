@@ -390,3 +390,26 @@ fn channels_agree_or_are_missing() {
         }
     }
 }
+
+/// A load that jumps between two steps. Measured over the first 0.012 s at 2e-6 s: 2.0e-5 (22 to 44 N m) and 9.7e-5 (22 to
+/// -22 N m through a backlash of 0.6 mm), and 25 times as much at 1e-5 s: second order, over the jump too.
+#[test]
+fn crossval_rapier_load_changes() {
+    for (preset, limit) in [("hard-load-doubled", 4e-5), ("hard-load-reversal", 2e-4)] {
+        let at = |step_s: &str| {
+            scene(
+                preset,
+                &[
+                    ("solver.duration_s", "0.012"),
+                    ("solver.step_s", step_s),
+                    ("solver.tolerance", "1e-10"),
+                ],
+            )
+        };
+        let reference = native(&at("1e-5"), "dopri5", 1e-5);
+        for engine in [SHARED, HOOK] {
+            let courses = run(engine, &at("2e-6"));
+            assert_close(&courses, &reference, &FORCES, (0.0, 0.012), limit);
+        }
+    }
+}

@@ -58,7 +58,7 @@ def bed_stiffness(scene: Scene) -> float:
 def nominal_force_n(scene: Scene) -> float:
     """Greatest external sleeve force at zero clearance with linear springs, 4 T/(n e zs zk); at least 1 N."""
     gear = scene.gear
-    torque = abs(scene.drive.output_torque_n_m) / gear.wheels
+    torque = scene.drive.largest_load_n_m / gear.wheels
     return max(1.0, 4.0 * torque / (gear.eccentricity_m * gear.lobes * gear.external_sleeves))
 
 
@@ -69,7 +69,7 @@ def nominal_rate_rad_s(scene: Scene) -> float:
     lever whose mean square is half the square of its greatest.
     """
     gear, law = scene.gear, ContactLaw(scene)
-    torque = max(1.0, abs(scene.drive.output_torque_n_m)) / gear.wheels
+    torque = max(1.0, scene.drive.largest_load_n_m) / gear.wheels
     stiffness = 0.0
     for sleeves, lever, k in (
         (

@@ -19,6 +19,9 @@ import numpy.typing as npt
 
 from pinwheel_engines.errors import SceneError
 
+# Least distance of two changes of the load, s: more than the rounding of times.
+APART_S = 1e-9
+
 Check = typing.Callable[[float], bool]
 
 
@@ -98,6 +101,36 @@ class Masses:
 
 
 @dataclass(frozen=True)
+class LoadChange:
+    """What the load becomes during a run: at once, or linearly over `ramp_s`."""
+
+    time_s: float = field(metadata={"test": lambda t: t >= APART_S, "wanted": f"{APART_S:g} s or later"})
+    output_torque_n_m: float
+    ramp_s: float = _limited(0.0, lambda t: t == 0 or t >= APART_S, f"0 or at least {APART_S:g} s")
+
+
+@dataclass(frozen=True)
+class LoadPiece:
+    """The load between two changes: linear from `before_n_m` to `after_n_m` over `ramp_s`, constant outside the ramp.
+
+    At a change without a ramp the load is two: that of the piece that ends and that of the piece that begins. A step
+    takes the piece it lies in, at both its ends.
+    """
+
+    from_s: float
+    before_n_m: float
+    after_n_m: float
+    ramp_s: float
+
+    def load_n_m(self, time_s: float) -> float:
+        """Load on the output shaft at a time."""
+        if self.ramp_s <= 0.0:
+            return self.after_n_m
+        share = min(1.0, max(0.0, (time_s - self.from_s) / self.ramp_s))
+        return self.before_n_m + (self.after_n_m - self.before_n_m) * share
+
+
+@dataclass(frozen=True)
 class Drive:
     """Motion of the input and load of the output (Tab. 3).
 
@@ -109,11 +142,47 @@ class Drive:
     start: str = _one_of("kinematic", "kinematic", "equilibrium")
     load_ramp_s: float = _not_negative(0.0)
 
+    load_changes: tuple[LoadChange, ...] = ()
+
+    def load_pieces(self) -> list[LoadPiece]:
+        """The load from change to change, the first piece from 0 on."""
+        pieces = [LoadPiece(0.0, 0.0, self.output_torque_n_m, self.load_ramp_s)]
+        for change in self.load_changes:
+            pieces.append(LoadPiece(change.time_s, pieces[-1].after_n_m, change.output_torque_n_m, change.ramp_s))
+        return pieces
+
+    def load_piece(self, time_s: float) -> LoadPiece:
+        """The piece that holds at a time; at a change the one that begins."""
+        return [piece for piece in self.load_pieces() if piece.from_s <= max(0.0, time_s)][-1]
+
     def load_n_m(self, time_s: float) -> float:
-        """Load on the output shaft at a time; it rises linearly over `load_ramp_s`."""
-        if self.load_ramp_s <= 0.0:
-            return self.output_torque_n_m
-        return self.output_torque_n_m * min(1.0, max(0.0, time_s / self.load_ramp_s))
+        """Load on the output shaft at a time; at a jump what it jumps to."""
+        return self.load_piece(time_s).load_n_m(time_s)
+
+    @property
+    def load_breaks_s(self) -> list[float]:
+        """Times at which the load jumps or bends, which no step may pass over. None without changes, as ever."""
+        if not self.load_changes:
+            return []
+        breaks: list[float] = []
+        for piece in self.load_pieces():
+            # A ramp that ends where the next change begins, up to rounding, is no break of its own.
+            if breaks and piece.from_s - breaks[-1] < APART_S:
+                breaks.pop()
+            breaks.append(piece.from_s)
+            if piece.ramp_s >= APART_S:
+                breaks.append(piece.from_s + piece.ramp_s)
+        return [time_s for time_s in breaks if time_s > 0.0]
+
+    @property
+    def load_varies(self) -> bool:
+        """Whether the load is not the same from the start to the end."""
+        return self.load_ramp_s > 0.0 or bool(self.load_changes)
+
+    @property
+    def largest_load_n_m(self) -> float:
+        """The largest size of the load over the run."""
+        return max(abs(piece.after_n_m) for piece in self.load_pieces())
 
 
 @dataclass(frozen=True)
@@ -196,6 +265,7 @@ class Scene:
         scene = _read(Scene, data, "")
         assert isinstance(scene, Scene)
         _check_geometry(scene.gear)
+        _check_changes(scene.drive)
         return scene
 
     @staticmethod
@@ -232,6 +302,8 @@ def _toml_value(value: Any) -> str:
     if dataclasses.is_dataclass(value):
         inner = ", ".join(f"{f.name} = {_toml_value(getattr(value, f.name))}" for f in dataclasses.fields(value))
         return f"{{ {inner} }}"
+    if isinstance(value, tuple):
+        return f"[{', '.join(_toml_value(entry) for entry in value)}]"
     return _quoted(value) if isinstance(value, str) else repr(value)
 
 
@@ -258,6 +330,11 @@ def _value(kind: type[Any], raw: Any, key: str, rules: typing.Mapping[str, Any])
         if not isinstance(raw, dict):
             raise SceneError(f"`{key}` must be a table, not {raw!r}")
         return _read(kind, raw, f"{key}.")
+    if typing.get_origin(kind) is tuple:
+        if not isinstance(raw, list):
+            raise SceneError(f"`{key}` must be a list of tables, not {raw!r}")
+        entry = typing.get_args(kind)[0]
+        return tuple(_value(entry, one, f"{key}[{number}]", {}) for number, one in enumerate(raw))
     if kind is str:
         if not isinstance(raw, str):
             raise SceneError(f"`{key}` must be a text in quotes, not {raw!r}")
@@ -290,6 +367,19 @@ def smallest_convex_radius_m(gear: Gear) -> float:
     a, b = -0.5 * (zk - 1) * (1.0 - m * m), 0.5 * (zk + 1)
     u = min(max(-3.0 * a / b, (1.0 - m) ** 2), (1.0 + m) ** 2)
     return float(gear.pitch_radius_m * u**1.5 / (a + b * u))
+
+
+def _check_changes(drive: Drive) -> None:
+    """The changes of the load must come in order, each after the ramp before it."""
+    over_s = drive.load_ramp_s
+    for number, piece in enumerate(drive.load_pieces()[1:]):
+        earlier = drive.load_pieces()[number]
+        if (number > 0 and piece.from_s - earlier.from_s < APART_S) or over_s > piece.from_s + 0.5 * APART_S:
+            raise SceneError(
+                f"`drive.load_changes[{number}].time_s` = {piece.from_s!r} must come after the change before it and its "
+                f"ramp, {over_s!r} s; list the changes in the order in which they come"
+            )
+        over_s = piece.from_s + piece.ramp_s
 
 
 def _check_geometry(gear: Gear) -> None:

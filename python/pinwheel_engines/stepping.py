@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+
+# Distance, in steps, within which two times are the same.
+SAME = 1e-9
 
 
 def steps_between(start_s: float, end_s: float, wanted_s: float) -> tuple[int, float]:
@@ -18,12 +23,16 @@ def steps_between(start_s: float, end_s: float, wanted_s: float) -> tuple[int, f
 
 @dataclass(frozen=True)
 class Stretch:
-    """A run of equal steps: `samples` intervals of `steps_a_sample` steps each."""
+    """A run of equal steps: `samples` intervals of `steps_a_sample` steps each.
+
+    One that ends at a break of the load between samples is a single interval with no sample at its end.
+    """
 
     start_s: float
     end_s: float
     samples: int
     steps_a_sample: int
+    sampled: bool = True
 
     @property
     def steps(self) -> int:
@@ -31,8 +40,38 @@ class Stretch:
         return self.samples * self.steps_a_sample
 
 
-def stretches(times_s: npt.NDArray[np.float64], wanted_s: float) -> list[Stretch]:
-    """The sample grid as runs of equal steps: all whole intervals, then the shorter last one if there is one."""
+def stretches(times_s: npt.NDArray[np.float64], wanted_s: float, breaks_s: Sequence[float] = ()) -> list[Stretch]:
+    """The sample grid as runs of equal steps: all whole intervals, then the shorter last one if there is one.
+
+    Every break of the load ends a run: a step has the load of one side. Where a break lies between two samples, the
+    steps on both its sides are a little shorter.
+    """
+    if times_s.size < 2:
+        return []
+    parts: list[Stretch] = []
+    first = 0
+    for k in range(times_s.size - 1):
+        pieces = legs(float(times_s[k]), float(times_s[k + 1]), breaks_s, wanted_s)
+        if len(pieces) > 1:
+            parts += _equal(times_s[first : k + 1], wanted_s)
+            last = pieces[-1]
+            parts += [Stretch(*leg, 1, steps_between(*leg, wanted_s)[0], sampled=leg == last) for leg in pieces]
+            first = k + 1
+        elif any(abs(break_s - times_s[k + 1]) <= SAME * wanted_s for break_s in breaks_s):
+            parts += _equal(times_s[first : k + 2], wanted_s)
+            first = k + 1
+    return parts + _equal(times_s[first:], wanted_s)
+
+
+def legs(start_s: float, end_s: float, breaks_s: Sequence[float], wanted_s: float) -> list[tuple[float, float]]:
+    """The interval between two samples, cut at the breaks that lie inside it."""
+    same = SAME * wanted_s
+    cuts = [start_s, *(t for t in breaks_s if start_s + same < t < end_s - same), end_s]
+    return list(itertools.pairwise(cuts))
+
+
+def _equal(times_s: npt.NDArray[np.float64], wanted_s: float) -> list[Stretch]:
+    """Stretches of a grid without breaks."""
     if times_s.size < 2:
         return []
     spans = np.diff(times_s)

@@ -122,12 +122,13 @@ def runge_kutta(scene: Scene, step_s: float) -> dict[str, Floats]:
     """Courses by classical Runge-Kutta on absolute angles with lumped moments: no engine, no joint, no multiplier."""
     from pinwheel_engines.result import Recorder
     from pinwheel_engines.start import initial_angles
-    from pinwheel_engines.stepping import steps_between
+    from pinwheel_engines.stepping import legs, steps_between
 
     kinematics, law = Kinematics(scene.gear), ContactLaw(scene)
     moments = kinematics.lumped_moments(scene)
     angles, rates = initial_angles(scene)
     recorder = Recorder(scene, kinematics)
+    load = scene.drive.load_piece(0.0)
 
     def evaluate(a: Floats, r: Floats) -> tuple[Floats, Floats, Floats]:
         states = kinematics.states(a, r)
@@ -136,7 +137,7 @@ def runge_kutta(scene: Scene, step_s: float) -> dict[str, Floats]:
 
     def acceleration(time_s: float, a: Floats, r: Floats) -> Floats:
         torques = evaluate(a, r)[2]
-        torques[1] += scene.drive.load_n_m(time_s)
+        torques[1] += load.load_n_m(time_s)
         result = torques / moments
         result[0] = 0.0
         return result
@@ -144,18 +145,20 @@ def runge_kutta(scene: Scene, step_s: float) -> dict[str, Floats]:
     times = recorder.times_s
     for k, instant in enumerate(times):
         if k > 0:
-            count, h = steps_between(times[k - 1], instant, step_s)
-            for i in range(count):
-                t = times[k - 1] + i * h
-                k1 = acceleration(t, angles, rates)
-                r2 = rates + 0.5 * h * k1
-                k2 = acceleration(t + 0.5 * h, angles + 0.5 * h * rates, r2)
-                r3 = rates + 0.5 * h * k2
-                k3 = acceleration(t + 0.5 * h, angles + 0.5 * h * r2, r3)
-                r4 = rates + h * k3
-                k4 = acceleration(t + h, angles + h * r3, r4)
-                angles = angles + h / 6.0 * (rates + 2.0 * r2 + 2.0 * r3 + r4)
-                rates = rates + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+            for start, end in legs(float(times[k - 1]), float(instant), scene.drive.load_breaks_s, step_s):
+                load = scene.drive.load_piece(0.5 * (start + end))
+                count, h = steps_between(start, end, step_s)
+                for i in range(count):
+                    t = start + i * h
+                    k1 = acceleration(t, angles, rates)
+                    r2 = rates + 0.5 * h * k1
+                    k2 = acceleration(t + 0.5 * h, angles + 0.5 * h * rates, r2)
+                    r3 = rates + 0.5 * h * k2
+                    k3 = acceleration(t + 0.5 * h, angles + 0.5 * h * r2, r3)
+                    r4 = rates + h * k3
+                    k4 = acceleration(t + h, angles + h * r3, r4)
+                    angles = angles + h / 6.0 * (rates + 2.0 * r2 + 2.0 * r3 + r4)
+                    rates = rates + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
         states, loads, torques = evaluate(angles, rates)
         recorder.record(states, loads, -float(torques[0]))
     return recorder.columns()

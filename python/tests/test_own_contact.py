@@ -153,3 +153,13 @@ def test_load_ramp(engine):
     wanted = scenes.runge_kutta(scene, 5e-5)
     assert columns["output_angle_rad"][-1] == pytest.approx(wanted["output_angle_rad"][-1], rel=3e-2)
     assert np.abs(columns["output_torque_n_m"]).max() < 22.0
+
+
+@pytest.mark.parametrize("engine", OWN)
+def test_load_that_changes(engine):
+    text = '[drive]\nstart = "equilibrium"\nload_changes = [{ time_s = 0.00103, output_torque_n_m = 0.0 }]\n'
+    columns = run(scenes.scene(text, 3e-3).to_toml(), engine).columns
+    before = columns["time_s"] <= 1e-3
+    assert columns["output_torque_n_m"][before] == pytest.approx(-22.0, rel=0.2)
+    # Without the load the springs throw the output forward: the torque swings through 0.
+    assert columns["output_torque_n_m"][~before].max() > 0.0

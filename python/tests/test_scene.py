@@ -67,3 +67,52 @@ def test_samples_end_at_the_end():
 def test_load_ramps_up():
     drive = Scene.from_toml("[drive]\nload_ramp_s = 0.02").drive
     assert [drive.load_n_m(t) for t in (-1.0, 0.0, 0.01, 0.02, 1.0)] == [0.0, 0.0, 11.0, 22.0, 22.0]
+
+
+CHANGES = """[drive]
+load_changes = [
+  { time_s = 0.1, output_torque_n_m = 44.0 },
+  { time_s = 0.2, output_torque_n_m = -22, ramp_s = 0.1 },
+  { time_s = 0.3, output_torque_n_m = 0.0 },
+]
+"""
+
+
+def test_load_changes():
+    scene = Scene.from_toml(CHANGES)
+    drive = scene.drive
+    # At a jump the load is what it jumps to; the piece that ends keeps its own.
+    assert [drive.load_n_m(t) for t in (0.0, 0.1, 0.2, 0.25, 0.3, 9.0)] == pytest.approx([22.0, 44.0, 44.0, 11.0, 0.0, 0.0])
+    assert drive.load_piece(0.05).load_n_m(0.1) == 22.0
+    # 0.2 + 0.1 is more than 0.3 by a rounding: one break.
+    assert drive.load_breaks_s == [0.1, 0.2, 0.3]
+    assert drive.largest_load_n_m == 44.0
+    assert Scene.from_toml(scene.to_toml()) == scene
+    tables = "[[drive.load_changes]]\ntime_s = 0.1\noutput_torque_n_m = 44.0\n"
+    assert Scene.from_toml(tables).drive.load_changes == drive.load_changes[:1]
+    assert Scene.from_toml("[drive]\nload_ramp_s = 0.02").drive.load_breaks_s == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ("3", ["drive.load_changes", "list of tables"]),
+        ("[{ time_s = 0.1 }]", ["drive.load_changes[0].output_torque_n_m", "missing"]),
+        ("[{ time_s = 0.0, output_torque_n_m = 1 }]", ["drive.load_changes[0].time_s", "later"]),
+        ("[{ time_s = 0.1, output_torque_n_m = nan }]", ["drive.load_changes[0].output_torque_n_m", "finite"]),
+        ("[{ time_s = 0.1, output_torque_n_m = 1, ramp = 1 }]", ["drive.load_changes[0].ramp"]),
+        (
+            "[{ time_s = 0.2, output_torque_n_m = 1 }, { time_s = 0.1, output_torque_n_m = 2 }]",
+            ["drive.load_changes[1].time_s", "order"],
+        ),
+        (
+            "[{ time_s = 0.1, output_torque_n_m = 1, ramp_s = 0.2 }, { time_s = 0.2, output_torque_n_m = 2 }]",
+            ["drive.load_changes[1].time_s", "ramp"],
+        ),
+    ],
+)
+def test_load_changes_that_are_wrong(changes, words):
+    with pytest.raises(SceneError) as caught:
+        Scene.from_toml(f"[drive]\nload_changes = {changes}\n")
+    for word in words:
+        assert word in str(caught.value)

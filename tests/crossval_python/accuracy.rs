@@ -96,6 +96,31 @@ fn crossval_python_friction() {
     assert_within(MUJOCO, worst(&attempt.courses, &reference, 0.0), 1e-3);
 }
 
+/// A load that jumps between two steps, live; through a backlash of 0.6 mm all contacts open and strike again.
+#[test]
+fn crossval_python_load_changes() {
+    for (preset, explicit, constrained) in [
+        ("hard-load-doubled", 1.0, 1.0),
+        ("hard-load-reversal", 1.0, 1.0),
+    ] {
+        let settings = [
+            ("solver.duration_s", "0.012"),
+            ("solver.step_s", "5e-6"),
+            ("solver.tolerance", "1e-10"),
+        ];
+        let scene = scene(preset, &settings);
+        let reference = native(&scene, "dopri5", 1e-5);
+        for (engine, limit) in [
+            (MUJOCO, explicit),
+            (EXPLICIT, explicit),
+            (CONSTRAINED, constrained),
+        ] {
+            let error = worst(&run(engine, &scene), &reference, 0.0);
+            assert_within(&format!("{preset} {engine}"), error, limit);
+        }
+    }
+}
+
 /// Own contact, live: MuJoCo and exudyn from the law's equilibrium. Their beds carry the load some per cent
 /// differently, so they start with a ringing of a few per cent; means over it are compared. Wave forms after it has
 /// decayed are judged on the recordings.

@@ -74,6 +74,7 @@ pub fn compare_stated(
     let (windows, absent_windows) = windows::windows(
         finest.map_or(&nothing, |p| &p.courses),
         context.settling_s.unwrap_or(SETTLING_S),
+        &context.load_changes_s,
     );
     let quantities = quantities::derive(finished.iter().map(|p| &p.courses));
     let judge = Judge {

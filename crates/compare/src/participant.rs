@@ -162,8 +162,11 @@ pub struct Context {
     /// Simulated time, s.
     pub duration_s: f64,
     /// Torque of the load on the output shaft, N m. In the mean the contact forces balance it:
-    /// mean `output_torque_n_m` = -load.
+    /// mean `output_torque_n_m` = -load. Of a load that changes the last one, which is that of a steady window.
     pub load_n_m: Option<f64>,
+    /// Times at which the load changes or comes to the end of a change, s, increasing.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub load_changes_s: Vec<f64>,
     /// Angular velocity of the driver, rad/s.
     pub input_speed_rad_s: Option<f64>,
     /// Coefficient of friction; 0 chooses the limits of frictionless scenes.

@@ -18,7 +18,8 @@ pub const FEWEST_SAMPLES: usize = 10;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WindowKind {
-    /// After the start-up transient: the second half of the run.
+    /// After the start-up transient: the second half of the run, or what is left of it when the load has changed
+    /// for the last time and the transient of that has decayed.
     Steady,
     /// The first [`TRANSIENT_S`].
     Transient,
@@ -49,6 +50,26 @@ pub struct Window {
     pub to_s: f64,
     /// Samples in it.
     pub samples: usize,
+    /// Changes of the load in it; never any in a steady one.
+    #[serde(skip_serializing_if = "is_none")]
+    pub load_changes: usize,
+}
+
+fn is_none(changes: &usize) -> bool {
+    *changes == 0
+}
+
+impl Window {
+    /// What a reader must know of it beside its times, one sentence; `None`: nothing.
+    #[must_use]
+    pub fn remark(&self) -> Option<String> {
+        let word = self.kind.word();
+        match self.load_changes {
+            0 => None,
+            1 => Some(format!("The load changes in the {word} window.")),
+            n => Some(format!("The load changes {n} times in the {word} window.")),
+        }
+    }
 }
 
 /// A window that cannot be compared.
@@ -61,9 +82,15 @@ pub struct AbsentWindow {
 }
 
 /// The windows of a run with the sample times of `courses`, and those it is too short for.
-/// `settling_s`: time in which the start-up transient has decayed.
+/// `settling_s`: time in which the start-up transient has decayed. `load_changes_s`: times at which the load
+/// changes or comes to the end of a change, increasing; after the last one within the run a transient decays in
+/// [`SETTLING_S`], whatever the start, and a steady window has at least [`TRANSIENT_S`] after it.
 #[must_use]
-pub fn windows(courses: &Courses, settling_s: f64) -> (Vec<Window>, Vec<AbsentWindow>) {
+pub fn windows(
+    courses: &Courses,
+    settling_s: f64,
+    load_changes_s: &[f64],
+) -> (Vec<Window>, Vec<AbsentWindow>) {
     let (mut present, mut absent) = (Vec::new(), Vec::new());
     let time_s = courses.time_s();
     let (start, end) = match (time_s.first(), time_s.last()) {
@@ -83,12 +110,25 @@ pub fn windows(courses: &Courses, settling_s: f64) -> (Vec<Window>, Vec<AbsentWi
             from_s,
             to_s,
             samples,
+            load_changes: load_changes_s
+                .iter()
+                .filter(|&&t| from_s < t && t < to_s)
+                .count(),
         });
         true
     };
     // A rounding's breadth, as the duration is a sum of many steps.
     let settled = duration / 2.0 * (1.0 + 1e-9) >= settling_s;
-    let steady = settled && offer(WindowKind::Steady, start + duration / 2.0, end);
+    let half = start + duration / 2.0;
+    let changed = load_changes_s.iter().rev().find(|&&t| t < end);
+    let (from, reached) = match changed {
+        Some(last) if last + SETTLING_S > half => {
+            let from = last + SETTLING_S;
+            (from, from + TRANSIENT_S <= end * (1.0 + 1e-9))
+        }
+        _ => (half, true),
+    };
+    let steady = settled && reached && offer(WindowKind::Steady, from, end);
     offer(WindowKind::Transient, start, end.min(start + TRANSIENT_S));
     if !steady && duration > TRANSIENT_S * (1.0 + 1e-9) {
         offer(WindowKind::Whole, start, end);
@@ -99,6 +139,18 @@ pub fn windows(courses: &Courses, settling_s: f64) -> (Vec<Window>, Vec<AbsentWi
              needs {} s",
             rounded(duration),
             2.0 * settling_s
+        );
+        absent.push(AbsentWindow {
+            kind: WindowKind::Steady,
+            reason,
+        });
+    }
+    if let (true, false, Some(last)) = (settled, reached, changed) {
+        let reason = format!(
+            "the load still changes at {} s and the transient of that takes {SETTLING_S} s, so a steady window \
+             needs a run of {} s",
+            rounded(*last),
+            rounded(last + SETTLING_S + TRANSIENT_S)
         );
         absent.push(AbsentWindow {
             kind: WindowKind::Steady,
@@ -123,7 +175,7 @@ mod tests {
 
     #[test]
     fn the_papers_run() {
-        let (present, absent) = windows(&times(6000), SETTLING_S);
+        let (present, absent) = windows(&times(6000), SETTLING_S, &[]);
         let kinds: Vec<_> = present.iter().map(|w| (w.kind, w.samples)).collect();
         assert_eq!(
             kinds,
@@ -134,7 +186,7 @@ mod tests {
 
     #[test]
     fn short_runs_say_what_is_missing() {
-        let (present, absent) = windows(&times(500), SETTLING_S);
+        let (present, absent) = windows(&times(500), SETTLING_S, &[]);
         assert_eq!(
             present.iter().map(|w| w.kind).collect::<Vec<_>>(),
             [WindowKind::Transient]
@@ -144,24 +196,62 @@ mod tests {
             "the run lasts 0.05 s; the start-up transient takes 0.25 s, so a steady window needs \
              0.5 s"
         );
-        let (present, _) = windows(&times(1500), SETTLING_S);
+        let (present, _) = windows(&times(1500), SETTLING_S, &[]);
         let kinds: Vec<_> = present.iter().map(|w| w.kind).collect();
         assert_eq!(kinds, [WindowKind::Transient, WindowKind::Whole]);
     }
 
     #[test]
     fn a_run_from_equilibrium_is_steady_at_once() {
-        let (present, _) = windows(&times(500), 0.0);
+        let (present, _) = windows(&times(500), 0.0, &[]);
         assert_eq!(
             (present[0].kind, present[0].from_s),
             (WindowKind::Steady, 0.025)
         );
     }
 
+    /// No steady window holds a change of the load or what it leaves behind.
+    #[test]
+    fn a_change_of_the_load_moves_the_steady_window() {
+        let steady = |changes: &[f64]| {
+            let (present, absent) = windows(&times(6000), SETTLING_S, changes);
+            let found = present.into_iter().find(|w| w.kind == WindowKind::Steady);
+            assert!(found.is_none_or(|w| w.load_changes == 0 && w.remark().is_none()));
+            (found.map(|w| w.from_s), absent)
+        };
+        assert_eq!(steady(&[0.01, 0.05]).0, Some(0.3), "long over");
+        assert_eq!(steady(&[0.1, 0.2]).0, Some(0.45));
+        assert_eq!(
+            steady(&[0.1, 0.6, 0.7]).0,
+            Some(0.35),
+            "at or after the end"
+        );
+        let (none, absent) = steady(&[0.4]);
+        assert_eq!(none, None);
+        assert_eq!(
+            absent[0].reason,
+            "the load still changes at 0.4 s and the transient of that takes 0.25 s, so a steady \
+             window needs a run of 0.7 s"
+        );
+        // From equilibrium too: the change has a transient of its own.
+        let (present, _) = windows(&times(500), 0.0, &[0.01, 0.02]);
+        assert_eq!(
+            present
+                .iter()
+                .map(|w| (w.kind, w.load_changes))
+                .collect::<Vec<_>>(),
+            [(WindowKind::Transient, 2)]
+        );
+        assert_eq!(
+            present[0].remark().unwrap(),
+            "The load changes 2 times in the transient window."
+        );
+    }
+
     #[test]
     fn too_few_samples() {
         for time in [vec![], vec![0.0], vec![0.0, 0.3, 0.6]] {
-            let (present, absent) = windows(&Courses::new(time.clone()).unwrap(), SETTLING_S);
+            let (present, absent) = windows(&Courses::new(time.clone()).unwrap(), SETTLING_S, &[]);
             assert!(present.is_empty() && !absent.is_empty(), "{time:?}");
         }
     }

@@ -3,7 +3,7 @@
 use cpu_time::ThreadTime;
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
 use pinwheel_gearbox::scene::{Detection, Formulation, Scene};
-use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_gearbox::{Gearbox, GearboxError, load_course};
 
 use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
 
@@ -161,11 +161,11 @@ impl Engine for Native {
                 },
                 settings: settings(&gearbox.scene),
                 joint_drift_m: (self.form == Form::Lagrange).then_some(run.joint_drift_m),
-                energy: windows(scene.solver.duration_s)
+                energy: windows(scene)
                     .into_iter()
                     .filter_map(|(from, to)| run.energy.audit(from, to))
                     .collect(),
-                notes: Vec::new(),
+                notes: load_course::unreached(scene).into_iter().collect(),
                 recorded: None,
             };
             Run {
@@ -214,7 +214,12 @@ fn settings(scene: &Scene) -> String {
     }
 }
 
-/// The whole run and its second half, where a start-up has died away.
-fn windows(duration: f64) -> [(f64, f64); 2] {
-    [(0.0, duration), (0.5 * duration, duration)]
+/// The whole run and its second half, where a start-up has died away, or what is left of it after the load has
+/// changed for the last time.
+fn windows(scene: &Scene) -> [(f64, f64); 2] {
+    let duration = scene.solver.duration_s;
+    let half = 0.5 * duration;
+    let changed = load_course::last_change_s(scene).map_or(half, |last| half.max(last));
+    let from = if changed < duration { changed } else { half };
+    [(0.0, duration), (from, duration)]
 }

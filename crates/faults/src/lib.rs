@@ -15,6 +15,8 @@ pub enum Fault {
     StaleFoot,
     /// The step control lets a step grow right after a rejected one.
     ForgottenRejection,
+    /// A step passes over a time at which the load jumps.
+    PassedBreak,
     /// The Hertzian stiffness is 1 % too large.
     Stiffness,
     /// The last wheel's eccentric is 0.1 mrad out of phase with its holes and its teeth.
@@ -23,11 +25,12 @@ pub enum Fault {
 
 impl Fault {
     /// All faults.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::FrictionSign,
         Self::DroppedGamma,
         Self::StaleFoot,
         Self::ForgottenRejection,
+        Self::PassedBreak,
         Self::Stiffness,
         Self::WheelPhase,
     ];
@@ -40,6 +43,7 @@ impl Fault {
             Self::DroppedGamma => "dropped gamma term",
             Self::StaleFoot => "stale foot point",
             Self::ForgottenRejection => "step control forgets a rejection",
+            Self::PassedBreak => "a step over a jump of the load",
             Self::Stiffness => "1 % stiffness error",
             Self::WheelPhase => "one wheel's phase",
         }

@@ -2,6 +2,7 @@
 
 use pinwheel_mbs::integrators::METHODS;
 
+use crate::load_course;
 use crate::scene::{Detection, FrictionLaw, Scene};
 
 /// The name that stands for the choice.
@@ -73,7 +74,7 @@ pub fn integrator(scene: &Scene) -> Choice {
 #[must_use]
 pub fn friction_rate(scene: &Scene) -> f64 {
     let (gear, contact, mass) = (&scene.gear, &scene.contact, &scene.mass);
-    let torque = scene.drive.output_torque_n_m.abs() / gear.wheels as f64;
+    let torque = load_course::largest(&scene.drive) / gear.wheels as f64;
     let lever = gear.eccentricity_m * gear.lobes() as f64;
     let external = 4.0 * torque / (lever * gear.external_sleeves as f64);
     let internal = 4.0 * torque / (gear.internal_circle_radius_m * gear.internal_sleeves as f64);

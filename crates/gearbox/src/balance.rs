@@ -11,6 +11,7 @@
 
 use crate::Gearbox;
 use crate::energy::EnergyAudit;
+use crate::load_course;
 
 /// Largest remainder as a share of what was turned over. Measured over all presets with `rk2`, `rk4` and
 /// `imex2` at 1e-5 s: runs that are right stay below 0.16 (the first 0.1 ms of steel, whose 5.6 kHz the
@@ -60,7 +61,7 @@ impl Balance {
 /// Energy in the contacts under the load, about, J.
 fn elastic_j(gearbox: &Gearbox) -> f64 {
     // Without load the scales are those of 1 mN m a wheel.
-    let load = gearbox.scene.drive.output_torque_n_m.abs().max(1e-3);
+    let load = load_course::largest(&gearbox.scene.drive).max(1e-3);
     load * gearbox.error_scales().angle
 }
 

@@ -10,11 +10,12 @@
 //! Works are integrals of powers over equally spaced states of the run by the rule that is exact for cubics
 //! (each interval from the cubic through its neighbours), so they converge with order 4 and the state
 //! itself brings the integrator's order. States are at most [`STEPS`] steps apart, whatever is sampled.
+//! Where the load jumps its power does: there are two states at that time, one with each load, and no interval's
+//! cubic reaches over it.
 
 use pinwheel_mbs::{Mechanism, Observation};
 use serde::{Deserialize, Serialize};
 
-use crate::Gearbox;
 use crate::contacts::ContactField;
 use crate::layout::Layout;
 
@@ -31,6 +32,8 @@ pub struct EnergyAccount {
     /// kinetic, stored, J.
     energies: [Vec<f64>; 2],
     masses: Vec<(f64, f64)>,
+    /// First entries of the legs after the first one.
+    legs: Vec<usize>,
 }
 
 /// The account between two times.
@@ -70,23 +73,25 @@ impl EnergyAccount {
     }
 
     /// Times between two samples at which entries are due, both ends excluded.
-    pub(crate) fn between(from: f64, to: f64, step: f64) -> impl Iterator<Item = f64> {
-        let parts = ((to - from) / (STEPS * step) - 1e-6).ceil().max(1.0);
+    /// `least`: intervals that they make at least.
+    pub(crate) fn between(from: f64, to: f64, step: f64, least: u64) -> impl Iterator<Item = f64> {
+        let parts = ((to - from) / (STEPS * step) - 1e-6).ceil();
+        let parts = parts.max(least as f64);
         (1..parts as u64).map(move |k| from + (to - from) * k as f64 / parts)
     }
 
-    /// Adds an entry.
-    pub(crate) fn add(
-        &mut self,
-        gearbox: &Gearbox,
-        seen: &Observation<'_>,
-        field: &mut dyn ContactField,
-    ) {
+    /// The next entry is the first of a leg, at the time of the last one.
+    pub(crate) fn enter_leg(&mut self) {
+        self.legs.push(self.time.len());
+    }
+
+    /// Adds an entry. `load`: N m on the output shaft.
+    pub(crate) fn add(&mut self, load: f64, seen: &Observation<'_>, field: &mut dyn ContactField) {
         let contacts = field.energy(seen.bodies);
         let driver = seen.driver_torques.first().copied().unwrap_or(0.0);
         let values = [
             driver * seen.bodies[Layout::INPUT].rate,
-            gearbox.load_torque(seen.time) * seen.bodies[Layout::OUTPUT].rate,
+            load * seen.bodies[Layout::OUTPUT].rate,
             contacts.damping_w,
             contacts.friction_w,
         ];
@@ -121,7 +126,7 @@ impl EnergyAccount {
             return None;
         }
         let [driver_j, load_j, damping_j, friction_j] =
-            [0, 1, 2, 3].map(|k| integral(&self.time, &self.powers[k], a, b));
+            [0, 1, 2, 3].map(|k| self.integral(&self.powers[k], a, b));
         let [kinetic_j, stored_j] = [0, 1].map(|k| self.energies[k][b] - self.energies[k][a]);
         let remainder_j = kinetic_j + stored_j + damping_j + friction_j - driver_j - load_j;
         Some(EnergyAudit {
@@ -136,6 +141,28 @@ impl EnergyAccount {
             remainder_j,
             remainder_share: remainder_j / driver_j.abs().max(load_j.abs()),
         })
+    }
+
+    /// Integral of `values` from entry `a` to entry `b`, leg by leg.
+    fn integral(&self, values: &[f64], a: usize, b: usize) -> f64 {
+        let starts = std::iter::once(0).chain(self.legs.iter().copied());
+        let ends = self.legs.iter().copied().chain([self.time.len()]);
+        starts
+            .zip(ends)
+            .map(|(start, end)| {
+                let last = end.saturating_sub(1);
+                let (from, to) = (
+                    a.clamp(start, last.max(start)),
+                    b.clamp(start, last.max(start)),
+                );
+                integral(
+                    &self.time[start..end],
+                    &values[start..end],
+                    from - start,
+                    to - start,
+                )
+            })
+            .sum()
     }
 
     /// The account of the whole run.
@@ -197,11 +224,35 @@ mod tests {
 
     #[test]
     fn entries_are_never_far_apart() {
-        assert_eq!(EnergyAccount::between(0.0, 1e-4, 1e-5).count(), 0);
-        let times: Vec<f64> = EnergyAccount::between(0.0, 1e-3, 1e-5).collect();
+        assert_eq!(EnergyAccount::between(0.0, 1e-4, 1e-5, 1).count(), 0);
+        let times: Vec<f64> = EnergyAccount::between(0.0, 1e-3, 1e-5, 1).collect();
         assert_eq!(times.len(), 9);
         assert!((times[4] - 5e-4).abs() < 1e-18);
-        assert_eq!(EnergyAccount::between(0.0, 1e-6, 1e-5).count(), 0);
+        assert_eq!(EnergyAccount::between(0.0, 1e-6, 1e-5, 1).count(), 0);
+    }
+
+    /// A power that jumps: each side's own cubic, nothing from over the jump.
+    #[test]
+    fn no_interval_reaches_over_a_jump() {
+        let mut account = EnergyAccount::default();
+        let mut powers = Vec::new();
+        let mut leg = |times: &[f64], power: &dyn Fn(f64) -> f64| {
+            for &t in times {
+                account.time.push(t);
+                powers.push(power(t));
+            }
+            account.legs.push(account.time.len());
+        };
+        leg(&[0.0, 0.1, 0.2, 0.3], &|t| t * t * t);
+        leg(&[0.3, 0.35, 0.45, 0.5, 0.7], &|t| 5.0 - t);
+        account.legs.pop();
+        let whole = account.integral(&powers, 0, 8);
+        let exact = 0.3_f64.powi(4) / 4.0 + 5.0 * 0.4 - 0.5 * (0.49 - 0.09);
+        assert!((whole - exact).abs() < 1e-15, "{whole} {exact}");
+        let part = account.integral(&powers, 2, 6);
+        let exact = (0.3_f64.powi(4) - 0.2_f64.powi(4)) / 4.0 + 5.0 * 0.15 - 0.5 * (0.2025 - 0.09);
+        assert!((part - exact).abs() < 1e-15, "{part} {exact}");
+        assert_eq!(account.integral(&powers, 3, 4), 0.0);
     }
 
     #[test]

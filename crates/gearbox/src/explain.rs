@@ -199,6 +199,26 @@ pub fn explain(scene: &Scene) -> Result<Explanation, GearboxError> {
             "from the start".to_owned()
         },
     );
+    for change in &scene.drive.load_changes {
+        let how = if change.ramp_s > 0.0 {
+            format!("reached linearly over {} s", change.ramp_s)
+        } else {
+            "at once".to_owned()
+        };
+        let reached = if change.time_s < solver.duration_s {
+            "no step passes over the change: integration starts anew there".to_owned()
+        } else {
+            format!("never reached: the run ends at {} s", solver.duration_s)
+        };
+        say(
+            &mut modelled,
+            format!(
+                "load of {} N m from {} s on, {how}",
+                change.output_torque_n_m, change.time_s
+            ),
+            &reached,
+        );
+    }
     for (family, count) in gearbox.channels.families() {
         say(
             &mut modelled,

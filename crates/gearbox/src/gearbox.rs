@@ -7,6 +7,7 @@ use crate::channels::Channels;
 use crate::contacts::{self, ContactField, Kernel};
 use crate::geometry::Geometry;
 use crate::layout::Layout;
+use crate::load_course;
 use crate::scene::{BodyMass, Scene, Start};
 use crate::statics::Statics;
 
@@ -111,28 +112,22 @@ impl Gearbox {
         self.scene.contact.friction_coefficient > 0.0
     }
 
-    /// Load torque on the output shaft at time `t`, N m (counter-clockwise positive).
+    /// Load torque on the output shaft at time `t`, N m (counter-clockwise positive); at a jump what it jumps to.
     #[must_use]
     pub fn load_torque(&self, t: f64) -> f64 {
-        let drive = &self.scene.drive;
-        let share = if drive.load_ramp_s > 0.0 {
-            (t / drive.load_ramp_s).clamp(0.0, 1.0)
-        } else {
-            1.0
-        };
-        drive.output_torque_n_m * share
+        load_course::piece_at(&self.scene.drive, t).torque(t)
     }
 
-    /// What adaptive methods take for an error of 1: the elastic twist of a wheel under its static load,
+    /// What adaptive methods take for an error of 1: the elastic twist of a wheel under its largest static load,
     /// vibrating at the frequency this stiffness gives.
     ///
     /// The largest static sleeve force is about 4 T/(e zs zk) a wheel (linear springs, no clearance), its
     /// penetration (F/K)^(2/3), the twist that over the lever e zs.
     #[must_use]
     pub fn error_scales(&self) -> ErrorScales {
-        let (gear, drive) = (&self.scene.gear, &self.scene.drive);
+        let gear = &self.scene.gear;
         let lever = gear.eccentricity_m * gear.lobes() as f64;
-        let torque = (drive.output_torque_n_m.abs() / gear.wheels as f64).max(1e-3);
+        let torque = (load_course::largest(&self.scene.drive) / gear.wheels as f64).max(1e-3);
         let force = 4.0 * torque / (lever * gear.external_sleeves as f64);
         let contact = &self.scene.contact;
         let hertz = HertzStiffness::new(

@@ -1,13 +1,15 @@
 //! The native run: a scene's equations, integrated and recorded.
 
 use pinwheel_courses::{Courses, CoursesError};
-use pinwheel_mbs::integrators::{self, StepCounts, StepError, StepSettings, Stepper};
+use pinwheel_mbs::integrators::{Legs, StepCounts, StepError, StepSettings, Stepper};
 use pinwheel_mbs::{Formulation, Lagrange, Reduced, Stabilisation};
 
 use crate::balance::Balance;
 use crate::channels::{LawPairs, Seen};
+use crate::due::Due;
 use crate::energy::EnergyAccount;
 use crate::friction::GearForces;
+use crate::load_course;
 use crate::pace::Pace;
 use crate::scene;
 use crate::{Gearbox, GearboxError, Recorder, auto, guard};
@@ -126,8 +128,10 @@ fn integrate<F: Formulation>(
     };
     let mut y = system.initial();
     let integrator = auto::integrator(&gearbox.scene).integrator;
-    let mut stepper = integrators::start::<F>(&integrator, settings, 0.0, &y)
+    let breaks = load_course::breaks(&gearbox.scene.drive);
+    let mut stepper = Legs::start(&integrator, settings, 0.0, &y, &breaks)
         .ok_or(GearboxError::UnknownIntegrator(integrator))?;
+    let mut load = load_course::piece_at(&gearbox.scene.drive, 0.0);
     let mut field = gearbox.contact_field()?;
     let mut recorder = Recorder::new(gearbox);
     let mut joint_drift_m: f64 = 0.0;
@@ -137,10 +141,15 @@ fn integrate<F: Formulation>(
     let mut pace = Pace::new(gearbox);
     let mut before = 0.0;
     'samples: for t in solver.sample_times_s() {
-        // The energy account must not depend on how rarely the user samples.
-        let entries = EnergyAccount::between(before, t, solver.step_s);
-        for (due, sampled) in entries.map(|e| (e, false)).chain([(t, true)]) {
-            match reach(&mut *stepper, &mut system, due, gearbox, &mut pace, watch) {
+        for due in Due::between(before, t, &breaks, solver.step_s) {
+            match reach(
+                &mut stepper,
+                &mut system,
+                due.time(),
+                gearbox,
+                &mut pace,
+                watch,
+            ) {
                 Ok(()) => {}
                 Err(Stop::Asked) => return Err(NativeError::Stopped),
                 Err(Stop::Fault(time, quantity)) => {
@@ -148,9 +157,15 @@ fn integrate<F: Formulation>(
                     break 'samples;
                 }
             }
-            stepper.interpolate(&mut system, due, &mut y);
-            if !sampled {
-                energy.add(gearbox, &system.observe(due, &y), field.as_mut());
+            stepper.interpolate(&mut system, due.time(), &mut y);
+            if let Due::Entry(time) | Due::Break(time, _) = due {
+                let seen = system.observe(time, &y);
+                energy.add(load.torque(time), &seen, field.as_mut());
+            }
+            if let Due::Break(_, from) = due {
+                stepper.enter(&mut system);
+                load = load_course::piece_at(&gearbox.scene.drive, from);
+                energy.enter_leg();
             }
         }
         joint_drift_m = joint_drift_m.max(system.joint_error(t, &y));
@@ -159,7 +174,7 @@ fn integrate<F: Formulation>(
             fault = Some((t, quantity));
             break;
         }
-        energy.add(gearbox, &seen, field.as_mut());
+        energy.add(load.torque(t), &seen, field.as_mut());
         if let Some(audit) = energy.audit(before, t)
             && let Err(quantity) = balance.add(&audit)
         {
@@ -209,7 +224,7 @@ enum Stop {
 
 /// Steps until `t` is reached.
 fn reach<F: Formulation>(
-    stepper: &mut dyn Stepper<F>,
+    stepper: &mut Legs<F>,
     system: &mut F,
     t: f64,
     gearbox: &Gearbox,

@@ -13,6 +13,7 @@ pub trait OdeSystem {
     /// One stage of a method that treats a stiff part of f = e + i implicitly: solves
     /// `y = y* + a i(t, y)` in place (`y` holds y*), then writes e and i at the solution.
     ///
+    /// `i` holds a guess of itself on entry, which a solution by iteration begins with; with a = 0 it is not read.
     /// By default nothing is stiff and everything is e. What cannot be solved gives NaN.
     fn split_stage(&mut self, t: f64, _a: f64, y: &mut [f64], e: &mut [f64], i: &mut [f64]) {
         self.derivative(t, y, e);
@@ -29,6 +30,12 @@ pub trait OdeSystem {
 
     /// Puts an accepted state back onto the invariants the system keeps; by default there are none.
     fn settle(&mut self, _t: f64, _y: &mut [f64]) {}
+
+    /// From now on f is that of the leg which begins at `from` (s), wherever it is asked for, until the next call.
+    ///
+    /// At a time where f jumps it has two values: the leg that ends there has the one, the leg that begins there
+    /// the other. By default f has no jumps.
+    fn enter_leg(&mut self, _from: f64) {}
 }
 
 /// Errors that count as 1 in each kind of component, for methods that choose their steps. A stiff

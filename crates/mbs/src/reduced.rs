@@ -40,6 +40,8 @@ pub struct Reduced<F> {
     free: Vec<BodyId>,
     /// Of the free bodies.
     free_inertia: Vec<f64>,
+    /// Their inverses: a division for every body and evaluation would be a tenth of the time of a small gear.
+    free_inverse: Vec<f64>,
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
     /// Moments about the pin, loads of carried bodies included.
@@ -135,6 +137,7 @@ impl<F: Forces> Reduced<F> {
             reactions: Vec::new(),
             borne: Vec::new(),
             contacts: PinnedContacts::new(angles.clone(), carrier_of, free.clone(), moving.clone()),
+            free_inverse: moving.iter().map(|inertia| inertia.recip()).collect(),
             free_inertia: moving,
             forces,
             angles,
@@ -299,7 +302,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         let n = self.free.len();
         dydt[..n].copy_from_slice(&y[n..]);
         for (k, &body) in self.free.iter().enumerate() {
-            dydt[n + k] = self.moments[body] / self.inertia[body];
+            dydt[n + k] = self.moments[body] * self.free_inverse[k];
         }
     }
 
@@ -308,7 +311,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         self.loads.fill(Wrench::default());
         let n = self.free.len();
         e.fill(0.0);
-        i.fill(0.0);
+        i[..n].fill(0.0);
         let mut stage = RateStage {
             a,
             rates: &mut y[n..],
@@ -334,9 +337,13 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         }
         self.sum_moments();
         for (k, &body) in self.free.iter().enumerate() {
-            e[n + k] += self.moments[body] / self.inertia[body];
+            e[n + k] += self.moments[body] * self.free_inverse[k];
         }
         e[..n].copy_from_slice(&y[n..]);
+    }
+
+    fn enter_leg(&mut self, from: f64) {
+        self.forces.enter_leg(from);
     }
 }
 

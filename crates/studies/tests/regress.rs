@@ -127,6 +127,7 @@ const ACROSS_STEPS: f64 = 1e-6;
 /// Scenes on which a fault is looked for: the main case, and for friction those that have it.
 fn hunted(fault: Fault) -> &'static [&'static str] {
     match fault {
+        Fault::PassedBreak => &["hard-load-doubled"],
         Fault::FrictionSign => &["paper-friction", "hard-friction-wide"],
         Fault::ForgottenRejection => &[
             "paper",

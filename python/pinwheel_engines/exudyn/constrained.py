@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from pinwheel_engines.border import LawPointer, StageLaw, check_not_frozen
 from pinwheel_engines.errors import Cancelled, Diverged
-from pinwheel_engines.exudyn.session import VERSION, Kept, quiet_session, solve
+from pinwheel_engines.exudyn.session import VERSION, Kept, Load, quiet_session, solve
 from pinwheel_engines.guards import Guard
 from pinwheel_engines.law import ContactLaw
 from pinwheel_engines.layout import OUTPUT, Kinematics
@@ -58,6 +58,7 @@ def run(
     guard = Guard(NAME, scene)
     recorder = Recorder(scene, kinematics)
     kept = Kept()
+    load = Load(scene.drive)
     wall, cpu = time.perf_counter(), time.thread_time()
     progress = {"steps": 0}
     drift = {"m": 0.0}
@@ -67,7 +68,7 @@ def run(
         stage_law.states[:, :3] = np.asarray(q).reshape(count, 3)
         stage_law.states[:, 3:] = np.asarray(q_t).reshape(count, 3)
         loads = stage_law.evaluate(time_s).copy()
-        loads[OUTPUT, 2] += scene.drive.load_n_m(time_s)
+        loads[OUTPUT, 2] += load.piece.load_n_m(time_s)
         return loads.ravel()
 
     jacobian = _jacobian(scene, count)
@@ -129,8 +130,8 @@ def run(
         solver = solvers.TrapezoidalIndex2 if integrator == INTEGRATORS[0] else solvers.GeneralizedAlpha
         try:
             sample(0.0)
-            parts = stretches(recorder.times_s, wanted)
-            progress["steps"] = solve(NAME, system, parts, kept, solver, sample, adjust)
+            parts = stretches(recorder.times_s, wanted, scene.drive.load_breaks_s)
+            progress["steps"] = solve(NAME, system, parts, kept, solver, sample, adjust, load.begin)
             # One evaluation a step is the least an implicit method can do.
             check_not_frozen(NAME, progress["steps"], 1, stage_law.calls, stage_law.changes)
         except Diverged as error:

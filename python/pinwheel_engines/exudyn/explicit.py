@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from pinwheel_engines.border import LawPointer, StageLaw, check_not_frozen
 from pinwheel_engines.errors import Cancelled, Diverged
-from pinwheel_engines.exudyn.session import VERSION, Kept, quiet_session, solve
+from pinwheel_engines.exudyn.session import VERSION, Kept, Load, quiet_session, solve
 from pinwheel_engines.guards import Guard
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
 from pinwheel_engines.result import Recorder, Result, RunStats
@@ -52,6 +52,7 @@ def run(
     guard = Guard(NAME, scene)
     recorder = Recorder(scene, kinematics)
     kept = Kept()
+    load = Load(scene.drive)
     wall, cpu = time.perf_counter(), time.thread_time()
     progress = {"steps": 0}
 
@@ -59,7 +60,7 @@ def run(
         angles, rates = kinematics.absolute(np.asarray(q)), kinematics.absolute(np.asarray(q_t))
         kinematics.states(angles, rates, out=stage_law.states)
         torques = kinematics.relative_torques(angles, stage_law.evaluate(time_s))
-        torques[OUTPUT] += scene.drive.load_n_m(time_s)
+        torques[OUTPUT] += load.piece.load_n_m(time_s)
         return torques
 
     with quiet_session():
@@ -109,9 +110,9 @@ def run(
 
         try:
             sample(0.0)
-            parts = stretches(recorder.times_s, wanted)
+            parts = stretches(recorder.times_s, wanted, scene.drive.load_breaks_s)
             solver = exu.DynamicSolverType.RK44
-            progress["steps"] = solve(NAME, system, parts, kept, solver, sample)
+            progress["steps"] = solve(NAME, system, parts, kept, solver, sample, begin=load.begin)
             # Four stages; the evaluation at the end of a step serves the next one's acceleration as well.
             check_not_frozen(NAME, progress["steps"], 4, stage_law.calls, stage_law.changes)
         except Diverged as error:

@@ -25,7 +25,7 @@ import numpy.typing as npt
 
 from pinwheel_engines.bed import bed_stiffness, check_own_contact, edge, equal_arcs, nominal_step_s
 from pinwheel_engines.errors import Cancelled, Diverged
-from pinwheel_engines.exudyn.session import VERSION, Kept, quiet_session, solve
+from pinwheel_engines.exudyn.session import VERSION, Kept, Load, quiet_session, solve
 from pinwheel_engines.guards import Guard
 from pinwheel_engines.law import ContactLaw
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics, hole_centres, wheel_phases
@@ -81,6 +81,7 @@ class _Machine:
     def __init__(self, scene: Scene, segments: int, initial: Floats | None) -> None:
         gear = scene.gear
         self.scene = scene
+        self.load = Load(scene.drive)
         self.kinematics = Kinematics(gear)
         self.layout = self.kinematics.layout
         self.container = exu.SystemContainer()
@@ -155,8 +156,8 @@ class _Machine:
             )
         drive = self.scene.drive
         load: dict[str, Any] = {"loadVector": [0.0, 0.0, drive.output_torque_n_m]}
-        if drive.load_ramp_s > 0.0:
-            load["loadVectorUserFunction"] = lambda _system, t, _vector: [0.0, 0.0, drive.load_n_m(t)]
+        if drive.load_varies:
+            load["loadVectorUserFunction"] = lambda _system, t, _vector: [0.0, 0.0, self.load.piece.load_n_m(t)]
         self.system.AddLoad(items.LoadTorqueVector(markerNumber=self._link_marker(self.load_tree, 0, 0j), **load))
 
     def _add_edges(self, segments: int) -> list[list[Any]]:
@@ -333,8 +334,9 @@ def run(
 
         try:
             sample(0.0)
-            parts = stretches(recorder.times_s, wanted)
-            progress["steps"] = solve(NAME, machine.system, parts, kept, exu.DynamicSolverType.RK44, sample, adjust)
+            parts = stretches(recorder.times_s, wanted, scene.drive.load_breaks_s)
+            solver, begin = exu.DynamicSolverType.RK44, machine.load.begin
+            progress["steps"] = solve(NAME, machine.system, parts, kept, solver, sample, adjust, begin)
         except Diverged as error:
             error.partial = finish()
             raise

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pinwheel_engines.errors import Diverged, EngineFailed
+from pinwheel_engines.scene import Drive
 from pinwheel_engines.stepping import Stretch
 
 Floats = npt.NDArray[np.float64]
@@ -78,6 +79,18 @@ class Kept:
             raise error
 
 
+class Load:
+    """The load as the current stretch has it."""
+
+    def __init__(self, drive: Drive) -> None:
+        self.drive = drive
+        self.piece = drive.load_piece(0.0)
+
+    def begin(self, stretch: Stretch) -> None:
+        """Takes the piece of the load that a stretch lies in."""
+        self.piece = self.drive.load_piece(0.5 * (stretch.start_s + stretch.end_s))
+
+
 def solve(
     engine: str,
     system: Any,
@@ -86,8 +99,11 @@ def solve(
     solver: Any,
     sample: Callable[[float], None],
     adjust: Callable[[Any], None] = lambda _settings: None,
+    begin: Callable[[Stretch], None] = lambda _stretch: None,
 ) -> int:
     """Integrates all stretches, calls `sample(time)` after every sample's last step; returns the number of steps.
+
+    `begin` is called before each stretch: the load is then that of the stretch.
 
     `sample` may raise: the run stops and the error comes out here. exudyn's own errors become EngineFailed, or Diverged
     when its solver gave up a step.
@@ -96,6 +112,7 @@ def solve(
     for number, stretch in enumerate(parts):
         settings = settings_for(stretch)
         adjust(settings)
+        begin(stretch)
         counter = {"steps": 0}
         size = (stretch.end_s - stretch.start_s) / stretch.steps
 
@@ -110,7 +127,7 @@ def solve(
             if time_s - stretch.start_s < 0.5 * size:
                 return True
             counter["steps"] += 1
-            if counter["steps"] % stretch.steps_a_sample == 0:
+            if stretch.sampled and counter["steps"] % stretch.steps_a_sample == 0:
                 sample(time_s)
             return True
 

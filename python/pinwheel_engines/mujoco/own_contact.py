@@ -38,7 +38,7 @@ from pinwheel_engines.mujoco.session import VERSION, check_data, quiet_session
 from pinwheel_engines.result import Recorder, Result, RunStats
 from pinwheel_engines.scene import Scene
 from pinwheel_engines.start import initial_angles
-from pinwheel_engines.stepping import actual_step_s, steps_between
+from pinwheel_engines.stepping import actual_step_s, legs, steps_between
 
 Floats = npt.NDArray[np.float64]
 
@@ -64,7 +64,7 @@ def chords(scene: Scene) -> list[tuple[float, float]]:
     """Onset (m) and stiffness (N/m) of the springs whose sum follows K delta^1.5 between equal-square-root knots."""
     stiffness = ContactLaw(scene).hole_stiffness
     gear = scene.gear
-    force = max(1.0, 4.0 * abs(scene.drive.output_torque_n_m) / gear.wheels)
+    force = max(1.0, 4.0 * scene.drive.largest_load_n_m / gear.wheels)
     force /= gear.internal_sleeves * gear.internal_circle_radius_m
     far = REACH * (max(force, nominal_force_n(scene)) / stiffness) ** (2.0 / 3.0)
     knots = far * (np.arange(CHORDS + 1) / CHORDS) ** 2
@@ -131,6 +131,7 @@ class _Machine:
         self.model.body_invweight0[:] = 0.5 * INVERSE_MASS
         self.model.tendon_invweight0[:] = INVERSE_MASS
         self.data = mujoco.MjData(self.model)
+        self.load = scene.drive.load_piece(0.0)
         self.coordinate = coordinates(self.kinematics, self.model)
         angles, rates = initial_angles(scene, initial)
         self.data.qpos[self.coordinate] = self.kinematics.relative(angles)
@@ -155,7 +156,7 @@ class _Machine:
 
     def set_load(self, time_s: float) -> None:
         """The load on the output shaft."""
-        self.data.qfrc_applied[self.coordinate[OUTPUT]] = self.scene.drive.load_n_m(time_s)
+        self.data.qfrc_applied[self.coordinate[OUTPUT]] = self.load.load_n_m(time_s)
 
     def forces(self) -> tuple[npt.NDArray[np.complex128], npt.NDArray[np.complex128]]:
         """Contact force on every external and internal sleeve, vector sums over the wheels, N, ground frame."""
@@ -205,7 +206,7 @@ def run(
         machine = _Machine(scene, wanted, beads, initial)
         model, data = machine.model, machine.data
         recorder = Recorder(scene, machine.kinematics)
-        times = recorder.times_s
+        times, breaks = recorder.times_s, scene.drive.load_breaks_s
         steps = 0
 
         def finish() -> Result:
@@ -227,10 +228,12 @@ def run(
             for k, instant in enumerate(times):
                 time_s = float(instant)
                 if k > 0:
-                    count, model.opt.timestep = steps_between(times[k - 1], instant, wanted)
-                    data.time = times[k - 1]
-                    _advance(machine, count, scene.drive.load_ramp_s > 0.0)
-                    steps += count
+                    for start, end in legs(float(times[k - 1]), float(instant), breaks, wanted):
+                        machine.load = scene.drive.load_piece(0.5 * (start + end))
+                        count, model.opt.timestep = steps_between(start, end, wanted)
+                        data.time = start
+                        _advance(machine, count, scene.drive.load_varies)
+                        steps += count
                     check_data(guard, data, time_s)
                 machine.set_load(time_s)
                 mujoco.mj_forward(model, data)
@@ -254,9 +257,9 @@ def run(
         return finish()
 
 
-def _advance(machine: _Machine, count: int, ramp: bool) -> None:
-    """`count` steps; while the load ramps up it is set anew for each."""
-    if not ramp:
+def _advance(machine: _Machine, count: int, varies: bool) -> None:
+    """`count` steps; a load that varies is set anew for each."""
+    if not varies:
         machine.set_load(0.0)
         mujoco.mj_step(machine.model, machine.data, count)
         return

@@ -25,7 +25,7 @@ from pinwheel_engines.mujoco.session import VERSION, Callback, callback_at, chec
 from pinwheel_engines.result import Recorder, Result, RunStats
 from pinwheel_engines.scene import Scene
 from pinwheel_engines.start import initial_angles
-from pinwheel_engines.stepping import actual_step_s, steps_between
+from pinwheel_engines.stepping import actual_step_s, legs, steps_between
 
 Floats = npt.NDArray[np.float64]
 
@@ -85,9 +85,10 @@ class _Machine:
         angles, rates = initial_angles(scene, initial)
         self.data.qpos[self.coordinate] = self.kinematics.relative(angles)
         self.data.qvel[self.coordinate] = self.kinematics.relative(rates)
-        # The load is set by a callback while it ramps up, else once.
+        # The load is set by a callback if it varies, else once.
         self.load_address = int(self.coordinate[OUTPUT])
-        self.data.qfrc_applied[self.load_address] = scene.drive.load_n_m(0.0)
+        self.load = scene.drive.load_piece(0.0)
+        self.data.qfrc_applied[self.load_address] = self.load.load_n_m(0.0)
         self.body = np.array([self.model.body(f"b{i}").id for i in range(self.coordinate.size)], dtype=np.intp)
 
     def absolute(self) -> tuple[Floats, Floats]:
@@ -103,8 +104,8 @@ class _Machine:
         self.data.qfrc_passive[self.coordinate] += self.kinematics.relative_torques(angles, loads)
 
     def set_load(self) -> None:
-        """The body of the control callback while the load ramps up."""
-        self.data.qfrc_applied[self.load_address] = self.scene.drive.load_n_m(self.data.time)
+        """The body of the control callback of a load that varies: in every stage the load of the step's own side."""
+        self.data.qfrc_applied[self.load_address] = self.load.load_n_m(self.data.time)
 
     def driver_torque(self) -> float:
         """Torque of the driver on the input shaft at the state of the last forward evaluation, N m."""
@@ -141,12 +142,12 @@ def run(
         address = law.attach_mujoco(layout) if law is not None and law.attach_mujoco is not None else None
         mujoco.set_mjcb_passive(passive.pointer if address is None else callback_at(address))
         control = Callback(machine.set_load)
-        if scene.drive.load_ramp_s > 0.0:
+        if scene.drive.load_varies:
             mujoco.set_mjcb_control(control.pointer)
         else:
             mujoco.set_mjcb_control(None)
         recorder = Recorder(scene, machine.kinematics)
-        times = recorder.times_s
+        times, breaks = recorder.times_s, scene.drive.load_breaks_s
         steps = 0
 
         def counts() -> tuple[int, int]:
@@ -173,10 +174,12 @@ def run(
         try:
             for k, instant in enumerate(times):
                 if k > 0:
-                    count, model.opt.timestep = steps_between(times[k - 1], instant, wanted)
-                    data.time = times[k - 1]
-                    mujoco.mj_step(model, data, count)
-                    steps += count
+                    for start, end in legs(float(times[k - 1]), float(instant), breaks, wanted):
+                        machine.load = scene.drive.load_piece(0.5 * (start + end))
+                        count, model.opt.timestep = steps_between(start, end, wanted)
+                        data.time = start
+                        mujoco.mj_step(model, data, count)
+                        steps += count
                     passive.raise_kept()
                     control.raise_kept()
                     check_data(guard, data, float(instant))

@@ -10,6 +10,7 @@ use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, RunStats, recorded, registry};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::Statement;
+use pinwheel_gearbox::load_course;
 use pinwheel_gearbox::scene::{Assumption, Scene, Start, assumptions};
 use pinwheel_report::{Fact, ReportInput};
 use pinwheel_studies::{StudyError, divergence};
@@ -235,7 +236,8 @@ fn context(scene: &Scene) -> Context {
         scene: scene.name.clone(),
         description: scene.description.clone(),
         duration_s: scene.solver.duration_s,
-        load_n_m: Some(scene.drive.output_torque_n_m),
+        load_n_m: Some(load_course::final_load(scene)),
+        load_changes_s: load_course::breaks(&scene.drive),
         input_speed_rad_s: Some(scene.drive.input_speed_rad_s),
         friction_coefficient: scene.contact.friction_coefficient,
         settling_s: (scene.drive.start == Start::Equilibrium).then_some(0.0),

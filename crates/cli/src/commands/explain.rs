@@ -61,7 +61,10 @@ fn in_words(explanation: &Explanation<'_>) -> String {
         "What follows from the dimensions",
         geometry(explanation.scene, &explanation.derived),
     );
-    section("To be expected", expected(&explanation.derived));
+    section(
+        "To be expected",
+        expected(explanation.scene, &explanation.derived),
+    );
     section("Frequencies", frequencies(&explanation.derived));
     section(
         "Assumptions",
@@ -129,7 +132,7 @@ fn geometry(scene: &Scene, figures: &Derived) -> Vec<Vec<Cell>> {
     rows
 }
 
-fn expected(figures: &Derived) -> Vec<Vec<Cell>> {
+fn expected(scene: &Scene, figures: &Derived) -> Vec<Vec<Cell>> {
     let row = |what: &str, value: String, how: &str| {
         vec![Cell::text(what), Cell::figure(value), Cell::text(how)]
     };
@@ -144,7 +147,11 @@ fn expected(figures: &Derived) -> Vec<Vec<Cell>> {
         row(
             "driver torque, ideal",
             format!("{:.4} N m", figures.ideal_input_torque_n_m),
-            "load/zs, if the contacts neither lose nor create energy",
+            if scene.drive.load_changes.is_empty() {
+                "load/zs, if the contacts neither lose nor create energy"
+            } else {
+                "the last load/zs, if the contacts neither lose nor create energy"
+            },
         ),
         row(
             "largest external sleeve force",

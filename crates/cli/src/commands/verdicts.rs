@@ -19,6 +19,9 @@ pub(crate) fn table(scene: &Scene, comparison: &Comparison, report: &Path) -> St
         text.push('\n');
         text.push_str(&lines(&judged));
     }
+    for remark in comparison.windows.iter().filter_map(|w| w.remark()) {
+        text.push_str(&format!("\n{remark}"));
+    }
     for absent in &comparison.absent_windows {
         text.push_str(&format!(
             "\nNo {} window: {}.",

@@ -11,7 +11,7 @@ use rapier2d_f64::prelude::*;
 
 use super::march::{Contacts, Grid, Sums, friction_refusal, march};
 use super::outlines::{closed, hole_edge, wheel_edge};
-use super::spring::contact_frequency;
+use super::spring::{contact_frequency, spring_load};
 use super::unsupported;
 use super::world::World;
 use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
@@ -111,15 +111,29 @@ impl Engine for Colliders {
                  a hole; contact spring {frequency:.0} Hz",
                 edge_points(&scene.gear)
             ),
-            notes: vec![format!(
-                "Steps of {} s of its own choice instead of solver.step_s; its contact law is not the scene's, so no \
-                 evaluation of that is counted.",
-                grid.step_s
-            )],
+            notes: notes(&gearbox, &grid),
             ..RunStats::default()
         };
         march(NAME, &gearbox, world, &mut contacts, &grid, stats, control)
     }
+}
+
+/// Remarks for the reader.
+fn notes(gearbox: &Gearbox, grid: &Grid) -> Vec<String> {
+    let mut notes = vec![format!(
+        "Steps of {} s of its own choice instead of solver.step_s; its contact law is not the scene's, so no \
+         evaluation of that is counted.",
+        grid.step_s
+    )];
+    let scene = &gearbox.scene;
+    if !scene.drive.load_changes.is_empty() {
+        notes.push(format!(
+            "Its one contact spring is right for a load of {} N m; under the scene's other loads it is too stiff or too \
+             soft.",
+            spring_load(scene)
+        ));
+    }
+    notes
 }
 
 fn edge_points(gear: &Gear) -> usize {

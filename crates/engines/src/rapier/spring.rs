@@ -2,11 +2,12 @@
 //!
 //! rapier's spring is linear, with a stiffness that is a frequency times the effective mass of
 //! the pair, k = m w^2, one frequency for all pairs. It is taken from the mesh at t = 0 under the
-//! static load: w^2 is the mean of k/m over the touching pairs, weighted by their forces, with
+//! static load (of a load that changes the last one): w^2 is the mean of k/m over the touching pairs, weighted by their forces, with
 //! the secant stiffness k = F/delta of the scene's law.
 
 use pinwheel_gearbox::contacts::{ContactField, PairContact};
-use pinwheel_gearbox::{Gearbox, Layout, Sleeve};
+use pinwheel_gearbox::scene::Scene;
+use pinwheel_gearbox::{Gearbox, Layout, Sleeve, load_course};
 use pinwheel_mbs::BodyState;
 
 /// f = w/(2 pi), Hz.
@@ -17,7 +18,7 @@ pub(super) fn contact_frequency(
     gearbox: &Gearbox,
     field: &mut dyn ContactField,
 ) -> Result<f64, String> {
-    let (layout, load) = (gearbox.layout, gearbox.scene.drive.output_torque_n_m);
+    let (layout, load) = (gearbox.layout, spring_load(&gearbox.scene));
     // Without a load nothing touches; then any small one tells the stiffness.
     let torque = if load == 0.0 { 1.0 } else { load };
     let mut states: Vec<BodyState> = gearbox.kinematic_states();
@@ -87,6 +88,17 @@ pub(super) fn contact_frequency(
     }
 }
 
+/// The load for which the spring is right, N m: what the scene ends with, as only settled means are compared, or if
+/// that is none the largest it has.
+pub(super) fn spring_load(scene: &Scene) -> f64 {
+    let last = load_course::final_load(scene);
+    if last == 0.0 {
+        load_course::largest(&scene.drive)
+    } else {
+        last
+    }
+}
+
 /// The angle between 0 and `limit`, in the direction of `torque`, at which `resisting` equals it.
 fn balance(torque: f64, limit: f64, mut resisting: impl FnMut(f64) -> f64) -> Result<f64, String> {
     let sign = torque.signum();
@@ -134,8 +146,6 @@ fn cross(x: f64, y: f64, v: [f64; 2]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use pinwheel_gearbox::scene::Scene;
-
     use super::*;
 
     fn frequency(change: impl Fn(&mut Scene)) -> Result<f64, String> {

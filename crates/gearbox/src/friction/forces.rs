@@ -5,12 +5,15 @@ use pinwheel_mbs::{BodyState, Forces, Wrench};
 
 use crate::contacts::{ContactField, PairContact};
 use crate::layout::Layout;
+use crate::load_course::{self, LoadPiece};
 use crate::{Gearbox, GearboxError};
 
 /// Applied forces of a gearbox.
 pub(crate) struct GearForces<'a> {
     gearbox: &'a Gearbox,
     field: Box<dyn ContactField>,
+    /// The load of this leg.
+    load: LoadPiece,
     /// Touching pairs of the last listing.
     pairs: Vec<PairContact>,
 }
@@ -22,6 +25,7 @@ impl<'a> GearForces<'a> {
         Ok(Self {
             gearbox,
             field: gearbox.contact_field()?,
+            load: load_course::piece_at(&gearbox.scene.drive, 0.0),
             pairs: Vec::with_capacity(most),
         })
     }
@@ -29,7 +33,7 @@ impl<'a> GearForces<'a> {
 
 impl Forces for GearForces<'_> {
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
-        loads[Layout::OUTPUT].moment += self.gearbox.load_torque(time);
+        loads[Layout::OUTPUT].moment += self.load.torque(time);
         self.field.add_loads(bodies, loads);
     }
 
@@ -45,7 +49,7 @@ impl Forces for GearForces<'_> {
             self.apply(time, bodies, loads);
             return;
         }
-        loads[Layout::OUTPUT].moment += self.gearbox.load_torque(time);
+        loads[Layout::OUTPUT].moment += self.load.torque(time);
         let (layout, law) = (self.gearbox.layout, &self.gearbox.scene.contact);
         let wheels = layout.wheel_bodies().start;
         let pairs = &mut self.pairs;
@@ -86,8 +90,12 @@ impl Forces for GearForces<'_> {
         stage: &mut RateStage<'_>,
     ) -> Option<bool> {
         let solved = self.field.solve_friction(bodies, loads, stage)?;
-        loads[Layout::OUTPUT].moment += self.gearbox.load_torque(time);
+        loads[Layout::OUTPUT].moment += self.load.torque(time);
         Some(solved)
+    }
+
+    fn enter_leg(&mut self, from: f64) {
+        self.load = load_course::piece_at(&self.gearbox.scene.drive, from);
     }
 
     fn normal_force(&self, index: usize, listed: f64, rate: f64) -> f64 {

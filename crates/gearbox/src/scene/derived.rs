@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::model::Scene;
 use super::profile::Profile;
+use crate::load_course;
 
 /// Figures that follow from a checked scene without a run. SI units.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,10 +30,10 @@ pub struct Derived {
     /// How far a wheel turns freely to one side because of the backlash, rad:
     /// d sqrt(1 - m^2)/(e zs).
     pub free_play_rad: f64,
-    /// Driver torque if no energy is lost or created: load/zs, N m.
+    /// Driver torque if no energy is lost or created: load/zs, N m; of a load that changes the last one.
     pub ideal_input_torque_n_m: f64,
     /// Largest force of an external sleeve on a wheel, rigid and without clearance, N:
-    /// about 4 T/(e zs zk) with T the load on one wheel.
+    /// about 4 T/(e zs zk) with T the largest load on one wheel.
     pub external_force_estimate_n: f64,
     /// The same for an internal sleeve: 4 T/(zi Rw), N.
     pub internal_force_estimate_n: f64,
@@ -67,7 +68,7 @@ pub fn derived(scene: &Scene) -> Derived {
     );
     let (zk, zs) = (gear.external_sleeves as f64, gear.lobes() as f64);
     let zi = gear.internal_sleeves as f64;
-    let wheel_torque = scene.drive.output_torque_n_m.abs() / gear.wheels as f64;
+    let wheel_torque = load_course::largest(&scene.drive) / gear.wheels as f64;
     let input_hertz = scene.drive.input_speed_rad_s.abs() / TAU;
     let frequency = |what, order: f64| Frequency {
         what,
@@ -84,7 +85,7 @@ pub fn derived(scene: &Scene) -> Derived {
         profile_radii_m: [gear.pitch_radius_m() + e - q, curve.pit_radius()],
         hole_clearance_m: gear.hole_radius_m - gear.internal_sleeve_radius_m - e,
         free_play_rad: gear.backlash_m * (1.0 - m * m).sqrt() / (e * zs),
-        ideal_input_torque_n_m: scene.drive.output_torque_n_m / zs,
+        ideal_input_torque_n_m: load_course::final_load(scene) / zs,
         external_force_estimate_n: 4.0 * wheel_torque / (e * zs * zk),
         internal_force_estimate_n: 4.0 * wheel_torque / (zi * gear.internal_circle_radius_m),
         frequencies: vec![

@@ -1,5 +1,6 @@
 //! What can be wrong with a scene. Every message is one line: where, what, and the remedy.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -103,7 +104,7 @@ pub enum SceneError {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
     /// The keys that take part, the likeliest culprit first.
-    pub keys: Vec<&'static str>,
+    pub keys: Vec<Cow<'static, str>>,
     /// What is wrong with the first key, a predicate: "is -1 m, but must be above 0 m".
     pub what: String,
     /// How to put it right.
@@ -118,7 +119,7 @@ impl Fault {
         remedy: impl Into<String>,
     ) -> Self {
         Self {
-            keys: keys.to_vec(),
+            keys: keys.iter().map(|&key| Cow::Borrowed(key)).collect(),
             what: what.into(),
             remedy: remedy.into(),
         }
@@ -127,7 +128,7 @@ impl Fault {
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let key = self.keys.first().copied().unwrap_or("scene");
+        let key = self.keys.first().map_or("scene", AsRef::as_ref);
         write!(
             f,
             "`{key}` {}; {}",

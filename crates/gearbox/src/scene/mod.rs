@@ -1,6 +1,7 @@
 //! Scenes: the TOML file, its presets and its checks.
 
 mod assumptions;
+mod changes;
 mod check;
 mod derived;
 mod error;
@@ -19,8 +20,8 @@ pub use check::check;
 pub use derived::{Derived, Frequency, derived};
 pub use error::{Fault, Place, SceneError};
 pub use model::{
-    BodyMass, Contact, Detection, Drive, Formulation, FrictionLaw, Gear, Masses, Output, Scene,
-    Solver, Stabilisation, Start,
+    BodyMass, Contact, Detection, Drive, Formulation, FrictionLaw, Gear, LoadChange, Masses,
+    Output, Scene, Solver, Stabilisation, Start,
 };
 pub use parse::{MOST_BYTES, Override};
 pub use presets::{PRESETS, Preset, preset};

@@ -102,6 +102,22 @@ pub struct Drive {
     pub start: Start,
     /// The load rises linearly from 0 over this time, s; 0: at once.
     pub load_ramp_s: f64,
+    /// What the load becomes during the run, in increasing time; empty: it stays.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub load_changes: Vec<LoadChange>,
+}
+
+/// One change of the load during a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoadChange {
+    /// When it begins, s.
+    pub time_s: f64,
+    /// The load from then on, N m; sign as [`Drive::output_torque_n_m`].
+    pub output_torque_n_m: f64,
+    /// It is reached linearly over this time, s; 0: at once.
+    #[serde(default)]
+    pub ramp_s: f64,
 }
 
 /// How the contact point is found.
@@ -277,6 +293,7 @@ impl Default for Drive {
             output_torque_n_m: 22.0,
             start: Start::Kinematic,
             load_ramp_s: 0.0,
+            load_changes: Vec::new(),
         }
     }
 }

@@ -10,6 +10,7 @@ use std::str::FromStr;
 use toml::{Table, Value};
 use toml_edit::{Document, Item, TableLike};
 
+use super::changes;
 use super::check;
 use super::error::{Fault, Place, SceneError, quoted};
 use super::model::Scene;
@@ -200,12 +201,11 @@ fn located(
     places: &HashMap<String, Place>,
     default: impl Fn() -> Place,
 ) -> SceneError {
-    let first = fault.keys.first().copied().unwrap_or("scene");
+    let first = fault.keys.first().map_or("scene", AsRef::as_ref);
     let place_of = |wanted: fn(&Place) -> bool| {
-        fault
-            .keys
-            .iter()
-            .find_map(|&key| places.get(key).filter(|place| wanted(place)))
+        let keys = fault.keys.iter();
+        keys.filter_map(|key| places.get(key.as_ref()))
+            .find(|place| wanted(place))
     };
     let place = place_of(|place| matches!(place, Place::Set(_)))
         .or_else(|| place_of(|place| matches!(place, Place::Line { .. })))
@@ -233,6 +233,10 @@ fn defaults(name: Option<&str>) -> Table {
     if let Ok(output) = Value::try_from(&scene.output) {
         table.entry("output").or_insert(output);
     }
+    if let Some(Value::Table(drive)) = table.get_mut("drive") {
+        let none = || Value::Array(Vec::new());
+        drive.entry("load_changes").or_insert_with(none);
+    }
     table
 }
 
@@ -246,7 +250,7 @@ fn lookup<'t>(table: &'t Table, path: &[&str]) -> Option<&'t Value> {
 }
 
 /// Lays `from` over `onto`: only keys that exist there, only values of their kind.
-fn overlay(
+pub(super) fn overlay(
     onto: &mut Table,
     places: &mut HashMap<String, Place>,
     prefix: &str,
@@ -280,6 +284,8 @@ fn overlay(
                 });
             };
             overlay(inner, places, &format!("{key}."), table, place_at)?;
+        } else if key == changes::KEY {
+            *slot = changes::read(places, item, &place, place_at)?;
         } else {
             *slot = scalar(slot, item).map_err(|(what, remedy)| SceneError::Key {
                 place: place.clone(),
@@ -342,7 +348,7 @@ fn scalar(like: &Value, item: &Item) -> Result<Value, (String, String)> {
 }
 
 /// What stands there, in words.
-fn kind(item: &Item) -> String {
+pub(super) fn kind(item: &Item) -> String {
     if let Some(text) = item.as_str() {
         return format!("the text {}", quoted(text));
     }

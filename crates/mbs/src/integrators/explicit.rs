@@ -108,6 +108,10 @@ impl<S: OdeSystem> Stepper<S> for FixedStep {
         &self.y
     }
 
+    fn next_step(&self) -> f64 {
+        self.h
+    }
+
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         let (h, end) = (self.h, <Self as Stepper<S>>::time(self));
         let s = 1.0 + (t - end) / h;

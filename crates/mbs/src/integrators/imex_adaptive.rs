@@ -145,6 +145,10 @@ impl<S: OdeSystem> Stepper<S> for ImexAdaptive {
         &self.now.y
     }
 
+    fn next_step(&self) -> f64 {
+        self.h
+    }
+
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         let whole = self.time - self.time_before;
         if self.counts.steps == 0 || (self.time - t).abs() < 1e-9 * whole {

@@ -10,6 +10,7 @@ mod explicit;
 mod heun;
 mod imex;
 mod imex_adaptive;
+mod legs;
 mod midpoint;
 mod rk4;
 
@@ -18,6 +19,7 @@ pub use dopri5::Dopri5;
 pub use explicit::{FixedStep, Tableau};
 pub use imex::ImexFixed;
 pub use imex_adaptive::ImexAdaptive;
+pub use legs::Legs;
 
 use crate::OdeSystem;
 
@@ -69,6 +71,8 @@ pub trait Stepper<S: OdeSystem> {
     fn time(&self) -> f64;
     /// State there.
     fn state(&self) -> &[f64];
+    /// Length of the next step to try, s.
+    fn next_step(&self) -> f64;
     /// Writes the state at `t`, which lies inside the last accepted step.
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]);
     /// Counts so far.

@@ -82,6 +82,7 @@ impl<'a> Page<'a> {
                 .absent_windows
                 .iter()
                 .map(|w| format!("No {} window: {}.", w.kind.word(), w.reason))
+                .chain(comparison.windows.iter().filter_map(|w| w.remark()))
                 .chain(comparison.context.divergence.iter().map(|d| d.told.clone()))
                 .collect(),
             animation: input

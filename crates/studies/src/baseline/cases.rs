@@ -250,6 +250,16 @@ pub const SCENES: &[SceneCase] = &[
         "impacts after a long fall"
     ),
     scene!("hard-damping-64", &[RK4, DOPRI5], "damping that dominates"),
+    scene!(
+        "hard-load-doubled",
+        &[RK2, RK4, DOPRI5, LAGRANGE_RK2],
+        "a jump of the load between two steps"
+    ),
+    scene!(
+        "hard-load-reversal",
+        &[RK4, DOPRI5],
+        "all contacts open at once, and strike"
+    ),
     scene!("hard-load-reversed", &[RK4, DOPRI5], "the other flanks"),
     scene!(
         "hard-load-step",

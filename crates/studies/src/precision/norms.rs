@@ -7,6 +7,7 @@
 
 use pinwheel_compare::windows::{SETTLING_S, windows};
 use pinwheel_courses::Courses;
+use pinwheel_gearbox::load_course;
 use pinwheel_gearbox::scene::{Scene, Start};
 use serde::Serialize;
 
@@ -60,7 +61,7 @@ pub(super) fn spans(scene: &Scene, courses: &Courses) -> Vec<Span> {
         from_s: 0.0,
         to_s: end,
     }];
-    let (mut parts, _) = windows(courses, settling);
+    let (mut parts, _) = windows(courses, settling, &load_course::breaks(&scene.drive));
     parts.retain(|window| window.to_s - window.from_s < end);
     parts.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
     spans.extend(parts.into_iter().map(|window| Span {

@@ -5,6 +5,7 @@
 
 mod budget;
 mod geometry;
+mod load;
 mod number;
 mod output;
 mod ranges;
@@ -18,6 +19,7 @@ use super::model::Scene;
 /// The first fault found.
 pub fn check(scene: &Scene) -> Result<(), Fault> {
     ranges::check(scene)?;
+    load::check(scene)?;
     budget::check(scene)?;
     geometry::check(&scene.gear)
 }

@@ -12,7 +12,7 @@ use crate::scene::FrictionLaw;
 
 /// The allowed interval of one number.
 #[derive(Clone, Copy)]
-enum Range {
+pub(super) enum Range {
     /// low < x <= high
     Above(f64, f64),
     /// low <= x <= high
@@ -23,7 +23,7 @@ enum Range {
 
 impl Range {
     // Negated comparisons would let NaN pass; these do not.
-    fn holds(self, x: f64) -> bool {
+    pub(super) fn holds(self, x: f64) -> bool {
         match self {
             Self::Above(low, high) => x > low && x <= high,
             Self::From(low, high) => x >= low && x <= high,
@@ -31,7 +31,7 @@ impl Range {
         }
     }
 
-    fn words(self) -> String {
+    pub(super) fn words(self) -> String {
         match self {
             Self::Above(low, high) => format!("above {} and at most {}", short(low), short(high)),
             Self::From(low, high) => format!("from {} to {}", short(low), short(high)),
@@ -43,7 +43,14 @@ impl Range {
 const METRES: &str = "lengths are in metres: 6 mm is 0.006";
 const KILOGRAMS: &str = "masses are in kilograms: 48 g is 0.048";
 const MOMENTS: &str = "moments of inertia are in kg m^2: 100 kg mm^2 is 1e-4";
-const SECONDS: &str = "times are in seconds: 10 microseconds is 1e-5";
+pub(super) const SECONDS: &str = "times are in seconds: 10 microseconds is 1e-5";
+
+/// Torques on the output shaft: range, unit, remedy.
+pub(super) const TORQUE: (Range, &str, &str) = (
+    Range::From(-1e9, 1e9),
+    "N m",
+    "give the load on the output shaft in newton metres",
+);
 
 /// Radii and distances: 0.1 micrometre to 10 m.
 const LENGTH: Range = Range::From(1e-7, 10.0);
@@ -142,9 +149,9 @@ fn numbers(scene: &Scene) -> Result<(), Fault> {
         (
             "drive.output_torque_n_m",
             drive.output_torque_n_m,
-            Range::From(-1e9, 1e9),
-            "N m",
-            "give the load on the output shaft in newton metres",
+            TORQUE.0,
+            TORQUE.1,
+            TORQUE.2,
         ),
         (
             "drive.load_ramp_s",

@@ -1,5 +1,6 @@
 //! Tests of the scene as a whole: presets, faults, fuzzing.
 
+mod changes;
 mod faults;
 mod fuzz;
 mod presets;

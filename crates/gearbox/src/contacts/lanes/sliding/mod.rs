@@ -34,6 +34,8 @@ pub(super) struct Sliding {
     /// Sleeves of each kind.
     counts: [usize; KINDS],
     hubs: Hubs,
+    /// Of the free bodies, as the tables hold them; empty before the first stage.
+    inertia: Vec<f64>,
     friction: RegularisedCoulomb,
     /// Of the stage at hand.
     newton_steps: u64,
@@ -50,6 +52,7 @@ impl Sliding {
             leaves: counts.map(|count| Table::of_leaves(count, wheels + 1)),
             counts,
             hubs: Hubs::new(wheels + 1),
+            inertia: Vec::with_capacity(1 + wheels + counts.iter().sum::<usize>()),
             friction,
             newton_steps: 0,
         })
@@ -68,30 +71,58 @@ impl Sliding {
         self.leaves[kind].groups::<S>()
     }
 
-    /// Reads the inertias; the changes start at 0. Free bodies are all but the input, in body order:
-    /// output, wheels, external and internal sleeves.
+    /// Reads the inertias, where they are not those of the stage before, and the rates; the changes start where the
+    /// guess of the friction's accelerations has them.
+    /// Free bodies are all but the input, in body order: output, wheels, external and internal sleeves.
     fn begin(&mut self, stage: &RateStage<'_>) {
-        let (hubs, mut sleeves) = stage.inertia.split_at(1 + self.wheels);
-        // Wheels first, the output last.
-        for (k, &inertia) in hubs[1..].iter().chain(&hubs[..1]).enumerate() {
-            self.hubs.inertia[k] = inertia;
+        if self.inertia != stage.inertia {
+            self.read_inertia(stage.inertia);
         }
         let wheels = &stage.rates[1..=self.wheels];
         for (k, &rate) in wheels.iter().chain(&stage.rates[..1]).enumerate() {
             self.hubs.target[k] = rate;
         }
-        self.hubs.change.fill(0.0);
+        if stage.a <= 0.0 {
+            self.hubs.change.fill(0.0);
+            for leaves in &mut self.leaves {
+                leaves.column(Leaf::Change as usize).fill(0.0);
+            }
+            return;
+        }
+        let (hubs, mut sleeves) = stage.implicit.split_at(1 + self.wheels);
+        for (k, guess) in hubs[1..].iter().chain(&hubs[..1]).enumerate() {
+            self.hubs.change[k] = stage.a * guess;
+        }
+        for (leaves, &count) in self.leaves.iter_mut().zip(&self.counts) {
+            let (own, rest) = sleeves.split_at(count);
+            let changes = &mut leaves.column(Leaf::Change as usize)[..count];
+            for (change, guess) in changes.iter_mut().zip(own) {
+                *change = stage.a * guess;
+            }
+            sleeves = rest;
+        }
+    }
+
+    fn read_inertia(&mut self, inertia: &[f64]) {
+        self.inertia.clear();
+        self.inertia.extend_from_slice(inertia);
+        let (hubs, mut sleeves) = inertia.split_at(1 + self.wheels);
+        // Wheels first, the output last.
+        for (k, &inertia) in hubs[1..].iter().chain(&hubs[..1]).enumerate() {
+            self.hubs.inertia[k] = inertia;
+        }
         for (leaves, &count) in self.leaves.iter_mut().zip(&self.counts) {
             let (own, rest) = sleeves.split_at(count);
             leaves.column(Leaf::Inertia as usize)[..count].copy_from_slice(own);
-            leaves.column(Leaf::Change as usize).fill(0.0);
+            let inverse = &mut leaves.column(Leaf::Inverse as usize)[..count];
+            for (inverse, inertia) in inverse.iter_mut().zip(own) {
+                *inverse = inertia.recip();
+            }
             sleeves = rest;
         }
     }
 
     /// Solves the stage of the contacts that a [`Split`] listed. False if there is no solution.
-    ///
-    /// The normal forces are brought up to date once, after the first Newton step, as there.
     pub(super) fn solve<L: LanesLaw>(
         &mut self,
         arch: pulp::Arch,
@@ -100,52 +131,14 @@ impl Sliding {
     ) -> bool {
         self.begin(stage);
         self.newton_steps = 0;
-        if stage.a > 0.0 {
-            for (pass, most) in [1, newton::MOST_STEPS].into_iter().enumerate() {
-                if pass > 0 {
-                    arch.dispatch(Update(self, law));
-                }
-                let (a, rates) = (stage.a, &*stage.rates);
-                let solved = match self.wheels {
-                    1 => arch.dispatch(Minimise::<2>(self, a, rates, most)),
-                    2 => arch.dispatch(Minimise::<3>(self, a, rates, most)),
-                    3 => arch.dispatch(Minimise::<4>(self, a, rates, most)),
-                    _ => arch.dispatch(Minimise::<5>(self, a, rates, most)),
-                };
-                if !solved {
-                    return false;
-                }
-            }
-        }
+        let solved = match self.wheels {
+            1 => arch.dispatch(Solve::<L, 2>(self, law, stage)),
+            2 => arch.dispatch(Solve::<L, 3>(self, law, stage)),
+            3 => arch.dispatch(Solve::<L, 4>(self, law, stage)),
+            _ => arch.dispatch(Solve::<L, 5>(self, law, stage)),
+        };
         stage.newton_steps = self.newton_steps;
-        arch.dispatch(Finish(self, stage));
-        true
-    }
-
-    /// F_n at the present rates.
-    #[inline(always)]
-    fn update_forces<S: Simd, L: LanesLaw>(&mut self, simd: S, law: L) {
-        let output = Lanes::splat(simd, self.hubs.change[self.wheels]);
-        for (w, tables) in self.pairs.iter_mut().enumerate() {
-            let wheel = Lanes::splat(simd, self.hubs.change[w]);
-            for table in tables {
-                for from in table.groups::<S>() {
-                    if !table.is_active(from) {
-                        continue;
-                    }
-                    let at = table.pairs(simd, from);
-                    let closing = at.get(Pair::ClosingWheel).mul_add(
-                        wheel,
-                        at.get(Pair::ClosingOutput)
-                            .mul_add(output, at.get(Pair::Closing)),
-                    );
-                    let depth = at.get(Pair::Penetration);
-                    let force = law.force_lanes(at.get(Pair::Stiffness), depth, closing);
-                    let force = force.only(force.like(0.0).less(depth));
-                    table.store(Pair::Force as usize, from, force);
-                }
-            }
-        }
+        solved
     }
 
     /// Writes the rates and the accelerations.
@@ -172,7 +165,7 @@ impl Sliding {
                     pressure[wheels] = pressure[wheels] - at.get(Pair::ClosingOutput) * change;
                 }
                 let leaves = &mut self.leaves[kind];
-                let inverse = leaves.leaf(simd, Leaf::Inertia, from).recip();
+                let inverse = leaves.leaf(simd, Leaf::Inverse, from);
                 leaves.store(Leaf::Step as usize, from, own * inverse);
             }
         }
@@ -204,39 +197,20 @@ impl Sliding {
     }
 }
 
-/// Newton steps, compiled once per instruction set and number of hubs.
-struct Minimise<'a, const HUBS: usize>(&'a mut Sliding, f64, &'a [f64], usize);
+/// The whole stage, compiled once per instruction set, law and number of hubs.
+struct Solve<'a, 'b, L, const HUBS: usize>(&'a mut Sliding, L, &'a mut RateStage<'b>);
 
-impl<const HUBS: usize> pulp::WithSimd for Minimise<'_, HUBS> {
+impl<L: LanesLaw, const HUBS: usize> pulp::WithSimd for Solve<'_, '_, L, HUBS> {
     type Output = bool;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self(sliding, a, rates, most) = self;
-        sliding.minimise::<S, HUBS>(simd, a, rates, most)
-    }
-}
-
-/// Normal forces at the present rates.
-struct Update<'a, L>(&'a mut Sliding, L);
-
-impl<L: LanesLaw> pulp::WithSimd for Update<'_, L> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        self.0.update_forces(simd, self.1);
-    }
-}
-
-/// The stage's rates and accelerations.
-struct Finish<'a, 'b>(&'a mut Sliding, &'a mut RateStage<'b>);
-
-impl pulp::WithSimd for Finish<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        self.0.finish(simd, self.1);
+        let Self(sliding, law, stage) = self;
+        let solved =
+            stage.a <= 0.0 || sliding.minimise::<S, L, HUBS>(simd, law, stage.a, stage.rates);
+        if solved {
+            sliding.finish(simd, stage);
+        }
+        solved
     }
 }

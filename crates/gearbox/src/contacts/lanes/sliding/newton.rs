@@ -4,14 +4,14 @@
 //! minimise over d:  1/2 d' M d + a sum_c L_c v_s H(u_c / v_s),   u_c = u*_c + J_c d,   L = mu F_n
 //! ```
 
-use pinwheel_contact::{Lanes, Mask};
+use pinwheel_contact::{Lanes, LanesLaw, Mask};
 use pulp::Simd;
 
 use super::table::{Leaf, Pair};
 use super::{INTERNAL, KINDS, Sliding};
 
 /// Newton steps at most; a gear takes 1 to 4.
-pub(super) const MOST_STEPS: usize = 1000;
+const MOST_STEPS: usize = 1000;
 /// Line searches end when the slope along the step fell to this share.
 const SLOPE_SHARE: f64 = 0.1;
 /// Newton ends when no sliding speed moves by more than this share of its ramp.
@@ -26,25 +26,25 @@ fn touched<const HUBS: usize>(kind: usize) -> usize {
 }
 
 impl Sliding {
-    /// Minimises from the present d and u in at most `most` Newton steps; `HUBS` is wheels + 1.
-    /// False when something is not finite, or when [`MOST_STEPS`] were not enough.
+    /// Minimises from the present d. False when something is not finite, or when [`MOST_STEPS`] were not enough.
+    /// `HUBS` is wheels + 1.
     #[inline(always)]
-    pub(super) fn minimise<S: Simd, const HUBS: usize>(
+    pub(super) fn minimise<S: Simd, L: LanesLaw, const HUBS: usize>(
         &mut self,
         simd: S,
+        law: L,
         a: f64,
         rates: &[f64],
-        most: usize,
     ) -> bool {
-        let mut steps = 0;
-        while steps < most {
+        self.start::<S, L, HUBS>(simd, law);
+        for _ in 0..MOST_STEPS {
             self.assemble::<S, HUBS>(simd, a);
             self.hubs.solve::<HUBS>();
             self.newton_steps += 1;
             if self.along_step::<S, HUBS>(simd) {
                 // Nothing begins to stick or slide: the function is quadratic so far, and this its minimum.
                 self.take::<S, HUBS, false>(simd, 1.0);
-                break;
+                return self.is_finite::<HUBS>();
             }
             if self.step_is_rounding(rates) {
                 return true;
@@ -53,11 +53,47 @@ impl Sliding {
                 return false;
             };
             if self.take::<S, HUBS, true>(simd, share) && share == 1.0 {
-                break;
+                return self.is_finite::<HUBS>();
             }
-            steps += 1;
         }
-        steps < MOST_STEPS && self.hubs.step[..HUBS].iter().all(|x| x.is_finite())
+        false
+    }
+
+    #[inline(always)]
+    fn is_finite<const HUBS: usize>(&self) -> bool {
+        self.hubs.step[..HUBS].iter().all(|x| x.is_finite())
+    }
+
+    /// u and F_n at the rates to begin with: the table has those at v*.
+    #[inline(always)]
+    fn start<S: Simd, L: LanesLaw, const HUBS: usize>(&mut self, simd: S, law: L) {
+        let output = Lanes::splat(simd, self.hubs.change[HUBS - 1]);
+        for kind in 0..KINDS {
+            for from in self.groups::<S>(kind) {
+                let own = self.leaves[kind].leaf(simd, Leaf::Change, from);
+                for w in 0..HUBS - 1 {
+                    let table = &mut self.pairs[w][kind];
+                    if !table.is_active(from) {
+                        continue;
+                    }
+                    let at = table.pairs(simd, from);
+                    let wheel = own.like(self.hubs.change[w]);
+                    let mut slip = at.get(Pair::Sleeve).mul_add(own, at.get(Pair::Slip));
+                    slip = at.get(Pair::Wheel).mul_add(wheel, slip);
+                    let closing = at.get(Pair::Closing);
+                    let mut closing = at.get(Pair::ClosingWheel).mul_add(wheel, closing);
+                    if kind == INTERNAL {
+                        slip = at.get(Pair::Output).mul_add(output, slip);
+                        closing = at.get(Pair::ClosingOutput).mul_add(output, closing);
+                    }
+                    let depth = at.get(Pair::Penetration);
+                    let force = law.force_lanes(at.get(Pair::Stiffness), depth, closing);
+                    let force = force.only(force.like(0.0).less(depth));
+                    table.put(Pair::Slip, from, slip);
+                    table.put(Pair::Force, from, force);
+                }
+            }
+        }
     }
 
     /// H and the negative gradient, the leaves eliminated.

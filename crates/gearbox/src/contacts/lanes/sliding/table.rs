@@ -40,6 +40,8 @@ const PAIR_COLUMNS: usize = Pair::SlipStep as usize + 1;
 pub(super) enum Leaf {
     /// Moment of inertia, kg m^2; 1 where there is no sleeve.
     Inertia,
+    /// Its inverse.
+    Inverse,
     /// v - v*, rad/s.
     Change,
     /// Newton step, rad/s.
@@ -91,7 +93,7 @@ impl Table {
     pub(super) fn of_leaves(count: usize, hubs: usize) -> Self {
         let mut table = Self::new(count, Leaf::Border as usize + hubs);
         let length = table.length;
-        table.data[..length].fill(1.0);
+        table.data[..2 * length].fill(1.0); // inertia and its inverse
         table
     }
 

@@ -1,0 +1,97 @@
+//! What is due between two samples of a native run: entries of the energy account, breaks of the load, the sample.
+//!
+//! A break that falls on a sample comes first, so that the sample sees the load that begins there. Where it falls
+//! between samples, the account needs an entry on both its sides, and the cubics of its legs need four each.
+
+use crate::energy::EnergyAccount;
+
+/// Distance, in steps, within which two times are the same: times are products and sums of decimal numbers.
+const SAME: f64 = 1e-9;
+/// Intervals of the account beside a break.
+const BESIDE_A_BREAK: u64 = 3;
+
+/// Something due.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Due {
+    /// An entry of the energy account, s.
+    Entry(f64),
+    /// The end of a leg, s: an entry with the load that ends. The second time is the break as the scene gives it.
+    Break(f64, f64),
+    /// The sample, s.
+    Sample(f64),
+}
+
+impl Due {
+    /// When, s.
+    pub(crate) fn time(self) -> f64 {
+        let (Self::Entry(time) | Self::Break(time, _) | Self::Sample(time)) = self;
+        time
+    }
+
+    /// All that is due after the sample at `from` up to the one at `to`, s. `breaks` increase.
+    pub(crate) fn between(from: f64, to: f64, breaks: &[f64], step: f64) -> Vec<Self> {
+        let same = SAME * step;
+        let mut list = Vec::new();
+        let begins_at_break = breaks.iter().any(|b| (b - from).abs() <= same);
+        let (mut start, mut beside) = (from, begins_at_break);
+        let due = breaks
+            .iter()
+            .filter(|&&b| b > from + same && b <= to + same);
+        for &at in due {
+            let on_sample = (at - to).abs() <= same;
+            let time = if on_sample { to } else { at };
+            let entries = EnergyAccount::between(start, time, step, BESIDE_A_BREAK);
+            list.extend(entries.map(Self::Entry));
+            list.push(Self::Break(time, at));
+            if !on_sample {
+                list.push(Self::Entry(time));
+            }
+            (start, beside) = (time, true);
+        }
+        if to - start > same {
+            let least = if beside { BESIDE_A_BREAK } else { 1 };
+            let entries = EnergyAccount::between(start, to, step, least);
+            list.extend(entries.map(Self::Entry));
+        }
+        list.push(Self::Sample(to));
+        list
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(from: f64, to: f64, breaks: &[f64]) -> String {
+        let word = |due: &Due| match due {
+            Due::Entry(_) => 'e',
+            Due::Break(..) => 'B',
+            Due::Sample(_) => 's',
+        };
+        let list = Due::between(from, to, breaks, 1e-5);
+        assert!(list.windows(2).all(|p| p[0].time() <= p[1].time()));
+        list.iter().map(word).collect()
+    }
+
+    #[test]
+    fn breaks_come_between_entries_and_before_their_sample() {
+        assert_eq!(words(0.0, 1e-4, &[]), "s");
+        assert_eq!(words(0.0, 1e-3, &[2e-3]), "eeeeeeeees");
+        assert_eq!(words(0.0, 1e-4, &[3e-5]), "eeBeees");
+        // On the sample up to rounding, from either side; the next interval then begins at it.
+        for at in [1e-4, 1e-4 + 1e-17, 1e-4 - 1e-17] {
+            assert_eq!(words(0.0, 1e-4, &[at]), "eeBs");
+            assert_eq!(words(1e-4, 2e-4, &[at]), "ees");
+        }
+        assert_eq!(words(0.0, 1e-4, &[3e-5, 3.1e-5]), "eeBeeeBeees");
+        assert_eq!(words(0.0, 0.0, &[]), "s");
+    }
+
+    #[test]
+    fn a_run_without_breaks_has_the_entries_it_always_had() {
+        let list = Due::between(1e-4, 3.5e-4, &[], 1e-5);
+        let times: Vec<f64> = list.iter().map(|due| due.time()).collect();
+        let plain = EnergyAccount::between(1e-4, 3.5e-4, 1e-5, 1);
+        assert_eq!(times, plain.chain([3.5e-4]).collect::<Vec<_>>());
+    }
+}

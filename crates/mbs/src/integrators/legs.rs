@@ -1,0 +1,124 @@
+//! A run in legs, between times at which f jumps or bends.
+//!
+//! A method of order p has its order where f has p derivatives. A step over a jump of f is of order 1 whatever the
+//! method; an adaptive one notices and creeps up to it, a fixed one does not. So no step passes such a time: the
+//! last step of a leg is shortened to end there, and the method starts anew, with its first step, its own derivative
+//! at the start and no memory of the leg before. Within a leg f is that leg's own at both ends
+//! ([`OdeSystem::enter_leg`]).
+
+use pinwheel_faults::{Fault, armed};
+
+use super::{StepCounts, StepError, StepSettings, Stepper, start};
+use crate::OdeSystem;
+
+/// Distance from a leg's end that counts as being there, in steps of the settings.
+const THERE: f64 = 1e-9;
+
+/// A method in the course of a run that is divided into legs.
+pub struct Legs<S: OdeSystem> {
+    method: String,
+    settings: StepSettings,
+    stepper: Box<dyn Stepper<S>>,
+    /// Ends of legs that are still to come, the last first.
+    ends: Vec<f64>,
+    /// What the steppers before did.
+    past: StepCounts,
+}
+
+impl<S: OdeSystem> Legs<S> {
+    /// Starts the method `name` at (t, y); `breaks` (s) increase, those up to `t` do not count. `None`: no such method.
+    #[must_use]
+    pub fn start(
+        name: &str,
+        settings: StepSettings,
+        t: f64,
+        y: &[f64],
+        breaks: &[f64],
+    ) -> Option<Self> {
+        let coming = breaks.iter().rev().copied();
+        Some(Self {
+            method: name.to_owned(),
+            settings,
+            stepper: start(name, settings, t, y)?,
+            ends: coming.filter(|&end| end > t).collect(),
+            past: StepCounts::default(),
+        })
+    }
+
+    /// End of this leg, s; infinite for the last.
+    #[must_use]
+    pub fn end(&self) -> f64 {
+        self.ends.last().copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// True when the last step has reached the end of this leg.
+    #[must_use]
+    pub fn is_at_end(&self) -> bool {
+        self.end() - self.stepper.time() <= THERE * self.settings.step
+    }
+
+    /// Enters the next leg, at whose start the state is what it was. Before the end of a leg nothing happens.
+    pub fn enter(&mut self, system: &mut S) {
+        if !self.is_at_end() {
+            return;
+        }
+        if let Some(from) = self.ends.pop() {
+            if !armed(Fault::PassedBreak) {
+                self.restart(from, self.settings.step);
+            }
+            system.enter_leg(from);
+        }
+    }
+
+    /// The same method anew at the state there is, with a first or only step `step`.
+    fn restart(&mut self, time: f64, step: f64) {
+        let settings = StepSettings {
+            step,
+            ..self.settings
+        };
+        if let Some(stepper) = start(&self.method, settings, time, self.stepper.state()) {
+            self.past = self.counts();
+            self.stepper = stepper;
+        }
+    }
+}
+
+impl<S: OdeSystem> Stepper<S> for Legs<S> {
+    /// As of the method; a step that begins at the end of a leg enters the next.
+    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+        if armed(Fault::PassedBreak) {
+            return self.stepper.step(system);
+        }
+        self.enter(system);
+        let (time, step, end) = (self.stepper.time(), self.stepper.next_step(), self.end());
+        if time + step > end + THERE * step {
+            self.restart(time, end - time);
+        }
+        self.stepper.step(system)
+    }
+
+    fn time(&self) -> f64 {
+        self.stepper.time()
+    }
+
+    fn state(&self) -> &[f64] {
+        self.stepper.state()
+    }
+
+    fn next_step(&self) -> f64 {
+        self.stepper.next_step()
+    }
+
+    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+        self.stepper.interpolate(system, t, y);
+    }
+
+    fn counts(&self) -> StepCounts {
+        let now = self.stepper.counts();
+        StepCounts {
+            steps: self.past.steps + now.steps,
+            rejected: self.past.rejected + now.rejected,
+            evaluations: self.past.evaluations + now.evaluations,
+        }
+    }
+}
