@@ -174,6 +174,7 @@ fn browser_shows_the_comparison() {
     motion::moves(&mut browser, &page);
     motion::frames_cost_little(&mut browser, &page);
     motion::nothing_is_drawn_unseen(&mut browser, &page);
+    motion::late_frames_cost_sharpness(&mut browser, &page);
 }
 
 #[test]

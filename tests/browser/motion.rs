@@ -211,3 +211,31 @@ pub(crate) fn nothing_is_drawn_unseen(browser: &mut Chromium, page: &Path) {
     assert_eq!(all.len(), 7);
     assert!(all.values().all(|v| *v == Value::Bool(true)), "{seen}");
 }
+
+/// On a fine screen whose frames come late it draws fewer pixels while it plays, and all of them at rest.
+pub(crate) fn late_frames_cost_sharpness(browser: &mut Chromium, page: &Path) {
+    // The clock is the test's own: frames 40 ms apart, however fast the machine is.
+    const WATCH: &str = r#"(async () => {
+      const host = document.querySelector('.gearboxes');
+      const canvas = host.querySelector('.gearbox-view canvas');
+      const wait = (ms) => new Promise((r) => setTimeout(r, ms));
+      Object.defineProperty(window, 'devicePixelRatio', { configurable: true, get: () => 2 });
+      let [stamp, drawn] = [1e6, 0];
+      window.requestAnimationFrame = (callback) => setTimeout(() => { stamp += 40; drawn += 1; callback(stamp); }, 0);
+      host.scrollIntoView();
+      for (let k = 0; k < 2400 && drawn < 100; k += 1) await wait(10);
+      const wide = Math.round(canvas.clientWidth);
+      const playing = canvas.width;
+      host.querySelector('.play').click();
+      const resting = canvas.width;
+      host.querySelector('.play').click();
+      return [drawn >= 100, playing / wide, resting / wide, canvas.width / wide];
+    })()"#;
+    browser.open(page, DESK);
+    assert_eq!(browser.evaluate(WATCH), serde_json::json!([true, 1, 2, 1]));
+    assert!(
+        browser.complaints().is_empty(),
+        "{:?}",
+        browser.complaints()
+    );
+}

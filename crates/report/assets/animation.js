@@ -2,8 +2,8 @@
 //
 // A frame moves the gearbox and draws it; it asks the page for no size and no style. Figures beside the
 // picture change ten times a second: no eye reads more, and every change of text lays the page out anew.
-// While it plays nothing is drawn that nobody sees; if nothing is seen no frame is asked for. Where frames come late all the same,
-// sharpness is given up before smoothness.
+// While it plays nothing is drawn that nobody sees, and if nothing is seen no frame is asked for. Where
+// frames come late all the same, sharpness is given up before smoothness.
 'use strict';
 document.addEventListener('DOMContentLoaded', () => {
   const { onRedraw } = PinwheelPage;
@@ -203,6 +203,7 @@ document.addEventListener('DOMContentLoaded', () => {
       strip.draw(colours, line.clientWidth, line.clientHeight);
       paint();
     });
+    // Sizes come from here, so that no frame has to ask for them.
     const resized = new ResizeObserver((entries) => {
       for (const { target, contentRect } of entries) {
         const view = views.find(({ canvas }) => canvas === target);
