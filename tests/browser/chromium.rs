@@ -1,5 +1,6 @@
 //! Headless Chromium, driven over its DevTools protocol: one page at a time.
 
+use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
@@ -121,6 +122,8 @@ impl Chromium {
         for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
             browser.call(domain, json!({}));
         }
+        // Durations are processor time, so that they do not depend on what else the machine does.
+        browser.call("Performance.enable", json!({"timeDomain": "threadTicks"}));
         Some(browser)
     }
 
@@ -161,6 +164,19 @@ impl Chromium {
         );
         assert!(got.get("exceptionDetails").is_none(), "{got:#}");
         got["result"]["value"].clone()
+    }
+
+    /// What the page's main thread has done so far: `LayoutCount`, `ThreadTime` (processor seconds) and others.
+    pub(crate) fn metrics(&mut self) -> BTreeMap<String, f64> {
+        let got = self.call("Performance.getMetrics", json!({}));
+        let list = got["metrics"].as_array().unwrap();
+        let pair = |m: &Value| {
+            (
+                m["name"].as_str().unwrap().to_owned(),
+                m["value"].as_f64().unwrap(),
+            )
+        };
+        list.iter().map(pair).collect()
     }
 
     /// Errors and warnings of the console, and exceptions, since the page was opened.

@@ -6,6 +6,8 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 mod chromium;
+mod motion;
+mod studies;
 
 use std::path::Path;
 
@@ -169,7 +171,10 @@ fn browser_shows_the_comparison() {
     assert_eq!(done.code, Some(0), "{done:?}");
     let page = dir.path().join("r/index.html");
     flawless(&mut browser, &page, 4, 1);
-    moves(&mut browser, &page);
+    motion::moves(&mut browser, &page);
+    motion::frames_cost_little(&mut browser, &page);
+    motion::nothing_is_drawn_unseen(&mut browser, &page);
+    motion::late_frames_cost_sharpness(&mut browser, &page);
 }
 
 #[test]
@@ -187,57 +192,4 @@ fn browser_shows_the_paper() {
     assert_eq!(summary["figures"][0]["verdict"], "holds");
     let courses = std::fs::read_to_string(dir.path().join("p/fig-09a/courses.csv")).unwrap();
     assert!(courses.starts_with("time_s,") && courses.lines().count() > 1000);
-}
-
-/// The gearbox moves, stops at a click, moves at a key, and waits for those who asked for less motion.
-fn moves(browser: &mut Chromium, page: &Path) {
-    const WATCH: &str = r#"(async () => {
-      const host = document.querySelector('.gearboxes');
-      const wait = (ms) => new Promise((r) => setTimeout(r, ms));
-      const at = () => host.querySelector('.at').textContent;
-      const moving = async () => { const before = at(); for (let k = 0; k < 40 && at() === before; k += 1) await wait(50); return at() !== before; };
-      host.scrollIntoView();
-      const began = await moving();
-      host.querySelector('.play').click();
-      const paused = at(); await wait(300);
-      const stopped = at() === paused;
-      const key = (k) => host.querySelector('canvas').dispatchEvent(new KeyboardEvent('keydown', { key: k, bubbles: true }));
-      key('ArrowRight');
-      const stepped = at() !== paused;
-      key(' ');
-      const again = await moving();
-      return [began, stopped, stepped, again];
-    })()"#;
-    let mut watch = |still: bool| {
-        browser.open(
-            page,
-            Look {
-                width: 1280,
-                dark: false,
-                still,
-            },
-        );
-        let seen = browser.evaluate(WATCH);
-        let seen: Vec<bool> = seen
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|v| v.as_bool().unwrap())
-            .collect();
-        assert!(
-            browser.complaints().is_empty(),
-            "{:?}",
-            browser.complaints()
-        );
-        seen
-    };
-    assert_eq!(
-        watch(false),
-        [true, true, true, true],
-        "began, stopped, stepped, began again"
-    );
-    assert!(
-        !watch(true)[0],
-        "it moves although less motion was asked for"
-    );
 }

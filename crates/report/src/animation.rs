@@ -291,7 +291,9 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
     for i in 0..first.view.gear.wheels {
         let _ = write!(
             html,
-            "<button type=\"button\" data-wheel=\"{i}\" aria-pressed=\"true\">Wheel {i}</button>"
+            "<button type=\"button\" data-wheel=\"{i}\" aria-pressed=\"true\"><i style=\"--dot:var(--wheel-{});--rim:var(--wheel-{}-edge)\"></i>Wheel {i}</button>",
+            i % 4,
+            i % 4
         );
     }
     let full = crate::format::significant(first.view.full, 3);
@@ -299,8 +301,10 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
         html,
         "</div></div><div class=\"gearbox-key\"><span>0</span><span class=\"ramp\"></span><span>{full}\u{202f}N, a full arrow. Strip: largest force of a pair over time, \
          <span style=\"color:var(--accent)\">external</span> and <span style=\"color:var(--force-middle)\">internal</span>. Point at a sleeve for its force.</span></div>\n\
-         <script type=\"application/json\">{}</script></div>\n<script>{}</script>",
+         <script type=\"application/json\">{}</script></div>\n<script>{}{}{}</script>",
         json_for_script(&block)?,
+        include_str!("../assets/gearbox.js"),
+        include_str!("../assets/gearbox-picture.js"),
         include_str!("../assets/animation.js")
     );
     Ok(html)

@@ -1,0 +1,164 @@
+// A gearbox at any sample of its courses: where its parts are and what pushes them. Lengths in mm.
+//
+// A view holds the gear's dimensions and, packed as 16-bit numbers, angles (less the ideal mesh's) and
+// the force of every pair of wheel and sleeve. Where a force acts and in which direction is found here
+// on the same curve the solver uses: a sleeve is pushed along the epitrochoid's normal at the point
+// closest to its centre.
+'use strict';
+const PinwheelGearbox = (() => {
+  const TAU = 2 * Math.PI;
+
+  function unpack(view) {
+    const bytes = Uint8Array.from(atob(view.samples), (c) => c.charCodeAt(0));
+    const words = new DataView(bytes.buffer);
+    return view.channels.map(({ offset, step }, n) => {
+      const values = new Float32Array(view.count);
+      for (let k = 0; k < view.count; k += 1) values[k] = offset + step * words.getUint16(2 * (n * view.count + k), true);
+      return values;
+    });
+  }
+
+  // Values between samples lie on the straight line between them.
+  const between = (values, at) => {
+    const k = Math.min(values.length - 1, Math.max(0, Math.floor(at)));
+    const next = Math.min(values.length - 1, k + 1);
+    return values[k] + (at - k) * (values[next] - values[k]);
+  };
+
+  function curve({ e, zk, m }) {
+    const r = (e * zk) / m;
+    return (a) => {
+      const [c, s, ck, sk] = [Math.cos(a), Math.sin(a), Math.cos(zk * a), Math.sin(zk * a)];
+      const [gx, gy] = [r * c + e * zk * ck, r * s + e * zk * sk]; // C' turned by -90 degrees
+      const speed = Math.hypot(gx, gy);
+      return { x: r * c + e * ck, y: r * s + e * sk, nx: gx / speed, ny: gy / speed, speed, ax: -r * c - e * zk * zk * ck, ay: -r * s - e * zk * zk * sk };
+    };
+  }
+  // Closest point of the curve to (x, y): Newton on (C - P) . C' = 0 from the ideal mesh's.
+  function foot(at, x, y, start) {
+    let a = start;
+    let here = at(a);
+    for (let k = 0; k < 6; k += 1) {
+      const [tx, ty] = [-here.ny * here.speed, here.nx * here.speed];
+      const [dx, dy] = [here.x - x, here.y - y];
+      const slope = here.speed * here.speed + dx * here.ax + dy * here.ay;
+      const step = (dx * tx + dy * ty) / (slope > 0 ? slope : here.speed * here.speed);
+      a -= Math.max(-0.05, Math.min(0.05, step));
+      here = at(a);
+      if (Math.abs(step) < 1e-9) break;
+    }
+    return here;
+  }
+
+  /** A gearbox of a view. `move(sample)` changes `state` in place: nothing is allocated per frame. */
+  function gearbox(view) {
+    const { gear } = view;
+    const zs = gear.zk - 1;
+    const radius = (gear.e * gear.zk) / gear.m;
+    const at = curve(gear);
+    const channels = unpack(view);
+    const [input, output, error] = channels;
+    const wheels = channels.slice(3, 3 + gear.wheels);
+    const pair = (i, n) => channels[3 + gear.wheels + i * (gear.zk + gear.zi) + n];
+
+    // The profile as few points: chords of a lobe stay within `tolerance` of it, the other lobes are turned copies.
+    function profile(tolerance) {
+      const fine = Array.from({ length: 241 }, (_, k) => {
+        const p = at((TAU / zs) * (k / 240));
+        return [p.x - gear.q * p.nx, p.y - gear.q * p.ny];
+      });
+      const within = (from, to) => {
+        const [[x, y], [x2, y2]] = [fine[from], fine[to]];
+        const length = Math.hypot(x2 - x, y2 - y) || 1;
+        for (let k = from + 1; k < to; k += 1) {
+          if (Math.abs((x2 - x) * (fine[k][1] - y) - (y2 - y) * (fine[k][0] - x)) > tolerance * length) return false;
+        }
+        return true;
+      };
+      const lobe = [];
+      for (let from = 0; from < 240;) {
+        lobe.push(fine[from]);
+        let to = from + 1;
+        while (to < 240 && within(from, to + 1)) to += 1;
+        from = to;
+      }
+      return Array.from({ length: zs }, (_, n) => {
+        const [c, s] = [Math.cos((TAU * n) / zs), Math.sin((TAU * n) / zs)];
+        return lobe.map(([x, y]) => [c * x - s * y, s * x + c * y]);
+      }).flat();
+    }
+
+    const external = Array.from({ length: gear.zk }, (_, number) => {
+      const beta = (TAU * number) / gear.zk;
+      return { kind: 'external', number, beta, x: (radius + gear.d) * Math.cos(beta), y: (radius + gear.d) * Math.sin(beta), r: gear.q, fx: 0, fy: 0 };
+    });
+    const internal = Array.from({ length: gear.zi }, (_, number) => ({ kind: 'internal', number, x: 0, y: 0, r: gear.ri, fx: 0, fy: 0 }));
+    const sleeves = [...external, ...internal];
+    const bodies = Array.from({ length: gear.wheels }, (_, i) => {
+      const phase = (TAU * i) / gear.wheels;
+      // In the wheel's own frame.
+      const holes = internal.map((_, k) => {
+        const beta = (TAU * k) / gear.zi - (Math.PI - phase) / zs;
+        return [gear.rw * Math.cos(beta), gear.rw * Math.sin(beta)];
+      });
+      const forces = sleeves.map((sleeve) => ({ sleeve, force: 0, fx: 0, fy: 0 }));
+      return { phase, holes, x: 0, y: 0, theta: 0, forces, count: 0, loaded: 0 };
+    });
+    const state = { t: 0, phi: 0, psi: 0, external, internal, sleeves, bodies, input: 0, output: 0 };
+
+    function move(s) {
+      const t = view.from + view.step * s;
+      const phi = view.speed * t;
+      const psi = -phi / zs + between(error, s);
+      Object.assign(state, { t, phi, psi, input: between(input, s), output: between(output, s) });
+      for (const sleeve of internal) {
+        const beta = psi + (TAU * sleeve.number) / gear.zi;
+        sleeve.x = gear.rw * Math.cos(beta);
+        sleeve.y = gear.rw * Math.sin(beta);
+      }
+      for (const sleeve of sleeves) { sleeve.fx = 0; sleeve.fy = 0; }
+      bodies.forEach((body, i) => {
+        const [x, y] = [gear.e * Math.cos(phi + body.phase), gear.e * Math.sin(phi + body.phase)];
+        const theta = (Math.PI - phi - body.phase) / zs + between(wheels[i], s);
+        const [c, sn] = [Math.cos(theta), Math.sin(theta)];
+        Object.assign(body, { x, y, theta, count: 0, loaded: 0 });
+        sleeves.forEach((sleeve, n) => {
+          const force = between(pair(i, n), s);
+          if (force <= view.least) return;
+          const [px, py] = [c * (sleeve.x - x) + sn * (sleeve.y - y), c * (sleeve.y - y) - sn * (sleeve.x - x)];
+          let [nx, ny] = [0, 0];
+          if (n < gear.zk) {
+            ({ nx, ny } = foot(at, px, py, sleeve.beta - theta));
+            body.loaded += 1;
+          } else {
+            const [hx, hy] = body.holes[sleeve.number];
+            const length = Math.hypot(px - hx, py - hy) || 1;
+            [nx, ny] = [(hx - px) / length, (hy - py) / length];
+          }
+          const push = body.forces[body.count];
+          body.count += 1;
+          push.sleeve = sleeve;
+          push.force = force;
+          push.fx = force * (c * nx - sn * ny);
+          push.fy = force * (sn * nx + c * ny);
+          sleeve.fx += push.fx;
+          sleeve.fy += push.fy;
+        });
+      });
+    }
+
+    // Largest force of a pair of each kind, sample by sample, for the time line.
+    const envelope = (from, count) => {
+      const values = new Float32Array(view.count);
+      for (let n = from; n < from + count; n += 1) {
+        for (let i = 0; i < gear.wheels; i += 1) {
+          const forces = pair(i, n);
+          for (let k = 0; k < view.count; k += 1) if (forces[k] > values[k]) values[k] = forces[k];
+        }
+      }
+      return values;
+    };
+    return { view, gear, radius, profile, state, move, external: envelope(0, gear.zk), internal: envelope(gear.zk, gear.zi) };
+  }
+  return { gearbox, TAU };
+})();

@@ -1,0 +1,241 @@
+//! The gearbox in motion: that it moves and stops, what a frame of it asks of the browser, and that nobody pays for what
+//! nobody sees. Work is counted, not timed; times are printed (`-- --nocapture`).
+
+#![allow(clippy::print_stdout, reason = "measured figures")]
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::chromium::{Chromium, Look};
+
+const DESK: Look = Look {
+    width: 1280,
+    dark: false,
+    still: false,
+};
+
+/// The gearbox moves, stops at a click, moves at a key, and waits for those who asked for less motion.
+pub(crate) fn moves(browser: &mut Chromium, page: &Path) {
+    const WATCH: &str = r#"(async () => {
+      const host = document.querySelector('.gearboxes');
+      const wait = (ms) => new Promise((r) => setTimeout(r, ms));
+      const at = () => host.querySelector('.at').textContent;
+      const moving = async () => { const before = at(); for (let k = 0; k < 40 && at() === before; k += 1) await wait(50); return at() !== before; };
+      host.scrollIntoView();
+      const began = await moving();
+      host.querySelector('.play').click();
+      const paused = at(); await wait(300);
+      const stopped = at() === paused;
+      const key = (k) => host.querySelector('canvas').dispatchEvent(new KeyboardEvent('keydown', { key: k, bubbles: true }));
+      key('ArrowRight');
+      const stepped = at() !== paused;
+      const slider = host.querySelector('input[type=range]');
+      slider.value = '0';
+      slider.dispatchEvent(new Event('input'));
+      const slid = at() === 't = 0.0000 s';
+      key(' ');
+      const again = await moving();
+      return [began, stopped, stepped, slid, again];
+    })()"#;
+    let mut watch = |still: bool| {
+        browser.open(page, Look { still, ..DESK });
+        let seen = browser.evaluate(WATCH);
+        assert!(
+            browser.complaints().is_empty(),
+            "{:?}",
+            browser.complaints()
+        );
+        let seen = seen.as_array().unwrap().iter();
+        seen.map(|v| v.as_bool().unwrap()).collect::<Vec<_>>()
+    };
+    assert_eq!(
+        watch(false),
+        [true; 5],
+        "began, stopped, stepped, slid, began again"
+    );
+    assert!(
+        !watch(true)[0],
+        "it moves although less motion was asked for"
+    );
+}
+
+/// Counts what the page asks of the browser: `count` since the start, `frames` with the share of each frame.
+const COUNT: &str = r#"(() => {
+  const count = { points: 0, paints: 0, paths: 0, texts: 0, reads: 0, requests: 0, changes: 0 };
+  const frames = [];
+  const tap = (owner, name, what) => {
+    const original = owner[name];
+    owner[name] = function (...given) { count[what] += 1; return original.apply(this, given); };
+  };
+  for (const name of ['moveTo', 'lineTo', 'arc', 'arcTo', 'ellipse', 'rect', 'roundRect', 'bezierCurveTo', 'quadraticCurveTo']) {
+    tap(CanvasRenderingContext2D.prototype, name, 'points');
+    tap(Path2D.prototype, name, 'points');
+  }
+  for (const name of ['fill', 'stroke', 'fillRect', 'strokeRect', 'clearRect', 'drawImage', 'putImageData']) tap(CanvasRenderingContext2D.prototype, name, 'paints');
+  for (const name of ['fillText', 'strokeText', 'measureText']) tap(CanvasRenderingContext2D.prototype, name, 'texts');
+  for (const name of ['Path2D', 'DOMMatrix', 'OffscreenCanvas']) {
+    window[name] = new Proxy(window[name], { construct(kind, given) { count.paths += 1; return new kind(...given); } });
+  }
+  // Whatever makes the browser lay out or style the page at once.
+  for (const name of ['getBoundingClientRect', 'getClientRects']) tap(Element.prototype, name, 'reads');
+  tap(window, 'getComputedStyle', 'reads');
+  for (const [owner, names] of [[Element.prototype, ['clientWidth', 'clientHeight', 'scrollTop', 'scrollWidth']], [HTMLElement.prototype, ['offsetWidth', 'offsetHeight', 'offsetLeft', 'offsetTop', 'innerText']]]) {
+    for (const name of names) {
+      const { get, ...rest } = Object.getOwnPropertyDescriptor(owner, name);
+      Object.defineProperty(owner, name, { ...rest, get() { count.reads += 1; return get.call(this); } });
+    }
+  }
+  new MutationObserver(() => { count.changes += 1; }).observe(document.body, { subtree: true, childList: true, characterData: true, attributes: true });
+  const request = window.requestAnimationFrame.bind(window);
+  window.requestAnimationFrame = (callback) => {
+    count.requests += 1;
+    return request((stamp) => {
+      const [before, began] = [{ ...count }, performance.now()];
+      callback(stamp);
+      const frame = { stamp, script: performance.now() - began };
+      for (const key of Object.keys(count)) frame[key] = count[key] - before[key];
+      frames.push(frame);
+    });
+  };
+  window.counted = { count, frames };
+  document.querySelector('.gearboxes').scrollIntoView({ block: 'start' });
+})()"#;
+
+/// Resolves when so many more frames were drawn.
+const FRAMES: &str = r#"(async () => {
+  const { count, frames } = window.counted;
+  const wait = (ms) => new Promise((r) => setTimeout(r, ms));
+  // Sizes and sharpness settle first.
+  for (let k = 0; k < 2400 && frames.length < 20; k += 1) await wait(50);
+  frames.length = 0;
+  count.changes = 0;
+})()"#;
+const THESE: &str = r#"(async () => {
+  const { count, frames } = window.counted;
+  const wait = (ms) => new Promise((r) => setTimeout(r, ms));
+  for (let k = 0; k < 2400 && frames.length < 300; k += 1) await wait(50);
+  const sorted = (values) => [...values].sort((a, b) => a - b);
+  const middle = (values) => { const v = sorted(values); return [v[Math.floor(0.5 * v.length)], v[Math.floor(0.95 * v.length)]]; };
+  const most = (key) => Math.max(...frames.map((f) => f[key]));
+  return {
+    frames: frames.length, changes: count.changes,
+    points: most('points'), paints: most('paints'), paths: most('paths'), texts: most('texts'), reads: most('reads'), requests: most('requests'),
+    idle: frames.filter((f) => f.paints === 0).length,
+    script_ms: middle(frames.map((f) => f.script)),
+    interval_ms: middle(frames.slice(1).map((f, k) => f.stamp - frames[k].stamp)),
+    size: host_size(),
+  };
+  function host_size() { const c = document.querySelector('.gearbox-view canvas'); return [c.width, c.height]; }
+})()"#;
+
+/// A frame is a bounded number of strokes of the pen, makes no path, and asks nothing of the page.
+pub(crate) fn frames_cost_little(browser: &mut Chromium, page: &Path) {
+    browser.open(page, DESK);
+    browser.evaluate(COUNT);
+    browser.evaluate(FRAMES);
+    let before = browser.metrics();
+    let seen = browser.evaluate(THESE);
+    let after = browser.metrics();
+    let number = |key: &str| seen[key].as_f64().unwrap();
+    let frames = number("frames");
+    let spent = |key: &str| after[key] - before[key];
+    println!(
+        "gearbox of {}: {frames} frames; script {} ms (median, 95 %), frames apart {} ms; main thread {:.2} ms of processor time \
+         a frame; {:.2} layouts a frame; at most {} points, {} strokes of the pen a frame",
+        seen["size"],
+        seen["script_ms"],
+        seen["interval_ms"],
+        1e3 * spent("ThreadTime") / frames,
+        spent("LayoutCount") / frames,
+        seen["points"],
+        seen["paints"],
+    );
+    assert!(frames >= 300.0, "it does not play: {seen}");
+    assert_eq!(number("idle"), 0.0, "every frame is drawn: {seen}");
+    assert_eq!(number("requests"), 1.0, "a frame asks for one more: {seen}");
+    for key in ["paths", "texts", "reads"] {
+        assert_eq!(number(key), 0.0, "{key}: {seen}");
+    }
+    // Two wheels, 8 + 16 sleeves, 32 forces at most: measured 407 points and 58 strokes; with paths built in every frame and
+    // every part drawn by itself it was 212 strokes, 4 paths made and 3 sizes asked for.
+    assert!(number("points") < 600.0, "{seen}");
+    assert!(number("paints") < 90.0, "{seen}");
+    // What changes is text, ten times a second: a frame between does not lay the page out.
+    assert!(
+        spent("LayoutCount") <= number("changes") + 3.0,
+        "{} layouts, {seen}",
+        spent("LayoutCount")
+    );
+    assert!(
+        browser.complaints().is_empty(),
+        "{:?}",
+        browser.complaints()
+    );
+}
+
+/// Paused, scrolled away or in a hidden tab it asks for no frame; back in sight it goes on from where it was.
+pub(crate) fn nothing_is_drawn_unseen(browser: &mut Chromium, page: &Path) {
+    const WATCH: &str = r#"(async () => {
+      const { count } = window.counted;
+      const host = document.querySelector('.gearboxes');
+      const wait = (ms) => new Promise((r) => setTimeout(r, ms));
+      // Scrolling may take its time; then no frame may be asked for in the time of many.
+      const quiet = async () => { for (let k = 0; k < 20; k += 1) { const before = count.requests; await wait(400); if (count.requests === before) return true; } return false; };
+      const busy = async () => { const before = count.requests; for (let k = 0; k < 100 && count.requests < before + 5; k += 1) await wait(50); return count.requests >= before + 5; };
+      const hide = (on) => {
+        Object.defineProperty(document, 'hidden', { configurable: true, get: () => on });
+        document.dispatchEvent(new Event('visibilitychange'));
+      };
+      const seen = { began: await busy() };
+      host.querySelector('.play').click();
+      seen.paused = await quiet();
+      host.querySelector('.play').click();
+      host.querySelector('.play').click();
+      host.querySelector('.play').click();
+      seen.went_on = await busy();
+      scrollTo(0, document.body.scrollHeight);
+      seen.away = await quiet();
+      host.scrollIntoView();
+      seen.back = await busy();
+      hide(true);
+      seen.hidden = await quiet();
+      hide(false);
+      seen.shown = await busy();
+      return seen;
+    })()"#;
+    browser.open(page, DESK);
+    browser.evaluate(COUNT);
+    let seen = browser.evaluate(WATCH);
+    let all = seen.as_object().unwrap();
+    assert_eq!(all.len(), 7);
+    assert!(all.values().all(|v| *v == Value::Bool(true)), "{seen}");
+}
+
+/// On a fine screen whose frames come late it draws fewer pixels while it plays, and all of them at rest.
+pub(crate) fn late_frames_cost_sharpness(browser: &mut Chromium, page: &Path) {
+    // The clock is the test's own: frames 40 ms apart, however fast the machine is.
+    const WATCH: &str = r#"(async () => {
+      const host = document.querySelector('.gearboxes');
+      const canvas = host.querySelector('.gearbox-view canvas');
+      const wait = (ms) => new Promise((r) => setTimeout(r, ms));
+      Object.defineProperty(window, 'devicePixelRatio', { configurable: true, get: () => 2 });
+      let [stamp, drawn] = [1e6, 0];
+      window.requestAnimationFrame = (callback) => setTimeout(() => { stamp += 40; drawn += 1; callback(stamp); }, 0);
+      host.scrollIntoView();
+      for (let k = 0; k < 2400 && drawn < 100; k += 1) await wait(10);
+      const wide = Math.round(canvas.clientWidth);
+      const playing = canvas.width;
+      host.querySelector('.play').click();
+      const resting = canvas.width;
+      host.querySelector('.play').click();
+      return [drawn >= 100, playing / wide, resting / wide, canvas.width / wide];
+    })()"#;
+    browser.open(page, DESK);
+    assert_eq!(browser.evaluate(WATCH), serde_json::json!([true, 1, 2, 1]));
+    assert!(
+        browser.complaints().is_empty(),
+        "{:?}",
+        browser.complaints()
+    );
+}

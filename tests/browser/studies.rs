@@ -1,0 +1,91 @@
+//! The pages of the studies, from small ones.
+
+use std::path::{Path, PathBuf};
+
+use pinwheel_tests::{repository, run_in};
+
+use crate::chromium::Chromium;
+use crate::flawless;
+
+/// Runs a study in `dir` and returns its page.
+fn page(dir: &Path, words: &[&str]) -> PathBuf {
+    let done = run_in(dir, words.iter().chain(&["--out", "o"]));
+    assert_eq!(done.code, Some(0), "{words:?} {done:?}");
+    dir.join("o/index.html")
+}
+
+#[test]
+fn browser_shows_the_bench() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let words = "bench paper --engines native,rapier-shared-law --methods rk4,dopri5 --repeats 1 --parts scene \
+                 --set solver.duration_s=0.005";
+    let page = page(dir.path(), &words.split_whitespace().collect::<Vec<_>>());
+    flawless(&mut browser, &page, 1, 0);
+}
+
+#[test]
+fn browser_shows_a_sweep() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let sweep = "name = \"small\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.01\n[vary]\n\
+                 gear.backlash_m = [0.0, 2.0e-4, 4.0e-4]\ncontact.damping_n_s_m = [8.0, 64.0]\n";
+    std::fs::write(dir.path().join("small.toml"), sweep).unwrap();
+    let page = page(dir.path(), &["sweep", "small.toml"]);
+    flawless(&mut browser, &page, 1, 0);
+}
+
+#[test]
+fn browser_shows_the_stability() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    for (name, stiffness) in [("soft", 0.01), ("stiff", 4.0)] {
+        let scene = format!(
+            "name = \"{name}\"\n[contact]\nstiffness_multiplier = {stiffness}\n[solver]\nduration_s = 0.002\n"
+        );
+        std::fs::write(dir.path().join(format!("{name}.toml")), scene).unwrap();
+    }
+    let page = page(
+        dir.path(),
+        &["stability", "soft.toml", "stiff.toml", "--quick"],
+    );
+    flawless(&mut browser, &page, 1, 0);
+}
+
+#[test]
+fn browser_shows_a_baseline() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let accepted = dir.path().join("baselines/accepted");
+    std::fs::create_dir_all(&accepted).unwrap();
+    for file in std::fs::read_dir(repository("reference/baselines/accepted")).unwrap() {
+        let file = file.unwrap();
+        std::fs::copy(file.path(), accepted.join(file.file_name())).unwrap();
+    }
+    // Another accepted driver torque, so that something has moved and is drawn.
+    let paper = accepted.join("paper.toml");
+    let text = std::fs::read_to_string(&paper).unwrap();
+    let sketch = text.find("sketch = [").unwrap();
+    let digit = sketch + text[sketch..].find('.').unwrap() + 1;
+    std::fs::write(&paper, format!("{}9{}", &text[..digit], &text[digit + 1..])).unwrap();
+    let words = [
+        "baseline",
+        "check",
+        "--dir",
+        "baselines",
+        "--only",
+        "paper",
+        "--repeats",
+        "1",
+    ];
+    let page = page(dir.path(), &words);
+    flawless(&mut browser, &page, 2, 0);
+}
