@@ -5,6 +5,7 @@
 #![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
 
 mod accuracy;
+mod cycloidgen;
 mod guards;
 mod law;
 mod package;

@@ -8,6 +8,8 @@ use pinwheel_engines::python::{Environment, Requirements, environment};
 
 const DEVELOPMENT: Requirements = Requirements {
     name: "development",
+    file: "python/requirements-dev.txt",
+    only_listed: false,
     text: include_str!("../../python/requirements-dev.txt"),
 };
 

@@ -13,7 +13,7 @@
 
 mod closed_forms;
 
-pub use closed_forms::{LinearMesh, free_play, smallest_convex_radius};
+pub use closed_forms::{LinearMesh, LinearOutput, free_play, smallest_convex_radius};
 
 use pinwheel_mbs::{BodyState, Wrench};
 

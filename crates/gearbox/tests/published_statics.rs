@@ -1,7 +1,9 @@
 //! Statics: closed forms, an independent package, the quasi-static prototype, and the start in equilibrium.
 
 use pinwheel_gearbox::scene::{Scene, Start};
-use pinwheel_gearbox::statics::{LinearMesh, Statics, free_play, smallest_convex_radius};
+use pinwheel_gearbox::statics::{
+    LinearMesh, LinearOutput, Statics, free_play, smallest_convex_radius,
+};
 use pinwheel_gearbox::{Gearbox, Sleeve, native};
 use std::f64::consts::TAU;
 
@@ -43,65 +45,69 @@ fn close(found: f64, wanted: f64, relative: f64, what: &str) {
     );
 }
 
-/// The package `cycloidgen` computes the zero-clearance mesh independently.
+/// The package `cycloidgen` computes the zero-clearance mesh independently; `crossval_cycloidgen` runs it live.
 #[test]
 fn cycloidgen_agrees() {
     let data = table("cycloidgen");
-    let (torque, tolerance) = (
-        number(&data, "wheel_torque_n_m"),
-        number(&data, "tolerance"),
-    );
-    let gear = Scene::default().gear;
-    let mesh = LinearMesh::of(&gear);
-    // Its 720 poses over 15 pitches are 48 different ones; the first has a sleeve on the line of centres.
-    let poses = 48_u32;
-    let (low, high) = mesh.peak(torque, 48);
-    let peaks = numbers(&data, "peak_n");
-    close(low, peaks[0], tolerance, "least peak");
-    close(high, peaks[1], tolerance, "largest peak");
-    let pitch = TAU / 16.0;
-    let (mut bearing, mut loaded) = ((f64::INFINITY, 0.0_f64), (99, 0));
-    for k in 0..poses {
-        let first = pitch * f64::from(k) / f64::from(poses);
-        let [along, across] = mesh.bearing(first, torque);
-        // Torque equivalence, exact: the part across the eccentric is T/(e zs).
-        close(
-            across,
-            torque / (0.0028 * 15.0),
-            1e-13,
-            "tangential bearing force",
+    let tolerance = number(&data, "tolerance");
+    let gears = data["gear"].as_array().unwrap();
+    assert_eq!(gears.len(), 3);
+    for recorded in gears {
+        let recorded = recorded.as_table().unwrap();
+        let name = recorded["scene"].as_str().unwrap();
+        let scene = Scene::load(name, &[]).unwrap();
+        let gear = &scene.gear;
+        let torque = number(recorded, "wheel_torque_n_m");
+        assert_eq!(
+            torque,
+            scene.drive.output_torque_n_m / gear.wheels as f64,
+            "{name}"
         );
-        let force = along.hypot(across);
-        bearing = (bearing.0.min(force), bearing.1.max(force));
+        let (mesh, output) = (LinearMesh::of(gear), LinearOutput::of(gear));
+        let poses = 48_u32;
+        let mut seen: [Vec<f64>; 5] = Default::default();
         // A lever of 1e-17 m on the line of centres carries nothing.
-        let n = mesh
-            .forces(first, torque)
-            .iter()
-            .filter(|&&f| f > 1e-9)
-            .count();
-        loaded = (loaded.0.min(n), loaded.1.max(n));
-    }
-    let recorded = numbers(&data, "bearing_n");
-    close(bearing.0, recorded[0], tolerance, "least bearing force");
-    close(bearing.1, recorded[1], tolerance, "largest bearing force");
-    let recorded = numbers(&data, "loaded_sleeves");
-    assert!(
-        loaded.0 as f64 >= recorded[0] && loaded.1 as f64 <= recorded[1] && loaded.1 >= 8,
-        "{loaded:?}"
-    );
-    let forces: Vec<f64> = mesh
-        .forces(0.0, torque)
-        .into_iter()
-        .filter(|&f| f > 1e-9)
-        .collect();
-    let mut recorded = numbers(&data, "forces_n");
-    recorded.reverse(); // it counts its sleeves the other way round
-    assert_eq!(forces.len(), recorded.len());
-    for (f, r) in forces.iter().zip(&recorded) {
-        assert!(
-            (f - r).abs() < number(&data, "forces_tolerance_n"),
-            "{f} {r}"
-        );
+        let loaded = |forces: &[f64]| forces.iter().filter(|&&f| f > 1e-9).count() as f64;
+        let largest = |forces: &[f64]| forces.iter().copied().fold(0.0, f64::max);
+        for k in 0..poses {
+            let part = TAU * f64::from(k) / f64::from(poses);
+            let first = part / gear.external_sleeves as f64;
+            let [along, across] = mesh.bearing(first, torque);
+            // Torque equivalence, exact: the part across the eccentric is T/(e zs).
+            let lever = gear.eccentricity_m * (gear.external_sleeves as f64 - 1.0);
+            close(across, torque / lever, 1e-13, "tangential bearing force");
+            let external = mesh.forces(first, torque);
+            let internal = output.forces(part / gear.internal_sleeves as f64, torque);
+            let found = [
+                largest(&external),
+                loaded(&external),
+                along.hypot(across),
+                largest(&internal),
+                loaded(&internal),
+            ];
+            for (all, value) in seen.iter_mut().zip(found) {
+                all.push(value);
+            }
+        }
+        let keys = [
+            "peak_n",
+            "loaded_sleeves",
+            "bearing_n",
+            "output_n",
+            "loaded_output_sleeves",
+        ];
+        for (key, values) in keys.into_iter().zip(&seen) {
+            let (found, wanted) = (range(values), numbers(recorded, key));
+            close(found.0, wanted[0], tolerance, &format!("{name} {key}"));
+            close(found.1, wanted[1], tolerance, &format!("{name} {key}"));
+        }
+        let forces = mesh.forces(0.0, torque);
+        let forces: Vec<f64> = forces.into_iter().filter(|&f| f > 1e-9).collect();
+        let wanted = numbers(recorded, "forces_n");
+        assert_eq!(forces.len(), wanted.len(), "{name}");
+        for (f, r) in forces.iter().zip(&wanted) {
+            close(*f, *r, tolerance, name);
+        }
     }
 }
 

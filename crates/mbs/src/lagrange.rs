@@ -65,6 +65,8 @@ pub struct Lagrange<F> {
     /// How contacts depend on the free rates, where friction may be treated implicitly.
     contacts: Option<PinnedContacts>,
     rates: Vec<f64>,
+    /// Of the friction's accelerations of these rates.
+    guess: Vec<f64>,
     friction: Vec<Wrench>,
     scales: Option<ErrorScales>,
 }
@@ -94,6 +96,7 @@ impl<F: Forces> Lagrange<F> {
             torques: vec![0.0; mechanism.drivers.len()],
             contacts: None,
             rates: Vec::new(),
+            guess: Vec::new(),
             friction: vec![Wrench::default(); n],
             mechanism,
         };

@@ -13,6 +13,7 @@ pub trait OdeSystem {
     /// One stage of a method that treats a stiff part of f = e + i implicitly: solves
     /// `y = y* + a i(t, y)` in place (`y` holds y*), then writes e and i at the solution.
     ///
+    /// `i` holds a guess of itself on entry, which a solution by iteration begins with; with a = 0 it is not read.
     /// By default nothing is stiff and everything is e. What cannot be solved gives NaN.
     fn split_stage(&mut self, t: f64, _a: f64, y: &mut [f64], e: &mut [f64], i: &mut [f64]) {
         self.derivative(t, y, e);

@@ -311,7 +311,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         self.loads.fill(Wrench::default());
         let n = self.free.len();
         e.fill(0.0);
-        i.fill(0.0);
+        i[..n].fill(0.0);
         let mut stage = RateStage {
             a,
             rates: &mut y[n..],

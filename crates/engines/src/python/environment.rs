@@ -5,7 +5,7 @@
 //! renamed when it is whole; a lock lets one process build while others wait. What an interrupted
 //! build leaves is removed by the next.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -34,13 +34,31 @@ const MARKER: &str = "pinwheel-requirements.txt";
 pub struct Requirements {
     /// Short name, part of the environment's.
     pub name: &'static str,
-    /// Text of a requirements file with hashes.
+    /// Where the requirements file is in the repository, for whoever must install by hand.
+    pub file: &'static str,
+    /// Its text, with hashes.
     pub text: &'static str,
+    /// The list is all that is installed, whatever its packages ask for besides: it leaves out what is never imported.
+    pub only_listed: bool,
+}
+
+impl Requirements {
+    /// pip's arguments that name the packages.
+    fn arguments(&self, list: &Path) -> Vec<OsString> {
+        let mut arguments: Vec<OsString> = vec!["--require-hashes".into()];
+        if self.only_listed {
+            arguments.push("--no-deps".into());
+        }
+        arguments.extend(["-r".into(), list.into()]);
+        arguments
+    }
 }
 
 /// What the engines need.
 pub(super) const ENGINES: Requirements = Requirements {
     name: "engines",
+    file: "python/requirements.txt",
+    only_listed: false,
     text: include_str!("../../../../python/requirements.txt"),
 };
 
@@ -315,12 +333,12 @@ fn make(
         "off",
         "--only-binary",
         ":all:",
-        "--require-hashes",
         "--retries",
         "2",
     ]
     .map(OsStr::new)
     .to_vec();
+    let named = requirements.arguments(&list);
     if let Some(wheels) = wheels {
         arguments.extend([
             OsStr::new("--no-index"),
@@ -328,9 +346,15 @@ fn make(
             wheels.as_ref(),
         ]);
     }
-    arguments.extend([OsStr::new("-r"), list.as_ref()]);
-    call(&python_of(draft), arguments, Some(note))
-        .map_err(|reason| PythonError::Install { reason })?;
+    arguments.extend(named.iter().map(OsString::as_os_str));
+    call(&python_of(draft), arguments, Some(note)).map_err(|reason| PythonError::Install {
+        reason,
+        packages: requirements
+            .arguments(Path::new(requirements.file))
+            .join(OsStr::new(" "))
+            .to_string_lossy()
+            .into_owned(),
+    })?;
     let marker = draft.join(MARKER);
     fs::write(&marker, requirements.text).map_err(|error| PythonError::storage(&marker, error))
 }

@@ -47,13 +47,14 @@ pub enum PythonError {
     },
     /// `pip` failed.
     #[error(
-        "the Python packages cannot be installed: {reason}; without a network fill a folder with `pip download \
-         --require-hashes -r python/requirements.txt -d FOLDER` elsewhere and set {WHEELS}=FOLDER, or name an environment \
-         that has them with {ENVIRONMENT}"
+        "the Python packages cannot be installed: {reason}; without a network fill a folder with `pip download {packages} \
+         -d FOLDER` elsewhere and set {WHEELS}=FOLDER, or name an environment that has them with {ENVIRONMENT}"
     )]
     Install {
         /// pip's own words.
         reason: String,
+        /// pip's arguments that name the packages.
+        packages: String,
     },
     /// The file system refused.
     #[error("{path}: {reason}; make room there, or choose another folder with {CACHE}")]

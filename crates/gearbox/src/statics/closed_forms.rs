@@ -46,14 +46,8 @@ impl LinearMesh {
     /// `first` rad from the eccentric. Sleeves that only could pull have 0.
     #[must_use]
     pub fn forces(&self, first: f64, torque: f64) -> Vec<f64> {
-        let levers: Vec<f64> = (0..self.sleeves)
-            .map(|k| {
-                self.lever(first + TAU * k as f64 / self.sleeves as f64)
-                    .max(0.0)
-            })
-            .collect();
-        let sum: f64 = levers.iter().map(|l| l * l).sum();
-        levers.iter().map(|l| torque * l / sum).collect()
+        let angle = |k| first + TAU * k as f64 / self.sleeves as f64;
+        shared((0..self.sleeves).map(|k| self.lever(angle(k))), torque)
     }
 
     /// Force of all sleeves on the wheel, N: along the eccentric (away from the gear's centre), and across it.
@@ -86,6 +80,48 @@ impl LinearMesh {
                 (low.min(f), high.max(f))
             })
     }
+}
+
+/// One wheel on its internal sleeves, at zero clearance on linear springs.
+///
+/// Seen from the output shaft a wheel moves on a circle of radius e without turning, so all normals are parallel to the
+/// eccentric and `l_k = rw sin(beta_k)`, beta_k the angle of sleeve k from the eccentric. They share the torque like the
+/// external sleeves and on the same side: a wheel is pressed inward by these and towards the gear's centre by those.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinearOutput {
+    /// rw, m.
+    pub circle_radius: f64,
+    /// zi.
+    pub sleeves: usize,
+}
+
+impl LinearOutput {
+    /// The output stage of a gear.
+    #[must_use]
+    pub fn of(gear: &Gear) -> Self {
+        Self {
+            circle_radius: gear.internal_circle_radius_m,
+            sleeves: gear.internal_sleeves,
+        }
+    }
+
+    /// Forces on all sleeves, N, for a torque of `torque` N m on the wheel, the first sleeve standing at
+    /// `first` rad from the eccentric. Sleeves that only could pull have 0.
+    #[must_use]
+    pub fn forces(&self, first: f64, torque: f64) -> Vec<f64> {
+        let lever = |k| (first + TAU * k as f64 / self.sleeves as f64).sin();
+        shared(
+            (0..self.sleeves).map(|k| self.circle_radius * lever(k)),
+            torque,
+        )
+    }
+}
+
+/// The torque shared by the levers that are positive.
+fn shared(levers: impl Iterator<Item = f64>, torque: f64) -> Vec<f64> {
+    let levers: Vec<f64> = levers.map(|l| l.max(0.0)).collect();
+    let sum: f64 = levers.iter().map(|l| l * l).sum();
+    levers.iter().map(|l| torque * l / sum).collect()
 }
 
 /// One-sided free play of a wheel, d sqrt(1 - m^2)/(e zs), rad.

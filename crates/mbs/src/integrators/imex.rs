@@ -65,12 +65,15 @@ pub(super) fn advance<S: OdeSystem>(
     for (k, y) in stage.y.iter_mut().enumerate() {
         *y = from.y[k] + h * GAMMA * from.e[k];
     }
+    // Friction changes little from stage to stage: that of the one before is where the next begins.
+    stage.i.copy_from_slice(&from.i);
     let a = h * GAMMA;
     system.split_stage(t + a, a, &mut stage.y, &mut stage.e, &mut stage.i);
     for (k, y) in to.y.iter_mut().enumerate() {
         let explicit = DELTA * from.e[k] + (1.0 - DELTA) * stage.e[k];
         *y = from.y[k] + h * (explicit + (1.0 - GAMMA) * stage.i[k]);
     }
+    to.i.copy_from_slice(&stage.i);
     system.split_stage(t + h, a, &mut to.y, &mut to.e, &mut to.i);
 }
 

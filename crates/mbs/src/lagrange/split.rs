@@ -61,7 +61,10 @@ impl<F: Forces> Lagrange<F> {
             let free = contacts.free_bodies();
             self.rates.clear();
             self.rates.extend(free.iter().map(|&b| self.bodies[b].rate));
-            if !contacts.solve(a, &self.bodies, &self.forces, &mut self.rates) {
+            self.guess.clear();
+            self.guess.extend(free.iter().map(|&b| i[3 * (n + b) + 2]));
+            let rates = &mut self.rates;
+            if !contacts.solve(a, &self.guess, &self.bodies, &self.forces, rates) {
                 return None;
             }
             self.friction.fill(Wrench::default());

@@ -63,10 +63,11 @@ impl PinnedContacts {
     }
 
     /// Solves the stage's friction for the listed contacts of `bodies`; see [`SlidingStage::solve`].
-    /// `rates`: of the free bodies.
+    /// `guess` and `rates`: of the free bodies.
     pub fn solve<F: Forces>(
         &mut self,
         a: f64,
+        guess: &[f64],
         bodies: &[BodyState],
         forces: &F,
         rates: &mut [f64],
@@ -78,7 +79,7 @@ impl PinnedContacts {
             self.stage.push(&contact, tangent, normal);
         }
         let law = |k: usize, listed: f64, rate: f64| forces.normal_force(k, listed, rate);
-        self.stage.solve(a, rates, law)
+        self.stage.solve(a, guess, rates, law)
     }
 
     /// Solves a stage and adds up its accelerations. False if there is no solution.
@@ -89,9 +90,10 @@ impl PinnedContacts {
         stage: &mut RateStage<'_>,
     ) -> bool {
         let before = self.newton_steps();
-        let solved = self.solve(stage.a, bodies, forces, stage.rates);
+        let solved = self.solve(stage.a, stage.implicit, bodies, forces, stage.rates);
         stage.newton_steps = self.newton_steps() - before;
         if solved {
+            stage.implicit.fill(0.0);
             self.stage.accelerate(stage.explicit, stage.implicit);
         }
         solved

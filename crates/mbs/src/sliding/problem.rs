@@ -45,23 +45,14 @@ impl Slip {
     }
 }
 
-/// Newton steps at most. A gear takes 2 to 4; random problems with inertias 1 : 1e6 up to 100.
-pub(super) const MOST_STEPS: usize = 1000;
+/// Newton steps at most. A gear takes 1 to 4; random problems with inertias 1 : 1e6 up to 100.
+const MOST_STEPS: usize = 1000;
 /// Line searches end when the slope along the step fell to this share.
 const SLOPE_SHARE: f64 = 0.1;
 /// Newton ends when no sliding speed moves by more than this share of its ramp.
 const RATE_SHARE: f64 = 1e-10;
 /// And when no velocity moves by more than its rounding: a narrow ramp asks for more digits than there are.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
-
-/// How far Newton's method came.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Newton {
-    /// At the minimum, in so many steps.
-    Settled(usize),
-    /// Steps were used up.
-    Unfinished,
-}
 
 /// The minimisation, with the memory it needs.
 #[derive(Debug, Clone)]
@@ -101,32 +92,17 @@ impl SlidingProblem {
         target: &[f64],
         v: &mut [f64],
     ) -> Option<usize> {
-        match self.descend(a, slips, target, v, MOST_STEPS)? {
-            Newton::Settled(steps) => Some(steps),
-            Newton::Unfinished => None,
-        }
-    }
-
-    /// At most `most` of the Newton steps of [`solve`](Self::solve).
-    pub(super) fn descend(
-        &mut self,
-        a: f64,
-        slips: &[Slip],
-        target: &[f64],
-        v: &mut [f64],
-        most: usize,
-    ) -> Option<Newton> {
         if slips.is_empty() {
             v.copy_from_slice(target);
-            return Some(Newton::Settled(0));
+            return Some(0);
         }
         self.rates.clear();
         self.rates
             .extend(slips.iter().map(|slip| [slip.rate.value(v), 0.0]));
-        for step in 1..=most {
+        for step in 1..=MOST_STEPS {
             self.newton_step(a, slips, target, v)?;
             if self.step_is_rounding(target, v) {
-                return Some(Newton::Settled(step));
+                return Some(step);
             }
             for (rate, slip) in self.rates.iter_mut().zip(slips) {
                 rate[1] = slip.rate.dot(&self.step);
@@ -143,10 +119,10 @@ impl SlidingProblem {
                 *v += share * d;
             }
             if settled {
-                return Some(Newton::Settled(step));
+                return Some(step);
             }
         }
-        Some(Newton::Unfinished)
+        None
     }
 
     /// Solves H step = -gradient at `v`.

@@ -12,7 +12,8 @@ pub struct RateStage<'a> {
     pub inertia: &'a [f64],
     /// Receives what the change of the normal forces does, 0 on entry, rad/s^2.
     pub explicit: &'a mut [f64],
-    /// Receives what friction does, 0 on entry, rad/s^2.
+    /// A guess of what friction does on entry (see [`SlidingStage::solve`](super::SlidingStage::solve)), receives what it
+    /// does, rad/s^2.
     pub implicit: &'a mut [f64],
     /// Receives the Newton steps it took, 0 on entry.
     pub newton_steps: u64,

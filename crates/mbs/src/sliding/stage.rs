@@ -3,12 +3,7 @@
 use pinwheel_faults::{Fault, factor};
 
 use super::contact::{Contact, Row};
-use super::problem::{MOST_STEPS, Newton, SlidingProblem, Slip};
-
-/// Newton steps before and after the normal forces are brought up to date with the velocities. Damping makes
-/// them depend on these a little; what is left to move after the first step changes the friction by less than 1e-3
-/// (a converged first pass costs a third more and moves the error of a run by less than 1 %).
-const PASSES: [usize; 2] = [1, MOST_STEPS];
+use super::problem::{SlidingProblem, Slip};
 
 /// Contacts of one stage in generalised velocities, with the memory for all stages.
 #[derive(Debug, Clone)]
@@ -59,33 +54,34 @@ impl SlidingStage {
     }
 
     /// Solves `v = v* + a i(v)` for the friction's accelerations i, in place (`v` holds v*).
+    ///
+    /// `guess` of i: Newton begins at v* + a guess, and damping makes the normal forces depend on the velocities
+    /// a little, so they are those at that place. A guess from the stage before is off by what the friction changed since,
+    /// and moves them by less than 1e-3.
     /// `normal_force(k, listed, rate)` is the law of contact k at other velocities. False if there is no
     /// solution. Afterwards [`contact_forces`](Self::contact_forces) and [`accelerate`](Self::accelerate) know it.
     pub fn solve(
         &mut self,
         a: f64,
+        guess: &[f64],
         v: &mut [f64],
         normal_force: impl Fn(usize, f64, f64) -> f64,
     ) -> bool {
         self.target.copy_from_slice(v);
-        let passes: &[usize] = if a > 0.0 { &PASSES } else { &[] };
-        for (pass, &most) in passes.iter().enumerate() {
-            if pass > 0 {
-                for (k, slip) in self.slips.iter_mut().enumerate() {
-                    let contact = &self.contacts[k];
-                    let force = normal_force(k, contact.normal_force, self.normals[k].value(v));
-                    slip.limit = contact.coefficient * force;
-                    self.normal_forces[k] = force;
-                }
+        if a > 0.0 {
+            for (v, guess) in v.iter_mut().zip(guess) {
+                *v += a * guess;
             }
-            let end = self.problem.descend(a, &self.slips, &self.target, v, most);
-            if end.is_none() || (most == MOST_STEPS && end == Some(Newton::Unfinished)) {
-                return false;
+            for (k, slip) in self.slips.iter_mut().enumerate() {
+                let contact = &self.contacts[k];
+                let force = normal_force(k, contact.normal_force, self.normals[k].value(v));
+                slip.limit = contact.coefficient * force;
+                self.normal_forces[k] = force;
             }
-            self.newton_steps += match end {
-                Some(Newton::Settled(steps)) => steps,
-                _ => most,
-            } as u64;
+            match self.problem.solve(a, &self.slips, &self.target, v) {
+                Some(steps) => self.newton_steps += steps as u64,
+                None => return false,
+            }
         }
         self.friction.clear();
         let sign = factor(Fault::FrictionSign, -1.0);

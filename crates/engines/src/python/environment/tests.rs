@@ -9,6 +9,8 @@ static GO: AtomicBool = AtomicBool::new(false);
 /// No packages: what is tested is all but their download.
 const NOTHING: Requirements = Requirements {
     name: "nothing",
+    file: "nothing.txt",
+    only_listed: false,
     text: "# none\n",
 };
 
@@ -68,6 +70,8 @@ fn packages_that_cannot_be_had_leave_nothing_behind() {
     let wheels = tempfile::tempdir().unwrap();
     let absent = Requirements {
         name: "absent",
+        file: "python/absent.txt",
+        only_listed: true,
         text: "no-such-package==1.0 --hash=sha256:0000000000000000000000000000000000000000000000000000000000000000\n",
     };
     let error = ensure(
@@ -80,7 +84,8 @@ fn packages_that_cannot_be_had_leave_nothing_behind() {
     .unwrap_err();
     let text = error.to_string();
     assert!(matches!(error, PythonError::Install { .. }), "{text}");
-    for word in ["no-such-package", WHEELS, ENVIRONMENT] {
+    let by_hand = "pip download --require-hashes --no-deps -r python/absent.txt";
+    for word in ["no-such-package", by_hand, WHEELS, ENVIRONMENT] {
         assert!(text.contains(word), "{text}");
     }
     let left = names(cache.path());

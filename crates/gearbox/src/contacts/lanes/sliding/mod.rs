@@ -71,7 +71,8 @@ impl Sliding {
         self.leaves[kind].groups::<S>()
     }
 
-    /// Reads the inertias, where they are not those of the stage before, and the rates; the changes start at 0.
+    /// Reads the inertias, where they are not those of the stage before, and the rates; the changes start where the
+    /// guess of the friction's accelerations has them.
     /// Free bodies are all but the input, in body order: output, wheels, external and internal sleeves.
     fn begin(&mut self, stage: &RateStage<'_>) {
         if self.inertia != stage.inertia {
@@ -81,9 +82,24 @@ impl Sliding {
         for (k, &rate) in wheels.iter().chain(&stage.rates[..1]).enumerate() {
             self.hubs.target[k] = rate;
         }
-        self.hubs.change.fill(0.0);
-        for leaves in &mut self.leaves {
-            leaves.column(Leaf::Change as usize).fill(0.0);
+        if stage.a <= 0.0 {
+            self.hubs.change.fill(0.0);
+            for leaves in &mut self.leaves {
+                leaves.column(Leaf::Change as usize).fill(0.0);
+            }
+            return;
+        }
+        let (hubs, mut sleeves) = stage.implicit.split_at(1 + self.wheels);
+        for (k, guess) in hubs[1..].iter().chain(&hubs[..1]).enumerate() {
+            self.hubs.change[k] = stage.a * guess;
+        }
+        for (leaves, &count) in self.leaves.iter_mut().zip(&self.counts) {
+            let (own, rest) = sleeves.split_at(count);
+            let changes = &mut leaves.column(Leaf::Change as usize)[..count];
+            for (change, guess) in changes.iter_mut().zip(own) {
+                *change = stage.a * guess;
+            }
+            sleeves = rest;
         }
     }
 
@@ -190,8 +206,8 @@ impl<L: LanesLaw, const HUBS: usize> pulp::WithSimd for Solve<'_, '_, L, HUBS> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let Self(sliding, law, stage) = self;
-        let solved = stage.a <= 0.0
-            || sliding.minimise::<S, L, HUBS>(simd, law, stage.a, stage.rates);
+        let solved =
+            stage.a <= 0.0 || sliding.minimise::<S, L, HUBS>(simd, law, stage.a, stage.rates);
         if solved {
             sliding.finish(simd, stage);
         }

@@ -26,9 +26,7 @@ fn touched<const HUBS: usize>(kind: usize) -> usize {
 }
 
 impl Sliding {
-    /// Minimises from d = 0. False when something is not finite, or when [`MOST_STEPS`] were not enough.
-    ///
-    /// The normal forces are brought up to date once, after the first step, as in the module that is the oracle.
+    /// Minimises from the present d. False when something is not finite, or when [`MOST_STEPS`] were not enough.
     /// `HUBS` is wheels + 1.
     #[inline(always)]
     pub(super) fn minimise<S: Simd, L: LanesLaw, const HUBS: usize>(
@@ -38,34 +36,23 @@ impl Sliding {
         a: f64,
         rates: &[f64],
     ) -> bool {
-        for step in 0..MOST_STEPS {
-            let first = step == 0;
+        self.start::<S, L, HUBS>(simd, law);
+        for _ in 0..MOST_STEPS {
             self.assemble::<S, HUBS>(simd, a);
             self.hubs.solve::<HUBS>();
             self.newton_steps += 1;
-            let same = self.along_step::<S, HUBS>(simd);
-            let mut share = 1.0;
-            if !same {
-                if self.step_is_rounding(rates) {
-                    if first {
-                        self.update_forces::<S, L, HUBS>(simd, law);
-                        continue;
-                    }
-                    return true;
-                }
-                let Some(some) = self.line_search::<S, HUBS>(simd, a) else {
-                    return false;
-                };
-                share = some;
-            }
-            if first {
-                self.take::<S, HUBS, false>(simd, share);
-                self.update_forces::<S, L, HUBS>(simd, law);
-            } else if same {
+            if self.along_step::<S, HUBS>(simd) {
                 // Nothing begins to stick or slide: the function is quadratic so far, and this its minimum.
-                self.take::<S, HUBS, false>(simd, share);
+                self.take::<S, HUBS, false>(simd, 1.0);
                 return self.is_finite::<HUBS>();
-            } else if self.take::<S, HUBS, true>(simd, share) && share == 1.0 {
+            }
+            if self.step_is_rounding(rates) {
+                return true;
+            }
+            let Some(share) = self.line_search::<S, HUBS>(simd, a) else {
+                return false;
+            };
+            if self.take::<S, HUBS, true>(simd, share) && share == 1.0 {
                 return self.is_finite::<HUBS>();
             }
         }
@@ -77,26 +64,32 @@ impl Sliding {
         self.hubs.step[..HUBS].iter().all(|x| x.is_finite())
     }
 
-    /// F_n at the present rates.
+    /// u and F_n at the rates to begin with: the table has those at v*.
     #[inline(always)]
-    fn update_forces<S: Simd, L: LanesLaw, const HUBS: usize>(&mut self, simd: S, law: L) {
+    fn start<S: Simd, L: LanesLaw, const HUBS: usize>(&mut self, simd: S, law: L) {
         let output = Lanes::splat(simd, self.hubs.change[HUBS - 1]);
-        for w in 0..HUBS - 1 {
-            let wheel = Lanes::splat(simd, self.hubs.change[w]);
-            for table in &mut self.pairs[w] {
-                for from in table.groups::<S>() {
+        for kind in 0..KINDS {
+            for from in self.groups::<S>(kind) {
+                let own = self.leaves[kind].leaf(simd, Leaf::Change, from);
+                for w in 0..HUBS - 1 {
+                    let table = &mut self.pairs[w][kind];
                     if !table.is_active(from) {
                         continue;
                     }
                     let at = table.pairs(simd, from);
-                    let closing = at.get(Pair::ClosingWheel).mul_add(
-                        wheel,
-                        at.get(Pair::ClosingOutput)
-                            .mul_add(output, at.get(Pair::Closing)),
-                    );
+                    let wheel = own.like(self.hubs.change[w]);
+                    let mut slip = at.get(Pair::Sleeve).mul_add(own, at.get(Pair::Slip));
+                    slip = at.get(Pair::Wheel).mul_add(wheel, slip);
+                    let closing = at.get(Pair::Closing);
+                    let mut closing = at.get(Pair::ClosingWheel).mul_add(wheel, closing);
+                    if kind == INTERNAL {
+                        slip = at.get(Pair::Output).mul_add(output, slip);
+                        closing = at.get(Pair::ClosingOutput).mul_add(output, closing);
+                    }
                     let depth = at.get(Pair::Penetration);
                     let force = law.force_lanes(at.get(Pair::Stiffness), depth, closing);
                     let force = force.only(force.like(0.0).less(depth));
+                    table.put(Pair::Slip, from, slip);
                     table.put(Pair::Force, from, force);
                 }
             }

@@ -1,0 +1,128 @@
+"""Loads of the zero-clearance mesh on linear springs, by the package cycloidgen.
+
+For each scene named on the command line: one of its wheels, which carries its share of the load torque, at evenly spaced
+poses over the pitch of the external sleeves and over the period of the internal ones. Prints JSON with every pose, or with
+`--toml` the extremes, as `reference/published/cycloidgen.toml` records them. Runs in an environment made from
+`requirements-cycloidgen.txt`, with the folder `python` on the path.
+
+What is printed is in Pinwheel's terms: angles counter-clockwise, sleeve 0 at angle 0 and counted the same way, lengths in m,
+levers above 0 where a sleeve can push.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+try:
+    from cycloidgen.core.kinematics import contacts, output_loads, output_stage_period
+    from cycloidgen.core.spec import GearSpec
+except ModuleNotFoundError as error:
+    sys.exit(f"{error}; install it with `pip install --require-hashes --no-deps -r python/requirements-cycloidgen.txt`")
+
+from pinwheel_engines.scene import Scene
+
+# Poses over a period; of these the extremes are recorded.
+POSES = 48
+# Sleeves on the line of centres have levers of 1e-17 m and forces to match: they carry nothing.
+NOTHING_N = 1e-9
+
+
+def specification(scene: Scene) -> GearSpec:
+    """What the package takes as a gear."""
+    gear = scene.gear
+    return GearSpec(
+        pin_circle_radius=1e3 * gear.pitch_radius_m,
+        pin_radius=1e3 * gear.external_sleeve_radius_m,
+        eccentricity=1e3 * gear.eccentricity_m,
+        lobes=gear.lobes,
+        disc_count=gear.wheels,
+        output_pin_count=gear.internal_sleeves,
+        output_pin_diameter=2e3 * gear.internal_sleeve_radius_m,
+        output_bolt_circle_radius=1e3 * gear.internal_circle_radius_m,
+        output_torque_Nm=scene.drive.output_torque_n_m,
+    )
+
+
+def ring_pose(spec: GearSpec, phi: float, torque_n_m: float) -> dict[str, Any]:
+    """All external sleeves at one angle of the eccentric, and their sum along and across it.
+
+    The package's crank turns the other way (centre at e (cos phi, -sin phi)): its picture is mirrored, sleeve by sleeve.
+    """
+    state = contacts(spec, phi)
+    forces = state.forces(1e3 * torque_n_m)
+    along = np.array([np.cos(phi), -np.sin(phi)])
+    bearing = (forces[:, None] * state.normals).sum(axis=0)
+    mirror = -np.arange(forces.size)
+    return {
+        "input_rad": phi,
+        "levers_m": (-1e-3 * state.moment_arms[mirror]).tolist(),
+        "forces_n": forces[mirror].tolist(),
+        # Of the sleeves on the disc; mirrored likewise.
+        "bearing_n": [-float(bearing @ along), float(bearing @ [along[1], -along[0]])],
+    }
+
+
+def output_pose(spec: GearSpec, phi: float, torque_n_m: float) -> dict[str, Any]:
+    """All internal sleeves at one angle of the eccentric.
+
+    The package loads those whose moment on the disc has the sense of the external ones', where equilibrium wants the
+    opposite. Its figures are therefore those of the mirrored pose, which two mirrors make ours but for the angle.
+    """
+    state = output_loads(spec, -phi, 1e3 * torque_n_m)
+    return {"input_rad": phi, "levers_m": (-1e-3 * state.moment_arms).tolist(), "forces_n": state.forces.tolist()}
+
+
+def loads(scene: Scene) -> dict[str, Any]:
+    """Everything computed for one scene."""
+    spec = specification(scene)
+    torque = scene.drive.output_torque_n_m / scene.gear.wheels
+    pitch = 2 * np.pi / scene.gear.external_sleeves
+    ring = [ring_pose(spec, float(phi), torque) for phi in np.linspace(0.0, pitch, POSES, endpoint=False)]
+    period = output_stage_period(spec.lobes, spec.output_pin_count)
+    output = [output_pose(spec, float(phi), torque) for phi in np.linspace(0.0, period, POSES, endpoint=False)]
+
+    def extremes(values: list[Any]) -> list[Any]:
+        return [min(values), max(values)]
+
+    def loaded(pose: dict[str, Any]) -> int:
+        return sum(force > NOTHING_N for force in pose["forces_n"])
+
+    return {
+        "scene": scene.name,
+        "wheel_torque_n_m": torque,
+        "peak_n": extremes([max(pose["forces_n"]) for pose in ring]),
+        "loaded_sleeves": extremes([loaded(pose) for pose in ring]),
+        "bearing_n": extremes([float(np.hypot(*pose["bearing_n"])) for pose in ring]),
+        "output_n": extremes([max(pose["forces_n"]) for pose in output]),
+        "loaded_output_sleeves": extremes([loaded(pose) for pose in output]),
+        "forces_n": [force for force in ring[0]["forces_n"] if force > NOTHING_N],
+        "ring": ring,
+        "output": output,
+    }
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("scenes", nargs="+", type=Path, metavar="SCENE.toml")
+    parser.add_argument("--toml", action="store_true", help="the extremes only, as they are recorded")
+    options = parser.parse_args()
+    found = [loads(Scene.load(path)) for path in options.scenes]
+    if not options.toml:
+        print(json.dumps(found))
+        return
+    for gear in found:
+        print("\n[[gear]]")
+        for key, value in gear.items():
+            if key not in ("ring", "output"):
+                print(f"{key} = {json.dumps(value)}")
+
+
+if __name__ == "__main__":
+    main()
