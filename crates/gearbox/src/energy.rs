@@ -184,11 +184,8 @@ fn interval(time: &[f64], values: &[f64], k: usize) -> f64 {
     let from = k.saturating_sub(1).min(time.len().saturating_sub(4));
     let to = (from + 4).min(time.len());
     let (low, h) = (time[k], time[k + 1] - time[k]);
-    if let [t0, .., t3] = time[from..to]
-        && to - from == 4
-        && (t3 - t0 - 3.0 * h).abs() < EQUAL * h
-        && (time[from + 1] - t0 - h).abs() < EQUAL * h
-    {
+    let even = |pair: &[f64]| (pair[1] - pair[0] - h).abs() < EQUAL * h;
+    if to - from == 4 && time[from..to].windows(2).all(even) {
         // The same integral for equal intervals, which nearly all are.
         let weights: [f64; 4] = match k - from {
             0 => [9.0, 19.0, -5.0, 1.0],
