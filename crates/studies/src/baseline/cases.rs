@@ -284,7 +284,7 @@ pub const SCENES: &[SceneCase] = &[
     scene!("hard-damping-0", &[DOPRI5], "nothing dies out"),
     scene!("hard-damping-1", &[DOPRI5], "little damping"),
     scene!("hard-damping-512", &[DOPRI5], "damping that is stiff"),
-    scene!("hard-forty-sleeves", &[RK4], "many pairs"),
+    scene!("hard-forty-sleeves", &[IMEX2], "many pairs with friction"),
     scene!("hard-load-removed", &[DOPRI5], "a load that goes away"),
     scene!("hard-one-sleeve", &[DOPRI5], "one loaded sleeve"),
     scene!("hard-points-120", &[RK4], "a polygon as profile"),
