@@ -219,6 +219,12 @@ fn cell(
     judge: &verdict::Judge<'_>,
     control: &Control<'_>,
 ) -> Result<Cell, StudyError> {
+    // A scene that asks for a tenth of the usual tolerance gets a tenth of the method's.
+    let share = (scene.solver.tolerance / Scene::default().solver.tolerance).min(1.0);
+    let method = Method {
+        tolerance: method.tolerance.map(|tolerance| tolerance * share),
+        ..method.clone()
+    };
     let at = |step: f64| {
         let mut scene = scene.clone();
         scene.solver.step_s = step;
