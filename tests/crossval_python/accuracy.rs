@@ -2,6 +2,24 @@
 
 use super::*;
 
+/// All three engines of the shared law against a converged run, by the limits of their methods.
+fn assert_shared_law(
+    what: &str,
+    scene: &Scene,
+    reference: &Courses,
+    explicit: f64,
+    constrained: f64,
+) {
+    for (engine, limit) in [
+        (MUJOCO, explicit),
+        (EXPLICIT, explicit),
+        (CONSTRAINED, constrained),
+    ] {
+        let error = worst(&run(engine, scene), reference, 0.0);
+        assert_within(&format!("{what} {engine}"), error, limit);
+    }
+}
+
 /// Steady, live, at the paper's step: measured 4.2e-8 for Runge-Kutta 4, from static equilibrium so that no
 /// transient has to decay.
 #[test]
@@ -45,14 +63,7 @@ fn crossval_python_shared_law_transient() {
             &[vec![("solver.duration_s", "0.03")], settings].concat(),
         );
         let reference = native(&scene, "rk4", scene.solver.step_s / 5.0);
-        for (engine, limit) in [
-            (MUJOCO, explicit),
-            (EXPLICIT, explicit),
-            (CONSTRAINED, constrained),
-        ] {
-            let error = worst(&run(engine, &scene), &reference, 0.0);
-            assert_within(&format!("{preset} {engine}"), error, limit);
-        }
+        assert_shared_law(preset, &scene, &reference, explicit, constrained);
     }
 }
 
@@ -111,14 +122,7 @@ fn crossval_python_load_changes() {
         ];
         let scene = scene(preset, &settings);
         let reference = native(&scene, "dopri5", 1e-5);
-        for (engine, limit) in [
-            (MUJOCO, explicit),
-            (EXPLICIT, explicit),
-            (CONSTRAINED, constrained),
-        ] {
-            let error = worst(&run(engine, &scene), &reference, 0.0);
-            assert_within(&format!("{preset} {engine}"), error, limit);
-        }
+        assert_shared_law(preset, &scene, &reference, explicit, constrained);
     }
 }
 

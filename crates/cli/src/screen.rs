@@ -33,6 +33,16 @@ pub(crate) fn show(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// The same for what another program reads.
+pub(crate) fn show_json(value: &impl serde::Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(value).map_err(|error| {
+        Failure::input(format!(
+            "the results cannot be written as JSON: {error}; leave out --json"
+        ))
+    })?;
+    show(&text)
+}
+
 /// Writes to stderr; if that fails there is nobody left to tell.
 pub(crate) fn show_on_stderr(text: &str) {
     let _ = writeln!(anstream::stderr().lock(), "{}", text.trim_end());

@@ -24,12 +24,7 @@ pub(crate) fn engines(args: &EnginesArgs) -> Result<u8, Failure> {
         .map(|engine| describe(engine.as_ref()))
         .collect();
     if args.json {
-        let text = serde_json::to_string_pretty(&listed).map_err(|error| {
-            Failure::input(format!(
-                "the list cannot be written: {error}; leave out --json"
-            ))
-        })?;
-        screen::show(&text)?;
+        screen::show_json(&listed)?;
         return Ok(0);
     }
     let title = |text: &str| Cell::text(text).styled(TITLE);

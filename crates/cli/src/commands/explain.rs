@@ -29,16 +29,11 @@ pub(crate) fn explain(args: &ExplainArgs) -> Result<u8, Failure> {
         derived: derived(&scene),
         assumptions: assumptions(&scene),
     };
-    let text = if args.json {
-        serde_json::to_string_pretty(&explanation).map_err(|error| {
-            Failure::input(format!(
-                "the explanation cannot be written: {error}; leave out --json"
-            ))
-        })?
+    if args.json {
+        screen::show_json(&explanation)?;
     } else {
-        in_words(&explanation)
-    };
-    screen::show(&text)?;
+        screen::show(&in_words(&explanation))?;
+    }
     Ok(0)
 }
 

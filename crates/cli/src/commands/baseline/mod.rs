@@ -285,12 +285,7 @@ fn list(args: &ListArgs) -> Result<u8, Failure> {
         });
     }
     if args.json {
-        let text = serde_json::to_string_pretty(&listed).map_err(|error| {
-            Failure::input(format!(
-                "the list cannot be written: {error}; leave out --json"
-            ))
-        })?;
-        screen::show(&text)?;
+        screen::show_json(&listed)?;
         return Ok(0);
     }
     if listed.is_empty() {
