@@ -79,9 +79,12 @@ fn hard_lagrange_form_does_not_drift_over_ten_seconds() {
         "paper",
         &[("solver.duration_s", "10.0"), ("solver.sample_s", "1e-2")],
     );
-    let lagrange = run("native-lagrange", &scene).unwrap();
+    let (lagrange, reduced) = std::thread::scope(|scope| {
+        let reduced = scope.spawn(|| run("native-reduced", &scene).unwrap());
+        let lagrange = run("native-lagrange", &scene).unwrap();
+        (lagrange, reduced.join().unwrap())
+    });
     let drift = lagrange.stats.joint_drift_m.unwrap();
-    let reduced = run("native-reduced", &scene).unwrap();
     let angle = ["output_angle_rad"];
     let (off, forces) = (
         relative(&lagrange.courses, &reduced.courses, &angle),

@@ -114,7 +114,7 @@ const FRAMES: &str = r#"(async () => {
 const THESE: &str = r#"(async () => {
   const { count, frames } = window.counted;
   const wait = (ms) => new Promise((r) => setTimeout(r, ms));
-  for (let k = 0; k < 2400 && frames.length < 300; k += 1) await wait(50);
+  for (let k = 0; k < 2400 && frames.length < 120; k += 1) await wait(50);
   const sorted = (values) => [...values].sort((a, b) => a - b);
   const middle = (values) => { const v = sorted(values); return [v[Math.floor(0.5 * v.length)], v[Math.floor(0.95 * v.length)]]; };
   const most = (key) => Math.max(...frames.map((f) => f[key]));
@@ -151,7 +151,7 @@ pub(crate) fn frames_cost_little(browser: &mut Chromium, page: &Path) {
         seen["points"],
         seen["paints"],
     );
-    assert!(frames >= 300.0, "it does not play: {seen}");
+    assert!(frames >= 120.0, "it does not play: {seen}");
     assert_eq!(number("idle"), 0.0, "every frame is drawn: {seen}");
     assert_eq!(number("requests"), 1.0, "a frame asks for one more: {seen}");
     for key in ["paths", "texts", "reads"] {

@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(integrator(&scene).integrator, "dopri5");
     }
 
-    /// PHYSICS: 6.5e5 1/s for a sleeve of the paper at 100 N; the static 65 N give two thirds of it.
+    /// By hand: 6.5e5 1/s for a sleeve of the paper at 100 N; the static 65 N give two thirds of it.
     #[test]
     fn friction_rate_of_the_paper() {
         let mut scene = Scene::default();

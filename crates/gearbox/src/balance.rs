@@ -68,7 +68,6 @@ fn elastic_j(gearbox: &Gearbox) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Scene, Start};
 
     fn audit(driver_j: f64, remainder_j: f64) -> EnergyAudit {
         EnergyAudit {
@@ -95,21 +94,5 @@ mod tests {
         assert!(balance.add(&audit(1.0, -3.0)).is_ok(), "they cancel");
         let told = balance.add(&audit(0.1, 9.0)).unwrap_err();
         assert!(told.contains("9.000e0 J"), "{told}");
-    }
-
-    /// A loaded gear that stands still, and one without load: what is left over is rounding.
-    #[test]
-    fn rounding_at_rest_is_no_fault() {
-        for load in [22.0, 0.0] {
-            let mut scene = Scene::default();
-            scene.drive.input_speed_rad_s = 0.0;
-            scene.drive.output_torque_n_m = load;
-            scene.drive.start = Start::Equilibrium;
-            scene.solver.duration_s = 1e-3;
-            scene.solver.sample_s = 1e-5;
-            let gearbox = Gearbox::new(&scene).unwrap();
-            let run = crate::native::run(&gearbox, &mut |_| false);
-            assert!(run.is_ok(), "{load} N m: {:?}", run.map(|_| ()));
-        }
     }
 }

@@ -29,32 +29,37 @@ impl Due {
     }
 
     /// All that is due after the sample at `from` up to the one at `to`, s. `breaks` increase.
-    pub(crate) fn between(from: f64, to: f64, breaks: &[f64], step: f64) -> Vec<Self> {
+    pub(crate) fn between(
+        from: f64,
+        to: f64,
+        breaks: &[f64],
+        step: f64,
+    ) -> impl Iterator<Item = Self> + '_ {
         let same = SAME * step;
-        let mut list = Vec::new();
         let begins_at_break = breaks.iter().any(|b| (b - from).abs() <= same);
         let (mut start, mut beside) = (from, begins_at_break);
         let due = breaks
             .iter()
-            .filter(|&&b| b > from + same && b <= to + same);
-        for &at in due {
-            let on_sample = (at - to).abs() <= same;
-            let time = if on_sample { to } else { at };
-            let entries = EnergyAccount::between(start, time, step, BESIDE_A_BREAK);
-            list.extend(entries.map(Self::Entry));
-            list.push(Self::Break(time, at));
-            if !on_sample {
-                list.push(Self::Entry(time));
-            }
-            (start, beside) = (time, true);
-        }
-        if to - start > same {
-            let least = if beside { BESIDE_A_BREAK } else { 1 };
-            let entries = EnergyAccount::between(start, to, step, least);
-            list.extend(entries.map(Self::Entry));
-        }
-        list.push(Self::Sample(to));
-        list
+            .copied()
+            .filter(move |&b| b > from + same && b <= to + same);
+        // Stretches end at breaks, and one at the sample.
+        due.map(Some).chain([None]).flat_map(move |at| {
+            let on_sample = at.is_none_or(|at| (at - to).abs() <= same);
+            let end = at.filter(|_| !on_sample).unwrap_or(to);
+            let least = if beside || at.is_some() {
+                BESIDE_A_BREAK
+            } else {
+                1
+            };
+            // Nothing is left between a break on the sample and the sample.
+            let least = if end - start > same { least } else { 0 };
+            let entries = EnergyAccount::between(start, end, step, least).map(Self::Entry);
+            (start, beside) = (end, true);
+            let close = at.map(|at| Self::Break(end, at));
+            let open = (!on_sample).then_some(Self::Entry(end));
+            let sample = at.is_none().then_some(Self::Sample(to));
+            entries.chain(close).chain(open).chain(sample)
+        })
     }
 }
 
@@ -68,7 +73,7 @@ mod tests {
             Due::Break(..) => 'B',
             Due::Sample(_) => 's',
         };
-        let list = Due::between(from, to, breaks, 1e-5);
+        let list: Vec<Due> = Due::between(from, to, breaks, 1e-5).collect();
         assert!(list.windows(2).all(|p| p[0].time() <= p[1].time()));
         list.iter().map(word).collect()
     }
@@ -89,8 +94,8 @@ mod tests {
 
     #[test]
     fn a_run_without_breaks_has_the_entries_it_always_had() {
-        let list = Due::between(1e-4, 3.5e-4, &[], 1e-5);
-        let times: Vec<f64> = list.iter().map(|due| due.time()).collect();
+        let due = Due::between(1e-4, 3.5e-4, &[], 1e-5);
+        let times: Vec<f64> = due.map(Due::time).collect();
         let plain = EnergyAccount::between(1e-4, 3.5e-4, 1e-5, 1);
         assert_eq!(times, plain.chain([3.5e-4]).collect::<Vec<_>>());
     }

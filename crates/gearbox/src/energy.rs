@@ -11,7 +11,8 @@
 //! (each interval from the cubic through its neighbours), so they converge with order 4 and the state
 //! itself brings the integrator's order. States are at most [`STEPS`] steps apart, whatever is sampled.
 //! Where the load jumps its power does: there are two states at that time, one with each load, and no interval's
-//! cubic reaches over it.
+//! cubic reaches over it. Entries between samples are folded into the works at once: what a run keeps of its energy
+//! grows with its samples, not with its steps.
 
 use pinwheel_mbs::{Mechanism, Observation};
 use serde::{Deserialize, Serialize};
@@ -26,17 +27,27 @@ const STEPS: f64 = 10.0;
 /// Intervals that differ by no more than this share are equal: sample times are products and sums of decimal numbers.
 const EQUAL: f64 = 1e-9;
 
-/// Powers and energies over a run.
+/// driver, load, damping, sliding: powers, W, or works, J.
+type Four = [f64; 4];
+
+/// Works and energies at the samples of a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EnergyAccount {
-    time: Vec<f64>,
-    /// driver, load, damping, sliding, W.
-    powers: [Vec<f64>; 4],
-    /// kinetic, stored, J.
-    energies: [Vec<f64>; 2],
     masses: Vec<(f64, f64)>,
-    /// First entries of the legs after the first one.
-    legs: Vec<usize>,
+    /// Works up to the leg under way, J.
+    before_leg: Four,
+    leg: Leg,
+    marks: Vec<Mark>,
+}
+
+/// What the account keeps of a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Mark {
+    time: f64,
+    /// Since the start, J.
+    works: Four,
+    /// kinetic, stored, J.
+    energies: [f64; 2],
 }
 
 /// The account between two times.
@@ -85,18 +96,31 @@ impl EnergyAccount {
 
     /// The next entry is the first of a leg, at the time of the last one.
     pub(crate) fn enter_leg(&mut self) {
-        self.legs.push(self.time.len());
+        self.before_leg = add(self.before_leg, self.leg.work());
+        self.leg = Leg::default();
     }
 
-    /// Adds an entry. `load`: N m on the output shaft; `contacts`: of the state seen.
-    pub(crate) fn add(&mut self, load: f64, seen: &Observation<'_>, contacts: ContactEnergy) {
+    /// Adds an entry between samples. `load`: N m on the output shaft; `contacts`: of the state seen.
+    pub(crate) fn add(&mut self, load: f64, seen: &Observation<'_>, contacts: &ContactEnergy) {
         let driver = seen.driver_torques.first().copied().unwrap_or(0.0);
-        let values = [
+        let powers = [
             driver * seen.bodies[Layout::INPUT].rate,
             load * seen.bodies[Layout::OUTPUT].rate,
             contacts.damping_w,
             contacts.friction_w,
         ];
+        self.leg.add(seen.time, powers);
+        self.settle();
+    }
+
+    /// Adds the entry of a sample, which the account can begin or end at.
+    pub(crate) fn add_sample(
+        &mut self,
+        load: f64,
+        seen: &Observation<'_>,
+        contacts: &ContactEnergy,
+    ) {
+        self.add(load, seen, contacts);
         let kinetic = self
             .masses
             .iter()
@@ -104,36 +128,50 @@ impl EnergyAccount {
             .map(|(&(mass, moment), b)| {
                 0.5 * (mass * (b.vx * b.vx + b.vy * b.vy) + moment * b.rate * b.rate)
             });
-        self.energies[0].push(kinetic.sum());
-        self.energies[1].push(contacts.stored_j);
-        self.time.push(seen.time);
-        for (list, value) in self.powers.iter_mut().zip(values) {
-            list.push(value);
+        self.mark(seen.time, [kinetic.sum(), contacts.stored_j]);
+    }
+
+    /// Marks the last entry.
+    fn mark(&mut self, time: f64, energies: [f64; 2]) {
+        self.leg.mark(self.marks.len());
+        self.marks.push(Mark {
+            time,
+            works: add(self.before_leg, self.leg.work()),
+            energies,
+        });
+    }
+
+    /// Works up to the last samples, whose last intervals the newest entry has made more accurate.
+    fn settle(&mut self) {
+        for (mark, work) in self.leg.marked() {
+            self.marks[mark].works = add(self.before_leg, work);
         }
     }
 
-    /// The account between the entries nearest to `from` and `to`, s. `None` with fewer than two entries there.
+    /// The account between the samples nearest to `from` and `to`, s. `None` with fewer than two samples there.
     #[must_use]
     pub fn audit(&self, from: f64, to: f64) -> Option<EnergyAudit> {
+        let marks = &self.marks;
         let nearest = |t: f64| {
-            let k = self.time.partition_point(|&x| x < t);
-            match (k.checked_sub(1), self.time.get(k)) {
-                (Some(low), Some(&high)) if t - self.time[low] < high - t => low,
+            let k = marks.partition_point(|mark| mark.time < t);
+            match (k.checked_sub(1), marks.get(k)) {
+                (Some(low), Some(high)) if t - marks[low].time < high.time - t => low,
                 (Some(low), None) => low,
                 _ => k,
             }
         };
-        let (a, b) = (nearest(from), nearest(to));
-        if a >= b {
+        let (from, to) = (nearest(from), nearest(to));
+        if from >= to {
             return None;
         }
+        let (a, b) = (&marks[from], &marks[to]);
         let [driver_j, load_j, damping_j, friction_j] =
-            [0, 1, 2, 3].map(|k| self.integral(&self.powers[k], a, b));
-        let [kinetic_j, stored_j] = [0, 1].map(|k| self.energies[k][b] - self.energies[k][a]);
+            [0, 1, 2, 3].map(|k| b.works[k] - a.works[k]);
+        let [kinetic_j, stored_j] = [0, 1].map(|k| b.energies[k] - a.energies[k]);
         let remainder_j = kinetic_j + stored_j + damping_j + friction_j - driver_j - load_j;
         Some(EnergyAudit {
-            from_s: self.time[a],
-            to_s: self.time[b],
+            from_s: a.time,
+            to_s: b.time,
             driver_j,
             load_j,
             kinetic_j,
@@ -145,28 +183,6 @@ impl EnergyAccount {
         })
     }
 
-    /// Integral of `values` from entry `a` to entry `b`, leg by leg.
-    fn integral(&self, values: &[f64], a: usize, b: usize) -> f64 {
-        let starts = std::iter::once(0).chain(self.legs.iter().copied());
-        let ends = self.legs.iter().copied().chain([self.time.len()]);
-        starts
-            .zip(ends)
-            .map(|(start, end)| {
-                let last = end.saturating_sub(1);
-                let (from, to) = (
-                    a.clamp(start, last.max(start)),
-                    b.clamp(start, last.max(start)),
-                );
-                integral(
-                    &self.time[start..end],
-                    &values[start..end],
-                    from - start,
-                    to - start,
-                )
-            })
-            .sum()
-    }
-
     /// The account of the whole run.
     #[must_use]
     pub fn total(&self) -> Option<EnergyAudit> {
@@ -174,69 +190,182 @@ impl EnergyAccount {
     }
 }
 
-/// Integral of the values from entry `a` to entry `b`, each interval from the cubic through four entries.
-fn integral(time: &[f64], values: &[f64], a: usize, b: usize) -> f64 {
-    (a..b).map(|k| interval(time, values, k)).sum()
+/// The last entries of a leg, as many as one interval's cubic needs; what lies before is in their works.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Leg {
+    /// Entries kept, the oldest first.
+    len: usize,
+    /// Whether there were more.
+    cut: bool,
+    time: [f64; 4],
+    powers: [Four; 4],
+    /// From the leg's start, J; of the last entry as far as its power is known.
+    works: [Four; 4],
+    /// The samples among them.
+    marks: [Option<usize>; 4],
 }
 
-/// Integral over [t_k, t_k+1] of the polynomial through up to four entries around it, by Gauss' three points.
-fn interval(time: &[f64], values: &[f64], k: usize) -> f64 {
-    let from = k.saturating_sub(1).min(time.len().saturating_sub(4));
-    let to = (from + 4).min(time.len());
+impl Leg {
+    fn add(&mut self, time: f64, powers: Four) {
+        if self.len == 4 {
+            self.time.rotate_left(1);
+            self.powers.rotate_left(1);
+            self.works.rotate_left(1);
+            self.marks.rotate_left(1);
+            self.cut = true;
+        } else {
+            self.len += 1;
+        }
+        let last = self.len - 1;
+        (self.time[last], self.powers[last], self.marks[last]) = (time, powers, None);
+        // The cubic of an interval inside reaches one entry farther on each side: the last but one interval is
+        // settled now, and with the fourth entry of a leg all before it.
+        let first = if self.cut { 2 } else { 1 };
+        for k in first..self.len {
+            self.works[k] = add(self.works[k - 1], self.interval(k - 1));
+        }
+    }
+
+    /// Work over the interval from entry `k` to the next, J.
+    fn interval(&self, k: usize) -> Four {
+        let (time, powers) = (&self.time[..self.len], &self.powers[..self.len]);
+        interval(time, powers, k)
+    }
+
+    /// Works so far, J.
+    fn work(&self) -> Four {
+        self.len.checked_sub(1).map_or([0.0; 4], |k| self.works[k])
+    }
+
+    /// The last entry is sample `mark`.
+    fn mark(&mut self, mark: usize) {
+        if let Some(last) = self.len.checked_sub(1) {
+            self.marks[last] = Some(mark);
+        }
+    }
+
+    /// Samples among the last entries, and the works up to them.
+    fn marked(&self) -> impl Iterator<Item = (usize, Four)> + '_ {
+        let kept = self.marks.iter().zip(&self.works).take(self.len);
+        kept.filter_map(|(mark, &work)| mark.map(|mark| (mark, work)))
+    }
+}
+
+fn add(a: Four, b: Four) -> Four {
+    [0, 1, 2, 3].map(|k| a[k] + b[k])
+}
+
+/// Integrals over [t_k, t_k+1] of the polynomial through these two to four entries.
+fn interval(time: &[f64], values: &[Four], k: usize) -> Four {
     let (low, h) = (time[k], time[k + 1] - time[k]);
     let even = |pair: &[f64]| (pair[1] - pair[0] - h).abs() < EQUAL * h;
-    if to - from == 4 && time[from..to].windows(2).all(even) {
+    if time.len() == 4 && time.windows(2).all(even) {
         // The same integral for equal intervals, which nearly all are.
-        let weights: [f64; 4] = match k - from {
+        let weights: [f64; 4] = match k {
             0 => [9.0, 19.0, -5.0, 1.0],
             1 => [-1.0, 13.0, 13.0, -1.0],
             _ => [1.0, -5.0, 19.0, 9.0],
         };
-        let sum: f64 = weights
-            .iter()
-            .zip(&values[from..to])
-            .map(|(w, v)| w * v)
-            .sum();
-        return h * sum / 24.0;
+        return weighted(values, |i| h * weights[i] / 24.0);
     }
-    let at = |t: f64| -> f64 {
-        (from..to)
-            .map(|i| {
-                let others = (from..to).filter(|&j| j != i);
-                let weight: f64 = others
-                    .map(|j| (t - time[j]) / (time[i] - time[j]))
-                    .product();
-                weight * values[i]
-            })
-            .sum()
-    };
+    // Gauss' three points, exact for the cubic.
     let x = 0.5 * 0.6_f64.sqrt();
-    h * (5.0 * at(low + h * (0.5 - x)) + 8.0 * at(low + 0.5 * h) + 5.0 * at(low + h * (0.5 + x)))
-        / 18.0
+    let points = [(0.5 - x, 5.0), (0.5, 8.0), (0.5 + x, 5.0)];
+    let lagrange = |i: usize, t: f64| -> f64 {
+        let others = (0..time.len()).filter(|&j| j != i);
+        others
+            .map(|j| (t - time[j]) / (time[i] - time[j]))
+            .product()
+    };
+    weighted(values, |i| {
+        let sum: f64 = points
+            .iter()
+            .map(|(at, weight)| weight * lagrange(i, low + h * at))
+            .sum();
+        h * sum / 18.0
+    })
+}
+
+fn weighted(values: &[Four], weight: impl Fn(usize) -> f64) -> Four {
+    values.iter().enumerate().fold([0.0; 4], |sum, (i, value)| {
+        let w = weight(i);
+        add(sum, value.map(|v| w * v))
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// An account fed with one power, samples at the entries asked for.
+    fn account(
+        legs: &[(&[f64], &dyn Fn(f64) -> f64)],
+        sampled: impl Fn(usize) -> bool,
+    ) -> EnergyAccount {
+        let mut account = EnergyAccount::default();
+        let mut entry = 0;
+        for (n, (times, power)) in legs.iter().enumerate() {
+            if n > 0 {
+                account.enter_leg();
+            }
+            for &t in *times {
+                account.leg.add(t, [power(t); 4]);
+                account.settle();
+                if sampled(entry) {
+                    account.mark(t, [0.0; 2]);
+                }
+                entry += 1;
+            }
+        }
+        account
+    }
+
+    fn work(account: &EnergyAccount, from: f64, to: f64) -> f64 {
+        account.audit(from, to).unwrap().damping_j
+    }
+
     /// Exact for cubics, also on unequal entries, and of order 4 otherwise.
     #[test]
     fn quadrature_has_its_order() {
-        let time: Vec<f64> = [0.0, 0.1, 0.25, 0.3, 0.5, 0.6].to_vec();
-        let values: Vec<f64> = time
-            .iter()
-            .map(|t| 1.0 + t * (2.0 - t * (3.0 - 4.0 * t)))
-            .collect();
+        let cubic = |t: f64| 1.0 + t * (2.0 - t * (3.0 - 4.0 * t));
         let exact = |t: f64| t + t * t - t * t * t + t.powi(4);
-        assert!((integral(&time, &values, 0, 5) - exact(0.6)).abs() < 1e-15);
-        assert!((integral(&time, &values, 2, 4) - exact(0.5) + exact(0.25)).abs() < 1e-15);
+        let times = [0.0, 0.1, 0.25, 0.3, 0.5, 0.6];
+        let found = account(&[(&times, &cubic)], |_| true);
+        assert!((work(&found, 0.0, 0.6) - exact(0.6)).abs() < 1e-15);
+        assert!((work(&found, 0.25, 0.5) - exact(0.5) + exact(0.25)).abs() < 1e-15);
         let error = |n: usize| {
-            let time: Vec<f64> = (0..=n).map(|k| k as f64 / n as f64).collect();
-            let values: Vec<f64> = time.iter().map(|t| (7.0 * t).sin()).collect();
-            (integral(&time, &values, 0, n) - (1.0 - 7.0_f64.cos()) / 7.0).abs()
+            let times: Vec<f64> = (0..=n).map(|k| k as f64 / n as f64).collect();
+            let found = account(&[(&times, &|t| (7.0 * t).sin())], |k| k == 0 || k == n);
+            (work(&found, 0.0, 1.0) - (1.0 - 7.0_f64.cos()) / 7.0).abs()
         };
         let order = (error(40) / error(80)).log2();
         assert!(order > 3.7, "{order}");
+    }
+
+    /// Whatever is a sample, the account of the same entries is the same.
+    #[test]
+    fn samples_do_not_change_the_works() {
+        let times: Vec<f64> = (0..40)
+            .map(|k| f64::from(k) * 0.1 + 0.03 * f64::from(k % 3))
+            .collect();
+        let power = |t: f64| (3.0 * t).cos() + t;
+        let all = account(&[(&times, &power)], |_| true);
+        for every in [2, 3, 5, 13] {
+            let few = account(&[(&times, &power)], |k| k % every == 0);
+            for mark in &few.marks {
+                let same = all.marks.iter().find(|m| m.time == mark.time).unwrap();
+                assert_eq!(mark, same, "every {every}");
+            }
+        }
+    }
+
+    /// However many entries there are, only samples take memory.
+    #[test]
+    fn entries_between_samples_are_not_kept() {
+        let times: Vec<f64> = (0..1000).map(f64::from).collect();
+        let found = account(&[(&times, &|t| t)], |k| k == 0 || k == 999);
+        assert_eq!(found.marks.len(), 2);
+        assert!((work(&found, 0.0, 999.0) / (999.0 * 999.0 / 2.0) - 1.0).abs() < 1e-13);
     }
 
     #[test]
@@ -251,25 +380,17 @@ mod tests {
     /// A power that jumps: each side's own cubic, nothing from over the jump.
     #[test]
     fn no_interval_reaches_over_a_jump() {
-        let mut account = EnergyAccount::default();
-        let mut powers = Vec::new();
-        let mut leg = |times: &[f64], power: &dyn Fn(f64) -> f64| {
-            for &t in times {
-                account.time.push(t);
-                powers.push(power(t));
-            }
-            account.legs.push(account.time.len());
-        };
-        leg(&[0.0, 0.1, 0.2, 0.3], &|t| t * t * t);
-        leg(&[0.3, 0.35, 0.45, 0.5, 0.7], &|t| 5.0 - t);
-        account.legs.pop();
-        let whole = account.integral(&powers, 0, 8);
+        let (before, after) = ([0.0, 0.1, 0.2, 0.3], [0.3, 0.35, 0.45, 0.5, 0.7]);
+        let legs: [(&[f64], &dyn Fn(f64) -> f64); 2] =
+            [(&before, &|t| t * t * t), (&after, &|t| 5.0 - t)];
+        // The sample at the jump is the first entry of the second leg.
+        let found = account(&legs, |k| k != 3);
+        let whole = work(&found, 0.0, 0.7);
         let exact = 0.3_f64.powi(4) / 4.0 + 5.0 * 0.4 - 0.5 * (0.49 - 0.09);
         assert!((whole - exact).abs() < 1e-15, "{whole} {exact}");
-        let part = account.integral(&powers, 2, 6);
+        let part = work(&found, 0.2, 0.45);
         let exact = (0.3_f64.powi(4) - 0.2_f64.powi(4)) / 4.0 + 5.0 * 0.15 - 0.5 * (0.2025 - 0.09);
         assert!((part - exact).abs() < 1e-15, "{part} {exact}");
-        assert_eq!(account.integral(&powers, 3, 4), 0.0);
     }
 
     #[test]

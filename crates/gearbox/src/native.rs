@@ -139,7 +139,7 @@ fn integrate<F: Formulation>(
     let mut fault = None;
     let mut energy = EnergyAccount::new(&gearbox.mechanism());
     let mut balance = Balance::new(gearbox);
-    let mut pace = Pace::new(gearbox);
+    let mut pace = Pace::new(&gearbox.scene, gearbox.has_friction());
     let mut before = 0.0;
     'samples: for t in solver.sample_times_s() {
         for due in Due::between(before, t, &breaks, solver.step_s) {
@@ -162,7 +162,7 @@ fn integrate<F: Formulation>(
             if let Due::Entry(time) | Due::Break(time, _) = due {
                 let seen = system.observe(time, &y);
                 let contacts = contact_energy(&seen, field.as_mut());
-                energy.add(load.torque(time), &seen, contacts);
+                energy.add(load.torque(time), &seen, &contacts);
             }
             if let Due::Break(_, from) = due {
                 stepper.enter(&mut system);
@@ -177,7 +177,7 @@ fn integrate<F: Formulation>(
             break;
         }
         let contacts = contact_energy(&seen, field.as_mut());
-        energy.add(load.torque(t), &seen, contacts);
+        energy.add_sample(load.torque(t), &seen, &contacts);
         if let Some(audit) = energy.audit(before, t)
             && let Err(quantity) = balance.add(&audit)
         {

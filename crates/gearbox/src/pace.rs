@@ -1,7 +1,7 @@
 //! Ends a run whose adaptive steps have become so short that its end is out of reach.
 
-use crate::Gearbox;
 use crate::auto;
+use crate::scene::Scene;
 
 /// Accepted steps between two looks.
 const SPAN: u64 = 20_000;
@@ -20,14 +20,14 @@ pub(crate) struct Pace {
 }
 
 impl Pace {
-    /// At time 0.
-    pub(crate) fn new(gearbox: &Gearbox) -> Self {
+    /// At time 0 of a scene whose contacts rub or do not.
+    pub(crate) fn new(scene: &Scene, rubs: bool) -> Self {
         Self {
-            end: gearbox.scene.solver.duration_s,
+            end: scene.solver.duration_s,
             last: 0.0,
             next_look: SPAN,
-            integrator: auto::integrator(&gearbox.scene).integrator,
-            rubs: gearbox.has_friction(),
+            integrator: auto::integrator(scene).integrator,
+            rubs,
         }
     }
 
@@ -62,13 +62,12 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
 
     #[test]
     fn only_a_pace_without_end_is_refused() {
         let mut scene = Scene::default();
         scene.solver.integrator = "dopri5".to_owned();
-        let mut pace = Pace::new(&Gearbox::new(&scene).unwrap());
+        let mut pace = Pace::new(&scene, false);
         assert_eq!(pace.look(1e-12, SPAN - 1), Ok(()), "too early to tell");
         assert_eq!(pace.look(0.01, SPAN), Ok(()));
         // A short passage of tiny steps at a switch is over before anybody looks.

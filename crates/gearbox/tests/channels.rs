@@ -209,7 +209,7 @@ fn velocity_is_the_rate_of_the_penetration() {
     }
 }
 
-/// PHYSICS 7: the tangential part of the eccentric bearing's force is T_wheel/(e zs) for a law with a
+/// Moments about the eccentric: the tangential part of the eccentric bearing's force is T_wheel/(e zs) for a law with a
 /// potential, and the mean of the contact ratio of the paper's gear is 8 to 9 of 16 sleeves.
 #[test]
 fn published_bearing_force_and_contact_ratio() {

@@ -1,7 +1,7 @@
 //! The native solver against itself: two formulations, halved steps, repeated runs.
 
 use pinwheel_gearbox::native::{NativeError, NativeRun, run};
-use pinwheel_gearbox::scene::{Formulation, Scene, Stabilisation};
+use pinwheel_gearbox::scene::{Formulation, Scene, Stabilisation, Start};
 use pinwheel_gearbox::{Gearbox, explain};
 
 fn scene(duration_s: f64) -> Scene {
@@ -233,4 +233,20 @@ fn the_explanation_counts_what_the_paper_counts() {
     assert_eq!(explain(&scene).unwrap().degrees_of_freedom, 27);
     scene.solver.formulation = Formulation::Lagrange;
     assert_eq!(explain(&scene).unwrap().degrees_of_freedom, 84);
+}
+
+/// A loaded gear that stands still, and one without load: what is left over is rounding.
+#[test]
+fn rounding_at_rest_is_no_fault() {
+    for load in [22.0, 0.0] {
+        let mut scene = Scene::default();
+        scene.drive.input_speed_rad_s = 0.0;
+        scene.drive.output_torque_n_m = load;
+        scene.drive.start = Start::Equilibrium;
+        scene.solver.duration_s = 1e-3;
+        scene.solver.sample_s = 1e-5;
+        let gearbox = Gearbox::new(&scene).unwrap();
+        let run = run(&gearbox, &mut |_| false);
+        assert!(run.is_ok(), "{load} N m: {:?}", run.map(|_| ()));
+    }
 }

@@ -22,7 +22,7 @@ fn steady(law: &str) -> (EnergyAudit, f64) {
     (run.energy.audit(0.3, 0.6).unwrap(), mean)
 }
 
-/// PHYSICS 3 and 4: driver mean 1.4529 N m instead of 22/15, efficiency 100.95 %, by three independent programs.
+/// Driver mean 1.4529 N m instead of 22/15, efficiency 100.95 %, by three independent programs.
 #[test]
 fn the_paper_s_law_creates_energy() {
     let (audit, mean) = steady("paper");
@@ -85,7 +85,7 @@ fn the_account_does_not_depend_on_sampling() {
     assert!((often.damping_j - rarely.damping_j).abs() < 1e-9);
 }
 
-/// With friction it takes its share: efficiency 0.9787 at mu = 0.1 (PHYSICS 4), all of it accounted for.
+/// With friction it takes its share: efficiency 0.9787 at mu = 0.1 (independent program), all of it accounted for.
 #[test]
 fn friction_takes_its_share() {
     let mut scene = scene("constant");

@@ -1,24 +1,41 @@
 //! The paper's claims: every one is judged, and with the figures known from independent programs.
 
-use pinwheel_gearbox::claims::{Judgement, Verdict, claims, judge};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+use pinwheel_gearbox::claims::{Claim, Judgement, Verdict, claims, judge};
 
 #[test]
 fn every_claim_is_judged() {
-    for claim in claims().expect("the embedded file can be read") {
-        let judged = judge(&claim).unwrap().expect("a figure for every claim");
-        println!("{:24} {:?}: {}", claim.id, judged.verdict, judged.figure);
-        assert!(!claim.remark.is_empty());
-        assert!(
-            known(&judged),
-            "{}: {:?} {}",
-            claim.id,
-            judged.verdict,
-            judged.figure
-        );
-    }
+    let claims = claims().expect("the embedded file can be read");
+    // Twelve studies of some seconds each: every core takes the next one.
+    let next = AtomicUsize::new(0);
+    let work = || {
+        while let Some(claim) = claims.get(next.fetch_add(1, Relaxed)) {
+            check(claim);
+        }
+    };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..cores {
+            scope.spawn(work);
+        }
+    });
 }
 
-/// PHYSICS 3 and 4, measured by independent programs; times are not asserted.
+fn check(claim: &Claim) {
+    let judged = judge(claim).unwrap().expect("a figure for every claim");
+    println!("{:24} {:?}: {}", claim.id, judged.verdict, judged.figure);
+    assert!(!claim.remark.is_empty());
+    assert!(
+        known(&judged),
+        "{}: {:?} {}",
+        claim.id,
+        judged.verdict,
+        judged.figure
+    );
+}
+
+/// Measured by independent programs; times are not asserted.
 fn known(judged: &Judgement) -> bool {
     let n = &judged.numbers;
     let near = |k: usize, value: f64, off: f64| (n[k] - value).abs() < off;

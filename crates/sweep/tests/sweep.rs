@@ -174,7 +174,7 @@ fn divergence_and_refusal_are_results() {
     let (plan, folder) = (plan(text), tempfile::tempdir().unwrap());
     let records = run(&plan, &Journal::open(folder.path(), None).unwrap(), 2);
     assert_eq!(records[0].outcome, Outcome::Finished);
-    // PHYSICS 4: Heun at 1e-4 s blows up.
+    // Heun at 1e-4 s is beyond its limit of stability (docs/physics.md) and blows up.
     assert!(matches!(records[1].outcome, Outcome::Diverged { time_s, .. } if time_s < 0.02));
     let table = csv(&plan, &records);
     let second: Vec<&str> = table.lines().nth(2).unwrap().split(',').collect();

@@ -3,7 +3,7 @@
 //! They are evaluated at sample times only, from states that the run has anyway: what is not asked
 //! for is not computed, and what is asked for changes neither a step nor a right-hand side.
 //!
-//! Signs and frames (PHYSICS 3): n points from the sleeve's centre to the wheel's closest point W,
+//! Signs and frames (docs/physics.md): n points from the sleeve's centre to the wheel's closest point W,
 //! velocities are the sleeve's less the wheel's at W, `t = R90 n`. A pair is described at its
 //! closest points whether or not it touches: a negative penetration is the gap. Forces of joints are
 //! those on the body that the joint carries, in the ground frame.

@@ -108,7 +108,7 @@ pub fn derived(scene: &Scene) -> Derived {
 mod tests {
     use super::*;
 
-    /// PHYSICS 2, 6 and 7.
+    /// Figures of an independent program for the gear of the paper.
     #[test]
     fn the_papers_figures() {
         let mut scene = Scene::default();

@@ -242,7 +242,7 @@ fn thirteen(runs: &Runs<'_>) -> Result<Figure, StudyError> {
 mod tests {
     use super::*;
 
-    /// PHYSICS 7: 17.003 rad per metre; the curve bends away, so the found play is a little off for large d.
+    /// From the geometry, d psi/d d: 17.003 rad per metre; the curve bends away, so the found play is a little off for large d.
     #[test]
     fn free_play_is_found_on_the_curve() {
         let scene = Scene::default();

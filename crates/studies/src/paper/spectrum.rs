@@ -49,7 +49,7 @@ pub(super) fn amplitudes(values: &[f64]) -> Vec<f64> {
     bins.iter().map(|bin| 2.0 * bin.norm() / sum).collect()
 }
 
-/// Predicted orders up to `highest`: multiples of the external and of the internal mesh (PHYSICS 6).
+/// Predicted orders up to `highest`, of the input: multiples of the external mesh (zk) and of the internal one (zi zk/zs).
 fn predicted(scene: &Scene, highest: f64) -> Vec<(f64, &'static str)> {
     let external = scene.gear.external_sleeves as f64;
     let internal = scene.gear.internal_sleeves as f64 * external / scene.gear.lobes() as f64;

@@ -1,4 +1,4 @@
-//! Whole native runs: `cargo bench -p pinwheel-gearbox`.
+//! Whole native runs: `cargo bench -p pinwheel-benches --bench native`.
 //!
 //! What these held when they were set, on one core of a 2-core virtual machine (EPYC, AVX-512), 0.6 s at
 //! 1e-5 s: reduced 0.09 s, Lagrange 0.34 s (limits asked for: 0.5 and 1.5 s); 4000 points cost what
