@@ -1,5 +1,7 @@
 //! The paper's claims: every one is judged, and with the figures known from independent programs.
 
+#![allow(clippy::print_stdout, reason = "measured figures")]
+
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use pinwheel_gearbox::claims::{Claim, Judgement, Verdict, claims, judge};
