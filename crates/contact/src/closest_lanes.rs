@@ -37,8 +37,20 @@ const MAX_STEPS: usize = 8;
 struct AtLanes<S: Simd> {
     position: ComplexLanes<S>,
     normal: ComplexLanes<S>,
-    inverse_speed: Lanes<S>,
+    /// R over the speed.
+    inverse: Lanes<S>,
     curvature: Lanes<S>,
+}
+
+/// The same without a square root or a division: what Newton's steps need.
+struct RoughLanes<S: Simd> {
+    position: ComplexLanes<S>,
+    /// N = n sqrt(g).
+    outward: ComplexLanes<S>,
+    /// g = |N|^2, the square of the speed in units of R.
+    square: Lanes<S>,
+    /// kappa g^{3/2}.
+    bend: Lanes<S>,
 }
 
 /// 1 - x^2/2 + ..., given the Taylor coefficients of the alternating series in x^2, highest first.
@@ -91,18 +103,36 @@ fn turn_by_little<S: Simd>(x: Lanes<S>) -> ComplexLanes<S> {
 
 impl Epitrochoid {
     #[inline(always)]
-    fn at_lanes<S: Simd>(&self, unit: ComplexLanes<S>, multiple: ComplexLanes<S>) -> AtLanes<S> {
+    fn rough_lanes<S: Simd>(
+        &self,
+        unit: ComplexLanes<S>,
+        multiple: ComplexLanes<S>,
+    ) -> RoughLanes<S> {
         let c = |x: f64| unit.re.like(x);
         let (r, m, zk) = (self.pitch_radius, self.shortening, f64::from(self.sleeves));
         let cos_lobe = unit.dot(multiple);
-        let inverse = cos_lobe.mul_add(c(2.0 * m), c(1.0 + m * m)).sqrt().recip();
-        let bend = cos_lobe.mul_add(c(m * (1.0 + zk) / r), c((1.0 + m * m * zk) / r));
-        AtLanes {
+        RoughLanes {
             position: multiple.scale_add(c(self.eccentricity), unit.scale(c(r))),
-            normal: multiple.scale_add(c(m), unit).scale(inverse),
-            inverse_speed: c(1.0 / r) * inverse,
-            curvature: bend * (inverse * inverse * inverse),
+            outward: multiple.scale_add(c(m), unit),
+            square: cos_lobe.mul_add(c(2.0 * m), c(1.0 + m * m)),
+            bend: cos_lobe.mul_add(c(m * (1.0 + zk) / r), c((1.0 + m * m * zk) / r)),
         }
+    }
+
+    #[inline(always)]
+    fn refined<S: Simd>(&self, rough: &RoughLanes<S>) -> AtLanes<S> {
+        let inverse = rough.square.sqrt().recip();
+        AtLanes {
+            position: rough.position,
+            normal: rough.outward.scale(inverse),
+            inverse,
+            curvature: rough.bend * (inverse * inverse * inverse),
+        }
+    }
+
+    #[inline(always)]
+    fn at_lanes<S: Simd>(&self, unit: ComplexLanes<S>, multiple: ComplexLanes<S>) -> AtLanes<S> {
+        self.refined(&self.rough_lanes(unit, multiple))
     }
 
     /// Feet of the points `p` that lie inside the curve, searched from e^{ia} = `unit` and
@@ -118,31 +148,42 @@ impl Epitrochoid {
     ) -> FeetLanes<S> {
         let c = |x: f64| p.re.like(x);
         let (mut u, mut v) = (unit, multiple);
-        let tolerance = c(TANGENTIAL_TOLERANCE * self.pitch_radius);
+        let tolerance = TANGENTIAL_TOLERANCE * self.pitch_radius;
         let short = c(SHORT_LIMIT / f64::from(self.sleeves));
         let zk = c(f64::from(self.sleeves));
+        let zero = c(0.0);
         // Lanes still looking for their foot, and those Newton gave up.
         let mut open = present;
         let mut lost = present.without(present);
         let mut last_step = pinwheel_faults::armed(pinwheel_faults::Fault::StaleFoot);
         let mut steps = 0;
-        let (at, s) = loop {
-            let at = self.at_lanes(u, v);
-            let r = p - at.position;
-            let s = r.dot(at.normal);
-            let outside = r.dot(r).less(c(2.0 * self.reach_outside) * s);
+        // s and t are r.n and r.(i n); the loop has both times sqrt(g) and compares squares.
+        let (rough, big_s) = loop {
+            let rough = self.rough_lanes(u, v);
+            let g = rough.square;
+            let r = p - rough.position;
+            let big_s = r.dot(rough.outward);
+            // |r|^2 < 2 reach s.
+            let (distance, reach) = (r.dot(r), c(2.0 * self.reach_outside) * big_s);
+            let outside = zero
+                .less(big_s)
+                .and((distance * distance * g).less(reach * reach));
             open = open.without(outside);
             if last_step || steps == MAX_STEPS || !open.any() {
                 if !last_step {
                     lost = lost.or(open);
                 }
-                break (at, s);
+                break (rough, big_s);
             }
-            let t = r.dot(at.normal.turned());
-            let slope = at.curvature.mul_add(s, c(1.0));
-            let da = t * at.inverse_speed * slope.recip();
+            let big_t = r.dot(rough.outward.turned());
+            // da = t/(speed (1 + kappa s)), both sides of the fraction times g^2.
+            let g_square = g * g;
+            let slope = rough.bend.mul_add(big_s, g_square);
+            let da = big_t * g * (c(self.pitch_radius) * slope).recip();
             // NaN fails both tests and is lost, too.
-            let fine = c(0.05).less(slope).and(da.abs().less(c(SERIES_LIMIT)));
+            let fine = (c(0.05) * g_square)
+                .less(slope)
+                .and(da.abs().less(c(SERIES_LIMIT)));
             lost = lost.or(open.without(fine));
             open = open.and(fine);
             let da = da.only(open);
@@ -154,9 +195,12 @@ impl Epitrochoid {
                 u = u * turn_by_little(da);
                 v = v * turn_by_little(zk * da);
             }
-            last_step = !open.and(tolerance.less(t.abs())).any();
+            let far = (c(tolerance * tolerance) * g).less(big_t * big_t);
+            last_step = !open.and(far).any();
             steps += 1;
         };
+        let at = self.refined(&rough);
+        let s = big_s * at.inverse;
         let certain = c(-self.reach_inside)
             .less(s)
             .and(s.less(c(self.reach_outside)));
@@ -194,7 +238,7 @@ impl Epitrochoid {
         for _ in 0..RAY_STEPS {
             // The tangent is n turned; moving along it by w/(tangent x ray) brings C onto the ray.
             let slope = at.normal.turned().cross(ray);
-            let da = -at.position.cross(ray) * at.inverse_speed * slope.recip();
+            let da = -at.position.cross(ray) * at.inverse * (c(self.pitch_radius) * slope).recip();
             let turn = turn_by(da.only(da.abs().less(c(SERIES_LIMIT))));
             u = u * turn;
             v = v * turn.powu(self.sleeves);
