@@ -164,29 +164,40 @@ impl EnergyAccount {
         if from >= to {
             return None;
         }
-        let (a, b) = (&marks[from], &marks[to]);
-        let [driver_j, load_j, damping_j, friction_j] =
-            [0, 1, 2, 3].map(|k| b.works[k] - a.works[k]);
-        let [kinetic_j, stored_j] = [0, 1].map(|k| b.energies[k] - a.energies[k]);
-        let remainder_j = kinetic_j + stored_j + damping_j + friction_j - driver_j - load_j;
-        Some(EnergyAudit {
-            from_s: a.time,
-            to_s: b.time,
-            driver_j,
-            load_j,
-            kinetic_j,
-            stored_j,
-            damping_j,
-            friction_j,
-            remainder_j,
-            remainder_share: remainder_j / driver_j.abs().max(load_j.abs()),
-        })
+        Some(between(&marks[from], &marks[to]))
+    }
+
+    /// The account between the last two samples.
+    pub(crate) fn latest(&self) -> Option<EnergyAudit> {
+        match self.marks.as_slice() {
+            [.., before, last] if before.time < last.time => Some(between(before, last)),
+            _ => None,
+        }
     }
 
     /// The account of the whole run.
     #[must_use]
     pub fn total(&self) -> Option<EnergyAudit> {
         self.audit(f64::NEG_INFINITY, f64::INFINITY)
+    }
+}
+
+/// The account from one sample to another.
+fn between(a: &Mark, b: &Mark) -> EnergyAudit {
+    let [driver_j, load_j, damping_j, friction_j] = [0, 1, 2, 3].map(|k| b.works[k] - a.works[k]);
+    let [kinetic_j, stored_j] = [0, 1].map(|k| b.energies[k] - a.energies[k]);
+    let remainder_j = kinetic_j + stored_j + damping_j + friction_j - driver_j - load_j;
+    EnergyAudit {
+        from_s: a.time,
+        to_s: b.time,
+        driver_j,
+        load_j,
+        kinetic_j,
+        stored_j,
+        damping_j,
+        friction_j,
+        remainder_j,
+        remainder_share: remainder_j / driver_j.abs().max(load_j.abs()),
     }
 }
 

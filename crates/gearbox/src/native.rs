@@ -178,7 +178,7 @@ fn integrate<F: Formulation>(
         }
         let contacts = contact_energy(&seen, field.as_mut());
         energy.add_sample(load.torque(t), &seen, &contacts);
-        if let Some(audit) = energy.audit(before, t)
+        if let Some(audit) = energy.latest()
             && let Err(quantity) = balance.add(&audit)
         {
             fault = Some((t, quantity));
