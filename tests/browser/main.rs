@@ -177,33 +177,27 @@ fn browser_shows_the_comparison() {
     flawless(&mut browser, &comparison(dir.path()), 4, 1);
 }
 
-/// The comparison's page for one test of its motion: they mostly wait for frames, several at a time.
-fn moving(test: impl FnOnce(&mut Chromium, &Path)) {
-    let Some(mut browser) = Chromium::start() else {
-        return;
-    };
-    let dir = tempfile::tempdir().unwrap();
-    test(&mut browser, &comparison(dir.path()));
-}
-
+/// Four questions side by side, each in a browser of its own: what they do most is wait for frames.
 #[test]
 fn browser_moves_the_gearbox() {
-    moving(motion::moves);
-}
-
-#[test]
-fn browser_draws_frames_that_cost_little() {
-    moving(motion::frames_cost_little);
-}
-
-#[test]
-fn browser_draws_nothing_unseen() {
-    moving(motion::nothing_is_drawn_unseen);
-}
-
-#[test]
-fn browser_draws_less_where_frames_come_late() {
-    moving(motion::late_frames_cost_sharpness);
+    let questions = [
+        motion::moves,
+        motion::frames_cost_little,
+        motion::nothing_is_drawn_unseen,
+        motion::late_frames_cost_sharpness,
+    ];
+    let dir = tempfile::tempdir().unwrap();
+    let page = comparison(dir.path());
+    std::thread::scope(|scope| {
+        for question in questions {
+            let page = &page;
+            scope.spawn(move || {
+                if let Some(mut browser) = Chromium::start() {
+                    question(&mut browser, page);
+                }
+            });
+        }
+    });
 }
 
 #[test]
