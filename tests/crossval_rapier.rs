@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Control, EngineError, by_name};
-use pinwheel_gearbox::scene::{FrictionLaw, Scene, Start};
+use pinwheel_scene::{FrictionLaw, Scene, Start};
 use pinwheel_tests::runs::{self, attempt, channels, native, run, scene};
 
 const SHARED: &str = "rapier-shared-law";

@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use pinwheel_tests::{Outcome, names_in, pinwheel, run_in};
 use serde_json::Value;
 

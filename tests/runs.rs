@@ -2,7 +2,7 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Control, EngineError, Run, by_name};
-use pinwheel_gearbox::scene::{Override, Scene};
+use pinwheel_scene::{Override, Scene};
 
 /// The preset with keys overridden, as `--set` does it.
 ///

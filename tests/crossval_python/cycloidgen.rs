@@ -8,8 +8,9 @@ use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::python::{Requirements, environment};
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::{LinearMesh, LinearOutput, Statics};
-use pinwheel_gearbox::{Gearbox, Sleeve};
+use pinwheel_scene::Sleeve;
 use pinwheel_tests::repository;
 use serde_json::Value;
 

@@ -129,7 +129,7 @@ fn crossval_python_refuses_what_it_cannot_honour() {
 /// What the package reads is what the program writes: every preset, every key.
 #[test]
 fn crossval_python_reads_every_preset() {
-    for preset in pinwheel_gearbox::scene::PRESETS {
+    for preset in pinwheel_scene::PRESETS {
         let mut scene = Scene::load(preset.name, &[]).unwrap();
         scene.solver.duration_s = 1e-5;
         scene.solver.step_s = scene.solver.step_s.min(1e-5);

@@ -9,7 +9,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use pinwheel_engines::{Control, Engine, by_name};
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 
 fn run(engine: &dyn Engine, scene: &Scene) {
     black_box(

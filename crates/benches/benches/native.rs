@@ -8,9 +8,9 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use pinwheel_gearbox::contacts::Kernel;
-use pinwheel_gearbox::scene::{Formulation, Scene};
 use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_mbs::Wrench;
+use pinwheel_scene::{Formulation, Scene};
 
 fn preset(name: &str) -> Scene {
     Scene::load(name, &[]).expect("presets are valid")

@@ -3,10 +3,11 @@
 use std::sync::atomic::Ordering;
 
 use pinwheel_courses::Courses;
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::{self, NativeError};
-use pinwheel_gearbox::scene::Scene;
-use pinwheel_gearbox::{Gearbox, scene};
 use pinwheel_report::animation::{Animation, CHANNELS, Gear};
+use pinwheel_scene as scene;
+use pinwheel_scene::Scene;
 
 use crate::failure::Failure;
 use crate::interrupt;

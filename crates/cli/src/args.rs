@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::scene::{Override, Scene};
+use pinwheel_scene::{Override, Scene};
 
 use crate::commands::bench::BenchArgs;
 use crate::commands::foreign::ForeignArgs;
@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn every_preset_is_in_the_help() {
-        for preset in pinwheel_gearbox::scene::PRESETS {
+        for preset in pinwheel_scene::PRESETS {
             let named = preset.name.starts_with("hard-") || EXAMPLES.contains(preset.name);
             assert!(named, "{}", preset.name);
         }

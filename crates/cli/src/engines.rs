@@ -1,7 +1,7 @@
 //! Which engines a command means, and one run of one of them.
 
 use pinwheel_engines::{Control, Engine, EngineError, Run, by_name, recorded, registry};
-use pinwheel_gearbox::scene::{Scene, did_you_mean};
+use pinwheel_scene::{Scene, did_you_mean};
 
 use crate::failure::Failure;
 use crate::interrupt;

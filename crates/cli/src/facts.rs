@@ -1,6 +1,6 @@
 //! The scene in one line.
 
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 
 /// Name and description.
 pub(crate) fn title(scene: &Scene) -> String {

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::path::Path;
 
-use pinwheel_gearbox::scene::SceneError;
+use pinwheel_scene::SceneError;
 
 /// Ran, but a limit was exceeded.
 pub(crate) const EXCEEDED: u8 = 1;

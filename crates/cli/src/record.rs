@@ -5,7 +5,7 @@ use std::path::Path;
 
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, RunStats};
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use pinwheel_studies::resolution::Resolution;
 use serde::Serialize;
 

@@ -3,9 +3,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::channels::Channels;
 use pinwheel_gearbox::energy::EnergyAudit;
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
+use pinwheel_scene::channels::Channels;
 use serde::{Deserialize, Serialize};
 
 /// Which comparison an engine belongs to. Tracks are never mixed in one table.

@@ -2,8 +2,9 @@
 
 use cpu_time::ThreadTime;
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
-use pinwheel_gearbox::scene::{Detection, Formulation, Scene};
-use pinwheel_gearbox::{Gearbox, GearboxError, load_course};
+use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_scene::load_course;
+use pinwheel_scene::{Detection, Formulation, Scene};
 
 use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
 

@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::scene::{Scene, Solver};
+use pinwheel_scene::{Scene, Solver};
 use serde::{Deserialize, Serialize};
 
 use crate::cards::{Card, card};

@@ -5,8 +5,7 @@ use pinwheel_mbs::integrators::METHODS;
 use crate::load_course;
 use crate::scene::{Detection, FrictionLaw, Scene};
 
-/// The name that stands for the choice.
-pub const AUTO: &str = "auto";
+pub use pinwheel_scene::names::AUTO;
 
 /// Relaxations of a spin within a step, above which a step is not fixed but follows the tolerance. `imex2` damps
 /// what relaxes within a step whatever its rate, but lighter sleeves also follow the contacts ever more closely: its

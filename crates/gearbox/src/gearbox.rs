@@ -3,10 +3,10 @@
 use pinwheel_contact::HertzStiffness;
 use pinwheel_mbs::{Body, BodyState, Driver, ErrorScales, Mechanism, Motion, Revolute};
 
+use crate::Layout;
 use crate::channels::Channels;
 use crate::contacts::{self, ContactField, Kernel};
 use crate::geometry::Geometry;
-use crate::layout::Layout;
 use crate::load_course;
 use crate::scene::{BodyMass, Scene, Start};
 use crate::statics::Statics;

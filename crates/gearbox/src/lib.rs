@@ -12,16 +12,14 @@ mod friction;
 mod gearbox;
 mod geometry;
 pub mod guard;
-mod layout;
-pub mod load_course;
 pub mod native;
 mod pace;
 mod recorder;
-pub mod scene;
 pub mod statics;
+
+use pinwheel_scene::{self as scene, Layout, Sleeve, load_course};
 
 pub use explain::{Explanation, Statement, explain};
 pub use gearbox::{Gearbox, GearboxError};
 pub use geometry::Geometry;
-pub use layout::{Layout, Sleeve};
 pub use recorder::Recorder;

@@ -1,9 +1,10 @@
 //! The contact loop in lanes against the scalar one, its oracle.
 
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactEnergy, Kernel, PairContact};
-use pinwheel_gearbox::scene::Scene;
-use pinwheel_gearbox::{Gearbox, Layout};
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::Layout;
+use pinwheel_scene::Scene;
 use proptest::prelude::*;
 
 /// Loads of both loops on the same states.

@@ -1,8 +1,8 @@
 //! The native solver against itself: two formulations, halved steps, repeated runs.
 
 use pinwheel_gearbox::native::{NativeError, NativeRun, run};
-use pinwheel_gearbox::scene::{Formulation, Scene, Stabilisation, Start};
 use pinwheel_gearbox::{Gearbox, explain};
+use pinwheel_scene::{Formulation, Scene, Stabilisation, Start};
 
 fn scene(duration_s: f64) -> Scene {
     let mut scene = Scene::default();

@@ -1,8 +1,8 @@
 //! Energy: what the paper's law creates, and that the account closes for laws with a potential.
 
 use pinwheel_gearbox::energy::EnergyAudit;
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_gearbox::{Gearbox, native};
+use pinwheel_scene::Scene;
 
 fn run(scene: &Scene) -> native::NativeRun {
     let gearbox = Gearbox::new(scene).unwrap();

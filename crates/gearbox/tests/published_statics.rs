@@ -1,10 +1,11 @@
 //! Statics: closed forms, an independent package, the quasi-static prototype, and the start in equilibrium.
 
-use pinwheel_gearbox::scene::{Scene, Start};
 use pinwheel_gearbox::statics::{
     LinearMesh, LinearOutput, Statics, free_play, smallest_convex_radius,
 };
-use pinwheel_gearbox::{Gearbox, Sleeve, native};
+use pinwheel_gearbox::{Gearbox, native};
+use pinwheel_scene::Sleeve;
+use pinwheel_scene::{Scene, Start};
 use std::f64::consts::TAU;
 
 fn table(name: &str) -> toml::Table {

@@ -5,7 +5,7 @@
     reason = "a program that prints its tables"
 )]
 
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use pinwheel_studies::{Control, Progress, divergence, drift, paper, published, stability};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_scene::Scene;
 
 use crate::StudyError;
 

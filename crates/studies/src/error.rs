@@ -8,7 +8,7 @@ pub enum StudyError {
     Cancelled,
     /// A scene that cannot be loaded.
     #[error(transparent)]
-    Load(#[from] pinwheel_gearbox::scene::SceneError),
+    Load(#[from] pinwheel_scene::SceneError),
     /// A scene that cannot be modelled.
     #[error("{scene}: {source}")]
     Scene {

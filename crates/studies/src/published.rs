@@ -12,7 +12,7 @@
 //! For the largest damping that a model stands, friction (whose coefficient is not printed) and Eq. 17 computed in
 //! millimetres are tried as well; everything else is without friction, as in the preset `paper`.
 
-use pinwheel_gearbox::scene::{Detection, Scene};
+use pinwheel_scene::{Detection, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;

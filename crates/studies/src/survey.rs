@@ -6,7 +6,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;

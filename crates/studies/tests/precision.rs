@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_engines::{Control as Watch, Engine, EngineError, Native, Run, Track, by_name};
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use pinwheel_studies::precision::{
     Measure, Options, Outcome, Stopped, WorkPrecision, run, write_csv,
 };

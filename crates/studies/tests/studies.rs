@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pinwheel_gearbox::scene::{Override, Scene};
+use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::stability::{self, Failure, Options};
 use pinwheel_studies::survey::{Plan, Survey};
 use pinwheel_studies::{Control, StudyError, divergence, drift, published, resolution};

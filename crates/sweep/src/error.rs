@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use pinwheel_gearbox::scene::SceneError;
+use pinwheel_scene::SceneError;
 
 /// Faults of reading, planning or running a sweep.
 #[derive(Debug, thiserror::Error)]

@@ -18,7 +18,7 @@
 
 use std::path::Path;
 
-use pinwheel_gearbox::scene::{Override, nearest};
+use pinwheel_scene::{Override, nearest};
 use serde::Serialize;
 use toml_edit::{Document, Item, TableLike, Value as Toml};
 
@@ -48,7 +48,7 @@ pub struct Sweep {
     pub name: String,
     /// Why, one sentence.
     pub description: String,
-    /// Preset or path of the base scene, as [`pinwheel_gearbox::scene::Scene::load`] takes it.
+    /// Preset or path of the base scene, as [`pinwheel_scene::Scene::load`] takes it.
     pub scene: String,
     /// Engines by name.
     pub engines: Vec<String>,
@@ -407,7 +407,7 @@ fn place(table: &dyn TableLike, key: &str, item: &Item) -> usize {
 fn scene_beside(path: &Path, scene: &str) -> String {
     let beside = path.parent().map(|folder| folder.join(scene));
     match beside {
-        Some(file) if file.is_file() && pinwheel_gearbox::scene::preset(scene).is_none() => {
+        Some(file) if file.is_file() && pinwheel_scene::preset(scene).is_none() => {
             file.display().to_string()
         }
         _ => scene.to_owned(),

@@ -1,7 +1,7 @@
 //! From a sweep to its runs: every combination as a checked scene, before anything is run.
 
 use pinwheel_engines::by_name;
-use pinwheel_gearbox::scene::{Override, Scene, SceneError, did_you_mean};
+use pinwheel_scene::{Override, Scene, SceneError, did_you_mean};
 
 use crate::axis::Value;
 use crate::{Sweep, SweepError};

@@ -10,9 +10,9 @@ use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, RunStats, recorded, registry};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::Statement;
-use pinwheel_gearbox::load_course;
-use pinwheel_gearbox::scene::{Assumption, Scene, Start, assumptions};
 use pinwheel_report::{Fact, ReportInput};
+use pinwheel_scene::load_course;
+use pinwheel_scene::{Assumption, Scene, Start, assumptions};
 use pinwheel_studies::{StudyError, divergence};
 use serde::Serialize;
 

@@ -1,7 +1,7 @@
 //! `pinwheel explain`: what a scene models, assumes and lets one expect, without running it.
 
 use pinwheel_gearbox::Explanation as Model;
-use pinwheel_gearbox::scene::{Assumption, Derived, Scene, assumptions, derived};
+use pinwheel_scene::{Assumption, Derived, Scene, assumptions, derived};
 use serde::Serialize;
 
 use crate::args::ExplainArgs;

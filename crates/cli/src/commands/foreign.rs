@@ -10,8 +10,8 @@ use pinwheel_compare::{
 };
 use pinwheel_courses::foreign::{self, ForeignError, Map, Resampled};
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::channels::Channels;
-use pinwheel_gearbox::scene::{Scene, did_you_mean};
+use pinwheel_scene::channels::Channels;
+use pinwheel_scene::{Scene, did_you_mean};
 
 use crate::args::quoted;
 use crate::failure::Failure;
@@ -183,7 +183,7 @@ fn patterns(names: &[String]) -> Vec<String> {
     }
     let mut list: Vec<String> = Vec::new();
     for name in names {
-        let family = pinwheel_gearbox::channels::FAMILIES
+        let family = pinwheel_scene::channels::FAMILIES
             .iter()
             .find(|family| fits(family.pattern, name));
         let pattern = family.map_or(name.as_str(), |family| family.pattern);

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use pinwheel_engines::recorded::{RECORDED_SCENES, Recording, worth_keeping};
 use pinwheel_engines::{Engine, EngineError, registry};
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 
 use crate::commands::compare::today;
 use crate::engines;

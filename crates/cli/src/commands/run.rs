@@ -2,7 +2,7 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, Track};
-use pinwheel_gearbox::scene::{Formulation, Scene};
+use pinwheel_scene::{Formulation, Scene};
 use pinwheel_studies::StudyError;
 use pinwheel_studies::resolution::{self, Resolution};
 

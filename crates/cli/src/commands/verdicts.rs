@@ -4,7 +4,7 @@ use std::path::Path;
 
 use pinwheel_compare::quantities::INPUT_TORQUE;
 use pinwheel_compare::{Check, Comparison, Verdict, WindowKind};
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 
 use crate::facts;
 use crate::screen::{BAD, GOOD, QUIET, TITLE, styled};

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use pyo3::prelude::*;
 
 use super::law::Published;

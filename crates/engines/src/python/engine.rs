@@ -2,7 +2,7 @@
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::ContactField;
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
 

@@ -1,9 +1,9 @@
 //! Faults on purpose, for tests that a guard sees them. Not used by the program.
 
-use pinwheel_gearbox::Sleeve;
 use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, PairContact};
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::Scene;
+use pinwheel_scene::Sleeve;
 
 use super::engine::PythonEngine;
 use crate::cards::card;

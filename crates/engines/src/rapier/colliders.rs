@@ -1,11 +1,12 @@
 //! rapier all by itself: polyline wheels and holes, round sleeves, its own collision detection,
 //! its own contact spring and its own Coulomb friction.
 
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::channels::{PRESSING_N, PairSource};
 use pinwheel_gearbox::contacts::{ContactEnergy, PairContact};
-use pinwheel_gearbox::scene::{Detection, Gear, Scene, Start};
-use pinwheel_gearbox::{Gearbox, Sleeve};
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::Sleeve;
+use pinwheel_scene::{Detection, Gear, Scene, Start};
 use rapier2d_f64::parry::query::PointQuery;
 use rapier2d_f64::prelude::*;
 

@@ -7,11 +7,12 @@
 //! transmits F_n h exactly. rapier's Coulomb friction, implicit and bounded by mu F_n h, does the
 //! rest.
 
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::channels::{PRESSING_N, PairSource};
 use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, PairContact};
-use pinwheel_gearbox::scene::Scene;
-use pinwheel_gearbox::{Gearbox, Layout, Sleeve};
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::Scene;
+use pinwheel_scene::{Layout, Sleeve};
 use rapier2d_f64::prelude::*;
 
 use super::march::{Contacts, Grid, Sums, friction_refusal, march, sleeve_slot};
@@ -384,7 +385,7 @@ mod tests {
         for step in 0..300 {
             world.at_node(&mut now);
             let mut loads = vec![Wrench::default(); gearbox.layout.bodies()];
-            loads[pinwheel_gearbox::Layout::OUTPUT].moment = 22.0;
+            loads[pinwheel_scene::Layout::OUTPUT].moment = 22.0;
             let share = world.share();
             hooked.step(&mut world, &now, &mut loads).unwrap();
             let mut asked: Vec<PairContact> = Vec::new();

@@ -7,9 +7,10 @@ use std::time::Instant;
 
 use cpu_time::ThreadTime;
 use pinwheel_gearbox::channels::{PairSource, Seen};
-use pinwheel_gearbox::scene::{FrictionLaw, Scene};
-use pinwheel_gearbox::{Gearbox, Layout, Recorder, Sleeve, guard, load_course};
+use pinwheel_gearbox::{Gearbox, Recorder, guard};
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::{FrictionLaw, Scene};
+use pinwheel_scene::{Layout, Sleeve, load_course};
 
 use super::reactions::reactions;
 use super::world::World;

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use pinwheel_gearbox::scene::Gear;
+use pinwheel_scene::Gear;
 use rapier2d_f64::prelude::Vector;
 
 /// `count` points of a wheel's edge at equal steps of the curve parameter, counter-clockwise, in

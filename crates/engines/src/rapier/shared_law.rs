@@ -3,8 +3,8 @@
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::channels::{LawPairs, PairSource};
 use pinwheel_gearbox::contacts::ContactField;
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::Scene;
 
 use super::march::{Contacts, Grid, Sums, march};
 use super::unsupported;

@@ -5,10 +5,11 @@
 //! static load (of a load that changes the last one): w^2 is the mean of k/m over the touching pairs, weighted by their forces, with
 //! the secant stiffness k = F/delta of the scene's law.
 
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactField, PairContact};
-use pinwheel_gearbox::scene::Scene;
-use pinwheel_gearbox::{Gearbox, Layout, Sleeve, load_course};
 use pinwheel_mbs::BodyState;
+use pinwheel_scene::Scene;
+use pinwheel_scene::{Layout, Sleeve, load_course};
 
 /// f = w/(2 pi), Hz.
 ///

@@ -5,9 +5,10 @@
 //! are read as v_{n+1/2}: the world holds positions at t_n beside velocities half a step back, and
 //! [`World::at_node`] extrapolates the latter to t_n.
 
-use pinwheel_gearbox::scene::{BodyMass, Scene};
-use pinwheel_gearbox::{Gearbox, Layout};
+use pinwheel_gearbox::Gearbox;
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::Layout;
+use pinwheel_scene::{BodyMass, Scene};
 use rapier2d_f64::prelude::*;
 
 /// h w of the springs that pull revolutes together. rapier's own, of 1 MHz, give way at short

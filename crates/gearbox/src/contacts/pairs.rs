@@ -11,8 +11,8 @@ use pinwheel_mbs::{BodyState, Wrench};
 use super::detection::{Detection, Touch};
 use super::field::{ContactEnergy, ContactField, PairContact};
 use crate::geometry::Geometry;
-use crate::layout::{Layout, Sleeve};
 use crate::scene::{self, FrictionLaw, Scene};
+use crate::{Layout, Sleeve};
 
 /// The contact field of one law and one detection.
 pub(super) struct Pairs<L, D> {

@@ -5,7 +5,7 @@
 //! All hard presets are in it but these: scenes whose forces are only rounding (no load), the one no method resolves
 //! (feather-light sleeves), and `hard-long-run`, which is `paper` for longer.
 
-use pinwheel_gearbox::scene::{Override, Scene, SceneError};
+use pinwheel_scene::{Override, Scene, SceneError};
 
 /// A scene of the set.
 #[derive(Debug, Clone, Copy)]
@@ -367,7 +367,7 @@ mod tests {
             "hard-zero-load",
             "hard-zero-load-friction",
         ];
-        for preset in pinwheel_gearbox::scene::PRESETS {
+        for preset in pinwheel_scene::PRESETS {
             let hard = preset.name.starts_with("hard-") && !left_out.contains(&preset.name);
             let watched = SCENES.iter().any(|case| case.preset == preset.name);
             assert_eq!(

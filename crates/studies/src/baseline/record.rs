@@ -1,7 +1,7 @@
 //! Making a baseline: converged runs, accepted runs, and what roundings do to them.
 
 use pinwheel_gearbox::contacts::Kernel;
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 
 use super::cases::{Choice, SceneCase};
 use super::error::BaselineError;

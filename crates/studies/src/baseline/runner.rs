@@ -7,7 +7,7 @@ use cpu_time::ThreadTime;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_gearbox::native::{self, NativeError};
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use super::instructions::Counter;

@@ -2,8 +2,8 @@
 
 use pinwheel_contact::Complex;
 use pinwheel_gearbox::Geometry;
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_gearbox::statics::free_play;
+use pinwheel_scene::Scene;
 
 use super::figure::{Curve, Figure, Plot, number, verdict};
 use super::read::{DRAWN, DYING, EXTERNAL, INTERNAL, STEADY, all, largest, part, times};

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::scene::{Detection, Scene};
+use pinwheel_scene::{Detection, Scene};
 
 use crate::StudyError;
 use crate::control::Control;

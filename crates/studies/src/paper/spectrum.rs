@@ -11,7 +11,7 @@ use super::figure::{Curve, Figure, Number, Plot, number, verdict};
 use super::read::{INPUT, OUTPUT, mean, part};
 use super::runs::{Model, Runs};
 use crate::StudyError;
-use pinwheel_gearbox::scene::{Scene, derived};
+use pinwheel_scene::{Scene, derived};
 
 /// Input turns until the start has died down, and turns analysed: 15, in which a wheel turns once, so that every
 /// order a wheel can make is a bin.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use pinwheel_gearbox::scene::{Scene, Start};
+use pinwheel_scene::{Scene, Start};
 
 use super::backlash::{BACKLASHES, plot, words};
 use super::figure::{Curve, Figure, Plot, number, verdict};

@@ -1,8 +1,8 @@
 //! The settings a method is tried with, coarse to fine, and when to stop.
 
 use pinwheel_engines::Track;
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::integrators::METHODS;
+use pinwheel_scene::Scene;
 use serde::Serialize;
 
 use super::Options;

@@ -25,8 +25,8 @@ pub use series::{Cost, Measure, Outcome, Point, Series};
 use std::sync::atomic::Ordering;
 
 use pinwheel_engines::{Engine, Track};
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::integrators::METHODS;
+use pinwheel_scene::Scene;
 use serde::Serialize;
 
 use crate::StudyError;

@@ -11,7 +11,7 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::scene::{Detection, Formulation, FrictionLaw, Scene};
+use pinwheel_scene::{Detection, Formulation, FrictionLaw, Scene};
 use serde::Serialize;
 
 use super::Knob;

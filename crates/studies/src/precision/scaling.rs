@@ -7,7 +7,7 @@
 
 use std::io::Write;
 
-use pinwheel_gearbox::scene::{BodyMass, Detection, Formulation, Scene};
+use pinwheel_scene::{BodyMass, Detection, Formulation, Scene};
 use serde::Serialize;
 
 use super::front::power_law;

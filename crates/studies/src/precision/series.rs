@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use cpu_time::ProcessTime;
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, Run, Track};
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::integrators::METHODS;
+use pinwheel_scene::Scene;
 use serde::Serialize;
 
 use super::front::{CostAt, cost_at};

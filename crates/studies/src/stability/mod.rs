@@ -8,7 +8,7 @@ mod search;
 mod verdict;
 
 use pinwheel_gearbox::auto;
-use pinwheel_gearbox::scene::{Formulation, PRESETS, Scene};
+use pinwheel_scene::{Formulation, PRESETS, Scene};
 use serde::{Deserialize, Serialize};
 
 pub use reference::Reference;

@@ -15,7 +15,7 @@ use std::io::BufWriter;
 use std::path::Path;
 
 use pinwheel_engines::{Engine, Track, by_name, registry};
-use pinwheel_gearbox::scene::{Scene, did_you_mean};
+use pinwheel_scene::{Scene, did_you_mean};
 use pinwheel_studies::precision::mechanisms::{self, MechanismStudy};
 use pinwheel_studies::precision::scaling::{self, Scaling};
 use pinwheel_studies::precision::{self, CostAt, Options, Ranking, WorkPrecision};

@@ -1,7 +1,7 @@
 //! The engine that stands in Adams' place: one that finds and resolves contacts itself.
 
 use pinwheel_engines::{Engine, EngineError, Track, by_name, recorded};
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use pinwheel_studies::paper::Peer;
 
 use crate::engines;

@@ -31,8 +31,8 @@ pub(super) fn unserved(survey: &Survey) -> Vec<String> {
 /// `reduced rk2`, with the tolerance of methods that have one.
 pub(super) fn name(method: &pinwheel_studies::stability::Method) -> String {
     let form = match method.formulation {
-        pinwheel_gearbox::scene::Formulation::Reduced => "reduced",
-        pinwheel_gearbox::scene::Formulation::Lagrange => "lagrange",
+        pinwheel_scene::Formulation::Reduced => "reduced",
+        pinwheel_scene::Formulation::Lagrange => "lagrange",
     };
     match method.tolerance {
         Some(tolerance) => format!("{form} {} {tolerance:.0e}", method.integrator),

@@ -14,7 +14,7 @@ use std::sync::Mutex;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use pinwheel_studies::survey::{Plan, Survey};
 use pinwheel_studies::{Control, Progress, StudyError};
 use serde::{Deserialize, Serialize};

@@ -141,7 +141,7 @@ fn scenes(survey: &Survey) -> Section {
             .iter()
             .find(|cell| {
                 cell.method.integrator == row.auto
-                    && cell.method.formulation == pinwheel_gearbox::scene::Formulation::Reduced
+                    && cell.method.formulation == pinwheel_scene::Formulation::Reduced
             })
             .and_then(judged::error);
         let served = |error: f64| {

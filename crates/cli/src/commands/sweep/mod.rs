@@ -7,7 +7,7 @@ mod written;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use pinwheel_gearbox::scene::Override;
+use pinwheel_scene::Override;
 use pinwheel_sweep::{
     Control, Journal, MOST_BYTES, Outcome, Plan, RunRecord, Sweep, SweepError, execute,
 };

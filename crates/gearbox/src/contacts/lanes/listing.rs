@@ -4,9 +4,9 @@ use pinwheel_contact::{LanesLaw, RegularisedCoulomb};
 use pulp::Simd;
 
 use super::walk::{Group, Sink, Wheel};
+use crate::Sleeve;
 use crate::contacts::detection::Touch;
 use crate::contacts::pairs::{Loaded, WheelFrame};
-use crate::layout::Sleeve;
 
 /// Takes a pair: wheel number, sleeve, the wheel's frame, the pair in that frame.
 pub(super) type Visit<'a> = dyn FnMut(usize, Sleeve, &WheelFrame, &Loaded) + 'a;

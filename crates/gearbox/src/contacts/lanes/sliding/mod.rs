@@ -15,7 +15,7 @@ use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::sliding::RateStage;
 use pulp::Simd;
 
-use crate::layout::Layout;
+use crate::Layout;
 use hubs::{Hubs, MOST_HUBS};
 pub(super) use split::Split;
 use table::{Leaf, Pair, Table};

@@ -2,7 +2,7 @@
 
 use super::catalogue::{Chosen, FAMILIES, always_there, fits};
 use crate::layout::Layout;
-use crate::scene::nearest;
+use crate::nearest;
 
 /// Entries of `output.channels` at most.
 pub(crate) const MOST_PATTERNS: usize = 200;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::scene::Gear;
+use crate::Gear;
 
 /// Body indices: input, output, wheels, external sleeves, internal sleeves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

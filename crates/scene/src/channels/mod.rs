@@ -10,22 +10,18 @@
 
 mod catalogue;
 mod select;
-mod values;
 
-pub use catalogue::{FAMILIES, Family};
-pub use values::{LawPairs, PRESSING_N, PairSource, Seen};
-
-pub(crate) use catalogue::{Chosen, What};
+pub use catalogue::{Chosen, FAMILIES, Family, Joint, PairQuantity, Part, What, Whole};
 pub(crate) use select::select;
-pub(crate) use values::Values;
 
+use crate::Scene;
 use crate::layout::Layout;
-use crate::scene::Scene;
 
 /// The columns that a scene asks for.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Channels {
-    pub(crate) list: Vec<Chosen>,
+    /// The columns, in the order of the catalogue.
+    pub list: Vec<Chosen>,
 }
 
 impl Channels {

@@ -1,6 +1,6 @@
 //! The presets are valid, described, complete and what the paper says.
 
-use crate::scene::{Detection, PRESETS, Scene, derived};
+use crate::{Detection, PRESETS, Scene, derived};
 
 fn load(name: &str) -> Scene {
     Scene::load(name, &[]).unwrap_or_else(|error| panic!("{error}"))
@@ -44,7 +44,7 @@ fn the_defaults_are_the_paper() {
 /// paper.toml is what people copy: every key that can be written stands in it.
 #[test]
 fn paper_shows_every_key() {
-    let paper: toml::Table = crate::scene::preset("paper").unwrap().parse().unwrap();
+    let paper: toml::Table = crate::preset("paper").unwrap().parse().unwrap();
     let full: toml::Table = load("paper").to_toml().parse().unwrap();
     assert_eq!(paper, full);
 }

@@ -8,33 +8,48 @@ use crate::layout::{Layout, Sleeve};
 
 /// What one number of a pair of wheel and sleeve is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum PairQuantity {
+pub enum PairQuantity {
+    /// Sleeve radius less distance, m.
     Penetration,
+    /// Rate of the penetration, m/s.
     NormalVelocity,
+    /// Sliding along R90 n, m/s.
     TangentialVelocity,
+    /// K of the law.
     Stiffness,
+    /// The wheel's closest point, x, m.
     PointX,
+    /// Its y, m.
     PointY,
+    /// F_n, N.
     NormalForce,
+    /// Friction on the sleeve along R90 n, N.
     FrictionForce,
 }
 
 /// Which revolutes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Joint {
+pub enum Joint {
+    /// Input shaft on the housing.
     Input,
+    /// Output shaft on the housing.
     Output,
     /// Wheel on its eccentric.
     Eccentric,
+    /// External sleeve on its pin.
     ExternalPin,
+    /// Internal sleeve on its pin.
     InternalPin,
 }
 
 /// Which part of a joint's force on the body it carries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Part {
+pub enum Part {
+    /// Length.
     Magnitude,
+    /// Along x of the ground frame.
     X,
+    /// Along y of the ground frame.
     Y,
     /// Away from the input shaft's axis.
     Radial,
@@ -44,23 +59,35 @@ pub(crate) enum Part {
 
 /// Numbers of the whole gearbox or of a wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Whole {
+pub enum Whole {
+    /// Output power over input power.
     Efficiency,
+    /// Driver torque times speed, W.
     InputPower,
+    /// Moment of the contacts on the output times its speed, W.
     OutputPower,
+    /// Lost by damping, W.
     DampingLoss,
+    /// Lost by sliding, W.
     FrictionLoss,
+    /// Output angle less the ideal mesh's, arcmin.
     TransmissionError,
+    /// A wheel's angle less the ideal mesh's, arcmin.
     WheelTransmissionError,
+    /// External sleeves that press.
     ExternalContacts,
+    /// Internal sleeves that press.
     InternalContacts,
 }
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum What {
+pub enum What {
+    /// Of a pair of wheel and sleeve.
     Pair(PairQuantity),
+    /// Of a revolute.
     Joint(Joint, Part),
+    /// Of the gearbox or a wheel.
     Whole(Whole),
 }
 
@@ -88,13 +115,15 @@ pub struct Family {
 
 /// A column of a certain gearbox.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Chosen {
-    pub(crate) name: String,
-    pub(crate) what: What,
+pub struct Chosen {
+    /// The column's name.
+    pub name: String,
+    /// What it holds.
+    pub what: What,
     /// Wheel and sleeve of a pair.
-    pub(crate) pair: Option<(usize, Sleeve)>,
+    pub pair: Option<(usize, Sleeve)>,
     /// Number within the family, for what is no pair.
-    pub(crate) number: usize,
+    pub number: usize,
 }
 
 /// Columns every engine records, asked for or not.

@@ -7,7 +7,7 @@
 //! loads: that of the piece that ends and that of the piece that begins. Integration therefore goes in legs from
 //! one [`breaks`] to the next, each with one piece to both its ends.
 
-use crate::scene::{Drive, Scene};
+use crate::{Drive, Scene};
 
 /// Least distance of two changes, s: breaks stand apart by more than the rounding of times.
 pub const APART_S: f64 = 1e-9;
@@ -165,7 +165,7 @@ pub fn unreached(scene: &Scene) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::LoadChange;
+    use crate::LoadChange;
 
     fn drive(changes: &[(f64, f64, f64)]) -> Drive {
         let change = |&(time_s, output_torque_n_m, ramp_s): &(f64, f64, f64)| LoadChange {

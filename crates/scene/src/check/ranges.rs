@@ -8,7 +8,7 @@ use super::super::model::{BodyMass, Detection, Scene};
 use super::super::names;
 use super::super::suggest::did_you_mean;
 use super::number::short;
-use crate::scene::FrictionLaw;
+use crate::FrictionLaw;
 
 /// The allowed interval of one number.
 #[derive(Clone, Copy)]

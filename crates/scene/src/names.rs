@@ -3,6 +3,9 @@
 use pinwheel_contact::laws::LAWS;
 use pinwheel_mbs::integrators::METHODS;
 
+/// The integrator that stands for the choice by the solver itself.
+pub const AUTO: &str = "auto";
+
 /// Normal contact laws.
 #[must_use]
 pub fn laws() -> Vec<&'static str> {
@@ -13,5 +16,5 @@ pub fn laws() -> Vec<&'static str> {
 #[must_use]
 pub fn integrators() -> Vec<&'static str> {
     let methods = METHODS.iter().map(|method| method.name);
-    std::iter::once(crate::auto::AUTO).chain(methods).collect()
+    std::iter::once(AUTO).chain(methods).collect()
 }

@@ -2,10 +2,13 @@
 
 mod assumptions;
 mod changes;
+pub mod channels;
 mod check;
 mod derived;
 mod error;
+mod layout;
 mod load;
+pub mod load_course;
 mod model;
 pub mod names;
 mod parse;
@@ -19,6 +22,7 @@ pub use assumptions::{Assumption, assumptions};
 pub use check::check;
 pub use derived::{Derived, Frequency, derived};
 pub use error::{Fault, Place, SceneError};
+pub use layout::{Layout, Sleeve};
 pub use model::{
     BodyMass, Contact, Detection, Drive, Formulation, FrictionLaw, Gear, LoadChange, Masses,
     Output, Scene, Solver, Stabilisation, Start,

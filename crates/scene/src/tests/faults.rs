@@ -1,6 +1,6 @@
 //! Every kind of fault is refused with its key, its line and a remedy, on one line.
 
-use crate::scene::{Override, Place, Scene, SceneError, preset};
+use crate::{Override, Place, Scene, SceneError, preset};
 
 fn overrides(texts: &[&str]) -> Vec<Override> {
     texts.iter().map(|text| text.parse().unwrap()).collect()
@@ -436,7 +436,7 @@ fn files_that_are_no_text_or_too_long() {
 
     std::fs::write(&path, b"[gear]\nwheels = 2\n# \xff\n").unwrap();
     assert!(load().unwrap_err().contains("line 3: not UTF-8"));
-    std::fs::write(&path, vec![b'#'; crate::scene::MOST_BYTES + 1]).unwrap();
+    std::fs::write(&path, vec![b'#'; crate::MOST_BYTES + 1]).unwrap();
     assert!(load().unwrap_err().contains("longer than"));
     std::fs::write(&path, "\u{feff}[gear]\r\nwheels = 1\r\n").unwrap();
     let scene = load().unwrap();

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use crate::load_course;
-use crate::scene::{LoadChange, Override, Scene, check};
+use crate::{LoadChange, Override, Scene, check};
 
 fn with(changes: &str) -> Result<Scene, String> {
     let set = Override::new("drive.load_changes", changes);

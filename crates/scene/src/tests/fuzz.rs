@@ -2,10 +2,10 @@
 
 use proptest::prelude::*;
 
-use crate::scene::{Override, Scene, assumptions, derived, preset};
+use crate::{Override, Scene, assumptions, derived, preset};
 
 /// Whatever the outcome: no panic, one line of message, figures that are numbers.
-fn survives(result: Result<Scene, crate::scene::SceneError>) {
+fn survives(result: Result<Scene, crate::SceneError>) {
     match result {
         Ok(scene) => {
             let figures = derived(&scene);

@@ -1,13 +1,13 @@
-//! The values of channels at one sample.
+//! The values of channels ([`pinwheel_scene::channels`]) at one sample.
 
 use pinwheel_mbs::BodyState;
 
-use super::Channels;
-use super::catalogue::{Chosen, Joint, PairQuantity, Part, What, Whole};
+use pinwheel_scene::channels::{Channels, Chosen, Joint, PairQuantity, Part, What, Whole};
+
 use crate::Gearbox;
 use crate::contacts::{ContactEnergy, ContactField, PairContact};
 use crate::geometry::Geometry;
-use crate::layout::{Layout, Sleeve};
+use crate::{Layout, Sleeve};
 
 /// Minutes of arc of a radian.
 const ARCMIN: f64 = 180.0 * 60.0 / std::f64::consts::PI;
