@@ -278,7 +278,7 @@ pub fn explain(scene: &Scene) -> Result<Explanation, GearboxError> {
         modelled,
         left_out,
         channels: gearbox.channels.names().map(str::to_owned).collect(),
-        channels_available: crate::channels::FAMILIES
+        channels_available: pinwheel_scene::channels::FAMILIES
             .iter()
             .map(|family| Statement {
                 what: family.pattern.to_owned(),

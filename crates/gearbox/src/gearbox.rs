@@ -4,12 +4,12 @@ use pinwheel_contact::HertzStiffness;
 use pinwheel_mbs::{Body, BodyState, Driver, ErrorScales, Mechanism, Motion, Revolute};
 
 use crate::Layout;
-use crate::channels::Channels;
 use crate::contacts::{self, ContactField, Kernel};
 use crate::geometry::Geometry;
 use crate::load_course;
 use crate::scene::{BodyMass, Scene, Start};
 use crate::statics::Statics;
+use pinwheel_scene::channels::Channels;
 
 /// Why a checked scene still cannot be modelled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
