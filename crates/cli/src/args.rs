@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use pinwheel_gearbox::Gearbox;
-use pinwheel_scene::{Override, Scene};
+use pinwheel_scene::{CheckedScene, Override, Scene};
 
 use crate::commands::bench::BenchArgs;
 use crate::commands::foreign::ForeignArgs;
@@ -209,7 +209,7 @@ fn on_one_line(message: &str) -> String {
 
 impl SceneArgs {
     /// The checked scene, and proof that it can be modelled.
-    pub(crate) fn load(&self) -> Result<(Scene, Gearbox), Failure> {
+    pub(crate) fn load(&self) -> Result<(CheckedScene, Gearbox), Failure> {
         let overrides: Vec<Override> = self
             .set
             .iter()

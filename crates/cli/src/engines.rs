@@ -1,7 +1,7 @@
 //! Which engines a command means, and one run of one of them.
 
 use pinwheel_engines::{Control, Engine, EngineError, Run, by_name, recorded, registry};
-use pinwheel_scene::{Scene, did_you_mean};
+use pinwheel_scene::{CheckedScene, Scene, did_you_mean};
 
 use crate::failure::Failure;
 use crate::interrupt;
@@ -48,7 +48,7 @@ fn names() -> Vec<String> {
 /// Runs one engine with progress; the outer failure is the user's stop.
 pub(crate) fn run(
     engine: &dyn Engine,
-    scene: &Scene,
+    scene: &CheckedScene,
     label: &str,
 ) -> Result<Result<Run, EngineError>, Failure> {
     interrupt::check()?;

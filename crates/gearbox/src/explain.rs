@@ -40,12 +40,12 @@ pub struct Explanation {
     pub channels_available: Vec<Statement>,
 }
 
-/// Explains the model of a checked scene.
+/// Explains the model of a compiled scene.
 ///
 /// # Errors
-/// The scene cannot be modelled.
-pub fn explain(scene: &Scene) -> Result<Explanation, GearboxError> {
-    let gearbox = Gearbox::new(scene)?;
+/// The friction's contacts cannot be set up.
+pub fn explain(gearbox: &Gearbox) -> Result<Explanation, GearboxError> {
+    let scene: &Scene = &gearbox.scene;
     let mechanism = gearbox.mechanism();
     let (layout, contact, solver) = (gearbox.layout, &scene.contact, &scene.solver);
     let sleeves = layout.external_sleeves + layout.internal_sleeves;

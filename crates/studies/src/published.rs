@@ -136,7 +136,7 @@ pub fn run(
                 total,
                 piece: &piece,
             });
-            let ended = control.run(&switched(scene, damping, switch))?;
+            let ended = control.run_published(&switched(scene, damping, switch))?;
             let mut entry = Entry {
                 damping_n_s_m: damping,
                 switch,
@@ -253,7 +253,7 @@ pub fn limit(
         let mut scene = switched(scene, damping, switch);
         "rk2".clone_into(&mut scene.solver.integrator);
         scene.solver.step_s = step;
-        control.run(&scene)
+        control.run_published(&scene)
     };
     let base = level(
         &control

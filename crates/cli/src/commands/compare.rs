@@ -12,7 +12,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::Statement;
 use pinwheel_report::{Fact, ReportInput};
 use pinwheel_scene::load_course;
-use pinwheel_scene::{Assumption, Scene, Start, assumptions};
+use pinwheel_scene::{Assumption, CheckedScene, Scene, Start, assumptions};
 use pinwheel_studies::{StudyError, divergence};
 use serde::Serialize;
 
@@ -138,7 +138,7 @@ fn chosen(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, Failu
 /// Runs one engine, writes its courses, and makes a participant of it, however it ended.
 fn take_part(
     engine: &dyn Engine,
-    scene: &Scene,
+    scene: &CheckedScene,
     label: &str,
     folder: &Folder,
 ) -> Result<Participant, Failure> {
@@ -285,7 +285,7 @@ fn write(
 ) -> Result<(), Failure> {
     let scene = &gearbox.scene;
     let model =
-        pinwheel_gearbox::explain(scene).map_err(|error| Failure::input(error.to_string()))?;
+        pinwheel_gearbox::explain(gearbox).map_err(|error| Failure::input(error.to_string()))?;
     let (assumed, machine) = (assumptions(scene), Machine::here());
     let command = typed(args);
     let facts = |list: &[Statement]| list.iter().map(|s| Fact::new(&s.what, &s.why)).collect();

@@ -21,10 +21,10 @@ struct Explanation<'a> {
 }
 
 pub(crate) fn explain(args: &ExplainArgs) -> Result<u8, Failure> {
-    let (scene, _) = args.scene.load()?;
+    let (scene, gearbox) = args.scene.load()?;
     let explanation = Explanation {
         scene: &scene,
-        model: pinwheel_gearbox::explain(&scene)
+        model: pinwheel_gearbox::explain(&gearbox)
             .map_err(|error| Failure::input(error.to_string()))?,
         derived: derived(&scene),
         assumptions: assumptions(&scene),

@@ -11,7 +11,7 @@ use pinwheel_compare::{
 use pinwheel_courses::foreign::{self, ForeignError, Map, Resampled};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::channels::Channels;
-use pinwheel_scene::{Scene, did_you_mean};
+use pinwheel_scene::{CheckedScene, Scene, did_you_mean};
 
 use crate::args::quoted;
 use crate::failure::Failure;
@@ -130,9 +130,10 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, Failure> {
 /// Fails on a mapped column that no engine records: its name is mistyped.
 pub(crate) fn with_channels(
     list: &[Data],
-    mut scene: Scene,
+    scene: CheckedScene,
     gearbox: Gearbox,
-) -> Result<(Scene, Gearbox), Failure> {
+) -> Result<(CheckedScene, Gearbox), Failure> {
+    let mut scene = scene.into_scene();
     let mut everything = scene.clone();
     everything.output.channels = vec!["*".to_owned()];
     let all = Channels::of(&everything).map_err(Failure::input)?;
@@ -168,10 +169,13 @@ pub(crate) fn with_channels(
         }
     }
     if !asked {
-        return Ok((scene, gearbox));
+        return Ok((gearbox.scene.clone(), gearbox));
     }
     // Hundreds of single names make one pattern a family: the scene's own limit is on patterns.
     scene.output.channels = patterns(&scene.output.channels);
+    let scene = scene
+        .check()
+        .map_err(|fault| Failure::input(fault.to_string()))?;
     let gearbox = Gearbox::new(&scene).map_err(|error| Failure::input(error.to_string()))?;
     Ok((scene, gearbox))
 }

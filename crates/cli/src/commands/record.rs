@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use pinwheel_engines::recorded::{RECORDED_SCENES, Recording, worth_keeping};
 use pinwheel_engines::{Engine, EngineError, registry};
-use pinwheel_scene::Scene;
+use pinwheel_scene::{CheckedScene, Scene};
 
 use crate::commands::compare::today;
 use crate::engines;
@@ -36,7 +36,7 @@ pub(crate) struct RecordArgs {
 }
 
 pub(crate) fn record(args: &RecordArgs) -> Result<u8, Failure> {
-    let scenes: Vec<Scene> = if args.scenes.is_empty() {
+    let scenes: Vec<CheckedScene> = if args.scenes.is_empty() {
         RECORDED_SCENES
             .map(|name| Scene::load(name, &[]))
             .into_iter()
@@ -77,7 +77,7 @@ pub(crate) fn record(args: &RecordArgs) -> Result<u8, Failure> {
 }
 
 /// Records one run and says so; false if the engine broke.
-fn one(engine: &dyn Engine, scene: &Scene, out: &Path) -> Result<bool, Failure> {
+fn one(engine: &dyn Engine, scene: &CheckedScene, out: &Path) -> Result<bool, Failure> {
     let label = format!("{} {}", scene.name, engine.name());
     if let Err(reason) = worth_keeping(engine.name(), scene) {
         screen::show(&format!("{label}: not recorded: {reason}"))?;

@@ -2,7 +2,7 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, Track};
-use pinwheel_scene::{Formulation, Scene};
+use pinwheel_scene::{CheckedScene, Formulation, Scene};
 use pinwheel_studies::StudyError;
 use pinwheel_studies::resolution::{self, Resolution};
 
@@ -125,10 +125,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
 /// What a native run shows at twice its step. The resolved engine has no step of the scene's.
 fn check(
     engine: &dyn Engine,
-    scene: &Scene,
+    scene: &CheckedScene,
     courses: &Courses,
 ) -> Result<Option<Resolution>, Failure> {
-    let mut scene = scene.clone();
+    let mut scene = scene.clone().into_scene();
     scene.solver.formulation = match engine.name() {
         "native-reduced" => Formulation::Reduced,
         "native-lagrange" => Formulation::Lagrange,

@@ -88,7 +88,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
 
     let mut measured = Measured {
         command: typed(args),
-        scene,
+        scene: scene.into_scene(),
         study: None,
         scaling: None,
         mechanisms: None,

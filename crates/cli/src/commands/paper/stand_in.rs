@@ -1,7 +1,7 @@
 //! The engine that stands in Adams' place: one that finds and resolves contacts itself.
 
 use pinwheel_engines::{Engine, EngineError, Track, by_name, recorded};
-use pinwheel_scene::Scene;
+use pinwheel_scene::{CheckedScene, Scene};
 use pinwheel_studies::paper::Peer;
 
 use crate::engines;
@@ -19,7 +19,7 @@ const PREFERRED: [&str; 3] = [
 ///
 /// Recordings go first where none is named: the Python engines take minutes for what this page shows of them.
 pub(super) fn peer(named: Option<&str>) -> Result<Option<Peer>, Failure> {
-    let scene = Scene::default();
+    let scene = Scene::load("paper", &[])?;
     if let Some(name) = named {
         let engine = engines::find_or_recorded(name, &scene)?;
         if engine.track() != Track::OwnContact {
@@ -52,7 +52,7 @@ pub(super) fn peer(named: Option<&str>) -> Result<Option<Peer>, Failure> {
     Ok(None)
 }
 
-fn run(engine: &dyn Engine, scene: &Scene, note: String) -> Result<Peer, Failure> {
+fn run(engine: &dyn Engine, scene: &CheckedScene, note: String) -> Result<Peer, Failure> {
     let run = engines::run(engine, scene, engine.name())?.map_err(|error| match error {
         EngineError::Cancelled => Failure::stopped(),
         error => Failure::engine(format!("{error}; choose another with --against")),
