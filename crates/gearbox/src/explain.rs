@@ -82,7 +82,7 @@ pub fn explain(gearbox: &Gearbox) -> Result<Explanation, GearboxError> {
             format!(
                 "all {} bodies with 3 coordinates each, {} joints by multipliers",
                 mechanism.bodies.len(),
-                joints(&gearbox)
+                joints(gearbox)
             ),
             "solver.formulation = \"lagrange\": the paper's Eq. 2",
         );
@@ -270,7 +270,7 @@ pub fn explain(gearbox: &Gearbox) -> Result<Explanation, GearboxError> {
     }
     Ok(Explanation {
         bodies: mechanism.bodies.len(),
-        joints: joints(&gearbox),
+        joints: joints(gearbox),
         lagrange_coordinates: coordinates,
         constraints: mechanism.constraints(),
         degrees_of_freedom: if lagrange { coordinates } else { free_angles },

@@ -2,7 +2,7 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, Track};
-use pinwheel_scene::{CheckedScene, Formulation, Scene};
+use pinwheel_scene::{CheckedScene, Formulation};
 use pinwheel_studies::StudyError;
 use pinwheel_studies::resolution::{self, Resolution};
 
