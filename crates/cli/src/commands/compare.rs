@@ -286,7 +286,7 @@ fn write(
     let scene = &gearbox.scene;
     let model =
         pinwheel_gearbox::explain(gearbox).map_err(|error| Failure::input(error.to_string()))?;
-    let (assumed, machine) = (assumptions(scene), Machine::here());
+    let (assumed, machine) = (assumptions(&gearbox.scene), Machine::here());
     let command = typed(args);
     let facts = |list: &[Statement]| list.iter().map(|s| Fact::new(&s.what, &s.why)).collect();
     let mut versions = vec![("pinwheel".to_owned(), env!("CARGO_PKG_VERSION").to_owned())];
