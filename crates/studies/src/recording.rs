@@ -34,12 +34,15 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
         let named = names.iter().map(|name| choice::find(name.trim(), scene));
         return Ok(named.collect::<Result<_, _>>()?);
     }
-    let python = |engine: &Box<dyn Engine>| {
+    let python = |engine: &dyn Engine| {
         ["exudyn", "mujoco"]
             .iter()
             .any(|peer| engine.name().starts_with(peer))
     };
-    Ok(registry().into_iter().filter(python).collect())
+    Ok(registry()
+        .into_iter()
+        .filter(|engine| python(engine.as_ref()))
+        .collect())
 }
 
 /// What became of one recording.
