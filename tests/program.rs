@@ -58,7 +58,7 @@ fn program_run_writes_courses_and_their_record() {
     // The whole scene stands in the record: read back, it is the one that ran.
     let scene: Scene = serde_json::from_value(record["scene"].clone()).unwrap();
     let set = "solver.duration_s=0.005".parse().unwrap();
-    assert_eq!(scene, Scene::load("paper", &[set]).unwrap());
+    assert_eq!(scene, *Scene::load("paper", &[set]).unwrap());
 }
 
 #[test]

@@ -188,7 +188,7 @@ fn crossval_cycloidgen_levers_carry_the_solver() {
 
 /// Largest errors of the external and the internal forces, over the largest, and of the bearing force across the eccentric.
 fn solver_against(live: &Value, scene: &Scene, torque: f64) -> [f64; 3] {
-    let gearbox = Gearbox::new(scene).unwrap();
+    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     let mut statics = Statics::new(&gearbox).unwrap();
     let mut worst = [0.0_f64; 3];
     for (stage, key) in ["ring", "output"].into_iter().enumerate() {

@@ -3,7 +3,6 @@
 pub mod auto;
 mod balance;
 pub mod channels;
-pub mod claims;
 pub mod contacts;
 mod due;
 pub mod energy;

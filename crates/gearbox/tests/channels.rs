@@ -14,9 +14,13 @@ fn run(preset: &str, duration_s: f64, channels: &[&str], sets: &[(&str, &str)]) 
         .map(|(key, value)| Override::new(*key, *value))
         .collect();
     overrides.push(Override::new("solver.duration_s", duration_s.to_string()));
-    let mut scene = Scene::load(preset, &overrides).unwrap();
+    let mut scene = Scene::load(preset, &overrides).unwrap().into_scene();
     scene.output.channels = channels.iter().map(|&c| c.to_owned()).collect();
-    native::run(&Gearbox::new(&scene).unwrap(), &mut |_| false).unwrap()
+    native::run(
+        &Gearbox::new(&scene.clone().check().unwrap()).unwrap(),
+        &mut |_| false,
+    )
+    .unwrap()
 }
 
 fn column<'a>(courses: &'a Courses, name: &str) -> &'a [f64] {

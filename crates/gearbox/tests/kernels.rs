@@ -98,7 +98,7 @@ proptest! {
         scene.gear.backlash_m = backlash;
         scene.gear.external_sleeve_radius_m = 0.004;
         scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
-        let gearbox = Gearbox::new(&scene).unwrap();
+        let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         let bodies = states(&gearbox, input, twist, &rates);
         let (fast, slow) = (loads(&gearbox, Kernel::Lanes, &bodies), loads(&gearbox, Kernel::Scalar, &bodies));
         // 1e-13 of the largest force, and what rounding of positions does to both alike: a radius of R is

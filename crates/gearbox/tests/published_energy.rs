@@ -5,7 +5,7 @@ use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_scene::Scene;
 
 fn run(scene: &Scene) -> native::NativeRun {
-    let gearbox = Gearbox::new(scene).unwrap();
+    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     native::run(&gearbox, &mut |_| false).unwrap()
 }
 

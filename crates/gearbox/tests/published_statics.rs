@@ -147,7 +147,7 @@ fn quasi_static_peaks() {
         let case = case.as_table().unwrap();
         let mut scene = Scene::default();
         scene.gear.backlash_m = number(case, "backlash_m");
-        let gearbox = Gearbox::new(&scene).unwrap();
+        let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         let mut statics = Statics::new(&gearbox).unwrap();
         let (mut peak, mut loaded) = ((f64::INFINITY, 0.0_f64), (99, 0));
         for k in 0..60_u32 {
@@ -205,7 +205,7 @@ fn equilibria_do_the_work_of_the_load() {
 fn mean_driver_torque(law: &str) -> f64 {
     let mut scene = Scene::default();
     scene.contact.law = law.into();
-    let gearbox = Gearbox::new(&scene).unwrap();
+    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     let mut statics = Statics::new(&gearbox).unwrap();
     // The internal stage repeats eight times in this, the two wheels alike.
     let poses = 960_u32;
@@ -235,7 +235,7 @@ fn mean_driver_torque(law: &str) -> f64 {
 
 #[test]
 fn too_much_load_is_refused() {
-    let gearbox = Gearbox::new(&Scene::default()).unwrap();
+    let gearbox = Gearbox::new(&Scene::default().clone().check().unwrap()).unwrap();
     let mut statics = Statics::new(&gearbox).unwrap();
     let error = statics.solve(0.0, 1e6).unwrap_err().to_string();
     assert!(error.contains("less load"), "{error}");
@@ -271,7 +271,7 @@ fn equilibrium_start_has_no_transient() {
             scene.drive.start = start;
             scene.solver.integrator = "rk4".into();
             scene.solver.duration_s = 0.6;
-            let gearbox = Gearbox::new(&scene).unwrap();
+            let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
             let run = native::run(&gearbox, &mut |_| false).unwrap();
             run.courses.channel("input_torque_n_m").unwrap().to_vec()
         };
@@ -299,7 +299,7 @@ fn slow_runs_tend_to_the_statics() {
         scene.solver.integrator = "rk4".into();
         scene.solver.duration_s = 0.02;
         scene.solver.sample_s = 5e-4;
-        let gearbox = Gearbox::new(&scene).unwrap();
+        let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         let run = native::run(&gearbox, &mut |_| false).unwrap();
         let mut statics = Statics::new(&gearbox).unwrap();
         let output = run.courses.channel("output_angle_rad").unwrap();

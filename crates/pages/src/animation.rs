@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::{self, NativeError};
+use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_report::animation::{Animation, CHANNELS, Gear};
 use pinwheel_scene as scene;
 use pinwheel_scene::Scene;
@@ -59,7 +59,8 @@ pub fn window(
     scene.solver.sample_s = gear.sampling().0.min(to_s);
     scene.solver.duration_s = to_s;
     scene.output.channels = CHANNELS.map(str::to_owned).to_vec();
-    let Ok(gearbox) = Gearbox::new(&scene) else {
+    let built = scene.check().map_err(GearboxError::from);
+    let Ok(gearbox) = built.and_then(|scene| Gearbox::new(&scene)) else {
         return Ok(None);
     };
     let courses: Courses = match native::run(&gearbox, &mut |_| cancel.load(Ordering::Relaxed)) {

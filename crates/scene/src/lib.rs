@@ -4,6 +4,7 @@ mod assumptions;
 mod changes;
 pub mod channels;
 mod check;
+mod checked;
 mod derived;
 mod error;
 mod layout;
@@ -19,7 +20,7 @@ mod suggest;
 mod tests;
 
 pub use assumptions::{Assumption, assumptions};
-pub use check::check;
+pub use checked::CheckedScene;
 pub use derived::{Derived, Frequency, derived};
 pub use error::{Fault, Place, SceneError};
 pub use layout::{Layout, Sleeve};

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
+use super::checked::CheckedScene;
 use super::error::SceneError;
 use super::model::Scene;
 use super::parse::{MOST_BYTES, Override, line_of};
@@ -16,7 +17,7 @@ impl Scene {
     ///
     /// # Errors
     /// The first fault found, on one line with its remedy.
-    pub fn load(spec: &str, overrides: &[Override]) -> Result<Self, SceneError> {
+    pub fn load(spec: &str, overrides: &[Override]) -> Result<CheckedScene, SceneError> {
         if let Some(text) = preset(spec) {
             return Self::from_toml(text, spec, overrides);
         }

@@ -11,7 +11,7 @@ use toml::{Table, Value};
 use toml_edit::{Document, Item, TableLike};
 
 use super::changes;
-use super::check;
+use super::checked::CheckedScene;
 use super::error::{Fault, Place, SceneError, quoted};
 use super::model::Scene;
 use super::suggest::nearest;
@@ -79,7 +79,7 @@ impl Scene {
         text: &str,
         source_name: &str,
         overrides: &[Override],
-    ) -> Result<Self, SceneError> {
+    ) -> Result<CheckedScene, SceneError> {
         if text.len() > MOST_BYTES {
             return Err(SceneError::TooLong {
                 source_name: source_name.to_owned(),
@@ -169,7 +169,7 @@ impl<'a> Layers<'a> {
         })
     }
 
-    fn finish(self) -> Result<Scene, SceneError> {
+    fn finish(self) -> Result<CheckedScene, SceneError> {
         let Self {
             source,
             table,
@@ -190,8 +190,9 @@ impl<'a> Layers<'a> {
                     key,
                 }
             })?;
-        check::check(&scene).map_err(|fault| located(fault, &places, default))?;
-        Ok(scene)
+        scene
+            .check()
+            .map_err(|fault| located(fault, &places, default))
     }
 }
 

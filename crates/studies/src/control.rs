@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pinwheel_engines::{Engine, EngineError, Run};
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
 use pinwheel_gearbox::{Gearbox, GearboxError};
-use pinwheel_scene::Scene;
+use pinwheel_scene::{CheckedScene, Scene};
 
 use crate::StudyError;
 
@@ -77,21 +77,23 @@ impl Control<'_> {
         Ok(())
     }
 
-    /// Runs a scene on an engine as the piece `at`. What an engine does wrong is a result, not an error.
+    /// Runs the scene of `gearbox` on an engine as the piece `at`. What an engine does wrong is a result, not an error.
     pub(crate) fn engine(
         &self,
         engine: &dyn Engine,
-        scene: &Scene,
+        gearbox: &Gearbox,
         at: Progress<'_>,
     ) -> Result<Result<Run, EngineError>, StudyError> {
         self.check()?;
+        let scene: &Scene = &gearbox.scene;
         let end = scene.solver.duration_s;
         let report = |time_s: f64| (self.progress)(at.reached(time_s, end));
         let control = pinwheel_engines::Control {
             cancel: self.cancel,
             progress: &report,
         };
-        let mut result = engine.run(scene, &control);
+        let prepared = engine.prepare(gearbox);
+        let mut result = prepared.and_then(|prepared| prepared.run(&control));
         self.check()?;
         match &mut result {
             Ok(run) => run.note_missing_channels(scene),
@@ -120,6 +122,13 @@ impl Control<'_> {
         run(scene, &mut |_| self.cancel.load(Ordering::Relaxed))
     }
 
+    /// Runs a published model whose damping no sound scene has.
+    pub(crate) fn run_published(&self, scene: &Scene) -> Result<Ended, StudyError> {
+        let scene = CheckedScene::unchecked_for_published_study(scene.clone());
+        let gearbox = Gearbox::new(&scene).map_err(|source| of_scene(&scene, source))?;
+        run_compiled(&gearbox, &mut |_| self.cancel.load(Ordering::Relaxed))
+    }
+
     /// Runs a scene that must reach its end.
     pub(crate) fn complete(&self, scene: &Scene) -> Result<NativeRun, StudyError> {
         match self.run(scene)? {
@@ -134,14 +143,29 @@ impl Control<'_> {
 
 /// Runs a scene; `watch` as in [`native::run`].
 pub(crate) fn run(scene: &Scene, watch: &mut dyn FnMut(f64) -> bool) -> Result<Ended, StudyError> {
-    let gearbox = Gearbox::new(scene).map_err(|source| of_scene(scene, source))?;
-    match native::run(&gearbox, watch) {
+    run_compiled(&compile(scene)?, watch)
+}
+
+/// The gearbox of a scene that a study has changed, checked again.
+pub(crate) fn compile(scene: &Scene) -> Result<Gearbox, StudyError> {
+    let checked = scene.clone().check().map_err(GearboxError::from);
+    checked
+        .and_then(|scene| Gearbox::new(&scene))
+        .map_err(|source| of_scene(scene, source))
+}
+
+/// Runs what is compiled; `watch` as in [`native::run`].
+pub(crate) fn run_compiled(
+    gearbox: &Gearbox,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Ended, StudyError> {
+    match native::run(gearbox, watch) {
         Ok(run) => Ok(Ended::Whole(Box::new(run))),
         Err(NativeError::Diverged {
             time_s, quantity, ..
         }) => Ok(Ended::Diverged { time_s, quantity }),
         Err(NativeError::Stopped) => Err(StudyError::Cancelled),
-        Err(NativeError::Model(source)) => Err(of_scene(scene, source)),
+        Err(NativeError::Model(source)) => Err(of_scene(&gearbox.scene, source)),
         Err(NativeError::Courses(source)) => Err(StudyError::Courses(source)),
     }
 }

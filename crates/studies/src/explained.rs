@@ -1,6 +1,6 @@
 //! What a scene models, assumes and lets one expect, without running it.
 
-use pinwheel_gearbox::{Explanation as Model, GearboxError};
+use pinwheel_gearbox::{Explanation as Model, Gearbox, GearboxError};
 use pinwheel_scene::{Assumption, Derived, Scene, assumptions, derived};
 use serde::Serialize;
 
@@ -18,14 +18,15 @@ pub struct Explanation<'a> {
     pub assumptions: Vec<Assumption>,
 }
 
-/// Explains a scene.
+/// Explains the scene of `gearbox`.
 ///
 /// # Errors
-/// A scene that cannot be modelled.
-pub fn explain(scene: &Scene) -> Result<Explanation<'_>, GearboxError> {
+/// The friction's contacts cannot be set up.
+pub fn explain(gearbox: &Gearbox) -> Result<Explanation<'_>, GearboxError> {
+    let scene: &Scene = &gearbox.scene;
     Ok(Explanation {
         scene,
-        model: pinwheel_gearbox::explain(scene)?,
+        model: pinwheel_gearbox::explain(gearbox)?,
         derived: derived(scene),
         assumptions: assumptions(scene),
     })

@@ -132,7 +132,7 @@ pub fn run(
         for switch in SWITCHES {
             let piece = format!("C = {damping}, {switch:?}");
             (control.progress)(Progress::new(entries.len(), total, &piece));
-            let ended = control.run(&switched(scene, damping, switch))?;
+            let ended = control.run_published(&switched(scene, damping, switch))?;
             let mut entry = Entry {
                 damping_n_s_m: damping,
                 switch,
@@ -249,7 +249,7 @@ pub fn limit(
         let mut scene = switched(scene, damping, switch);
         "rk2".clone_into(&mut scene.solver.integrator);
         scene.solver.step_s = step;
-        control.run(&scene)
+        control.run_published(&scene)
     };
     let base = level(
         &control

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use pinwheel_engines::recorded::{RECORDED_SCENES, Recording, worth_keeping};
 use pinwheel_engines::{Engine, EngineError, registry};
-use pinwheel_scene::Scene;
+use pinwheel_scene::{CheckedScene, Scene};
 
 use crate::StudyError;
 use crate::choice;
-use crate::control::{Control, Progress};
+use crate::control::{Control, Progress, compile};
 use crate::output::OutputError;
 use crate::provenance::Provenance;
 
@@ -17,7 +17,7 @@ use crate::provenance::Provenance;
 ///
 /// # Errors
 /// A scene that cannot be read.
-pub fn scenes(names: &[String]) -> Result<Vec<Scene>, StudyError> {
+pub fn scenes(names: &[String]) -> Result<Vec<CheckedScene>, StudyError> {
     let load = |name: &str| Scene::load(name, &[]).map_err(StudyError::from);
     if names.is_empty() {
         return RECORDED_SCENES.into_iter().map(load).collect();
@@ -75,11 +75,8 @@ pub fn record(
     if let Err(reason) = worth_keeping(engine.name(), scene) {
         return Ok(Recorded::Left(reason));
     }
-    let ran = match engine.supports(scene) {
-        Ok(()) => control.engine(engine, scene, Progress::new(0, 1, &label))?,
-        Err(error) => Err(error),
-    };
-    let run = match ran {
+    let gearbox = compile(scene)?;
+    let run = match control.engine(engine, &gearbox, Progress::new(0, 1, &label))? {
         Ok(run) => run,
         Err(error @ EngineError::Failed { .. }) => return Ok(Recorded::Broken(error.to_string())),
         Err(error) => return Ok(Recorded::Left(error.to_string())),

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, Run, RunStats, Track};
-use pinwheel_scene::{Formulation, Scene};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::{CheckedScene, Formulation, Scene};
 use serde::Serialize;
 
 use crate::StudyError;
@@ -70,7 +71,7 @@ pub struct Outcome {
     /// Which comparison it belongs to.
     pub track: Track,
     /// The scene as run.
-    pub scene: Scene,
+    pub scene: CheckedScene,
     /// How it ended.
     pub ending: Ending,
     /// Courses and cost; of a run that diverged, until then.
@@ -79,20 +80,20 @@ pub struct Outcome {
     pub resolution: Option<Resolution>,
 }
 
-/// Runs `scene` on `engine`; `checked`: a native run is repeated at twice its step, which shows whether the step
+/// Runs the scene of `gearbox` on `engine`; `checked`: a native run is repeated at twice its step, which shows whether the step
 /// resolves the scene. A divergence is a result.
 ///
 /// # Errors
 /// Cancelled; an engine that cannot run the scene or fails.
 pub fn run(
-    scene: &Scene,
+    gearbox: &Gearbox,
     engine: &dyn Engine,
     checked: bool,
     control: &Control<'_>,
 ) -> Result<Outcome, StudyError> {
-    engine.supports(scene).map_err(StudyError::Engine)?;
+    let scene = &gearbox.scene;
     let at = Progress::new(0, 1, engine.name());
-    let (run, ending) = match control.engine(engine, scene, at)? {
+    let (run, ending) = match control.engine(engine, gearbox, at)? {
         Ok(run) => (run, Ending::Finished),
         Err(EngineError::Diverged {
             time_s,
@@ -127,11 +128,11 @@ pub fn run(
 /// What a native run shows at twice its step. The resolved engine has no step of the scene's.
 fn check(
     engine: &dyn Engine,
-    scene: &Scene,
+    scene: &CheckedScene,
     courses: &Courses,
     control: &Control<'_>,
 ) -> Result<Option<Resolution>, StudyError> {
-    let mut scene = scene.clone();
+    let mut scene = scene.clone().into_scene();
     scene.solver.formulation = match engine.name() {
         "native-reduced" => Formulation::Reduced,
         "native-lagrange" => Formulation::Lagrange,

@@ -23,11 +23,11 @@ fn scene(settings: &[(&str, &str)]) -> Scene {
     let overrides: Vec<Override> = sets
         .map(|&(key, value)| Override::new(key, value))
         .collect();
-    Scene::load("paper", &overrides).unwrap()
+    Scene::load("paper", &overrides).unwrap().into_scene()
 }
 
 fn run(settings: &[(&str, &str)]) -> NativeRun {
-    let gearbox = Gearbox::new(&scene(settings)).unwrap();
+    let gearbox = Gearbox::new(&scene(settings).clone().check().unwrap()).unwrap();
     native::run(&gearbox, &mut |_| false).unwrap()
 }
 

@@ -249,13 +249,11 @@ fn on_one_line(message: &str) -> String {
 }
 
 impl SceneArgs {
-    /// The checked scene, and proof that it can be modelled.
-    pub(crate) fn load(&self) -> Result<(Scene, Gearbox), Failure> {
+    /// The checked scene, compiled: proof that it can be modelled.
+    pub(crate) fn load(&self) -> Result<Gearbox, Failure> {
         let overrides = overrides(&self.set)?;
         let scene = Scene::load(&self.scene, &overrides)?;
-        let gearbox = Gearbox::new(&scene)
-            .map_err(|error| Failure::input(format!("{}: {error}", self.scene)))?;
-        Ok((scene, gearbox))
+        Gearbox::new(&scene).map_err(|error| Failure::input(format!("{}: {error}", self.scene)))
     }
 }
 

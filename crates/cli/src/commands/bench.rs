@@ -14,7 +14,7 @@ use crate::progress::watched;
 use crate::screen;
 
 pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
-    let (scene, _) = args.scene.load()?;
+    let scene = args.scene.load()?.scene;
     let options = options(args)?;
     let engines = bench::engines(&args.engines, &scene)?;
     let folder = Folder::prepare(&args.out.folder(&scene.name, "bench"), args.out.force)?;

@@ -15,15 +15,16 @@ use crate::progress::watched;
 use crate::{interrupt, screen};
 
 pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
-    let (scene, gearbox) = args.scene.load()?;
+    let gearbox = args.scene.load()?;
     let data = open(&args.foreign)?;
-    let (scene, _) = foreign::with_channels(&data, scene, gearbox)?;
+    let gearbox = foreign::with_channels(&data, gearbox)?;
+    let scene = &gearbox.scene;
     let asked_by_name = !args.engines.is_empty();
-    let engines = choice::engines(&args.engines, &scene)?;
+    let engines = choice::engines(&args.engines, scene)?;
     let folder = Folder::prepare(&args.out.folder(&scene.name, "compare"), args.out.force)?;
 
     let input = Input {
-        scene: &scene,
+        gearbox: &gearbox,
         engines: &engines,
         data: &data,
     };
@@ -35,7 +36,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let out = folder.publish()?;
     screen::show(&format!(
         "{}\nreport: {}",
-        pages::comparison::text(&scene, &found.comparison),
+        pages::comparison::text(scene, &found.comparison),
         out.join("index.html").display()
     ))?;
 

@@ -8,9 +8,9 @@ use crate::failure::Failure;
 use crate::screen;
 
 pub(crate) fn explain(args: &ExplainArgs) -> Result<u8, Failure> {
-    let (scene, _) = args.scene.load()?;
+    let gearbox = args.scene.load()?;
     let explanation =
-        explained::explain(&scene).map_err(|error| Failure::input(error.to_string()))?;
+        explained::explain(&gearbox).map_err(|error| Failure::input(error.to_string()))?;
     if args.json {
         screen::show_json(&explanation)?;
     } else {

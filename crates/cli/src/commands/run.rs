@@ -11,12 +11,13 @@ use crate::progress::watched;
 use crate::screen;
 
 pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
-    let (scene, _) = args.scene.load()?;
-    let engine = choice::find(&args.engine, &scene)?;
-    engine.supports(&scene).map_err(StudyError::Engine)?;
+    let gearbox = args.scene.load()?;
+    let scene = &gearbox.scene;
+    let engine = choice::find(&args.engine, scene)?;
+    engine.prepare(&gearbox).map_err(StudyError::Engine)?;
     let folder = Folder::prepare(&args.out.folder(&scene.name, "run"), args.out.force)?;
     let found = watched("run", |control| {
-        single::run(&scene, engine.as_ref(), !args.unchecked, control)
+        single::run(&gearbox, engine.as_ref(), !args.unchecked, control)
     })?;
     found.write(folder.path(), &Provenance::here(args::typed()))?;
     let courses = folder.publish()?.join(found.ending.file());

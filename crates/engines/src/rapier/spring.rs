@@ -152,7 +152,7 @@ mod tests {
     fn frequency(change: impl Fn(&mut Scene)) -> Result<f64, String> {
         let mut scene = Scene::default();
         change(&mut scene);
-        let gearbox = Gearbox::new(&scene).unwrap();
+        let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         contact_frequency(&gearbox, &mut *gearbox.contact_field().unwrap())
     }
 

@@ -2,13 +2,13 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pinwheel_gearbox::claims::Verdict;
 use pinwheel_report::animation::markup as animate;
 use pinwheel_report::format::significant;
 use pinwheel_report::study::{
     Axis, Block, Cell, Chart, Column, Section, Series, Study, Style, Table, Tile, render,
 };
 use pinwheel_scene::Scene;
+use pinwheel_studies::paper::claims::Verdict;
 use pinwheel_studies::paper::{Figure, Paper, Plot};
 
 use pinwheel_studies::Provenance;

@@ -1,7 +1,7 @@
 //! Verdicts in words and marks.
 
-use pinwheel_gearbox::claims::Verdict;
 use pinwheel_report::study::Mark;
+use pinwheel_studies::paper::claims::Verdict;
 
 /// Of a figure.
 pub(super) fn figure(verdict: Verdict) -> &'static str {

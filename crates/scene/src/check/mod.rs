@@ -17,7 +17,7 @@ use super::model::Scene;
 ///
 /// # Errors
 /// The first fault found.
-pub fn check(scene: &Scene) -> Result<(), Fault> {
+pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     ranges::check(scene)?;
     load::check(scene)?;
     budget::check(scene)?;

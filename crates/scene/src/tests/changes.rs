@@ -3,9 +3,9 @@
 use proptest::prelude::*;
 
 use crate::load_course;
-use crate::{LoadChange, Override, Scene, check};
+use crate::{CheckedScene, LoadChange, Override, Scene};
 
-fn with(changes: &str) -> Result<Scene, String> {
+fn with(changes: &str) -> Result<CheckedScene, String> {
     let set = Override::new("drive.load_changes", changes);
     Scene::load("paper", &[set]).map_err(|error| error.to_string())
 }
@@ -150,9 +150,9 @@ proptest! {
             .into_iter()
             .map(|(time_s, output_torque_n_m, ramp_s)| LoadChange { time_s, output_torque_n_m, ramp_s })
             .collect();
-        match check(&scene) {
+        match scene.check() {
             Err(fault) => prop_assert!(fault.to_string().contains("drive.load_changes")),
-            Ok(()) => {
+            Ok(scene) => {
                 let breaks = load_course::breaks(&scene.drive);
                 prop_assert!(breaks.windows(2).all(|pair| pair[1] - pair[0] > 0.4e-9), "{breaks:?}");
                 for t in breaks.into_iter().chain([0.0, 0.2, 1.0]) {
@@ -160,7 +160,7 @@ proptest! {
                     prop_assert!(load_course::mean(&scene.drive, t, t + 1e-5).is_finite());
                 }
                 let again = Scene::from_toml(&scene.to_toml(), "again.toml", &[]).unwrap();
-                prop_assert_eq!(again.drive, scene.drive);
+                prop_assert_eq!(&again.drive, &scene.drive);
             }
         }
     }

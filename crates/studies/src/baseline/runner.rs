@@ -4,9 +4,9 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use cpu_time::ThreadTime;
-use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_gearbox::native::{self, NativeError};
+use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -68,7 +68,9 @@ pub(super) fn run(
         scene: job.label.clone(),
         source,
     };
-    let mut gearbox = Gearbox::new(&job.scene).map_err(of_scene)?;
+    let checked = job.scene.clone().check().map_err(GearboxError::from);
+    let built = checked.and_then(|scene| Gearbox::new(&scene));
+    let mut gearbox = built.map_err(of_scene)?;
     gearbox.kernel = job.kernel;
     let go = || native::run(&gearbox, &mut |_| cancel.load(Ordering::Relaxed));
     let (mut least, mut unit) = (f64::INFINITY, f64::INFINITY);

@@ -13,6 +13,7 @@ use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{Scene, did_you_mean};
 
 use crate::StudyError;
+use crate::control::compile;
 
 /// Bytes of a map at most.
 const MOST_BYTES: u64 = 1 << 20;
@@ -109,15 +110,12 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
     })
 }
 
-/// The scene with the channels that foreign columns are compared with.
+/// The gearbox with a scene that asks for the channels that foreign columns are compared with.
 ///
 /// # Errors
 /// A mapped column that no engine records: its name is mistyped.
-pub fn with_channels(
-    list: &[Data],
-    mut scene: Scene,
-    gearbox: Gearbox,
-) -> Result<(Scene, Gearbox), StudyError> {
+pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyError> {
+    let mut scene = gearbox.scene.clone().into_scene();
     let mut everything = scene.clone();
     everything.output.channels = vec!["*".to_owned()];
     let all = Channels::of(&everything).map_err(StudyError::Input)?;
@@ -153,12 +151,11 @@ pub fn with_channels(
         }
     }
     if !asked {
-        return Ok((scene, gearbox));
+        return Ok(gearbox);
     }
     // Hundreds of single names make one pattern a family: the scene's own limit is on patterns.
     scene.output.channels = patterns(&scene.output.channels);
-    let gearbox = Gearbox::new(&scene).map_err(|error| StudyError::Input(error.to_string()))?;
-    Ok((scene, gearbox))
+    compile(&scene).map_err(|error| StudyError::Input(error.to_string()))
 }
 
 /// The names without those that a few patterns cover: where more than 50 are asked for, whole families.

@@ -11,9 +11,9 @@ use pinwheel_compare::{
 };
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, RunStats, recorded};
-use pinwheel_gearbox::{Explanation, GearboxError, Statement};
+use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, Statement};
 use pinwheel_scene::load_course;
-use pinwheel_scene::{Assumption, Scene, Start, assumptions};
+use pinwheel_scene::{Assumption, CheckedScene, Scene, Start, assumptions};
 use serde::Serialize;
 
 use crate::control::{Control, Progress};
@@ -26,8 +26,8 @@ use foreign::Data;
 /// What is compared.
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
-    /// The scene; with data from elsewhere as [`foreign::with_channels`] gives it.
-    pub scene: &'a Scene,
+    /// The scene, compiled; with data from elsewhere as [`foreign::with_channels`] gives it.
+    pub gearbox: &'a Gearbox,
     /// The engines, see [`crate::choice::engines`].
     pub engines: &'a [Box<dyn Engine>],
     /// Data from elsewhere.
@@ -38,7 +38,7 @@ pub struct Input<'a> {
 #[derive(Debug, Clone)]
 pub struct Outcome {
     /// The scene as run.
-    pub scene: Scene,
+    pub scene: CheckedScene,
     /// Figures, distances, limits and verdicts.
     pub comparison: Comparison,
     /// The runs behind it: those of the engines in their order, then the data from elsewhere.
@@ -67,17 +67,17 @@ struct Found<'a> {
 /// # Errors
 /// Cancelled; a scene that cannot be modelled; data that do not fit it.
 pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyError> {
-    let scene = input.scene;
+    let scene = &input.gearbox.scene;
     let of_scene = |source: GearboxError| StudyError::Scene {
         scene: scene.name.clone(),
         source,
     };
-    let model = pinwheel_gearbox::explain(scene).map_err(of_scene)?;
+    let model = pinwheel_gearbox::explain(input.gearbox).map_err(of_scene)?;
     let total = input.engines.len() + 1;
     let (mut participants, mut ran) = (Vec::new(), Vec::new());
     for (done, engine) in input.engines.iter().enumerate() {
         let at = Progress::new(done, total, engine.name());
-        let (participant, ended) = take_part(engine.as_ref(), scene, at, control)?;
+        let (participant, ended) = take_part(engine.as_ref(), input.gearbox, at, control)?;
         participants.push(participant);
         ran.push(ended);
     }
@@ -147,19 +147,16 @@ impl Outcome {
 /// Runs one engine and makes a participant of it, however it ended.
 fn take_part(
     engine: &dyn Engine,
-    scene: &Scene,
+    gearbox: &Gearbox,
     at: Progress<'_>,
     control: &Control<'_>,
 ) -> Result<(Participant, Option<(Ending, RunStats)>), StudyError> {
-    let ran = match engine.supports(scene) {
-        Ok(()) => control.engine(engine, scene, at)?,
-        Err(error) => Err(error),
-    };
+    let ran = control.engine(engine, gearbox, at)?;
     // A live engine that is missing here (no Python, no network) may have been recorded.
     if let Err(EngineError::Failed { reason, .. }) = &ran
-        && let Some(recorded) = recorded::instead(engine.name(), scene, reason)
+        && let Some(recorded) = recorded::instead(engine.name(), &gearbox.scene, reason)
     {
-        return take_part(recorded.as_ref(), scene, at, control);
+        return take_part(recorded.as_ref(), gearbox, at, control);
     }
     let nothing = || (Courses::default(), RunStats::default());
     let ((courses, stats), status) = match ran {

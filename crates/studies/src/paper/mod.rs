@@ -1,6 +1,7 @@
 //! The paper, figure by figure: our curves in its axes, what it says they show, whether ours do.
 
 mod backlash;
+pub mod claims;
 mod contact;
 mod damping;
 mod figure;
@@ -15,7 +16,7 @@ mod write;
 
 use std::time::Instant;
 
-use pinwheel_gearbox::claims::{self, Judgement};
+use claims::Judgement;
 use pinwheel_gearbox::native::NativeError;
 use serde::Serialize;
 

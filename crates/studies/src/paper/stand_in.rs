@@ -1,12 +1,13 @@
 //! The engine that stands in Adams' place: one that finds and resolves contacts itself.
 
 use pinwheel_engines::{Engine, Track, by_name, recorded};
+use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
 
 use super::Peer;
 use crate::StudyError;
 use crate::choice::find_or_recorded;
-use crate::control::{Control, Progress};
+use crate::control::{Control, Progress, compile};
 
 /// In this order: multibody programs with contacts of their own first, as Adams is one.
 const PREFERRED: [&str; 3] = [
@@ -23,7 +24,8 @@ const PREFERRED: [&str; 3] = [
 /// # Errors
 /// Cancelled; an engine that there is not, that has no contacts of its own, or that does not finish.
 pub fn peer(named: Option<&str>, control: &Control<'_>) -> Result<Option<Peer>, StudyError> {
-    let scene = Scene::default();
+    let scene = Scene::load("paper", &[])?;
+    let gearbox = compile(&scene)?;
     if let Some(name) = named {
         let engine = find_or_recorded(name, &scene)?;
         if engine.track() != Track::OwnContact {
@@ -31,7 +33,7 @@ pub fn peer(named: Option<&str>, control: &Control<'_>) -> Result<Option<Peer>, 
                 "--against {name}: takes its contact forces from our law; name an own-contact engine of `pinwheel engines`"
             )));
         }
-        return run(engine.as_ref(), &scene, String::new(), control).map(Some);
+        return run(engine.as_ref(), &gearbox, String::new(), control).map(Some);
     }
     let mut missing = Vec::new();
     for name in PREFERRED {
@@ -48,7 +50,7 @@ pub fn peer(named: Option<&str>, control: &Control<'_>) -> Result<Option<Peer>, 
                 } else {
                     format!("Neither built in nor recorded: {}.", missing.join(", "))
                 };
-                return run(engine.as_ref(), &scene, note, control).map(Some);
+                return run(engine.as_ref(), &gearbox, note, control).map(Some);
             }
             None => missing.push(name),
         }
@@ -58,12 +60,12 @@ pub fn peer(named: Option<&str>, control: &Control<'_>) -> Result<Option<Peer>, 
 
 fn run(
     engine: &dyn Engine,
-    scene: &Scene,
+    gearbox: &Gearbox,
     note: String,
     control: &Control<'_>,
 ) -> Result<Peer, StudyError> {
     let run = control
-        .engine(engine, scene, Progress::new(0, 1, engine.name()))?
+        .engine(engine, gearbox, Progress::new(0, 1, engine.name()))?
         .map_err(StudyError::Engine)?;
     let version = engine.version();
     Ok(Peer {

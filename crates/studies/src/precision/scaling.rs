@@ -215,8 +215,8 @@ mod tests {
         for (wheels, external, internal) in GEARS {
             let scene = gear(wheels, external, internal);
             let read = Scene::from_toml(&scene.to_toml(), "a gear", &[]);
-            assert_eq!(read.unwrap(), scene);
-            pinwheel_gearbox::Gearbox::new(&scene).unwrap();
+            assert_eq!(*read.unwrap(), scene);
+            pinwheel_gearbox::Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         }
     }
 }

@@ -174,7 +174,7 @@ fn auto_choice(scene: &Scene) -> String {
 /// # Errors
 /// Cancelled, or a scene that cannot be loaded.
 pub fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<Row, StudyError> {
-    let mut scene = Scene::load(name, &[])?;
+    let mut scene = Scene::load(name, &[])?.into_scene();
     scene.solver.duration_s = scene.solver.duration_s.min(options.longest_s);
     scene.solver.sample_s = scene.solver.sample_s.min(1e-4).min(scene.solver.duration_s);
     let mut row = Row {

@@ -272,14 +272,14 @@ fn title(piece: Piece, plan: &Plan) -> String {
 
 fn study(piece: Piece, plan: &Plan, control: &Control<'_>) -> Result<Found, StudyError> {
     let preset = |name: &str, duration_s: f64| -> Result<Scene, StudyError> {
-        let mut scene = Scene::load(name, &[])?;
+        let mut scene = Scene::load(name, &[])?.into_scene();
         scene.solver.duration_s = duration_s;
         Ok(scene)
     };
     Ok(match piece {
         Piece::Row(k) => Found::Row(stability::row(&plan.atlas.scenes[k], &plan.atlas, control)?),
         Piece::Horizon(k) => {
-            let mut scene = Scene::load(&plan.diverging[k], &[])?;
+            let mut scene = Scene::load(&plan.diverging[k], &[])?.into_scene();
             let solver = &mut scene.solver;
             solver.duration_s = solver.duration_s.min(plan.divergence_longest_s);
             solver.sample_s = solver.sample_s.min(solver.duration_s);

@@ -133,9 +133,7 @@ impl Shared<'_> {
             cancel: self.control.cancel,
             progress: &reached,
         };
-        let ran = engine
-            .supports(&planned.scene)
-            .and_then(|()| engine.run(&planned.scene, &control));
+        let ran = engine.run(&planned.scene, &control);
         let Some((record, run)) = judged(planned, engine.as_ref(), ran) else {
             return Ok(None);
         };

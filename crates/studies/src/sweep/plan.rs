@@ -1,7 +1,7 @@
 //! From a sweep to its runs: every combination as a checked scene, before anything is run.
 
 use pinwheel_engines::by_name;
-use pinwheel_scene::{Override, Scene, SceneError, did_you_mean};
+use pinwheel_scene::{CheckedScene, Override, Scene, SceneError, did_you_mean};
 
 use crate::sweep::axis::Value;
 use crate::sweep::{Sweep, SweepError};
@@ -19,7 +19,7 @@ pub struct PlannedRun {
     /// What is varied, in the order of the axes.
     pub values: Vec<(String, Value)>,
     /// The scene.
-    pub scene: Scene,
+    pub scene: CheckedScene,
     /// Start and end of the window that figures are taken of, s.
     pub window_s: [f64; 2],
 }
@@ -134,7 +134,7 @@ fn scene_at(
     sweep: &Sweep,
     overrides: &[Override],
     values: &[(String, Value)],
-) -> Result<Scene, SceneError> {
+) -> Result<CheckedScene, SceneError> {
     let varied = values
         .iter()
         .map(|(key, value)| Override::new(key.clone(), value.to_toml()));

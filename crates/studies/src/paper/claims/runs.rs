@@ -3,9 +3,9 @@
 use pinwheel_courses::Courses;
 
 use super::Verdict;
-use crate::Gearbox;
-use crate::native::{self, NativeError, NativeRun};
-use crate::scene::{Detection, Scene};
+use pinwheel_gearbox::native::{self, NativeError, NativeRun};
+use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_scene::{Detection, Scene};
 
 /// A figure in words, its numbers, and what follows.
 pub(super) type Figure = (String, Vec<f64>, Verdict);
@@ -24,8 +24,14 @@ pub(super) fn scene(change: impl FnOnce(&mut Scene)) -> Scene {
 /// Asked now and then during a run: false ends it.
 pub(super) type Go<'a> = &'a dyn Fn() -> bool;
 
+/// The gearbox of a scene that a claim changed.
+pub(super) fn compile(scene: &Scene) -> Result<Gearbox, NativeError> {
+    let scene = scene.clone().check().map_err(GearboxError::from)?;
+    Ok(Gearbox::new(&scene)?)
+}
+
 pub(super) fn run(scene: &Scene, go: Go<'_>) -> Result<NativeRun, NativeError> {
-    native::run(&Gearbox::new(scene)?, &mut |_| !go())
+    native::run(&compile(scene)?, &mut |_| !go())
 }
 
 /// The course of a single channel; empty if there is none.

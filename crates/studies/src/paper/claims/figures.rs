@@ -5,8 +5,8 @@ use super::runs::{
     torque, verdict,
 };
 use super::{Verdict, backlash, runs};
-use crate::native::NativeError;
-use crate::scene::Scene;
+use pinwheel_gearbox::native::NativeError;
+use pinwheel_scene::Scene;
 
 /// `None`: no such claim.
 pub(super) fn of(id: &str, go: Go<'_>) -> Result<Option<Figure>, NativeError> {

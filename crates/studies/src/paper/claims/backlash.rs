@@ -4,14 +4,14 @@ use std::f64::consts::TAU;
 
 use super::Verdict;
 use super::runs::{
-    EXTERNAL, Figure, Go, INTERNAL, STEADY, course, forces, largest, mean, points, range, run,
-    scene, torque, verdict,
+    EXTERNAL, Figure, Go, INTERNAL, STEADY, compile, course, forces, largest, mean, points, range,
+    run, scene, torque, verdict,
 };
-use crate::contacts::PairContact;
-use crate::native::{NativeError, NativeRun};
-use crate::scene::Scene;
-use crate::statics::{Statics, free_play};
-use crate::{Gearbox, Sleeve};
+
+use pinwheel_gearbox::contacts::PairContact;
+use pinwheel_gearbox::native::{NativeError, NativeRun};
+use pinwheel_gearbox::statics::{Statics, free_play};
+use pinwheel_scene::{Scene, Sleeve};
 
 fn with_backlash(backlash: f64, go: Go<'_>) -> Result<NativeRun, NativeError> {
     run(&scene(|s| s.gear.backlash_m = backlash), go)
@@ -166,7 +166,7 @@ pub(super) fn random_torque(go: Go<'_>) -> Result<Figure, NativeError> {
 fn onset_speed(backlash: f64) -> Result<f64, NativeError> {
     let mut scene = scene(|s| s.gear.backlash_m = backlash);
     scene.contact.damping_n_s_m = 0.0;
-    let gearbox = Gearbox::new(&scene)?;
+    let gearbox = compile(&scene)?;
     let mut statics = Statics::new(&gearbox)?;
     let speed = scene.drive.input_speed_rad_s;
     let steps = 400;

@@ -9,7 +9,7 @@ mod runs;
 
 use serde::{Deserialize, Serialize};
 
-use crate::native::NativeError;
+use pinwheel_gearbox::native::NativeError;
 
 /// What a claim is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -4,7 +4,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use pinwheel_gearbox::claims::{Claim, Judgement, Verdict, claims, judge};
+use pinwheel_studies::paper::claims::{Claim, Judgement, Verdict, claims, judge};
 
 #[test]
 fn every_claim_is_judged() {
