@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 
 use pinwheel_contact::Complex;
 use pinwheel_gearbox::Geometry;
-use pinwheel_gearbox::scene::{Gear, Scene};
+use pinwheel_scene::{Gear, Scene};
 
 /// Where millimetres of the gear land in the picture.
 #[derive(Clone, Copy)]
@@ -78,7 +78,7 @@ fn callout(text: &str, anchor: &str, at: [f64; 2], bend: [f64; 2], to: [f64; 2])
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let gear = Scene::load("paper", &[])?.gear;
+    let gear = Scene::load("paper", &[])?.into_scene().gear;
     let geometry = Geometry::new(&gear)?;
     let (e, q, ring) = (
         gear.eccentricity_m,

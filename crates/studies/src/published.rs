@@ -131,11 +131,7 @@ pub fn run(
         let reference = steady(&converged.courses)?;
         for switch in SWITCHES {
             let piece = format!("C = {damping}, {switch:?}");
-            (control.progress)(Progress {
-                done: entries.len(),
-                total,
-                piece: &piece,
-            });
+            (control.progress)(Progress::new(entries.len(), total, &piece));
             let ended = control.run_published(&switched(scene, damping, switch))?;
             let mut entry = Entry {
                 damping_n_s_m: damping,

@@ -10,7 +10,9 @@ mod points;
 mod read;
 mod runs;
 mod spectrum;
+mod stand_in;
 mod torque;
+mod write;
 
 use std::time::Instant;
 
@@ -20,6 +22,7 @@ use serde::Serialize;
 
 pub use figure::{Curve, Figure, Number, Plot};
 pub use peer::Peer;
+pub use stand_in::peer;
 
 use crate::StudyError;
 use crate::control::{Control, Progress};
@@ -116,7 +119,7 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<Paper, StudyError
     let total = 1 + groups.len() + list.len();
     let mut done = 0;
     let mut begin = |piece: &str| {
-        (control.progress)(Progress { done, total, piece });
+        (control.progress)(Progress::new(done, total, piece));
         done += 1;
     };
     let runs = Runs::new(*control);

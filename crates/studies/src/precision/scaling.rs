@@ -96,11 +96,7 @@ pub fn run(control: &Control<'_>) -> Result<Scaling, StudyError> {
     let total = 2 * GEARS.len() + POINTS.len();
     let mut done = 0;
     let mut measure = |scene: &Scene| {
-        (control.progress)(Progress {
-            done,
-            total,
-            piece: &scene.name,
-        });
+        (control.progress)(Progress::new(done, total, &scene.name));
         done += 1;
         size(scene, control)
     };

@@ -154,11 +154,7 @@ pub struct Atlas {
 pub fn run(options: &Options, control: &Control<'_>) -> Result<Atlas, StudyError> {
     let mut rows = Vec::new();
     for (done, name) in options.scenes.iter().enumerate() {
-        (control.progress)(Progress {
-            done,
-            total: options.scenes.len(),
-            piece: name,
-        });
+        (control.progress)(Progress::new(done, options.scenes.len(), name));
         rows.push(row(name, options, control)?);
     }
     Ok(Atlas {
