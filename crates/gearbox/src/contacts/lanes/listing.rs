@@ -1,6 +1,6 @@
 //! Touching pairs one by one, found several at a time.
 
-use pinwheel_contact::{LanesLaw, RegularisedCoulomb};
+use pinwheel_contact::{NormalLaw, RegularisedCoulomb};
 use pulp::Simd;
 
 use super::walk::{Group, Sink, Wheel};
@@ -18,7 +18,7 @@ pub(super) struct Listing<'a, 'v, L> {
     pub(super) visit: &'a mut Visit<'v>,
 }
 
-impl<S: Simd, L: LanesLaw> Sink<S> for Listing<'_, '_, L> {
+impl<S: Simd, L: NormalLaw> Sink<S> for Listing<'_, '_, L> {
     #[inline(always)]
     fn group(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let touching = &group.touching;

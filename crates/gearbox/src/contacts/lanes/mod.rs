@@ -12,7 +12,7 @@ mod shapes;
 mod sliding;
 mod walk;
 
-use pinwheel_contact::{LaneLaw, LanesLaw, NormalLaw, RegularisedCoulomb};
+use pinwheel_contact::{Law, NormalLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::sliding::RateStage;
 use pinwheel_mbs::{BodyState, Wrench};
@@ -34,11 +34,11 @@ use walk::{Sink, walk};
 /// The contact field with exact detection, in lanes.
 pub(super) struct LaneField {
     arch: pulp::Arch,
-    law: LaneLaw,
+    law: Law,
     friction: RegularisedCoulomb,
     pairs: LanePairs,
     /// For single pairs, where lanes gain nothing.
-    scalar: Pairs<LaneLaw, Exact>,
+    scalar: Pairs<Law, Exact>,
     /// With friction, if the gear has no more wheels than there is room for.
     sliding: Option<Sliding>,
 }
@@ -86,7 +86,7 @@ impl<K> Walk<'_, K> {
     }
 }
 
-impl<L: LanesLaw, const FRICTION: bool, const ENERGY: bool> pulp::WithSimd
+impl<L: NormalLaw, const FRICTION: bool, const ENERGY: bool> pulp::WithSimd
     for SumWalk<'_, L, FRICTION, ENERGY>
 {
     type Output = ();
@@ -99,7 +99,7 @@ impl<L: LanesLaw, const FRICTION: bool, const ENERGY: bool> pulp::WithSimd
     }
 }
 
-impl<L: LanesLaw> pulp::WithSimd for ListWalk<'_, '_, L> {
+impl<L: NormalLaw> pulp::WithSimd for ListWalk<'_, '_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -108,7 +108,7 @@ impl<L: LanesLaw> pulp::WithSimd for ListWalk<'_, '_, L> {
     }
 }
 
-impl<L: LanesLaw> pulp::WithSimd for SplitWalk<'_, L> {
+impl<L: NormalLaw> pulp::WithSimd for SplitWalk<'_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -120,7 +120,7 @@ impl<L: LanesLaw> pulp::WithSimd for SplitWalk<'_, L> {
 }
 
 impl LaneField {
-    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: LaneLaw, arch: pulp::Arch) -> Self {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: Law, arch: pulp::Arch) -> Self {
         let contact = &scene.contact;
         let layout = Layout::of(&scene.gear);
         let friction = RegularisedCoulomb {
@@ -153,7 +153,7 @@ impl LaneField {
         loads: &mut [Wrench],
     ) -> ContactEnergy {
         let mut energy = ContactEnergy::default();
-        let sink = Loads::<LaneLaw, FRICTION, ENERGY> {
+        let sink = Loads::<Law, FRICTION, ENERGY> {
             law: self.law,
             friction: self.friction,
             loads,
