@@ -1,30 +1,35 @@
-//! Metrics, limits and verdicts on courses of several engines.
-//!
-//! [`compare`] takes finished (and unfinished) runs on one sample grid and says, per pair of
-//! engines, window and quantity, how far they are apart, which limit applies and whether it holds.
-//! No engine is called the truth: every judged metric is free of direction.
-//! It works on any courses; what only a gearbox has (load, efficiency) is optional.
-
+//! Metrics, uncertainties and verdicts on time series of several engines.
 mod compare;
 pub mod comparison;
 mod error;
 mod grid;
+mod guard;
 mod judge;
 pub mod limits;
 mod matrix;
 pub mod metrics;
+pub mod model;
+mod pairs;
 mod participant;
 pub mod quantities;
+mod rules;
 pub mod sprague_geers;
 pub mod statistics;
+mod summary;
+pub mod uncertainty;
+pub mod validation;
 pub mod verdict;
 pub mod windows;
 
-pub use compare::{compare, compare_stated};
-pub use comparison::Comparison;
+pub use compare::{compare, compare_stated, compare_with};
+pub use comparison::{Comparison, Judgement};
 pub use error::CompareError;
-pub use limits::{Limit, Metric, StatedLimit};
-pub use participant::{Context, Cost, Divergence, Energy, Participant, Status, track};
+pub use limits::{Limit, StatedLimit};
+pub use metrics::Metric;
+pub use participant::{Context, Cost, Divergence, Energy, Participant, Scales, Status, track};
 pub use quantities::Quantity;
-pub use verdict::{Check, Counts, Verdict};
+pub use rules::{RESOLUTION, Rules};
+pub use uncertainty::{Evidence, Ladder, Rung, Uncertainty};
+pub use validation::DataUncertainty;
+pub use verdict::{Check, Counts, Outcome, Verdict};
 pub use windows::{Window, WindowKind};

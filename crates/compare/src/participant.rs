@@ -65,6 +65,28 @@ pub struct Context {
     pub settling_s: Option<f64>,
     /// What a rounding does to the scene, where it was measured.
     pub divergence: Option<Divergence>,
+    /// The preset that the scene is, but for its duration and what it writes: the table of limits guards those
+    /// presets it was measured on. `None` for any other scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub guarded: Option<String>,
+    /// Sizes that tell a load from a rounding; what is `None` is taken from the time series themselves.
+    #[serde(skip_serializing_if = "Scales::is_empty")]
+    pub scales: Scales,
+}
+
+/// Characteristic sizes of a scene, so that no verdict depends on how large the gear is.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Scales {
+    /// Force, N: e.g. the load over the radius it acts at.
+    pub force_n: Option<f64>,
+    /// Torque, N m: e.g. the load.
+    pub torque_n_m: Option<f64>,
+}
+
+impl Scales {
+    fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// How two runs of one solver come apart that differ by one rounding.

@@ -1,6 +1,6 @@
 //! Small gearbox-like courses for the tests of this crate.
 
-use pinwheel_compare::{Context, Cost, Participant, Status};
+use pinwheel_compare::{Context, Cost, Participant, Scales, Status};
 use pinwheel_courses::Courses;
 
 /// A participant with these courses at a step of 1e-5 s.
@@ -52,6 +52,11 @@ pub(crate) fn context() -> Context {
         duration_s: 0.6,
         load_n_m: Some(22.0),
         input_speed_rad_s: Some(52.34),
+        guarded: Some("paper".to_owned()),
+        scales: Scales {
+            force_n: Some(100.0),
+            torque_n_m: Some(22.0),
+        },
         ..Context::default()
     }
 }
