@@ -126,7 +126,20 @@ impl Judge<'_> {
             return Some((Vec::new(), Verdict::NotJudged { reason }));
         }
         let value = mean.map(|mean| (mean + load_n_m).abs() / load_n_m.abs());
-        let limit = row.limit + u.unwrap_or(0.0) / load_n_m.abs();
+        let share = u.unwrap_or(0.0) / load_n_m.abs();
+        if !(share <= self.rules.resolution) {
+            let verdict = Verdict::NotResolved {
+                participant: engine.name.clone(),
+                u: Some(share),
+                reason: format!(
+                    "the mean is uncertain by {share:.1e} of the load, above the resolution of {:.0e}",
+                    self.rules.resolution
+                ),
+                remedy: format!("refine {}", engine.name),
+            };
+            return Some((Vec::new(), verdict));
+        }
+        let limit = row.limit + share;
         let checks = vec![check(row, value, limit, row.reason.to_owned())];
         let verdict = checks[0].verdict();
         Some((checks, verdict))

@@ -295,7 +295,9 @@ pub fn estimate(
         Method::Step { smooth, .. } => {
             let aligned = alignment.is_none_or(|cosine| cosine >= LEAST_ALIGNMENT);
             if aligned && (observed - stated).abs() <= ORDER_MARGIN {
-                return known(Basis::Observed, Some(observed), lower, SAFETY);
+                // What the order lacks tells how well it is known: as much again is taken off.
+                let order = (lower - (stated - lower)).max(LEAST_ORDER);
+                return known(Basis::Observed, Some(observed), order, SAFETY);
             }
             let order = if smooth {
                 lower
