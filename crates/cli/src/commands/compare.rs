@@ -241,8 +241,30 @@ fn context(scene: &Scene) -> Context {
         input_speed_rad_s: Some(scene.drive.input_speed_rad_s),
         friction_coefficient: scene.contact.friction_coefficient,
         settling_s: (scene.drive.start == Start::Equilibrium).then_some(0.0),
+        guarded: guarded(scene),
         ..Context::default()
     }
+}
+
+/// The preset that the scene is, but for its name, its duration and what it writes, if the table of limits was
+/// measured on it.
+fn guarded(scene: &Scene) -> Option<String> {
+    let same = |name: &&&str| {
+        let Ok(preset) = Scene::load(name, &[]) else {
+            return false;
+        };
+        let mut wanted = Scene {
+            name: scene.name.clone(),
+            description: scene.description.clone(),
+            output: scene.output.clone(),
+            ..preset
+        };
+        wanted.solver.duration_s = scene.solver.duration_s;
+        wanted.solver.sample_s = scene.solver.sample_s;
+        wanted == *scene
+    };
+    let found = limits::MEASURED_ON.iter().find(same);
+    found.map(|name| (*name).to_owned())
 }
 
 /// Longest step of the two runs that differ by a rounding, s.

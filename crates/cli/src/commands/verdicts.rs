@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use pinwheel_compare::quantities::INPUT_TORQUE;
-use pinwheel_compare::{Check, Comparison, Verdict, WindowKind};
+use pinwheel_compare::{Check, Comparison, Outcome, Verdict, WindowKind};
 use pinwheel_gearbox::scene::Scene;
 
 use crate::facts;
@@ -111,10 +111,10 @@ fn engines(comparison: &Comparison) -> Vec<Vec<Cell>> {
 fn own_verdict<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Cell {
     let mut word = Cell::text("");
     for verdict in verdicts {
-        match verdict {
-            Verdict::Exceeded => return Cell::text("load balance exceeded").styled(BAD),
-            Verdict::Within => word = Cell::text("load balance within").styled(GOOD),
-            Verdict::NotJudged { .. } => {}
+        match verdict.outcome() {
+            Outcome::Finding => return Cell::text("load balance exceeded").styled(BAD),
+            Outcome::Passed => word = Cell::text("load balance within").styled(GOOD),
+            Outcome::NotResolved | Outcome::Nothing => {}
         }
     }
     word
