@@ -44,7 +44,7 @@
 //!         Ok::<_, CoursesError>(Rung { refinement, run: Ok(courses), wall_s: 0.0 })
 //!     };
 //!     let ladder = Ladder {
-//!         method: Method::Step { order: order.into(), smooth: true },
+//!         method: Method::Step { order: order.into(), limit: None },
 //!         finest: 1e-5,
 //!         coarser: vec![rung(2.0)?, rung(4.0)?],
 //!     };

@@ -56,10 +56,7 @@ fn engine(
         wall_s: 1.0,
     };
     let ladder = Ladder {
-        method: Method::Step {
-            order,
-            smooth: true,
-        },
+        method: Method::Step { order, limit: None },
         finest: 1e-5,
         coarser: refinements.iter().map(rung).collect(),
     };
@@ -175,7 +172,7 @@ fn regress_adaptive_runs_agree_to_their_tolerance() {
             wall_s: 1.0,
         };
         let ladder = Ladder {
-            method: Method::Tolerance,
+            method: Method::Tolerance { smooth: true },
             finest: 1e-6,
             coarser: vec![rung(100.0, errors[2]), rung(10.0, errors[1])],
         };
@@ -231,7 +228,7 @@ fn regress_coarse_runs_far_apart_are_never_within() {
             let ladder = Ladder {
                 method: Method::Step {
                     order: 2.0,
-                    smooth: false,
+                    limit: Some(1.0),
                 },
                 finest: 4e-5,
                 coarser: (1..=rungs).map(rung).collect(),
@@ -363,7 +360,7 @@ fn a_participant_without_evidence_is_named() {
     assert!(named(&found(Some(unknown)).0, "recording says nothing"));
     let ladder_of = |run: Result<Courses, String>, refinement: f64| {
         Source::Ladder(Ladder {
-            method: Method::Tolerance,
+            method: Method::Tolerance { smooth: true },
             finest: 1e-6,
             coarser: vec![Rung {
                 refinement,
@@ -960,10 +957,7 @@ fn crossval_series_and_figures_are_covered() {
             wall_s: 1.0,
         });
         let ladder = Ladder {
-            method: Method::Step {
-                order,
-                smooth: true,
-            },
+            method: Method::Step { order, limit: None },
             finest: 1e-5,
             coarser: rungs.to_vec(),
         };

@@ -72,7 +72,7 @@ impl Ladder {
     pub fn remedy(&self, factor: f64) -> String {
         let what = match self.method {
             Method::Step { .. } => "step",
-            Method::Tolerance => "tolerance",
+            Method::Tolerance { .. } => "tolerance",
         };
         format!("run it at a {what} of {:.1e}", self.finest / factor)
     }
@@ -198,8 +198,9 @@ impl Ladder {
         }
     }
 
-    /// A scalar figure. Its own differences are used with the order of the series, which all samples vote for: the
-    /// error of one number passes through zero and would show any order. No figure is off by more than the series.
+    /// A scalar figure. Where the series showed the stated order, the figure's own differences are used with that
+    /// order, which all samples vote for: the error of one number passes through zero and would show any. No figure
+    /// is off by more than its series; where that order was not confirmed, that bound is all there is.
     fn figure(
         &self,
         gaps: &[Gap],
@@ -207,14 +208,16 @@ impl Ladder {
         floor: f64,
         series: &Result<Estimate, Unresolved>,
     ) -> Result<Estimate, Unresolved> {
-        let of_series = |series: &Estimate| Estimate {
+        let series = series.clone()?;
+        let bound = Estimate {
             basis: Basis::Series,
-            ..*series
+            ..series
         };
-        // One difference of one number may be small by accident; that of a whole series is not.
-        if let ([_], Ok(series)) = (gaps, series) {
-            return Ok(of_series(series));
-        }
+        let (Method::Step { .. }, Basis::Observed, Some(order)) =
+            (self.method, series.basis, series.order)
+        else {
+            return Ok(bound);
+        };
         let steps: Vec<Step> = values
             .windows(2)
             .zip(gaps)
@@ -227,28 +230,8 @@ impl Ladder {
             [one, two, three, ..] => Some(((two - one) * (three - two)).signum()),
             _ => None,
         };
-        let method = match (self.method, series.as_ref().ok().and_then(|e| e.order)) {
-            // What the series showed is what its figures can be expected to show.
-            (Method::Step { smooth, .. }, Some(order)) => Method::Step { order, smooth },
-            (method, _) => method,
-        };
-        let own =
-            order::estimate(&steps, sign, method, floor).or_else(|unresolved| {
-                // A figure whose differences grow: the coarser ones all the same bound it, with the lowest order.
-                match series {
-                    Ok(_) => order::estimate(&steps[..1.min(steps.len())], None, method, floor)
-                        .map(|e| Estimate {
-                            basis: Basis::Unconfirmed,
-                            ..e
-                        }),
-                    Err(_) => Err(unresolved),
-                }
-            });
-        match (own, series) {
-            (Ok(own), Ok(series)) if own.u <= series.u => Ok(own),
-            (_, Ok(series)) => Ok(of_series(series)),
-            (own, Err(_)) => own,
-        }
+        let own = order::estimate(&steps, sign, Method::Step { order, limit: None }, floor);
+        Ok(own.ok().filter(|own| own.u <= bound.u).unwrap_or(bound))
     }
 
     /// The quantity freed of the leading term of its error, pointwise: `f1 + (f1 - f2)/(r^p - 1)` (Richardson). Only
@@ -263,11 +246,13 @@ impl Ladder {
         l2: &Uncertainty,
         floor: f64,
     ) -> Option<Extrapolated> {
-        let confirmed = l2.estimate().is_some_and(|e| e.basis == Basis::Observed);
+        // With a kink's error beside the method's own there is no one leading term.
+        let one_term = self.method.allowed_order() == self.method.stated_order();
+        let confirmed = one_term && l2.estimate().is_some_and(|e| e.basis == Basis::Observed);
         if !confirmed {
             return None;
         }
-        let order = self.method.stated_order();
+        let order = self.method.allowed_order();
         let views = self.views(finest, quantity, samples)?;
         let [(h1, one), (h2, two), (h3, three), ..] = views.as_slice() else {
             return None;

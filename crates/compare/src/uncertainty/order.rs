@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// Fs where the order was observed as stated.
 pub const SAFETY: f64 = 1.25;
-/// Fs everywhere else.
+/// Fs elsewhere.
 pub const SAFETY_UNCONFIRMED: f64 = 3.0;
 /// Below this observed order a ladder does not converge.
 pub const LEAST_ORDER: f64 = 0.5;
@@ -22,6 +22,12 @@ pub const ORDER_MARGIN: f64 = 0.5;
 /// Two successive differences confirm an order only if they point the same way: the least cosine between them.
 pub const LEAST_ALIGNMENT: f64 = 0.5;
 
+/// The order that a scene allows any method whose contacts open and close with a force of penetration^1.5: a step over
+/// such a kink is off by h^2.5, whatever its order elsewhere.
+pub const CONTACTS: f64 = 2.5;
+/// The order that a scene with friction, impacts or jumps allows.
+pub const FRICTION: f64 = 1.0;
+
 /// What is refined from rung to rung.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "refined", rename_all = "kebab-case")]
@@ -30,41 +36,68 @@ pub enum Method {
     Step {
         /// Order the method states.
         order: f64,
-        /// Whether the scene is smooth enough for that order. Friction, impacts and contacts that open are not:
-        /// then order 1 is assumed where none was observed.
+        /// Order that the scene allows: [`CONTACTS`], [`FRICTION`]; `None` for a smooth one. Coarse runs may show the
+        /// method's order while the error of the finest already falls with this one: never more is used.
+        limit: Option<f64>,
+    },
+    /// The error tolerance of an adaptive method. Its error follows the tolerance, which is what step size control aims
+    /// at, to a factor (Fs = 3); over kinks it falls with the square root only (order 2.5 of a method of order 5).
+    Tolerance {
+        /// Whether the scene has no kinks.
         smooth: bool,
     },
-    /// The error tolerance of an adaptive method. Its error is taken as proportional to the tolerance, which is
-    /// what step size control aims at and meets only to a factor: Fs is always 3.
-    Tolerance,
 }
 
 impl Method {
-    /// The order that the error should have in the refinement.
+    /// The order that the method states in its refinement.
     #[must_use]
     pub fn stated_order(self) -> f64 {
         match self {
             Self::Step { order, .. } => order,
-            Self::Tolerance => 1.0,
+            Self::Tolerance { .. } => 1.0,
         }
     }
 
-    /// The order assumed where none could be observed.
-    fn assumed_order(self) -> f64 {
+    /// The highest order used: that of method and scene.
+    #[must_use]
+    pub fn allowed_order(self) -> f64 {
         match self {
-            Self::Step {
-                order,
-                smooth: false,
-            } => order.min(1.0),
-            _ => self.stated_order(),
+            Self::Step { order, limit } => limit.map_or(order, |limit| limit.min(order)),
+            Self::Tolerance { smooth } => {
+                if smooth {
+                    1.0
+                } else {
+                    0.5
+                }
+            }
         }
     }
 
     fn least_order(self) -> f64 {
         match self {
             Self::Step { .. } => LEAST_ORDER,
-            Self::Tolerance => LEAST_TOLERANCE_ORDER,
+            Self::Tolerance { .. } => LEAST_TOLERANCE_ORDER,
         }
+    }
+
+    /// Fs where the order was not confirmed. A square root of the tolerance is itself the bad case.
+    fn unconfirmed_safety(self) -> f64 {
+        match self {
+            Self::Tolerance { smooth: false } => SAFETY,
+            _ => SAFETY_UNCONFIRMED,
+        }
+    }
+
+    /// Whether three runs that show `observed` confirm what is expected of method and scene.
+    fn confirmed_by(self, observed: f64) -> bool {
+        let Self::Step { order, limit } = self else {
+            return false;
+        };
+        // Friction confirms nothing: orders about 1 come and go there.
+        let from = limit
+            .filter(|l| *l > FRICTION)
+            .map_or(order, |l| l.min(order));
+        (from - ORDER_MARGIN..=order + ORDER_MARGIN).contains(&observed)
     }
 }
 
@@ -232,11 +265,18 @@ pub fn estimate(
             "order them",
         ));
     }
+    let stated = method.stated_order();
     let bound = |order: f64, safety: f64| {
-        let mut refinement = 1.0_f64;
-        let mut largest = 0.0_f64;
+        let mut refinement = fine.ratio;
+        let mut largest = fine.difference / (refinement.powf(order) - 1.0);
         // Every rung predicts the error of the finest; an accident of one difference does not hide the others.
-        for step in steps {
+        // Coarse runs fall with the method's own order where the scene's is lower.
+        let order = if method.allowed_order() < stated {
+            stated
+        } else {
+            order
+        };
+        for step in &steps[1..] {
             let next = refinement * step.ratio;
             largest = largest.max(step.difference / (next.powf(order) - refinement.powf(order)));
             refinement = next;
@@ -252,20 +292,21 @@ pub fn estimate(
             safety: Some(safety),
         })
     };
+    let guarded = method.unconfirmed_safety();
     if fine.difference <= floor {
         return known(
             Basis::Rounding,
             None,
-            method.assumed_order(),
+            method.allowed_order(),
             SAFETY_UNCONFIRMED,
         );
     }
     let unseen = match method {
         Method::Step { .. } => Basis::TwoRungs,
-        Method::Tolerance => Basis::Tolerance,
+        Method::Tolerance { .. } => Basis::Tolerance,
     };
     let Some(&coarse) = steps.get(1) else {
-        return known(unseen, None, method.assumed_order(), SAFETY_UNCONFIRMED);
+        return known(unseen, None, method.allowed_order(), guarded);
     };
     let observed = observed_order(fine, coarse).unwrap_or(f64::NEG_INFINITY);
     if !(observed >= method.least_order()) {
@@ -284,32 +325,21 @@ pub fn estimate(
             ),
             match method {
                 Method::Step { .. } => "take a smaller step: half or a quarter",
-                Method::Tolerance => "take a smaller tolerance: a tenth or a hundredth",
+                Method::Tolerance { .. } => "take a smaller tolerance: a tenth or a hundredth",
             },
         ));
     }
-    let stated = method.stated_order();
-    let lower = observed.min(stated);
-    match method {
-        Method::Tolerance => known(Basis::Tolerance, Some(observed), lower, SAFETY_UNCONFIRMED),
-        Method::Step { smooth, .. } => {
-            let aligned = alignment.is_none_or(|cosine| cosine >= LEAST_ALIGNMENT);
-            if aligned && (observed - stated).abs() <= ORDER_MARGIN {
-                // What the order lacks tells how well it is known: as much again is taken off.
-                let order = (lower - (stated - lower)).max(LEAST_ORDER);
-                return known(Basis::Observed, Some(observed), order, SAFETY);
-            }
-            let order = if smooth {
-                lower
-            } else {
-                lower.max(stated.min(1.0))
-            };
-            known(
-                Basis::Unconfirmed,
-                Some(observed),
-                order,
-                SAFETY_UNCONFIRMED,
-            )
-        }
+    let allowed = method.allowed_order();
+    let lower = observed.min(allowed);
+    let aligned = alignment.is_none_or(|cosine| cosine >= LEAST_ALIGNMENT);
+    if aligned && method.confirmed_by(observed) {
+        // What the order lacks tells how well it is known: as much again is taken off.
+        let order = (lower - (allowed - lower)).max(LEAST_ORDER);
+        return known(Basis::Observed, Some(observed), order, SAFETY);
     }
+    let basis = match method {
+        Method::Step { .. } => Basis::Unconfirmed,
+        Method::Tolerance { .. } => Basis::Tolerance,
+    };
+    known(basis, Some(observed), lower, guarded)
 }
