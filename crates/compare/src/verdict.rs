@@ -292,7 +292,9 @@ pub fn pair(distance: f64, a: &Side<'_>, b: &Side<'_>, resolution: f64) -> Verdi
     let confirmed = [a, b]
         .iter()
         .all(|s| s.uncertainty.as_ref().is_ok_and(|e| e.basis.is_confirmed()));
-    if !(sum <= resolution) && !(distance > sum && confirmed) {
+    // What is not a number is not sharp.
+    let (sharp, shown) = (sum <= resolution, confirmed && distance > sum);
+    if !(sharp || shown) {
         return too_blunt(sum, a, b, resolution);
     }
     if distance <= sum {

@@ -1,5 +1,7 @@
 //! The formulas of uncertainty on ladders whose error is known.
 
+#![allow(clippy::print_stdout)] // the table of coverage
+
 mod common;
 
 use common::Random;
