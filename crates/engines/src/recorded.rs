@@ -151,7 +151,7 @@ impl Recording {
             description: String::new(),
             solver: Solver {
                 step_s: scene.solver.step_s,
-                ..Solver::default()
+                ..Scene::paper().solver
             },
             ..scene.clone()
         };

@@ -13,7 +13,8 @@
 
 mod closed_forms;
 
-pub use closed_forms::{LinearMesh, LinearOutput, free_play, smallest_convex_radius};
+pub use closed_forms::{LinearMesh, LinearOutput, smallest_convex_radius};
+use pinwheel_scene::free_play;
 
 use pinwheel_mbs::{BodyState, Wrench};
 

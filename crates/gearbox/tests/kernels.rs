@@ -91,7 +91,7 @@ proptest! {
         backlash in prop_oneof![Just(0.0), 0.0..1e-3], input in 0.0..40.0_f64, twist in 0.0..2e-3_f64,
         rates in prop::array::uniform16(-1.0..1.0_f64),
     ) {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         scene.gear.external_sleeves = zk;
         scene.gear.internal_sleeves = zi;
         scene.gear.wheels = wheels;

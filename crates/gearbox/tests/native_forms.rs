@@ -5,7 +5,7 @@ use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, explain};
 use pinwheel_scene::{Formulation, Scene, Stabilisation, Start};
 
 fn scene(duration_s: f64) -> Scene {
-    let mut scene = Scene::default();
+    let mut scene = Scene::paper();
     scene.solver.duration_s = duration_s;
     scene
 }
@@ -113,7 +113,7 @@ fn projection_is_the_default_for_a_reason() {
     assert!(none > 1e-7 && baumgarte > 1e-7 && projection < 1e-9);
     assert!(closed < 1e-15 && held < drift);
     assert_eq!(
-        Scene::default().solver.stabilisation,
+        Scene::paper().solver.stabilisation,
         Stabilisation::Projection
     );
 }
@@ -253,7 +253,7 @@ fn the_explanation_counts_what_the_paper_counts() {
 #[test]
 fn rounding_at_rest_is_no_fault() {
     for load in [22.0, 0.0] {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         scene.drive.input_speed_rad_s = 0.0;
         scene.drive.output_torque_n_m = load;
         scene.drive.start = Start::Equilibrium;

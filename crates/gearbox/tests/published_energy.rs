@@ -10,7 +10,7 @@ fn run(scene: &Scene) -> native::NativeRun {
 }
 
 fn scene(law: &str) -> Scene {
-    let mut scene = Scene::default();
+    let mut scene = Scene::paper();
     scene.contact.law = law.into();
     scene
 }

@@ -2,7 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::model::{Gear, Masses, Scene};
+use toml::Value;
+
+use crate::check::short;
+use crate::checked::{CheckedScene, Source};
+use crate::keys::{Key, key};
+use crate::model::{Gear, Scene};
 
 /// A value that had to be assumed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -15,15 +20,13 @@ pub struct Assumption {
     pub reason: String,
 }
 
-/// The assumptions behind a scene.
-///
-/// For the paper's gear (Tab. 1): the dimensions of its missing Fig. 3, the friction coefficient it
-/// does not give, and Tab. 2's moments of inertia. For any other gear: the paper's masses, where
-/// they were left at their defaults.
+/// The assumptions behind a scene: the base it takes values from, every value that was filled in, with its formula or
+/// the reason why it is usual, and what the published gear's source leaves open (the dimensions of its missing Fig. 3,
+/// the friction coefficient, Tab. 2's moments of inertia).
 #[must_use]
-pub fn assumptions(scene: &Scene) -> Vec<Assumption> {
+pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
     let gear = &scene.gear;
-    let mut list = Vec::new();
+    let mut list = filled_in(scene);
     let mut add = |key: &str, value: String, reason: &str| {
         list.push(Assumption {
             key: key.to_owned(),
@@ -53,7 +56,7 @@ pub fn assumptions(scene: &Scene) -> Vec<Assumption> {
             "the paper's Eq. 21 has a friction coefficient but no value for it; 0 leaves the sleeves' spin out of play, 0.1 is usual for oiled steel",
         );
     }
-    let default = Masses::default();
+    let default = Scene::paper().mass;
     let papers_moments = scene.mass.wheel.moment_kg_m2 == default.wheel.moment_kg_m2
         || scene.mass.external_sleeve.moment_kg_m2 == default.external_sleeve.moment_kg_m2
         || scene.mass.internal_sleeve.moment_kg_m2 == default.internal_sleeve.moment_kg_m2;
@@ -68,19 +71,45 @@ pub fn assumptions(scene: &Scene) -> Vec<Assumption> {
             ),
             "Tab. 2 as printed, though it contradicts the paper's own shapes: its wheel has a radius of gyration of 16 mm where the profile gives about 44 mm, a 6 mm sleeve 15 mm; the preset paper-geometric has computed moments",
         );
-    } else if !is_the_papers(gear) && scene.mass == default {
-        add(
-            "mass",
-            "as in the paper's Tab. 2".to_owned(),
-            "the gear is not the paper's but its masses were left at the paper's values; give [mass] for inertia forces that belong to this gear",
-        );
     }
     list
 }
 
+/// What the scene's file does not write: one entry for all that comes from its base, one a key for the rest.
+fn filled_in(scene: &CheckedScene) -> Vec<Assumption> {
+    let mut list: Vec<Assumption> = Vec::new();
+    let mut inherited: Vec<(&str, Vec<&str>)> = Vec::new();
+    for origin in scene.origins() {
+        if let Source::Base(base) = &origin.source {
+            match inherited.iter_mut().find(|(known, _)| known == base) {
+                Some((_, keys)) => keys.push(origin.key),
+                None => inherited.push((base, vec![origin.key])),
+            }
+            continue;
+        }
+        let unit = key(origin.key).map_or("", Key::unit);
+        let value = match &origin.value {
+            Value::String(text) => text.clone(),
+            Value::Float(number) => short(*number),
+            other => other.to_string(),
+        };
+        list.push(Assumption {
+            key: origin.key.to_owned(),
+            value: format!("{value} {unit}").trim_end().to_owned(),
+            reason: format!("not in the scene: {}", origin.source.words()),
+        });
+    }
+    let bases = inherited.into_iter().map(|(base, keys)| Assumption {
+        key: "base".to_owned(),
+        value: base.to_owned(),
+        reason: format!("not in the scene but in its base: {}", keys.join(", ")),
+    });
+    bases.chain(list).collect()
+}
+
 /// Whether Tab. 1 describes this gear (backlash and wheels may differ).
 fn is_the_papers(gear: &Gear) -> bool {
-    let paper = Gear::default();
+    let paper = Scene::paper().gear;
     gear.eccentricity_m == paper.eccentricity_m
         && gear.external_sleeves == paper.external_sleeves
         && gear.shortening == paper.shortening
@@ -92,16 +121,15 @@ fn is_the_papers(gear: &Gear) -> bool {
 mod tests {
     use super::*;
 
-    fn keys(scene: &Scene) -> Vec<String> {
-        assumptions(scene)
-            .into_iter()
-            .map(|assumption| assumption.key)
-            .collect()
+    fn keys(scene: Scene) -> Vec<String> {
+        let scene = scene.check().unwrap();
+        let list = assumptions(&scene).into_iter();
+        list.map(|assumption| assumption.key).collect()
     }
 
     #[test]
     fn the_papers_gear_names_fig_3_mu_and_tab_2() {
-        let keys = keys(&Scene::default());
+        let keys = keys(Scene::paper());
         for key in [
             "gear.internal_sleeve_radius_m",
             "gear.hole_radius_m",
@@ -114,11 +142,14 @@ mod tests {
     }
 
     #[test]
-    fn another_gear_only_names_borrowed_masses() {
-        let mut scene = Scene::default();
-        scene.gear.external_sleeves = 12;
-        assert_eq!(keys(&scene), ["mass"]);
-        scene.mass.wheel.mass_kg = 0.5;
-        assert!(keys(&scene).is_empty());
+    fn a_base_is_one_entry() {
+        let scene = Scene::from_toml("base = \"forty-pins\"", "mine.toml", &[]).unwrap();
+        let list = assumptions(&scene);
+        assert_eq!(list.len(), 1);
+        assert_eq!(
+            (list[0].key.as_str(), list[0].value.as_str()),
+            ("base", "forty-pins")
+        );
+        assert!(list[0].reason.contains("gear.wheels"));
     }
 }

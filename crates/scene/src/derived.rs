@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::model::Scene;
 use super::profile::Profile;
-use crate::load_course;
+use crate::{load_course, scales};
 
 /// Figures that follow from a checked scene without a run. SI units.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -61,11 +61,7 @@ pub struct Frequency {
 pub fn derived(scene: &Scene) -> Derived {
     let gear = &scene.gear;
     let curve = Profile::of(gear);
-    let (e, m, q) = (
-        gear.eccentricity_m,
-        gear.shortening,
-        gear.external_sleeve_radius_m,
-    );
+    let (e, q) = (gear.eccentricity_m, gear.external_sleeve_radius_m);
     let (zk, zs) = (gear.external_sleeves as f64, gear.lobes() as f64);
     let zi = gear.internal_sleeves as f64;
     let wheel_torque = load_course::largest(&scene.drive) / gear.wheels as f64;
@@ -84,10 +80,10 @@ pub fn derived(scene: &Scene) -> Derived {
         smallest_convex_radius_m: curve.smallest_convex_radius(),
         profile_radii_m: [gear.pitch_radius_m() + e - q, curve.pit_radius()],
         hole_clearance_m: gear.hole_radius_m - gear.internal_sleeve_radius_m - e,
-        free_play_rad: gear.backlash_m * (1.0 - m * m).sqrt() / (e * zs),
+        free_play_rad: scales::free_play(gear),
         ideal_input_torque_n_m: load_course::final_load(scene) / zs,
-        external_force_estimate_n: 4.0 * wheel_torque / (e * zs * zk),
-        internal_force_estimate_n: 4.0 * wheel_torque / (zi * gear.internal_circle_radius_m),
+        external_force_estimate_n: scales::external_force(gear, wheel_torque),
+        internal_force_estimate_n: scales::internal_force(gear, wheel_torque),
         frequencies: vec![
             frequency("input shaft turns", 1.0),
             frequency("a given internal sleeve is loaded", zk / zs),
@@ -111,7 +107,7 @@ mod tests {
     /// Figures of an independent program for the gear of the paper.
     #[test]
     fn the_papers_figures() {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         scene.drive.input_speed_rad_s = 500.0 / 60.0 * TAU;
         scene.gear.backlash_m = 1e-3;
         let figures = derived(&scene);

@@ -28,7 +28,7 @@ impl fmt::Display for Place {
         match self {
             Self::Line { source, line } => write!(f, "{}, line {line}", one_line(source)),
             Self::Set(text) => write!(f, "--set {}", one_line(text)),
-            Self::Default { source } => write!(f, "{} (key left at its default)", one_line(source)),
+            Self::Default { source } => write!(f, "{} (not written there)", one_line(source)),
         }
     }
 }
@@ -86,6 +86,14 @@ pub enum SceneError {
         /// What is wrong.
         what: &'static str,
     },
+    /// Keys that nothing can stand in for.
+    #[error("{}: gives no {}; write them, or begin with `base = \"paper\"` (any preset or scene file) to take from it what is left out", one_line(.source_name), list(.keys))]
+    Missing {
+        /// File or preset.
+        source_name: String,
+        /// The keys.
+        keys: Vec<&'static str>,
+    },
     /// A key or its value.
     #[error("{place}: `{}` {}; {}", one_line(.key), one_line(.what), one_line(.remedy))]
     Key {
@@ -139,6 +147,16 @@ impl fmt::Display for Fault {
 }
 
 impl std::error::Error for Fault {}
+
+/// `a`, `b` and `c`.
+fn list(keys: &[&str]) -> String {
+    let quoted: Vec<String> = keys.iter().map(|key| format!("`{key}`")).collect();
+    match quoted.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, rest)) => format!("{} or {last}", rest.join(", ")),
+        None => String::new(),
+    }
+}
 
 /// The text on one line, control characters made visible, cut where it gets out of hand.
 pub(super) fn one_line(text: &str) -> String {

@@ -26,7 +26,8 @@ impl Scene {
     }
 }
 
-fn read(spec: &str) -> Result<String, SceneError> {
+/// The text of a scene file.
+pub(super) fn read(spec: &str) -> Result<String, SceneError> {
     let path = Path::new(spec);
     let unreadable = |source| SceneError::Unreadable {
         path: path.to_owned(),

@@ -175,7 +175,7 @@ mod tests {
         };
         Drive {
             load_changes: changes.iter().map(change).collect(),
-            ..Drive::default()
+            ..Scene::paper().drive
         }
     }
 
@@ -214,7 +214,7 @@ mod tests {
     fn without_changes_there_is_no_break() {
         let ramp = Drive {
             load_ramp_s: 0.01,
-            ..Drive::default()
+            ..Scene::paper().drive
         };
         assert!(breaks(&ramp).is_empty());
         assert_eq!(piece_at(&ramp, 0.005).torque(0.005), 11.0);

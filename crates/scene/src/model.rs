@@ -1,17 +1,19 @@
 //! The scene: everything a run depends on, as the TOML file names it.
 //!
-//! Every key has a default (the paper's value), every unit is in the key's name.
+//! Every unit is in the key's name. What a file leaves out comes from its base or is filled in ([`crate::keys`]).
+
+use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
 /// A complete scene. SI units; angles counter-clockwise; see the field groups.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(deny_unknown_fields)]
 pub struct Scene {
     /// Name shown in reports.
     pub name: String,
     /// Why this scene exists, one sentence (optional).
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub description: String,
     /// Geometry.
     pub gear: Gear,
@@ -24,13 +26,13 @@ pub struct Scene {
     /// Formulation, integrator and sampling.
     pub solver: Solver,
     /// What is recorded beyond the contract's columns.
-    #[serde(skip_serializing_if = "Output::is_default")]
+    #[serde(default, skip_serializing_if = "Output::is_default")]
     pub output: Output,
 }
 
 /// Geometry (Tab. 1 and Fig. 3 of the paper).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(deny_unknown_fields)]
 pub struct Gear {
     /// e, m.
     pub eccentricity_m: f64,
@@ -52,6 +54,9 @@ pub struct Gear {
     pub wheels: usize,
     /// d, m: external sleeves sit at R + d.
     pub backlash_m: f64,
+    /// Thickness of a wheel, m; only masses that a scene leaves out need it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub face_width_m: Option<f64>,
 }
 
 /// Mass and moment of inertia about the centre of mass of one rigid body.
@@ -64,10 +69,13 @@ pub struct BodyMass {
     pub moment_kg_m2: f64,
 }
 
-/// Tab. 2 of the paper.
+/// Masses and moments of inertia (Tab. 2 of the paper).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(deny_unknown_fields)]
 pub struct Masses {
+    /// Density of all bodies, kg/m^3; only masses that a scene leaves out need it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density_kg_m3: Option<f64>,
     /// The driven shaft with its eccentrics.
     pub input_shaft: BodyMass,
     /// The loaded shaft without its sleeves.
@@ -92,7 +100,7 @@ pub enum Start {
 
 /// Motion and load (Tab. 3).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(deny_unknown_fields)]
 pub struct Drive {
     /// omega, rad/s.
     pub input_speed_rad_s: f64,
@@ -103,7 +111,7 @@ pub struct Drive {
     /// The load rises linearly from 0 over this time, s; 0: at once.
     pub load_ramp_s: f64,
     /// What the load becomes during the run, in increasing time; empty: it stays.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub load_changes: Vec<LoadChange>,
 }
 
@@ -142,7 +150,7 @@ pub enum FrictionLaw {
 
 /// Contact law (Eq. 20-24) and detection.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(deny_unknown_fields)]
 pub struct Contact {
     /// Name of the normal law; `pinwheel laws` lists them.
     pub law: String,
@@ -206,7 +214,7 @@ pub enum Stabilisation {
 
 /// Formulation, integrator, sampling.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(deny_unknown_fields)]
 pub struct Solver {
     /// Which equations are integrated.
     pub formulation: Formulation,
@@ -238,102 +246,18 @@ impl Output {
     }
 }
 
-impl Default for Scene {
-    fn default() -> Self {
-        Self {
-            name: "unnamed".to_owned(),
-            description: String::new(),
-            gear: Gear::default(),
-            mass: Masses::default(),
-            drive: Drive::default(),
-            contact: Contact::default(),
-            solver: Solver::default(),
-            output: Output::default(),
-        }
-    }
-}
+/// The published gearbox, the preset `paper`: what studies of it begin with.
+static PAPER: LazyLock<Scene> = LazyLock::new(|| {
+    let text = crate::preset("paper").unwrap_or_default();
+    // The text is embedded, and tests read it.
+    toml::from_str(text).expect("the embedded preset is a complete scene")
+});
 
-impl Default for Gear {
-    fn default() -> Self {
-        Self {
-            eccentricity_m: 0.0028,
-            external_sleeves: 16,
-            shortening: 0.7,
-            external_sleeve_radius_m: 0.006,
-            internal_sleeves: 8,
-            internal_sleeve_radius_m: 0.006,
-            internal_circle_radius_m: 0.038,
-            hole_radius_m: 0.0088,
-            wheels: 2,
-            backlash_m: 0.0,
-        }
-    }
-}
-
-impl Default for Masses {
-    fn default() -> Self {
-        let body = |mass_kg, moment_kg_m2| BodyMass {
-            mass_kg,
-            moment_kg_m2,
-        };
-        Self {
-            input_shaft: body(0.2341, 1.846e-6),
-            output_shaft: body(1.6345, 1.373e-4),
-            wheel: body(0.5998, 1.57538e-4),
-            internal_sleeve: body(0.048, 1.1013e-5),
-            external_sleeve: body(0.048, 1.1013e-5),
-        }
-    }
-}
-
-impl Default for Drive {
-    fn default() -> Self {
-        Self {
-            input_speed_rad_s: 52.34,
-            output_torque_n_m: 22.0,
-            start: Start::Kinematic,
-            load_ramp_s: 0.0,
-            load_changes: Vec::new(),
-        }
-    }
-}
-
-impl Default for Contact {
-    fn default() -> Self {
-        Self {
-            law: "paper".to_owned(),
-            young_pa: 2.0e11,
-            poisson: 0.3,
-            stiffness_multiplier: 0.01,
-            damping_n_s_m: 8.0,
-            ramp_m: 1.0e-5,
-            friction_coefficient: 0.0,
-            friction_ramp_m_s: 5.0e-5,
-            friction_law: FrictionLaw::Regularised,
-            friction_dynamic_coefficient: 0.0,
-            friction_dynamic_speed_m_s: 1.0e-3,
-            constant_stiffness_n_m15: 1.0e8,
-            restitution: 0.9,
-            impact_speed_m_s: 0.01,
-            line_length_m: 0.01,
-            detection: Detection::Exact,
-            wheel_points: 4000,
-            hole_points: 100,
-        }
-    }
-}
-
-impl Default for Solver {
-    fn default() -> Self {
-        Self {
-            formulation: Formulation::Reduced,
-            integrator: "rk2".to_owned(),
-            step_s: 1.0e-5,
-            tolerance: 1.0e-6,
-            duration_s: 0.6,
-            sample_s: 1.0e-4,
-            stabilisation: Stabilisation::Projection,
-        }
+impl Scene {
+    /// The published gearbox, the preset `paper`: what studies of it begin with.
+    #[must_use]
+    pub fn paper() -> Self {
+        PAPER.clone()
     }
 }
 
@@ -342,6 +266,12 @@ impl Gear {
     #[must_use]
     pub fn lobes(&self) -> usize {
         self.external_sleeves - 1
+    }
+
+    /// e zs, m: the lever of a sleeve's force about a wheel's centre at most.
+    #[must_use]
+    pub fn lever_m(&self) -> f64 {
+        self.eccentricity_m * self.lobes() as f64
     }
 
     /// R = e zk/m, m: radius of the circle the external sleeves sit on without backlash.

@@ -43,7 +43,6 @@ impl Profile {
     }
 
     /// The profile C - q n, m, in the wheel's frame.
-    #[cfg(test)]
     pub(super) fn offset_point(&self, a: f64) -> [f64; 2] {
         let (sin, cos) = a.sin_cos();
         let (sin_k, cos_k) = (self.pins * a).sin_cos();
@@ -55,6 +54,18 @@ impl Profile {
         let scale = self.sleeve / tangent[0].hypot(tangent[1]);
         let [x, y] = self.point(a);
         [x - scale * tangent[1], y + scale * tangent[0]]
+    }
+
+    /// dP/da of the profile, m: C' (1 - q kappa), for the offset of a curve is parallel to it.
+    pub(super) fn offset_slope(&self, a: f64) -> [f64; 2] {
+        let (sin, cos) = a.sin_cos();
+        let (sin_k, cos_k) = (self.pins * a).sin_cos();
+        let share = 1.0 - self.sleeve * self.curvature((self.lobes() * a).cos());
+        let scale = self.radius * share;
+        [
+            scale * (-sin - self.shortening * sin_k),
+            scale * (cos + self.shortening * cos_k),
+        ]
     }
 
     /// kappa of C at cos(zs a) = c, 1/m; positive on a lobe.
@@ -118,11 +129,12 @@ impl Profile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Scene;
 
     #[test]
     fn the_papers_smallest_convex_radius() {
         // By an independent program: 13.12258 mm on C, 7.1226 mm on the profile.
-        let profile = Profile::of(&Gear::default());
+        let profile = Profile::of(&Scene::paper().gear);
         assert!((profile.smallest_convex_radius() - 0.013_122_58).abs() < 5e-9);
         assert!((1.0 / profile.curvature(1.0) - 0.006 - 0.009_160_7).abs() < 5e-8);
         assert!((1.0 / profile.curvature(-1.0) - 0.006 + 0.006_564_7).abs() < 5e-8);
@@ -133,7 +145,7 @@ mod tests {
         let gear = Gear {
             external_sleeves: 7,
             shortening: 0.45,
-            ..Gear::default()
+            ..Scene::paper().gear
         };
         let profile = Profile::of(&gear);
         let h = 1e-4;
@@ -154,7 +166,7 @@ mod tests {
 
     #[test]
     fn the_offset_keeps_its_distance() {
-        let profile = Profile::of(&Gear::default());
+        let profile = Profile::of(&Scene::paper().gear);
         for i in 0..200 {
             let a = f64::from(i) * 0.031;
             let distance = profile.distance(profile.offset_point(a), a, 0.4, 400);

@@ -375,7 +375,7 @@ mod tests {
     /// impulses, with friction that bounds and opposes.
     #[test]
     fn transmits_the_law_and_bounds_friction() {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         scene.contact.friction_coefficient = 0.1;
         let gearbox = &Gearbox::new(&scene.check().unwrap()).unwrap();
         let grid = ContactHook::grid(&gearbox.scene).unwrap();

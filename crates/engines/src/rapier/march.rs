@@ -274,7 +274,7 @@ mod tests {
     use super::*;
 
     fn scene(step_s: f64, sample_s: f64, duration_s: f64) -> Scene {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         (
             scene.solver.step_s,
             scene.solver.sample_s,

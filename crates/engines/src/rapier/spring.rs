@@ -150,7 +150,7 @@ mod tests {
     use super::*;
 
     fn frequency(change: impl Fn(&mut Scene)) -> Result<f64, String> {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         change(&mut scene);
         let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         contact_frequency(&gearbox, &mut *gearbox.contact_field().unwrap())

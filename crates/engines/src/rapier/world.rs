@@ -325,7 +325,7 @@ mod tests {
     /// A gearbox free to coast: output and wheels keep their rates, joints hold.
     #[test]
     fn coasts_along_the_ideal_motion() {
-        let gearbox = Gearbox::new(&Scene::default().clone().check().unwrap()).unwrap();
+        let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();
         let step_s = 1e-5;
         let mut world = World::new(&gearbox, step_s, 10);
         let loads = vec![Wrench::default(); gearbox.layout.bodies()];
@@ -353,7 +353,7 @@ mod tests {
     /// The first step carries half of the load, so that positions follow t^2/2 exactly.
     #[test]
     fn constant_torque_gives_a_parabola_and_a_straight_rate() {
-        let gearbox = Gearbox::new(&Scene::default().clone().check().unwrap()).unwrap();
+        let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();
         let step_s = 1e-4;
         let mut world = World::new(&gearbox, step_s, 10);
         let wheel = gearbox.layout.wheel_bodies().start;
@@ -388,7 +388,7 @@ mod tests {
 
     #[test]
     fn a_body_put_aside_is_named() {
-        let gearbox = Gearbox::new(&Scene::default().clone().check().unwrap()).unwrap();
+        let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();
         let mut world = World::new(&gearbox, 1e-5, 10);
         let mut loads = vec![Wrench::default(); gearbox.layout.bodies()];
         loads[5].moment = f64::NAN;

@@ -134,7 +134,7 @@ fn motion(cancel: &AtomicBool) -> Result<Vec<Section>, PageError> {
     const TURN: (f64, f64) = (0.24, 0.36);
     let mut views = Vec::new();
     for backlash_mm in [0.0, 0.6] {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         scene.gear.backlash_m = 1e-3 * backlash_mm;
         let title = if backlash_mm > 0.0 {
             format!("{backlash_mm} mm of backlash")

@@ -245,6 +245,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::Scene;
 
     /// Points of the profile, and the polar angle of hole k of wheel i in the wheel's frame.
     fn hole_angles(gear: &Gear) -> Vec<f64> {
@@ -296,7 +297,7 @@ mod tests {
             internal_sleeves: zi,
             internal_circle_radius_m: circle * radius,
             wheels,
-            ..Gear::default()
+            ..Scene::paper().gear
         };
         gear.external_sleeve_radius_m =
             q * half_pitch.min(Profile::of(&gear).smallest_convex_radius());

@@ -4,7 +4,7 @@
 const LEAN: f64 = 0.499_999_99;
 
 /// Six significant digits, no trailing zeros.
-pub(super) fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     rounded(value, 6, 0.0)
 }
 

@@ -26,7 +26,7 @@ fn every_form_is_understood() {
     ];
     let inline = "[{ time_s = 0.1, output_torque_n_m = -22 }, { time_s = 0.25, output_torque_n_m = 44.0, ramp_s = 0.05 }]";
     assert_eq!(with(inline).unwrap().drive.load_changes, wanted);
-    let tables = "[drive]\nload_ramp_s = 0.01\n[[drive.load_changes]]\ntime_s = 0.1\noutput_torque_n_m = -22\n\
+    let tables = "base = \"paper\"\n[drive]\nload_ramp_s = 0.01\n[[drive.load_changes]]\ntime_s = 0.1\noutput_torque_n_m = -22\n\
                   [[drive.load_changes]]\ntime_s = 0.25\noutput_torque_n_m = 44.0\nramp_s = 0.05\n[solver]\nstep_s = 2e-5\n";
     let scene = Scene::from_toml(tables, "mine.toml", &[]).unwrap();
     assert_eq!(scene.drive.load_changes, wanted);
@@ -97,12 +97,12 @@ fn what_is_wrong_is_named_with_its_entry() {
         assert!(line.contains(&named) && line.contains(part), "{line}");
         assert!(line.contains("; ") && !line.contains('\n'), "{line}");
     }
-    let text = "[drive]\nload_ramp_s = 0.2\nload_changes = [\n  { time_s = 0.1, output_torque_n_m = 1 },\n]\n";
+    let text = "base = \"paper\"\n[drive]\nload_ramp_s = 0.2\nload_changes = [\n  { time_s = 0.1, output_torque_n_m = 1 },\n]\n";
     let line = Scene::from_toml(text, "mine.toml", &[])
         .unwrap_err()
         .to_string();
     assert!(
-        line.starts_with("mine.toml, line 4: `drive.load_changes[0].time_s`"),
+        line.starts_with("mine.toml, line 5: `drive.load_changes[0].time_s`"),
         "{line}"
     );
     let many: Vec<String> = (1..=1001)
@@ -125,12 +125,12 @@ fn changes_after_the_end_are_told() {
     );
     assert_eq!(load_course::final_load(&scene), 1.0);
     assert_eq!(load_course::last_change_s(&scene), Some(0.1));
-    assert_eq!(load_course::unreached(&Scene::default()), None);
+    assert_eq!(load_course::unreached(&Scene::paper()), None);
 }
 
 #[test]
 fn a_scene_without_changes_is_written_as_it_was() {
-    assert!(!Scene::default().to_toml().contains("load_changes"));
+    assert!(!Scene::paper().to_toml().contains("load_changes"));
 }
 
 fn number() -> impl Strategy<Value = f64> {
@@ -144,7 +144,7 @@ proptest! {
         list in prop::collection::vec((number(), number(), number()), 0..6),
         load_ramp_s in prop_oneof![Just(0.0), 0.0..0.2_f64],
     ) {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         scene.drive.load_ramp_s = load_ramp_s;
         scene.drive.load_changes = list
             .into_iter()

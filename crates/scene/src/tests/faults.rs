@@ -104,9 +104,9 @@ fn wrong_types_name_line_and_kind() {
         ("gear = 3", 1, "must be a table"),
         ("[name]\n", 1, "must be text"),
         ("name = 3", 1, "must be text"),
-        ("[drive]\nstart = \"warm\"", 2, "`kinematic`"),
-        ("[contact]\ndetection = \"exat\"", 2, "`exact`"),
-        ("[solver]\nformulation = \"lagrangian\"", 2, "`lagrange`"),
+        ("[drive]\nstart = \"warm\"", 2, "kinematic"),
+        ("[contact]\ndetection = \"exat\"", 2, "exact"),
+        ("[solver]\nformulation = \"lagrangian\"", 2, "lagrange"),
         ("[mass]\nwheel = 3", 2, "must be a table"),
     ] {
         let message = refused_text(text);
@@ -137,13 +137,13 @@ fn broken_toml_names_its_line() {
 
 #[test]
 fn a_fault_between_keys_is_placed_where_the_user_changed_something() {
-    let text = "[gear]\nhole_radius_m = 0.0085\n";
+    let text = "base = \"paper\"\n[gear]\nhole_radius_m = 0.0085\n";
     let error = Scene::from_toml(text, "mine.toml", &[]).unwrap_err();
     assert!(
         matches!(
             error,
             SceneError::Key {
-                place: Place::Line { line: 2, .. },
+                place: Place::Line { line: 3, .. },
                 ..
             }
         ),
@@ -165,11 +165,16 @@ fn a_fault_between_keys_is_placed_where_the_user_changed_something() {
         ),
         "{error:?}"
     );
-    let error = Scene::from_toml("[gear]\neccentricity_m = 0.004", "mine.toml", &[]).unwrap_err();
+    let error = Scene::from_toml(
+        "base = \"paper\"\n[gear]\neccentricity_m = 0.004",
+        "mine.toml",
+        &[],
+    )
+    .unwrap_err();
     assert!(
         error
             .to_string()
-            .starts_with("mine.toml, line 2: `gear.hole_radius_m`"),
+            .starts_with("mine.toml, line 3: `gear.hole_radius_m`"),
         "{error}"
     );
 }
@@ -438,7 +443,11 @@ fn files_that_are_no_text_or_too_long() {
     assert!(load().unwrap_err().contains("line 3: not UTF-8"));
     std::fs::write(&path, vec![b'#'; crate::MOST_BYTES + 1]).unwrap();
     assert!(load().unwrap_err().contains("longer than"));
-    std::fs::write(&path, "\u{feff}[gear]\r\nwheels = 1\r\n").unwrap();
+    std::fs::write(
+        &path,
+        "\u{feff}base = \"paper\"\r\n[gear]\r\nwheels = 1\r\n",
+    )
+    .unwrap();
     let scene = load().unwrap();
     assert_eq!((scene.name.as_str(), scene.gear.wheels), ("mine", 1));
     #[cfg(unix)]
@@ -455,7 +464,7 @@ fn channels_that_do_not_exist() {
     for (line, part) in [
         (
             "channels = [\"eficiency\"]",
-            "line 2: `output.channels` has no `eficiency`; did you mean `efficiency`?",
+            "line 3: `output.channels` has no `eficiency`; did you mean `efficiency`?",
         ),
         (
             "channels = [\"wheel_2_external_penetration_m_0\"]",
@@ -465,10 +474,15 @@ fn channels_that_do_not_exist() {
         ("channels = 3", "must be a list of texts"),
         ("chanels = []", "did you mean `output.channels`?"),
     ] {
-        let error = Scene::from_toml(&format!("[output]\n{line}\n"), "mine.toml", &[]).unwrap_err();
+        let error = Scene::from_toml(
+            &format!("base = \"paper\"\n[output]\n{line}\n"),
+            "mine.toml",
+            &[],
+        )
+        .unwrap_err();
         assert!(error.to_string().contains(part), "{error}");
     }
-    let many = "[output]\nchannels = [\"*\"]\n[solver]\nsample_s = 1e-6\n";
+    let many = "base = \"paper\"\n[output]\nchannels = [\"*\"]\n[solver]\nsample_s = 1e-6\n";
     let error = Scene::from_toml(many, "mine.toml", &[]).unwrap_err();
     assert!(
         error.to_string().contains("fewer output.channels"),
@@ -479,10 +493,18 @@ fn channels_that_do_not_exist() {
 #[test]
 fn channels_from_file_and_command_line() {
     let read = |text: &str, sets: &[Override]| Scene::from_toml(text, "mine.toml", sets).unwrap();
-    let scene = read("[output]\nchannels = [\"efficiency\"]\n", &[]);
+    let scene = read(
+        "base = \"paper\"\n[output]\nchannels = [\"efficiency\"]\n",
+        &[],
+    );
     assert_eq!(scene.output.channels, ["efficiency"]);
     assert_eq!(read(&scene.to_toml(), &[]), scene);
-    let set = |value: &str| read("", &[Override::new("output.channels", value)]);
+    let set = |value: &str| {
+        read(
+            "base = \"paper\"",
+            &[Override::new("output.channels", value)],
+        )
+    };
     assert_eq!(set("efficiency"), scene);
     assert_eq!(
         set("[\"efficiency\", \"input_power_w\"]")
@@ -492,5 +514,5 @@ fn channels_from_file_and_command_line() {
         2
     );
     // What asks for nothing writes nothing: files of before stay as they were.
-    assert!(!Scene::default().to_toml().contains("output]"));
+    assert!(!Scene::paper().to_toml().contains("output]"));
 }

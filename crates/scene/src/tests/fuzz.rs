@@ -23,7 +23,7 @@ fn survives(result: Result<CheckedScene, crate::SceneError>) {
 }
 
 fn keys() -> Vec<String> {
-    let table: toml::Table = Scene::default().to_toml().parse().unwrap();
+    let table: toml::Table = Scene::paper().to_toml().parse().unwrap();
     let mut keys = Vec::new();
     for (group, value) in &table {
         let Some(inner) = value.as_table() else {

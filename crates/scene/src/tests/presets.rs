@@ -35,11 +35,8 @@ fn every_scene_file_is_embedded() {
 }
 
 #[test]
-fn the_defaults_are_the_paper() {
-    let mut scene = load("paper");
-    scene.name = Scene::default().name;
-    scene.description.clear();
-    assert_eq!(scene, Scene::default());
+fn the_paper_is_its_preset() {
+    assert_eq!(load("paper"), Scene::paper());
 }
 
 /// paper.toml is what people copy: every key that can be written stands in it.

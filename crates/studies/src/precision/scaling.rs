@@ -187,7 +187,7 @@ pub fn write_csv(scaling: &Scaling, sink: impl Write) -> Result<(), StudyError> 
 pub fn gear(wheels: usize, external: usize, internal: usize) -> Scene {
     let mut scene = Scene {
         name: format!("scaling: {wheels} wheels, {external} + {internal} sleeves"),
-        ..Scene::default()
+        ..Scene::paper()
     };
     // R = e zk/m grows with zk: same teeth on a larger circle.
     let growth = external as f64 / scene.gear.external_sleeves as f64;

@@ -216,7 +216,7 @@ fn cell(
     control: &Control<'_>,
 ) -> Result<Cell, StudyError> {
     // A scene that asks for a tenth of the usual tolerance gets a tenth of the method's.
-    let share = (scene.solver.tolerance / Scene::default().solver.tolerance).min(1.0);
+    let share = (scene.solver.tolerance / Scene::paper().solver.tolerance).min(1.0);
     let method = Method {
         tolerance: method.tolerance.map(|tolerance| tolerance * share),
         ..method.clone()

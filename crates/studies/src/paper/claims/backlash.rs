@@ -10,8 +10,8 @@ use super::runs::{
 
 use pinwheel_gearbox::contacts::PairContact;
 use pinwheel_gearbox::native::{NativeError, NativeRun};
-use pinwheel_gearbox::statics::{Statics, free_play};
-use pinwheel_scene::{Scene, Sleeve};
+use pinwheel_gearbox::statics::Statics;
+use pinwheel_scene::{Scene, Sleeve, free_play};
 
 fn with_backlash(backlash: f64, go: Go<'_>) -> Result<NativeRun, NativeError> {
     run(&scene(|s| s.gear.backlash_m = backlash), go)
@@ -197,7 +197,7 @@ fn onset_speed(backlash: f64) -> Result<f64, NativeError> {
 
 pub(super) fn onset() -> Result<Figure, NativeError> {
     let numbers = vec![onset_speed(0.0)?, onset_speed(6e-4)?];
-    let mut gear = Scene::default().gear;
+    let mut gear = Scene::paper().gear;
     gear.backlash_m = 6e-4;
     let figure = format!(
         "contacts begin at up to {:.2} mm/s without and {:.2} mm/s with 0.6 mm (free play {:.2} mrad)",

@@ -160,7 +160,7 @@ fn time(go: Go<'_>) -> Result<Figure, NativeError> {
 }
 
 fn one_per_cent() -> Figure {
-    let scene = Scene::default();
+    let scene = Scene::paper();
     let stiffness = pinwheel_contact::HertzStiffness::new(
         scene.contact.young_pa,
         scene.contact.poisson,

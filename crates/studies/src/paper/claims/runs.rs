@@ -15,7 +15,7 @@ pub(super) const STEADY: (f64, f64) = (0.3, 0.6);
 
 /// The paper's scene, solved accurately, with one change.
 pub(super) fn scene(change: impl FnOnce(&mut Scene)) -> Scene {
-    let mut scene = Scene::default();
+    let mut scene = Scene::paper();
     scene.solver.integrator = "rk4".into();
     change(&mut scene);
     scene
