@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Control, EngineError, by_name};
-use pinwheel_gearbox::scene::{FrictionLaw, Scene, Start};
+use pinwheel_scene::{FrictionLaw, Scene, Start};
 use pinwheel_tests::runs::{self, attempt, channels, native, run, scene};
 
 const SHARED: &str = "rapier-shared-law";
@@ -298,7 +298,9 @@ fn crossval_rapier_divergence_is_an_error() {
 
 #[test]
 fn crossval_rapier_refuses_what_it_cannot_honour() {
-    let reason = |engine: &str, scene: &Scene| match by_name(engine, scene).unwrap().supports(scene)
+    let reason = |engine: &str, scene: &Scene| match by_name(engine, scene)
+        .unwrap()
+        .supports(&scene.clone().check().unwrap())
     {
         Err(error @ EngineError::Unsupported { .. }) => {
             // The run refuses in the same words.
@@ -337,7 +339,9 @@ fn crossval_rapier_stops_when_asked() {
             cancel: &cancel,
             progress: &|_| {},
         };
-        let outcome = by_name(engine, &scene).unwrap().run(&scene, &control);
+        let outcome = by_name(engine, &scene)
+            .unwrap()
+            .run(&scene.clone().check().unwrap(), &control);
         assert!(matches!(outcome, Err(EngineError::Cancelled)), "{engine}");
     }
 }

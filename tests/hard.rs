@@ -2,7 +2,7 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_engines::EngineError;
-use pinwheel_gearbox::scene::{Detection, PRESETS};
+use pinwheel_scene::{Detection, PRESETS};
 use pinwheel_tests::runs::{self, attempt as run, scene};
 
 const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];

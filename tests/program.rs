@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use pinwheel_tests::{Outcome, names_in, pinwheel, run_in};
 use serde_json::Value;
 
@@ -58,7 +58,7 @@ fn program_run_writes_courses_and_their_record() {
     // The whole scene stands in the record: read back, it is the one that ran.
     let scene: Scene = serde_json::from_value(record["scene"].clone()).unwrap();
     let set = "solver.duration_s=0.005".parse().unwrap();
-    assert_eq!(scene, Scene::load("paper", &[set]).unwrap());
+    assert_eq!(scene, *Scene::load("paper", &[set]).unwrap());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Control, EngineError, Run, by_name};
-use pinwheel_gearbox::scene::{Override, Scene};
+use pinwheel_scene::{Override, Scene};
 
 /// The preset with keys overridden, as `--set` does it.
 ///
@@ -15,7 +15,7 @@ pub fn scene(preset: &str, settings: &[(&str, &str)]) -> Scene {
         .map(|&(key, value)| Override::new(key, value))
         .collect();
     match Scene::load(preset, &overrides) {
-        Ok(scene) => scene,
+        Ok(scene) => scene.into_scene(),
         Err(error) => panic!("{preset}, {settings:?}: {error}"),
     }
 }
@@ -29,7 +29,7 @@ pub fn scene(preset: &str, settings: &[(&str, &str)]) -> Scene {
 /// When there is no engine of that name.
 pub fn attempt(engine: &str, scene: &Scene) -> Result<Run, EngineError> {
     match by_name(engine, scene) {
-        Some(engine) => engine.run(scene, &Control::quiet()),
+        Some(engine) => engine.run(&scene.clone().check().unwrap(), &Control::quiet()),
         None => panic!("there is no engine {engine}"),
     }
 }

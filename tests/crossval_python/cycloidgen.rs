@@ -8,8 +8,9 @@ use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::python::{Requirements, environment};
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::{LinearMesh, LinearOutput, Statics};
-use pinwheel_gearbox::{Gearbox, Sleeve};
+use pinwheel_scene::Sleeve;
 use pinwheel_tests::repository;
 use serde_json::Value;
 
@@ -187,7 +188,7 @@ fn crossval_cycloidgen_levers_carry_the_solver() {
 
 /// Largest errors of the external and the internal forces, over the largest, and of the bearing force across the eccentric.
 fn solver_against(live: &Value, scene: &Scene, torque: f64) -> [f64; 3] {
-    let gearbox = Gearbox::new(scene).unwrap();
+    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     let mut statics = Statics::new(&gearbox).unwrap();
     let mut worst = [0.0_f64; 3];
     for (stage, key) in ["ring", "output"].into_iter().enumerate() {

@@ -14,7 +14,7 @@ fn crossval_python_guards() {
     let clean = SHARED.map(|engine| run(engine, &short));
     for fault in [Fault::NotANumber(300), Fault::TooLarge(300, 1e9)] {
         for (engine, before) in SHARED.iter().zip(&clean) {
-            match provoke::run(engine, &short, fault) {
+            match provoke::run(engine, &short.clone().check().unwrap(), fault) {
                 Err(EngineError::Diverged {
                     time_s,
                     quantity,
@@ -36,7 +36,7 @@ fn crossval_python_guards() {
             assert_same_bits(&run(engine, &short), before, engine);
         }
     }
-    let frozen = provoke::run(MUJOCO, &short, Fault::FrozenForces);
+    let frozen = provoke::run(MUJOCO, &short.clone().check().unwrap(), Fault::FrozenForces);
     let text = frozen.unwrap_err().to_string();
     assert!(text.contains("frozen") && text.contains("stages"), "{text}");
     assert_same_bits(&run(MUJOCO, &short), &clean[0], MUJOCO);
@@ -98,7 +98,9 @@ fn crossval_python_progress_and_stop() {
                 }
             },
         };
-        let outcome = by_name(engine, &scene).unwrap().run(&scene, &control);
+        let outcome = by_name(engine, &scene)
+            .unwrap()
+            .run(&scene.clone().check().unwrap(), &control);
         assert!(matches!(outcome, Err(EngineError::Cancelled)), "{engine}");
         let seen = seen.into_inner().unwrap();
         let wanted: Vec<f64> = (0..=5).map(|k| f64::from(k) * 1e-4).collect();
@@ -109,7 +111,9 @@ fn crossval_python_progress_and_stop() {
 
 #[test]
 fn crossval_python_refuses_what_it_cannot_honour() {
-    let reason = |engine: &str, scene: &Scene| match by_name(engine, scene).unwrap().supports(scene)
+    let reason = |engine: &str, scene: &Scene| match by_name(engine, scene)
+        .unwrap()
+        .supports(&scene.clone().check().unwrap())
     {
         Err(error @ EngineError::Unsupported { .. }) => error.to_string(),
         other => panic!("{engine}: {other:?}"),
@@ -121,7 +125,7 @@ fn crossval_python_refuses_what_it_cannot_honour() {
         assert!(reason(engine, &law).contains("contact.law"));
         by_name(engine, &law)
             .unwrap()
-            .supports(&scene("paper", &[]))
+            .supports(&scene("paper", &[]).clone().check().unwrap())
             .unwrap();
     }
 }
@@ -129,8 +133,8 @@ fn crossval_python_refuses_what_it_cannot_honour() {
 /// What the package reads is what the program writes: every preset, every key.
 #[test]
 fn crossval_python_reads_every_preset() {
-    for preset in pinwheel_gearbox::scene::PRESETS {
-        let mut scene = Scene::load(preset.name, &[]).unwrap();
+    for preset in pinwheel_scene::PRESETS {
+        let mut scene = Scene::load(preset.name, &[]).unwrap().into_scene();
         scene.solver.duration_s = 1e-5;
         scene.solver.step_s = scene.solver.step_s.min(1e-5);
         scene.solver.sample_s = 1e-5;

@@ -29,7 +29,7 @@ fn crossval_python_law_in_numpy() {
         ("paper-refined", vec![], 1e-11),
     ] {
         let scene = scene(preset, &settings);
-        let found = law_agreement(&scene, 10_000, 1).unwrap();
+        let found = law_agreement(&scene.clone().check().unwrap(), 10_000, 1).unwrap();
         println!("{preset} {settings:?}: {found:?}");
         assert!(found.loaded > 5_000, "states that say nothing");
         assert!(found.ambiguous < 10, "{found:?}");
@@ -40,7 +40,7 @@ fn crossval_python_law_in_numpy() {
     let mut off = scene("paper", &[]);
     off.contact.law = "constant".to_owned();
     assert!(matches!(
-        law_agreement(&off, 10, 1),
+        law_agreement(&off.clone().check().unwrap(), 10, 1),
         Err(EngineError::Unsupported { .. })
     ));
 }

@@ -14,7 +14,7 @@ mod recordings;
 
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Control, EngineError, by_name};
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use pinwheel_tests::runs::{self, attempt, channels, native, run, scene};
 
 const MUJOCO: &str = "mujoco-shared-law";

@@ -66,7 +66,7 @@ fn crossval_python_package_is_clean() {
 fn crossval_python_package_runs_alone() {
     let dir = tempfile::tempdir().unwrap();
     let scene = dir.path().join("scene.toml");
-    std::fs::write(&scene, pinwheel_gearbox::scene::preset("paper").unwrap()).unwrap();
+    std::fs::write(&scene, pinwheel_scene::preset("paper").unwrap()).unwrap();
     for module in ["pinwheel_engines.mujoco", "pinwheel_engines.exudyn"] {
         let run = Command::new(tools().python)
             .args([

@@ -61,7 +61,9 @@ fn crossval_python_recordings_hold_the_limits() {
 }
 
 fn participant(engine: &dyn Engine, scene: &Scene) -> Participant {
-    let run = engine.run(scene, &Control::quiet()).unwrap();
+    let run = engine
+        .run(&scene.clone().check().unwrap(), &Control::quiet())
+        .unwrap();
     Participant {
         name: engine.name().to_owned(),
         track: engine.track().as_str().to_owned(),

@@ -9,12 +9,12 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use pinwheel_engines::{Control, Engine, by_name};
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 
 fn run(engine: &dyn Engine, scene: &Scene) {
     black_box(
         engine
-            .run(scene, &Control::quiet())
+            .run(&scene.clone().check().unwrap(), &Control::quiet())
             .expect("presets run to their end"),
     );
 }
@@ -22,7 +22,9 @@ fn run(engine: &dyn Engine, scene: &Scene) {
 fn lead(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("paper-at-1e-4");
     group.sample_size(10);
-    let mut scene = Scene::load("paper", &[]).expect("presets are valid");
+    let mut scene = Scene::load("paper", &[])
+        .expect("presets are valid")
+        .into_scene();
     "dopri5".clone_into(&mut scene.solver.integrator);
     scene.solver.step_s = scene.solver.sample_s / 27.0;
     for (name, tolerance) in [

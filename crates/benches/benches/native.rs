@@ -8,16 +8,18 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use pinwheel_gearbox::contacts::Kernel;
-use pinwheel_gearbox::scene::{Formulation, Scene};
 use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_mbs::Wrench;
+use pinwheel_scene::{Formulation, Scene};
 
 fn preset(name: &str) -> Scene {
-    Scene::load(name, &[]).expect("presets are valid")
+    Scene::load(name, &[])
+        .expect("presets are valid")
+        .into_scene()
 }
 
 fn run(scene: &Scene) {
-    let gearbox = Gearbox::new(scene).expect("presets can be modelled");
+    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).expect("presets can be modelled");
     black_box(native::run(&gearbox, &mut |_| false).expect("presets run"));
 }
 
@@ -42,7 +44,8 @@ fn contacts(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("contact-forces");
     for name in ["paper", "backlash-0.6", "paper-friction", "forty-pins"] {
         for kernel in [Kernel::Scalar, Kernel::Lanes] {
-            let mut gearbox = Gearbox::new(&preset(name)).expect("presets can be modelled");
+            let mut gearbox = Gearbox::new(&preset(name).clone().check().unwrap())
+                .expect("presets can be modelled");
             gearbox.kernel = kernel;
             let mut field = gearbox.contact_field().expect("presets can be modelled");
             let mut bodies = gearbox.initial_states();

@@ -3,7 +3,14 @@
 use std::fmt::Display;
 use std::path::Path;
 
-use pinwheel_gearbox::scene::SceneError;
+use pinwheel::engines::EngineError;
+use pinwheel::pages::PageError;
+use pinwheel::scene::SceneError;
+use pinwheel::studies::StudyError;
+use pinwheel::studies::baseline::{self, BaselineError};
+use pinwheel::studies::choice::ChoiceError;
+use pinwheel::studies::output::OutputError;
+use pinwheel::studies::sweep::SweepError;
 
 /// Ran, but a limit was exceeded.
 pub(crate) const EXCEEDED: u8 = 1;
@@ -57,5 +64,86 @@ impl Failure {
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
         Self::input(error.to_string())
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::input(format!("{error}; choose another --out"))
+    }
+}
+
+impl From<ChoiceError> for Failure {
+    fn from(error: ChoiceError) -> Self {
+        match error {
+            ChoiceError::NotBuilt { .. } => Self::engine(error.to_string()),
+            _ => Self::input(error.to_string()),
+        }
+    }
+}
+
+impl From<PageError> for Failure {
+    fn from(error: PageError) -> Self {
+        match error {
+            PageError::Cancelled => Self::stopped(),
+            error => Self::engine(error.to_string()),
+        }
+    }
+}
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Cancelled => Self::stopped(),
+            StudyError::Input(_) | StudyError::Load(_) | StudyError::Scene { .. } => {
+                Self::input(error.to_string())
+            }
+            StudyError::Output(error) => error.into(),
+            StudyError::Choice(error) => error.into(),
+            StudyError::Engine(EngineError::Unsupported { .. }) => Self::engine(format!(
+                "{error}; choose another engine (`pinwheel engines`) or change the scene"
+            )),
+            StudyError::Engine(_) => Self::engine(format!(
+                "{error}; nothing was written; see `pinwheel engines` for others"
+            )),
+            StudyError::Unrepeated(_) => {
+                Self::engine(format!("{error}; --unchecked leaves that out"))
+            }
+            error => Self::engine(error.to_string()),
+        }
+    }
+}
+
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Output(error) => error.into(),
+            SweepError::Stopped { finished, runs } => Self {
+                code: STOPPED,
+                message: format!(
+                    "stopped; {finished} of {runs} runs are kept: go on with --resume"
+                ),
+            },
+            error => Self::input(error.to_string()),
+        }
+    }
+}
+
+impl From<BaselineError> for Failure {
+    fn from(error: BaselineError) -> Self {
+        match error {
+            BaselineError::Study(StudyError::Cancelled) => Self::stopped(),
+            BaselineError::Study(_) | BaselineError::DoesNotHold { .. } => {
+                Self::engine(format!("{error}; nothing was written"))
+            }
+            BaselineError::NoScene(_) => {
+                let names: Vec<&str> = baseline::SCENES.iter().map(|case| case.name).collect();
+                Self::input(format!("{error}; there are {}", names.join(", ")))
+            }
+            BaselineError::Spoiled { .. } => Self::input(format!(
+                "{error}; restore the file or record the baseline anew"
+            )),
+            _ => Self::input(format!("{error}; choose another --dir or restore the file")),
+        }
     }
 }

@@ -4,19 +4,13 @@
 //! 3 an engine is missing, diverged or failed; 130 stopped by the user.
 //! Results go to stdout, progress to stderr and only when that is a terminal.
 
-mod animation;
 mod args;
 mod commands;
-mod engines;
-mod facts;
 mod failure;
 mod folder;
 mod interrupt;
-mod machine;
 mod progress;
-mod record;
 mod screen;
-mod table;
 
 use std::process::ExitCode;
 

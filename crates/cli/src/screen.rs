@@ -2,23 +2,9 @@
 
 use std::io::{ErrorKind, Write as _};
 
-use anstyle::{AnsiColor, Style};
+use pinwheel::report::terminal::{BAD, styled};
 
 use crate::failure::Failure;
-
-/// Titles.
-pub(crate) const TITLE: Style = Style::new().bold();
-/// Verdicts that hold.
-pub(crate) const GOOD: Style = AnsiColor::Green.on_default();
-/// Verdicts that do not.
-pub(crate) const BAD: Style = AnsiColor::Red.on_default().bold();
-/// What is there but not judged.
-pub(crate) const QUIET: Style = Style::new().dimmed();
-
-/// The text in a style; it is stripped again where nobody sees colours.
-pub(crate) fn styled(style: Style, text: &str) -> String {
-    format!("{style}{text}{style:#}")
-}
 
 /// Writes results to stdout, with a final newline.
 pub(crate) fn show(text: &str) -> Result<(), Failure> {

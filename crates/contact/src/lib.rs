@@ -11,7 +11,6 @@ mod friction;
 mod hertz;
 mod hole;
 mod lanes;
-mod law_lanes;
 pub mod laws;
 mod points;
 
@@ -22,9 +21,8 @@ pub use friction::{AdamsFriction, Friction, RegularisedCoulomb};
 pub use hertz::HertzStiffness;
 pub use hole::Hole;
 pub use lanes::{ComplexLanes, Lanes, Mask};
-pub use law_lanes::{LaneLaw, LanesLaw};
 pub use laws::{
-    AdamsImpact, ConstantStiffness, Hysteresis, LineContact, NormalLaw, PaperConservative,
-    PaperLaw, PaperPrinted, ramp,
+    AdamsImpact, ConstantStiffness, Hysteresis, Law, LawParameters, LawVisitor, LineContact,
+    NormalLaw, PaperConservative, PaperLaw, PaperPrinted, ramp,
 };
 pub use points::{HolePoints, ProfilePoints, Vertex};

@@ -3,9 +3,10 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::channels::Channels;
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::energy::EnergyAudit;
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::channels::Channels;
+use pinwheel_scene::{CheckedScene, Scene};
 use serde::{Deserialize, Serialize};
 
 /// Which comparison an engine belongs to. Tracks are never mixed in one table.
@@ -174,14 +175,49 @@ pub trait Engine: Send + Sync {
     fn summary(&self) -> &'static str;
     /// How it differs from the native solver, in plain words, for the report.
     fn differences(&self) -> &'static str;
+    /// Says whether it honours the scene of `gearbox`, and makes everything ready that a run needs. A caller that runs
+    /// a scene on several engines compiles it once.
+    ///
+    /// # Errors
+    /// [`EngineError::Unsupported`] with the reason, or [`EngineError::Failed`] where the engine is not there.
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError>;
+
     /// Whether it honours the scene.
     ///
     /// # Errors
-    /// [`EngineError::Unsupported`] with the reason.
-    fn supports(&self, scene: &Scene) -> Result<(), EngineError>;
-    /// Runs the scene.
+    /// As [`prepare`](Self::prepare).
+    fn supports(&self, scene: &CheckedScene) -> Result<(), EngineError> {
+        self.prepare(&compile(self.name(), scene)?).map(|_| ())
+    }
+
+    /// Compiles, prepares and runs a scene.
     ///
     /// # Errors
     /// Any [`EngineError`]; a divergence keeps what was computed.
-    fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError>;
+    fn run(&self, scene: &CheckedScene, control: &Control<'_>) -> Result<Run, EngineError> {
+        self.prepare(&compile(self.name(), scene)?)?.run(control)
+    }
+}
+
+/// An engine made ready for one scene.
+pub trait Prepared {
+    /// Runs the scene from its start; may be called again.
+    ///
+    /// # Errors
+    /// Any [`EngineError`]; a divergence keeps what was computed.
+    fn run(&self, control: &Control<'_>) -> Result<Run, EngineError>;
+}
+
+impl<F: Fn(&Control<'_>) -> Result<Run, EngineError>> Prepared for F {
+    fn run(&self, control: &Control<'_>) -> Result<Run, EngineError> {
+        self(control)
+    }
+}
+
+/// The scene compiled for `engine`.
+pub(crate) fn compile(engine: &str, scene: &CheckedScene) -> Result<Gearbox, EngineError> {
+    Gearbox::new(scene).map_err(|error| EngineError::Unsupported {
+        engine: engine.to_owned(),
+        reason: error.to_string(),
+    })
 }

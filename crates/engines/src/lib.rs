@@ -10,6 +10,6 @@ mod rapier;
 pub mod recorded;
 mod registry;
 
-pub use engine::{Control, Engine, EngineError, Run, RunStats, Track};
+pub use engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
 pub use native::Native;
 pub use registry::{by_name, registry};

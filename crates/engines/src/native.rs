@@ -1,11 +1,12 @@
 //! Pinwheel's own solver as an engine, in its two formulations.
 
 use cpu_time::ThreadTime;
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
-use pinwheel_gearbox::scene::{Detection, Formulation, Scene};
-use pinwheel_gearbox::{Gearbox, GearboxError, load_course};
+use pinwheel_scene::load_course;
+use pinwheel_scene::{Contact, Detection, Fault, Formulation, Scene, Solver};
 
-use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
+use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
 
 /// How the native solver is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,16 +54,18 @@ impl Native {
         }
     }
 
-    /// The scene as this form solves it.
-    fn scene(&self, scene: &Scene) -> Scene {
-        let mut scene = scene.clone();
-        let solver = &mut scene.solver;
+    /// The gearbox as this form solves it.
+    fn formed(&self, gearbox: &Gearbox) -> Result<Gearbox, Fault> {
+        let contact = gearbox.scene.contact.clone();
+        gearbox.with_solver(|solver| self.form_of(&contact, solver))
+    }
+
+    fn form_of(&self, contact: &Contact, solver: &mut Solver) {
         solver.formulation = match self.form {
             Form::Lagrange => Formulation::Lagrange,
             Form::Reduced | Form::Resolved => Formulation::Reduced,
         };
         if self.form == Form::Resolved {
-            let contact = &scene.contact;
             let smooth =
                 contact.friction_coefficient == 0.0 && contact.detection == Detection::Exact;
             if smooth {
@@ -74,14 +77,9 @@ impl Native {
                 solver.step_s /= RESOLVED_DIVISION;
             }
         }
-        scene
     }
 
-    fn compile(&self, scene: &Scene) -> Result<Gearbox, EngineError> {
-        Gearbox::new(&self.scene(scene)).map_err(|error| self.unsupported(&error))
-    }
-
-    fn unsupported(&self, error: &GearboxError) -> EngineError {
+    fn unsupported(&self, error: &dyn std::fmt::Display) -> EngineError {
         EngineError::Unsupported {
             engine: self.name().to_owned(),
             reason: error.to_string(),
@@ -135,14 +133,21 @@ impl Engine for Native {
         }
     }
 
-    fn supports(&self, scene: &Scene) -> Result<(), EngineError> {
-        self.compile(scene).map(|_| ())
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+        let gearbox = self
+            .formed(gearbox)
+            .map_err(|fault| self.unsupported(&fault))?;
+        Ok(Box::new(move |control: &Control<'_>| {
+            self.integrate(&gearbox, control)
+        }))
     }
+}
 
-    fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
-        let gearbox = self.compile(scene)?;
+impl Native {
+    fn integrate(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, EngineError> {
+        let scene = &gearbox.scene;
         let (wall, cpu) = (std::time::Instant::now(), ThreadTime::now());
-        let outcome = native::run(&gearbox, &mut |t| control.reached(t));
+        let outcome = native::run(gearbox, &mut |t| control.reached(t));
         let (wall_s, cpu_s) = (wall.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
         let dress = |run: NativeRun| {
             let counts = run.counts;

@@ -7,11 +7,12 @@
 use std::fmt::Write as _;
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::scene::{Scene, Solver};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::{Scene, Solver};
 use serde::{Deserialize, Serialize};
 
 use crate::cards::{Card, card};
-use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
+use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
 
 /// The recordings' files: path below their folder, text.
 const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/recorded.rs"));
@@ -150,7 +151,7 @@ impl Recording {
             description: String::new(),
             solver: Solver {
                 step_s: scene.solver.step_s,
-                ..Solver::default()
+                ..Scene::paper().solver
             },
             ..scene.clone()
         };
@@ -298,18 +299,22 @@ impl Engine for Recorded {
         self.card.differences
     }
 
-    fn supports(&self, scene: &Scene) -> Result<(), EngineError> {
-        if self.recording.is_of(scene) {
-            return Ok(());
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+        if !self.recording.is_of(&gearbox.scene) {
+            return Err(EngineError::Unsupported {
+                engine: self.card.name.to_owned(),
+                reason: "there is no recording of it".to_owned(),
+            });
         }
-        Err(EngineError::Unsupported {
-            engine: self.card.name.to_owned(),
-            reason: "there is no recording of it".to_owned(),
-        })
+        let scene = gearbox.scene.clone();
+        Ok(Box::new(move |control: &Control<'_>| {
+            self.run(&scene, control)
+        }))
     }
+}
 
+impl Recorded {
     fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
-        self.supports(scene)?;
         if control.reached(scene.solver.duration_s) {
             return Err(EngineError::Cancelled);
         }
@@ -354,7 +359,7 @@ mod tests {
             machine: "x".to_owned(),
             digits: 7,
             stats: RunStats::default(),
-            scene: Scene::load("paper", &[]).unwrap(),
+            scene: Scene::load("paper", &[]).unwrap().into_scene(),
             courses,
         }
     }
@@ -383,7 +388,7 @@ mod tests {
     #[test]
     fn stands_for_its_own_scene_only() {
         let recording = recording();
-        let mut scene = Scene::load("paper", &[]).unwrap();
+        let mut scene = Scene::load("paper", &[]).unwrap().into_scene();
         scene.name = "mine".to_owned();
         scene.solver.integrator = "rk4".to_owned();
         scene.solver.duration_s = 0.0015;

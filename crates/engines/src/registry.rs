@@ -1,6 +1,6 @@
 //! The list of engines. A new engine is a new file and one line here.
 
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 
 use crate::engine::Engine;
 use crate::native::Native;

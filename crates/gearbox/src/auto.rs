@@ -5,8 +5,7 @@ use pinwheel_mbs::integrators::METHODS;
 use crate::load_course;
 use crate::scene::{Detection, FrictionLaw, Scene};
 
-/// The name that stands for the choice.
-pub const AUTO: &str = "auto";
+pub use pinwheel_scene::names::AUTO;
 
 /// Relaxations of a spin within a step, above which a step is not fixed but follows the tolerance. `imex2` damps
 /// what relaxes within a step whatever its rate, but lighter sleeves also follow the contacts ever more closely: its
@@ -119,7 +118,7 @@ mod tests {
 
     #[test]
     fn auto_follows_what_the_scene_holds() {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         assert_eq!(integrator(&scene).integrator, "rk2", "named");
         scene.solver.integrator = AUTO.to_owned();
         let smooth = integrator(&scene).integrator;
@@ -139,7 +138,7 @@ mod tests {
     /// By hand: 6.5e5 1/s for a sleeve of the paper at 100 N; the static 65 N give two thirds of it.
     #[test]
     fn friction_rate_of_the_paper() {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         scene.contact.friction_coefficient = 0.1;
         let rate = friction_rate(&scene);
         assert!((rate / 6.5e5 - 1.0).abs() < 0.5, "{rate}");

@@ -17,8 +17,8 @@
 use pinwheel_mbs::{Mechanism, Observation};
 use serde::{Deserialize, Serialize};
 
+use crate::Layout;
 use crate::contacts::ContactEnergy;
-use crate::layout::Layout;
 
 /// Steps between two entries at most: 1e-4 s at the paper's step is 8 entries a period of its fastest
 /// oscillation (1.2 kHz), and costs a few per cent of the run.

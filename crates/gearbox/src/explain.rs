@@ -40,12 +40,12 @@ pub struct Explanation {
     pub channels_available: Vec<Statement>,
 }
 
-/// Explains the model of a checked scene.
+/// Explains the model of a compiled scene.
 ///
 /// # Errors
-/// The scene cannot be modelled.
-pub fn explain(scene: &Scene) -> Result<Explanation, GearboxError> {
-    let gearbox = Gearbox::new(scene)?;
+/// The friction's contacts cannot be set up.
+pub fn explain(gearbox: &Gearbox) -> Result<Explanation, GearboxError> {
+    let scene: &Scene = &gearbox.scene;
     let mechanism = gearbox.mechanism();
     let (layout, contact, solver) = (gearbox.layout, &scene.contact, &scene.solver);
     let sleeves = layout.external_sleeves + layout.internal_sleeves;
@@ -82,7 +82,7 @@ pub fn explain(scene: &Scene) -> Result<Explanation, GearboxError> {
             format!(
                 "all {} bodies with 3 coordinates each, {} joints by multipliers",
                 mechanism.bodies.len(),
-                joints(&gearbox)
+                joints(gearbox)
             ),
             "solver.formulation = \"lagrange\": the paper's Eq. 2",
         );
@@ -270,7 +270,7 @@ pub fn explain(scene: &Scene) -> Result<Explanation, GearboxError> {
     }
     Ok(Explanation {
         bodies: mechanism.bodies.len(),
-        joints: joints(&gearbox),
+        joints: joints(gearbox),
         lagrange_coordinates: coordinates,
         constraints: mechanism.constraints(),
         degrees_of_freedom: if lagrange { coordinates } else { free_angles },
@@ -278,7 +278,7 @@ pub fn explain(scene: &Scene) -> Result<Explanation, GearboxError> {
         modelled,
         left_out,
         channels: gearbox.channels.names().map(str::to_owned).collect(),
-        channels_available: crate::channels::FAMILIES
+        channels_available: pinwheel_scene::channels::FAMILIES
             .iter()
             .map(|family| Statement {
                 what: family.pattern.to_owned(),

@@ -3,13 +3,13 @@
 use pinwheel_contact::HertzStiffness;
 use pinwheel_mbs::{Body, BodyState, Driver, ErrorScales, Mechanism, Motion, Revolute};
 
-use crate::channels::Channels;
+use crate::Layout;
 use crate::contacts::{self, ContactField, Kernel};
 use crate::geometry::Geometry;
-use crate::layout::Layout;
 use crate::load_course;
-use crate::scene::{BodyMass, Scene, Start};
+use crate::scene::{BodyMass, CheckedScene, Fault, Solver, Start};
 use crate::statics::Statics;
+use pinwheel_scene::channels::Channels;
 
 /// Why a checked scene still cannot be modelled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -43,6 +43,9 @@ pub enum GearboxError {
     /// No such channel.
     #[error("{0}")]
     Channel(String),
+    /// A change that the scene's checks refuse.
+    #[error(transparent)]
+    Refused(#[from] Fault),
     /// No such integrator.
     #[error("no integrator `{0}`")]
     UnknownIntegrator(String),
@@ -52,7 +55,7 @@ pub enum GearboxError {
 #[derive(Debug, Clone)]
 pub struct Gearbox {
     /// The scene.
-    pub scene: Scene,
+    pub scene: CheckedScene,
     /// Body indices.
     pub layout: Layout,
     /// Derived geometry.
@@ -70,7 +73,7 @@ impl Gearbox {
     ///
     /// # Errors
     /// Parameters that only fail once the model is built (see [`GearboxError`]).
-    pub fn new(scene: &Scene) -> Result<Self, GearboxError> {
+    pub fn new(scene: &CheckedScene) -> Result<Self, GearboxError> {
         let geometry = Geometry::new(&scene.gear)?;
         let mut gearbox = Self {
             scene: scene.clone(),
@@ -88,6 +91,18 @@ impl Gearbox {
         Ok(gearbox)
     }
 
+    /// The same gearbox under other settings of the solver. What the gear, its masses, loads and contacts give (the
+    /// equilibrium it starts from is the dear part) is not computed again.
+    ///
+    /// # Errors
+    /// Settings that the checks refuse.
+    pub fn with_solver(&self, change: impl FnOnce(&mut Solver)) -> Result<Self, Fault> {
+        Ok(Self {
+            scene: self.scene.changed(|scene| change(&mut scene.solver))?,
+            ..self.clone()
+        })
+    }
+
     /// A fresh contact field for this scene.
     ///
     /// # Errors
@@ -101,7 +116,7 @@ impl Gearbox {
     /// # Errors
     /// As [`contact_field`](Self::contact_field).
     pub fn frictionless_field(&self) -> Result<Box<dyn ContactField>, GearboxError> {
-        let mut scene = self.scene.clone();
+        let mut scene = self.scene.clone().into_scene();
         scene.contact.friction_coefficient = 0.0;
         contacts::field(&scene, &self.geometry, self.kernel)
     }

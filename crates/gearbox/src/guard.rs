@@ -7,7 +7,7 @@
 use pinwheel_mbs::BodyState;
 
 use crate::Gearbox;
-use crate::layout::Layout;
+use crate::Layout;
 
 /// Largest deviation from the ideal mesh, in pitches (2 pi/zs), beyond the free play.
 const PITCHES: f64 = 0.25;

@@ -3,7 +3,6 @@
 pub mod auto;
 mod balance;
 pub mod channels;
-pub mod claims;
 pub mod contacts;
 mod due;
 pub mod energy;
@@ -12,16 +11,14 @@ mod friction;
 mod gearbox;
 mod geometry;
 pub mod guard;
-mod layout;
-pub mod load_course;
 pub mod native;
 mod pace;
 mod recorder;
-pub mod scene;
 pub mod statics;
+
+use pinwheel_scene::{self as scene, Layout, Sleeve, load_course};
 
 pub use explain::{Explanation, Statement, explain};
 pub use gearbox::{Gearbox, GearboxError};
 pub use geometry::Geometry;
-pub use layout::{Layout, Sleeve};
 pub use recorder::Recorder;

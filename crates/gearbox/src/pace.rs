@@ -65,7 +65,7 @@ mod tests {
 
     #[test]
     fn only_a_pace_without_end_is_refused() {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         scene.solver.integrator = "dopri5".to_owned();
         let mut pace = Pace::new(&scene, false);
         assert_eq!(pace.look(1e-12, SPAN - 1), Ok(()), "too early to tell");

@@ -6,7 +6,7 @@ use pinwheel_mbs::{BodyState, Wrench};
 use crate::Gearbox;
 use crate::channels::{Seen, Values};
 use crate::contacts::ContactField;
-use crate::layout::{Layout, Sleeve};
+use crate::{Layout, Sleeve};
 
 /// One sample's values, in column order after the time.
 #[derive(Debug, Clone)]

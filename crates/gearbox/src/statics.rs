@@ -13,12 +13,13 @@
 
 mod closed_forms;
 
-pub use closed_forms::{LinearMesh, LinearOutput, free_play, smallest_convex_radius};
+pub use closed_forms::{LinearMesh, LinearOutput, smallest_convex_radius};
+use pinwheel_scene::free_play;
 
 use pinwheel_mbs::{BodyState, Wrench};
 
+use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
-use crate::layout::Layout;
 use crate::{Gearbox, GearboxError};
 
 /// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.

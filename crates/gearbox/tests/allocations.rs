@@ -2,8 +2,8 @@
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::Kernel;
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::Wrench;
+use pinwheel_scene::Scene;
 
 #[test]
 fn contact_forces_allocate_nothing() {

@@ -1,10 +1,11 @@
 //! Channels beyond the contract's columns: what they say, that both formulations agree, what they cost.
 
 use pinwheel_courses::Courses;
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::channels::PRESSING_N;
 use pinwheel_gearbox::native::{self, NativeRun};
-use pinwheel_gearbox::scene::{Override, Scene};
-use pinwheel_gearbox::{Gearbox, Layout};
+use pinwheel_scene::Layout;
+use pinwheel_scene::{Override, Scene};
 
 /// A run of a preset with channels; the last keys are overrides.
 fn run(preset: &str, duration_s: f64, channels: &[&str], sets: &[(&str, &str)]) -> NativeRun {
@@ -13,9 +14,13 @@ fn run(preset: &str, duration_s: f64, channels: &[&str], sets: &[(&str, &str)]) 
         .map(|(key, value)| Override::new(*key, *value))
         .collect();
     overrides.push(Override::new("solver.duration_s", duration_s.to_string()));
-    let mut scene = Scene::load(preset, &overrides).unwrap();
+    let mut scene = Scene::load(preset, &overrides).unwrap().into_scene();
     scene.output.channels = channels.iter().map(|&c| c.to_owned()).collect();
-    native::run(&Gearbox::new(&scene).unwrap(), &mut |_| false).unwrap()
+    native::run(
+        &Gearbox::new(&scene.clone().check().unwrap()).unwrap(),
+        &mut |_| false,
+    )
+    .unwrap()
 }
 
 fn column<'a>(courses: &'a Courses, name: &str) -> &'a [f64] {

@@ -1,17 +1,21 @@
 //! The native solver against itself: two formulations, halved steps, repeated runs.
 
 use pinwheel_gearbox::native::{NativeError, NativeRun, run};
-use pinwheel_gearbox::scene::{Formulation, Scene, Stabilisation, Start};
-use pinwheel_gearbox::{Gearbox, explain};
+use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, explain};
+use pinwheel_scene::{Formulation, Scene, Stabilisation, Start};
 
 fn scene(duration_s: f64) -> Scene {
-    let mut scene = Scene::default();
+    let mut scene = Scene::paper();
     scene.solver.duration_s = duration_s;
     scene
 }
 
 fn solve(scene: &Scene) -> NativeRun {
-    run(&Gearbox::new(scene).unwrap(), &mut |_| false).unwrap()
+    run(
+        &Gearbox::new(&scene.clone().check().unwrap()).unwrap(),
+        &mut |_| false,
+    )
+    .unwrap()
 }
 
 fn forces(run: &NativeRun) -> Vec<&[f64]> {
@@ -109,7 +113,7 @@ fn projection_is_the_default_for_a_reason() {
     assert!(none > 1e-7 && baumgarte > 1e-7 && projection < 1e-9);
     assert!(closed < 1e-15 && held < drift);
     assert_eq!(
-        Scene::default().solver.stabilisation,
+        Scene::paper().solver.stabilisation,
         Stabilisation::Projection
     );
 }
@@ -171,7 +175,10 @@ fn sampling_does_not_change_the_run() {
 fn divergence_is_an_error_that_keeps_what_there_was() {
     let mut scene = scene(0.1);
     scene.contact.stiffness_multiplier = 1.0;
-    match run(&Gearbox::new(&scene).unwrap(), &mut |_| false) {
+    match run(
+        &Gearbox::new(&scene.clone().check().unwrap()).unwrap(),
+        &mut |_| false,
+    ) {
         Err(NativeError::Diverged {
             time_s,
             quantity,
@@ -190,7 +197,7 @@ fn divergence_is_an_error_that_keeps_what_there_was() {
 /// A wheel that jumped a tooth, and an output off its holes, are told by name; free play is none.
 #[test]
 fn bodies_off_their_mesh_are_told() {
-    let gearbox = Gearbox::new(&scene(0.1)).unwrap();
+    let gearbox = Gearbox::new(&scene(0.1).clone().check().unwrap()).unwrap();
     let pitch = std::f64::consts::TAU / 15.0;
     let moved = |body: usize, by: f64| {
         let mut bodies = gearbox.initial_states();
@@ -211,14 +218,21 @@ fn bodies_off_their_mesh_are_told() {
 
 #[test]
 fn a_run_can_be_stopped() {
-    let outcome = run(&Gearbox::new(&scene(0.6)).unwrap(), &mut |t| t > 0.01);
+    let outcome = run(
+        &Gearbox::new(&scene(0.6).clone().check().unwrap()).unwrap(),
+        &mut |t| t > 0.01,
+    );
     assert!(matches!(outcome, Err(NativeError::Stopped)));
+}
+
+fn explained(scene: &Scene) -> Result<Explanation, GearboxError> {
+    explain(&Gearbox::new(&scene.clone().check().unwrap())?)
 }
 
 #[test]
 fn the_explanation_counts_what_the_paper_counts() {
     let mut scene = scene(0.6);
-    let reduced = explain(&scene).unwrap();
+    let reduced = explained(&scene).unwrap();
     assert_eq!(
         (
             reduced.bodies,
@@ -230,22 +244,22 @@ fn the_explanation_counts_what_the_paper_counts() {
     );
     assert_eq!((reduced.degrees_of_freedom, reduced.contact_pairs), (3, 48));
     scene.contact.friction_coefficient = 0.1;
-    assert_eq!(explain(&scene).unwrap().degrees_of_freedom, 27);
+    assert_eq!(explained(&scene).unwrap().degrees_of_freedom, 27);
     scene.solver.formulation = Formulation::Lagrange;
-    assert_eq!(explain(&scene).unwrap().degrees_of_freedom, 84);
+    assert_eq!(explained(&scene).unwrap().degrees_of_freedom, 84);
 }
 
 /// A loaded gear that stands still, and one without load: what is left over is rounding.
 #[test]
 fn rounding_at_rest_is_no_fault() {
     for load in [22.0, 0.0] {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         scene.drive.input_speed_rad_s = 0.0;
         scene.drive.output_torque_n_m = load;
         scene.drive.start = Start::Equilibrium;
         scene.solver.duration_s = 1e-3;
         scene.solver.sample_s = 1e-5;
-        let gearbox = Gearbox::new(&scene).unwrap();
+        let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         let run = run(&gearbox, &mut |_| false);
         assert!(run.is_ok(), "{load} N m: {:?}", run.map(|_| ()));
     }

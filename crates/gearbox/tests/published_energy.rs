@@ -1,16 +1,16 @@
 //! Energy: what the paper's law creates, and that the account closes for laws with a potential.
 
 use pinwheel_gearbox::energy::EnergyAudit;
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_gearbox::{Gearbox, native};
+use pinwheel_scene::Scene;
 
 fn run(scene: &Scene) -> native::NativeRun {
-    let gearbox = Gearbox::new(scene).unwrap();
+    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     native::run(&gearbox, &mut |_| false).unwrap()
 }
 
 fn scene(law: &str) -> Scene {
-    let mut scene = Scene::default();
+    let mut scene = Scene::paper();
     scene.contact.law = law.into();
     scene
 }

@@ -1,10 +1,9 @@
 //! Statics: closed forms, an independent package, the quasi-static prototype, and the start in equilibrium.
 
-use pinwheel_gearbox::scene::{Scene, Start};
-use pinwheel_gearbox::statics::{
-    LinearMesh, LinearOutput, Statics, free_play, smallest_convex_radius,
-};
-use pinwheel_gearbox::{Gearbox, Sleeve, native};
+use pinwheel_gearbox::statics::{LinearMesh, LinearOutput, Statics, smallest_convex_radius};
+use pinwheel_gearbox::{Gearbox, native};
+use pinwheel_scene::Sleeve;
+use pinwheel_scene::{Scene, Start, free_play};
 use std::f64::consts::TAU;
 
 fn table(name: &str) -> toml::Table {
@@ -115,7 +114,7 @@ fn cycloidgen_agrees() {
 fn closed_forms_have_their_values() {
     let data = table("statics");
     let closed = data["closed"].as_table().unwrap();
-    let mut gear = Scene::default().gear;
+    let mut gear = Scene::paper().gear;
     gear.backlash_m = 1.0;
     close(
         free_play(&gear),
@@ -144,9 +143,9 @@ fn closed_forms_have_their_values() {
 fn quasi_static_peaks() {
     for case in table("statics")["case"].as_array().unwrap() {
         let case = case.as_table().unwrap();
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         scene.gear.backlash_m = number(case, "backlash_m");
-        let gearbox = Gearbox::new(&scene).unwrap();
+        let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         let mut statics = Statics::new(&gearbox).unwrap();
         let (mut peak, mut loaded) = ((f64::INFINITY, 0.0_f64), (99, 0));
         for k in 0..60_u32 {
@@ -202,9 +201,9 @@ fn equilibria_do_the_work_of_the_load() {
 
 /// Mean over the poses of a mesh under 22 N m, N m, from the contact forces alone.
 fn mean_driver_torque(law: &str) -> f64 {
-    let mut scene = Scene::default();
+    let mut scene = Scene::paper();
     scene.contact.law = law.into();
-    let gearbox = Gearbox::new(&scene).unwrap();
+    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     let mut statics = Statics::new(&gearbox).unwrap();
     // The internal stage repeats eight times in this, the two wheels alike.
     let poses = 960_u32;
@@ -234,7 +233,7 @@ fn mean_driver_torque(law: &str) -> f64 {
 
 #[test]
 fn too_much_load_is_refused() {
-    let gearbox = Gearbox::new(&Scene::default()).unwrap();
+    let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();
     let mut statics = Statics::new(&gearbox).unwrap();
     let error = statics.solve(0.0, 1e6).unwrap_err().to_string();
     assert!(error.contains("less load"), "{error}");
@@ -265,12 +264,12 @@ fn range(values: &[f64]) -> (f64, f64) {
 fn equilibrium_start_has_no_transient() {
     for backlash in [0.0, 6e-4] {
         let course = |start: Start| {
-            let mut scene = Scene::default();
+            let mut scene = Scene::paper();
             scene.gear.backlash_m = backlash;
             scene.drive.start = start;
             scene.solver.integrator = "rk4".into();
             scene.solver.duration_s = 0.6;
-            let gearbox = Gearbox::new(&scene).unwrap();
+            let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
             let run = native::run(&gearbox, &mut |_| false).unwrap();
             run.courses.channel("input_torque_n_m").unwrap().to_vec()
         };
@@ -291,14 +290,14 @@ fn equilibrium_start_has_no_transient() {
 #[test]
 fn slow_runs_tend_to_the_statics() {
     let worst = |speed: f64| {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         scene.contact.damping_n_s_m = 0.0;
         scene.drive.start = Start::Equilibrium;
         scene.drive.input_speed_rad_s = speed;
         scene.solver.integrator = "rk4".into();
         scene.solver.duration_s = 0.02;
         scene.solver.sample_s = 5e-4;
-        let gearbox = Gearbox::new(&scene).unwrap();
+        let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         let run = native::run(&gearbox, &mut |_| false).unwrap();
         let mut statics = Statics::new(&gearbox).unwrap();
         let output = run.courses.channel("output_angle_rad").unwrap();

@@ -1,11 +1,11 @@
 //! Implicit friction in lanes against the contact-by-contact way through `pinwheel_mbs::sliding`, its oracle.
 
 use pinwheel_gearbox::contacts::Kernel;
-use pinwheel_gearbox::scene::{Override, Scene};
 use pinwheel_gearbox::{Gearbox, native};
+use pinwheel_scene::{Override, Scene};
 
 fn columns(scene: &Scene, kernel: Kernel) -> Vec<Vec<f64>> {
-    let mut gearbox = Gearbox::new(scene).unwrap();
+    let mut gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     gearbox.kernel = kernel;
     let run = native::run(&gearbox, &mut |_| false).unwrap();
     let channels = run.courses.channels().iter();

@@ -10,6 +10,7 @@ mod error;
 pub mod format;
 mod input;
 pub mod study;
+pub mod terminal;
 mod view;
 
 pub use error::ReportError;

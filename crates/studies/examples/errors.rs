@@ -1,8 +1,8 @@
 //! Error against step of one scene: `errors SCENE "key=value;..." REF_INTEGRATOR REF_STEP INTEGRATOR STEP...`
 #![allow(clippy::print_stdout, reason = "a program that prints its table")]
 
-use pinwheel_gearbox::scene::{Override, Scene};
 use pinwheel_gearbox::{Gearbox, native};
+use pinwheel_scene::{Override, Scene};
 
 fn run(args: &[String], integrator: &str, step: &str) -> Option<native::NativeRun> {
     let mut sets: Vec<Override> = args[1]

@@ -5,7 +5,7 @@
     reason = "a program that prints its tables"
 )]
 
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use pinwheel_studies::{Control, Progress, divergence, drift, paper, published, stability};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -36,9 +36,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         "horizon" => {
             for name in names {
-                match divergence::horizon(&Scene::load(name, &[])?, divergence::STEP, &mut |_| {
-                    false
-                }) {
+                match divergence::horizon(
+                    &Scene::load(name, &[])?.into_scene(),
+                    divergence::STEP,
+                    &mut |_| false,
+                ) {
                     Ok(found) => println!(
                         "{name}: {:?} largest {:.1e} last {:.1e}",
                         found.horizon_s, found.largest_share, found.last_share
@@ -48,11 +50,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
             return Ok(());
         }
-        "drift" => {
-            serde_json::to_string_pretty(&drift::measure(&Scene::load(&names[0], &[])?, &control)?)?
-        }
+        "drift" => serde_json::to_string_pretty(&drift::measure(
+            &Scene::load(&names[0], &[])?.into_scene(),
+            &control,
+        )?)?,
         "limits" => {
-            let mut scene = Scene::load("paper", &[])?;
+            let mut scene = Scene::load("paper", &[])?.into_scene();
             scene.solver.duration_s = 0.05;
             let mut found = Vec::new();
             for step in [1e-5, 5e-6] {
@@ -63,7 +66,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             serde_json::to_string_pretty(&found)?
         }
         "published" => {
-            let mut scene = Scene::load("paper", &[])?;
+            let mut scene = Scene::load("paper", &[])?.into_scene();
             scene.solver.duration_s = 0.3;
             serde_json::to_string_pretty(&published::run(&scene, &published::DAMPINGS, &control)?)?
         }

@@ -2,21 +2,46 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use pinwheel_engines::{Engine, EngineError, Run};
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_scene::{CheckedScene, Scene};
 
 use crate::StudyError;
 
 /// Where a study is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress<'a> {
     /// Pieces done.
     pub done: usize,
     /// Pieces in all.
     pub total: usize,
-    /// The piece that begins, e.g. a scene's name.
+    /// The piece that is worked on, e.g. a scene's name.
     pub piece: &'a str,
+    /// Simulated time of all pieces together, reached and in all, s, where pieces are runs.
+    pub simulated_s: Option<[f64; 2]>,
+}
+
+impl<'a> Progress<'a> {
+    /// The piece begins.
+    #[must_use]
+    pub fn new(done: usize, total: usize, piece: &'a str) -> Self {
+        Self {
+            done,
+            total,
+            piece,
+            simulated_s: None,
+        }
+    }
+
+    /// The piece, a run of `duration_s` as all others are, has come to `time_s`.
+    fn reached(self, time_s: f64, duration_s: f64) -> Self {
+        let at = self.done as f64 * duration_s + time_s;
+        Self {
+            simulated_s: Some([at, self.total as f64 * duration_s]),
+            ..self
+        }
+    }
 }
 
 /// Cancellation and progress.
@@ -24,7 +49,7 @@ pub struct Progress<'a> {
 pub struct Control<'a> {
     /// Set from outside to stop; looked at in every sample of every run.
     pub cancel: &'a AtomicBool,
-    /// Called at the beginning of every piece.
+    /// Called at the beginning of every piece, and in every sample of a long run.
     pub progress: &'a (dyn Fn(Progress<'_>) + Sync),
 }
 
@@ -39,9 +64,69 @@ impl Control<'_> {
         }
     }
 
+    /// Whether to stop.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+
+    /// Fails once asked to stop.
+    pub(crate) fn check(&self) -> Result<(), StudyError> {
+        if self.is_cancelled() {
+            return Err(StudyError::Cancelled);
+        }
+        Ok(())
+    }
+
+    /// Runs the scene of `gearbox` on an engine as the piece `at`. What an engine does wrong is a result, not an error.
+    pub(crate) fn engine(
+        &self,
+        engine: &dyn Engine,
+        gearbox: &Gearbox,
+        at: Progress<'_>,
+    ) -> Result<Result<Run, EngineError>, StudyError> {
+        self.check()?;
+        let scene: &Scene = &gearbox.scene;
+        let end = scene.solver.duration_s;
+        let report = |time_s: f64| (self.progress)(at.reached(time_s, end));
+        let control = pinwheel_engines::Control {
+            cancel: self.cancel,
+            progress: &report,
+        };
+        let prepared = engine.prepare(gearbox);
+        let mut result = prepared.and_then(|prepared| prepared.run(&control));
+        self.check()?;
+        match &mut result {
+            Ok(run) => run.note_missing_channels(scene),
+            Err(EngineError::Diverged { partial, .. }) => partial.note_missing_channels(scene),
+            Err(EngineError::Cancelled) => return Err(StudyError::Cancelled),
+            Err(_) => {}
+        }
+        Ok(result)
+    }
+
+    /// A watcher of a native run of `scene` that is the piece `at`: reports, and is true when the run must stop.
+    pub(crate) fn watch<'s>(
+        &'s self,
+        scene: &Scene,
+        at: Progress<'s>,
+    ) -> impl FnMut(f64) -> bool + 's {
+        let end = scene.solver.duration_s;
+        move |time_s| {
+            (self.progress)(at.reached(time_s, end));
+            self.is_cancelled()
+        }
+    }
+
     /// Runs a scene; a divergence is a result, not an error.
     pub(crate) fn run(&self, scene: &Scene) -> Result<Ended, StudyError> {
         run(scene, &mut |_| self.cancel.load(Ordering::Relaxed))
+    }
+
+    /// Runs a published model whose damping no sound scene has.
+    pub(crate) fn run_published(&self, scene: &Scene) -> Result<Ended, StudyError> {
+        let scene = CheckedScene::unchecked_for_published_study(scene.clone());
+        let gearbox = Gearbox::new(&scene).map_err(|source| of_scene(&scene, source))?;
+        run_compiled(&gearbox, &mut |_| self.cancel.load(Ordering::Relaxed))
     }
 
     /// Runs a scene that must reach its end.
@@ -58,14 +143,29 @@ impl Control<'_> {
 
 /// Runs a scene; `watch` as in [`native::run`].
 pub(crate) fn run(scene: &Scene, watch: &mut dyn FnMut(f64) -> bool) -> Result<Ended, StudyError> {
-    let gearbox = Gearbox::new(scene).map_err(|source| of_scene(scene, source))?;
-    match native::run(&gearbox, watch) {
+    run_compiled(&compile(scene)?, watch)
+}
+
+/// The gearbox of a scene that a study has changed, checked again.
+pub(crate) fn compile(scene: &Scene) -> Result<Gearbox, StudyError> {
+    let checked = scene.clone().check().map_err(GearboxError::from);
+    checked
+        .and_then(|scene| Gearbox::new(&scene))
+        .map_err(|source| of_scene(scene, source))
+}
+
+/// Runs what is compiled; `watch` as in [`native::run`].
+pub(crate) fn run_compiled(
+    gearbox: &Gearbox,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Ended, StudyError> {
+    match native::run(gearbox, watch) {
         Ok(run) => Ok(Ended::Whole(Box::new(run))),
         Err(NativeError::Diverged {
             time_s, quantity, ..
         }) => Ok(Ended::Diverged { time_s, quantity }),
         Err(NativeError::Stopped) => Err(StudyError::Cancelled),
-        Err(NativeError::Model(source)) => Err(of_scene(scene, source)),
+        Err(NativeError::Model(source)) => Err(of_scene(&gearbox.scene, source)),
         Err(NativeError::Courses(source)) => Err(StudyError::Courses(source)),
     }
 }

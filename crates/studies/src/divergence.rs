@@ -8,7 +8,7 @@
 //! and then measures its own tolerance.
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::scene::{FrictionLaw, Scene};
+use pinwheel_scene::{FrictionLaw, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;

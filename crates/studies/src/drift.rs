@@ -1,6 +1,6 @@
 //! What long runs do to joints, phases and forces.
 
-use pinwheel_gearbox::scene::{Formulation, Scene, Stabilisation};
+use pinwheel_scene::{Formulation, Scene, Stabilisation};
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;

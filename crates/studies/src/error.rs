@@ -1,14 +1,35 @@
 //! What can go wrong in a study.
 
+use crate::choice::ChoiceError;
+use crate::output::OutputError;
+
 /// Why a study gave no result.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// The observer asked to stop.
     #[error("stopped")]
     Cancelled,
+    /// Input that cannot be used, with the remedy.
+    #[error("{0}")]
+    Input(String),
+    /// An engine that cannot be chosen.
+    #[error(transparent)]
+    Choice(#[from] ChoiceError),
+    /// An engine that cannot run the scene, or failed.
+    #[error(transparent)]
+    Engine(pinwheel_engines::EngineError),
+    /// The run that checks another could not be made.
+    #[error("the run cannot be repeated at twice its step: {0}")]
+    Unrepeated(Box<StudyError>),
+    /// Courses that do not go together.
+    #[error("the courses cannot be compared: {0}")]
+    Compare(#[from] pinwheel_compare::CompareError),
+    /// A file of the results that cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// A scene that cannot be loaded.
     #[error(transparent)]
-    Load(#[from] pinwheel_gearbox::scene::SceneError),
+    Load(#[from] pinwheel_scene::SceneError),
     /// A scene that cannot be modelled.
     #[error("{scene}: {source}")]
     Scene {

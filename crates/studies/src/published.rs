@@ -12,7 +12,7 @@
 //! For the largest damping that a model stands, friction (whose coefficient is not printed) and Eq. 17 computed in
 //! millimetres are tried as well; everything else is without friction, as in the preset `paper`.
 
-use pinwheel_gearbox::scene::{Detection, Scene};
+use pinwheel_scene::{Detection, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
@@ -131,12 +131,8 @@ pub fn run(
         let reference = steady(&converged.courses)?;
         for switch in SWITCHES {
             let piece = format!("C = {damping}, {switch:?}");
-            (control.progress)(Progress {
-                done: entries.len(),
-                total,
-                piece: &piece,
-            });
-            let ended = control.run(&switched(scene, damping, switch))?;
+            (control.progress)(Progress::new(entries.len(), total, &piece));
+            let ended = control.run_published(&switched(scene, damping, switch))?;
             let mut entry = Entry {
                 damping_n_s_m: damping,
                 switch,
@@ -253,7 +249,7 @@ pub fn limit(
         let mut scene = switched(scene, damping, switch);
         "rk2".clone_into(&mut scene.solver.integrator);
         scene.solver.step_s = step;
-        control.run(&scene)
+        control.run_published(&scene)
     };
     let base = level(
         &control

@@ -7,8 +7,8 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::auto;
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::integrators::METHODS;
+use pinwheel_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;

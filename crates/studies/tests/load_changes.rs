@@ -2,9 +2,10 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_faults::{Armed, Fault};
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::{self, NativeRun};
-use pinwheel_gearbox::scene::{Override, Scene};
-use pinwheel_gearbox::{Gearbox, load_course};
+use pinwheel_scene::load_course;
+use pinwheel_scene::{Override, Scene};
 
 /// A jump between two steps, a ramp, a jump on a step and a sample; loads under which the teeth stay in contact, as every
 /// stroke after a flight multiplies the error of its time.
@@ -22,11 +23,11 @@ fn scene(settings: &[(&str, &str)]) -> Scene {
     let overrides: Vec<Override> = sets
         .map(|&(key, value)| Override::new(key, value))
         .collect();
-    Scene::load("paper", &overrides).unwrap()
+    Scene::load("paper", &overrides).unwrap().into_scene()
 }
 
 fn run(settings: &[(&str, &str)]) -> NativeRun {
-    let gearbox = Gearbox::new(&scene(settings)).unwrap();
+    let gearbox = Gearbox::new(&scene(settings).clone().check().unwrap()).unwrap();
     native::run(&gearbox, &mut |_| false).unwrap()
 }
 

@@ -2,8 +2,9 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pinwheel_engines::{Control as Watch, Engine, EngineError, Native, Run, Track, by_name};
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_engines::{Control as Watch, Engine, EngineError, Native, Prepared, Track, by_name};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::Scene;
 use pinwheel_studies::precision::{
     Measure, Options, Outcome, Stopped, WorkPrecision, run, write_csv,
 };
@@ -12,7 +13,7 @@ use pinwheel_studies::{Control, Progress, StudyError};
 fn scene(sets: &[&str]) -> Scene {
     let mut all = vec!["solver.duration_s=0.005".parse().unwrap()];
     all.extend(sets.iter().map(|set| set.parse().unwrap()));
-    Scene::load("paper", &all).unwrap()
+    Scene::load("paper", &all).unwrap().into_scene()
 }
 
 fn options(methods: &[&str]) -> Options {
@@ -42,21 +43,22 @@ impl Engine for Peer {
     fn differences(&self) -> &'static str {
         ""
     }
-    fn supports(&self, _: &Scene) -> Result<(), EngineError> {
-        Ok(())
-    }
-    fn run(&self, scene: &Scene, control: &Watch<'_>) -> Result<Run, EngineError> {
-        let mut run = Native::LAGRANGE.run(scene, control)?;
-        run.stats.rhs_calls = 0;
-        if scene.solver.step_s > 2e-5 {
-            return Err(EngineError::Diverged {
-                engine: "peer".to_owned(),
-                time_s: 0.001,
-                quantity: "everything".to_owned(),
-                partial: Box::new(run),
-            });
-        }
-        Ok(run)
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+        let step_s = gearbox.scene.solver.step_s;
+        let native = Native::LAGRANGE.prepare(gearbox)?;
+        Ok(Box::new(move |control: &Watch<'_>| {
+            let mut run = native.run(control)?;
+            run.stats.rhs_calls = 0;
+            if step_s > 2e-5 {
+                return Err(EngineError::Diverged {
+                    engine: "peer".to_owned(),
+                    time_s: 0.001,
+                    quantity: "everything".to_owned(),
+                    partial: Box::new(run),
+                });
+            }
+            Ok(run)
+        }))
     }
 }
 

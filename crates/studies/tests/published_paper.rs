@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pinwheel_gearbox::claims::Verdict;
+use pinwheel_studies::paper::claims::Verdict;
 use pinwheel_studies::paper::{self, Figure, Options};
 use pinwheel_studies::{Control, StudyError};
 

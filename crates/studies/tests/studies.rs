@@ -2,14 +2,14 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pinwheel_gearbox::scene::{Override, Scene};
+use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::stability::{self, Failure, Options};
 use pinwheel_studies::survey::{Plan, Survey};
 use pinwheel_studies::{Control, StudyError, divergence, drift, published, resolution};
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     let sets: Vec<Override> = sets.iter().map(|s| s.parse().unwrap()).collect();
-    Scene::load(name, &sets).unwrap()
+    Scene::load(name, &sets).unwrap().into_scene()
 }
 
 /// Steel at the paper's step: Heun blows up, its largest step is about 1.9e-6 s, RK4's about 8.4e-6 s
@@ -92,7 +92,7 @@ fn surveys_go_on_where_they_stopped() {
 fn hard_unresolved_runs_are_told() {
     let at = |name: &str, sets: &[&str]| {
         let scene = scene(name, sets);
-        let gearbox = pinwheel_gearbox::Gearbox::new(&scene).unwrap();
+        let gearbox = pinwheel_gearbox::Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         let run = pinwheel_gearbox::native::run(&gearbox, &mut |_| false).unwrap();
         resolution::check(&scene, &run.courses, &mut |_| false).unwrap()
     };

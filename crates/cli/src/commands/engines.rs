@@ -1,28 +1,14 @@
 //! `pinwheel engines`: what this build can compare.
 
-use pinwheel_engines::{Engine, registry};
-use serde::Serialize;
+use pinwheel::report::terminal::{Cell, TITLE, lines};
+use pinwheel::studies::choice;
 
 use crate::args::EnginesArgs;
 use crate::failure::Failure;
-use crate::screen::{self, TITLE};
-use crate::table::{Cell, lines};
-
-/// One engine, for programs.
-#[derive(Debug, Serialize)]
-struct Listed {
-    name: &'static str,
-    track: &'static str,
-    version: String,
-    summary: &'static str,
-    differences: &'static str,
-}
+use crate::screen;
 
 pub(crate) fn engines(args: &EnginesArgs) -> Result<u8, Failure> {
-    let listed: Vec<Listed> = registry()
-        .iter()
-        .map(|engine| describe(engine.as_ref()))
-        .collect();
+    let listed = choice::listed();
     if args.json {
         screen::show_json(&listed)?;
         return Ok(0);
@@ -37,7 +23,7 @@ pub(crate) fn engines(args: &EnginesArgs) -> Result<u8, Failure> {
     rows.extend(listed.into_iter().map(|engine| {
         vec![
             Cell::text(engine.name),
-            Cell::text(engine.track),
+            Cell::text(engine.track.as_str()),
             Cell::text(engine.version),
             Cell::text(engine.summary),
         ]
@@ -47,14 +33,4 @@ pub(crate) fn engines(args: &EnginesArgs) -> Result<u8, Failure> {
         lines(&rows)
     ))?;
     Ok(0)
-}
-
-fn describe(engine: &dyn Engine) -> Listed {
-    Listed {
-        name: engine.name(),
-        track: engine.track().as_str(),
-        version: engine.version(),
-        summary: engine.summary(),
-        differences: engine.differences(),
-    }
 }

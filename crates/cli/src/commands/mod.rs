@@ -1,15 +1,13 @@
-//! One file per command.
+//! One file per command: arguments in, a study of the library, its files and its text out.
 
 pub(crate) mod baseline;
 pub(crate) mod bench;
 pub(crate) mod compare;
 pub(crate) mod engines;
 pub(crate) mod explain;
-pub(crate) mod foreign;
 pub(crate) mod laws;
 pub(crate) mod paper;
 pub(crate) mod record;
 pub(crate) mod run;
 pub(crate) mod stability;
 pub(crate) mod sweep;
-mod verdicts;

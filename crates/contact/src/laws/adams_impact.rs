@@ -3,7 +3,7 @@
 //! Adams writes it with the gap q and its rate: `max(0, k (q1 - q)^e - STEP(q, q1 - d, c_max, q1, 0) dq/dt)`. The
 //! exponent e is 1.5 here; the damping reaches c_max at the depth d.
 
-use super::{LawInfo, NormalLaw, step};
+use super::{LawInfo, LawParameters, NormalLaw, step};
 
 /// IMPACT with exponent 1.5.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,8 +30,21 @@ impl NormalLaw for AdamsImpact {
     }
 
     #[inline]
+    fn along(&self, _penetration: f64) -> Option<f64> {
+        None
+    }
+
+    #[inline]
     fn stiffness(&self, _hertz: f64) -> f64 {
         self.stiffness
+    }
+}
+
+pub(super) fn new(parameters: &LawParameters) -> AdamsImpact {
+    AdamsImpact {
+        stiffness: parameters.constant_stiffness,
+        damping: parameters.damping,
+        depth: parameters.ramp,
     }
 }
 
@@ -47,5 +60,6 @@ pub(super) const INFO: LawInfo = LawInfo {
         "contact.damping_n_s_m",
         "contact.ramp_m",
     ],
+    restitution_factor: None,
     conservative: true,
 };

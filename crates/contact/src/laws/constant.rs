@@ -2,7 +2,7 @@
 //!
 //! What engineering software offers, and the simplest law with a potential.
 
-use super::{LawInfo, NormalLaw, PaperLaw, ramped_integral};
+use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, ramped_integral};
 
 /// Eq. 20 with constant K.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,8 +31,21 @@ impl NormalLaw for ConstantStiffness {
     }
 
     #[inline]
+    fn along(&self, _penetration: f64) -> Option<f64> {
+        None
+    }
+
+    #[inline]
     fn stiffness(&self, _hertz: f64) -> f64 {
         self.stiffness
+    }
+}
+
+pub(super) fn new(parameters: &LawParameters) -> ConstantStiffness {
+    ConstantStiffness {
+        stiffness: parameters.constant_stiffness,
+        damping: parameters.damping,
+        ramp: parameters.ramp,
     }
 }
 
@@ -48,5 +61,6 @@ pub(super) const INFO: LawInfo = LawInfo {
         "contact.damping_n_s_m",
         "contact.ramp_m",
     ],
+    restitution_factor: None,
     conservative: true,
 };

@@ -1,11 +1,15 @@
 //! Flores: `chi = 8 (1 - c)/(5 c)`; see [`super::hysteresis`].
 
-use super::LawInfo;
-use super::hysteresis::{KEYS, SLOW};
+use super::hysteresis::{Hysteresis, KEYS, SLOW};
+use super::{LawInfo, LawParameters};
 
 /// chi for the restitution `c`.
-pub(super) fn factor(c: f64) -> f64 {
+fn factor(c: f64) -> f64 {
     8.0 * (1.0 - c) / (5.0 * c)
+}
+
+pub(super) fn new(parameters: &LawParameters) -> Hysteresis {
+    Hysteresis::new(factor(parameters.restitution), parameters.impact_speed)
 }
 
 pub(super) const INFO: LawInfo = LawInfo {
@@ -16,5 +20,6 @@ pub(super) const INFO: LawInfo = LawInfo {
     domain: "any c above 0, made for soft materials: 0.9 comes out as 0.894, 0.5 as 0.47, 0.1 as 0.07",
     slow_impact: SLOW,
     keys: KEYS,
+    restitution_factor: Some(factor),
     conservative: false,
 };

@@ -1,11 +1,15 @@
 //! Herbert and McWhannell: `chi = 6 (1 - c)/((2 c - 1)^2 + 3)`; see [`super::hysteresis`].
 
-use super::LawInfo;
-use super::hysteresis::{KEYS, SLOW};
+use super::hysteresis::{Hysteresis, KEYS, SLOW};
+use super::{LawInfo, LawParameters};
 
 /// chi for the restitution `c`.
-pub(super) fn factor(c: f64) -> f64 {
+fn factor(c: f64) -> f64 {
     6.0 * (1.0 - c) / ((2.0 * c - 1.0).powi(2) + 3.0)
+}
+
+pub(super) fn new(parameters: &LawParameters) -> Hysteresis {
+    Hysteresis::new(factor(parameters.restitution), parameters.impact_speed)
 }
 
 pub(super) const INFO: LawInfo = LawInfo {
@@ -16,5 +20,6 @@ pub(super) const INFO: LawInfo = LawInfo {
     domain: "c near 1: 0.9 comes out as 0.901, 0.5 as 0.59",
     slow_impact: SLOW,
     keys: KEYS,
+    restitution_factor: Some(factor),
     conservative: false,
 };

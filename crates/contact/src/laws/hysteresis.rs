@@ -43,6 +43,11 @@ impl NormalLaw for Hysteresis {
     fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
         stiffness * penetration * penetration * penetration.sqrt() / 2.5
     }
+
+    #[inline]
+    fn along(&self, _penetration: f64) -> Option<f64> {
+        None
+    }
 }
 
 /// The restitution c that the factor chi > 0 gives, by bisection of the closed form above.

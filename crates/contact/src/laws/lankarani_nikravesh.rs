@@ -1,11 +1,15 @@
 //! Lankarani and Nikravesh: `chi = 3 (1 - c^2)/4`; see [`super::hysteresis`].
 
-use super::LawInfo;
-use super::hysteresis::{KEYS, SLOW};
+use super::hysteresis::{Hysteresis, KEYS, SLOW};
+use super::{LawInfo, LawParameters};
 
 /// chi for the restitution `c`.
-pub(super) fn factor(c: f64) -> f64 {
+fn factor(c: f64) -> f64 {
     0.75 * (1.0 - c * c)
+}
+
+pub(super) fn new(parameters: &LawParameters) -> Hysteresis {
+    Hysteresis::new(factor(parameters.restitution), parameters.impact_speed)
 }
 
 pub(super) const INFO: LawInfo = LawInfo {
@@ -16,5 +20,6 @@ pub(super) const INFO: LawInfo = LawInfo {
     domain: "c near 1, derived for small losses: 0.9 comes out as 0.913, 0.5 as 0.73",
     slow_impact: SLOW,
     keys: KEYS,
+    restitution_factor: Some(factor),
     conservative: false,
 };

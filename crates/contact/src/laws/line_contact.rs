@@ -3,7 +3,7 @@
 //! Sleeves and wheels are cylinders. Palmgren measured steel rollers: delta = 3.84e-5 F^0.9/L^0.8 with delta and L in
 //! mm and F in N, so `K_L = H (1000/3.84e-5)^(10/9) L^(8/9)`, N/m^(10/9), whatever the radii; H as for the other laws.
 
-use super::{LawInfo, NormalLaw, ramp};
+use super::{LawInfo, LawParameters, NormalLaw, ramp};
 
 /// Palmgren's law with the paper's damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,9 +39,23 @@ impl NormalLaw for LineContact {
     }
 
     #[inline]
+    fn along(&self, _penetration: f64) -> Option<f64> {
+        None
+    }
+
+    #[inline]
     fn stiffness(&self, _hertz: f64) -> f64 {
         self.stiffness
     }
+}
+
+pub(super) fn new(parameters: &LawParameters) -> LineContact {
+    LineContact::new(
+        parameters.line_length,
+        parameters.stiffness_multiplier,
+        parameters.damping,
+        parameters.ramp,
+    )
 }
 
 pub(super) const INFO: LawInfo = LawInfo {
@@ -56,6 +70,7 @@ pub(super) const INFO: LawInfo = LawInfo {
         "contact.damping_n_s_m",
         "contact.ramp_m",
     ],
+    restitution_factor: None,
     conservative: true,
 };
 

@@ -1,7 +1,9 @@
 //! Normal contact laws: force as a function of stiffness, penetration and its rate.
 //!
-//! One file a law; each opens with its equation and source. [`LAWS`] lists them all with their domain of
-//! validity and what they do when bodies meet slowly, which is where most of them fail.
+//! One file a law; each opens with its equation and source, implements [`NormalLaw`], and has `INFO` (what it is, for
+//! users) and `new` (the law of a scene's parameters). One line below registers it, and everything follows from that
+//! line: [`LAWS`], [`Law`] with its forces, energy, force along the profile and lanes, [`Law::named`], and
+//! [`Law::visit`], by which loops are compiled for each law.
 
 mod adams_impact;
 mod constant;
@@ -12,55 +14,54 @@ mod hysteresis;
 mod lankarani_nikravesh;
 mod lee_wang;
 mod line_contact;
+mod normal;
 mod paper;
 mod paper_conservative;
 mod paper_printed;
+mod parameters;
+mod registry;
+mod response;
 
+use pulp::Simd;
+
+use crate::lanes::Lanes;
 pub use adams_impact::AdamsImpact;
 pub use constant::ConstantStiffness;
 pub use hysteresis::{Hysteresis, restitution_of};
 pub use line_contact::LineContact;
+pub use normal::NormalLaw;
 pub use paper::PaperLaw;
 pub use paper_conservative::PaperConservative;
 pub use paper_printed::PaperPrinted;
+pub use parameters::{LawError, LawParameters};
+use registry::registry;
+pub use response::{GapState, Response};
 
-/// A penalty law F_n(K, delta, d(delta)/dt) for delta > 0.
-///
-/// Laws are small copyable values; the contact loop is compiled for each of them. They know no
-/// history: what depends on the speed of an impact takes a reference speed from its settings.
-pub trait NormalLaw: Copy + Send + Sync + 'static {
-    /// Normal force, N, never negative. `stiffness` K in N/m^1.5, `penetration` in m (> 0), `rate` in m/s.
-    fn force(&self, stiffness: f64, penetration: f64, rate: f64) -> f64;
-
-    /// Stored energy of a pair, J: the integral of the force at rate 0 over the penetration.
-    fn stored(&self, stiffness: f64, penetration: f64) -> f64;
-
-    /// Force against an increase of K along the profile, per unit of its slope: dU/dK for laws whose force
-    /// is the whole gradient of U(K, delta), 0 for those that are normal only.
-    #[inline]
-    fn along(&self, _penetration: f64) -> f64 {
-        0.0
-    }
-
-    /// True if [`along`](Self::along) is not 0 everywhere.
-    const HAS_ALONG: bool = false;
-
-    /// The stiffness the law works with where Hertz's is `hertz`; its own unit where the exponent is not 1.5.
-    #[inline]
-    fn stiffness(&self, hertz: f64) -> f64 {
-        hertz
-    }
+registry! {
+    paper: Paper(PaperLaw),
+    paper_conservative: PaperConservative(PaperConservative),
+    constant: Constant(ConstantStiffness),
+    hunt_crossley: HuntCrossley(Hysteresis),
+    lee_wang: LeeWang(Hysteresis),
+    herbert_mcwhannell: HerbertMcWhannell(Hysteresis),
+    lankarani_nikravesh: LankaraniNikravesh(Hysteresis),
+    flores: Flores(Hysteresis),
+    adams_impact: AdamsImpact(AdamsImpact),
+    line_contact: LineContact(LineContact),
+    paper_printed: PaperPrinted(PaperPrinted),
 }
 
-// Lane by lane is enough for these.
-impl crate::LanesLaw for AdamsImpact {}
-impl crate::LanesLaw for ConstantStiffness {}
-impl crate::LanesLaw for Hysteresis {}
-impl crate::LanesLaw for LineContact {}
-impl crate::LanesLaw for PaperPrinted {}
+/// What is done with a law once it is known which.
+pub trait LawVisitor {
+    /// What comes of it.
+    type Output;
+
+    /// Takes the law.
+    fn visit<L: NormalLaw>(self, law: L) -> Self::Output;
+}
 
 /// A law as listed for users.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub struct LawInfo {
     /// Name in scenes.
     pub name: &'static str,
@@ -76,24 +77,11 @@ pub struct LawInfo {
     pub slow_impact: &'static str,
     /// Scene keys it reads, besides those every law shares.
     pub keys: &'static [&'static str],
+    /// The hysteresis factor chi as a function of the restitution c in (0, 1], of laws of that family.
+    pub restitution_factor: Option<fn(f64) -> f64>,
     /// True if the undamped force has a potential on a profile of varying stiffness.
     pub conservative: bool,
 }
-
-/// All laws.
-pub const LAWS: &[LawInfo] = &[
-    paper::INFO,
-    paper_conservative::INFO,
-    constant::INFO,
-    hunt_crossley::INFO,
-    lee_wang::INFO,
-    herbert_mcwhannell::INFO,
-    lankarani_nikravesh::INFO,
-    flores::INFO,
-    adams_impact::INFO,
-    line_contact::INFO,
-    paper_printed::INFO,
-];
 
 /// The law called `name`.
 #[must_use]
@@ -104,15 +92,8 @@ pub fn law_info(name: &str) -> Option<&'static LawInfo> {
 /// The hysteresis factor chi of a law of that family for the restitution c in (0, 1]; `None` for other laws.
 #[must_use]
 pub fn hysteresis_factor(name: &str, restitution: f64) -> Option<f64> {
-    let chi = match name {
-        "hunt-crossley" => hunt_crossley::factor,
-        "lee-wang" => lee_wang::factor,
-        "herbert-mcwhannell" => herbert_mcwhannell::factor,
-        "lankarani-nikravesh" => lankarani_nikravesh::factor,
-        "flores" => flores::factor,
-        _ => return None,
-    };
-    Some(chi(restitution))
+    let factor = law_info(name)?.restitution_factor?;
+    Some(factor(restitution))
 }
 
 /// S of Eq. 22: 0 below 0, 1 above `width`, linear between.
@@ -146,45 +127,14 @@ pub fn step(x: f64, x0: f64, h0: f64, x1: f64, h1: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn each(mut visit: impl FnMut(&str, &dyn Fn(f64, f64, f64) -> f64, &dyn Fn(f64, f64) -> f64)) {
-        macro_rules! law {
-            ($name:expr, $law:expr) => {{
-                let law = $law;
-                visit($name, &move |k, d, v| law.force(k, d, v), &move |k, d| {
-                    law.stored(k, d)
-                });
-            }};
-        }
-        let (damping, ramp) = (8.0, 1e-5);
-        for info in LAWS {
-            match info.name {
-                "paper" => law!(info.name, PaperLaw { damping, ramp }),
-                // Its force may pull: see its own file.
-                "paper-printed" => {}
-                "paper-conservative" => law!(info.name, PaperConservative { damping, ramp }),
-                "constant" => law!(
-                    info.name,
-                    ConstantStiffness {
-                        stiffness: 1e8,
-                        damping,
-                        ramp
-                    }
-                ),
-                "adams-impact" => law!(
-                    info.name,
-                    AdamsImpact {
-                        stiffness: 1e8,
-                        damping,
-                        depth: ramp
-                    }
-                ),
-                "line-contact" => law!(info.name, LineContact::new(0.01, 0.01, damping, ramp)),
-                name => {
-                    let chi = hysteresis_factor(name, 0.9).expect("a hysteresis law");
-                    law!(info.name, Hysteresis::new(chi, 0.01));
-                }
-            }
-        }
+    /// Every law at the default parameters.
+    fn each() -> impl Iterator<Item = (&'static str, Law)> {
+        let parameters = LawParameters::default();
+        LAWS.iter().map(move |info| {
+            let law = Law::named(info.name, &parameters).expect("registered");
+            assert_eq!(law.info().name, info.name);
+            (info.name, law)
+        })
     }
 
     #[test]
@@ -202,28 +152,65 @@ mod tests {
             }
         }
         assert!(law_info("paper").is_some() && law_info("papre").is_none());
+        assert!(Law::named("papre", &LawParameters::default()).is_none());
     }
 
-    /// No law pulls, none has a jump at first touch when bodies meet at rest, and stored energy is what the
-    /// force at rest does.
+    /// No law but the printed one pulls, none has a jump at first touch when bodies meet at rest, and stored energy is
+    /// what the force at rest does.
     #[test]
     fn forces_push_and_store() {
-        each(|name, force, stored| {
+        for (name, law) in each() {
             for depth in [1e-12, 1e-7, 4e-6, 1e-5, 3e-5, 4e-4] {
                 for rate in [-10.0, -0.3, -1e-4, 0.0, 1e-4, 0.3, 10.0] {
-                    let f = force(9e7, depth, rate);
-                    assert!(f >= 0.0 && f.is_finite(), "{name} {depth} {rate}: {f}");
+                    let f = law.force(9e7, depth, rate);
+                    let pushes = f >= 0.0 || (name == "paper-printed" && rate < 0.0);
+                    assert!(pushes && f.is_finite(), "{name} {depth} {rate}: {f}");
                 }
                 let h = 1e-6 * depth;
-                let slope = (stored(9e7, depth + h) - stored(9e7, depth - h)) / (2.0 * h);
-                let f = force(9e7, depth, 0.0);
+                let slope = (law.stored(9e7, depth + h) - law.stored(9e7, depth - h)) / (2.0 * h);
+                let f = law.force(9e7, depth, 0.0);
                 assert!(
                     (slope / f - 1.0).abs() < 1e-6,
                     "{name} {depth}: {slope} {f}"
                 );
             }
-            assert!(force(9e7, 1e-13, 0.0) < 1e-3, "{name}");
-        });
+            assert!(law.force(9e7, 1e-13, 0.0) < 1e-3, "{name}");
+        }
+    }
+
+    /// A law says that it has a potential if and only if its force along the profile is that potential's: dU/dK, or
+    /// nothing where the energy does not depend on K.
+    #[test]
+    fn potentials_have_their_force_along_the_profile() {
+        for (name, law) in each() {
+            for depth in [1e-7, 4e-6, 1e-5, 3e-5, 4e-4] {
+                let change = (law.stored(1.1e8, depth) - law.stored(0.9e8, depth)) / 0.2e8;
+                let along = law.along(depth).unwrap_or(0.0);
+                let whole = (along - change).abs() <= 1e-12 * change;
+                assert_eq!(
+                    whole,
+                    law.info().conservative,
+                    "{name} {depth}: {along} {change}"
+                );
+            }
+        }
+    }
+
+    struct Force;
+
+    impl LawVisitor for Force {
+        type Output = f64;
+
+        fn visit<L: NormalLaw>(self, law: L) -> f64 {
+            law.force(9e7, 2e-5, 0.1)
+        }
+    }
+
+    #[test]
+    fn visitors_meet_the_law_that_was_named() {
+        for (name, law) in each() {
+            assert_eq!(law.visit(Force), law.force(9e7, 2e-5, 0.1), "{name}");
+        }
     }
 
     #[test]

@@ -4,7 +4,10 @@
 //! Because K varies along the profile while the force is normal only, the law has no potential and
 //! creates about 1 % energy on the paper's gear.
 
-use super::{LawInfo, NormalLaw, ramp, ramped_integral};
+use pulp::Simd;
+
+use super::{LawInfo, LawParameters, NormalLaw, ramp, ramped_integral};
+use crate::lanes::Lanes;
 
 /// Eq. 20.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,6 +29,43 @@ impl NormalLaw for PaperLaw {
     fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
         stiffness * ramped_integral(penetration, self.ramp)
     }
+
+    #[inline]
+    fn along(&self, _penetration: f64) -> Option<f64> {
+        None
+    }
+
+    #[inline(always)]
+    fn force_lanes<S: Simd>(
+        &self,
+        stiffness: Lanes<S>,
+        penetration: Lanes<S>,
+        rate: Lanes<S>,
+    ) -> Lanes<S> {
+        let c = |x: f64| rate.like(x);
+        let elastic = stiffness * penetration * penetration.sqrt();
+        let ramp = (penetration * c(1.0 / self.ramp)).max(c(0.0)).min(c(1.0));
+        (ramp * rate.mul_add(c(self.damping), elastic)).max(c(0.0))
+    }
+
+    #[inline(always)]
+    fn stored_lanes<S: Simd>(&self, stiffness: Lanes<S>, penetration: Lanes<S>) -> Lanes<S> {
+        let c = |x: f64| penetration.like(x);
+        // The integral of S x^1.5: x^3.5 up to the width of S, x^2.5 from there on.
+        let inside = penetration.min(c(self.ramp));
+        let power = |x: Lanes<S>| x * x * x.sqrt();
+        let risen = power(inside);
+        let ramped = risen * inside * c(1.0 / (3.5 * self.ramp));
+        let beyond = (power(penetration) - risen) * c(1.0 / 2.5);
+        stiffness * (ramped + beyond)
+    }
+}
+
+pub(super) fn new(parameters: &LawParameters) -> PaperLaw {
+    PaperLaw {
+        damping: parameters.damping,
+        ramp: parameters.ramp,
+    }
 }
 
 pub(super) const INFO: LawInfo = LawInfo {
@@ -36,6 +76,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     domain: "penetrations far below the radii; creates energy where K varies along the profile (0.95 % on the paper's gear)",
     slow_impact: "regular: does not depend on the impact speed",
     keys: &["contact.damping_n_s_m", "contact.ramp_m"],
+    restitution_factor: None,
     conservative: false,
 };
 

@@ -9,7 +9,7 @@
 //! that centre, with its reaction on the wheel at the same point; the part along the profile is what
 //! the paper leaves out. It needs dK/da, so it exists for exact detection only.
 
-use super::{LawInfo, NormalLaw, PaperLaw, ramped_integral};
+use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, ramped_integral};
 
 /// Eq. 20 with the missing part of the gradient.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,11 +36,16 @@ impl NormalLaw for PaperConservative {
     }
 
     #[inline]
-    fn along(&self, penetration: f64) -> f64 {
-        ramped_integral(penetration, self.ramp)
+    fn along(&self, penetration: f64) -> Option<f64> {
+        Some(ramped_integral(penetration, self.ramp))
     }
+}
 
-    const HAS_ALONG: bool = true;
+pub(super) fn new(parameters: &LawParameters) -> PaperConservative {
+    PaperConservative {
+        damping: parameters.damping,
+        ramp: parameters.ramp,
+    }
 }
 
 pub(super) const INFO: LawInfo = LawInfo {
@@ -51,5 +56,6 @@ pub(super) const INFO: LawInfo = LawInfo {
     domain: "as `paper`; exact detection only, because discrete points have no slope of K",
     slow_impact: "regular: does not depend on the impact speed",
     keys: &["contact.damping_n_s_m", "contact.ramp_m"],
+    restitution_factor: None,
     conservative: true,
 };

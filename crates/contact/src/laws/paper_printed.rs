@@ -3,7 +3,7 @@
 //! Without the clamp at 0 a contact that parts faster than `K delta^1.5 / C` pulls. For studying what the
 //! published model does; use the law `paper` for results.
 
-use super::{LawInfo, NormalLaw, ramp, ramped_integral};
+use super::{LawInfo, LawParameters, NormalLaw, ramp, ramped_integral};
 
 /// Eq. 20 without a maximum.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,6 +26,18 @@ impl NormalLaw for PaperPrinted {
     fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
         stiffness * ramped_integral(penetration, self.ramp)
     }
+
+    #[inline]
+    fn along(&self, _penetration: f64) -> Option<f64> {
+        None
+    }
+}
+
+pub(super) fn new(parameters: &LawParameters) -> PaperPrinted {
+    PaperPrinted {
+        damping: parameters.damping,
+        ramp: parameters.ramp,
+    }
 }
 
 pub(super) const INFO: LawInfo = LawInfo {
@@ -36,6 +48,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     domain: "studies of the published model only: the force is adhesive for v < -K delta^1.5/C",
     slow_impact: "regular: does not depend on the impact speed",
     keys: &["contact.damping_n_s_m", "contact.ramp_m"],
+    restitution_factor: None,
     conservative: false,
 };
 

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::CheckedScene;
 use pyo3::prelude::*;
 
 use super::law::Published;
@@ -36,7 +36,11 @@ pub struct Agreement {
 ///
 /// # Errors
 /// The scene has a law that only ours knows, or Python is missing or broke.
-pub fn law_agreement(scene: &Scene, states: usize, seed: u64) -> Result<Agreement, EngineError> {
+pub fn law_agreement(
+    scene: &CheckedScene,
+    states: usize,
+    seed: u64,
+) -> Result<Agreement, EngineError> {
     const NAME: &str = "the numpy contact law";
     let failed = |reason: String| EngineError::Failed {
         engine: NAME.to_owned(),

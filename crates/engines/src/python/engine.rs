@@ -2,7 +2,7 @@
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::ContactField;
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::Scene;
 use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
 
@@ -11,7 +11,7 @@ use super::mujoco::{ATTACHED, Addresses, Attached, Place, detach};
 use super::watch::{Watch, watched};
 use super::{PythonError, border, convert, host};
 use crate::cards::Card;
-use crate::engine::{Control, Engine, EngineError, Run, Track};
+use crate::engine::{Control, Engine, EngineError, Prepared, Run, Track};
 
 /// One engine of the package.
 #[derive(Debug, Clone, Copy)]
@@ -32,31 +32,28 @@ impl PythonEngine {
         }
     }
 
-    fn compile(&self, scene: &Scene) -> Result<(Gearbox, Box<dyn ContactField>), EngineError> {
-        let unsupported = |reason: String| EngineError::Unsupported {
-            engine: self.0.name.to_owned(),
-            reason,
-        };
-        let gearbox = Gearbox::new(scene).map_err(|error| unsupported(error.to_string()))?;
-        let field = gearbox
+    fn field(&self, gearbox: &Gearbox) -> Result<Box<dyn ContactField>, EngineError> {
+        gearbox
             .contact_field()
-            .map_err(|error| unsupported(error.to_string()))?;
-        Ok((gearbox, field))
+            .map_err(|error| EngineError::Unsupported {
+                engine: self.0.name.to_owned(),
+                reason: error.to_string(),
+            })
     }
 
     /// Runs a scene with the given contact forces. `every`: see [`Attached::every`].
     pub(super) fn run_with(
         &self,
-        scene: &Scene,
+        gearbox: &Gearbox,
         control: &Control<'_>,
         disguise: impl FnOnce(Box<dyn ContactField>) -> Box<dyn ContactField>,
         every: u64,
     ) -> Result<Run, EngineError> {
-        let (gearbox, field) = self.compile(scene)?;
+        let field = self.field(gearbox)?;
         host::ready(control.cancel).map_err(|error| self.not_ready(&error))?;
         let law =
-            (self.0.track == Track::SharedLaw).then(|| Published::new(&gearbox, disguise(field)));
-        let scene_toml = scene.to_toml();
+            (self.0.track == Track::SharedLaw).then(|| Published::new(gearbox, disguise(field)));
+        let scene_toml = gearbox.scene.to_toml();
         // One start for all engines: they differ in how they go on.
         let start: Vec<[f64; 6]> = gearbox
             .initial_states()
@@ -197,12 +194,22 @@ impl Engine for PythonEngine {
         self.0.differences
     }
 
-    fn supports(&self, scene: &Scene) -> Result<(), EngineError> {
-        self.compile(scene)?;
-        if self.0.track == Track::SharedLaw {
-            // The law is ours: what the native solver can do, it can do.
-            return Ok(());
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+        self.field(gearbox)?;
+        // The law is ours: what the native solver can do, it can do.
+        if self.0.track != Track::SharedLaw {
+            self.check(&gearbox.scene)?;
         }
+        let gearbox = gearbox.clone();
+        Ok(Box::new(move |control: &Control<'_>| {
+            self.run_with(&gearbox, control, |field| field, 1)
+        }))
+    }
+}
+
+impl PythonEngine {
+    /// Whether the package's engine honours the scene.
+    fn check(&self, scene: &Scene) -> Result<(), EngineError> {
         static NEVER: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
         host::ready(&NEVER).map_err(|error| self.not_ready(&error))?;
         let scene_toml = scene.to_toml();
@@ -212,9 +219,5 @@ impl Engine for PythonEngine {
                 .map(|_| ())
                 .map_err(|error| convert::error(py, self.0.name, &error))
         })
-    }
-
-    fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
-        self.run_with(scene, control, |field| field, 1)
     }
 }

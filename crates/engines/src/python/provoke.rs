@@ -1,13 +1,12 @@
 //! Faults on purpose, for tests that a guard sees them. Not used by the program.
 
-use pinwheel_gearbox::Sleeve;
 use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, PairContact};
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::{CheckedScene, Sleeve};
 
 use super::engine::PythonEngine;
 use crate::cards::card;
-use crate::engine::{Control, EngineError, Run};
+use crate::engine::{Control, EngineError, Run, compile};
 
 /// What goes wrong.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +23,7 @@ pub enum Fault {
 ///
 /// # Errors
 /// The one the guard makes of it, or [`EngineError::Unsupported`] for an unknown engine.
-pub fn run(engine: &str, scene: &Scene, fault: Fault) -> Result<Run, EngineError> {
+pub fn run(engine: &str, scene: &CheckedScene, fault: Fault) -> Result<Run, EngineError> {
     let unknown = || EngineError::Unsupported {
         engine: engine.to_owned(),
         reason: "there is no such Python engine".to_owned(),
@@ -38,7 +37,8 @@ pub fn run(engine: &str, scene: &Scene, fault: Fault) -> Result<Run, EngineError
             calls: 0,
         }) as Box<dyn ContactField>
     };
-    engine.run_with(scene, &Control::quiet(), faulty, every)
+    let gearbox = compile(engine.0.name, scene)?;
+    engine.run_with(&gearbox, &Control::quiet(), faulty, every)
 }
 
 struct Faulty {

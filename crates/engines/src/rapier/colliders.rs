@@ -1,11 +1,12 @@
 //! rapier all by itself: polyline wheels and holes, round sleeves, its own collision detection,
 //! its own contact spring and its own Coulomb friction.
 
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::channels::{PRESSING_N, PairSource};
 use pinwheel_gearbox::contacts::{ContactEnergy, PairContact};
-use pinwheel_gearbox::scene::{Detection, Gear, Scene, Start};
-use pinwheel_gearbox::{Gearbox, Sleeve};
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::Sleeve;
+use pinwheel_scene::{Detection, Gear, Scene, Start};
 use rapier2d_f64::parry::query::PointQuery;
 use rapier2d_f64::prelude::*;
 
@@ -14,7 +15,7 @@ use super::outlines::{closed, hole_edge, wheel_edge};
 use super::spring::{contact_frequency, spring_load};
 use super::unsupported;
 use super::world::World;
-use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
+use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
 
 const NAME: &str = "rapier-own-contact-colliders";
 
@@ -37,7 +38,8 @@ const STEPS_PER_TURN: f64 = 1200.0;
 pub(super) struct Colliders;
 
 impl Colliders {
-    fn compile(scene: &Scene) -> Result<(Gearbox, Grid, f64), EngineError> {
+    fn compile(gearbox: &Gearbox) -> Result<(Grid, f64), EngineError> {
+        let scene = &gearbox.scene;
         if let Some(reason) = friction_refusal(scene) {
             return Err(unsupported(NAME, reason));
         }
@@ -56,12 +58,11 @@ impl Colliders {
         }
         let refuse = |reason: String| unsupported(NAME, reason);
         let grid = Grid::new(scene, step_s(scene)).map_err(refuse)?;
-        let gearbox = Gearbox::new(scene).map_err(|error| unsupported(NAME, error))?;
         let mut field = gearbox
             .contact_field()
             .map_err(|error| unsupported(NAME, error))?;
-        let frequency = contact_frequency(&gearbox, &mut *field).map_err(refuse)?;
-        Ok((gearbox, grid, frequency))
+        let frequency = contact_frequency(gearbox, &mut *field).map_err(refuse)?;
+        Ok((grid, frequency))
     }
 }
 
@@ -93,29 +94,37 @@ impl Engine for Colliders {
          forces to 10 %: peaks, wave forms and the start-up are not."
     }
 
-    fn supports(&self, scene: &Scene) -> Result<(), EngineError> {
-        Self::compile(scene).map(|_| ())
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+        let (grid, frequency) = Self::compile(gearbox)?;
+        let gearbox = gearbox.clone();
+        Ok(Box::new(move |control: &Control<'_>| {
+            run(&gearbox, &grid, frequency, control)
+        }))
     }
+}
 
-    fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
-        let (gearbox, grid, frequency) = Self::compile(scene)?;
-        let mut world = World::new(&gearbox, grid.step_s, SWEEPS);
-        world.contact_spring(SpringCoefficients {
-            natural_frequency: frequency,
-            damping_ratio: 0.0,
-        });
-        let mut contacts = Solid::new(&gearbox, &mut world, grid.step_s);
-        let stats = RunStats {
-            settings: format!(
-                "impulse revolutes, 1 substep, {SWEEPS} constraint sweeps, warm start; {} points a wheel, {HOLE_POINTS} \
+fn run(
+    gearbox: &Gearbox,
+    grid: &Grid,
+    frequency: f64,
+    control: &Control<'_>,
+) -> Result<Run, EngineError> {
+    let mut world = World::new(gearbox, grid.step_s, SWEEPS);
+    world.contact_spring(SpringCoefficients {
+        natural_frequency: frequency,
+        damping_ratio: 0.0,
+    });
+    let mut contacts = Solid::new(gearbox, &mut world, grid.step_s);
+    let stats = RunStats {
+        settings: format!(
+            "impulse revolutes, 1 substep, {SWEEPS} constraint sweeps, warm start; {} points a wheel, {HOLE_POINTS} \
                  a hole; contact spring {frequency:.0} Hz",
-                edge_points(&scene.gear)
-            ),
-            notes: notes(&gearbox, &grid),
-            ..RunStats::default()
-        };
-        march(NAME, &gearbox, world, &mut contacts, &grid, stats, control)
-    }
+            edge_points(&gearbox.scene.gear)
+        ),
+        notes: notes(gearbox, grid),
+        ..RunStats::default()
+    };
+    march(NAME, gearbox, world, &mut contacts, grid, stats, control)
 }
 
 /// Remarks for the reader.

@@ -7,17 +7,18 @@
 //! transmits F_n h exactly. rapier's Coulomb friction, implicit and bounded by mu F_n h, does the
 //! rest.
 
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::channels::{PRESSING_N, PairSource};
 use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, PairContact};
-use pinwheel_gearbox::scene::Scene;
-use pinwheel_gearbox::{Gearbox, Layout, Sleeve};
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::Scene;
+use pinwheel_scene::{Layout, Sleeve};
 use rapier2d_f64::prelude::*;
 
 use super::march::{Contacts, Grid, Sums, friction_refusal, march, sleeve_slot};
 use super::unsupported;
 use super::world::World;
-use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
+use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
 
 const NAME: &str = "rapier-own-contact-hook";
 
@@ -37,14 +38,11 @@ const LEAST_DEPTH_M: f64 = 1e-9;
 pub(super) struct ContactHook;
 
 impl ContactHook {
-    fn compile(scene: &Scene) -> Result<(Gearbox, Grid), EngineError> {
+    fn grid(scene: &Scene) -> Result<Grid, EngineError> {
         if let Some(reason) = friction_refusal(scene) {
             return Err(unsupported(NAME, reason));
         }
-        let grid =
-            Grid::new(scene, scene.solver.step_s).map_err(|reason| unsupported(NAME, reason))?;
-        let gearbox = Gearbox::new(scene).map_err(|error| unsupported(NAME, error))?;
-        Ok((gearbox, grid))
+        Grid::new(scene, scene.solver.step_s).map_err(|reason| unsupported(NAME, reason))
     }
 }
 
@@ -75,26 +73,29 @@ impl Engine for ContactHook {
          can differ visibly in the driver torque, for one step."
     }
 
-    fn supports(&self, scene: &Scene) -> Result<(), EngineError> {
-        Self::compile(scene).map(|_| ())
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+        let grid = Self::grid(&gearbox.scene)?;
+        let gearbox = gearbox.clone();
+        Ok(Box::new(move |control: &Control<'_>| {
+            run(&gearbox, &grid, control)
+        }))
     }
+}
 
-    fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
-        let (gearbox, grid) = Self::compile(scene)?;
-        let field = gearbox
-            .contact_field()
-            .map_err(|error| unsupported(NAME, error))?;
-        let mut world = World::new(&gearbox, grid.step_s, SWEEPS);
-        let mut contacts = Hooked::new(&gearbox, field, &mut world, grid.step_s);
-        let stats = RunStats {
-            settings: format!(
-                "impulse revolutes, leapfrog, 1 substep, {SWEEPS} constraint sweeps, warm start; contacts by hook"
-            ),
-            notes: Vec::new(),
-            ..RunStats::default()
-        };
-        march(NAME, &gearbox, world, &mut contacts, &grid, stats, control)
-    }
+fn run(gearbox: &Gearbox, grid: &Grid, control: &Control<'_>) -> Result<Run, EngineError> {
+    let field = gearbox
+        .contact_field()
+        .map_err(|error| unsupported(NAME, error))?;
+    let mut world = World::new(gearbox, grid.step_s, SWEEPS);
+    let mut contacts = Hooked::new(gearbox, field, &mut world, grid.step_s);
+    let stats = RunStats {
+        settings: format!(
+            "impulse revolutes, leapfrog, 1 substep, {SWEEPS} constraint sweeps, warm start; contacts by hook"
+        ),
+        notes: Vec::new(),
+        ..RunStats::default()
+    };
+    march(NAME, gearbox, world, &mut contacts, grid, stats, control)
 }
 
 /// The table of pairs that our law fills and rapier's hook reads.
@@ -374,17 +375,18 @@ mod tests {
     /// impulses, with friction that bounds and opposes.
     #[test]
     fn transmits_the_law_and_bounds_friction() {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         scene.contact.friction_coefficient = 0.1;
-        let (gearbox, grid) = ContactHook::compile(&scene).unwrap();
-        let mut world = World::new(&gearbox, grid.step_s, SWEEPS);
+        let gearbox = &Gearbox::new(&scene.check().unwrap()).unwrap();
+        let grid = ContactHook::grid(&gearbox.scene).unwrap();
+        let mut world = World::new(gearbox, grid.step_s, SWEEPS);
         let field = gearbox.contact_field().unwrap();
-        let mut hooked = Hooked::new(&gearbox, field, &mut world, grid.step_s);
+        let mut hooked = Hooked::new(gearbox, field, &mut world, grid.step_s);
         let (mut now, mut seen) = (Vec::new(), 0);
         for step in 0..300 {
             world.at_node(&mut now);
             let mut loads = vec![Wrench::default(); gearbox.layout.bodies()];
-            loads[pinwheel_gearbox::Layout::OUTPUT].moment = 22.0;
+            loads[pinwheel_scene::Layout::OUTPUT].moment = 22.0;
             let share = world.share();
             hooked.step(&mut world, &now, &mut loads).unwrap();
             let mut asked: Vec<PairContact> = Vec::new();

@@ -7,9 +7,10 @@ use std::time::Instant;
 
 use cpu_time::ThreadTime;
 use pinwheel_gearbox::channels::{PairSource, Seen};
-use pinwheel_gearbox::scene::{FrictionLaw, Scene};
-use pinwheel_gearbox::{Gearbox, Layout, Recorder, Sleeve, guard, load_course};
+use pinwheel_gearbox::{Gearbox, Recorder, guard};
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::{FrictionLaw, Scene};
+use pinwheel_scene::{Layout, Sleeve, load_course};
 
 use super::reactions::reactions;
 use super::world::World;
@@ -273,7 +274,7 @@ mod tests {
     use super::*;
 
     fn scene(step_s: f64, sample_s: f64, duration_s: f64) -> Scene {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         (
             scene.solver.step_s,
             scene.solver.sample_s,

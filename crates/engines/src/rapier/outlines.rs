@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use pinwheel_gearbox::scene::Gear;
+use pinwheel_scene::Gear;
 use rapier2d_f64::prelude::Vector;
 
 /// `count` points of a wheel's edge at equal steps of the curve parameter, counter-clockwise, in
@@ -46,6 +46,8 @@ fn around(count: usize) -> impl Iterator<Item = f64> {
 
 #[cfg(test)]
 mod tests {
+    use pinwheel_scene::Scene;
+
     use super::*;
 
     fn area(points: &[Vector]) -> f64 {
@@ -60,7 +62,7 @@ mod tests {
     #[test]
     fn wheel_edge_encloses_the_known_area_counter_clockwise() {
         let holes = 8.0 * std::f64::consts::PI * 0.0088_f64.powi(2);
-        let area = area(&wheel_edge(&Gear::default(), 40_000)) - holes;
+        let area = area(&wheel_edge(&Scene::paper().gear, 40_000)) - holes;
         assert!((area - 8710.1e-6).abs() < 0.05e-6, "{area}");
     }
 

@@ -4,7 +4,8 @@
 //! rapier's own impulses hold the position corrections of its solver too; this is the force that the
 //! motion it computed needs.
 
-use pinwheel_gearbox::{Gearbox, Layout};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::Layout;
 
 use super::march::Sums;
 use super::world::World;

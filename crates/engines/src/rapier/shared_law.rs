@@ -3,13 +3,13 @@
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::channels::{LawPairs, PairSource};
 use pinwheel_gearbox::contacts::ContactField;
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::Scene;
 
 use super::march::{Contacts, Grid, Sums, march};
 use super::unsupported;
 use super::world::World;
-use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
+use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
 
 const NAME: &str = "rapier-shared-law";
 
@@ -21,11 +21,8 @@ const SWEEPS: usize = 10;
 pub(super) struct SharedLaw;
 
 impl SharedLaw {
-    fn compile(scene: &Scene) -> Result<(Gearbox, Grid), EngineError> {
-        let grid =
-            Grid::new(scene, scene.solver.step_s).map_err(|reason| unsupported(NAME, reason))?;
-        let gearbox = Gearbox::new(scene).map_err(|error| unsupported(NAME, error))?;
-        Ok((gearbox, grid))
+    fn grid(scene: &Scene) -> Result<Grid, EngineError> {
+        Grid::new(scene, scene.solver.step_s).map_err(|reason| unsupported(NAME, reason))
     }
 }
 
@@ -56,40 +53,43 @@ impl Engine for SharedLaw {
          cannot find an error in them."
     }
 
-    fn supports(&self, scene: &Scene) -> Result<(), EngineError> {
-        Self::compile(scene).map(|_| ())
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+        let grid = Self::grid(&gearbox.scene)?;
+        let gearbox = gearbox.clone();
+        Ok(Box::new(move |control: &Control<'_>| {
+            run(&gearbox, &grid, control)
+        }))
     }
+}
 
-    fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
-        let (gearbox, grid) = Self::compile(scene)?;
-        let field = gearbox
-            .contact_field()
-            .map_err(|error| unsupported(NAME, error))?;
-        let world = World::new(&gearbox, grid.step_s, SWEEPS);
-        let mut notes = Vec::new();
-        if gearbox.has_friction() {
-            notes.push(
+fn run(gearbox: &Gearbox, grid: &Grid, control: &Control<'_>) -> Result<Run, EngineError> {
+    let field = gearbox
+        .contact_field()
+        .map_err(|error| unsupported(NAME, error))?;
+    let world = World::new(gearbox, grid.step_s, SWEEPS);
+    let mut notes = Vec::new();
+    if gearbox.has_friction() {
+        notes.push(
                 "Friction is explicit here, and its regularisation takes steps of about 2e-7 s to resolve."
                     .to_owned(),
             );
-        }
-        let stats = RunStats {
-            settings: format!(
-                "impulse revolutes, leapfrog, 1 substep, {SWEEPS} constraint sweeps, warm start"
-            ),
-            notes,
-            ..RunStats::default()
-        };
-        march(
-            NAME,
-            &gearbox,
-            world,
-            &mut Law { field, calls: 0 },
-            &grid,
-            stats,
-            control,
-        )
     }
+    let stats = RunStats {
+        settings: format!(
+            "impulse revolutes, leapfrog, 1 substep, {SWEEPS} constraint sweeps, warm start"
+        ),
+        notes,
+        ..RunStats::default()
+    };
+    march(
+        NAME,
+        gearbox,
+        world,
+        &mut Law { field, calls: 0 },
+        grid,
+        stats,
+        control,
+    )
 }
 
 /// Pinwheel's contact law as a load.

@@ -5,10 +5,11 @@
 //! static load (of a load that changes the last one): w^2 is the mean of k/m over the touching pairs, weighted by their forces, with
 //! the secant stiffness k = F/delta of the scene's law.
 
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactField, PairContact};
-use pinwheel_gearbox::scene::Scene;
-use pinwheel_gearbox::{Gearbox, Layout, Sleeve, load_course};
 use pinwheel_mbs::BodyState;
+use pinwheel_scene::Scene;
+use pinwheel_scene::{Layout, Sleeve, load_course};
 
 /// f = w/(2 pi), Hz.
 ///
@@ -149,9 +150,9 @@ mod tests {
     use super::*;
 
     fn frequency(change: impl Fn(&mut Scene)) -> Result<f64, String> {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         change(&mut scene);
-        let gearbox = Gearbox::new(&scene).unwrap();
+        let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         contact_frequency(&gearbox, &mut *gearbox.contact_field().unwrap())
     }
 

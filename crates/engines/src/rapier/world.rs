@@ -5,9 +5,10 @@
 //! are read as v_{n+1/2}: the world holds positions at t_n beside velocities half a step back, and
 //! [`World::at_node`] extrapolates the latter to t_n.
 
-use pinwheel_gearbox::scene::{BodyMass, Scene};
-use pinwheel_gearbox::{Gearbox, Layout};
+use pinwheel_gearbox::Gearbox;
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::Layout;
+use pinwheel_scene::{BodyMass, Scene};
 use rapier2d_f64::prelude::*;
 
 /// h w of the springs that pull revolutes together. rapier's own, of 1 MHz, give way at short
@@ -324,7 +325,7 @@ mod tests {
     /// A gearbox free to coast: output and wheels keep their rates, joints hold.
     #[test]
     fn coasts_along_the_ideal_motion() {
-        let gearbox = Gearbox::new(&Scene::default()).unwrap();
+        let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();
         let step_s = 1e-5;
         let mut world = World::new(&gearbox, step_s, 10);
         let loads = vec![Wrench::default(); gearbox.layout.bodies()];
@@ -352,7 +353,7 @@ mod tests {
     /// The first step carries half of the load, so that positions follow t^2/2 exactly.
     #[test]
     fn constant_torque_gives_a_parabola_and_a_straight_rate() {
-        let gearbox = Gearbox::new(&Scene::default()).unwrap();
+        let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();
         let step_s = 1e-4;
         let mut world = World::new(&gearbox, step_s, 10);
         let wheel = gearbox.layout.wheel_bodies().start;
@@ -387,7 +388,7 @@ mod tests {
 
     #[test]
     fn a_body_put_aside_is_named() {
-        let gearbox = Gearbox::new(&Scene::default()).unwrap();
+        let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();
         let mut world = World::new(&gearbox, 1e-5, 10);
         let mut loads = vec![Wrench::default(); gearbox.layout.bodies()];
         loads[5].moment = f64::NAN;

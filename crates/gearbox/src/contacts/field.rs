@@ -4,7 +4,7 @@ pub use pinwheel_mbs::ContactEnergy;
 use pinwheel_mbs::sliding::RateStage;
 use pinwheel_mbs::{BodyState, Jacobian, Wrench};
 
-use crate::layout::Sleeve;
+use crate::Sleeve;
 
 /// One pair of wheel and sleeve at its closest points.
 #[derive(Debug, Clone, Copy, PartialEq)]

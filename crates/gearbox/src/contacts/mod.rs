@@ -5,17 +5,13 @@ mod field;
 mod lanes;
 mod pairs;
 
-use pinwheel_contact::laws::hysteresis_factor;
-use pinwheel_contact::{
-    AdamsImpact, ConstantStiffness, Hysteresis, LaneLaw, LineContact, NormalLaw, PaperConservative,
-    PaperLaw, PaperPrinted,
-};
+use pinwheel_contact::{Law, LawParameters, LawVisitor, NormalLaw};
 
 pub use field::{ContactEnergy, ContactField, PairContact};
 
 use crate::GearboxError;
 use crate::geometry::Geometry;
-use crate::scene::{Detection, FrictionLaw, Scene};
+use crate::scene::{Contact, Detection, FrictionLaw, Scene};
 use detection::{Exact, Points};
 use lanes::LaneField;
 use pairs::Pairs;
@@ -72,91 +68,81 @@ fn at_most_avx2() -> pulp::Arch {
     pulp::Arch::Scalar
 }
 
+/// What laws read of a scene.
+fn parameters(contact: &Contact) -> LawParameters {
+    LawParameters {
+        damping: contact.damping_n_s_m,
+        ramp: contact.ramp_m,
+        constant_stiffness: contact.constant_stiffness_n_m15,
+        stiffness_multiplier: contact.stiffness_multiplier,
+        line_length: contact.line_length_m,
+        restitution: contact.restitution,
+        impact_speed: contact.impact_speed_m_s,
+    }
+}
+
 /// The contact field of a scene. Laws are told apart here, once, and not per contact.
 pub(crate) fn field(
     scene: &Scene,
     geometry: &Geometry,
     kernel: Kernel,
 ) -> Result<Box<dyn ContactField>, GearboxError> {
-    let contact = &scene.contact;
-    let (damping, ramp) = (contact.damping_n_s_m, contact.ramp_m);
-    let stiffness = contact.constant_stiffness_n_m15;
-    match contact.law.as_str() {
-        "paper" => with_law(scene, geometry, kernel, PaperLaw { damping, ramp }),
-        "paper-printed" => with_law(scene, geometry, kernel, PaperPrinted { damping, ramp }),
-        "paper-conservative" => {
-            let law = PaperConservative { damping, ramp };
-            let exact = Exact::with_slope(scene, geometry);
-            Ok(Box::new(Pairs::new(scene, geometry, law, exact)))
-        }
-        "constant" => with_law(
-            scene,
-            geometry,
-            kernel,
-            ConstantStiffness {
-                stiffness,
-                damping,
-                ramp,
-            },
-        ),
-        "adams-impact" => with_law(
-            scene,
-            geometry,
-            kernel,
-            AdamsImpact {
-                stiffness,
-                damping,
-                depth: ramp,
-            },
-        ),
-        "line-contact" => with_law(
-            scene,
-            geometry,
-            kernel,
-            LineContact::new(
-                contact.line_length_m,
-                contact.stiffness_multiplier,
-                damping,
-                ramp,
-            ),
-        ),
-        name => match hysteresis_factor(name, contact.restitution) {
-            Some(factor) => with_law(
-                scene,
-                geometry,
-                kernel,
-                Hysteresis::new(factor, contact.impact_speed_m_s),
-            ),
-            None => Err(GearboxError::UnknownLaw(name.to_owned())),
-        },
-    }
+    let law = Law::named(&scene.contact.law, &parameters(&scene.contact))
+        .ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
+    law.visit(Build {
+        scene,
+        geometry,
+        kernel,
+        any: law,
+    })
 }
 
-fn with_law<L: NormalLaw + Into<LaneLaw>>(
-    scene: &Scene,
-    geometry: &Geometry,
+/// Builds the field of the law it is given.
+struct Build<'a> {
+    scene: &'a Scene,
+    geometry: &'a Geometry,
     kernel: Kernel,
-    law: L,
-) -> Result<Box<dyn ContactField>, GearboxError> {
-    Ok(match scene.contact.detection {
-        Detection::Exact
-            if kernel != Kernel::Scalar
-                && scene.contact.friction_law == FrictionLaw::Regularised =>
-        {
-            let arch = kernel.arch();
-            Box::new(LaneField::new(scene, geometry, law.into(), arch))
-        }
-        Detection::Exact => Box::new(Pairs::new(
+    /// The same law for the lanes, whose loops are compiled once for all.
+    any: Law,
+}
+
+impl LawVisitor for Build<'_> {
+    type Output = Result<Box<dyn ContactField>, GearboxError>;
+
+    fn visit<L: NormalLaw>(self, law: L) -> Self::Output {
+        let Self {
             scene,
             geometry,
-            law,
-            Exact::new(scene, geometry),
-        )),
-        Detection::Points => Box::new(Pairs::new(
-            scene,
-            geometry,
-            law,
-            Points::new(scene, geometry)?,
-        )),
-    })
+            kernel,
+            any,
+        } = self;
+        let in_lanes =
+            kernel != Kernel::Scalar && scene.contact.friction_law == FrictionLaw::Regularised;
+        // A force along the profile needs the slope of K, which lanes do not have and points cannot.
+        let along = law.along(0.0).is_some();
+        Ok(match scene.contact.detection {
+            Detection::Exact if along => {
+                let exact = Exact::with_slope(scene, geometry);
+                Box::new(Pairs::new(scene, geometry, law, exact))
+            }
+            Detection::Exact if in_lanes => {
+                Box::new(LaneField::new(scene, geometry, any, kernel.arch()))
+            }
+            Detection::Exact => {
+                let exact = Exact::new(scene, geometry);
+                Box::new(Pairs::new(scene, geometry, law, exact))
+            }
+            Detection::Points if along => {
+                return Err(GearboxError::Geometry(format!(
+                    "contact.detection = \"points\" has no slope of the stiffness, which the law `{}` needs; \
+                     use contact.detection = \"exact\"",
+                    any.info().name
+                )));
+            }
+            Detection::Points => {
+                let points = Points::new(scene, geometry)?;
+                Box::new(Pairs::new(scene, geometry, law, points))
+            }
+        })
+    }
 }

@@ -11,8 +11,8 @@ use pinwheel_mbs::{BodyState, Wrench};
 use super::detection::{Detection, Touch};
 use super::field::{ContactEnergy, ContactField, PairContact};
 use crate::geometry::Geometry;
-use crate::layout::{Layout, Sleeve};
 use crate::scene::{self, FrictionLaw, Scene};
+use crate::{Layout, Sleeve};
 
 /// The contact field of one law and one detection.
 pub(super) struct Pairs<L, D> {
@@ -152,11 +152,8 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             .law
             .force(touch.stiffness, touch.penetration, normal_rate);
         let friction_force = self.friction.force(normal_force, tangential_rate);
-        let along_force = if L::HAS_ALONG {
-            -touch.stiffness_slope * self.law.along(touch.penetration)
-        } else {
-            0.0
-        };
+        let along = self.law.along(touch.penetration);
+        let along_force = along.map_or(0.0, |along| -touch.stiffness_slope * along);
         Loaded {
             touch,
             arm,
@@ -234,7 +231,7 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
                 let on_sleeve = pair.on_sleeve();
                 let mut total = on_sleeve;
                 moment -= pair.touch.point.cross(on_sleeve);
-                if L::HAS_ALONG {
+                if self.law.along(pair.touch.penetration).is_some() {
                     let centre = pair.touch.point - pair.arm;
                     total = total + pair.at_centre();
                     moment -= centre.cross(pair.at_centre());

@@ -3,8 +3,8 @@
 use pinwheel_mbs::sliding::{Contact, RateStage};
 use pinwheel_mbs::{BodyState, ContactEnergy, Forces, Jacobian, Wrench};
 
+use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
-use crate::layout::Layout;
 use crate::load_course::{self, LoadPiece};
 use crate::{Gearbox, GearboxError};
 

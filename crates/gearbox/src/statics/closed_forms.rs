@@ -124,14 +124,6 @@ fn shared(levers: impl Iterator<Item = f64>, torque: f64) -> Vec<f64> {
     levers.iter().map(|l| torque * l / sum).collect()
 }
 
-/// One-sided free play of a wheel, d sqrt(1 - m^2)/(e zs), rad.
-#[must_use]
-pub fn free_play(gear: &Gear) -> f64 {
-    let m = gear.shortening;
-    gear.backlash_m * (1.0 - m * m).sqrt()
-        / (gear.eccentricity_m * (gear.external_sleeves as f64 - 1.0))
-}
-
 /// Smallest convex radius of C, R sqrt(27 (1 - m^2)(zk - 1)/(zk + 1)^3), m; where it lies between lobe and pit.
 #[must_use]
 pub fn smallest_convex_radius(gear: &Gear) -> f64 {

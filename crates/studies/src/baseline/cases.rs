@@ -5,7 +5,7 @@
 //! All hard presets are in it but these: scenes whose forces are only rounding (no load), the one no method resolves
 //! (feather-light sleeves), and `hard-long-run`, which is `paper` for longer.
 
-use pinwheel_gearbox::scene::{Override, Scene, SceneError};
+use pinwheel_scene::{CheckedScene, Override, Scene, SceneError};
 
 /// A scene of the set.
 #[derive(Debug, Clone, Copy)]
@@ -317,7 +317,7 @@ impl SceneCase {
     ///
     /// # Errors
     /// A key or value of the set is wrong.
-    pub fn scene(&self, choice: Option<&Choice>) -> Result<Scene, SceneError> {
+    pub fn scene(&self, choice: Option<&Choice>) -> Result<CheckedScene, SceneError> {
         let solver = choice.map_or(&[][..], |choice| choice.sets);
         let keys = WINDOW.iter().chain(self.sets).chain(solver);
         let overrides: Vec<Override> = keys
@@ -367,7 +367,7 @@ mod tests {
             "hard-zero-load",
             "hard-zero-load-friction",
         ];
-        for preset in pinwheel_gearbox::scene::PRESETS {
+        for preset in pinwheel_scene::PRESETS {
             let hard = preset.name.starts_with("hard-") && !left_out.contains(&preset.name);
             let watched = SCENES.iter().any(|case| case.preset == preset.name);
             assert_eq!(
@@ -389,7 +389,7 @@ mod tests {
                     .iter()
                     .map(|choice| case.scene(Some(choice)).unwrap())
             })
-            .map(|scene| scene.solver.integrator)
+            .map(|scene| scene.solver.integrator.clone())
             .collect();
         for method in METHODS {
             assert!(

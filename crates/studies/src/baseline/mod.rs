@@ -7,6 +7,7 @@
 
 mod cases;
 mod check;
+mod common;
 mod error;
 mod file;
 mod instructions;
@@ -18,19 +19,24 @@ mod record;
 mod reference;
 mod runner;
 mod same;
+mod source;
 pub mod table;
+mod write;
 mod yardstick;
 
 use pinwheel_gearbox::contacts::Kernel;
 
 pub use cases::{Choice, SCENES, SceneCase};
 pub use check::{CaseCheck, Check, check};
+pub use common::in_common;
 pub use error::BaselineError;
 pub use file::{Acceptance, Baseline, CaseQuantity, CaseRecord, HEAD, Head, Made, SceneRecord};
 pub use judge::{CostCheck, Overlay, QuantityCheck, Verdict};
 pub use record::record;
 pub use runner::Costs;
 pub use same::{Fingerprint, Spread, across_loops, fingerprints};
+pub use source::made;
+pub use write::write;
 
 /// How the set is run.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -5,8 +5,9 @@
 //! [Achlioptas 2003], so four numbers at full precision tell a rounding from a change anywhere in a course.
 
 use pinwheel_courses::Courses;
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::NativeRun;
-use pinwheel_gearbox::{Gearbox, Layout};
+use pinwheel_scene::Layout;
 
 /// Numbers of a sketch.
 pub const SKETCH: usize = 4;

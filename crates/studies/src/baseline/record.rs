@@ -1,7 +1,7 @@
 //! Making a baseline: converged runs, accepted runs, and what roundings do to them.
 
 use pinwheel_gearbox::contacts::Kernel;
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_scene::CheckedScene;
 
 use super::cases::{Choice, SceneCase};
 use super::error::BaselineError;
@@ -30,7 +30,7 @@ pub fn record(
     let chosen: Vec<&SceneCase> = options.scenes()?;
     let mut jobs = Vec::new();
     for case in &chosen {
-        jobs.extend(reference::jobs(&load(case, None)?));
+        jobs.extend(reference::jobs(&load(case, None)?.into_scene()));
         for choice in case.choices {
             jobs.extend(case_jobs(case, choice, options)?);
         }
@@ -52,7 +52,10 @@ pub fn record(
 }
 
 /// A scene of the set by one choice, or as it is.
-pub(super) fn load(case: &SceneCase, choice: Option<&Choice>) -> Result<Scene, BaselineError> {
+pub(super) fn load(
+    case: &SceneCase,
+    choice: Option<&Choice>,
+) -> Result<CheckedScene, BaselineError> {
     Ok(case.scene(choice).map_err(StudyError::from)?)
 }
 
@@ -64,7 +67,7 @@ pub(super) fn plain_job(
 ) -> Result<Job, BaselineError> {
     Ok(Job {
         label: format!("{}, {}", case.name, choice.name),
-        scene: load(case, Some(choice))?,
+        scene: load(case, Some(choice))?.into_scene(),
         kernel: options.kernel,
         repeats: options.repeats,
     })

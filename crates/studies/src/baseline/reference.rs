@@ -5,7 +5,7 @@
 //! rejected steps). The same run at ten times the tolerance lies this far away: that is what its error is worth.
 
 use pinwheel_gearbox::contacts::Kernel;
-use pinwheel_gearbox::scene::{Formulation, Scene};
+use pinwheel_scene::{Formulation, Scene};
 
 use super::runner::Job;
 

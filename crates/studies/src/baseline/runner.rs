@@ -1,13 +1,13 @@
 //! Runs of the set: results, counts and times, on one thread or several.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
 
 use cpu_time::ThreadTime;
-use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_gearbox::native::{self, NativeError};
-use pinwheel_gearbox::scene::Scene;
+use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use super::instructions::Counter;
@@ -15,6 +15,7 @@ use super::quantity::{self, Values};
 use super::yardstick;
 use crate::StudyError;
 use crate::control::{Control, Progress};
+use crate::pool;
 
 /// What a run cost.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -67,7 +68,9 @@ pub(super) fn run(
         scene: job.label.clone(),
         source,
     };
-    let mut gearbox = Gearbox::new(&job.scene).map_err(of_scene)?;
+    let checked = job.scene.clone().check().map_err(GearboxError::from);
+    let built = checked.and_then(|scene| Gearbox::new(&scene));
+    let mut gearbox = built.map_err(of_scene)?;
     gearbox.kernel = job.kernel;
     let go = || native::run(&gearbox, &mut |_| cancel.load(Ordering::Relaxed));
     let (mut least, mut unit) = (f64::INFINITY, f64::INFINITY);
@@ -110,55 +113,26 @@ pub(super) fn run_all(
     threads: usize,
     control: &Control<'_>,
 ) -> Result<Vec<Outcome>, StudyError> {
-    let report = |done: usize, job: &Job| {
-        (control.progress)(Progress {
-            done,
-            total: jobs.len(),
-            piece: &job.label,
-        });
-    };
-    if threads <= 1 {
-        let mut counter = Counter::new();
-        let each = jobs.iter().enumerate().map(|(k, job)| {
-            report(k, job);
-            run(job, control.cancel, &mut counter)
-        });
-        return each.collect();
-    }
-    let next = AtomicUsize::new(0);
-    let cancel = control.cancel;
-    let mut outcomes: Vec<Option<Outcome>> = vec![None; jobs.len()];
-    let mut failed = None;
-    std::thread::scope(|scope| {
-        let (sender, receiver) = mpsc::channel();
-        for _ in 0..threads.min(jobs.len()) {
-            let (sender, next) = (sender.clone(), &next);
-            scope.spawn(move || {
-                let mut counter = Counter::new();
-                loop {
-                    let k = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(job) = jobs.get(k) else { break };
-                    if sender.send((k, run(job, cancel, &mut counter))).is_err() {
-                        break;
-                    }
-                }
-            });
-        }
-        drop(sender);
-        for (done, (k, outcome)) in receiver.iter().enumerate() {
-            report(done + 1, &jobs[k]);
-            match outcome {
-                Ok(outcome) => outcomes[k] = Some(outcome),
-                Err(error) => {
-                    // The others see a closed channel or the cancelled flag, and stop.
-                    failed = Some(error);
-                    break;
-                }
+    let begun = AtomicUsize::new(0);
+    let outcomes: Vec<Mutex<Option<Outcome>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
+    let failed = Mutex::new(None);
+    pool::each(threads, jobs.len(), Counter::new, |counter, k| {
+        let done = begun.fetch_add(1, Ordering::Relaxed);
+        (control.progress)(Progress::new(done, jobs.len(), &jobs[k].label));
+        match run(&jobs[k], control.cancel, counter) {
+            Ok(outcome) => *pool::lock(&outcomes[k]) = Some(outcome),
+            Err(error) => {
+                pool::lock(&failed).get_or_insert(error);
+                return false;
             }
         }
+        true
     });
-    match failed {
+    match pool::lock(&failed).take() {
         Some(error) => Err(error),
-        None => Ok(outcomes.into_iter().flatten().collect()),
+        None => Ok(outcomes
+            .iter()
+            .filter_map(|outcome| pool::lock(outcome).take())
+            .collect()),
     }
 }

@@ -2,8 +2,7 @@
 
 use pinwheel_contact::Complex;
 use pinwheel_gearbox::Geometry;
-use pinwheel_gearbox::scene::Scene;
-use pinwheel_gearbox::statics::free_play;
+use pinwheel_scene::{Scene, free_play};
 
 use super::figure::{Curve, Figure, Plot, number, verdict};
 use super::read::{DRAWN, DYING, EXTERNAL, INTERNAL, STEADY, all, largest, part, times};
@@ -90,7 +89,7 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Figure>, StudyError> {
 }
 
 fn eleven() -> Result<Figure, StudyError> {
-    let scene = Scene::default();
+    let scene = Scene::paper();
     let x: Vec<f64> = (1..=12).map(|k| f64::from(k) * 0.05).collect();
     let mut found = Vec::new();
     let mut closed = Vec::new();
@@ -245,7 +244,7 @@ mod tests {
     /// From the geometry, d psi/d d: 17.003 rad per metre; the curve bends away, so the found play is a little off for large d.
     #[test]
     fn free_play_is_found_on_the_curve() {
-        let scene = Scene::default();
+        let scene = Scene::paper();
         let found = turn_to_touch(&scene, 1e-5).unwrap();
         assert!((found / 1e-5 - 17.003).abs() < 0.02, "{}", found / 1e-5);
     }

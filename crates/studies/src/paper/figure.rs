@@ -1,6 +1,6 @@
 //! A figure of the paper as data: what it says, our curves, our numbers, the verdict.
 
-use pinwheel_gearbox::claims::Verdict;
+use super::claims::Verdict;
 use serde::Serialize;
 
 /// One figure.

@@ -1,6 +1,7 @@
 //! The paper, figure by figure: our curves in its axes, what it says they show, whether ours do.
 
 mod backlash;
+pub mod claims;
 mod contact;
 mod damping;
 mod figure;
@@ -9,16 +10,19 @@ mod points;
 mod read;
 mod runs;
 mod spectrum;
+mod stand_in;
 mod torque;
+mod write;
 
 use std::time::Instant;
 
-use pinwheel_gearbox::claims::{self, Judgement};
+use claims::Judgement;
 use pinwheel_gearbox::native::NativeError;
 use serde::Serialize;
 
 pub use figure::{Curve, Figure, Number, Plot};
 pub use peer::Peer;
+pub use stand_in::peer;
 
 use crate::StudyError;
 use crate::control::{Control, Progress};
@@ -115,7 +119,7 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<Paper, StudyError
     let total = 1 + groups.len() + list.len();
     let mut done = 0;
     let mut begin = |piece: &str| {
-        (control.progress)(Progress { done, total, piece });
+        (control.progress)(Progress::new(done, total, piece));
         done += 1;
     };
     let runs = Runs::new(*control);

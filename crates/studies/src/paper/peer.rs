@@ -1,7 +1,7 @@
 //! Fig. 10: another engine in Adams' place, and what could make spikes.
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::scene::{Detection, Scene};
+use pinwheel_scene::{Detection, Scene};
 
 use super::figure::{Curve, Figure, Plot, number, verdict};
 use super::read::{DRAWN, EXTERNAL, INTERNAL, STEADY, all, largest, part, quantile, times};

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::scene::{Detection, Scene};
+use pinwheel_scene::{Detection, Scene};
 
 use crate::StudyError;
 use crate::control::Control;
@@ -30,7 +30,7 @@ impl Model {
 
     /// The paper's scene with this model.
     pub(super) fn scene(self) -> Scene {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         match self {
             Self::Ours => "rk4".clone_into(&mut scene.solver.integrator),
             Self::Points(count) => {

@@ -11,7 +11,7 @@ use super::figure::{Curve, Figure, Number, Plot, number, verdict};
 use super::read::{INPUT, OUTPUT, mean, part};
 use super::runs::{Model, Runs};
 use crate::StudyError;
-use pinwheel_gearbox::scene::{Scene, derived};
+use pinwheel_scene::{Scene, derived};
 
 /// Input turns until the start has died down, and turns analysed: 15, in which a wheel turns once, so that every
 /// order a wheel can make is a bin.
@@ -88,7 +88,7 @@ fn share(bins: &[f64], orders: &[(f64, &str)]) -> f64 {
 }
 
 pub(super) fn figure(runs: &Runs<'_>) -> Result<Figure, StudyError> {
-    let scene = Scene::default();
+    let scene = Scene::paper();
     let turn = TAU / scene.drive.input_speed_rad_s;
     let shown = HIGHEST * TURNS.1;
     let orders = predicted(&scene, SAMPLES as f64 / 2.0);
@@ -202,7 +202,7 @@ mod tests {
         let bins = amplitudes(&values);
         assert!((bins[16 * TURNS.1] - 3.0).abs() < 1e-9);
         assert!(bins[0] < 1e-9 && bins[100] < 1e-9);
-        let orders = predicted(&Scene::default(), 64.0);
+        let orders = predicted(&Scene::paper(), 64.0);
         assert!(share(&bins, &orders) > 0.999);
         let between: Vec<f64> = (0..n)
             .map(|k| (12.0 * TAU * k as f64 / SAMPLES as f64).cos())
@@ -213,7 +213,7 @@ mod tests {
 
     #[test]
     fn predicted_orders() {
-        let orders: Vec<f64> = predicted(&Scene::default(), 20.0)
+        let orders: Vec<f64> = predicted(&Scene::paper(), 20.0)
             .into_iter()
             .map(|o| o.0)
             .collect();

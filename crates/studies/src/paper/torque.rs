@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use pinwheel_gearbox::scene::{Scene, Start};
+use pinwheel_scene::{Scene, Start};
 
 use super::backlash::{BACKLASHES, plot, words};
 use super::figure::{Curve, Figure, Plot, number, verdict};
@@ -93,8 +93,8 @@ fn unlike_before(values: &[f64], period: usize) -> f64 {
 
 fn sixteen(runs: &Runs<'_>) -> Result<Figure, StudyError> {
     // A common period of both meshes: zs/zk of an input turn.
-    let gear = Scene::default().gear;
-    let turn = TAU / Scene::default().drive.input_speed_rad_s;
+    let gear = Scene::paper().gear;
+    let turn = TAU / Scene::paper().drive.input_speed_rad_s;
     let period = turn * gear.lobes() as f64 / gear.external_sleeves as f64;
     let samples = 1000;
     let whole = (LONG / period).floor();

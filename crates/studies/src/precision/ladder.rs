@@ -1,8 +1,8 @@
 //! The settings a method is tried with, coarse to fine, and when to stop.
 
 use pinwheel_engines::Track;
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::integrators::METHODS;
+use pinwheel_scene::Scene;
 use serde::Serialize;
 
 use super::Options;
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn steps_halve_and_divide_the_samples() {
-        let scene = Scene::default();
+        let scene = Scene::paper();
         let steps = settings(Knob::StepS, &scene);
         assert!(steps.contains(&scene.solver.step_s), "{steps:?}");
         for pair in steps.windows(2) {
@@ -168,7 +168,7 @@ mod tests {
 
     #[test]
     fn tolerances_fall_by_half_decades() {
-        let tolerances = settings(Knob::Tolerance, &Scene::default());
+        let tolerances = settings(Knob::Tolerance, &Scene::paper());
         assert_eq!(tolerances[0], 1e-2);
         assert_eq!((tolerances[1], tolerances[16]), (3.2e-3, 1e-10));
     }

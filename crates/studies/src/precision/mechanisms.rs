@@ -125,11 +125,11 @@ pub fn run(control: &Control<'_>) -> Result<Vec<MechanismStudy>, StudyError> {
             if control.cancel.load(Ordering::Relaxed) {
                 break;
             }
-            (control.progress)(Progress {
+            (control.progress)(Progress::new(
                 done,
                 total,
-                piece: &format!("{}, {}", published.problem.name, method.name),
-            });
+                &format!("{}, {}", published.problem.name, method.name),
+            ));
             series.push(solves(published, method, control));
             done += 1;
         }

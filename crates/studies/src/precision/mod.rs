@@ -25,8 +25,8 @@ pub use series::{Cost, Measure, Outcome, Point, Series};
 use std::sync::atomic::Ordering;
 
 use pinwheel_engines::{Engine, Track};
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::integrators::METHODS;
+use pinwheel_scene::Scene;
 use serde::Serialize;
 
 use crate::StudyError;
@@ -110,7 +110,7 @@ pub fn run(
     let total = tasks.len() + 3;
     let mut done = 0;
     let (reference, windows, courses) = reference::run(scene, control, &mut |piece| {
-        (control.progress)(Progress { done, total, piece });
+        (control.progress)(Progress::new(done, total, piece));
         done += 1;
     })?;
     let mut all = Vec::new();
@@ -118,7 +118,7 @@ pub fn run(
         if control.cancel.load(Ordering::Relaxed) {
             break;
         }
-        let mut announce = |piece: &str| (control.progress)(Progress { done, total, piece });
+        let mut announce = |piece: &str| (control.progress)(Progress::new(done, total, piece));
         let truth = series::Truth {
             courses: &courses,
             windows: &windows,

@@ -7,8 +7,8 @@
 
 use pinwheel_compare::windows::{SETTLING_S, windows};
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::load_course;
-use pinwheel_gearbox::scene::{Scene, Start};
+use pinwheel_scene::load_course;
+use pinwheel_scene::{Scene, Start};
 use serde::Serialize;
 
 /// A part of the run.

@@ -10,14 +10,13 @@
 //! reference. What the reference gains from a tolerance ten times (a step two times) coarser is given beside it.
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::scene::{Detection, Formulation, FrictionLaw, Scene};
+use pinwheel_scene::{Detection, Formulation, FrictionLaw, Scene};
 use serde::Serialize;
 
 use super::Knob;
 use super::norms::{Errors, Span, errors, spans};
 use crate::StudyError;
-use crate::control::Control;
+use crate::control::{Control, compile};
 
 /// One converged solution.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -101,10 +100,7 @@ fn plans(scene: &Scene) -> Result<[Plan; 2], StudyError> {
         };
         return Ok([plan("dopri5", 1e-9), second]);
     }
-    let gearbox = Gearbox::new(scene).map_err(|source| StudyError::Scene {
-        scene: scene.name.clone(),
-        source,
-    })?;
+    let gearbox = compile(scene)?;
     let step = STEP_RADIANS / gearbox.error_scales().frequency;
     Ok([
         plan("dopri5", 1e-11),

@@ -7,7 +7,7 @@
 
 use std::io::Write;
 
-use pinwheel_gearbox::scene::{BodyMass, Detection, Formulation, Scene};
+use pinwheel_scene::{BodyMass, Detection, Formulation, Scene};
 use serde::Serialize;
 
 use super::front::power_law;
@@ -96,11 +96,7 @@ pub fn run(control: &Control<'_>) -> Result<Scaling, StudyError> {
     let total = 2 * GEARS.len() + POINTS.len();
     let mut done = 0;
     let mut measure = |scene: &Scene| {
-        (control.progress)(Progress {
-            done,
-            total,
-            piece: &scene.name,
-        });
+        (control.progress)(Progress::new(done, total, &scene.name));
         done += 1;
         size(scene, control)
     };
@@ -191,7 +187,7 @@ pub fn write_csv(scaling: &Scaling, sink: impl Write) -> Result<(), StudyError> 
 pub fn gear(wheels: usize, external: usize, internal: usize) -> Scene {
     let mut scene = Scene {
         name: format!("scaling: {wheels} wheels, {external} + {internal} sleeves"),
-        ..Scene::default()
+        ..Scene::paper()
     };
     // R = e zk/m grows with zk: same teeth on a larger circle.
     let growth = external as f64 / scene.gear.external_sleeves as f64;
@@ -219,8 +215,8 @@ mod tests {
         for (wheels, external, internal) in GEARS {
             let scene = gear(wheels, external, internal);
             let read = Scene::from_toml(&scene.to_toml(), "a gear", &[]);
-            assert_eq!(read.unwrap(), scene);
-            pinwheel_gearbox::Gearbox::new(&scene).unwrap();
+            assert_eq!(*read.unwrap(), scene);
+            pinwheel_gearbox::Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         }
     }
 }

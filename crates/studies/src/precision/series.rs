@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use cpu_time::ProcessTime;
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, Run, Track};
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::integrators::METHODS;
+use pinwheel_scene::{Fault, Scene};
 use serde::Serialize;
 
 use super::front::{CostAt, cost_at};
@@ -334,7 +334,12 @@ fn once(
         cancel: &stop,
         progress: &progress,
     };
-    match engine.run(scene, &engines) {
+    let unsupported = |fault: Fault| EngineError::Unsupported {
+        engine: engine.name().to_owned(),
+        reason: fault.to_string(),
+    };
+    let checked = scene.clone().check().map_err(unsupported);
+    match checked.and_then(|scene| engine.run(&scene, &engines)) {
         Ok(run) => Ok(Ok((run, Outcome::Finished))),
         Err(EngineError::Diverged {
             time_s,

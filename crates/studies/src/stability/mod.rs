@@ -8,7 +8,7 @@ mod search;
 mod verdict;
 
 use pinwheel_gearbox::auto;
-use pinwheel_gearbox::scene::{Formulation, PRESETS, Scene};
+use pinwheel_scene::{Formulation, PRESETS, Scene};
 use serde::{Deserialize, Serialize};
 
 pub use reference::Reference;
@@ -154,11 +154,7 @@ pub struct Atlas {
 pub fn run(options: &Options, control: &Control<'_>) -> Result<Atlas, StudyError> {
     let mut rows = Vec::new();
     for (done, name) in options.scenes.iter().enumerate() {
-        (control.progress)(Progress {
-            done,
-            total: options.scenes.len(),
-            piece: name,
-        });
+        (control.progress)(Progress::new(done, options.scenes.len(), name));
         rows.push(row(name, options, control)?);
     }
     Ok(Atlas {
@@ -178,7 +174,7 @@ fn auto_choice(scene: &Scene) -> String {
 /// # Errors
 /// Cancelled, or a scene that cannot be loaded.
 pub fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<Row, StudyError> {
-    let mut scene = Scene::load(name, &[])?;
+    let mut scene = Scene::load(name, &[])?.into_scene();
     scene.solver.duration_s = scene.solver.duration_s.min(options.longest_s);
     scene.solver.sample_s = scene.solver.sample_s.min(1e-4).min(scene.solver.duration_s);
     let mut row = Row {
@@ -220,7 +216,7 @@ fn cell(
     control: &Control<'_>,
 ) -> Result<Cell, StudyError> {
     // A scene that asks for a tenth of the usual tolerance gets a tenth of the method's.
-    let share = (scene.solver.tolerance / Scene::default().solver.tolerance).min(1.0);
+    let share = (scene.solver.tolerance / Scene::paper().solver.tolerance).min(1.0);
     let method = Method {
         tolerance: method.tolerance.map(|tolerance| tolerance * share),
         ..method.clone()

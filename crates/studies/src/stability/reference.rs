@@ -1,7 +1,7 @@
 //! The converged run of a scene, and how well it is converged.
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::scene::{Detection, Formulation, Scene};
+use pinwheel_scene::{Detection, Formulation, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;

@@ -1,8 +1,8 @@
 //! Stale, foreign and alternating callers of the border, without a Python.
 
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::scene::{Override, Scene};
 use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::{Override, Scene};
 
 use super::super::law::Published;
 use super::super::mujoco::{Addresses, Attached, Place, detach};

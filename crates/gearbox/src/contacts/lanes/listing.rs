@@ -1,12 +1,12 @@
 //! Touching pairs one by one, found several at a time.
 
-use pinwheel_contact::{LanesLaw, RegularisedCoulomb};
+use pinwheel_contact::{NormalLaw, RegularisedCoulomb};
 use pulp::Simd;
 
 use super::walk::{Group, Sink, Wheel};
+use crate::Sleeve;
 use crate::contacts::detection::Touch;
 use crate::contacts::pairs::{Loaded, WheelFrame};
-use crate::layout::Sleeve;
 
 /// Takes a pair: wheel number, sleeve, the wheel's frame, the pair in that frame.
 pub(super) type Visit<'a> = dyn FnMut(usize, Sleeve, &WheelFrame, &Loaded) + 'a;
@@ -18,7 +18,7 @@ pub(super) struct Listing<'a, 'v, L> {
     pub(super) visit: &'a mut Visit<'v>,
 }
 
-impl<S: Simd, L: LanesLaw> Sink<S> for Listing<'_, '_, L> {
+impl<S: Simd, L: NormalLaw> Sink<S> for Listing<'_, '_, L> {
     #[inline(always)]
     fn group(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let touching = &group.touching;

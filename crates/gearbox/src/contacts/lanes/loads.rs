@@ -1,6 +1,6 @@
 //! Forces of all touching pairs, summed onto the bodies.
 
-use pinwheel_contact::{Complex, Lanes, LanesLaw, RegularisedCoulomb};
+use pinwheel_contact::{Complex, Lanes, NormalLaw, RegularisedCoulomb};
 use pinwheel_mbs::{ContactEnergy, Wrench};
 use pulp::Simd;
 
@@ -15,7 +15,7 @@ pub(super) struct Loads<'a, L, const FRICTION: bool, const ENERGY: bool> {
     pub(super) energy: &'a mut ContactEnergy,
 }
 
-impl<S: Simd, L: LanesLaw, const FRICTION: bool, const ENERGY: bool> Sink<S>
+impl<S: Simd, L: NormalLaw, const FRICTION: bool, const ENERGY: bool> Sink<S>
     for Loads<'_, L, FRICTION, ENERGY>
 {
     #[inline(always)]

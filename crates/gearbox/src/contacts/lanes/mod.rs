@@ -13,7 +13,7 @@ mod sliding;
 mod slopes;
 mod walk;
 
-use pinwheel_contact::{LaneLaw, LanesLaw, NormalLaw, RegularisedCoulomb};
+use pinwheel_contact::{Law, NormalLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::sliding::RateStage;
 use pinwheel_mbs::{BodyState, Jacobian, Wrench};
@@ -23,8 +23,8 @@ use super::detection::Exact;
 use super::field::{ContactEnergy, ContactField, PairContact};
 use super::pairs::Pairs;
 use crate::geometry::Geometry;
-use crate::layout::{Layout, Sleeve};
 use crate::scene::Scene;
+use crate::{Layout, Sleeve};
 use columns::Sleeves;
 use listing::{Listing, Visit};
 use loads::Loads;
@@ -36,11 +36,11 @@ use walk::{Sink, walk};
 /// The contact field with exact detection, in lanes.
 pub(super) struct LaneField {
     arch: pulp::Arch,
-    law: LaneLaw,
+    law: Law,
     friction: RegularisedCoulomb,
     pairs: LanePairs,
     /// For single pairs, where lanes gain nothing.
-    scalar: Pairs<LaneLaw, Exact>,
+    scalar: Pairs<Law, Exact>,
     /// With friction, if the gear has no more wheels than there is room for.
     sliding: Option<Sliding>,
 }
@@ -88,7 +88,7 @@ impl<K> Walk<'_, K> {
     }
 }
 
-impl<L: LanesLaw, const FRICTION: bool, const ENERGY: bool> pulp::WithSimd
+impl<L: NormalLaw, const FRICTION: bool, const ENERGY: bool> pulp::WithSimd
     for SumWalk<'_, L, FRICTION, ENERGY>
 {
     type Output = ();
@@ -101,7 +101,7 @@ impl<L: LanesLaw, const FRICTION: bool, const ENERGY: bool> pulp::WithSimd
     }
 }
 
-impl<L: LanesLaw> pulp::WithSimd for ListWalk<'_, '_, L> {
+impl<L: NormalLaw> pulp::WithSimd for ListWalk<'_, '_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -110,7 +110,7 @@ impl<L: LanesLaw> pulp::WithSimd for ListWalk<'_, '_, L> {
     }
 }
 
-impl<L: LanesLaw> pulp::WithSimd for SplitWalk<'_, L> {
+impl<L: NormalLaw> pulp::WithSimd for SplitWalk<'_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -134,7 +134,7 @@ impl<L: LanesLaw, const FRICTION: bool> pulp::WithSimd for SlopeWalk<'_, L, FRIC
 }
 
 impl LaneField {
-    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: LaneLaw, arch: pulp::Arch) -> Self {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: Law, arch: pulp::Arch) -> Self {
         let contact = &scene.contact;
         let layout = Layout::of(&scene.gear);
         let friction = RegularisedCoulomb {
@@ -167,7 +167,7 @@ impl LaneField {
         loads: &mut [Wrench],
     ) -> ContactEnergy {
         let mut energy = ContactEnergy::default();
-        let sink = Loads::<LaneLaw, FRICTION, ENERGY> {
+        let sink = Loads::<Law, FRICTION, ENERGY> {
             law: self.law,
             friction: self.friction,
             loads,

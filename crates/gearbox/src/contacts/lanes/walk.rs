@@ -6,7 +6,7 @@ use pulp::Simd;
 
 use super::columns::Sleeves;
 use super::shapes::{Shapes, Touching};
-use crate::layout::Layout;
+use crate::Layout;
 
 /// A wheel's frame, and what its contacts add up to (in that frame).
 pub(super) struct Wheel<S: Simd> {

@@ -10,12 +10,12 @@ mod newton;
 mod split;
 mod table;
 
-use pinwheel_contact::{Lanes, LanesLaw, RegularisedCoulomb};
+use pinwheel_contact::{Lanes, NormalLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::sliding::RateStage;
 use pulp::Simd;
 
-use crate::layout::Layout;
+use crate::Layout;
 use hubs::{Hubs, MOST_HUBS};
 pub(super) use split::Split;
 use table::{Leaf, Pair, Table};
@@ -123,7 +123,7 @@ impl Sliding {
     }
 
     /// Solves the stage of the contacts that a [`Split`] listed. False if there is no solution.
-    pub(super) fn solve<L: LanesLaw>(
+    pub(super) fn solve<L: NormalLaw>(
         &mut self,
         arch: pulp::Arch,
         law: L,
@@ -200,7 +200,7 @@ impl Sliding {
 /// The whole stage, compiled once per instruction set, law and number of hubs.
 struct Solve<'a, 'b, L, const HUBS: usize>(&'a mut Sliding, L, &'a mut RateStage<'b>);
 
-impl<L: LanesLaw, const HUBS: usize> pulp::WithSimd for Solve<'_, '_, L, HUBS> {
+impl<L: NormalLaw, const HUBS: usize> pulp::WithSimd for Solve<'_, '_, L, HUBS> {
     type Output = bool;
 
     #[inline(always)]

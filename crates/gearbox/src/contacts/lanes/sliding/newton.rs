@@ -4,7 +4,7 @@
 //! minimise over d:  1/2 d' M d + a sum_c L_c v_s H(u_c / v_s),   u_c = u*_c + J_c d,   L = mu F_n
 //! ```
 
-use pinwheel_contact::{Lanes, LanesLaw, Mask};
+use pinwheel_contact::{Lanes, Mask, NormalLaw};
 use pulp::Simd;
 
 use super::table::{Leaf, Pair};
@@ -29,7 +29,7 @@ impl Sliding {
     /// Minimises from the present d. False when something is not finite, or when [`MOST_STEPS`] were not enough.
     /// `HUBS` is wheels + 1.
     #[inline(always)]
-    pub(super) fn minimise<S: Simd, L: LanesLaw, const HUBS: usize>(
+    pub(super) fn minimise<S: Simd, L: NormalLaw, const HUBS: usize>(
         &mut self,
         simd: S,
         law: L,
@@ -66,7 +66,7 @@ impl Sliding {
 
     /// u and F_n at the rates to begin with: the table has those at v*.
     #[inline(always)]
-    fn start<S: Simd, L: LanesLaw, const HUBS: usize>(&mut self, simd: S, law: L) {
+    fn start<S: Simd, L: NormalLaw, const HUBS: usize>(&mut self, simd: S, law: L) {
         let output = Lanes::splat(simd, self.hubs.change[HUBS - 1]);
         for kind in 0..KINDS {
             for from in self.groups::<S>(kind) {

@@ -1,6 +1,6 @@
 //! Loads without friction, and the contacts of a friction stage, from one walk.
 
-use pinwheel_contact::{Complex, LanesLaw};
+use pinwheel_contact::{Complex, NormalLaw};
 use pinwheel_mbs::Wrench;
 use pulp::Simd;
 
@@ -15,7 +15,7 @@ pub(in super::super) struct Split<'a, L> {
     pub(in super::super) loads: &'a mut [Wrench],
 }
 
-impl<S: Simd, L: LanesLaw> Sink<S> for Split<'_, L> {
+impl<S: Simd, L: NormalLaw> Sink<S> for Split<'_, L> {
     #[inline(always)]
     fn group(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let (touching, from, mask) = (&group.touching, group.from, group.touching.mask);

@@ -1,0 +1,400 @@
+//! The command line: what can be typed. Nothing here calls a command.
+
+use std::path::PathBuf;
+
+use clap::error::ErrorKind;
+use clap::{Args, Parser, Subcommand};
+use pinwheel::gearbox::Gearbox;
+use pinwheel::scene::{Override, Scene};
+
+use crate::failure::Failure;
+use crate::screen;
+
+mod baseline;
+mod bench;
+mod paper;
+mod stability;
+mod sweep;
+
+pub(crate) use baseline::{Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
+pub(crate) use bench::BenchArgs;
+pub(crate) use paper::PaperArgs;
+pub(crate) use stability::StabilityArgs;
+pub(crate) use sweep::SweepArgs;
+
+const EXAMPLES: &str = "\
+Examples:
+  pinwheel compare paper                         the paper's gearbox, every engine, one report
+  pinwheel run paper --engine native             one engine: courses.csv and run.json
+  pinwheel compare paper --set gear.backlash_m=0.0006 --out out/backlash
+  pinwheel bench paper                           what accuracy costs, native and peers
+  pinwheel explain my-gear.toml                  what is modelled, assumed and to be expected
+  pinwheel sweep reference/sweeps/backlash.toml  lists and ranges of keys over all cores
+  pinwheel stability --quick                     which method survives which hard scene
+  pinwheel engines                               what there is to compare with
+  pinwheel laws                                  contact laws that a scene can name
+
+A SCENE is the path of a TOML file or the name of a preset: paper, paper-2019, paper-friction,
+paper-rough, paper-refined, paper-geometric, backlash-0.6, steel, one-wheel, eleven-pins, forty-pins,
+and the hard cases hard-* of reference/scenes, e.g. hard-adhesive.
+
+Exit status: 0 done and within limits; 1 a limit was exceeded; 2 bad input or usage;
+3 an engine is missing, diverged or failed; 130 stopped.";
+
+/// Cross-validation of cycloidal gearbox dynamics: one scene, several engines, one report.
+#[derive(Debug, Parser)]
+#[command(name = "pinwheel", version, after_help = EXAMPLES, max_term_width = 100)]
+#[command(arg_required_else_help = true, disable_help_subcommand = true)]
+struct Program {
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run a scene on one engine and keep its courses.
+    Run(RunArgs),
+    /// Run a scene on several engines, compare them and write a report.
+    Compare(CompareArgs),
+    /// Measure what accuracy costs: error against time of every engine, integrator and step.
+    Bench(BenchArgs),
+    /// Keep courses of the Python engines for builds and machines without them.
+    Record(RecordArgs),
+    /// Say what a scene models, what it leaves out and what to expect of it.
+    Explain(ExplainArgs),
+    /// Run a scene with lists or ranges of keys over all cores and tabulate the figures.
+    Sweep(SweepArgs),
+    /// List the engines of this build.
+    Engines(EnginesArgs),
+    /// Study which method survives which hard scene, at which step, and how it fails.
+    Stability(StabilityArgs),
+    /// List the contact laws with their source, domain and behaviour at slow impacts.
+    Laws(LawsArgs),
+    /// Compute every figure and claim of the paper again, on one page.
+    Paper(PaperArgs),
+    /// Keep accepted results, and say what a change of the solver moved.
+    Baseline(BaselineArgs),
+}
+
+/// Which scene.
+#[derive(Debug, Args)]
+pub(crate) struct SceneArgs {
+    /// Scene file (TOML) or preset name.
+    pub(crate) scene: String,
+    /// Override a key of the scene, e.g. --set gear.backlash_m=0.0006; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+/// Where results go.
+#[derive(Debug, Args)]
+pub(crate) struct OutArgs {
+    /// Output folder; an earlier output there is replaced as a whole [default: out/<scene>-<command>].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Replace the output folder even if it holds files of other origin.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+/// `pinwheel run`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  pinwheel run paper
+  pinwheel run paper --engine native-lagrange --set solver.integrator=rk4 --out out/rk4
+
+Writes DIR/courses.csv and DIR/run.json. A run that diverges ends with status 3 and leaves what
+was computed until then in DIR/courses.partial.csv. A native run whose forces move by more than 30 % when it is
+repeated at twice its step ends with status 1: its step does not resolve the scene.")]
+pub(crate) struct RunArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// Engine, see `pinwheel engines`; `native` takes the formulation that the scene asks for.
+    #[arg(long, value_name = "NAME", default_value = "native")]
+    pub(crate) engine: String,
+    /// Do not repeat the run at twice its step to see whether the step resolves the scene (native engines).
+    #[arg(long)]
+    pub(crate) unchecked: bool,
+    #[command(flatten)]
+    pub(crate) out: OutArgs,
+}
+
+/// `pinwheel compare`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  pinwheel compare paper
+  pinwheel compare paper --engines native-reduced,native-lagrange --set solver.duration_s=0.05
+
+  pinwheel compare paper --against rig.csv --map rig.toml     a foreign CSV beside the engines
+
+Writes DIR/index.html (open it in a browser), DIR/summary.json and DIR/<engine>/courses.csv.
+Engines that cannot honour the scene are left out, with the reason in the report.")]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// Engines to compare, separated by commas [default: all that can run the scene].
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
+    pub(crate) engines: Vec<String>,
+    #[command(flatten)]
+    pub(crate) foreign: ForeignArgs,
+    #[command(flatten)]
+    pub(crate) out: OutArgs,
+}
+
+/// Data from elsewhere.
+#[derive(Debug, Args)]
+pub(crate) struct ForeignArgs {
+    /// A foreign CSV (Adams, RecurDyn, a test rig) to compare with; may be repeated. Needs --map.
+    #[arg(long, value_name = "FILE", requires = "map")]
+    pub(crate) against: Vec<PathBuf>,
+    /// What its columns are (TOML, see docs/foreign-data.md): one for each --against, or one for all.
+    #[arg(long, value_name = "MAP.toml", requires = "against")]
+    pub(crate) map: Vec<PathBuf>,
+}
+
+/// `pinwheel record`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  pinwheel record
+  pinwheel record paper steel --engines mujoco-shared-law
+
+Writes DIR/SCENE/ENGINE.toml (what, how and when) and DIR/SCENE/ENGINE.csv (courses, thinned and rounded).
+A build embeds the recordings it finds in reference/recorded and compares with them where it has no live engine.
+Engines that cannot run a scene, or diverge on it, are left out with the reason.")]
+pub(crate) struct RecordArgs {
+    /// Presets or scene files [default: the scenes that recordings are kept of].
+    pub(crate) scenes: Vec<String>,
+    /// Engines to record, separated by commas [default: all Python engines of this build].
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
+    pub(crate) engines: Vec<String>,
+    /// Folder of recordings.
+    #[arg(long, value_name = "DIR", default_value = "reference/recorded")]
+    pub(crate) out: PathBuf,
+}
+
+/// `pinwheel laws`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  pinwheel run paper --set contact.law=paper-conservative")]
+pub(crate) struct LawsArgs {
+    /// Write JSON, for programs.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `pinwheel explain`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  pinwheel explain paper
+  pinwheel explain my-gear.toml --set gear.wheels=3 --json")]
+pub(crate) struct ExplainArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// Write JSON, for programs.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `pinwheel engines`.
+#[derive(Debug, Args)]
+pub(crate) struct EnginesArgs {
+    /// Write JSON, for programs.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// The command to carry out; `None` when help or version was asked for and shown.
+pub(crate) fn parse() -> Result<Option<Command>, Failure> {
+    match Program::try_parse() {
+        Ok(program) => Ok(Some(program.command)),
+        Err(error) => match error.kind() {
+            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+                screen::show(&error.render().ansi().to_string())?;
+                Ok(None)
+            }
+            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+                screen::show_on_stderr(&error.render().ansi().to_string());
+                Err(Failure::input("no command given; see the examples above"))
+            }
+            _ => Err(Failure::input(on_one_line(&error.render().to_string()))),
+        },
+    }
+}
+
+/// clap's message without its layout: what is wrong, its tip, and where help is.
+fn on_one_line(message: &str) -> String {
+    let mut what: Vec<&str> = Vec::new();
+    let mut tips: Vec<&str> = Vec::new();
+    for line in message
+        .lines()
+        .map(str::trim)
+        .filter(|line| !line.is_empty())
+    {
+        if line.starts_with("Usage:") || line.starts_with("For more information") {
+            break;
+        }
+        match line.strip_prefix("tip: ") {
+            Some(tip) => tips.push(tip),
+            None => what.push(line.strip_prefix("error: ").unwrap_or(line)),
+        }
+    }
+    tips.push("see `pinwheel --help`");
+    format!("{}; {}", what.join(" "), tips.join("; "))
+}
+
+impl SceneArgs {
+    /// The checked scene, compiled: proof that it can be modelled.
+    pub(crate) fn load(&self) -> Result<Gearbox, Failure> {
+        let overrides = overrides(&self.set)?;
+        let scene = Scene::load(&self.scene, &overrides)?;
+        Gearbox::new(&scene).map_err(|error| Failure::input(format!("{}: {error}", self.scene)))
+    }
+}
+
+impl OutArgs {
+    /// The folder asked for, or `out/<scene>-<command>`.
+    pub(crate) fn folder(&self, scene: &str, command: &str) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| {
+            let name: String = scene
+                .chars()
+                .map(|c| {
+                    if c.is_alphanumeric() || "-_.".contains(c) {
+                        c
+                    } else {
+                        '-'
+                    }
+                })
+                .collect();
+            // A leading dot would hide the folder, or leave it.
+            PathBuf::from("out").join(format!("{}-{command}", name.trim_start_matches('.')))
+        })
+    }
+}
+
+/// Cores this program may use.
+pub(crate) fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// `KEY=VALUE` by `KEY=VALUE`.
+pub(crate) fn overrides(set: &[String]) -> Result<Vec<Override>, Failure> {
+    let parsed = set.iter().map(|text| text.parse());
+    Ok(parsed.collect::<Result<_, _>>()?)
+}
+
+/// The command again, as one would type it for the same results: without where they go and how many threads work.
+pub(crate) fn typed() -> String {
+    without_places(
+        std::env::args_os()
+            .skip(1)
+            .map(|word| word.to_string_lossy().into_owned()),
+    )
+}
+
+fn without_places(words: impl IntoIterator<Item = String>) -> String {
+    const VALUED: [&str; 2] = ["--out", "--jobs"];
+    const BARE: [&str; 2] = ["--force", "--resume"];
+    let mut command = "pinwheel".to_owned();
+    let mut words = words.into_iter();
+    while let Some(word) = words.next() {
+        if VALUED.contains(&word.as_str()) {
+            words.next();
+            continue;
+        }
+        let flag = word.split_once('=').map_or(word.as_str(), |(flag, _)| flag);
+        if !BARE.contains(&flag) && !VALUED.contains(&flag) {
+            command.push(' ');
+            command.push_str(&quoted(&word));
+        }
+    }
+    command
+}
+
+/// A word for a shell: in single quotes where it needs them.
+pub(crate) fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::*;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Program::command().debug_assert();
+    }
+
+    #[test]
+    fn every_preset_is_in_the_help() {
+        for preset in pinwheel::scene::PRESETS {
+            let named = preset.name.starts_with("hard-") || EXAMPLES.contains(preset.name);
+            assert!(named, "{}", preset.name);
+        }
+    }
+
+    #[test]
+    fn usage_errors_fit_on_a_line() {
+        for words in [
+            &["pinwheel", "rnu"][..],
+            &["pinwheel", "run"],
+            &["pinwheel", "run", "paper", "--egnine", "x"],
+            &["pinwheel", "run", "paper", "--set"],
+            &["pinwheel", "run", "paper", "more"],
+        ] {
+            let error = Program::try_parse_from(words).unwrap_err();
+            let line = on_one_line(&error.render().to_string());
+            assert!(
+                !line.contains('\n') && line.ends_with("see `pinwheel --help`"),
+                "{line}"
+            );
+        }
+    }
+
+    #[test]
+    fn default_folders_stay_inside_out() {
+        let out = OutArgs {
+            out: None,
+            force: false,
+        };
+        for (scene, folder) in [
+            ("paper", "out/paper-run"),
+            ("../evil", "out/-evil-run"),
+            ("a b/c", "out/a-b-c-run"),
+            ("..", "out/-run"),
+        ] {
+            assert_eq!(out.folder(scene, "run"), PathBuf::from(folder));
+        }
+    }
+
+    #[test]
+    fn the_command_again() {
+        let again = |words: &str| without_places(words.split(' ').map(str::to_owned));
+        assert_eq!(
+            again("compare paper --out x --set a=b --force"),
+            "pinwheel compare paper --set a=b"
+        );
+        assert_eq!(
+            again("sweep it's.toml --out=x --jobs 3 --resume --engines=a,b"),
+            "pinwheel sweep 'it'\\''s.toml' --engines=a,b"
+        );
+    }
+
+    #[test]
+    fn shell_words() {
+        assert_eq!(quoted("gear.wheels=1"), "gear.wheels=1");
+        assert_eq!(quoted("it's"), "'it'\\''s'");
+        assert_eq!(quoted(""), "''");
+    }
+}

@@ -1,0 +1,50 @@
+//! `pinwheel paper`: every figure and every claim of the paper, computed again, on one page.
+
+use pinwheel::pages;
+use pinwheel::studies::output::write_text;
+use pinwheel::studies::paper::{self, Options};
+use pinwheel::studies::{Provenance, StudyError};
+
+use crate::args::{self, PaperArgs};
+use crate::failure::Failure;
+use crate::folder::Folder;
+use crate::progress::watched;
+use crate::{interrupt, screen};
+
+pub(crate) fn paper(args: &PaperArgs) -> Result<u8, Failure> {
+    let figures = args.wanted()?;
+    let folder = Folder::prepare(&args.out, args.force)?;
+    let peer = if figures.is_empty() || figures.iter().any(|f| f == "10") {
+        watched("paper", |control| {
+            paper::peer(args.against.as_deref(), control)
+        })
+        .map_err(|error| match error {
+            StudyError::Engine(error) => {
+                Failure::engine(format!("{error}; choose another with --against"))
+            }
+            error => error.into(),
+        })?
+    } else {
+        None
+    };
+    let options = Options { figures, peer };
+    let found = watched("paper", |control| paper::run(&options, control)).map_err(|error| {
+        match error {
+            StudyError::Cancelled => Failure::stopped(),
+            error => Failure::engine(format!(
+                "the paper's figures cannot be computed: {error}; leave the figure out with --figures"
+            )),
+        }
+    })?;
+    let made = Provenance::here(args::typed());
+    found.write(folder.path(), &options, &made)?;
+    let page = pages::paper::page(&found, &made, interrupt::flag())?;
+    write_text(&folder.path().join("index.html"), &page)?;
+    let out = folder.publish()?;
+    screen::show(&format!(
+        "{}; page: {}",
+        pages::paper::text(&found),
+        out.join("index.html").display()
+    ))?;
+    Ok(0)
+}

@@ -1,0 +1,111 @@
+//! `pinwheel sweep`: a study as data.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use pinwheel::pages;
+use pinwheel::studies::Provenance;
+use pinwheel::studies::output::write_text;
+use pinwheel::studies::sweep::{
+    self, Journal, MOST_BYTES, Outcome, Plan, Sweep, SweepError, execute,
+};
+
+use crate::args::{self, SweepArgs};
+use crate::failure::{ENGINE, Failure};
+use crate::folder::Folder;
+use crate::progress::watched;
+use crate::screen;
+
+pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
+    let plan = plan(args)?;
+    if args.list {
+        screen::show(&pages::sweep::list(&plan))?;
+        return Ok(0);
+    }
+    let out = args.out.folder(&plan.sweep.name, "sweep");
+    // Checked before anything long is run; what is written comes at the end.
+    drop(Folder::prepare(&out, args.out.force)?);
+    let place = unfinished(&out);
+    if place.exists() && !args.resume {
+        if !args.out.force {
+            return Err(Failure::input(format!(
+                "{} holds runs of an earlier attempt; go on with --resume, or start over with --force",
+                place.display()
+            )));
+        }
+        fs::remove_dir_all(&place).map_err(|error| Failure::unwritable(&place, &error))?;
+    }
+    let earlier = out.join("runs");
+    let journal = Journal::open(&place, args.resume.then_some(earlier.as_path()))?;
+    let jobs = args.jobs.map_or_else(args::cores, usize::from);
+    let records = watched("sweep", |control| execute(&plan, &journal, jobs, control));
+    if matches!(records, Err(SweepError::Stopped { .. })) && journal.in_its_folder() == 0 {
+        let _ = fs::remove_dir_all(&place);
+    }
+    let records = records?;
+    let folder = Folder::prepare(&out, args.out.force)?;
+    let (table, made) = (
+        sweep::results(&plan, &records),
+        Provenance::here(args::typed()),
+    );
+    sweep::write(folder.path(), &plan, &records, &table, &journal, &made)?;
+    let page = pages::sweep::page(&plan, &records, &table, &made)?;
+    write_text(&folder.path().join("index.html"), &page)?;
+    let out = folder.publish()?;
+    // Only now: had it failed, --resume would still find every run.
+    fs::remove_dir_all(&place).map_err(|error| Failure::unwritable(&place, &error))?;
+    let files = [("results", "results.csv"), ("report", "index.html")]
+        .map(|(word, name)| (word, out.join(name).display().to_string()));
+    screen::show(&pages::sweep::text(&plan, &records, &files))?;
+    let broken = records
+        .iter()
+        .find(|record| record.outcome != Outcome::Finished);
+    if let Some(record) = broken {
+        let count = records
+            .iter()
+            .filter(|record| record.outcome != Outcome::Finished)
+            .count();
+        screen::complain(&format!(
+            "{count} of {} runs did not finish, the first on {}: {}; see {}",
+            records.len(),
+            record.engine,
+            record.outcome.reason(),
+            out.join("results.csv").display()
+        ));
+        return Ok(ENGINE);
+    }
+    Ok(0)
+}
+
+/// `out/backlash.unfinished` for `out/backlash`.
+fn unfinished(out: &Path) -> PathBuf {
+    let mut name = out.file_name().unwrap_or_default().to_owned();
+    name.push(".unfinished");
+    out.with_file_name(name)
+}
+
+fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
+    let path = &args.file;
+    let unreadable = |what: &str| {
+        Failure::input(format!(
+            "{}: {what}; give a sweep file (TOML), see docs/sweeps.md",
+            path.display()
+        ))
+    };
+    let size =
+        fs::metadata(path).map_err(|error| unreadable(&format!("cannot be read: {error}")))?;
+    if !size.is_file() || size.len() > MOST_BYTES as u64 {
+        return Err(unreadable("is no sweep file"));
+    }
+    let text = fs::read_to_string(path)
+        .map_err(|error| unreadable(&format!("cannot be read: {error}")))?;
+    let mut sweep = Sweep::from_toml(&text, path)?;
+    if !args.engines.is_empty() {
+        sweep.engines = args
+            .engines
+            .iter()
+            .map(|name| name.trim().to_owned())
+            .collect();
+    }
+    Ok(Plan::new(sweep, &args::overrides(&args.set)?)?)
+}

@@ -1,0 +1,97 @@
+//! What one line of the registry becomes.
+
+macro_rules! registry {
+    ($($module:ident: $law:ident($type:ty),)*) => {
+        /// All laws.
+        pub const LAWS: &[LawInfo] = &[$($module::INFO),*];
+
+        /// Any law, told apart by one branch that is always taken the same way: for lanes, whose loops would otherwise
+        /// be compiled for every law and every instruction set, and for what is called once. Loops over single contacts
+        /// take the law itself, from [`visit`](Self::visit).
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        #[expect(missing_docs, reason = "the laws speak for themselves")]
+        pub enum Law {
+            $($law($type)),*
+        }
+
+        impl Law {
+            /// The law called `name`, with what it reads of the parameters; `None` if there is none.
+            #[must_use]
+            pub fn named(name: &str, parameters: &LawParameters) -> Option<Self> {
+                $(if name == $module::INFO.name {
+                    return Some(Self::$law($module::new(parameters)));
+                })*
+                None
+            }
+
+            /// What users are told of it.
+            #[must_use]
+            pub fn info(&self) -> &'static LawInfo {
+                match self {
+                    $(Self::$law(_) => &$module::INFO),*
+                }
+            }
+
+            /// Calls the visitor with the law itself: what it does is compiled for each law.
+            pub fn visit<V: LawVisitor>(self, visitor: V) -> V::Output {
+                match self {
+                    $(Self::$law(law) => visitor.visit(law)),*
+                }
+            }
+        }
+
+        impl NormalLaw for Law {
+            #[inline]
+            fn force(&self, stiffness: f64, penetration: f64, rate: f64) -> f64 {
+                match self {
+                    $(Self::$law(law) => law.force(stiffness, penetration, rate)),*
+                }
+            }
+
+            #[inline]
+            fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
+                match self {
+                    $(Self::$law(law) => law.stored(stiffness, penetration)),*
+                }
+            }
+
+            #[inline]
+            fn along(&self, penetration: f64) -> Option<f64> {
+                match self {
+                    $(Self::$law(law) => law.along(penetration)),*
+                }
+            }
+
+            #[inline]
+            fn stiffness(&self, hertz: f64) -> f64 {
+                match self {
+                    $(Self::$law(law) => law.stiffness(hertz)),*
+                }
+            }
+
+            #[inline(always)]
+            fn force_lanes<S: Simd>(
+                &self,
+                stiffness: Lanes<S>,
+                penetration: Lanes<S>,
+                rate: Lanes<S>,
+            ) -> Lanes<S> {
+                match self {
+                    $(Self::$law(law) => law.force_lanes(stiffness, penetration, rate)),*
+                }
+            }
+
+            #[inline(always)]
+            fn stored_lanes<S: Simd>(
+                &self,
+                stiffness: Lanes<S>,
+                penetration: Lanes<S>,
+            ) -> Lanes<S> {
+                match self {
+                    $(Self::$law(law) => law.stored_lanes(stiffness, penetration)),*
+                }
+            }
+        }
+    };
+}
+pub(super) use registry;

@@ -1,0 +1,245 @@
+//! The values of channels ([`pinwheel_scene::channels`]) at one sample.
+
+use pinwheel_mbs::BodyState;
+
+use pinwheel_scene::channels::{Channels, Chosen, Joint, PairQuantity, Part, What, Whole};
+
+use crate::Gearbox;
+use crate::contacts::{ContactEnergy, ContactField, PairContact};
+use crate::geometry::Geometry;
+use crate::{Layout, Sleeve};
+
+/// Minutes of arc of a radian.
+const ARCMIN: f64 = 180.0 * 60.0 / std::f64::consts::PI;
+
+/// A pair presses with more than this, N: less is the rounding of sleeves that only just touch, as all
+/// of them do in the ideal mesh of a gear without backlash.
+pub const PRESSING_N: f64 = 1e-9;
+
+/// What an engine knows of its contacts at a sample.
+pub trait PairSource {
+    /// A pair at its closest points, touching or not; `None` if the engine does not know it.
+    fn pair(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> Option<PairContact>;
+
+    /// Visits every pair that carries a normal force above [`PRESSING_N`]. False: the engine cannot tell.
+    fn loaded(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve)) -> bool;
+
+    /// Powers that the contacts lose; `None` if the engine does not know them.
+    fn losses(&mut self, bodies: &[BodyState]) -> Option<ContactEnergy>;
+}
+
+/// Contacts of an engine whose contact forces are those of our law at its states.
+pub struct LawPairs<'a>(pub &'a mut dyn ContactField);
+
+impl PairSource for LawPairs<'_> {
+    fn pair(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> Option<PairContact> {
+        Some(self.0.nearest(bodies, wheel, sleeve))
+    }
+
+    fn loaded(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve)) -> bool {
+        self.0.touching(bodies, &mut |pair| {
+            if pair.normal_force_n > PRESSING_N {
+                visit(pair.wheel, pair.sleeve);
+            }
+        });
+        true
+    }
+
+    fn losses(&mut self, bodies: &[BodyState]) -> Option<ContactEnergy> {
+        Some(self.0.energy(bodies))
+    }
+}
+
+/// What an engine knows at a sample.
+pub struct Seen<'a> {
+    /// All bodies.
+    pub bodies: &'a [BodyState],
+    /// Torque on the input shaft, N m.
+    pub driver_torque_n_m: f64,
+    /// Force of every revolute on the body it carries, N, ground frame, in the order of
+    /// [`Gearbox::mechanism`]; `None` if the engine does not know them.
+    pub reactions: Option<&'a [[f64; 2]]>,
+    /// The contacts.
+    pub contacts: &'a mut dyn PairSource,
+}
+
+/// Columns being recorded.
+#[derive(Debug, Clone)]
+pub(crate) struct Values {
+    list: Vec<Chosen>,
+    /// `None` once the engine could not tell the value.
+    columns: Vec<Option<Vec<f64>>>,
+    /// The pairs asked for, each once, and where each channel's stands.
+    pairs: Vec<(usize, Sleeve)>,
+    places: Vec<usize>,
+    found: Vec<Option<PairContact>>,
+    /// Sleeves that press on each wheel: external, internal.
+    contacts: Vec<[usize; 2]>,
+    needs_contacts: bool,
+    needs_losses: bool,
+    layout: Layout,
+    geometry: Geometry,
+}
+
+impl Values {
+    /// `None` if the scene asks for nothing.
+    pub(crate) fn new(gearbox: &Gearbox, samples: usize) -> Option<Self> {
+        let Channels { list } = &gearbox.channels;
+        if list.is_empty() {
+            return None;
+        }
+        let mut pairs: Vec<(usize, Sleeve)> = Vec::new();
+        let places = list
+            .iter()
+            .map(|chosen| {
+                let Some(pair) = chosen.pair else { return 0 };
+                let known = pairs.iter().position(|known| *known == pair);
+                known.unwrap_or_else(|| {
+                    pairs.push(pair);
+                    pairs.len() - 1
+                })
+            })
+            .collect();
+        let asks = |wanted: &[Whole]| {
+            let is = |chosen: &Chosen| matches!(chosen.what, What::Whole(w) if wanted.contains(&w));
+            list.iter().any(is)
+        };
+        Some(Self {
+            columns: vec![Some(Vec::with_capacity(samples)); list.len()],
+            found: vec![None; pairs.len()],
+            contacts: vec![[0; 2]; gearbox.layout.wheels],
+            needs_contacts: asks(&[Whole::ExternalContacts, Whole::InternalContacts]),
+            needs_losses: asks(&[Whole::DampingLoss, Whole::FrictionLoss]),
+            layout: gearbox.layout,
+            geometry: gearbox.geometry.clone(),
+            list: list.clone(),
+            pairs,
+            places,
+        })
+    }
+
+    /// Adds a sample. `output_torque`: moment of the contact forces on the output shaft, N m.
+    pub(crate) fn record(&mut self, seen: &mut Seen<'_>, output_torque: f64) {
+        let bodies = seen.bodies;
+        for (found, &(wheel, sleeve)) in self.found.iter_mut().zip(&self.pairs) {
+            *found = seen.contacts.pair(bodies, wheel, sleeve);
+        }
+        self.contacts.fill([0; 2]);
+        let counts = &mut self.contacts;
+        let counted = self.needs_contacts
+            && seen.contacts.loaded(bodies, &mut |wheel, sleeve| {
+                let kind = usize::from(matches!(sleeve, Sleeve::Internal(_)));
+                counts[wheel][kind] += 1;
+            });
+        let losses = if self.needs_losses {
+            seen.contacts.losses(bodies)
+        } else {
+            None
+        };
+        let output = bodies[Layout::OUTPUT];
+        let input = bodies[Layout::INPUT];
+        let powers = [
+            seen.driver_torque_n_m * input.rate,
+            output_torque * output.rate,
+        ];
+        for (k, chosen) in self.list.iter().enumerate() {
+            let Some(column) = &mut self.columns[k] else {
+                continue;
+            };
+            let value = match chosen.what {
+                What::Pair(quantity) => {
+                    self.found[self.places[k]].map(|pair| of_pair(&pair, quantity))
+                }
+                What::Joint(joint, part) => seen.reactions.and_then(|reactions| {
+                    of_joint(self.layout, bodies, reactions, joint, chosen.number, part)
+                }),
+                What::Whole(whole) => match whole {
+                    Whole::Efficiency => Some(efficiency(powers)),
+                    Whole::InputPower => Some(powers[0]),
+                    Whole::OutputPower => Some(powers[1]),
+                    Whole::DampingLoss => losses.map(|l| l.damping_w),
+                    Whole::FrictionLoss => losses.map(|l| l.friction_w),
+                    Whole::TransmissionError => {
+                        let ideal = self.geometry.ideal_output_angle(input.angle);
+                        Some((output.angle - ideal) * ARCMIN)
+                    }
+                    Whole::WheelTransmissionError => {
+                        let wheel = self.layout.wheel_bodies().start + chosen.number;
+                        let ideal = self.geometry.ideal_wheel_angle(chosen.number, input.angle);
+                        Some((bodies[wheel].angle - ideal) * ARCMIN)
+                    }
+                    Whole::ExternalContacts => {
+                        counted.then(|| self.contacts[chosen.number][0] as f64)
+                    }
+                    Whole::InternalContacts => {
+                        counted.then(|| self.contacts[chosen.number][1] as f64)
+                    }
+                },
+            };
+            match value {
+                Some(value) => column.push(value),
+                None => self.columns[k] = None,
+            }
+        }
+    }
+
+    /// Names and values of the columns that have one value for each of `samples`.
+    pub(crate) fn finish(self, samples: usize) -> impl Iterator<Item = (String, Vec<f64>)> {
+        let named = self.list.into_iter().zip(self.columns);
+        named
+            .filter_map(|(chosen, column)| column.map(|column| (chosen.name, column)))
+            .filter(move |(_, column)| column.len() == samples)
+    }
+}
+
+fn of_pair(pair: &PairContact, quantity: PairQuantity) -> f64 {
+    match quantity {
+        PairQuantity::Penetration => pair.penetration_m,
+        PairQuantity::NormalVelocity => pair.normal_rate_m_s,
+        PairQuantity::TangentialVelocity => pair.tangential_rate_m_s,
+        PairQuantity::Stiffness => pair.stiffness,
+        PairQuantity::PointX => pair.point[0],
+        PairQuantity::PointY => pair.point[1],
+        PairQuantity::NormalForce => pair.normal_force_n,
+        PairQuantity::FrictionForce => pair.friction_force_n,
+    }
+}
+
+/// Revolutes stand in the order of the bodies they carry, see [`Gearbox::mechanism`].
+fn of_joint(
+    layout: Layout,
+    bodies: &[BodyState],
+    reactions: &[[f64; 2]],
+    joint: Joint,
+    number: usize,
+    part: Part,
+) -> Option<f64> {
+    let body = match joint {
+        Joint::Input => Layout::INPUT,
+        Joint::Output => Layout::OUTPUT,
+        Joint::Eccentric => layout.wheel_bodies().start + number,
+        Joint::ExternalPin => layout.sleeve_body(Sleeve::External(number)),
+        Joint::InternalPin => layout.sleeve_body(Sleeve::Internal(number)),
+    };
+    let [fx, fy] = *reactions.get(body)?;
+    let (dx, dy) = (
+        bodies[body].x - bodies[Layout::INPUT].x,
+        bodies[body].y - bodies[Layout::INPUT].y,
+    );
+    Some(match part {
+        Part::Magnitude => fx.hypot(fy),
+        Part::X => fx,
+        Part::Y => fy,
+        Part::Radial => (fx * dx + fy * dy) / dx.hypot(dy),
+        Part::Tangential => (dx * fy - dy * fx) / dx.hypot(dy),
+    })
+}
+
+fn efficiency([input, output]: [f64; 2]) -> f64 {
+    let ratio = output / input;
+    if input > 0.0 && ratio.is_finite() {
+        ratio
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,116 @@
+//! Costs and errors in words, for the terminal and the page.
+
+use pinwheel_report::format::{seconds, significant};
+use pinwheel_report::study::{Cell, Mark};
+use pinwheel_studies::precision::{CostAt, Outcome, Series, Stopped};
+
+/// A bound's sign, or nothing.
+fn sign(cost: CostAt) -> &'static str {
+    match cost {
+        CostAt::Interpolated(_) => "",
+        CostAt::AtMost(_) => "\u{2264}\u{202f}",
+        CostAt::MoreThan(_) => ">\u{202f}",
+    }
+}
+
+/// A CPU time with its bound's sign.
+pub(super) fn cpu(cost: CostAt) -> String {
+    format!("{}{}", sign(cost), seconds(cost.value()))
+}
+
+/// A count with its bound's sign.
+pub(super) fn count(cost: CostAt) -> String {
+    format!("{}{}", sign(cost), calls(cost.value()))
+}
+
+/// A number of calls: `22 600`, `1.2 million`.
+pub(super) fn calls(value: f64) -> String {
+    if value >= 1e6 {
+        format!("{}\u{202f}M", significant(value / 1e6, 3))
+    } else if value >= 1e3 {
+        format!("{}\u{202f}k", significant(value / 1e3, 3))
+    } else {
+        format!("{value:.0}")
+    }
+}
+
+/// The same without signs that terminals lack.
+pub(super) fn plain_seconds(cost: CostAt) -> String {
+    plain(&cpu(cost))
+}
+
+/// The same for counts.
+pub(super) fn plain_count(cost: CostAt) -> String {
+    plain(&count(cost))
+}
+
+fn plain(text: &str) -> String {
+    text.replace('\u{2264}', "<=")
+        .replace(['\u{202f}', '\u{a0}'], " ")
+        .replace('\u{b5}', "u")
+}
+
+/// A cell of a ranking: the cost, marked if it is only a bound.
+pub(super) fn cell(cost: Option<CostAt>, words: fn(CostAt) -> String) -> Cell {
+    match cost {
+        None => Cell::text("\u{2013}").marked(Mark::Muted),
+        Some(cost) => {
+            let cell = Cell::number(words(cost), cost.value());
+            if cost.reached() {
+                cell
+            } else {
+                cell.marked(Mark::Muted)
+            }
+        }
+    }
+}
+
+/// A step or tolerance as people write it.
+pub(super) fn setting(value: f64) -> String {
+    let text = format!("{value:.2e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
+    format!("{mantissa}e{exponent}")
+}
+
+/// Why a series has no finished point; `None` if it has one.
+#[must_use]
+pub fn failure(series: &Series) -> Option<String> {
+    if series
+        .points
+        .iter()
+        .any(|point| point.outcome == Outcome::Finished)
+    {
+        return None;
+    }
+    let last = series.points.last().map(|point| &point.outcome);
+    Some(match last {
+        Some(Outcome::Failed { reason }) => reason.clone(),
+        Some(Outcome::Diverged { time_s, quantity }) => {
+            format!("diverges at every step; at the finest at {time_s:.4} s: {quantity}")
+        }
+        Some(Outcome::GivenUp { time_s }) => {
+            format!("takes too long: {time_s:.4} s simulated when it was given up")
+        }
+        Some(Outcome::Finished) | None => match series.stopped {
+            Stopped::Interrupted => "stopped by the user".to_owned(),
+            other => other.words().to_owned(),
+        },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn costs_in_words() {
+        assert_eq!(plain_seconds(CostAt::Interpolated(0.0213)), "21.3 ms");
+        assert_eq!(plain_seconds(CostAt::MoreThan(20.0)), "> 20 s");
+        assert_eq!(plain_count(CostAt::AtMost(22_579.0)), "<= 22.6 k");
+        assert_eq!(plain_count(CostAt::Interpolated(1.234e6)), "1.23 M");
+        assert_eq!(setting(1e-5), "1e-5");
+        assert_eq!(setting(2.5e-6), "2.5e-6");
+        assert_eq!(setting(3.2e-3), "3.2e-3");
+    }
+}

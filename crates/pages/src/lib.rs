@@ -1,0 +1,31 @@
+//! What studies found, for readers: `page` gives a self-contained HTML page, `text` what a terminal shows.
+//!
+//! One file or folder a study, each a function of the study's outcome: nothing is read, written or printed here, and
+//! only the motion that pages show is computed. Text holds escape sequences for styles
+//! ([`pinwheel_report::terminal`]).
+
+pub mod animation;
+pub mod baseline;
+pub mod bench;
+pub mod comparison;
+mod error;
+pub mod explain;
+pub mod laws;
+pub mod paper;
+pub mod single;
+pub mod stability;
+pub mod sweep;
+
+pub use error::PageError;
+
+use pinwheel_scene::Scene;
+
+/// Name and description of a scene.
+#[must_use]
+pub fn title(scene: &Scene) -> String {
+    if scene.description.is_empty() {
+        scene.name.clone()
+    } else {
+        format!("{}: {}", scene.name, scene.description)
+    }
+}

@@ -1,0 +1,39 @@
+//! The study on a terminal: largest steps, scene by scene.
+
+use pinwheel_report::terminal::{BAD, Cell, QUIET, TITLE, lines, styled};
+use pinwheel_studies::survey::{Survey, judged};
+
+use super::maps::shown_step;
+
+/// The largest step of each method, scene by scene; without the place of the page.
+#[must_use]
+pub fn text(survey: &Survey) -> String {
+    let head = Cell::text("scene").styled(TITLE);
+    let methods = survey
+        .plan
+        .atlas
+        .methods
+        .iter()
+        .map(|method| Cell::figure(judged::name(method)).styled(TITLE));
+    let mut rows = vec![std::iter::once(head).chain(methods).collect::<Vec<_>>()];
+    for row in survey.rows.iter().flatten() {
+        let mut line = vec![Cell::text(&row.scene)];
+        if let Some(reason) = &row.refused {
+            line.push(Cell::text(reason).styled(BAD));
+        }
+        for cell in &row.cells {
+            let style = match (&cell.failure, cell.largest_step_s) {
+                (None, _) => anstyle::Style::new(),
+                (Some(_), Some(_)) => QUIET,
+                (Some(_), None) => BAD,
+            };
+            line.push(Cell::figure(shown_step(cell)).styled(style));
+        }
+        rows.push(line);
+    }
+    format!(
+        "{}\n{}\nLargest step with the right picture; of methods with a tolerance, the forces' error.",
+        styled(TITLE, "stability"),
+        lines(&rows)
+    )
+}

@@ -1,0 +1,54 @@
+//! A sweep on a terminal.
+
+use pinwheel_report::terminal::{BAD, Cell, TITLE, lines, styled};
+use pinwheel_studies::sweep::{Plan, RunRecord};
+
+/// The runs that a sweep asks for.
+#[must_use]
+pub fn list(plan: &Plan) -> String {
+    let mut header = vec![Cell::figure("run"), Cell::text("engine")];
+    header.extend(plan.keys().map(Cell::figure));
+    let mut rows = vec![header];
+    for run in &plan.runs {
+        let mut row = vec![
+            Cell::figure(run.number.to_string()),
+            Cell::text(&run.engine),
+        ];
+        row.extend(
+            run.values
+                .iter()
+                .map(|(_, value)| Cell::figure(value.to_string())),
+        );
+        rows.push(row);
+    }
+    format!("{}\n{}", styled(TITLE, &plan.sweep.name), lines(&rows))
+}
+
+/// How the runs ended and where the results are; `files`: pairs of a word and a place.
+#[must_use]
+pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> String {
+    let count = |wanted: &str| {
+        records
+            .iter()
+            .filter(|record| record.outcome.word() == wanted)
+            .count()
+    };
+    let mut runs = vec![format!("{} finished", count("finished"))];
+    for word in ["diverged", "unsupported", "failed"] {
+        if count(word) > 0 {
+            runs.push(styled(BAD, &format!("{} {word}", count(word))));
+        }
+    }
+    let cpu: f64 = records.iter().map(|record| record.cpu_s).sum();
+    let row = |label: &str, value: String| vec![Cell::text(label), Cell::text(value)];
+    let mut rows = vec![
+        row("runs", runs.join(", ")),
+        row("varied", plan.keys().collect::<Vec<_>>().join(", ")),
+        row(
+            "time",
+            format!("{cpu:.1} s CPU for {:.3} s simulated", plan.duration_s()),
+        ),
+    ];
+    rows.extend(files.iter().map(|(word, place)| row(word, place.clone())));
+    format!("{}\n{}", styled(TITLE, &plan.sweep.name), lines(&rows))
+}

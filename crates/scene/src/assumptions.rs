@@ -1,0 +1,155 @@
+//! What a scene takes for granted that its source does not say. Shown in every report.
+
+use serde::{Deserialize, Serialize};
+
+use toml::Value;
+
+use crate::check::short;
+use crate::checked::{CheckedScene, Source};
+use crate::keys::{Key, key};
+use crate::model::{Gear, Scene};
+
+/// A value that had to be assumed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Assumption {
+    /// The key it concerns.
+    pub key: String,
+    /// Its value in this scene, with unit.
+    pub value: String,
+    /// Why this value, and what contradicts or supports it.
+    pub reason: String,
+}
+
+/// The assumptions behind a scene: the base it takes values from, every value that was filled in, with its formula or
+/// the reason why it is usual, and what the published gear's source leaves open (the dimensions of its missing Fig. 3,
+/// the friction coefficient, Tab. 2's moments of inertia).
+#[must_use]
+pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
+    let gear = &scene.gear;
+    let mut list = filled_in(scene);
+    let mut add = |key: &str, value: String, reason: &str| {
+        list.push(Assumption {
+            key: key.to_owned(),
+            value,
+            reason: reason.to_owned(),
+        });
+    };
+    if is_the_papers(gear) {
+        add(
+            "gear.internal_sleeve_radius_m",
+            format!("{} m", gear.internal_sleeve_radius_m),
+            "Fig. 3 of the paper is not available; 6 mm because Tab. 2 gives internal and external sleeves the same mass and moment, 5 mm in the author's 2019 optimisation of this gearbox",
+        );
+        add(
+            "gear.hole_radius_m",
+            format!("{} m", gear.hole_radius_m),
+            "Fig. 3 of the paper is not available; sleeve radius + eccentricity is a hole without clearance",
+        );
+        add(
+            "gear.internal_circle_radius_m",
+            format!("{} m", gear.internal_circle_radius_m),
+            "Fig. 3 of the paper is not available; 38 mm fits the wheel with 6 mm sleeves, the 2019 optimisation used 30 mm",
+        );
+        add(
+            "contact.friction_coefficient",
+            format!("{}", scene.contact.friction_coefficient),
+            "the paper's Eq. 21 has a friction coefficient but no value for it; 0 leaves the sleeves' spin out of play, 0.1 is usual for oiled steel",
+        );
+    }
+    let default = Scene::paper().mass;
+    let papers_moments = scene.mass.wheel.moment_kg_m2 == default.wheel.moment_kg_m2
+        || scene.mass.external_sleeve.moment_kg_m2 == default.external_sleeve.moment_kg_m2
+        || scene.mass.internal_sleeve.moment_kg_m2 == default.internal_sleeve.moment_kg_m2;
+    if is_the_papers(gear) && papers_moments {
+        add(
+            "mass",
+            format!(
+                "wheel {:e}, sleeves {:e} and {:e} kg m^2",
+                scene.mass.wheel.moment_kg_m2,
+                scene.mass.external_sleeve.moment_kg_m2,
+                scene.mass.internal_sleeve.moment_kg_m2
+            ),
+            "Tab. 2 as printed, though it contradicts the paper's own shapes: its wheel has a radius of gyration of 16 mm where the profile gives about 44 mm, a 6 mm sleeve 15 mm; the preset paper-geometric has computed moments",
+        );
+    }
+    list
+}
+
+/// What the scene's file does not write: one entry for all that comes from its base, one a key for the rest.
+fn filled_in(scene: &CheckedScene) -> Vec<Assumption> {
+    let mut list: Vec<Assumption> = Vec::new();
+    let mut inherited: Vec<(&str, Vec<&str>)> = Vec::new();
+    for origin in scene.origins() {
+        if let Source::Base(base) = &origin.source {
+            match inherited.iter_mut().find(|(known, _)| known == base) {
+                Some((_, keys)) => keys.push(origin.key),
+                None => inherited.push((base, vec![origin.key])),
+            }
+            continue;
+        }
+        let unit = key(origin.key).map_or("", Key::unit);
+        let value = match &origin.value {
+            Value::String(text) => text.clone(),
+            Value::Float(number) => short(*number),
+            other => other.to_string(),
+        };
+        list.push(Assumption {
+            key: origin.key.to_owned(),
+            value: format!("{value} {unit}").trim_end().to_owned(),
+            reason: format!("not in the scene: {}", origin.source.words()),
+        });
+    }
+    let bases = inherited.into_iter().map(|(base, keys)| Assumption {
+        key: "base".to_owned(),
+        value: base.to_owned(),
+        reason: format!("not in the scene but in its base: {}", keys.join(", ")),
+    });
+    bases.chain(list).collect()
+}
+
+/// Whether Tab. 1 describes this gear (backlash and wheels may differ).
+fn is_the_papers(gear: &Gear) -> bool {
+    let paper = Scene::paper().gear;
+    gear.eccentricity_m == paper.eccentricity_m
+        && gear.external_sleeves == paper.external_sleeves
+        && gear.shortening == paper.shortening
+        && gear.external_sleeve_radius_m == paper.external_sleeve_radius_m
+        && gear.internal_sleeves == paper.internal_sleeves
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn keys(scene: Scene) -> Vec<String> {
+        let scene = scene.check().unwrap();
+        let list = assumptions(&scene).into_iter();
+        list.map(|assumption| assumption.key).collect()
+    }
+
+    #[test]
+    fn the_papers_gear_names_fig_3_mu_and_tab_2() {
+        let keys = keys(Scene::paper());
+        for key in [
+            "gear.internal_sleeve_radius_m",
+            "gear.hole_radius_m",
+            "gear.internal_circle_radius_m",
+            "contact.friction_coefficient",
+            "mass",
+        ] {
+            assert!(keys.iter().any(|k| k == key), "{key} missing in {keys:?}");
+        }
+    }
+
+    #[test]
+    fn a_base_is_one_entry() {
+        let scene = Scene::from_toml("base = \"forty-pins\"", "mine.toml", &[]).unwrap();
+        let list = assumptions(&scene);
+        assert_eq!(list.len(), 1);
+        assert_eq!(
+            (list[0].key.as_str(), list[0].value.as_str()),
+            ("base", "forty-pins")
+        );
+        assert!(list[0].reason.contains("gear.wheels"));
+    }
+}

@@ -1,0 +1,331 @@
+//! Every channel that a scene can ask for: names, numbers, what they are.
+//!
+//! A channel is asked for by the name of its column. A name ends in its unit and, where there are
+//! several of a kind, in a number (the sleeve's or the wheel's); a pair of wheel and sleeve begins
+//! with the wheel's. `*` stands for any characters.
+
+use crate::layout::{Layout, Sleeve};
+
+/// What one number of a pair of wheel and sleeve is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PairQuantity {
+    /// Sleeve radius less distance, m.
+    Penetration,
+    /// Rate of the penetration, m/s.
+    NormalVelocity,
+    /// Sliding along R90 n, m/s.
+    TangentialVelocity,
+    /// K of the law.
+    Stiffness,
+    /// The wheel's closest point, x, m.
+    PointX,
+    /// Its y, m.
+    PointY,
+    /// F_n, N.
+    NormalForce,
+    /// Friction on the sleeve along R90 n, N.
+    FrictionForce,
+}
+
+/// Which revolutes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Joint {
+    /// Input shaft on the housing.
+    Input,
+    /// Output shaft on the housing.
+    Output,
+    /// Wheel on its eccentric.
+    Eccentric,
+    /// External sleeve on its pin.
+    ExternalPin,
+    /// Internal sleeve on its pin.
+    InternalPin,
+}
+
+/// Which part of a joint's force on the body it carries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Length.
+    Magnitude,
+    /// Along x of the ground frame.
+    X,
+    /// Along y of the ground frame.
+    Y,
+    /// Away from the input shaft's axis.
+    Radial,
+    /// Radial turned by +90 degrees.
+    Tangential,
+}
+
+/// Numbers of the whole gearbox or of a wheel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Whole {
+    /// Output power over input power.
+    Efficiency,
+    /// Driver torque times speed, W.
+    InputPower,
+    /// Moment of the contacts on the output times its speed, W.
+    OutputPower,
+    /// Lost by damping, W.
+    DampingLoss,
+    /// Lost by sliding, W.
+    FrictionLoss,
+    /// Output angle less the ideal mesh's, arcmin.
+    TransmissionError,
+    /// A wheel's angle less the ideal mesh's, arcmin.
+    WheelTransmissionError,
+    /// External sleeves that press.
+    ExternalContacts,
+    /// Internal sleeves that press.
+    InternalContacts,
+}
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum What {
+    /// Of a pair of wheel and sleeve.
+    Pair(PairQuantity),
+    /// Of a revolute.
+    Joint(Joint, Part),
+    /// Of the gearbox or a wheel.
+    Whole(Whole),
+}
+
+/// What the `*` of a family stand for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Over {
+    One,
+    Wheels,
+    External,
+    Internal,
+    WheelsExternal,
+    WheelsInternal,
+}
+
+/// Channels that differ in their numbers only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Family {
+    /// Name with `*` for every number: at once the pattern that asks for all of them.
+    pub pattern: &'static str,
+    /// What it is, in words, with sign and frame.
+    pub about: &'static str,
+    over: Over,
+    what: What,
+}
+
+/// A column of a certain gearbox.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Chosen {
+    /// The column's name.
+    pub name: String,
+    /// What it holds.
+    pub what: What,
+    /// Wheel and sleeve of a pair.
+    pub pair: Option<(usize, Sleeve)>,
+    /// Number within the family, for what is no pair.
+    pub number: usize,
+}
+
+/// Columns every engine records, asked for or not.
+const CONTRACT: [(&str, Over); 6] = [
+    ("time_s", Over::One),
+    ("input_torque_n_m", Over::One),
+    ("output_torque_n_m", Over::One),
+    ("output_angle_rad", Over::One),
+    ("external_sleeve_force_n_*", Over::External),
+    ("internal_sleeve_force_n_*", Over::Internal),
+];
+
+macro_rules! families {
+    ($($pattern:literal $over:ident $what:expr, $about:literal;)*) => {
+        &[$(Family { pattern: $pattern, over: Over::$over, what: $what, about: $about }),*]
+    };
+}
+
+use {Joint as J, PairQuantity as P, Part as X, Whole as W};
+
+/// All families, in the order of the columns.
+pub const FAMILIES: &[Family] = families! {
+    "efficiency" One What::Whole(W::Efficiency), "output power over input power at the instant; 0 where the driver's power is not positive";
+    "input_power_w" One What::Whole(W::InputPower), "driver torque times the input's speed";
+    "output_power_w" One What::Whole(W::OutputPower), "moment of the contact forces on the output times its speed";
+    "damping_loss_w" One What::Whole(W::DampingLoss), "power lost by the damping of the normal forces";
+    "friction_loss_w" One What::Whole(W::FrictionLoss), "power lost by sliding";
+    "transmission_error_arcmin" One What::Whole(W::TransmissionError), "output angle less the ideal mesh's, counter-clockwise";
+    "wheel_transmission_error_arcmin_*" Wheels What::Whole(W::WheelTransmissionError), "wheel angle less the ideal mesh's, counter-clockwise";
+    "external_contact_ratio_*" Wheels What::Whole(W::ExternalContacts), "external sleeves that press on the wheel; the mean is the contact ratio";
+    "internal_contact_ratio_*" Wheels What::Whole(W::InternalContacts), "internal sleeves that press on the wheel; the mean is the contact ratio";
+    "input_bearing_force_n" One What::Joint(J::Input, X::Magnitude), "force of the housing on the input shaft";
+    "input_bearing_force_x_n" One What::Joint(J::Input, X::X), "its x, ground frame";
+    "input_bearing_force_y_n" One What::Joint(J::Input, X::Y), "its y, ground frame";
+    "output_bearing_force_n" One What::Joint(J::Output, X::Magnitude), "force of the housing on the output shaft";
+    "output_bearing_force_x_n" One What::Joint(J::Output, X::X), "its x, ground frame";
+    "output_bearing_force_y_n" One What::Joint(J::Output, X::Y), "its y, ground frame";
+    "eccentric_bearing_force_n_*" Wheels What::Joint(J::Eccentric, X::Magnitude), "force of the eccentric on the wheel";
+    "eccentric_bearing_force_x_n_*" Wheels What::Joint(J::Eccentric, X::X), "its x, ground frame";
+    "eccentric_bearing_force_y_n_*" Wheels What::Joint(J::Eccentric, X::Y), "its y, ground frame";
+    "eccentric_bearing_radial_force_n_*" Wheels What::Joint(J::Eccentric, X::Radial), "its part away from the input's axis";
+    "eccentric_bearing_tangential_force_n_*" Wheels What::Joint(J::Eccentric, X::Tangential), "its part counter-clockwise about the input's axis: times e, the torque this wheel takes";
+    "external_pin_force_n_*" External What::Joint(J::ExternalPin, X::Magnitude), "force of the housing's pin on the external sleeve";
+    "external_pin_force_x_n_*" External What::Joint(J::ExternalPin, X::X), "its x, ground frame";
+    "external_pin_force_y_n_*" External What::Joint(J::ExternalPin, X::Y), "its y, ground frame";
+    "internal_pin_force_n_*" Internal What::Joint(J::InternalPin, X::Magnitude), "force of the output shaft's pin on the internal sleeve";
+    "internal_pin_force_x_n_*" Internal What::Joint(J::InternalPin, X::X), "its x, ground frame";
+    "internal_pin_force_y_n_*" Internal What::Joint(J::InternalPin, X::Y), "its y, ground frame";
+    "wheel_*_external_penetration_m_*" WheelsExternal What::Pair(P::Penetration), "sleeve radius less the distance of its centre from the wheel; negative: the gap";
+    "wheel_*_external_normal_velocity_m_s_*" WheelsExternal What::Pair(P::NormalVelocity), "rate of the penetration";
+    "wheel_*_external_tangential_velocity_m_s_*" WheelsExternal What::Pair(P::TangentialVelocity), "sliding of the sleeve against the wheel at the contact point, along R90 n";
+    "wheel_*_external_stiffness_n_m15_*" WheelsExternal What::Pair(P::Stiffness), "K of the law at the contact point";
+    "wheel_*_external_contact_x_m_*" WheelsExternal What::Pair(P::PointX), "the wheel's point closest to the sleeve's centre, ground frame";
+    "wheel_*_external_contact_y_m_*" WheelsExternal What::Pair(P::PointY), "its y";
+    "wheel_*_external_normal_force_n_*" WheelsExternal What::Pair(P::NormalForce), "F_n";
+    "wheel_*_external_friction_force_n_*" WheelsExternal What::Pair(P::FrictionForce), "friction on the sleeve along R90 n";
+    "wheel_*_internal_penetration_m_*" WheelsInternal What::Pair(P::Penetration), "sleeve radius less the distance of its centre from the hole; negative: the gap";
+    "wheel_*_internal_normal_velocity_m_s_*" WheelsInternal What::Pair(P::NormalVelocity), "rate of the penetration";
+    "wheel_*_internal_tangential_velocity_m_s_*" WheelsInternal What::Pair(P::TangentialVelocity), "sliding of the sleeve against the wheel at the contact point, along R90 n";
+    "wheel_*_internal_stiffness_n_m15_*" WheelsInternal What::Pair(P::Stiffness), "K of the law";
+    "wheel_*_internal_contact_x_m_*" WheelsInternal What::Pair(P::PointX), "the hole's point closest to the sleeve's centre, ground frame";
+    "wheel_*_internal_contact_y_m_*" WheelsInternal What::Pair(P::PointY), "its y";
+    "wheel_*_internal_normal_force_n_*" WheelsInternal What::Pair(P::NormalForce), "F_n";
+    "wheel_*_internal_friction_force_n_*" WheelsInternal What::Pair(P::FrictionForce), "friction on the sleeve along R90 n";
+};
+
+impl Over {
+    /// Numbers that stand for the `*`, first slowest; `None` for a number that is not there.
+    fn numbers(self, layout: Layout) -> Vec<(Option<usize>, Option<usize>)> {
+        let alone = |count: usize| (0..count).map(|k| (None, Some(k))).collect();
+        let pairs = |count: usize| {
+            let wheels = 0..layout.wheels;
+            wheels
+                .flat_map(|w| (0..count).map(move |k| (Some(w), Some(k))))
+                .collect()
+        };
+        match self {
+            Self::One => vec![(None, None)],
+            Self::Wheels => alone(layout.wheels),
+            Self::External => alone(layout.external_sleeves),
+            Self::Internal => alone(layout.internal_sleeves),
+            Self::WheelsExternal => pairs(layout.external_sleeves),
+            Self::WheelsInternal => pairs(layout.internal_sleeves),
+        }
+    }
+}
+
+impl Family {
+    /// Its columns in a gearbox.
+    pub(crate) fn members(&self, layout: Layout) -> impl Iterator<Item = Chosen> {
+        let family = *self;
+        self.over.numbers(layout).into_iter().map(move |numbers| {
+            let (wheel, last) = numbers;
+            let number = last.unwrap_or(0);
+            let sleeve = if family.over == Over::WheelsInternal {
+                Sleeve::Internal(number)
+            } else {
+                Sleeve::External(number)
+            };
+            Chosen {
+                name: numbered(family.pattern, [wheel, last].into_iter().flatten()),
+                what: family.what,
+                pair: wheel.map(|wheel| (wheel, sleeve)),
+                number,
+            }
+        })
+    }
+}
+
+/// The pattern with numbers in place of its `*`.
+fn numbered(pattern: &str, numbers: impl Iterator<Item = usize>) -> String {
+    numbers.fold(pattern.to_owned(), |name, number| {
+        name.replacen('*', &number.to_string(), 1)
+    })
+}
+
+/// Whether one of the columns that every engine records fits.
+pub(crate) fn always_there(pattern: &str, layout: Layout) -> bool {
+    CONTRACT.iter().any(|(name, over)| {
+        let numbers = over.numbers(layout).into_iter();
+        numbers
+            .map(|(_, number)| numbered(name, number.into_iter()))
+            .any(|name| fits(pattern, &name))
+    })
+}
+
+/// Whether `name` fits `pattern`, in which `*` stands for any characters.
+///
+/// The usual walk with one place to fall back to: linear but for pathological patterns.
+pub(crate) fn fits(pattern: &str, name: &str) -> bool {
+    let (pattern, name) = (pattern.as_bytes(), name.as_bytes());
+    let (mut p, mut n) = (0, 0);
+    let mut star: Option<(usize, usize)> = None;
+    while n < name.len() {
+        match pattern.get(p) {
+            Some(b'*') => {
+                star = Some((p, n));
+                p += 1;
+            }
+            Some(c) if *c == name[n] => {
+                p += 1;
+                n += 1;
+            }
+            _ => match &mut star {
+                Some((at, from)) => {
+                    *from += 1;
+                    (p, n) = (*at + 1, *from);
+                }
+                None => return false,
+            },
+        }
+    }
+    pattern[p..].iter().all(|&c| c == b'*')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAYOUT: Layout = Layout {
+        wheels: 2,
+        external_sleeves: 11,
+        internal_sleeves: 3,
+    };
+
+    #[test]
+    fn patterns() {
+        for (pattern, name, wanted) in [
+            ("*", "", true),
+            ("*", "anything", true),
+            ("a*c", "abc", true),
+            ("a*c", "abcd", false),
+            ("a*b*c", "abbbc", true),
+            ("*_3", "wheel_0_x_13", false),
+            ("*_3", "wheel_0_x_3", true),
+            ("wheel_0*", "wheel_0_x", true),
+            ("", "a", false),
+        ] {
+            assert_eq!(fits(pattern, name), wanted, "{pattern} {name}");
+        }
+    }
+
+    /// Every family's pattern asks for exactly its own members, and no two columns share a name.
+    #[test]
+    fn a_family_is_its_pattern() {
+        let all: Vec<Chosen> = FAMILIES.iter().flat_map(|f| f.members(LAYOUT)).collect();
+        for family in FAMILIES {
+            let own: Vec<Chosen> = family.members(LAYOUT).collect();
+            let found = all.iter().filter(|c| fits(family.pattern, &c.name));
+            assert!(found.eq(own.iter()), "{}", family.pattern);
+            assert!(!own.is_empty() && own.iter().all(|c| !c.name.contains('*')));
+        }
+        let mut names: Vec<&str> = all.iter().map(|c| c.name.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), all.len());
+    }
+
+    #[test]
+    fn contract_columns_are_known() {
+        assert!(always_there("output_*", LAYOUT));
+        assert!(always_there("external_sleeve_force_n_10", LAYOUT));
+        assert!(!always_there("external_sleeve_force_n_11", LAYOUT));
+    }
+}

@@ -1,0 +1,163 @@
+//! From the patterns of a scene to the columns they ask for.
+
+use super::catalogue::{Chosen, FAMILIES, always_there, fits};
+use crate::layout::Layout;
+use crate::nearest;
+
+/// Entries of `output.channels` at most.
+pub(crate) const MOST_PATTERNS: usize = 200;
+/// Characters of one entry at most; the longest name has about 50.
+const LONGEST: usize = 80;
+
+/// A pattern that asks for nothing: what is wrong with it and what was meant.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Unknown {
+    pub(crate) pattern: String,
+    pub(crate) what: String,
+    pub(crate) remedy: String,
+}
+
+/// The columns asked for, each once, in the order of the catalogue.
+///
+/// # Errors
+/// The first pattern that nothing fits.
+pub(crate) fn select(patterns: &[String], layout: Layout) -> Result<Vec<Chosen>, Unknown> {
+    if patterns.is_empty() {
+        return Ok(Vec::new());
+    }
+    let too_long = patterns.iter().find(|pattern| pattern.len() > LONGEST);
+    if patterns.len() > MOST_PATTERNS || too_long.is_some() {
+        return Err(Unknown {
+            pattern: too_long
+                .map_or_else(String::new, |pattern| pattern.chars().take(40).collect()),
+            what: format!(
+                "has more than {MOST_PATTERNS} entries, or one of more than {LONGEST} characters"
+            ),
+            remedy: "use `*` for any characters: \"wheel_0_external_*\"".to_owned(),
+        });
+    }
+    let mut used = vec![false; patterns.len()];
+    let mut chosen = Vec::new();
+    for member in FAMILIES.iter().flat_map(|family| family.members(layout)) {
+        let mut wanted = false;
+        for (pattern, used) in patterns.iter().zip(&mut used) {
+            if fits(pattern.trim(), &member.name) {
+                (*used, wanted) = (true, true);
+            }
+        }
+        if wanted {
+            chosen.push(member);
+        }
+    }
+    let unused = patterns
+        .iter()
+        .zip(used)
+        .find(|(pattern, used)| !used && !always_there(pattern.trim(), layout));
+    match unused {
+        Some((pattern, _)) => Err(unknown(pattern.trim(), layout)),
+        None => Ok(chosen),
+    }
+}
+
+/// What may have been meant: numbers out of range, then the nearest family.
+fn unknown(typed: &str, layout: Layout) -> Unknown {
+    let numeric =
+        |part: &str| part == "*" || (!part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()));
+    let parts: Vec<&str> = typed.split('_').collect();
+    let numbers: Vec<&str> = parts.iter().copied().filter(|part| numeric(part)).collect();
+    let general: Vec<&str> = parts
+        .iter()
+        .map(|part| if numeric(part) { "*" } else { part })
+        .collect();
+    let general = general.join("_");
+    if FAMILIES.iter().any(|family| family.pattern == general)
+        || general.ends_with("_sleeve_force_n_*")
+    {
+        let last = |count: usize| count.saturating_sub(1);
+        return Unknown {
+            pattern: typed.to_owned(),
+            what: format!("has no `{typed}`: no such wheel or sleeve"),
+            remedy: format!(
+                "wheels are 0 to {}, external sleeves 0 to {}, internal sleeves 0 to {}",
+                last(layout.wheels),
+                last(layout.external_sleeves),
+                last(layout.internal_sleeves)
+            ),
+        };
+    }
+    let remedy = match nearest(&general, FAMILIES.iter().map(|family| family.pattern)) {
+        Some(near) => {
+            let mut name = near.to_owned();
+            if near.matches('*').count() == numbers.len() {
+                for number in numbers {
+                    // A `*` that stays would be found again: mark it.
+                    name = name.replacen('*', if number == "*" { "\0" } else { number }, 1);
+                }
+            }
+            format!("did you mean `{}`?", name.replace('\0', "*"))
+        }
+        None => "`pinwheel explain SCENE --json` lists them under channels_available; for example \
+             \"wheel_0_external_penetration_m_3\" or \"wheel_0_external_*\""
+            .to_owned(),
+    };
+    Unknown {
+        pattern: typed.to_owned(),
+        what: format!("has no `{typed}`"),
+        remedy,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAYOUT: Layout = Layout {
+        wheels: 2,
+        external_sleeves: 16,
+        internal_sleeves: 8,
+    };
+
+    fn names(patterns: &[&str]) -> Vec<String> {
+        let patterns: Vec<String> = patterns.iter().map(|&p| p.to_owned()).collect();
+        let chosen = select(&patterns, LAYOUT).unwrap();
+        chosen.into_iter().map(|c| c.name).collect()
+    }
+
+    fn remedy(pattern: &str) -> String {
+        select(&[pattern.to_owned()], LAYOUT).unwrap_err().remedy
+    }
+
+    #[test]
+    fn asks_for_columns_by_name_and_pattern() {
+        assert!(names(&[]).is_empty());
+        assert_eq!(
+            names(&["wheel_1_internal_stiffness_n_m15_7", "efficiency", "eff*"]),
+            ["efficiency", "wheel_1_internal_stiffness_n_m15_7"]
+        );
+        assert_eq!(names(&["wheel_*_external_penetration_m_3"]).len(), 2);
+        // Recorded anyway.
+        assert!(names(&["input_torque_n_m"]).is_empty());
+        // The whole, wheels, shafts' bearings, eccentrics', pins, pairs.
+        let all = 6 + 2 * 3 + 2 * 3 + 2 * 5 + 24 * 3 + 2 * 24 * 8;
+        assert_eq!(names(&["*"]).len(), all);
+    }
+
+    #[test]
+    fn says_what_was_meant() {
+        assert_eq!(
+            remedy("wheel_0_external_penetraton_m_3"),
+            "did you mean `wheel_0_external_penetration_m_3`?"
+        );
+        assert_eq!(
+            remedy("wheel_*_internal_stifness_n_m15_2"),
+            "did you mean `wheel_*_internal_stiffness_n_m15_2`?"
+        );
+        assert_eq!(remedy("eficiency"), "did you mean `efficiency`?");
+        assert!(remedy("wheel_2_external_penetration_m_3").contains("wheels are 0 to 1"));
+        assert!(remedy("external_sleeve_force_n_16").contains("external sleeves 0 to 15"));
+        assert!(remedy("").contains("pinwheel explain"));
+        assert!(remedy(&"x".repeat(1000)).contains('*'));
+        let many = vec!["*".to_owned(); MOST_PATTERNS + 1];
+        assert!(select(&many, LAYOUT).is_err());
+    }
+}

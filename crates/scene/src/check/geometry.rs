@@ -1,0 +1,373 @@
+//! Whether the parts fit together: profile, sleeves, holes.
+
+use std::f64::consts::{PI, TAU};
+
+use super::super::error::Fault;
+use super::super::model::Gear;
+use super::super::profile::Profile;
+use super::number::{above, below, short};
+
+/// Relative slack for values that meet exactly in decimal but not in binary (6 + 2.8 = 8.8 mm).
+const ROUNDING: f64 = 1e-12;
+
+/// Checks a gear whose single values are in range.
+pub(super) fn check(gear: &Gear) -> Result<(), Fault> {
+    profile(gear)?;
+    external_sleeves(gear)?;
+    backlash(gear)?;
+    internal_sleeves(gear)?;
+    holes_inside_the_wheel(gear)
+}
+
+/// Half the distance of neighbouring external sleeves' centres, m.
+fn half_pitch(gear: &Gear) -> f64 {
+    (gear.pitch_radius_m() + gear.backlash_m) * (PI / gear.external_sleeves as f64).sin()
+}
+
+/// Neighbouring external sleeves must not touch on their circle of radius R + d.
+fn external_sleeves(gear: &Gear) -> Result<(), Fault> {
+    let q = gear.external_sleeve_radius_m;
+    let half_pitch = half_pitch(gear);
+    if q >= half_pitch {
+        return Err(Fault::new(
+            &[
+                "gear.external_sleeve_radius_m",
+                "gear.external_sleeves",
+                "gear.eccentricity_m",
+                "gear.shortening",
+            ],
+            format!(
+                "is {} m, so that neighbouring external sleeves overlap: {} of them on a circle of {} m leave {} m each",
+                short(q),
+                gear.external_sleeves,
+                short(gear.pitch_radius_m() + gear.backlash_m),
+                short(half_pitch)
+            ),
+            format!(
+                "make it smaller than {} m, or the pitch circle e zk/m larger",
+                below(half_pitch)
+            ),
+        ));
+    }
+    Ok(())
+}
+
+/// The wheel's edge, the inward offset of C by q, must not fold (undercut).
+///
+/// Nor can it then cross itself elsewhere: with q below the smallest convex radius and sleeves that do not
+/// overlap, no two flanks come within 2 q (measured for zk from 3 up; a property test holds it).
+fn profile(gear: &Gear) -> Result<(), Fault> {
+    let q = gear.external_sleeve_radius_m;
+    let curve = Profile::of(gear);
+    let keys = [
+        "gear.external_sleeve_radius_m",
+        "gear.shortening",
+        "gear.eccentricity_m",
+        "gear.external_sleeves",
+    ];
+    let smallest = curve.smallest_convex_radius();
+    let most = smallest.min(half_pitch(gear));
+    // kappa <= 0 everywhere cannot happen on a closed curve, so `smallest` is positive.
+    if q >= smallest {
+        return Err(Fault::new(
+            &keys,
+            format!(
+                "is {} m, so that the wheel profile is undercut: the sleeve centre's path bends with a radius of {} m",
+                short(q),
+                short(smallest)
+            ),
+            format!(
+                "make it smaller than {} m, or e zk/m larger, or the shortening smaller",
+                below(most)
+            ),
+        ));
+    }
+    Ok(())
+}
+
+/// Lobes reach 2 e between the sleeves; a backlash of half of e already leaves a quarter of that unused.
+fn backlash(gear: &Gear) -> Result<(), Fault> {
+    let most = 0.5 * gear.eccentricity_m.min(gear.external_sleeve_radius_m);
+    if gear.backlash_m > most {
+        return Err(Fault::new(
+            &["gear.backlash_m"],
+            format!(
+                "is {} m, more than half of the eccentricity or of the external sleeve radius: the lobes would hardly reach the sleeves",
+                short(gear.backlash_m)
+            ),
+            format!(
+                "give at most {} m (the paper's largest is 0.0006)",
+                below(most)
+            ),
+        ));
+    }
+    Ok(())
+}
+
+/// Sleeves in their holes, holes beside each other.
+///
+/// Sleeves that overlap need no check of their own: each is smaller than its hole.
+fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
+    let (sleeve, hole) = (gear.internal_sleeve_radius_m, gear.hole_radius_m);
+    let circle = gear.internal_circle_radius_m;
+    if sleeve >= hole {
+        return Err(Fault::new(
+            &["gear.internal_sleeve_radius_m", "gear.hole_radius_m"],
+            format!(
+                "is {} m, larger than its hole of {} m",
+                short(sleeve),
+                short(hole)
+            ),
+            format!(
+                "make the sleeve smaller or gear.hole_radius_m at least sleeve + eccentricity = {} m",
+                above(sleeve + gear.eccentricity_m)
+            ),
+        ));
+    }
+    let least = sleeve + gear.eccentricity_m;
+    if hole < least * (1.0 - ROUNDING) {
+        return Err(Fault::new(
+            &[
+                "gear.hole_radius_m",
+                "gear.internal_sleeve_radius_m",
+                "gear.eccentricity_m",
+            ],
+            format!(
+                "is {} m, smaller than internal sleeve + eccentricity = {} m: the wheel could not orbit",
+                short(hole),
+                short(least)
+            ),
+            format!(
+                "give {} m or more (exactly that much leaves no clearance)",
+                above(least)
+            ),
+        ));
+    }
+    let half_pitch = circle * (PI / gear.internal_sleeves as f64).sin();
+    if hole >= half_pitch {
+        return Err(Fault::new(
+            &[
+                "gear.hole_radius_m",
+                "gear.internal_sleeves",
+                "gear.internal_circle_radius_m",
+            ],
+            format!(
+                "is {} m, so that neighbouring holes overlap: {} of them on a circle of {} m leave {} m each",
+                short(hole),
+                gear.internal_sleeves,
+                short(circle),
+                short(half_pitch)
+            ),
+            format!(
+                "make the holes smaller than {} m, fewer, or their circle larger",
+                below(half_pitch)
+            ),
+        ));
+    }
+    if hole >= circle {
+        return Err(Fault::new(
+            &["gear.hole_radius_m", "gear.internal_circle_radius_m"],
+            format!(
+                "is {} m, so that the holes on a circle of {} m reach the wheel's centre",
+                short(hole),
+                short(circle)
+            ),
+            "make the holes smaller or their circle larger",
+        ));
+    }
+    Ok(())
+}
+
+/// Every hole must lie inside the profile: its centre farther from C than hole radius + q.
+///
+/// A hole that stays inside the circle through the pits is inside whatever its angle. Otherwise
+/// each hole of each wheel is measured where it stands between lobe and pit.
+fn holes_inside_the_wheel(gear: &Gear) -> Result<(), Fault> {
+    let curve = Profile::of(gear);
+    let (circle, hole) = (gear.internal_circle_radius_m, gear.hole_radius_m);
+    if circle + hole < curve.pit_radius() {
+        return Ok(());
+    }
+    let needed = hole + gear.external_sleeve_radius_m;
+    let leaves = |free: f64| {
+        Fault::new(
+            &["gear.hole_radius_m", "gear.internal_circle_radius_m"],
+            format!(
+                "is {} m, so that holes on a circle of {} m leave the wheel: its edge is {} m from a hole's centre",
+                short(hole),
+                short(circle),
+                short(free.max(0.0))
+            ),
+            format!(
+                "make gear.hole_radius_m smaller or gear.internal_circle_radius_m at most {} m",
+                below((curve.pit_radius() - hole).max(0.0))
+            ),
+        )
+    };
+    // Outside C altogether: the distance alone would not tell.
+    if circle >= gear.pitch_radius_m() + gear.eccentricity_m {
+        return Err(leaves(0.0));
+    }
+    let pitch = TAU / curve.lobes();
+    for wheel in 0..gear.wheels {
+        let phase = TAU * wheel as f64 / gear.wheels as f64;
+        let turned = (PI - phase) / curve.lobes();
+        for k in 0..gear.internal_sleeves {
+            let angle = TAU * k as f64 / gear.internal_sleeves as f64 - turned;
+            // All lobes are alike: only the place between two of them counts.
+            let angle = angle.rem_euclid(pitch);
+            let centre = [circle * angle.cos(), circle * angle.sin()];
+            // The nearest part of C lies within a lobe's pitch on either side, or half a turn for very few lobes.
+            let free = curve.distance(centre, angle, pitch.min(PI), 96);
+            let [x, y] = curve.point(parameter_at(&curve, angle));
+            if free <= needed || x.hypot(y) <= circle {
+                return Err(leaves(free - gear.external_sleeve_radius_m));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The parameter a at which C(a) has the polar angle `angle`, by fixed-point iteration with half steps:
+/// the polar angle grows with a at a rate between (1 - m)/(1 - m/zk) > 0 and (1 + m)/(1 + m/zk) < 2.
+fn parameter_at(curve: &Profile, angle: f64) -> f64 {
+    let mut a = angle;
+    for _ in 0..60 {
+        let [x, y] = curve.point(a);
+        let error = (y.atan2(x) - angle + PI).rem_euclid(TAU) - PI;
+        a -= 0.5 * error;
+    }
+    a
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::Scene;
+
+    /// Points of the profile, and the polar angle of hole k of wheel i in the wheel's frame.
+    fn hole_angles(gear: &Gear) -> Vec<f64> {
+        let zs = gear.lobes() as f64;
+        (0..gear.wheels)
+            .flat_map(|i| {
+                let phase = TAU * i as f64 / gear.wheels as f64;
+                (0..gear.internal_sleeves)
+                    .map(move |k| TAU * k as f64 / gear.internal_sleeves as f64 - (PI - phase) / zs)
+            })
+            .collect()
+    }
+
+    /// Smallest distance of a hole's centre from the profile by brute force, m; negative outside it.
+    fn room(gear: &Gear) -> f64 {
+        let curve = Profile::of(gear);
+        let edge: Vec<[f64; 2]> = (0..20_000)
+            .map(|i| curve.offset_point(TAU * f64::from(i) / 20_000.0))
+            .collect();
+        let circle = gear.internal_circle_radius_m;
+        let mut least = f64::INFINITY;
+        for angle in hole_angles(gear) {
+            let centre = [circle * angle.cos(), circle * angle.sin()];
+            // Crossings of a ray from the centre outwards: odd inside.
+            let mut inside = false;
+            for (i, p) in edge.iter().enumerate() {
+                let q = edge[(i + 1) % edge.len()];
+                if (p[1] > centre[1]) != (q[1] > centre[1]) {
+                    let x = p[0] + (centre[1] - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
+                    inside ^= x > centre[0];
+                }
+                let distance = (p[0] - centre[0]).hypot(p[1] - centre[1]);
+                least = least.min(distance);
+            }
+            if !inside {
+                return -1.0;
+            }
+        }
+        least
+    }
+
+    fn gear(zk: usize, zi: usize, wheels: usize, m: f64, q: f64, circle: f64) -> Gear {
+        let radius = 0.1;
+        let half_pitch = radius * (PI / zk as f64).sin();
+        let mut gear = Gear {
+            eccentricity_m: m * radius / zk as f64,
+            external_sleeves: zk,
+            shortening: m,
+            internal_sleeves: zi,
+            internal_circle_radius_m: circle * radius,
+            wheels,
+            ..Scene::paper().gear
+        };
+        gear.external_sleeve_radius_m =
+            q * half_pitch.min(Profile::of(&gear).smallest_convex_radius());
+        gear
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// Accepted holes lie inside by brute force, refused ones do not.
+        #[test]
+        fn holes_agree_with_brute_force(
+            zk in 3..25_usize, zi in 3..9_usize, wheels in 1..4_usize,
+            m in 0.2..0.95_f64, q in 0.2..0.9_f64, circle in 0.3..1.2_f64, share in 0.7..1.3_f64,
+        ) {
+            let mut gear = gear(zk, zi, wheels, m, q, circle);
+            let room = room(&gear);
+            gear.hole_radius_m = share * room.abs().min(0.1);
+            let accepted = holes_inside_the_wheel(&gear).is_ok();
+            // The brute force sees points up to 0.03 mm apart: 1e-3 of a hole at most.
+            if room > 0.0 && share < 0.999 {
+                prop_assert!(accepted, "room {room}");
+            }
+            if room < 0.0 || share > 1.001 {
+                prop_assert!(!accepted, "room {room}");
+            }
+        }
+
+        /// No part of an accepted profile comes nearer to C than q: it neither folds nor crosses.
+        #[test]
+        fn accepted_profiles_do_not_cross(zk in 3..30_usize, m in 0.01..0.999_f64, q in 0.01..1.2_f64) {
+            let gear = gear(zk, 8, 1, m, q, 0.5);
+            let curve = Profile::of(&gear);
+            let accepted = external_sleeves(&gear).is_ok() && profile(&gear).is_ok();
+            prop_assert_eq!(accepted, q < 1.0);
+            let q = gear.external_sleeve_radius_m;
+            let nearest = (0..40)
+                .map(|i| {
+                    let a = PI / curve.lobes() * f64::from(i) / 39.0;
+                    curve.distance(curve.offset_point(a), a, PI, 100 * zk)
+                })
+                .fold(f64::INFINITY, f64::min);
+            if accepted {
+                prop_assert!(nearest > q * (1.0 - 1e-6), "{nearest} {q}");
+            }
+        }
+    }
+
+    /// A hole beyond the circle of the pits is fine where a lobe covers it, and not where a pit is.
+    #[test]
+    fn holes_are_measured_where_they_stand() {
+        // Eight lobes, eight holes: those of wheel 1 stand in the pits' directions.
+        let mut gear = gear(9, 8, 1, 0.7, 0.5, 0.6);
+        let pit = Profile::of(&gear).pit_radius();
+        gear.hole_radius_m = 0.01;
+        gear.internal_circle_radius_m = pit - 0.0101;
+        assert!(holes_inside_the_wheel(&gear).is_ok());
+        gear.internal_circle_radius_m = pit - 0.0099;
+        assert!(holes_inside_the_wheel(&gear).is_err());
+        // The same holes on a curve turned by half a lobe's pitch would be covered by lobes.
+        let lobe = Profile::of(&gear);
+        let circle = gear.internal_circle_radius_m;
+        let at = |angle: f64| {
+            lobe.distance(
+                [circle * angle.cos(), circle * angle.sin()],
+                angle,
+                0.7,
+                200,
+            )
+        };
+        assert!(at(0.0) > at(PI / 8.0) + 1e-3);
+    }
+}

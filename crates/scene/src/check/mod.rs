@@ -1,0 +1,45 @@
+//! Checks of a scene's values: each alone, then together.
+//!
+//! Order matters: geometry is only computed from numbers that are finite and within bounds, and
+//! nothing here allocates in proportion to a value of the scene.
+
+mod budget;
+mod combinations;
+mod geometry;
+mod load;
+mod number;
+mod output;
+mod ranges;
+mod units;
+
+use toml::Table;
+
+use crate::error::Fault;
+use crate::model::{Gear, Scene};
+
+/// Refuses a scene that cannot be run or makes no sense.
+///
+/// # Errors
+/// The first fault found.
+pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
+    let table = Table::try_from(scene).map_err(|error| {
+        Fault::new(
+            &["scene"],
+            format!("cannot be written: {error}"),
+            "change it",
+        )
+    })?;
+    ranges::check(&table)?;
+    combinations::check(scene)?;
+    load::check(scene)?;
+    gear(&scene.gear)?;
+    budget::check(scene)
+}
+
+/// Whether a gear whose single values are in range can be built.
+pub(crate) fn gear(gear: &Gear) -> Result<(), Fault> {
+    geometry::check(gear).map_err(|fault| units::guess(gear, fault))
+}
+
+pub(crate) use number::short;
+pub(crate) use ranges::check as ranges;

@@ -1,0 +1,94 @@
+//! Every single value against its row of [`crate::keys`].
+
+use std::borrow::Cow;
+
+use toml::{Table, Value};
+
+use super::number::short;
+use crate::error::{Fault, one_line, quoted};
+use crate::fill::lookup;
+use crate::keys::{KEYS, Key, Kind, Range};
+use crate::suggest::did_you_mean;
+
+/// Checks the values there are; what is missing is none of its business.
+pub(crate) fn check(table: &Table) -> Result<(), Fault> {
+    for row in KEYS {
+        if let Some(value) = lookup(table, row.name) {
+            one(row, row.name.into(), value)?;
+        }
+    }
+    Ok(())
+}
+
+fn one(row: &Key, key: Cow<'static, str>, value: &Value) -> Result<(), Fault> {
+    let fault = |what: String, remedy: String| Fault {
+        keys: vec![key.clone()],
+        what,
+        remedy,
+    };
+    match (row.kind, value) {
+        (Kind::Number(range), Value::Float(number)) if !range.holds(*number) => {
+            let unit = match row.unit() {
+                "" => String::new(),
+                unit => format!(" {unit}"),
+            };
+            let what = format!(
+                "is {}{unit}, but must be {}{unit}",
+                short(*number),
+                range.words()
+            );
+            Err(fault(what, thousandth(row, range, *number)))
+        }
+        (Kind::Count(low, high), Value::Integer(whole)) => {
+            let inside = usize::try_from(*whole).is_ok_and(|whole| (low..=high).contains(&whole));
+            if inside {
+                return Ok(());
+            }
+            let what = format!("is {whole}, but must be from {low} to {high}");
+            Err(fault(what, row.hint.to_owned()))
+        }
+        (Kind::Choice(what, names), Value::String(typed)) => {
+            let names = names();
+            if names.contains(&typed.as_str()) {
+                return Ok(());
+            }
+            let what = format!("is {}, which is no {what}", quoted(typed));
+            Err(fault(what, did_you_mean(typed, &names)))
+        }
+        (Kind::Text, Value::String(text)) if row.name == "name" => {
+            let fits = !text.trim().is_empty()
+                && text.chars().count() <= 100
+                && !text.chars().any(char::is_control);
+            if fits {
+                return Ok(());
+            }
+            let what = format!("is {}, which names no report", quoted(&one_line(text)));
+            Err(fault(what, row.hint.to_owned()))
+        }
+        (Kind::Tables(rows), Value::Array(list)) => {
+            for (number, entry) in list.iter().enumerate() {
+                for inner in rows {
+                    if let Some(value) = entry.get(inner.name) {
+                        let full = format!("{key}[{number}].{}", inner.name);
+                        let whole = |mut fault: Fault| {
+                            fault.keys.push(key.clone());
+                            fault
+                        };
+                        one(inner, full.into(), value).map_err(whole)?;
+                    }
+                }
+            }
+            Ok(())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The row's hint, with what was meant where a thousandth would do: a length in millimetres.
+fn thousandth(row: &Key, range: Range, number: f64) -> String {
+    if row.unit() == "m" && number > 0.0 && range.holds(1e-3 * number) {
+        format!("did you mean {}? {}", short(1e-3 * number), row.hint)
+    } else {
+        row.hint.to_owned()
+    }
+}

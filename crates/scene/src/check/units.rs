@@ -1,0 +1,64 @@
+//! A gear that cannot be built because one length, or all, were typed in millimetres.
+
+use super::geometry;
+use super::number::short;
+use crate::error::Fault;
+use crate::model::Gear;
+
+type Length = (&'static str, fn(&mut Gear) -> &mut f64);
+
+/// Lengths one may mistype.
+const LENGTHS: [Length; 6] = [
+    ("gear.eccentricity_m", |gear| &mut gear.eccentricity_m),
+    ("gear.external_sleeve_radius_m", |gear| {
+        &mut gear.external_sleeve_radius_m
+    }),
+    ("gear.internal_sleeve_radius_m", |gear| {
+        &mut gear.internal_sleeve_radius_m
+    }),
+    ("gear.internal_circle_radius_m", |gear| {
+        &mut gear.internal_circle_radius_m
+    }),
+    ("gear.hole_radius_m", |gear| &mut gear.hole_radius_m),
+    ("gear.backlash_m", |gear| &mut gear.backlash_m),
+];
+
+/// A length smaller than this share of the gear is none that anybody builds.
+const PLAUSIBLE: f64 = 0.005;
+
+/// The fault, or where a thousandth of one length makes a gear that can be built, that length.
+pub(super) fn guess(gear: &Gear, fault: Fault) -> Fault {
+    for (key, length) in LENGTHS {
+        let mut meant = gear.clone();
+        let value = length(&mut meant);
+        let typed = *value;
+        *value *= 1e-3;
+        let value = *value;
+        // A thousandth that is too small beside the rest was not meant.
+        let largest = meant
+            .internal_circle_radius_m
+            .max(meant.external_sleeve_radius_m);
+        if value < PLAUSIBLE * largest {
+            continue;
+        }
+        // A hole that followed from the wrong length follows from the right one.
+        let follows = gear.internal_sleeve_radius_m + gear.eccentricity_m;
+        if (gear.hole_radius_m / follows - 1.0).abs() < 1e-9 {
+            meant.hole_radius_m = meant.internal_sleeve_radius_m + meant.eccentricity_m;
+        }
+        // A shortening that followed from R would be another too; then R stays.
+        let mut same_circle = meant.clone();
+        same_circle.shortening *= 1e-3;
+        if geometry::check(&meant).is_ok() || geometry::check(&same_circle).is_ok() {
+            return Fault::new(
+                &[key],
+                format!("is {} m, and no gear can be built with it", short(typed)),
+                format!(
+                    "did you mean {}? lengths are in metres",
+                    short(1e-3 * typed)
+                ),
+            );
+        }
+    }
+    fault
+}

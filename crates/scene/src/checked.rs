@@ -1,0 +1,149 @@
+//! The only door to building and running: a scene whose values were checked.
+
+use std::ops::Deref;
+use std::sync::Arc;
+
+use serde::{Serialize, Serializer};
+use toml::{Table, Value};
+
+use crate::check;
+use crate::error::Fault;
+use crate::fill::lookup;
+use crate::model::Scene;
+
+/// A scene that passed [`Scene::check`]. It reads like the [`Scene`] inside and cannot be changed but through
+/// [`changed`](Self::changed), which checks again.
+///
+/// ```
+/// use pinwheel_scene::Scene;
+///
+/// let paper = Scene::load("paper", &[])?;
+/// let loose = paper.changed(|scene| scene.gear.backlash_m = 6e-4)?;
+/// assert_eq!(loose.gear.backlash_m, 6e-4);
+/// assert!(paper.changed(|scene| scene.solver.step_s = 0.0).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct CheckedScene {
+    scene: Scene,
+    origins: Arc<[Origin]>,
+}
+
+/// A value that the file itself does not write.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Origin {
+    /// The key.
+    pub key: &'static str,
+    /// Its value.
+    pub value: Value,
+    /// Where it comes from.
+    pub source: Source,
+}
+
+/// Where a value comes from that the file itself does not write.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Source {
+    /// From the scene that the file names as its base.
+    Base(String),
+    /// A usual value, and why.
+    Usual(&'static str),
+    /// By this formula.
+    Formula(&'static str),
+}
+
+impl Source {
+    /// In words, `from the base paper`.
+    #[must_use]
+    pub fn words(&self) -> String {
+        match self {
+            Self::Base(base) => format!("from the base {base}"),
+            Self::Usual(why) => (*why).to_owned(),
+            Self::Formula(formula) => (*formula).to_owned(),
+        }
+    }
+}
+
+/// Scenes are the same whatever their values come from.
+impl PartialEq for CheckedScene {
+    fn eq(&self, other: &Self) -> bool {
+        self.scene == other.scene
+    }
+}
+
+impl Serialize for CheckedScene {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.scene.serialize(serializer)
+    }
+}
+
+impl Scene {
+    /// Checks every value, each alone and then together.
+    ///
+    /// # Errors
+    /// The first fault found: its keys, what is wrong and the remedy.
+    pub fn check(self) -> Result<CheckedScene, Fault> {
+        check::check(&self)?;
+        Ok(CheckedScene {
+            scene: self,
+            origins: Arc::default(),
+        })
+    }
+}
+
+impl CheckedScene {
+    /// A copy with changes, checked again.
+    ///
+    /// # Errors
+    /// As [`Scene::check`].
+    pub fn changed(&self, change: impl FnOnce(&mut Scene)) -> Result<Self, Fault> {
+        let mut scene = self.scene.clone();
+        change(&mut scene);
+        let mut changed = scene.check()?;
+        changed.origins = Arc::clone(&self.origins);
+        Ok(changed)
+    }
+
+    pub(crate) fn with_origins(mut self, origins: Vec<Origin>) -> Self {
+        self.origins = origins.into();
+        self
+    }
+
+    /// The values that the scene's file does not write, in the order of [`crate::KEYS`], with what stands behind
+    /// each; without those that a change has replaced since.
+    #[must_use]
+    pub fn origins(&self) -> Vec<&Origin> {
+        let now = Table::try_from(&self.scene).unwrap_or_default();
+        let holds = |origin: &&Origin| lookup(&now, origin.key) == Some(&origin.value);
+        self.origins.iter().filter(holds).collect()
+    }
+
+    /// The scene alone, free to be changed.
+    #[must_use]
+    pub fn into_scene(self) -> Scene {
+        self.scene
+    }
+
+    /// Lets a scene pass that the checks refuse. For studies of published models only, whose point is a value that
+    /// no sound scene has (negative damping); whoever calls it answers for the end of the run.
+    #[must_use]
+    pub fn unchecked_for_published_study(scene: Scene) -> Self {
+        Self {
+            scene,
+            origins: Arc::default(),
+        }
+    }
+}
+
+impl Deref for CheckedScene {
+    type Target = Scene;
+
+    fn deref(&self) -> &Scene {
+        &self.scene
+    }
+}
+
+impl AsRef<Scene> for CheckedScene {
+    fn as_ref(&self) -> &Scene {
+        &self.scene
+    }
+}

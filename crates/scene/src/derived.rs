@@ -1,0 +1,133 @@
+//! What follows from a scene by closed forms: sizes, curvatures, frequencies, expected loads.
+
+use std::f64::consts::TAU;
+
+use serde::Serialize;
+
+use super::model::Scene;
+use super::profile::Profile;
+use crate::{load_course, scales};
+
+/// Figures that follow from a checked scene without a run. SI units.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Derived {
+    /// R = e zk/m, m.
+    pub pitch_radius_m: f64,
+    /// zs.
+    pub lobes: usize,
+    /// Input turns per output turn; they turn against each other.
+    pub ratio: usize,
+    /// Radius of curvature of the profile at a lobe's tip, m.
+    pub tip_curvature_radius_m: f64,
+    /// Radius of curvature of the profile in a pit, m; negative where the profile is concave.
+    pub pit_curvature_radius_m: f64,
+    /// Smallest convex radius of the sleeve centre's path, m; a larger sleeve undercuts the wheel.
+    pub smallest_convex_radius_m: f64,
+    /// Largest and smallest distance of the profile from the wheel centre, m.
+    pub profile_radii_m: [f64; 2],
+    /// Play of a sleeve in its hole beyond the orbit: hole - sleeve - e, m.
+    pub hole_clearance_m: f64,
+    /// How far a wheel turns freely to one side because of the backlash, rad:
+    /// d sqrt(1 - m^2)/(e zs).
+    pub free_play_rad: f64,
+    /// Driver torque if no energy is lost or created: load/zs, N m; of a load that changes the last one.
+    pub ideal_input_torque_n_m: f64,
+    /// Largest force of an external sleeve on a wheel, rigid and without clearance, N:
+    /// about 4 T/(e zs zk) with T the largest load on one wheel.
+    pub external_force_estimate_n: f64,
+    /// The same for an internal sleeve: 4 T/(zi Rw), N.
+    pub internal_force_estimate_n: f64,
+    /// Frequencies at which a course may oscillate.
+    pub frequencies: Vec<Frequency>,
+    /// Whether the wheels' mesh ripples at the external sleeves coincide.
+    pub external_ripple_in_phase: bool,
+    /// Whether the wheels' ripples at the internal sleeves coincide.
+    pub internal_ripple_in_phase: bool,
+}
+
+/// One predicted frequency.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Frequency {
+    /// What happens that often.
+    pub what: &'static str,
+    /// Multiple of the input frequency.
+    pub order: f64,
+    /// Hz.
+    pub hertz: f64,
+}
+
+/// Derives the closed-form figures of a scene that passed [`check`](super::check).
+#[must_use]
+pub fn derived(scene: &Scene) -> Derived {
+    let gear = &scene.gear;
+    let curve = Profile::of(gear);
+    let (e, q) = (gear.eccentricity_m, gear.external_sleeve_radius_m);
+    let (zk, zs) = (gear.external_sleeves as f64, gear.lobes() as f64);
+    let zi = gear.internal_sleeves as f64;
+    let wheel_torque = load_course::largest(&scene.drive) / gear.wheels as f64;
+    let input_hertz = scene.drive.input_speed_rad_s.abs() / TAU;
+    let frequency = |what, order: f64| Frequency {
+        what,
+        order,
+        hertz: order * input_hertz,
+    };
+    Derived {
+        pitch_radius_m: gear.pitch_radius_m(),
+        lobes: gear.lobes(),
+        ratio: gear.lobes(),
+        tip_curvature_radius_m: 1.0 / curve.curvature(1.0) - q,
+        pit_curvature_radius_m: 1.0 / curve.curvature(-1.0) - q,
+        smallest_convex_radius_m: curve.smallest_convex_radius(),
+        profile_radii_m: [gear.pitch_radius_m() + e - q, curve.pit_radius()],
+        hole_clearance_m: gear.hole_radius_m - gear.internal_sleeve_radius_m - e,
+        free_play_rad: scales::free_play(gear),
+        ideal_input_torque_n_m: load_course::final_load(scene) / zs,
+        external_force_estimate_n: scales::external_force(gear, wheel_torque),
+        internal_force_estimate_n: scales::internal_force(gear, wheel_torque),
+        frequencies: vec![
+            frequency("input shaft turns", 1.0),
+            frequency("a given internal sleeve is loaded", zk / zs),
+            frequency(
+                "a wheel passes from internal sleeve to internal sleeve",
+                zi * zk / zs,
+            ),
+            frequency("a wheel passes from external sleeve to external sleeve", zk),
+        ],
+        // Wheel i is the first wheel 2 pi i/n of input later; a ripple of order p per turn repeats
+        // in phase when p i/n is whole for every i.
+        external_ripple_in_phase: gear.external_sleeves.is_multiple_of(gear.wheels),
+        internal_ripple_in_phase: gear.internal_sleeves.is_multiple_of(gear.wheels),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Figures of an independent program for the gear of the paper.
+    #[test]
+    fn the_papers_figures() {
+        let mut scene = Scene::paper();
+        scene.drive.input_speed_rad_s = 500.0 / 60.0 * TAU;
+        scene.gear.backlash_m = 1e-3;
+        let figures = derived(&scene);
+        let near = |value: f64, wanted: f64, digits: f64| {
+            assert!(
+                (value - wanted).abs() <= 0.5 * digits,
+                "{value} is not {wanted}"
+            );
+        };
+        near(figures.pitch_radius_m, 0.064, 1e-12);
+        near(figures.tip_curvature_radius_m, 9.1607e-3, 1e-7);
+        near(figures.pit_curvature_radius_m, -6.5647e-3, 1e-7);
+        near(figures.smallest_convex_radius_m, 13.122_58e-3, 1e-8);
+        near(figures.free_play_rad, 17.003e-3, 1e-6);
+        near(figures.ideal_input_torque_n_m, 1.466_67, 1e-5);
+        near(figures.external_force_estimate_n, 65.5, 0.1);
+        let hertz: Vec<f64> = figures.frequencies.iter().map(|f| f.hertz).collect();
+        for (value, wanted) in hertz.into_iter().zip([8.333, 8.889, 71.111, 133.333]) {
+            near(value, wanted, 1e-3);
+        }
+        assert!(figures.external_ripple_in_phase && figures.internal_ripple_in_phase);
+    }
+}

@@ -1,0 +1,77 @@
+//! Which body stands where in the list of bodies.
+
+use std::ops::Range;
+
+use crate::Gear;
+
+/// Body indices: input, output, wheels, external sleeves, internal sleeves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layout {
+    /// Number of wheels.
+    pub wheels: usize,
+    /// zk.
+    pub external_sleeves: usize,
+    /// zi.
+    pub internal_sleeves: usize,
+}
+
+impl Layout {
+    /// Index of the input shaft.
+    pub const INPUT: usize = 0;
+    /// Index of the output shaft.
+    pub const OUTPUT: usize = 1;
+
+    /// The layout of a gear.
+    #[must_use]
+    pub fn of(gear: &Gear) -> Self {
+        Self {
+            wheels: gear.wheels,
+            external_sleeves: gear.external_sleeves,
+            internal_sleeves: gear.internal_sleeves,
+        }
+    }
+
+    /// All wheels.
+    #[must_use]
+    pub fn wheel_bodies(&self) -> Range<usize> {
+        2..2 + self.wheels
+    }
+
+    /// All external sleeves.
+    #[must_use]
+    pub fn external_bodies(&self) -> Range<usize> {
+        let from = 2 + self.wheels;
+        from..from + self.external_sleeves
+    }
+
+    /// All internal sleeves.
+    #[must_use]
+    pub fn internal_bodies(&self) -> Range<usize> {
+        let from = 2 + self.wheels + self.external_sleeves;
+        from..from + self.internal_sleeves
+    }
+
+    /// Number of bodies.
+    #[must_use]
+    pub fn bodies(&self) -> usize {
+        self.internal_bodies().end
+    }
+
+    /// Body index of a sleeve.
+    #[must_use]
+    pub fn sleeve_body(&self, sleeve: Sleeve) -> usize {
+        match sleeve {
+            Sleeve::External(j) => self.external_bodies().start + j,
+            Sleeve::Internal(k) => self.internal_bodies().start + k,
+        }
+    }
+}
+
+/// One sleeve, by kind and number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sleeve {
+    /// On the housing, 0 at angle 0, counter-clockwise.
+    External(usize),
+    /// On the output shaft.
+    Internal(usize),
+}

@@ -1,0 +1,230 @@
+//! The load over time: what it begins with, and what `drive.load_changes` make of it.
+//!
+//! ```text
+//! L(t) = before + (after - before) clamp((t - from)/ramp, 0, 1),    ramp = 0: after
+//! ```
+//! one [`LoadPiece`] for the start and one for each change. At a change without a ramp L jumps, and there it is two
+//! loads: that of the piece that ends and that of the piece that begins. Integration therefore goes in legs from
+//! one [`breaks`] to the next, each with one piece to both its ends.
+
+use crate::{Drive, Scene};
+
+/// Least distance of two changes, s: breaks stand apart by more than the rounding of times.
+pub const APART_S: f64 = 1e-9;
+
+/// The load between two changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadPiece {
+    /// Where it begins, s.
+    pub from_s: f64,
+    /// The load it begins with, N m.
+    pub before_n_m: f64,
+    /// The load it comes to, N m.
+    pub after_n_m: f64,
+    /// Over this time, s; 0: at once.
+    pub ramp_s: f64,
+}
+
+impl LoadPiece {
+    /// Torque on the output shaft at time `t` (s), N m, counter-clockwise positive; constant outside the ramp.
+    #[must_use]
+    pub fn torque(&self, t: f64) -> f64 {
+        if self.ramp_s > 0.0 {
+            let share = ((t - self.from_s) / self.ramp_s).clamp(0.0, 1.0);
+            self.before_n_m + (self.after_n_m - self.before_n_m) * share
+        } else {
+            self.after_n_m
+        }
+    }
+
+    /// Where its ramp is over, s.
+    #[must_use]
+    pub fn settled_s(&self) -> f64 {
+        self.from_s + self.ramp_s
+    }
+}
+
+/// The pieces of a load in their order, the first from 0 on.
+pub fn pieces(drive: &Drive) -> impl Iterator<Item = LoadPiece> + '_ {
+    let start = LoadPiece {
+        from_s: 0.0,
+        before_n_m: 0.0,
+        after_n_m: drive.output_torque_n_m,
+        ramp_s: drive.load_ramp_s,
+    };
+    let mut before_n_m = drive.output_torque_n_m;
+    let changes = drive.load_changes.iter().map(move |change| {
+        let piece = LoadPiece {
+            from_s: change.time_s,
+            before_n_m,
+            after_n_m: change.output_torque_n_m,
+            ramp_s: change.ramp_s,
+        };
+        before_n_m = change.output_torque_n_m;
+        piece
+    });
+    std::iter::once(start).chain(changes)
+}
+
+/// The piece that holds at time `t` (s); at a change the one that begins.
+#[must_use]
+pub fn piece_at(drive: &Drive, t: f64) -> LoadPiece {
+    let mut found = None;
+    for piece in pieces(drive) {
+        if found.is_some() && piece.from_s > t {
+            break;
+        }
+        found = Some(piece);
+    }
+    // There is always a first piece.
+    found.unwrap_or(LoadPiece {
+        from_s: 0.0,
+        before_n_m: 0.0,
+        after_n_m: drive.output_torque_n_m,
+        ramp_s: 0.0,
+    })
+}
+
+/// Times at which the load jumps or bends, s, increasing: no step may pass over one.
+///
+/// Empty without changes: a ramp at the start alone is left to the step control, as ever, so that the results of
+/// such scenes stay what they are to the last bit.
+#[must_use]
+pub fn breaks(drive: &Drive) -> Vec<f64> {
+    if drive.load_changes.is_empty() {
+        return Vec::new();
+    }
+    let mut times: Vec<f64> = Vec::with_capacity(2 * drive.load_changes.len() + 1);
+    for piece in pieces(drive) {
+        // A ramp that ends where its change begins, or where this one does up to rounding, is no break of its own.
+        if times.last().is_some_and(|t| piece.from_s - t < APART_S) {
+            times.pop();
+        }
+        times.extend([piece.from_s, piece.settled_s()]);
+        if piece.ramp_s < APART_S {
+            times.pop();
+        }
+    }
+    times.retain(|&t| t > 0.0);
+    times
+}
+
+/// Mean load from `from` to `to` (s, `to > from`), N m: what a step that takes one value for the load has to take.
+#[must_use]
+pub fn mean(drive: &Drive, from: f64, to: f64) -> f64 {
+    let mut ends: Vec<f64> = breaks(drive);
+    ends.retain(|&t| t > from && t < to);
+    ends.push(to);
+    let (mut start, mut impulse) = (from, 0.0);
+    for end in ends {
+        // Linear in between: the middle is the mean.
+        let middle = 0.5 * (start + end);
+        impulse += (end - start) * piece_at(drive, middle).torque(middle);
+        start = end;
+    }
+    impulse / (to - from)
+}
+
+/// The largest size of the load over the whole course, N m: what forces and stiffness are measured by.
+#[must_use]
+pub fn largest(drive: &Drive) -> f64 {
+    pieces(drive).map(|p| p.after_n_m.abs()).fold(0.0, f64::max)
+}
+
+/// When the load of a run has come to its last value, s; `None` if it never changes before the run's end.
+#[must_use]
+pub fn last_change_s(scene: &Scene) -> Option<f64> {
+    let end = scene.solver.duration_s;
+    let began = pieces(&scene.drive).skip(1).filter(|p| p.from_s < end);
+    began.last().map(|piece| piece.settled_s().min(end))
+}
+
+/// The load with which a run of `scene` ends, N m.
+#[must_use]
+pub fn final_load(scene: &Scene) -> f64 {
+    let end = scene.solver.duration_s;
+    let began = pieces(&scene.drive).take_while(|p| p.from_s == 0.0 || p.from_s < end);
+    began
+        .last()
+        .map_or(scene.drive.output_torque_n_m, |piece| piece.after_n_m)
+}
+
+/// Says which changes come too late for the run, if any do.
+#[must_use]
+pub fn unreached(scene: &Scene) -> Option<String> {
+    let (end, changes) = (scene.solver.duration_s, &scene.drive.load_changes);
+    let late = changes.iter().filter(|c| c.time_s >= end).count();
+    let first = changes.iter().find(|c| c.time_s >= end)?;
+    Some(format!(
+        "{late} of {} changes of the load come when the run is over: the first at {} s, the run ends at {end} s.",
+        changes.len(),
+        first.time_s
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::LoadChange;
+
+    fn drive(changes: &[(f64, f64, f64)]) -> Drive {
+        let change = |&(time_s, output_torque_n_m, ramp_s): &(f64, f64, f64)| LoadChange {
+            time_s,
+            output_torque_n_m,
+            ramp_s,
+        };
+        Drive {
+            load_changes: changes.iter().map(change).collect(),
+            ..Scene::paper().drive
+        }
+    }
+
+    #[test]
+    fn a_change_holds_from_its_time_on_and_a_ramp_is_straight() {
+        let drive = drive(&[(0.1, 44.0, 0.0), (0.2, -22.0, 0.1)]);
+        let at = |t: f64| piece_at(&drive, t).torque(t);
+        let below = |t: f64| f64::from_bits(t.to_bits() - 1);
+        assert_eq!((at(0.0), at(below(0.1)), at(0.1)), (22.0, 22.0, 44.0));
+        assert_eq!((at(0.2), at(0.4), at(9.0)), (44.0, -22.0, -22.0));
+        assert!((at(0.25) - 11.0).abs() < 1e-12);
+        // The piece that ends keeps its load at its end, where the next one has its own.
+        assert_eq!(piece_at(&drive, 0.05).torque(0.1), 22.0);
+        assert_eq!(breaks(&drive), [0.1, 0.2, 0.2 + 0.1]);
+        assert_eq!(largest(&drive), 44.0);
+    }
+
+    /// 0.2 s + 0.1 s is more than 0.3 s by a rounding.
+    #[test]
+    fn a_ramp_that_ends_at_the_next_change_is_one_break() {
+        let drive = drive(&[(0.2, 44.0, 0.1), (0.3, 0.0, 0.1), (0.5, 1.0, 0.0)]);
+        assert_eq!(breaks(&drive), [0.2, 0.3, 0.4, 0.5]);
+        let ramp = Drive {
+            load_ramp_s: 0.2,
+            ..drive.clone()
+        };
+        assert_eq!(breaks(&ramp), [0.2, 0.3, 0.4, 0.5]);
+        let early = Drive {
+            load_ramp_s: 0.1,
+            ..drive
+        };
+        assert_eq!(breaks(&early), [0.1, 0.2, 0.3, 0.4, 0.5]);
+    }
+
+    #[test]
+    fn without_changes_there_is_no_break() {
+        let ramp = Drive {
+            load_ramp_s: 0.01,
+            ..Scene::paper().drive
+        };
+        assert!(breaks(&ramp).is_empty());
+        assert_eq!(piece_at(&ramp, 0.005).torque(0.005), 11.0);
+        assert!((mean(&ramp, 0.002, 0.004) - 6.6).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_mean_over_a_jump_weighs_both_sides() {
+        let drive = drive(&[(0.1, 44.0, 0.0), (0.2, 0.0, 0.1)]);
+        assert!((mean(&drive, 0.09, 0.13) - (0.25 * 22.0 + 0.75 * 44.0)).abs() < 1e-12);
+        assert!((mean(&drive, 0.15, 0.35) - (0.25 * 44.0 + 0.5 * 22.0)).abs() < 1e-12);
+    }
+}

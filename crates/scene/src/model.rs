@@ -1,0 +1,300 @@
+//! The scene: everything a run depends on, as the TOML file names it.
+//!
+//! Every unit is in the key's name. What a file leaves out comes from its base or is filled in ([`crate::keys`]).
+
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
+
+/// A complete scene. SI units; angles counter-clockwise; see the field groups.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Name shown in reports.
+    pub name: String,
+    /// Why this scene exists, one sentence (optional).
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub description: String,
+    /// Geometry.
+    pub gear: Gear,
+    /// Masses and moments of inertia.
+    pub mass: Masses,
+    /// Motion of the input and load of the output.
+    pub drive: Drive,
+    /// Contact law and detection.
+    pub contact: Contact,
+    /// Formulation, integrator and sampling.
+    pub solver: Solver,
+    /// What is recorded beyond the contract's columns.
+    #[serde(default, skip_serializing_if = "Output::is_default")]
+    pub output: Output,
+}
+
+/// Geometry (Tab. 1 and Fig. 3 of the paper).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gear {
+    /// e, m.
+    pub eccentricity_m: f64,
+    /// zk; a wheel has zs = zk - 1 lobes.
+    pub external_sleeves: usize,
+    /// m, short-width coefficient, 0 < m < 1.
+    pub shortening: f64,
+    /// q, m.
+    pub external_sleeve_radius_m: f64,
+    /// zi, sleeves on the output shaft.
+    pub internal_sleeves: usize,
+    /// Radius of an internal sleeve, m. Fig. 3 is not available: an assumption.
+    pub internal_sleeve_radius_m: f64,
+    /// Radius of the circle the internal sleeves sit on, m. An assumption.
+    pub internal_circle_radius_m: f64,
+    /// Radius of a wheel's hole, m (sleeve radius + e without clearance). An assumption.
+    pub hole_radius_m: f64,
+    /// Wheels, evenly phased on the eccentric.
+    pub wheels: usize,
+    /// d, m: external sleeves sit at R + d.
+    pub backlash_m: f64,
+    /// Thickness of a wheel, m; only masses that a scene leaves out need it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub face_width_m: Option<f64>,
+}
+
+/// Mass and moment of inertia about the centre of mass of one rigid body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyMass {
+    /// kg
+    pub mass_kg: f64,
+    /// kg m^2
+    pub moment_kg_m2: f64,
+}
+
+/// Masses and moments of inertia (Tab. 2 of the paper).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Masses {
+    /// Density of all bodies, kg/m^3; only masses that a scene leaves out need it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density_kg_m3: Option<f64>,
+    /// The driven shaft with its eccentrics.
+    pub input_shaft: BodyMass,
+    /// The loaded shaft without its sleeves.
+    pub output_shaft: BodyMass,
+    /// One cycloidal wheel.
+    pub wheel: BodyMass,
+    /// One sleeve on the output shaft.
+    pub internal_sleeve: BodyMass,
+    /// One sleeve on the housing.
+    pub external_sleeve: BodyMass,
+}
+
+/// How a run starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Start {
+    /// Rates of the ideal mesh, load at once: external sleeves at rest, internal sleeves turn with the output.
+    Kinematic,
+    /// Statically loaded: no start-up transient.
+    Equilibrium,
+}
+
+/// Motion and load (Tab. 3).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drive {
+    /// omega, rad/s.
+    pub input_speed_rad_s: f64,
+    /// Load on the output shaft, N m; positive opposes the motion of a positive input speed.
+    pub output_torque_n_m: f64,
+    /// Initial state.
+    pub start: Start,
+    /// The load rises linearly from 0 over this time, s; 0: at once.
+    pub load_ramp_s: f64,
+    /// What the load becomes during the run, in increasing time; empty: it stays.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub load_changes: Vec<LoadChange>,
+}
+
+/// One change of the load during a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoadChange {
+    /// When it begins, s.
+    pub time_s: f64,
+    /// The load from then on, N m; sign as [`Drive::output_torque_n_m`].
+    pub output_torque_n_m: f64,
+    /// It is reached linearly over this time, s; 0: at once.
+    #[serde(default)]
+    pub ramp_s: f64,
+}
+
+/// How the contact point is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Detection {
+    /// Closest point of the exact curve.
+    Exact,
+    /// Nearest of discrete points, as published.
+    Points,
+}
+
+/// Form of the friction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FrictionLaw {
+    /// Eq. 21: linear up to the ramp speed, then constant.
+    Regularised,
+    /// Adams: a static peak at the ramp speed, falling to the dynamic coefficient.
+    Adams,
+}
+
+/// Contact law (Eq. 20-24) and detection.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Contact {
+    /// Name of the normal law; `pinwheel laws` lists them.
+    pub law: String,
+    /// E of both bodies, Pa.
+    pub young_pa: f64,
+    /// Poisson's ratio of both bodies.
+    pub poisson: f64,
+    /// H, factor on the Hertzian stiffness.
+    pub stiffness_multiplier: f64,
+    /// C, N s/m.
+    pub damping_n_s_m: f64,
+    /// Penetration at which S reaches 1, m.
+    pub ramp_m: f64,
+    /// mu; 0: no friction.
+    pub friction_coefficient: f64,
+    /// Sliding speed at which friction reaches mu F_n, m/s.
+    pub friction_ramp_m_s: f64,
+    /// Form of the friction.
+    pub friction_law: FrictionLaw,
+    /// mu_d (friction law `adams` only, where mu is the static coefficient).
+    pub friction_dynamic_coefficient: f64,
+    /// Sliding speed from which mu_d holds, m/s (friction law `adams` only).
+    pub friction_dynamic_speed_m_s: f64,
+    /// K of laws with one stiffness for all contacts, N/m^1.5.
+    pub constant_stiffness_n_m15: f64,
+    /// c of the hysteresis laws, 0 < c <= 1.
+    pub restitution: f64,
+    /// v0 of the hysteresis laws, m/s: an impact at this speed has the restitution c.
+    pub impact_speed_m_s: f64,
+    /// Length of the line of a line contact, m.
+    pub line_length_m: f64,
+    /// How the contact point is found.
+    pub detection: Detection,
+    /// Points on a wheel's profile (points detection only).
+    pub wheel_points: usize,
+    /// Points on a hole (points detection only).
+    pub hole_points: usize,
+}
+
+/// Which equations are integrated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Formulation {
+    /// Centre-pinned bodies eliminated exactly: one angle per free body.
+    Reduced,
+    /// All bodies, three coordinates each, joints by multipliers (Eq. 2).
+    Lagrange,
+}
+
+/// How the Lagrange form keeps its constraints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stabilisation {
+    /// As published: only the accelerations are constrained.
+    None,
+    /// Baumgarte's feedback of position and velocity errors.
+    Baumgarte,
+    /// Positions and velocities are put back onto the constraints at every stage.
+    Projection,
+}
+
+/// Formulation, integrator, sampling.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Solver {
+    /// Which equations are integrated.
+    pub formulation: Formulation,
+    /// Name of the integrator (`rk2`, `rk2-midpoint`, `rk4`, ...).
+    pub integrator: String,
+    /// Step of fixed-step methods, s.
+    pub step_s: f64,
+    /// Relative error per step of adaptive methods.
+    pub tolerance: f64,
+    /// End time, s.
+    pub duration_s: f64,
+    /// Courses hold 0, sample_s, 2 sample_s, ..., duration_s.
+    pub sample_s: f64,
+    /// Constraint stabilisation of the Lagrange form.
+    pub stabilisation: Stabilisation,
+}
+
+/// What is recorded beyond the contract's columns.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Output {
+    /// Names of channels ([`crate::channels::FAMILIES`]), in which `*` stands for any characters.
+    pub channels: Vec<String>,
+}
+
+impl Output {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// The published gearbox, the preset `paper`: what studies of it begin with.
+static PAPER: LazyLock<Scene> = LazyLock::new(|| {
+    let text = crate::preset("paper").unwrap_or_default();
+    // The text is embedded, and tests read it.
+    toml::from_str(text).expect("the embedded preset is a complete scene")
+});
+
+impl Scene {
+    /// The published gearbox, the preset `paper`: what studies of it begin with.
+    #[must_use]
+    pub fn paper() -> Self {
+        PAPER.clone()
+    }
+}
+
+impl Gear {
+    /// zs, lobes of a wheel.
+    #[must_use]
+    pub fn lobes(&self) -> usize {
+        self.external_sleeves - 1
+    }
+
+    /// e zs, m: the lever of a sleeve's force about a wheel's centre at most.
+    #[must_use]
+    pub fn lever_m(&self) -> f64 {
+        self.eccentricity_m * self.lobes() as f64
+    }
+
+    /// R = e zk/m, m: radius of the circle the external sleeves sit on without backlash.
+    #[must_use]
+    pub fn pitch_radius_m(&self) -> f64 {
+        self.eccentricity_m * self.external_sleeves as f64 / self.shortening
+    }
+}
+
+impl Solver {
+    /// Number of samples: 0, sample_s, 2 sample_s, ... and the end itself.
+    #[must_use]
+    pub fn sample_times_s(&self) -> Vec<f64> {
+        let whole = (self.duration_s / self.sample_s * (1.0 + 1e-12)).floor() as usize;
+        let mut times: Vec<f64> = (0..=whole).map(|k| k as f64 * self.sample_s).collect();
+        // The end belongs to the courses even when it is no multiple of the sampling step.
+        match times.last_mut() {
+            Some(last) if self.duration_s - *last > 1e-9 * self.sample_s => {
+                times.push(self.duration_s)
+            }
+            Some(last) => *last = self.duration_s,
+            None => {}
+        }
+        times
+    }
+}

@@ -1,0 +1,615 @@
+//! From TOML text, its base and overrides to a checked scene.
+//!
+//! The base is laid down first, the file over it and then the overrides, key by key, each remembered with its place. So
+//! a key that does not exist is caught where it stands, a wrong type too, and a check that fails later still knows the
+//! line to name. What nobody wrote is filled in by [`crate::keys`], and told as an assumption.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::str::FromStr;
+
+use toml::{Table, Value};
+use toml_edit::{Document, Item, TableLike};
+
+use crate::check;
+use crate::checked::{CheckedScene, Origin, Source};
+use crate::error::{Fault, Place, SceneError, quoted};
+use crate::fill::lookup;
+use crate::keys::{KEYS, Key, Kind, Otherwise};
+use crate::load;
+use crate::model::Scene;
+use crate::suggest::nearest;
+
+/// Bytes of a scene file at most; a full one with comments has about 5000.
+pub const MOST_BYTES: usize = 1 << 20;
+
+/// One `--set key=value`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Override {
+    key: String,
+    value: String,
+}
+
+impl Override {
+    /// Replaces `key` (`gear.backlash_m`) by `value`, a TOML value or a bare word.
+    #[must_use]
+    pub fn new(key: impl Into<String>, value: impl Into<String>) -> Self {
+        Self {
+            key: key.into(),
+            value: value.into(),
+        }
+    }
+
+    fn place(&self) -> Place {
+        Place::Set(format!("{}={}", self.key, self.value))
+    }
+}
+
+impl FromStr for Override {
+    type Err = SceneError;
+
+    fn from_str(text: &str) -> Result<Self, SceneError> {
+        let fault = |what| SceneError::Override {
+            text: text.to_owned(),
+            what,
+        };
+        if text.len() > MOST_BYTES {
+            return Err(SceneError::Override {
+                text: String::new(),
+                what: "is far too long",
+            });
+        }
+        let (key, value) = text.split_once('=').ok_or_else(|| fault("has no `=`"))?;
+        let (key, value) = (key.trim(), value.trim());
+        if key.is_empty() {
+            return Err(fault("has no key"));
+        }
+        if value.is_empty() {
+            return Err(fault("has no value"));
+        }
+        Ok(Self::new(key, value))
+    }
+}
+
+impl Scene {
+    /// Reads a scene from TOML text, applies the overrides in their order, fills in what is left out, and checks the
+    /// result.
+    ///
+    /// `source_name` is the file's or preset's name for messages, and where a `base` is looked for beside it. A scene
+    /// without `name` takes the file's (`gears/mine.toml` gives `mine`).
+    ///
+    /// # Errors
+    /// The first fault found, with its key, line and remedy.
+    pub fn from_toml(
+        text: &str,
+        source_name: &str,
+        overrides: &[Override],
+    ) -> Result<CheckedScene, SceneError> {
+        let mut layers = Layers::new(source_name);
+        layers.file(text, source_name, overrides, 0)?;
+        for set in overrides.iter().filter(|set| set.key != BASE) {
+            layers.set(set)?;
+        }
+        layers.finish()
+    }
+
+    /// The scene as TOML with every key written out.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        // Tables of numbers and strings always serialise; floats print with all their digits.
+        toml::to_string(self).unwrap_or_default()
+    }
+}
+
+/// The key by which a scene begins with another.
+const BASE: &str = "base";
+/// Bases of bases at most.
+const DEEPEST: usize = 8;
+
+/// The table being built, and where each of its values came from.
+struct Layers<'a> {
+    source: &'a str,
+    table: Table,
+    places: HashMap<String, Place>,
+    /// Which base each key came from, for those that the file itself does not write.
+    inherited: HashMap<String, String>,
+}
+
+impl<'a> Layers<'a> {
+    fn new(source: &'a str) -> Self {
+        Self {
+            source,
+            table: Table::new(),
+            places: HashMap::new(),
+            inherited: HashMap::new(),
+        }
+    }
+
+    /// Lays a file over what there is, its base below it.
+    fn file(
+        &mut self,
+        text: &str,
+        source: &str,
+        overrides: &[Override],
+        depth: usize,
+    ) -> Result<(), SceneError> {
+        if text.len() > MOST_BYTES {
+            return Err(SceneError::TooLong {
+                source_name: source.to_owned(),
+                limit: MOST_BYTES,
+            });
+        }
+        let document = Document::parse(text).map_err(|error| SceneError::Syntax {
+            source_name: source.to_owned(),
+            line: line_of(text, error.span().map_or(0, |span| span.start)),
+            what: error.message().trim().to_owned(),
+        })?;
+        let mut root = document.as_table().clone();
+        let place_at = |offset: usize| Place::Line {
+            source: source.to_owned(),
+            line: line_of(text, offset),
+        };
+        let base = root.remove(BASE);
+        let named = overrides.iter().rev().find(|set| set.key == BASE);
+        let base = match (named, base) {
+            (Some(set), _) => Some((set.value.trim_matches('"').to_owned(), set.place())),
+            (None, Some(item)) => {
+                let place = place_at(item.span().map_or(0, |span| span.start));
+                let Some(name) = item.as_str() else {
+                    return Err(SceneError::Key {
+                        place,
+                        key: BASE.to_owned(),
+                        what: format!("is {}, but must be text", kind(&item)),
+                        remedy: "write base = \"paper\", or the path of a scene file".to_owned(),
+                    });
+                };
+                Some((name.to_owned(), place))
+            }
+            (None, None) => None,
+        };
+        if let Some((base, place)) = base {
+            self.base(&base, &place, source, depth)?;
+        }
+        self.overlay("", &root, &place_at)
+    }
+
+    /// Lays the scene that `source` names as its base.
+    fn base(
+        &mut self,
+        base: &str,
+        place: &Place,
+        source: &str,
+        depth: usize,
+    ) -> Result<(), SceneError> {
+        let fault = |what: String, remedy: &str| SceneError::Key {
+            place: place.clone(),
+            key: BASE.to_owned(),
+            what,
+            remedy: remedy.to_owned(),
+        };
+        if depth >= DEEPEST {
+            return Err(fault(
+                format!("is {}, more than {DEEPEST} bases deep", quoted(base)),
+                "a scene must not be its own base; name a preset or a file without base",
+            ));
+        }
+        let (text, name) = if let Some(text) = crate::preset(base) {
+            (text.to_owned(), base.to_owned())
+        } else {
+            // A path is one from the file that names it.
+            let beside = Path::new(source).parent().unwrap_or(Path::new(""));
+            let path = beside.join(base).display().to_string();
+            (load::read(&path)?, path)
+        };
+        self.file(&text, &name, &[], depth + 1)?;
+        // What a scene is called and why it exists is its own.
+        for own in ["name", "description"] {
+            self.table.remove(own);
+            self.places.remove(own);
+        }
+        for key in self.places.keys() {
+            self.inherited.insert(key.clone(), base.to_owned());
+        }
+        Ok(())
+    }
+
+    /// An override is a document of one key, whose place is the command line.
+    fn set(&mut self, set: &Override) -> Result<(), SceneError> {
+        let place = set.place();
+        let wrong = |what: &'static str| SceneError::Override {
+            text: format!("{}={}", set.key, set.value),
+            what,
+        };
+        let path =
+            toml_edit::Key::parse(&set.key).map_err(|_| wrong("the part before `=` is no key"))?;
+        let path: Vec<&str> = path.iter().map(toml_edit::Key::get).collect();
+
+        // A word without quotes is a string; so is anything given for a key that holds text.
+        let row = crate::keys::key(&path.join("."));
+        let holds_text = row.is_some_and(|row| matches!(row.kind, Kind::Text | Kind::Choice(..)));
+        let value = match toml_edit::Value::from_str(&set.value) {
+            Ok(value) if !holds_text || value.is_str() => value,
+            _ => toml_edit::Value::from(set.value.as_str()),
+        };
+
+        let mut item = Item::Value(value);
+        for key in path.iter().skip(1).rev() {
+            let mut table = toml_edit::Table::new();
+            table.insert(key, item);
+            item = Item::Table(table);
+        }
+        let mut root = toml_edit::Table::new();
+        root.insert(path.first().copied().unwrap_or_default(), item);
+        self.overlay("", &root, &|_| place.clone())
+    }
+
+    /// Lays `from` over what there is: only keys that have a row, only values of their kind.
+    fn overlay(
+        &mut self,
+        prefix: &str,
+        from: &dyn TableLike,
+        place_at: &dyn Fn(usize) -> Place,
+    ) -> Result<(), SceneError> {
+        for (name, item) in from.iter() {
+            let key = format!("{prefix}{name}");
+            let place = place_at(start(from, name, item));
+            if let Some(row) = crate::keys::key(&key) {
+                let value = self.value(row, &key, item, &place, place_at)?;
+                insert(&mut self.table, &row.path(), value);
+                self.inherited.remove(&key);
+                self.places.insert(key, place);
+                continue;
+            }
+            let inner = format!("{key}.");
+            let Some(first) = KEYS.iter().find(|row| row.name.starts_with(&inner)) else {
+                return Err(unknown(place, key, prefix, &self.table));
+            };
+            let Some(table) = item.as_table_like() else {
+                let example = first.name[inner.len()..].to_owned();
+                return Err(SceneError::Key {
+                    place,
+                    what: format!("is {}, but must be a table", kind(item)),
+                    remedy: format!("write [{key}] on its own line, then {example} = ... below it"),
+                    key,
+                });
+            };
+            self.overlay(&inner, table, place_at)?;
+        }
+        Ok(())
+    }
+
+    /// The item as a value of the row's kind.
+    fn value(
+        &mut self,
+        row: &Key,
+        key: &str,
+        item: &Item,
+        place: &Place,
+        place_at: &dyn Fn(usize) -> Place,
+    ) -> Result<Value, SceneError> {
+        let Kind::Tables(rows) = row.kind else {
+            return scalar(row, item).map_err(|(what, remedy)| SceneError::Key {
+                place: place.clone(),
+                key: key.to_owned(),
+                what,
+                remedy,
+            });
+        };
+        let fault = |key: String, what: String, remedy: String| SceneError::Key {
+            place: place.clone(),
+            key,
+            what,
+            remedy,
+        };
+        let entries = tables(item).ok_or_else(|| {
+            let what = format!("is {}, but must be a list of tables", kind(item));
+            fault(key.to_owned(), what, row.hint.to_owned())
+        })?;
+        // A list replaces the one before it.
+        let list_prefix = format!("{key}[");
+        self.places
+            .retain(|name, _| !name.starts_with(&list_prefix));
+        let mut list = Vec::with_capacity(entries.len());
+        for (number, entry) in entries.into_iter().enumerate() {
+            let named = |name: &str| format!("{key}[{number}].{name}");
+            let mut table = Table::new();
+            for (name, item) in entry.iter() {
+                let full = named(name);
+                let place = place_at(start(entry, name, item));
+                let Some(inner) = rows.iter().find(|row| row.name == name) else {
+                    let remedy = match nearest(name, rows.iter().map(|row| row.name)) {
+                        Some(near) => format!("did you mean `{}`?", named(near)),
+                        None => {
+                            let names: Vec<&str> = rows.iter().map(|row| row.name).collect();
+                            format!("known here: {}", names.join(", "))
+                        }
+                    };
+                    return Err(SceneError::Key {
+                        place,
+                        key: full,
+                        what: "is no key of a scene".to_owned(),
+                        remedy,
+                    });
+                };
+                let value = self.value(inner, &full, item, &place, place_at)?;
+                table.insert(name.to_owned(), value);
+                self.places.insert(full, place);
+            }
+            for inner in rows {
+                match inner.otherwise {
+                    _ if table.contains_key(inner.name) => {}
+                    Otherwise::Required => {
+                        let needed = rows
+                            .iter()
+                            .filter(|row| matches!(row.otherwise, Otherwise::Required));
+                        let needed: Vec<String> = needed
+                            .map(|row| format!("{} ({})", row.about, row.name))
+                            .collect();
+                        return Err(fault(
+                            named(inner.name),
+                            "is missing".to_owned(),
+                            format!("every entry gives {}", needed.join(" and ")),
+                        ));
+                    }
+                    Otherwise::Usual(text, _) => {
+                        insert(&mut table, &[inner.name], usual(text));
+                    }
+                    Otherwise::Nothing | Otherwise::Follows(..) => {}
+                }
+            }
+            list.push(Value::Table(table));
+        }
+        Ok(Value::Array(list))
+    }
+
+    fn finish(mut self) -> Result<CheckedScene, SceneError> {
+        let located =
+            |fault: Fault, places: &HashMap<String, Place>| located(fault, places, self.source);
+        if let Some(stem) = Path::new(self.source).file_stem().and_then(|s| s.to_str()) {
+            let name = self.table.entry("name");
+            name.or_insert_with(|| Value::String(stem.to_owned()));
+        }
+        check::ranges(&self.table).map_err(|fault| located(fault, &self.places))?;
+        let filled = crate::fill::fill(&mut self.table).map_err(|fault| match fault {
+            crate::fill::Gap::Fault(fault) => located(fault, &self.places),
+            crate::fill::Gap::Missing(keys) => SceneError::Missing {
+                source_name: self.source.to_owned(),
+                keys,
+            },
+        })?;
+        let mut origins: Vec<Origin> = KEYS
+            .iter()
+            .filter_map(|row| {
+                let base = self.inherited.get(row.name)?;
+                Some(Origin {
+                    key: row.name,
+                    value: lookup(&self.table, row.name)?.clone(),
+                    source: Source::Base(base.clone()),
+                })
+            })
+            .collect();
+        origins.extend(filled);
+        let scene: Scene = serde_path_to_error::deserialize(Value::Table(self.table.clone()))
+            .map_err(|error| {
+                let key = error.path().to_string();
+                let what = error.inner().message().trim().to_owned();
+                SceneError::Key {
+                    place: self.places.get(&key).cloned().unwrap_or(Place::Default {
+                        source: self.source.to_owned(),
+                    }),
+                    what: format!("is not understood: {what}"),
+                    remedy: "write one of the listed values".to_owned(),
+                    key,
+                }
+            })?;
+        let checked = scene
+            .check()
+            .map_err(|fault| located(fault, &self.places))?;
+        Ok(checked.with_origins(origins))
+    }
+}
+
+/// Where a key begins in the text, bytes.
+fn start(table: &dyn TableLike, name: &str, item: &Item) -> usize {
+    let key = table.get_key_value(name).and_then(|(key, _)| key.span());
+    key.or_else(|| item.span()).map_or(0, |span| span.start)
+}
+
+/// Puts a value at a path, making the tables on the way.
+pub(crate) fn insert(table: &mut Table, path: &[&str], value: Value) {
+    let Some((last, tables)) = path.split_last() else {
+        return;
+    };
+    let mut table = table;
+    for part in tables {
+        let inner = table.entry(*part);
+        let inner = inner.or_insert_with(|| Value::Table(Table::new()));
+        let Value::Table(inner) = inner else { return };
+        table = inner;
+    }
+    table.insert((*last).to_owned(), value);
+}
+
+/// A usual value of [`crate::keys`], which tests read.
+pub(crate) fn usual(text: &str) -> Value {
+    Value::from_str(text).unwrap_or(Value::Boolean(false))
+}
+
+/// The tables of a list; `None` if it is none.
+fn tables(item: &Item) -> Option<Vec<&dyn TableLike>> {
+    if let Some(list) = item.as_array_of_tables() {
+        return Some(list.iter().map(|table| table as &dyn TableLike).collect());
+    }
+    item.as_array()?
+        .iter()
+        .map(|value| value.as_inline_table().map(|t| t as &dyn TableLike))
+        .collect()
+}
+
+/// Names the key the user can change: one given with `--set` before one in the file `source` before one of its base
+/// before one that nobody wrote.
+fn located(fault: Fault, places: &HashMap<String, Place>, source: &str) -> SceneError {
+    let first = fault.keys.first().map_or("scene", AsRef::as_ref);
+    let rank = |place: &&Place| match place {
+        Place::Set(_) => 0,
+        Place::Line { source: file, .. } if file == source => 1,
+        Place::Line { .. } => 2,
+        Place::Default { .. } => 3,
+    };
+    let places = fault.keys.iter().filter_map(|key| places.get(key.as_ref()));
+    let place = places.min_by_key(rank).cloned();
+    let place = place.unwrap_or_else(|| Place::Default {
+        source: source.to_owned(),
+    });
+    SceneError::Key {
+        place,
+        key: first.to_owned(),
+        what: fault.what,
+        remedy: fault.remedy,
+    }
+}
+
+/// The item as a value of the row's kind, or what is wrong and the remedy.
+fn scalar(row: &Key, item: &Item) -> Result<Value, (String, String)> {
+    let wrong = |wanted: &str, remedy: &str| {
+        Err((
+            format!("is {}, but must be {wanted}", kind(item)),
+            remedy.to_owned(),
+        ))
+    };
+    match row.kind {
+        Kind::Number(_) => match (item.as_float(), item.as_integer()) {
+            (Some(number), _) => Ok(Value::Float(number)),
+            (None, Some(whole)) => Ok(Value::Float(whole as f64)),
+            _ => wrong(
+                "a number",
+                "write it without quotes and unit, for example 0.006",
+            ),
+        },
+        Kind::Count(..) => match item.as_integer() {
+            Some(whole) if whole >= 0 => Ok(Value::Integer(whole)),
+            _ => wrong(
+                "a whole number, not negative",
+                "write it like 16, without point or quotes",
+            ),
+        },
+        Kind::Texts => {
+            let texts: Option<Vec<&str>> = match (item.as_array(), item.as_str()) {
+                (Some(list), _) => list.iter().map(toml_edit::Value::as_str).collect(),
+                // One name needs no brackets.
+                (None, Some(text)) => Some(vec![text]),
+                (None, None) => None,
+            };
+            match texts {
+                Some(texts) => {
+                    let texts = texts.into_iter().map(|text| Value::String(text.to_owned()));
+                    Ok(Value::Array(texts.collect()))
+                }
+                None => wrong("a list of texts", row.hint),
+            }
+        }
+        Kind::Text | Kind::Choice(..) | Kind::Tables(_) => match item.as_str() {
+            Some(text) => Ok(Value::String(text.to_owned())),
+            None => wrong("text", "write it in quotes"),
+        },
+    }
+}
+
+/// What stands there, in words.
+fn kind(item: &Item) -> String {
+    if let Some(text) = item.as_str() {
+        return format!("the text {}", quoted(text));
+    }
+    if let Some(whole) = item.as_integer() {
+        return whole.to_string();
+    }
+    if let Some(number) = item.as_float() {
+        return number.to_string();
+    }
+    if let Some(truth) = item.as_bool() {
+        return truth.to_string();
+    }
+    match item.type_name() {
+        "datetime" => "a date".to_owned(),
+        "array" => "a list".to_owned(),
+        "array of tables" => "a list of tables ([[...]])".to_owned(),
+        _ => "a table".to_owned(),
+    }
+}
+
+/// A key without a row: "did you mean", of the same table first, then the same name elsewhere.
+fn unknown(place: Place, key: String, prefix: &str, table: &Table) -> SceneError {
+    let name = key.rsplit('.').next().unwrap_or(&key);
+    let mut siblings: Vec<&str> = Vec::new();
+    for row in KEYS {
+        let Some(rest) = row.name.strip_prefix(prefix) else {
+            continue;
+        };
+        let here = rest.split('.').next().unwrap_or(rest);
+        if !siblings.contains(&here) {
+            siblings.push(here);
+        }
+    }
+    if prefix.is_empty() {
+        siblings.push(BASE);
+    }
+    let elsewhere = || {
+        let leaf = |row: &Key| row.name.rsplit('.').next().unwrap_or(row.name);
+        let near = nearest(name, KEYS.iter().map(leaf))?;
+        KEYS.iter().find(|row| leaf(row) == near)
+    };
+    let remedy = if is_pitch(name) {
+        pitch_remedy(table)
+    } else if let Some(near) = nearest(name, siblings.iter().copied()) {
+        format!("did you mean `{prefix}{near}`?")
+    } else if let Some(row) = elsewhere() {
+        format!("did you mean `{}`?", row.name)
+    } else {
+        format!("known here: {}", siblings.join(", "))
+    };
+    SceneError::Key {
+        place,
+        key,
+        what: "is no key of a scene".to_owned(),
+        remedy,
+    }
+}
+
+/// Whether a word means the circle of the external sleeves, for which the field has many names.
+fn is_pitch(name: &str) -> bool {
+    [
+        "pitch_",
+        "pin_circle",
+        "pin_radius",
+        "ring_",
+        "roller_circle",
+        "external_circle",
+    ]
+    .iter()
+    .any(|word| name.starts_with(word))
+}
+
+/// R is not a key that is often needed: e zk/m gives it.
+fn pitch_remedy(table: &Table) -> String {
+    let number = |name: &str| match lookup(table, name) {
+        Some(Value::Float(number)) => Some(*number),
+        Some(Value::Integer(whole)) => Some(*whole as f64),
+        _ => None,
+    };
+    let product = number("gear.eccentricity_m")
+        .zip(number("gear.external_sleeves"))
+        .map(|(e, zk)| format!(", here {:.6} over that radius", e * zk));
+    format!(
+        "the circle of the external sleeves is `gear.pin_circle_radius_m` (m), or gear.shortening = e zk/R{}",
+        product.unwrap_or_default()
+    )
+}
+
+/// Line number of a byte offset, the first being 1.
+pub(super) fn line_of(text: &str, offset: usize) -> usize {
+    let offset = offset.min(text.len());
+    1 + text.as_bytes()[..offset]
+        .iter()
+        .filter(|&&byte| byte == b'\n')
+        .count()
+}

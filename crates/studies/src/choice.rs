@@ -1,0 +1,124 @@
+//! Which engines a name means.
+
+use pinwheel_engines::{Engine, Track, by_name, recorded, registry};
+use pinwheel_scene::{Scene, did_you_mean};
+
+/// Why there is no such engine.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ChoiceError {
+    /// No engine is called so.
+    #[error("there is no engine `{name}`; {remedy}")]
+    Unknown {
+        /// As it was asked for.
+        name: String,
+        /// What could be meant.
+        remedy: String,
+    },
+    /// It exists, but this build was made without it.
+    #[error(
+        "engine `{name}` is missing: this build has none of its kind; build with --features {feature}, or see `pinwheel engines`"
+    )]
+    NotBuilt {
+        /// As it was asked for.
+        name: String,
+        /// The feature that has it.
+        feature: &'static str,
+    },
+    /// The same engine by two names, or twice by one.
+    #[error("--engines names {0} twice; name each engine once")]
+    Twice(String),
+}
+
+/// The engine of that name. `native` is the native engine in the formulation that the scene asks for.
+///
+/// # Errors
+/// An unknown name, or an engine that was not built in.
+pub fn find(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
+    by_name(name, scene).ok_or_else(|| {
+        let optional = [
+            ("rapier", "rapier"),
+            ("exudyn", "crossval"),
+            ("mujoco", "crossval"),
+        ];
+        let left_out = optional.iter().find(|(prefix, _)| {
+            name.starts_with(prefix) && !registry().iter().any(|e| e.name().starts_with(prefix))
+        });
+        if let Some((_, feature)) = left_out {
+            return ChoiceError::NotBuilt {
+                name: name.to_owned(),
+                feature,
+            };
+        }
+        let listed = registry();
+        let known: Vec<&str> = std::iter::once("native")
+            .chain(listed.iter().map(|engine| engine.name()))
+            .collect();
+        ChoiceError::Unknown {
+            name: name.to_owned(),
+            remedy: did_you_mean(name, &known),
+        }
+    })
+}
+
+/// The engine of that name, or its recording of this very scene where this build lacks the engine.
+///
+/// # Errors
+/// As [`find`], where there is no recording either.
+pub fn find_or_recorded(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
+    find(name, scene)
+        .or_else(|missing| recorded::instead(name, scene, recorded::NOT_BUILT).ok_or(missing))
+}
+
+/// The engines named; without names all of this build, and the recordings of those it lacks.
+///
+/// # Errors
+/// As [`find_or_recorded`], or an engine that is named twice.
+pub fn engines(
+    names: &[impl AsRef<str>],
+    scene: &Scene,
+) -> Result<Vec<Box<dyn Engine>>, ChoiceError> {
+    if names.is_empty() {
+        let mut engines = registry();
+        engines.extend(recorded::missing(scene));
+        return Ok(engines);
+    }
+    let mut engines: Vec<Box<dyn Engine>> = Vec::new();
+    for name in names {
+        let engine = find_or_recorded(name.as_ref().trim(), scene)?;
+        if engines.iter().any(|other| other.name() == engine.name()) {
+            return Err(ChoiceError::Twice(engine.name().to_owned()));
+        }
+        engines.push(engine);
+    }
+    Ok(engines)
+}
+
+/// One engine of this build, for lists.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Listed {
+    /// As users type it.
+    pub name: &'static str,
+    /// Which comparison it belongs to.
+    pub track: Track,
+    /// Version of the engine behind it.
+    pub version: String,
+    /// One line.
+    pub summary: &'static str,
+    /// How it differs from the native solver.
+    pub differences: &'static str,
+}
+
+/// The engines of this build.
+#[must_use]
+pub fn listed() -> Vec<Listed> {
+    registry()
+        .iter()
+        .map(|engine| Listed {
+            name: engine.name(),
+            track: engine.track(),
+            version: engine.version(),
+            summary: engine.summary(),
+            differences: engine.differences(),
+        })
+        .collect()
+}

@@ -1,0 +1,366 @@
+//! Data from elsewhere (another program's export, a test rig) as one more participant.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use pinwheel_compare::limits::fits;
+use pinwheel_compare::{
+    Cost, Metric, Participant, StatedLimit, Status, WindowKind, quantities, track,
+};
+use pinwheel_courses::foreign::{self, ForeignError, Map, Resampled};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::channels::Channels;
+use pinwheel_scene::{Scene, did_you_mean};
+
+use crate::StudyError;
+use crate::control::compile;
+
+/// Bytes of a map at most.
+const MOST_BYTES: u64 = 1 << 20;
+/// Bad rows a note names.
+const MOST_NAMED: usize = 20;
+
+/// A foreign file that has been read.
+#[derive(Debug, Clone)]
+pub struct Data {
+    path: PathBuf,
+    map_path: PathBuf,
+    name: String,
+    map: Map,
+    foreign: foreign::Foreign,
+}
+
+impl Data {
+    /// Its name among the participants of a comparison.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+/// Reads foreign files, each with the map that says what its columns are.
+///
+/// # Errors
+/// The first fault of a file or a map, or two files of one name; with its place and remedy.
+pub fn open<'a>(
+    files: impl IntoIterator<Item = (&'a Path, &'a Path)>,
+) -> Result<Vec<Data>, StudyError> {
+    let mut list: Vec<Data> = Vec::new();
+    for (path, map_path) in files {
+        let data = read(path, map_path)?;
+        if list.iter().any(|other| other.name == data.name) {
+            return Err(StudyError::Input(format!(
+                "two foreign files are called `{}`; give each a `name` of its own in its map",
+                data.name
+            )));
+        }
+        list.push(data);
+    }
+    Ok(list)
+}
+
+fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
+    let fail = |path: &Path, what: &dyn std::fmt::Display| {
+        StudyError::Input(format!("{}: {what}", path.display()))
+    };
+    let there = |path: &Path| {
+        std::fs::metadata(path)
+            .map_err(|error| fail(path, &format!("cannot be read: {error}; check the path")))
+            .and_then(|meta| {
+                if meta.is_file() {
+                    Ok(meta.len())
+                } else {
+                    Err(fail(path, &"is no file; check the path"))
+                }
+            })
+    };
+    if there(map_path)? > MOST_BYTES {
+        return Err(fail(map_path, &"is longer than any map; give a TOML file"));
+    }
+    let text = std::fs::read_to_string(map_path).map_err(|error| {
+        fail(
+            map_path,
+            &format!("cannot be read: {error}; give a TOML file"),
+        )
+    })?;
+    let map = Map::from_toml(&text, &map_path.display().to_string())
+        .map_err(|error| StudyError::Input(error.to_string()))?;
+    there(path)?;
+    let file =
+        File::open(path).map_err(|error| fail(path, &ForeignError::Io(error.to_string())))?;
+    let foreign = foreign::read(file, &map).map_err(|error| fail(path, &error))?;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let plain = |c: char| {
+        if c.is_ascii_alphanumeric() || "-_.".contains(c) {
+            c
+        } else {
+            '-'
+        }
+    };
+    let name = map
+        .name
+        .clone()
+        .unwrap_or_else(|| stem.chars().map(plain).collect());
+    Ok(Data {
+        path: path.to_owned(),
+        map_path: map_path.to_owned(),
+        name: name.trim_start_matches('.').to_owned(),
+        map,
+        foreign,
+    })
+}
+
+/// The gearbox with a scene that asks for the channels that foreign columns are compared with.
+///
+/// # Errors
+/// A mapped column that no engine records: its name is mistyped.
+pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyError> {
+    let mut scene = gearbox.scene.clone().into_scene();
+    let mut everything = scene.clone();
+    everything.output.channels = vec!["*".to_owned()];
+    let all = Channels::of(&everything).map_err(StudyError::Input)?;
+    let contract = pinwheel_gearbox::Recorder::contract(&gearbox);
+    let mut asked = false;
+    for data in list {
+        for channel in data.foreign.courses.channels() {
+            let name = channel.name.as_str();
+            if contract.iter().any(|known| known == name) {
+                continue;
+            }
+            if !all.names().any(|known| known == name) {
+                let known: Vec<&str> = contract
+                    .iter()
+                    .map(String::as_str)
+                    .chain(all.names())
+                    .collect();
+                let near = did_you_mean(name, &known);
+                let remedy = if near.starts_with("did you mean") {
+                    near
+                } else {
+                    "see docs/channels.md for their names".to_owned()
+                };
+                return Err(StudyError::Input(format!(
+                    "{}: `{name}` is no column of this gearbox; {remedy}",
+                    data.map_path.display()
+                )));
+            }
+            if !gearbox.channels.names().any(|known| known == name) {
+                scene.output.channels.push(name.to_owned());
+                asked = true;
+            }
+        }
+    }
+    if !asked {
+        return Ok(gearbox);
+    }
+    // Hundreds of single names make one pattern a family: the scene's own limit is on patterns.
+    scene.output.channels = patterns(&scene.output.channels);
+    compile(&scene).map_err(|error| StudyError::Input(error.to_string()))
+}
+
+/// The names without those that a few patterns cover: where more than 50 are asked for, whole families.
+fn patterns(names: &[String]) -> Vec<String> {
+    if names.len() <= 50 {
+        return names.to_vec();
+    }
+    let mut list: Vec<String> = Vec::new();
+    for name in names {
+        let family = pinwheel_scene::channels::FAMILIES
+            .iter()
+            .find(|family| fits(family.pattern, name));
+        let pattern = family.map_or(name.as_str(), |family| family.pattern);
+        if !list.iter().any(|known| known == pattern) {
+            list.push(pattern.to_owned());
+        }
+    }
+    list
+}
+
+impl Data {
+    /// The data on the scene's sample times, and the limits stated for them.
+    pub(super) fn take_part(
+        &self,
+        scene: &Scene,
+        others: &[Participant],
+    ) -> Result<(Participant, Vec<StatedLimit>), StudyError> {
+        let fail = |error: &dyn std::fmt::Display| {
+            StudyError::Input(format!("{}: {error}", self.path.display()))
+        };
+        if others.iter().any(|other| other.name == self.name) {
+            return Err(fail(&format!(
+                "`{}` is an engine's name; give it another `name` in {}",
+                self.name,
+                self.map_path.display()
+            )));
+        }
+        let times = scene.solver.sample_times_s();
+        let found = foreign::resample(&self.foreign.courses, &times, self.map.resample)
+            .map_err(|error| fail(&error))?;
+        let cost = Cost {
+            settings: format!("{}, by {}", self.path.display(), self.map_path.display()),
+            notes: self.notes(scene, &found),
+            ..Cost::default()
+        };
+        let or = |text: &str, otherwise: &str| {
+            if text.is_empty() {
+                otherwise.to_owned()
+            } else {
+                text.to_owned()
+            }
+        };
+        let participant = Participant {
+            name: self.name.clone(),
+            track: track::MEASURED.to_owned(),
+            version: or(&self.map.version, "unknown"),
+            summary: or(&self.map.summary, "data from elsewhere"),
+            differences: or(
+                &self.map.differences,
+                "Its map does not say how it differs from the scene.",
+            ),
+            courses: found.courses,
+            cost,
+            status: Status::Finished,
+        };
+        Ok((
+            participant,
+            self.stated().map_err(|error| {
+                StudyError::Input(format!("{}: {error}", self.map_path.display()))
+            })?,
+        ))
+    }
+
+    /// What was done to the data, for the reader.
+    fn notes(&self, scene: &Scene, found: &Resampled) -> Vec<String> {
+        let mut notes = Vec::new();
+        let (bad, rows) = (&self.foreign.bad, self.foreign.rows);
+        if !bad.is_empty() {
+            let named = bad
+                .iter()
+                .take(MOST_NAMED)
+                .map(|row| format!("line {}: {}", row.line, row.reason));
+            let mut named: Vec<String> = named.collect();
+            if bad.len() > MOST_NAMED {
+                named.push(format!("{} more", bad.len() - MOST_NAMED));
+            }
+            notes.push(format!(
+                "{} of {rows} rows are bad and left out: {}.",
+                bad.len(),
+                named.join("; ")
+            ));
+        }
+        let times = self.foreign.courses.time_s();
+        // Without the digits that factor and offset have rounded.
+        let nano = |time: Option<&f64>| format!("{:.9}", time.copied().unwrap_or(0.0));
+        let short = |text: String| text.trim_end_matches('0').trim_end_matches('.').to_owned();
+        let (first, last) = (short(nano(times.first())), short(nano(times.last())));
+        let offset = self.map.time.offset_s;
+        notes.push(format!(
+            "{} rows from {first} to {last} s{}.",
+            times.len(),
+            if offset == 0.0 {
+                String::new()
+            } else {
+                format!(", after {offset} s were added")
+            }
+        ));
+        let [from, to] = found.covers_s;
+        if from > 0.0 || to < scene.solver.duration_s {
+            notes.push(format!(
+                "Compared from {from} to {to} s, which is what it covers of the run's {} s.",
+                scene.solver.duration_s
+            ));
+        }
+        if let Some((error, column)) = &found.restores {
+            notes.push(format!(
+                "{} of {} sample times are its own, the others are interpolated ({}). With every second of its rows left \
+                 out, this restores them to {error:.1e} (relative L2 of {column}, the worst column); the differences \
+                 shown hold up to as much of it.",
+                found.own,
+                found.own + found.interpolated,
+                self.map.resample.method.word()
+            ));
+        }
+        if let Some([from, to]) = found.gaps_s.first() {
+            notes.push(format!(
+                "{} gaps are too long to bridge, the first from {from} to {to} s: only the longest stretch without one is compared.",
+                found.gaps_s.len()
+            ));
+        }
+        let gear = &scene.gear;
+        let names: Vec<&str> = self
+            .foreign
+            .courses
+            .channels()
+            .iter()
+            .map(|channel| channel.name.as_str())
+            .collect();
+        let count = |prefix: &str| names.iter().filter(|name| name.starts_with(prefix)).count();
+        let mut missing: Vec<String> = [
+            quantities::INPUT_TORQUE,
+            quantities::OUTPUT_TORQUE,
+            quantities::OUTPUT_ANGLE,
+        ]
+        .iter()
+        .filter(|name| !names.contains(name))
+        .map(|name| (*name).to_owned())
+        .collect();
+        for (prefix, sleeves) in [
+            ("external_sleeve_force_n", gear.external_sleeves),
+            ("internal_sleeve_force_n", gear.internal_sleeves),
+        ] {
+            let there = count(prefix);
+            if there < sleeves {
+                missing.push(format!("{} of {sleeves} {prefix}", sleeves - there));
+            }
+        }
+        if !missing.is_empty() {
+            notes.push(format!("It has no {}.", missing.join(", ")));
+        }
+        notes
+    }
+
+    /// The limits of the map.
+    fn stated(&self) -> Result<Vec<StatedLimit>, String> {
+        const METRICS: [(&str, Metric); 6] = [
+            ("relative-l2", Metric::RelativeL2),
+            ("relative-linf", Metric::RelativeLinf),
+            ("mean", Metric::Mean),
+            ("peak", Metric::Peak),
+            ("rms", Metric::Rms),
+            ("sprague-geers", Metric::SpragueGeers),
+        ];
+        const WINDOWS: [(&str, WindowKind); 3] = [
+            ("steady", WindowKind::Steady),
+            ("transient", WindowKind::Transient),
+            ("whole", WindowKind::Whole),
+        ];
+        fn find<T: Copy>(list: &[(&str, T)], key: &str, typed: &str) -> Result<T, String> {
+            let found = list
+                .iter()
+                .find(|(name, _)| *name == typed)
+                .map(|(_, value)| *value);
+            let names: Vec<&str> = list.iter().map(|(name, _)| *name).collect();
+            found.ok_or_else(|| {
+                format!(
+                    "limits: `{typed}` is no {key}; {}",
+                    did_you_mean(typed, &names)
+                )
+            })
+        }
+        let one = |limit: &foreign::StatedLimit| {
+            Ok(StatedLimit {
+                engine: self.name.clone(),
+                window: find(&WINDOWS, "window", &limit.window)?,
+                quantity: limit.quantity.clone(),
+                metric: find(&METRICS, "metric", &limit.metric)?,
+                limit: limit.limit,
+                reason: if limit.reason.is_empty() {
+                    "Stated in the map.".to_owned()
+                } else {
+                    limit.reason.clone()
+                },
+            })
+        };
+        self.map.limits.iter().map(one).collect()
+    }
+}

@@ -1,0 +1,275 @@
+//! One scene on several engines, and data from elsewhere, compared.
+//!
+//! [`run`] gives an [`Outcome`]: data only. [`Outcome::write`] keeps it as files.
+
+pub mod foreign;
+
+use std::path::Path;
+
+use pinwheel_compare::{
+    Comparison, Context, Cost, Divergence, Energy, Participant, Status, compare_stated, limits,
+};
+use pinwheel_courses::Courses;
+use pinwheel_engines::{Engine, EngineError, RunStats, recorded};
+use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, Statement};
+use pinwheel_scene::load_course;
+use pinwheel_scene::{Assumption, CheckedScene, Scene, Start, assumptions};
+use serde::Serialize;
+
+use crate::control::{Control, Progress};
+use crate::output::{self, OutputError};
+use crate::provenance::{Provenance, Summary};
+use crate::single::{Ending, RunRecord};
+use crate::{StudyError, divergence};
+use foreign::Data;
+
+/// What is compared.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    /// The scene, compiled; with data from elsewhere as [`foreign::with_channels`] gives it.
+    pub gearbox: &'a Gearbox,
+    /// The engines, see [`crate::choice::engines`].
+    pub engines: &'a [Box<dyn Engine>],
+    /// Data from elsewhere.
+    pub data: &'a [Data],
+}
+
+/// A comparison with everything it rests on.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// The scene as run.
+    pub scene: CheckedScene,
+    /// Figures, distances, limits and verdicts.
+    pub comparison: Comparison,
+    /// The runs behind it: those of the engines in their order, then the data from elsewhere.
+    pub participants: Vec<Participant>,
+    /// What is modelled and what is left out.
+    pub model: Explanation,
+    /// Values that are assumptions, and what they rest on.
+    pub assumptions: Vec<Assumption>,
+    /// Of each engine its cost in full, and how the run ended; `None`: nothing was run.
+    ran: Vec<Option<(Ending, RunStats)>>,
+}
+
+/// Payload of `summary.json`.
+#[derive(Serialize)]
+struct Found<'a> {
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+    modelled: &'a [Statement],
+    left_out: &'a [Statement],
+    assumptions: &'a [Assumption],
+    scene: &'a Scene,
+}
+
+/// Runs every engine and compares. What an engine does wrong stands in its [`Status`].
+///
+/// # Errors
+/// Cancelled; a scene that cannot be modelled; data that do not fit it.
+pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyError> {
+    let scene = &input.gearbox.scene;
+    let of_scene = |source: GearboxError| StudyError::Scene {
+        scene: scene.name.clone(),
+        source,
+    };
+    let model = pinwheel_gearbox::explain(input.gearbox).map_err(of_scene)?;
+    let total = input.engines.len() + 1;
+    let (mut participants, mut ran) = (Vec::new(), Vec::new());
+    for (done, engine) in input.engines.iter().enumerate() {
+        let at = Progress::new(done, total, engine.name());
+        let (participant, ended) = take_part(engine.as_ref(), input.gearbox, at, control)?;
+        participants.push(participant);
+        ran.push(ended);
+    }
+    let mut stated = Vec::new();
+    for data in input.data {
+        let (participant, limits) = data.take_part(scene, &participants)?;
+        participants.push(participant);
+        stated.extend(limits);
+    }
+    let at = Progress::new(total - 1, total, "divergence of a rounding");
+    let context = Context {
+        divergence: divergence(scene, &participants, at, control)?,
+        ..context(scene)
+    };
+    let comparison = compare_stated(&context, &participants, limits::TABLE, &stated)?;
+    Ok(Outcome {
+        scene: scene.clone(),
+        comparison,
+        participants,
+        model,
+        assumptions: assumptions(scene),
+        ran,
+    })
+}
+
+impl Outcome {
+    /// Writes `summary.json` and, in a folder for each, `courses.csv` and `run.json` of everything that ran into the
+    /// folder `dir`.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+        for (k, participant) in self.participants.iter().enumerate() {
+            match self.ran.get(k) {
+                Some(None) => {}
+                Some(Some((ending, stats))) => {
+                    let place = output::folder(dir, &participant.name)?;
+                    let named = (
+                        participant.name.as_str(),
+                        participant.version.as_str(),
+                        participant.track.as_str(),
+                    );
+                    RunRecord::new(named, &self.scene, ending, stats, made)
+                        .write(&place, &participant.courses)?;
+                }
+                // Data from elsewhere, as they are compared.
+                None => {
+                    let place = output::folder(dir, &participant.name)?;
+                    participant
+                        .courses
+                        .save_csv(&place.join("courses.csv"))
+                        .map_err(|error| OutputError::new(&place, &error))?;
+                }
+            }
+        }
+        let found = Found {
+            comparison: &self.comparison,
+            modelled: &self.model.modelled,
+            left_out: &self.model.left_out,
+            assumptions: &self.assumptions,
+            scene: &self.scene,
+        };
+        Summary::new(made, found).write(dir)
+    }
+}
+
+/// Runs one engine and makes a participant of it, however it ended.
+fn take_part(
+    engine: &dyn Engine,
+    gearbox: &Gearbox,
+    at: Progress<'_>,
+    control: &Control<'_>,
+) -> Result<(Participant, Option<(Ending, RunStats)>), StudyError> {
+    let ran = control.engine(engine, gearbox, at)?;
+    // A live engine that is missing here (no Python, no network) may have been recorded.
+    if let Err(EngineError::Failed { reason, .. }) = &ran
+        && let Some(recorded) = recorded::instead(engine.name(), &gearbox.scene, reason)
+    {
+        return take_part(recorded.as_ref(), gearbox, at, control);
+    }
+    let nothing = || (Courses::default(), RunStats::default());
+    let ((courses, stats), status) = match ran {
+        Ok(run) => ((run.courses, run.stats), Status::Finished),
+        Err(EngineError::Diverged {
+            time_s,
+            quantity,
+            partial,
+            ..
+        }) => (
+            (partial.courses, partial.stats),
+            Status::Diverged { time_s, quantity },
+        ),
+        Err(EngineError::Unsupported { reason, .. }) => (nothing(), Status::Unsupported { reason }),
+        Err(EngineError::Failed { reason, .. }) => (nothing(), Status::Failed { reason }),
+        Err(EngineError::Cancelled) => return Err(StudyError::Cancelled),
+    };
+    let ending = match &status {
+        Status::Finished => Some(Ending::Finished),
+        Status::Diverged { time_s, quantity } => Some(Ending::Diverged {
+            diverged_at_s: *time_s,
+            diverged_quantity: quantity.clone(),
+        }),
+        Status::Unsupported { .. } | Status::Failed { .. } => None,
+    };
+    let participant = Participant {
+        name: engine.name().to_owned(),
+        track: engine.track().as_str().to_owned(),
+        version: engine.version(),
+        summary: engine.summary().to_owned(),
+        differences: engine.differences().to_owned(),
+        courses,
+        cost: cost(stats.clone()),
+        status,
+    };
+    Ok((participant, ending.map(|ending| (ending, stats))))
+}
+
+fn cost(stats: RunStats) -> Cost {
+    Cost {
+        wall_s: stats.wall_s,
+        cpu_s: stats.cpu_s,
+        rhs_calls: stats.rhs_calls,
+        steps: stats.steps,
+        rejected_steps: stats.rejected_steps,
+        degrees_of_freedom: stats.degrees_of_freedom,
+        bodies: stats.bodies,
+        step_s: stats.step_s,
+        settings: stats.settings,
+        notes: stats.notes,
+        joint_drift_m: stats.joint_drift_m,
+        recorded: stats.recorded,
+        energy: stats
+            .energy
+            .iter()
+            .map(|e| Energy {
+                from_s: e.from_s,
+                to_s: e.to_s,
+                driver_j: e.driver_j,
+                load_j: e.load_j,
+                kinetic_j: e.kinetic_j,
+                stored_j: e.stored_j,
+                damping_j: e.damping_j,
+                friction_j: e.friction_j,
+                remainder_j: e.remainder_j,
+                remainder_share: e.remainder_share,
+            })
+            .collect(),
+    }
+}
+
+fn context(scene: &Scene) -> Context {
+    Context {
+        scene: scene.name.clone(),
+        description: scene.description.clone(),
+        duration_s: scene.solver.duration_s,
+        load_n_m: Some(load_course::final_load(scene)),
+        load_changes_s: load_course::breaks(&scene.drive),
+        input_speed_rad_s: Some(scene.drive.input_speed_rad_s),
+        friction_coefficient: scene.contact.friction_coefficient,
+        settling_s: (scene.drive.start == Start::Equilibrium).then_some(0.0),
+        ..Context::default()
+    }
+}
+
+/// Longest step of the two runs that differ by a rounding, s.
+const DIVERGENCE_STEP: f64 = 5e-6;
+
+/// What a rounding does to the scene; `None` where nothing is compared or it cannot be measured.
+fn divergence(
+    scene: &Scene,
+    participants: &[Participant],
+    at: Progress<'_>,
+    control: &Control<'_>,
+) -> Result<Option<Divergence>, StudyError> {
+    if participants
+        .iter()
+        .filter(|p| p.status.is_finished())
+        .count()
+        < 2
+    {
+        return Ok(None);
+    }
+    control.check()?;
+    let mut watch = control.watch(scene, at);
+    match divergence::horizon(scene, DIVERGENCE_STEP, &mut watch) {
+        Ok(horizon) => Ok(Some(Divergence {
+            horizon_s: horizon.horizon_s,
+            largest_share: horizon.largest_share,
+            told: horizon.sentence(),
+        })),
+        Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
+        // Another engine may honour a scene that the native one refuses.
+        Err(_) => Ok(None),
+    }
+}

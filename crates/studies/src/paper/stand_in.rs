@@ -1,0 +1,79 @@
+//! The engine that stands in Adams' place: one that finds and resolves contacts itself.
+
+use pinwheel_engines::{Engine, Track, by_name, recorded};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::Scene;
+
+use super::Peer;
+use crate::StudyError;
+use crate::choice::find_or_recorded;
+use crate::control::{Control, Progress, compile};
+
+/// In this order: multibody programs with contacts of their own first, as Adams is one.
+const PREFERRED: [&str; 3] = [
+    "exudyn-own-contact",
+    "mujoco-own-contact",
+    "rapier-own-contact-colliders",
+];
+
+/// The engine named, live or else recorded; or of the preferred ones the first that is recorded or in this build.
+/// `None` if there is none at all.
+///
+/// Recordings go first where none is named: the Python engines take minutes for what this page shows of them.
+///
+/// # Errors
+/// Cancelled; an engine that there is not, that has no contacts of its own, or that does not finish.
+pub fn peer(named: Option<&str>, control: &Control<'_>) -> Result<Option<Peer>, StudyError> {
+    let scene = Scene::load("paper", &[])?;
+    let gearbox = compile(&scene)?;
+    if let Some(name) = named {
+        let engine = find_or_recorded(name, &scene)?;
+        if engine.track() != Track::OwnContact {
+            return Err(StudyError::Input(format!(
+                "--against {name}: takes its contact forces from our law; name an own-contact engine of `pinwheel engines`"
+            )));
+        }
+        return run(engine.as_ref(), &gearbox, String::new(), control).map(Some);
+    }
+    let mut missing = Vec::new();
+    for name in PREFERRED {
+        let recording = recorded::instead(
+            name,
+            &scene,
+            "it takes minutes; name it with --against to run it",
+        );
+        let engine = recording.or_else(|| by_name(name, &scene));
+        match engine.filter(|engine| engine.supports(&scene).is_ok()) {
+            Some(engine) => {
+                let note = if missing.is_empty() {
+                    String::new()
+                } else {
+                    format!("Neither built in nor recorded: {}.", missing.join(", "))
+                };
+                return run(engine.as_ref(), &gearbox, note, control).map(Some);
+            }
+            None => missing.push(name),
+        }
+    }
+    Ok(None)
+}
+
+fn run(
+    engine: &dyn Engine,
+    gearbox: &Gearbox,
+    note: String,
+    control: &Control<'_>,
+) -> Result<Peer, StudyError> {
+    let run = control
+        .engine(engine, gearbox, Progress::new(0, 1, engine.name()))?
+        .map_err(StudyError::Engine)?;
+    let version = engine.version();
+    Ok(Peer {
+        name: format!("{} {version}", engine.name()),
+        live: !version.contains("recorded"),
+        differences: engine.differences().to_owned(),
+        note,
+        courses: run.courses,
+        wall_s: Some(run.stats.wall_s),
+    })
+}

@@ -1,0 +1,116 @@
+//! Courses of the Python engines, kept for builds and machines without them.
+
+use std::fs;
+use std::path::Path;
+
+use pinwheel_engines::recorded::{RECORDED_SCENES, Recording, worth_keeping};
+use pinwheel_engines::{Engine, EngineError, registry};
+use pinwheel_scene::{CheckedScene, Scene};
+
+use crate::StudyError;
+use crate::choice;
+use crate::control::{Control, Progress, compile};
+use crate::output::OutputError;
+use crate::provenance::Provenance;
+
+/// The scenes named (presets or files), or those that recordings are kept of.
+///
+/// # Errors
+/// A scene that cannot be read.
+pub fn scenes(names: &[String]) -> Result<Vec<CheckedScene>, StudyError> {
+    let load = |name: &str| Scene::load(name, &[]).map_err(StudyError::from);
+    if names.is_empty() {
+        return RECORDED_SCENES.into_iter().map(load).collect();
+    }
+    names.iter().map(|name| load(name)).collect()
+}
+
+/// The engines named, or all Python engines of this build.
+///
+/// # Errors
+/// An engine that this build does not have.
+pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, StudyError> {
+    if !names.is_empty() {
+        let named = names.iter().map(|name| choice::find(name.trim(), scene));
+        return Ok(named.collect::<Result<_, _>>()?);
+    }
+    let python = |engine: &dyn Engine| {
+        ["exudyn", "mujoco"]
+            .iter()
+            .any(|peer| engine.name().starts_with(peer))
+    };
+    Ok(registry()
+        .into_iter()
+        .filter(|engine| python(engine.as_ref()))
+        .collect())
+}
+
+/// What became of one recording.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Recorded {
+    /// Kept, with this many samples in so many bytes.
+    Kept {
+        /// Samples.
+        samples: usize,
+        /// Bytes of description and courses.
+        bytes: usize,
+    },
+    /// Not worth keeping, or the engine cannot run the scene; why.
+    Left(String),
+    /// The engine broke; how.
+    Broken(String),
+}
+
+/// Runs `engine` on `scene` and keeps the courses, thinned and rounded, in `out/SCENE/ENGINE.toml` and `.csv`.
+///
+/// # Errors
+/// Cancelled, or a file that cannot be written.
+pub fn record(
+    engine: &dyn Engine,
+    scene: &Scene,
+    out: &Path,
+    control: &Control<'_>,
+) -> Result<Recorded, StudyError> {
+    let label = format!("{} {}", scene.name, engine.name());
+    if let Err(reason) = worth_keeping(engine.name(), scene) {
+        return Ok(Recorded::Left(reason));
+    }
+    let gearbox = compile(scene)?;
+    let run = match control.engine(engine, &gearbox, Progress::new(0, 1, &label))? {
+        Ok(run) => run,
+        Err(error @ EngineError::Failed { .. }) => return Ok(Recorded::Broken(error.to_string())),
+        Err(error) => return Ok(Recorded::Left(error.to_string())),
+    };
+    let mut recording = Recording::new(engine, scene, run);
+    let made = Provenance::here(format!(
+        "pinwheel record {} --engines {}",
+        scene.name,
+        engine.name()
+    ));
+    recording.machine = format!(
+        "{}, {}",
+        made.machine.processor, made.machine.operating_system
+    );
+    recording.date = made.date;
+    recording.command = made.command;
+    let folder = out.join(&scene.name);
+    let path = folder.join(engine.name());
+    let (description, csv) = recording
+        .write()
+        .map_err(|error| OutputError::new(&path, &error))?;
+    let write = || -> std::io::Result<()> {
+        fs::create_dir_all(&folder)?;
+        // The courses first: without a description they are not a recording.
+        for (ending, text) in [("csv", &csv), ("toml", &description)] {
+            let draft = path.with_extension(format!("{ending}.part"));
+            fs::write(&draft, text)?;
+            fs::rename(&draft, path.with_extension(ending))?;
+        }
+        Ok(())
+    };
+    write().map_err(|error| OutputError::new(&path, &error))?;
+    Ok(Recorded::Kept {
+        samples: recording.courses.len(),
+        bytes: csv.len() + description.len(),
+    })
+}

@@ -1,0 +1,204 @@
+//! One scene on one engine: `run.json` and the courses; what was run, how it ended, what it cost, on which machine.
+
+use std::path::Path;
+
+use pinwheel_courses::Courses;
+use pinwheel_engines::{Engine, EngineError, Run, RunStats, Track};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::{CheckedScene, Formulation, Scene};
+use serde::Serialize;
+
+use crate::StudyError;
+use crate::control::{Control, Progress};
+use crate::output::{OutputError, write_json};
+use crate::provenance::{Machine, Provenance};
+use crate::resolution::{self, Resolution};
+
+/// Everything about one run but its courses.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct RunRecord<'a> {
+    pub(crate) engine: &'a str,
+    pub(crate) version: &'a str,
+    pub(crate) track: &'a str,
+    #[serde(flatten)]
+    pub(crate) ending: &'a Ending,
+    /// File with the samples, beside this one.
+    courses: &'static str,
+    samples: usize,
+    #[serde(flatten)]
+    pub(crate) stats: &'a RunStats,
+    /// What the same run at twice the step shows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) resolution: Option<&'a Resolution>,
+    scene: &'a Scene,
+    pinwheel_version: &'static str,
+    machine: &'a Machine,
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "status", rename_all = "lowercase")]
+pub enum Ending {
+    /// Complete courses.
+    Finished,
+    /// The numbers ran away.
+    Diverged {
+        /// When, s.
+        diverged_at_s: f64,
+        /// Which quantity.
+        diverged_quantity: String,
+    },
+}
+
+impl Ending {
+    /// File of the courses.
+    #[must_use]
+    pub fn file(&self) -> &'static str {
+        match self {
+            Self::Finished => "courses.csv",
+            Self::Diverged { .. } => "courses.partial.csv",
+        }
+    }
+}
+
+/// One scene on one engine.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// Name of the engine.
+    pub engine: String,
+    /// Its version.
+    pub version: String,
+    /// Which comparison it belongs to.
+    pub track: Track,
+    /// The scene as run.
+    pub scene: CheckedScene,
+    /// How it ended.
+    pub ending: Ending,
+    /// Courses and cost; of a run that diverged, until then.
+    pub run: Run,
+    /// What the same run at twice the step shows, where that was looked at.
+    pub resolution: Option<Resolution>,
+}
+
+/// Runs the scene of `gearbox` on `engine`; `checked`: a native run is repeated at twice its step, which shows whether the step
+/// resolves the scene. A divergence is a result.
+///
+/// # Errors
+/// Cancelled; an engine that cannot run the scene or fails.
+pub fn run(
+    gearbox: &Gearbox,
+    engine: &dyn Engine,
+    checked: bool,
+    control: &Control<'_>,
+) -> Result<Outcome, StudyError> {
+    let scene = &gearbox.scene;
+    let at = Progress::new(0, 1, engine.name());
+    let (run, ending) = match control.engine(engine, gearbox, at)? {
+        Ok(run) => (run, Ending::Finished),
+        Err(EngineError::Diverged {
+            time_s,
+            quantity,
+            partial,
+            ..
+        }) => (
+            *partial,
+            Ending::Diverged {
+                diverged_at_s: time_s,
+                diverged_quantity: quantity,
+            },
+        ),
+        Err(error) => return Err(StudyError::Engine(error)),
+    };
+    let resolution = if ending == Ending::Finished && checked {
+        check(engine, scene, &run.courses, control)?
+    } else {
+        None
+    };
+    Ok(Outcome {
+        engine: engine.name().to_owned(),
+        version: engine.version(),
+        track: engine.track(),
+        scene: scene.clone(),
+        ending,
+        run,
+        resolution,
+    })
+}
+
+/// What a native run shows at twice its step. The resolved engine has no step of the scene's.
+fn check(
+    engine: &dyn Engine,
+    scene: &CheckedScene,
+    courses: &Courses,
+    control: &Control<'_>,
+) -> Result<Option<Resolution>, StudyError> {
+    let mut scene = scene.clone().into_scene();
+    scene.solver.formulation = match engine.name() {
+        "native-reduced" => Formulation::Reduced,
+        "native-lagrange" => Formulation::Lagrange,
+        _ => return Ok(None),
+    };
+    debug_assert_eq!(engine.track(), Track::Native);
+    let label = format!("{} once more, coarser", engine.name());
+    let mut watch = control.watch(&scene, Progress::new(0, 1, &label));
+    match resolution::check(&scene, courses, &mut watch) {
+        Ok(found) => Ok(Some(found)),
+        Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
+        Err(error) => Err(StudyError::Unrepeated(Box::new(error))),
+    }
+}
+
+impl Outcome {
+    /// Writes `run.json` and `courses.csv`, or `courses.partial.csv` if the run diverged, into the folder `dir`.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+        let record = RunRecord {
+            resolution: self.resolution.as_ref(),
+            ..RunRecord::new(
+                (&self.engine, &self.version, self.track.as_str()),
+                &self.scene,
+                &self.ending,
+                &self.run.stats,
+                made,
+            )
+        };
+        record.write(dir, &self.run.courses)
+    }
+}
+
+impl<'a> RunRecord<'a> {
+    /// The record of a run of `engine` (name, version, track).
+    pub(crate) fn new(
+        (engine, version, track): (&'a str, &'a str, &'a str),
+        scene: &'a Scene,
+        ending: &'a Ending,
+        stats: &'a RunStats,
+        made: &'a Provenance,
+    ) -> Self {
+        Self {
+            engine,
+            version,
+            track,
+            ending,
+            courses: ending.file(),
+            samples: 0,
+            stats,
+            resolution: None,
+            scene,
+            pinwheel_version: made.version,
+            machine: &made.machine,
+        }
+    }
+
+    /// Writes it beside the courses into the folder `dir`.
+    pub(crate) fn write(mut self, dir: &Path, courses: &Courses) -> Result<(), OutputError> {
+        self.samples = courses.len();
+        let path = dir.join(self.courses);
+        courses
+            .save_csv(&path)
+            .map_err(|error| OutputError::new(&path, &error))?;
+        write_json(&dir.join("run.json"), &self)
+    }
+}

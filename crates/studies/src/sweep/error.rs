@@ -1,0 +1,79 @@
+//! What can be wrong with a sweep. Every message is one line: where, what, and the remedy.
+
+use std::path::PathBuf;
+
+use pinwheel_scene::SceneError;
+
+/// Faults of reading, planning or running a sweep.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// The file does not say what to do.
+    #[error("{source_name}, line {line}: {what}; {remedy}")]
+    File {
+        /// The sweep file.
+        source_name: String,
+        /// Line, the first being 1.
+        line: usize,
+        /// What is wrong.
+        what: String,
+        /// How to put it right.
+        remedy: String,
+    },
+    /// A run's scene is refused.
+    #[error("run {number} ({values}): {source}")]
+    Scene {
+        /// Number of the run, the first being 1.
+        number: usize,
+        /// What it varies.
+        values: String,
+        /// Why.
+        source: Box<SceneError>,
+    },
+    /// A run that cannot be planned for another reason.
+    #[error("run {number} ({values}): {what}")]
+    Run {
+        /// Number of the run.
+        number: usize,
+        /// What it varies.
+        values: String,
+        /// What is wrong, with the remedy.
+        what: String,
+    },
+    /// More runs than are planned for.
+    #[error(
+        "the sweep asks for {runs} runs, more than {most}; give shorter lists, or split the sweep"
+    )]
+    TooMany {
+        /// Runs asked for.
+        runs: String,
+        /// The bound.
+        most: usize,
+    },
+    /// A file cannot be read or written.
+    #[error("{}: {source}; check that there is room and that you may write there", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A file of the results cannot be written.
+    #[error(transparent)]
+    Output(#[from] crate::output::OutputError),
+    /// Results cannot be written.
+    #[error("{}: {source}", path.display())]
+    Courses {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: pinwheel_courses::CoursesError,
+    },
+    /// The user asked to stop; finished runs are kept.
+    #[error("stopped after {finished} of {runs} runs")]
+    Stopped {
+        /// Runs that are kept.
+        finished: usize,
+        /// All runs.
+        runs: usize,
+    },
+}

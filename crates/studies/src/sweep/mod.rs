@@ -1,0 +1,29 @@
+//! Studies as data: a base scene, lists or ranges of its keys, and what to keep of every run.
+//!
+//! [`Sweep`] is the file, [`Plan`] every run it asks for as a checked scene, [`execute`] runs them over
+//! all cores with finished runs kept in a [`Journal`], [`results`] lays them out as a table. Every run
+//! is computed by one thread on its own, so the numbers are the same whatever the number of threads.
+
+mod axis;
+mod error;
+mod execute;
+mod file;
+mod journal;
+#[cfg(feature = "parquet")]
+mod parquet_file;
+mod plan;
+mod record;
+mod results;
+mod written;
+
+pub use axis::{Axis, Value};
+pub use error::SweepError;
+pub use execute::execute;
+pub use file::{KeepCourses, MOST_BYTES, Sweep};
+pub use journal::Journal;
+#[cfg(feature = "parquet")]
+pub use parquet_file::{Cells, ParquetFault, load_courses, read_table, save_courses, write_table};
+pub use plan::{MOST_RUNS, Plan, PlannedRun};
+pub use record::{Outcome, RunRecord, Spread};
+pub use results::{Column, Results, costs, results};
+pub use written::write;

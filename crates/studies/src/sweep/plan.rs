@@ -1,0 +1,233 @@
+//! From a sweep to its runs: every combination as a checked scene, before anything is run.
+
+use pinwheel_engines::by_name;
+use pinwheel_scene::{CheckedScene, Override, Scene, SceneError, did_you_mean};
+
+use crate::sweep::axis::Value;
+use crate::sweep::{Sweep, SweepError};
+
+/// Runs of a sweep at most.
+pub const MOST_RUNS: usize = 100_000;
+
+/// One run.
+#[derive(Debug, Clone)]
+pub struct PlannedRun {
+    /// 1, 2, ...
+    pub number: usize,
+    /// Engine.
+    pub engine: String,
+    /// What is varied, in the order of the axes.
+    pub values: Vec<(String, Value)>,
+    /// The scene.
+    pub scene: CheckedScene,
+    /// Start and end of the window that figures are taken of, s.
+    pub window_s: [f64; 2],
+}
+
+/// A sweep and all of its runs.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The sweep.
+    pub sweep: Sweep,
+    /// Its runs; the engine changes fastest, then the last axis.
+    pub runs: Vec<PlannedRun>,
+}
+
+impl Plan {
+    /// Plans a sweep. `overrides` come after the file's own and before what is varied.
+    ///
+    /// # Errors
+    /// A scene that is refused, an engine that does not exist, a window that no run reaches, too many runs.
+    pub fn new(sweep: Sweep, overrides: &[Override]) -> Result<Self, SweepError> {
+        let points = sweep
+            .axes
+            .iter()
+            .try_fold(sweep.engines.len(), |product, axis| {
+                product.checked_mul(axis.len())
+            });
+        let count = points.filter(|&runs| runs <= MOST_RUNS).ok_or_else(|| {
+            let factors = sweep.axes.iter().map(|axis| axis.len().to_string());
+            let factors: Vec<String> = factors.chain([sweep.engines.len().to_string()]).collect();
+            SweepError::TooMany {
+                runs: factors.join(" x "),
+                most: MOST_RUNS,
+            }
+        })?;
+        let mut runs = Vec::with_capacity(count);
+        for point in 0..count / sweep.engines.len() {
+            let values = values_at(&sweep, point);
+            let number = runs.len() + 1;
+            let scene =
+                scene_at(&sweep, overrides, &values).map_err(|source| SweepError::Scene {
+                    number,
+                    values: in_words(&values),
+                    source: Box::new(source),
+                })?;
+            let wrong = |what: String| SweepError::Run {
+                number,
+                values: in_words(&values),
+                what,
+            };
+            let duration = scene.solver.duration_s;
+            let window_s = sweep.window_s.unwrap_or([0.5 * duration, duration]);
+            if window_s[1] > duration * (1.0 + 1e-9) {
+                return Err(wrong(format!(
+                    "window_s ends at {} s, after the run's {duration} s; make solver.duration_s longer or the window earlier",
+                    window_s[1]
+                )));
+            }
+            for name in &sweep.engines {
+                let engine = by_name(name, &scene).ok_or_else(|| {
+                    let registry = pinwheel_engines::registry();
+                    let known: Vec<&str> = registry.iter().map(|engine| engine.name()).collect();
+                    wrong(format!(
+                        "there is no engine `{name}`; {}",
+                        did_you_mean(name, &known)
+                    ))
+                })?;
+                runs.push(PlannedRun {
+                    number: runs.len() + 1,
+                    engine: engine.name().to_owned(),
+                    values: values.clone(),
+                    scene: scene.clone(),
+                    window_s,
+                });
+            }
+        }
+        Ok(Self { sweep, runs })
+    }
+
+    /// Names of the keys that are varied, in the order of the axes.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        let axes = self.sweep.axes.iter();
+        axes.flat_map(|axis| axis.keys.iter().map(|(key, _)| key.as_str()))
+    }
+
+    /// Simulated time of all runs, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.runs
+            .iter()
+            .map(|run| run.scene.solver.duration_s)
+            .sum()
+    }
+}
+
+/// The values at one point of the grid; the last axis changes fastest.
+fn values_at(sweep: &Sweep, point: usize) -> Vec<(String, Value)> {
+    let mut rest = point;
+    let mut places = vec![0; sweep.axes.len()];
+    for (place, axis) in places.iter_mut().zip(&sweep.axes).rev() {
+        *place = rest % axis.len();
+        rest /= axis.len();
+    }
+    let axes = sweep.axes.iter().zip(places);
+    axes.flat_map(|(axis, place)| {
+        axis.keys
+            .iter()
+            .map(move |(key, list)| (key.clone(), list[place].clone()))
+    })
+    .collect()
+}
+
+fn scene_at(
+    sweep: &Sweep,
+    overrides: &[Override],
+    values: &[(String, Value)],
+) -> Result<CheckedScene, SceneError> {
+    let varied = values
+        .iter()
+        .map(|(key, value)| Override::new(key.clone(), value.to_toml()));
+    let all: Vec<Override> = sweep
+        .set
+        .iter()
+        .chain(overrides)
+        .cloned()
+        .chain(varied)
+        .collect();
+    Scene::load(&sweep.scene, &all)
+}
+
+/// `gear.backlash_m = 0.0003, contact.damping_n_s_m = 8`.
+pub(crate) fn in_words(values: &[(String, Value)]) -> String {
+    let words: Vec<String> = values
+        .iter()
+        .map(|(key, value)| format!("{key} = {value}"))
+        .collect();
+    if words.is_empty() {
+        "the scene as it is".to_owned()
+    } else {
+        words.join(", ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn plan(text: &str) -> Result<Plan, String> {
+        let sweep = Sweep::from_toml(text, Path::new("mine.toml")).unwrap();
+        Plan::new(sweep, &[]).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn every_combination_in_order() {
+        let plan = plan(
+            "engines = [\"native-reduced\", \"native-lagrange\"]\n[vary]\ngear.backlash_m = [0.0, 1e-4]\n\
+             contact.law = [\"paper\", \"constant\"]\n[[together]]\ngear.wheels = [1, 2]\ndrive.output_torque_n_m = [11.0, 22.0]\n",
+        )
+        .unwrap();
+        assert_eq!(plan.runs.len(), 16);
+        assert!(
+            plan.runs
+                .iter()
+                .enumerate()
+                .all(|(k, run)| run.number == k + 1)
+        );
+        let third = &plan.runs[2];
+        assert_eq!(third.engine, "native-reduced");
+        assert_eq!(
+            (third.scene.gear.wheels, third.scene.drive.output_torque_n_m),
+            (2, 22.0)
+        );
+        assert_eq!(
+            in_words(&third.values),
+            "gear.backlash_m = 0, contact.law = paper, gear.wheels = 2, drive.output_torque_n_m = 22"
+        );
+        assert_eq!(plan.runs[4].scene.contact.law, "constant");
+        assert_eq!(plan.runs[8].scene.gear.backlash_m, 1e-4);
+        assert_eq!(plan.keys().count(), 4);
+    }
+
+    #[test]
+    fn faults_name_the_run() {
+        for (text, part) in [
+            ("[vary]\ngear.wheels = [1, 0]", "run 2 (gear.wheels = 0): "),
+            (
+                "[vary]\ngear.bcklash_m = [0.0]",
+                "did you mean `gear.backlash_m`?",
+            ),
+            (
+                "engines = [\"native-reducd\"]",
+                "did you mean `native-reduced`?",
+            ),
+            (
+                "window_s = [0.1, 0.7]",
+                "run 1 (the scene as it is): window_s ends at 0.7 s",
+            ),
+            ("scene = \"papr\"", "did you mean the preset `paper`?"),
+            (
+                "[vary]\ngear.backlash_m = { from = 0.0, to = 1e-3, points = 1000 }\ncontact.damping_n_s_m = { from = 1.0, to = 9.0, points = 1000 }",
+                "1000 x 1000 x 1 runs, more than 100000",
+            ),
+        ] {
+            let line = plan(text).unwrap_err();
+            assert!(
+                line.contains(part) && !line.contains('\n'),
+                "{text}: {line}"
+            );
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! The table of a sweep: a row a run, a column a key or figure.
+
+use std::io::Write;
+
+use pinwheel_compare::limits::fits;
+use pinwheel_courses::CoursesError;
+
+use crate::sweep::axis::Value;
+use crate::sweep::record::{Outcome, RunRecord, Spread};
+use crate::sweep::{Plan, PlannedRun};
+
+/// Values of one column, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Column {
+    /// Numbers, with the unit in the column's name.
+    Number(Vec<Option<f64>>),
+    /// Whole numbers.
+    Whole(Vec<Option<i64>>),
+    /// Words.
+    Text(Vec<Option<String>>),
+}
+
+/// A table.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Results {
+    /// Names and values; all have as many rows as there are runs.
+    pub columns: Vec<(String, Column)>,
+}
+
+/// Figures in the order of their columns.
+const FIGURES: [(&str, fn(&Spread) -> f64); 5] = [
+    ("mean", |s| s.mean),
+    ("min", |s| s.min),
+    ("max", |s| s.max),
+    ("rms", |s| s.rms),
+    ("peak", |s| s.peak),
+];
+
+/// The results of all runs, in the plan's order: the same whatever the number of threads.
+#[must_use]
+pub fn results(plan: &Plan, records: &[RunRecord]) -> Results {
+    let mut table = Results::default();
+    let rows = || plan.runs.iter().zip(records);
+    let text = |of: &dyn Fn(&PlannedRun, &RunRecord) -> String| {
+        let cell = |text: String| (!text.is_empty()).then_some(text);
+        Column::Text(rows().map(|(run, record)| cell(of(run, record))).collect())
+    };
+    let number = |of: &dyn Fn(&RunRecord) -> Option<f64>| {
+        Column::Number(rows().map(|(_, record)| of(record)).collect())
+    };
+    let whole = |of: &dyn Fn(&PlannedRun, &RunRecord) -> usize| {
+        let cell = |value: usize| i64::try_from(value).ok();
+        Column::Whole(rows().map(|(run, record)| cell(of(run, record))).collect())
+    };
+    let mut push = |name: &str, column: Column| table.columns.push((name.to_owned(), column));
+    push("run", whole(&|run, _| run.number));
+    push("engine", text(&|run, _| run.engine.clone()));
+    for (place, key) in plan.keys().enumerate() {
+        push(key, varied(plan, place));
+    }
+    push(
+        "status",
+        text(&|_, record| record.outcome.word().to_owned()),
+    );
+    let diverged = |record: &RunRecord| match record.outcome {
+        Outcome::Diverged { time_s, .. } => Some(time_s),
+        _ => None,
+    };
+    push("diverged_at_s", number(&diverged));
+    push("window_from_s", number(&|record| Some(record.window_s[0])));
+    push("window_to_s", number(&|record| Some(record.window_s[1])));
+    push("efficiency", number(&|record| record.efficiency));
+    push(
+        "energy_remainder_share",
+        number(&|record| record.energy_remainder_share),
+    );
+    push("steps", whole(&|_, record| record.steps as usize));
+    push("rhs_calls", whole(&|_, record| record.rhs_calls as usize));
+    for quantity in quantities(plan, records) {
+        for (figure, of) in FIGURES {
+            let value = |record: &RunRecord| record.figures.get(quantity).map(of);
+            push(&format!("{figure}_{quantity}"), number(&value));
+        }
+    }
+    push(
+        "reason",
+        text(&|_, record| record.outcome.reason().to_owned()),
+    );
+    table
+}
+
+/// What each run cost: not part of the results, as no two runs cost the same.
+#[must_use]
+pub fn costs(plan: &Plan, records: &[RunRecord]) -> Results {
+    let rows = || plan.runs.iter().zip(records);
+    let columns = vec![
+        (
+            "run",
+            Column::Whole(
+                rows()
+                    .map(|(run, _)| i64::try_from(run.number).ok())
+                    .collect(),
+            ),
+        ),
+        (
+            "engine",
+            Column::Text(rows().map(|(run, _)| Some(run.engine.clone())).collect()),
+        ),
+        (
+            "wall_s",
+            Column::Number(rows().map(|(_, record)| Some(record.wall_s)).collect()),
+        ),
+        (
+            "cpu_s",
+            Column::Number(rows().map(|(_, record)| Some(record.cpu_s)).collect()),
+        ),
+    ];
+    Results {
+        columns: columns
+            .into_iter()
+            .map(|(name, column)| (name.to_owned(), column))
+            .collect(),
+    }
+}
+
+/// Quantities of the records that the sweep measures, in the order they first appear.
+fn quantities<'a>(plan: &Plan, records: &'a [RunRecord]) -> Vec<&'a str> {
+    let mut list: Vec<&str> = Vec::new();
+    for name in records.iter().flat_map(|record| &record.quantities) {
+        let wanted = plan.sweep.measure.iter().any(|pattern| fits(pattern, name));
+        if wanted && !list.contains(&name.as_str()) {
+            list.push(name);
+        }
+    }
+    list
+}
+
+/// The column of a varied key: numbers if all of its values are.
+fn varied(plan: &Plan, place: usize) -> Column {
+    let values: Vec<&Value> = plan.runs.iter().map(|run| &run.values[place].1).collect();
+    let whole = |value: &&Value| match value {
+        Value::Whole(x) => Some(*x),
+        _ => None,
+    };
+    if values.iter().all(|value| whole(value).is_some()) {
+        Column::Whole(values.iter().map(whole).collect())
+    } else if values.iter().all(|value| value.number().is_some()) {
+        Column::Number(values.iter().map(|value| value.number()).collect())
+    } else {
+        Column::Text(values.iter().map(|value| Some(value.to_string())).collect())
+    }
+}
+
+impl Results {
+    /// The column of a name.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&Column> {
+        self.columns
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, column)| column)
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |(_, column)| column.len())
+    }
+
+    /// Writes CSV: a header row, numbers with every digit, empty cells where there is no value.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn write_csv(&self, sink: impl Write) -> Result<(), CoursesError> {
+        let mut writer = csv::Writer::from_writer(sink);
+        writer.write_record(self.columns.iter().map(|(name, _)| name))?;
+        for row in 0..self.rows() {
+            writer.write_record(self.columns.iter().map(|(_, column)| column.cell(row)))?;
+        }
+        writer.flush().map_err(csv::Error::from)?;
+        Ok(())
+    }
+
+    /// Writes Parquet with the same columns.
+    ///
+    /// # Errors
+    /// The writer's.
+    #[cfg(feature = "parquet")]
+    pub fn write_parquet(&self, sink: impl Write + Send) -> Result<(), crate::sweep::ParquetFault> {
+        use crate::sweep::Cells;
+        let cells = |column: &Column| match column {
+            Column::Number(values) => Cells::Number(values.clone()),
+            Column::Whole(values) => Cells::Whole(values.clone()),
+            Column::Text(values) => Cells::Text(values.clone()),
+        };
+        let columns = self
+            .columns
+            .iter()
+            .map(|(name, column)| (name.clone(), cells(column)));
+        crate::sweep::write_table(sink, &columns.collect::<Vec<_>>())
+    }
+}
+
+impl Column {
+    /// Number of values.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Number(values) => values.len(),
+            Self::Whole(values) => values.len(),
+            Self::Text(values) => values.len(),
+        }
+    }
+
+    /// True without any.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The value of a row as text; empty where there is none.
+    #[must_use]
+    pub fn cell(&self, row: usize) -> String {
+        let text = match self {
+            Self::Number(values) => values.get(row).copied().flatten().map(|x| x.to_string()),
+            Self::Whole(values) => values.get(row).copied().flatten().map(|x| x.to_string()),
+            Self::Text(values) => values.get(row).cloned().flatten(),
+        };
+        text.unwrap_or_default()
+    }
+}

@@ -1,0 +1,85 @@
+//! The files of a sweep's output folder.
+
+use std::path::Path;
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use super::{Column, Journal, Plan, Results, RunRecord, SweepError, costs};
+use crate::output::{self, OutputError, write_text, write_with};
+use crate::provenance::{Provenance, Summary};
+
+/// Payload of `summary.json`: what was run and every row of the results.
+#[derive(Serialize)]
+struct Found<'a> {
+    name: &'a str,
+    description: &'a str,
+    scene: &'a str,
+    keys: Vec<&'a str>,
+    engines: &'a [String],
+    runs: usize,
+    finished: usize,
+    rows: Vec<Map<String, Value>>,
+}
+
+/// Writes the results (`table`, of [`results`](super::results)) as CSV and, with the feature, as Parquet, the costs,
+/// the sweep's file, every run's record and `summary.json` into the folder `dir`.
+///
+/// # Errors
+/// A file cannot be written, or a record that the journal holds cannot be read.
+pub fn write(
+    dir: &Path,
+    plan: &Plan,
+    records: &[RunRecord],
+    table: &Results,
+    journal: &Journal,
+    made: &Provenance,
+) -> Result<(), SweepError> {
+    write_with(dir, "results.csv", |sink| table.write_csv(sink))?;
+    write_with(dir, "costs.csv", |sink| {
+        costs(plan, records).write_csv(sink)
+    })?;
+    #[cfg(feature = "parquet")]
+    {
+        let path = dir.join("results.parquet");
+        let failed = |error: &dyn std::fmt::Display| OutputError::new(&path, error);
+        let file = std::fs::File::create(&path).map_err(|error| failed(&error))?;
+        table.write_parquet(file).map_err(|error| failed(&error))?;
+    }
+    write_text(&dir.join("sweep.toml"), &plan.sweep.text)?;
+    let runs = output::folder(dir, "runs")?;
+    for (run, record) in plan.runs.iter().zip(records) {
+        journal.copy(record, run.number, &runs)?;
+    }
+    let sweep = &plan.sweep;
+    let found = Found {
+        name: &sweep.name,
+        description: &sweep.description,
+        scene: &sweep.scene,
+        keys: plan.keys().collect(),
+        engines: &sweep.engines,
+        runs: records.len(),
+        finished: records
+            .iter()
+            .filter(|record| record.outcome.word() == "finished")
+            .count(),
+        rows: rows(table),
+    };
+    Ok(Summary::new(made, found).write(dir)?)
+}
+
+fn rows(table: &Results) -> Vec<Map<String, Value>> {
+    let cell = |column: &Column, row: usize| match column {
+        Column::Number(values) => values[row].map(Value::from),
+        Column::Whole(values) => values[row].map(Value::from),
+        Column::Text(values) => values[row].clone().map(Value::from),
+    };
+    (0..table.rows())
+        .map(|row| {
+            let columns = table.columns.iter();
+            columns
+                .map(|(name, column)| (name.clone(), cell(column, row).unwrap_or(Value::Null)))
+                .collect()
+        })
+        .collect()
+}
