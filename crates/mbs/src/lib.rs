@@ -7,7 +7,9 @@
 pub mod benchmarks;
 pub mod elements;
 pub mod integrators;
+mod jacobian;
 mod lagrange;
+mod lu;
 mod mechanism;
 mod ode;
 mod reduced;
@@ -16,6 +18,7 @@ pub mod sliding;
 mod state;
 mod tree;
 
+pub use jacobian::{Arrow, Jacobian, Structure};
 pub use lagrange::{Lagrange, Stabilisation};
 pub use mechanism::{Body, BodyId, Driver, Forces, Mechanism, MechanismError, Motion, Revolute};
 pub use ode::{ErrorScales, Formulation, Observation, OdeSystem};

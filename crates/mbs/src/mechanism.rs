@@ -7,6 +7,7 @@
 //! parent takes the opposite. A driver prescribes `angle_child - angle_parent = f(t)`; its
 //! multiplier is the torque **on the child**.
 
+use crate::jacobian::Jacobian;
 use crate::sliding::{Contact, RateStage};
 use crate::{BodyState, ContactEnergy};
 
@@ -216,6 +217,15 @@ pub trait Forces {
         _stage: &mut RateStage<'_>,
     ) -> Option<bool> {
         None
+    }
+
+    /// Adds to `slopes` how the moments about the pins change with the free angles (N m/rad), the free rates (N m s/rad) and
+    /// the time (N m/s), rows and columns in the order of [`Reduced::free_bodies`](crate::Reduced::free_bodies).
+    ///
+    /// A moment about a pin is that of [`Reduced`](crate::Reduced): loads of carried bodies included. False, the default, and
+    /// nothing was added: they are not known.
+    fn moment_slopes(&mut self, _time: f64, _bodies: &[BodyState], _slopes: &mut Jacobian) -> bool {
+        false
     }
 
     /// From now on the loads are those of the leg which begins at `from` (s), at its end too, until the next call;

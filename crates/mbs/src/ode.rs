@@ -1,5 +1,6 @@
 //! What an integrator needs to know of a system, and what a formulation tells of its state.
 
+use crate::jacobian::{Jacobian, Structure};
 use crate::{BodyState, ContactEnergy, Wrench};
 
 /// y' = f(t, y).
@@ -18,6 +19,21 @@ pub trait OdeSystem {
     fn split_stage(&mut self, t: f64, _a: f64, y: &mut [f64], e: &mut [f64], i: &mut [f64]) {
         self.derivative(t, y, e);
         i.fill(0.0);
+    }
+
+    /// How f depends on y, for methods that solve with df/dy; by default nothing is known.
+    ///
+    /// [`Structure::SecondOrder`] promises that the first half of f is the second half of y.
+    fn structure(&self) -> Structure {
+        Structure::FirstOrder
+    }
+
+    /// Adds df/dy and df/dt at (t, y) to `jacobian`, which has this system's [`structure`](Self::structure) and holds 0.
+    ///
+    /// False, the default, and nothing was added: the slopes are not known, and methods take differences. They must be
+    /// exact: Rosenbrock methods lose their order with the digits of the Jacobian.
+    fn jacobian(&mut self, _t: f64, _y: &[f64], _jacobian: &mut Jacobian) -> bool {
+        false
     }
 
     /// Size of an error in each component that counts as 1, for methods that choose their steps:

@@ -15,6 +15,7 @@
 //! Friction may be treated implicitly ([`OdeSystem::split_stage`]): a contact's sliding speed is
 //! linear in the free rates, `u = offset + J v`, and `-J' F_t` is what its friction does to them.
 
+use crate::jacobian::{Jacobian, Structure};
 use crate::mechanism::{BodyId, Forces, Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
 use crate::sliding::{Angle, PinnedContacts, RateStage};
@@ -38,6 +39,7 @@ pub struct Reduced<F> {
     /// Lumped moment of inertia of every body.
     inertia: Vec<f64>,
     free: Vec<BodyId>,
+    leaves: Vec<BodyId>,
     /// Of the free bodies.
     free_inertia: Vec<f64>,
     /// Their inverses: a division for every body and evaluation would be a tenth of the time of a small gear.
@@ -139,6 +141,7 @@ impl<F: Forces> Reduced<F> {
             contacts: PinnedContacts::new(angles.clone(), carrier_of, free.clone(), moving.clone()),
             free_inverse: moving.iter().map(|inertia| inertia.recip()).collect(),
             free_inertia: moving,
+            leaves: Vec::new(),
             forces,
             angles,
             carried,
@@ -155,10 +158,11 @@ impl<F: Forces> Reduced<F> {
     }
 
     /// Declares bodies that never touch each other and carry nothing: their rates are eliminated first when
-    /// friction is treated implicitly. Without them every contact problem is solved densely.
+    /// friction is treated implicitly, and whenever a method solves with the Jacobian. Without them both are dense.
     #[must_use]
     pub fn with_leaves(mut self, leaves: &[BodyId]) -> Self {
         self.contacts.set_leaves(leaves);
+        self.leaves = leaves.to_vec();
         self
     }
 
@@ -340,6 +344,21 @@ impl<F: Forces> OdeSystem for Reduced<F> {
             e[n + k] += self.moments[body] * self.free_inverse[k];
         }
         e[..n].copy_from_slice(&y[n..]);
+    }
+
+    fn structure(&self) -> Structure {
+        Structure::SecondOrder {
+            is_leaf: self.free.iter().map(|b| self.leaves.contains(b)).collect(),
+        }
+    }
+
+    fn jacobian(&mut self, t: f64, y: &[f64], jacobian: &mut Jacobian) -> bool {
+        self.place(t, y);
+        let known = self.forces.moment_slopes(t, &self.bodies, jacobian);
+        if known {
+            jacobian.scale_rows(&self.free_inverse);
+        }
+        known
     }
 
     fn enter_leg(&mut self, from: f64) {

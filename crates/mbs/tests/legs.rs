@@ -3,6 +3,9 @@
 use pinwheel_mbs::OdeSystem;
 use pinwheel_mbs::integrators::{Legs, METHODS, MethodInfo, StepSettings, Stepper, start};
 
+mod bounds;
+use bounds::holds;
+
 /// Times at which the push changes: never on a step of 0.02 or half of it, and where the second push ramps.
 const BREAKS: [f64; 3] = [0.507_3, 1.204_1, 1.404_1];
 const END: f64 = 2.0;
@@ -107,13 +110,19 @@ fn hard_fixed_steps_keep_their_order_over_a_jump() {
             method.name
         );
         let expected = f64::from(method.order);
-        assert!((kept - expected).abs() < 0.3, "{}: {kept}", method.name);
-        assert!(lost < 1.4, "{}: {lost} over the jump", method.name);
+        holds(
+            method.name,
+            "order in legs",
+            kept,
+            expected - 0.3..expected + 0.3,
+        );
+        holds(method.name, "order over the jump", lost, ..1.4);
     }
 }
 
 /// In legs the tolerance is kept and costs what a smooth run costs. Without, the step control sees the jump and
-/// creeps up to it: measured 2.3 (`dopri5`) and 5.3 times (`dop853`) the evaluations, and twenty times the tolerance.
+/// creeps up to it: measured 2.3 (`dopri5`), 5.3 (`dop853`) and 2.7 times (`rodas5p`) the evaluations, and 21 to 69 times
+/// the error.
 #[test]
 fn hard_adaptive_steps_keep_their_tolerance_over_a_jump() {
     for method in METHODS.iter().filter(|m| m.adaptive) {
@@ -124,13 +133,15 @@ fn hard_adaptive_steps_keep_their_tolerance_over_a_jump() {
             "{} at {tolerance:e}: {kept:.1e} in {calls} evaluations in legs, {lost:.1e} in {more} without",
             method.name
         );
-        assert!(kept < 3.0 * tolerance, "{}: {kept:e}", method.name);
+        holds(method.name, "error in legs", kept, ..3.0 * tolerance);
         if method.order >= 4 {
-            assert!(lost > 5.0 * tolerance, "{}: {lost:e}", method.name);
-            assert!(
-                more > calls * 3 / 2,
-                "{}: {more} after {calls}",
-                method.name
+            holds(method.name, "error over the jump", lost, 10.0 * kept..);
+            let dearer = more as f64 / calls as f64;
+            holds(
+                method.name,
+                "calls over the jump per call in legs",
+                dearer,
+                1.5..,
             );
         }
     }
@@ -151,7 +162,12 @@ fn a_break_on_the_grid_shortens_nothing() {
         for n in 1..=128 {
             run.step(&mut system).unwrap();
             let off = (run.time() - f64::from(n) * step).abs();
-            assert!(off < 1e-13, "{}: step {n} is off by {off:e}", method.name);
+            holds(
+                method.name,
+                &format!("distance of step {n} from the grid"),
+                off,
+                ..1e-13,
+            );
         }
         assert_eq!(run.counts().steps, 128);
         assert_eq!(run.end(), f64::INFINITY);

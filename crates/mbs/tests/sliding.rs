@@ -5,9 +5,12 @@ use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::integrators::{StepSettings, start};
 use pinwheel_mbs::sliding::{Arrowhead, Contact, Row, SlidingProblem, Slip};
 use pinwheel_mbs::{
-    Body, BodyState, Forces, Formulation, Mechanism, OdeSystem, Reduced, Revolute, Wrench,
+    Body, BodyState, Forces, Formulation, Jacobian, Mechanism, OdeSystem, Reduced, Revolute, Wrench,
 };
 use proptest::prelude::*;
+
+mod bounds;
+use bounds::holds;
 
 const HUBS: usize = 3;
 const LEAVES: usize = 5;
@@ -128,6 +131,24 @@ impl Forces for Brake {
         loads[1].moment += 2.0 * RADIUS * friction;
     }
 
+    fn moment_slopes(&mut self, _: f64, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
+        let levers = [RADIUS, 2.0 * RADIUS];
+        let sliding = levers[0] * bodies[0].rate + levers[1] * bodies[1].rate;
+        if sliding.abs() < self.ramp {
+            let (_, rate, _) = slopes.parts_mut();
+            for (row, a) in levers.iter().enumerate() {
+                for (column, b) in levers.iter().enumerate() {
+                    rate.add(
+                        row,
+                        column,
+                        -self.coefficient * self.normal / self.ramp * a * b,
+                    );
+                }
+            }
+        }
+        true
+    }
+
     fn apply_without_friction(
         &mut self,
         _: f64,
@@ -178,12 +199,19 @@ fn brake(normal: f64, ramp: f64) -> Reduced<Brake> {
         .with_leaves(&[0])
 }
 
-fn run(mut system: Reduced<Brake>, method: &str, step: f64, end: f64) -> (Vec<f64>, u64) {
+fn run(system: Reduced<Brake>, method: &str, step: f64, end: f64) -> (Vec<f64>, u64) {
+    run_to(system, method, step, 1e-4, end)
+}
+
+fn run_to(
+    mut system: Reduced<Brake>,
+    method: &str,
+    step: f64,
+    tolerance: f64,
+    end: f64,
+) -> (Vec<f64>, u64) {
     let y = system.initial();
-    let settings = StepSettings {
-        step,
-        tolerance: 1e-4,
-    };
+    let settings = StepSettings { step, tolerance };
     let mut stepper = start(method, settings, 0.0, &y).expect("registered");
     while stepper.time() < end - 1e-12 {
         stepper.step(&mut system).expect("finite");
@@ -201,8 +229,37 @@ fn a_brake_slides_and_then_sticks() {
         let (y, _) = run(brake(100.0, 1e-10), method, 1e-4, 5e-3);
         // Angular momentum J0 w0 - J1 w1/2 is kept (radii 1 : 2) and w0 = -2 w1.
         let w1 = -1e-6 * 100.0 / (2e-6 + 1e-4 / 2.0);
-        assert!((y[3] / w1 - 1.0).abs() < 1e-6, "{method}: {} {w1}", y[3]);
-        assert!((y[2] + 2.0 * y[3]).abs() < 1e-8, "{method}: {}", y[2]);
+        holds(
+            method,
+            "relative error of the rate",
+            (y[3] / w1 - 1.0).abs(),
+            ..1e-6,
+        );
+        holds(method, "slip, rad/s", (y[2] + 2.0 * y[3]).abs(), ..1e-8);
+    }
+}
+
+/// A method with the Jacobian comes to rest too, at relaxations of 1.2e8 1/s, where its errors are smaller than the ramp
+/// (1e-3 rad/s). With larger ones it jumps to and fro over the ramp, which it then never sees: measured 5e5 evaluations
+/// at a tolerance of 1e-4.
+#[test]
+fn a_brake_slides_and_then_sticks_by_its_slopes() {
+    let (method, w1) = ("rodas5p", -1e-6 * 100.0 / (2e-6 + 1e-4 / 2.0));
+    for tolerance in [1e-5, 1e-6] {
+        let (y, calls) = run_to(brake(100.0, 1e-5), method, 1e-4, tolerance, 5e-3);
+        println!(
+            "{tolerance:e} {} {} {calls}",
+            y[3] / w1 - 1.0,
+            y[2] + 2.0 * y[3]
+        );
+        holds(
+            method,
+            "relative error of the rate",
+            (y[3] / w1 - 1.0).abs(),
+            ..1e-6,
+        );
+        holds(method, "slip, rad/s", (y[2] + 2.0 * y[3]).abs(), ..1e-8);
+        holds(method, "evaluations", calls as f64, ..1e3);
     }
 }
 
@@ -219,7 +276,7 @@ fn without_contact_forces_nothing_is_implicit() {
 #[test]
 fn explicit_methods_do_not_bring_the_brake_to_rest() {
     let (y, _) = run(brake(100.0, 1e-6), "rk2", 1e-4, 5e-3);
-    assert!((y[2] + 2.0 * y[3]).abs() > 1.0, "{}", y[2]);
+    holds("rk2", "slip, rad/s", (y[2] + 2.0 * y[3]).abs(), 1.0..);
 }
 
 /// A contact between two leaves cannot be eliminated: NaN, never a wrong number.

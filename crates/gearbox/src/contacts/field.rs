@@ -2,7 +2,7 @@
 
 pub use pinwheel_mbs::ContactEnergy;
 use pinwheel_mbs::sliding::RateStage;
-use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_mbs::{BodyState, Jacobian, Wrench};
 
 use crate::Sleeve;
 
@@ -89,5 +89,13 @@ pub trait ContactField: Send {
         _stage: &mut RateStage<'_>,
     ) -> Option<bool> {
         None
+    }
+
+    /// Adds to `slopes` how the moments about the pins change with the free angles, the free rates and the time, where the
+    /// input turns at a constant rate; false, and nothing was added, if this field has no way to. See
+    /// [`Forces::moment_slopes`](pinwheel_mbs::Forces::moment_slopes). Free are all bodies but the input, in their order,
+    /// and without friction the output and the wheels alone.
+    fn add_slopes(&mut self, _bodies: &[BodyState], _slopes: &mut Jacobian) -> bool {
+        false
     }
 }

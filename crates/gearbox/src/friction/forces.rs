@@ -1,7 +1,7 @@
 //! Contact forces and the load as the mechanism's applied forces, whole or with the friction told apart.
 
 use pinwheel_mbs::sliding::{Contact, RateStage};
-use pinwheel_mbs::{BodyState, ContactEnergy, Forces, Wrench};
+use pinwheel_mbs::{BodyState, ContactEnergy, Forces, Jacobian, Wrench};
 
 use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
@@ -102,6 +102,19 @@ impl Forces for GearForces<'_> {
         let solved = self.field.solve_friction(bodies, loads, stage)?;
         loads[Layout::OUTPUT].moment += self.load.torque(time);
         Some(solved)
+    }
+
+    fn moment_slopes(&mut self, time: f64, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
+        if !self.field.add_slopes(bodies, slopes) {
+            return false;
+        }
+        let load = &self.load;
+        if (load.from_s..load.settled_s()).contains(&time) {
+            // The output is the first of the free bodies.
+            let (_, _, by_time) = slopes.parts_mut();
+            by_time[0] += (load.after_n_m - load.before_n_m) / load.ramp_s;
+        }
+        true
     }
 
     fn enter_leg(&mut self, from: f64) {

@@ -119,6 +119,7 @@ impl<S: OdeSystem> Stepper<S> for Legs<S> {
             steps: self.past.steps + now.steps,
             rejected: self.past.rejected + now.rejected,
             evaluations: self.past.evaluations + now.evaluations,
+            jacobians: self.past.jacobians + now.jacobians,
         }
     }
 }

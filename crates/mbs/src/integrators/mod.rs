@@ -1,4 +1,5 @@
-//! Integrators of y' = f(t, y). Each method is one file; [`METHODS`] is the registry.
+//! Integrators of y' = f(t, y). Each method is one file and one row of the table below, which [`METHODS`] and [`start`]
+//! are made of.
 //!
 //! All methods hand out the state at any time inside the last step, so that samples never cut
 //! steps: a run takes the same steps whatever is recorded.
@@ -13,6 +14,8 @@ mod imex_adaptive;
 mod legs;
 mod midpoint;
 mod rk4;
+mod rodas5p;
+mod rodas5p_coefficients;
 
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
@@ -20,6 +23,7 @@ pub use explicit::{FixedStep, Tableau};
 pub use imex::ImexFixed;
 pub use imex_adaptive::ImexAdaptive;
 pub use legs::Legs;
+pub use rodas5p::Rodas5p;
 
 use crate::OdeSystem;
 
@@ -39,8 +43,10 @@ pub struct StepCounts {
     pub steps: u64,
     /// Rejected steps.
     pub rejected: u64,
-    /// Evaluations of f.
+    /// Evaluations of f, those for differences included.
     pub evaluations: u64,
+    /// Jacobians, whether the system's own or by differences.
+    pub jacobians: u64,
 }
 
 /// Why no further step can be made.
@@ -92,16 +98,38 @@ pub struct MethodInfo {
     pub adaptive: bool,
 }
 
-/// All methods.
-pub const METHODS: &[MethodInfo] = &[
-    heun::INFO,
-    midpoint::INFO,
-    rk4::INFO,
-    dopri5::INFO,
-    dop853::INFO,
-    imex::INFO,
-    imex_adaptive::INFO,
-];
+/// The table of all methods: a row is a module, whose `INFO` says what users are told, and how a run begins.
+macro_rules! methods {
+    (|$settings:ident, $t:ident, $y:ident| $($module:ident => $begin:expr,)*) => {
+        /// All methods.
+        pub const METHODS: &[MethodInfo] = &[$($module::INFO),*];
+
+        /// Starts the method `name` at (t, y). `None`: no such method.
+        #[must_use]
+        pub fn start<S: OdeSystem>(
+            name: &str,
+            $settings: StepSettings,
+            $t: f64,
+            $y: &[f64],
+        ) -> Option<Box<dyn Stepper<S>>> {
+            $(if name == $module::INFO.name {
+                return Some(Box::new($begin));
+            })*
+            None
+        }
+    };
+}
+
+methods! { |settings, t, y|
+    heun => FixedStep::new(&heun::TABLEAU, settings.step, t, y),
+    midpoint => FixedStep::new(&midpoint::TABLEAU, settings.step, t, y),
+    rk4 => FixedStep::new(&rk4::TABLEAU, settings.step, t, y),
+    dopri5 => Dopri5::new(settings.step, settings.tolerance, t, y),
+    dop853 => Dop853::new(settings.step, settings.tolerance, t, y),
+    imex => ImexFixed::new(settings.step, t, y),
+    imex_adaptive => ImexAdaptive::new(settings.step, settings.tolerance, t, y),
+    rodas5p => Rodas5p::new(settings.step, settings.tolerance, t, y),
+}
 
 /// A step cut to its first seven binary digits, by less than 1.6 %.
 ///
@@ -111,36 +139,4 @@ pub const METHODS: &[MethodInfo] = &[
 /// error. Short steps absorb these roundings, so that all processors take the same ones.
 pub(crate) fn short_step(h: f64) -> f64 {
     f64::from_bits(h.to_bits() & !((1 << 46) - 1))
-}
-
-/// Starts the method `name` at (t, y). `None`: no such method.
-#[must_use]
-pub fn start<S: OdeSystem>(
-    name: &str,
-    settings: StepSettings,
-    t: f64,
-    y: &[f64],
-) -> Option<Box<dyn Stepper<S>>> {
-    let fixed = |tableau| -> Option<Box<dyn Stepper<S>>> {
-        Some(Box::new(FixedStep::new(tableau, settings.step, t, y)))
-    };
-    match name {
-        "rk2" => fixed(&heun::TABLEAU),
-        "rk2-midpoint" => fixed(&midpoint::TABLEAU),
-        "rk4" => fixed(&rk4::TABLEAU),
-        "dopri5" => {
-            let StepSettings { step, tolerance } = settings;
-            Some(Box::new(Dopri5::new(step, tolerance, t, y)))
-        }
-        "dop853" => {
-            let StepSettings { step, tolerance } = settings;
-            Some(Box::new(Dop853::new(step, tolerance, t, y)))
-        }
-        "imex2-adaptive" => {
-            let StepSettings { step, tolerance } = settings;
-            Some(Box::new(ImexAdaptive::new(step, tolerance, t, y)))
-        }
-        "imex2" => Some(Box::new(ImexFixed::new(settings.step, t, y))),
-        _ => None,
-    }
 }

@@ -10,12 +10,13 @@ mod listing;
 mod loads;
 mod shapes;
 mod sliding;
+mod slopes;
 mod walk;
 
 use pinwheel_contact::{Law, NormalLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::sliding::RateStage;
-use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_mbs::{BodyState, Jacobian, Wrench};
 use pulp::Simd;
 
 use super::detection::Exact;
@@ -29,6 +30,7 @@ use listing::{Listing, Visit};
 use loads::Loads;
 use shapes::Shapes;
 use sliding::{Sliding, Split};
+use slopes::Slopes;
 use walk::{Sink, walk};
 
 /// The contact field with exact detection, in lanes.
@@ -119,6 +121,18 @@ impl<L: NormalLaw> pulp::WithSimd for SplitWalk<'_, L> {
     }
 }
 
+/// A walk that adds up slopes.
+struct SlopeWalk<'a, L, const FRICTION: bool>(Walk<'a, Slopes<'a, L, FRICTION>>);
+
+impl<L: LanesLaw, const FRICTION: bool> pulp::WithSimd for SlopeWalk<'_, L, FRICTION> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        self.0.run(simd);
+    }
+}
+
 impl LaneField {
     pub(super) fn new(scene: &Scene, geometry: &Geometry, law: Law, arch: pulp::Arch) -> Self {
         let contact = &scene.contact;
@@ -166,6 +180,25 @@ impl LaneField {
             sink,
         }));
         energy
+    }
+
+    fn slopes<const FRICTION: bool>(
+        &mut self,
+        bodies: &[BodyState],
+        slopes: &mut Jacobian,
+    ) -> bool {
+        let layout = self.pairs.layout;
+        let sink = Slopes::<_, FRICTION>::new(self.law, self.friction, layout, bodies, slopes);
+        let Some(sink) = sink else {
+            return false;
+        };
+        let pairs = &mut self.pairs;
+        self.arch.dispatch(SlopeWalk(Walk {
+            pairs,
+            bodies,
+            sink,
+        }));
+        true
     }
 
     fn list(&mut self, bodies: &[BodyState], visit: &mut Visit<'_>) {
@@ -251,5 +284,15 @@ impl ContactField for LaneField {
         }));
         let sliding = self.sliding.as_mut()?;
         Some(sliding.solve(self.arch, self.law, stage))
+    }
+
+    fn add_slopes(&mut self, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
+        let layout = self.pairs.layout;
+        let (rubs, free) = (self.friction.coefficient > 0.0, slopes.rate().dimension());
+        match (rubs, free) {
+            (true, n) if n == layout.bodies() - 1 => self.slopes::<true>(bodies, slopes),
+            (false, n) if n == 1 + layout.wheels => self.slopes::<false>(bodies, slopes),
+            _ => false,
+        }
     }
 }

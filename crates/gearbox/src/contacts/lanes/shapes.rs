@@ -1,6 +1,6 @@
 //! Where sleeves touch, several at a time, in the wheel's frame.
 
-use pinwheel_contact::{ComplexLanes, Epitrochoid, HertzStiffness, Lanes, Mask};
+use pinwheel_contact::{ComplexLanes, Epitrochoid, FeetLanes, HertzStiffness, Lanes, Mask};
 use pulp::Simd;
 
 use super::columns::Column;
@@ -14,12 +14,17 @@ pub(super) struct Touching<S: Simd> {
     pub(super) normal: ComplexLanes<S>,
     pub(super) penetration: Lanes<S>,
     pub(super) stiffness: Lanes<S>,
+    /// By how much n turns towards t = R90 n as the sleeve's centre moves along t, 1/m.
+    pub(super) turning: Lanes<S>,
+    /// Growth of K as the sleeve's centre moves along t, N/m^2.5.
+    pub(super) stiffness_slope: Lanes<S>,
 }
 
 /// Geometry of the contacts.
 #[derive(Debug, Clone)]
 pub(super) struct Shapes {
     curve: Epitrochoid,
+    eccentricity: f64,
     pub(super) zk: u32,
     external_radius: f64,
     /// K where C is straight: K = this * sqrt(1 - q kappa).
@@ -44,6 +49,7 @@ impl Shapes {
         let holes = geometry.hole_centres.iter();
         Self {
             curve: geometry.curve.clone(),
+            eccentricity: gear.eccentricity_m,
             zk: gear.external_sleeves as u32,
             external_radius: q,
             profile_stiffness: hertz.of_radius(q),
@@ -67,13 +73,43 @@ impl Shapes {
         let feet = self.curve.penetrating_feet(p, unit, multiple, present);
         let q = p.re.like(self.external_radius);
         let radicand = p.re.like(1.0) - q * feet.curvature;
+        let stiffness = p.re.like(self.profile_stiffness) * radicand.sqrt();
+        // P moves along t by 1 - delta kappa times what the foot moves, and t points towards smaller parameters.
+        let closer = (p.re.like(1.0) - feet.curvature * feet.depth).recip();
+        let bend = self.curvature_slope(&feet);
         Touching {
             mask: feet.inside,
             point: feet.normal.scale_add(-q, feet.position),
             normal: feet.normal.scale(p.re.like(-1.0)),
             penetration: feet.depth,
-            stiffness: p.re.like(self.profile_stiffness) * radicand.sqrt(),
+            stiffness,
+            turning: -(feet.curvature * closer),
+            stiffness_slope: stiffness * q * bend * closer * (radicand + radicand).recip(),
         }
+    }
+
+    /// d kappa/ds along the curve, 1/m^2; see [`Epitrochoid::curvature_slope`].
+    ///
+    /// cos(zs a) and sin(zs a) follow from where the foot is and where its normal points.
+    #[inline(always)]
+    fn curvature_slope<S: Simd>(&self, feet: &FeetLanes<S>) -> Lanes<S> {
+        let c = |x: f64| feet.depth.like(x);
+        let (r, e, zk) = (
+            self.curve.pitch_radius(),
+            self.eccentricity,
+            f64::from(self.zk),
+        );
+        let m = e * zk / r;
+        let squared = feet.position.dot(feet.position);
+        let cos = (squared - c(r * r + e * e)) * c(0.5 / (r * e));
+        let stretch2 = cos.mul_add(c(2.0 * m), c(1.0 + m * m));
+        let stretch = stretch2.sqrt();
+        let sin = feet.position.cross(feet.normal) * stretch * c(1.0 / (e * (zk - 1.0)));
+        let bend = cos.mul_add(c(m * (1.0 + zk)), c(1.0 + m * m * zk));
+        let by_cos = stretch2 * c(m * (1.0 + zk)) - bend * c(3.0 * m);
+        // Over R stretch^5 for the slope by cos(zs a), and R stretch for the speed.
+        let inverse = (stretch2 * stretch2 * stretch2 * c(r * r)).recip();
+        -(by_cos * c(zk - 1.0) * sin * inverse)
     }
 
     /// Internal sleeves centred at `p` (wheel frame) in their holes.
@@ -94,6 +130,8 @@ impl Shapes {
             normal,
             penetration,
             stiffness: p.re.like(self.hole_stiffness),
+            turning: distance.recip(),
+            stiffness_slope: p.re.like(0.0),
         }
     }
 }

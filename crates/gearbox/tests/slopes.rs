@@ -1,0 +1,188 @@
+//! The gear's Jacobian in closed form against differences of its right-hand side, over gears, poses and laws.
+
+use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::contacts::{ContactField, Kernel};
+use pinwheel_gearbox::scene::Scene;
+use pinwheel_mbs::{BodyState, Forces, Jacobian, OdeSystem, Reduced, Wrench};
+use proptest::prelude::*;
+
+/// The contacts alone.
+struct Contacts(Box<dyn ContactField>);
+
+impl Forces for Contacts {
+    fn apply(&mut self, _: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
+        self.0.add_loads(bodies, loads);
+    }
+
+    fn moment_slopes(&mut self, _: f64, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
+        self.0.add_slopes(bodies, slopes)
+    }
+}
+
+fn reduced(gearbox: &Gearbox) -> Reduced<Contacts> {
+    let layout = gearbox.layout;
+    let sleeves: Vec<usize> = (layout.external_bodies().start..layout.bodies()).collect();
+    let idle = if gearbox.has_friction() {
+        &[][..]
+    } else {
+        &sleeves
+    };
+    let forces = Contacts(gearbox.contact_field().unwrap());
+    let system = Reduced::new(gearbox.mechanism(), forces, idle).unwrap();
+    system.with_leaves(&sleeves)
+}
+
+/// Angles at the ideal mesh of time `t` with a twist, and rates near it.
+fn state(gearbox: &Gearbox, t: f64, twist: f64, noise: &[f64], free: &[usize]) -> Vec<f64> {
+    let (layout, geometry) = (gearbox.layout, &gearbox.geometry);
+    let input = gearbox.input_motion().rate * t;
+    let random = |k: usize| noise[k % noise.len()];
+    let mut y = vec![0.0; 2 * free.len()];
+    for (k, &body) in free.iter().enumerate() {
+        let wheels = layout.wheel_bodies();
+        let (ideal, rate) = if body == 1 {
+            (geometry.ideal_output_angle(input), -3.5)
+        } else if wheels.contains(&body) {
+            (geometry.ideal_wheel_angle(body - wheels.start, input), -3.5)
+        } else {
+            (0.0, 0.0)
+        };
+        y[k] = ideal + twist * random(body);
+        y[free.len() + k] = rate + random(body + 3);
+    }
+    y
+}
+
+/// Difference quotient of f along component `k` (or the time, beyond the last), of order 4, and how much steeper f is
+/// ahead than behind.
+fn quotient(
+    system: &mut Reduced<Contacts>,
+    t: f64,
+    y: &[f64],
+    k: usize,
+    h: f64,
+) -> (Vec<f64>, Vec<f64>) {
+    let (mut slope, mut bend) = (vec![0.0; y.len()], vec![0.0; y.len()]);
+    let mut f = slope.clone();
+    for (at, weight, second) in [
+        (-2.0, 1.0, 1.0),
+        (-1.0, -8.0, 0.0),
+        (0.0, 0.0, -2.0),
+        (1.0, 8.0, 0.0),
+        (2.0, -1.0, 1.0),
+    ] {
+        let (mut moved, mut time) = (y.to_vec(), t);
+        match moved.get_mut(k) {
+            Some(x) => *x += at * h,
+            None => time += at * h,
+        }
+        system.derivative(time, &moved, &mut f);
+        for (i, f) in f.iter().enumerate() {
+            slope[i] += weight * f / (12.0 * h);
+            bend[i] += second * f / (2.0 * h);
+        }
+    }
+    (slope, bend)
+}
+
+const LAWS: [&str; 7] = [
+    "paper",
+    "paper-printed",
+    "constant",
+    "adams-impact",
+    "line-contact",
+    "hunt-crossley",
+    "flores",
+];
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_jacobian_is_the_slope(
+        (zk, zi, wheels) in (5_usize..30, 3_usize..12, 1_usize..5), friction: bool, law in 0..LAWS.len(),
+        backlash in prop_oneof![Just(0.0), 0.0..3e-4], t in 0.0..0.5_f64, twist in 1e-3..6e-3_f64,
+        noise in prop::array::uniform16(prop_oneof![-1.0..-0.1_f64, 0.1..1.0]),
+    ) {
+        let mut scene = Scene::default();
+        scene.gear.external_sleeves = zk;
+        scene.gear.internal_sleeves = zi;
+        scene.gear.wheels = wheels;
+        scene.gear.backlash_m = backlash;
+        scene.gear.external_sleeve_radius_m = 0.004;
+        scene.contact.law = LAWS[law].to_owned();
+        scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
+        // Wide enough for differences to see.
+        scene.contact.friction_ramp_m_s = 5e-3;
+        let gearbox = Gearbox::new(&scene).unwrap();
+        let mut system = reduced(&gearbox);
+        let free = system.free_bodies().to_vec();
+        let n = free.len();
+        let y = state(&gearbox, t, twist, &noise, &free);
+        let mut jacobian = Jacobian::new(&system.structure(), 2 * n);
+        prop_assert!(system.jacobian(t, &y, &mut jacobian));
+
+        // Entries that a kink lies in (a contact begins, slides or parts) are told by two steps, or both sides, that disagree.
+        let (mut seen, mut kinks) = (0, 0);
+        for (columns, h) in [(0..n, 2e-8), (n..2 * n, 1e-5), (2 * n..2 * n + 1, 1e-7)] {
+            let quotients: Vec<_> = columns
+                .clone()
+                .map(|k| (quotient(&mut system, t, &y, k, h), quotient(&mut system, t, &y, k, 0.5 * h)))
+                .collect();
+            let sizes = quotients.iter().flat_map(|(_, (fine, _))| &fine[n..]);
+            let largest = sizes.fold(0.0, |m: f64, x| m.max(x.abs()));
+            for (k, ((coarse, bend), (fine, _))) in columns.zip(&quotients) {
+                for row in 0..n {
+                    let exact = match k {
+                        k if k < n => jacobian.position().unwrap().entry(row, k),
+                        k if k < 2 * n => jacobian.rate().entry(row, k - n),
+                        _ => jacobian.time()[row],
+                    };
+                    let (a, b) = (coarse[n + row], fine[n + row]);
+                    seen += 1;
+                    if (a - b).abs() > 2e-6 * largest || bend[n + row].abs() > 1e-2 * largest {
+                        kinks += 1;
+                    } else {
+                        // Measured: at most 4e-6, rounding of positions and speeds.
+                        prop_assert!(
+                            (exact - b).abs() < 2e-5 * largest,
+                            "{} row {row} column {k} of {n}: {exact:e}, by differences {b:e} and {a:e}, largest {largest:e}",
+                            LAWS[law]
+                        );
+                    }
+                }
+            }
+        }
+        // Where next to nothing touches there is nothing to see either.
+        prop_assume!(kinks * 4 <= seen);
+    }
+}
+
+/// Fields without slopes say so: the scalar loop, points, Adams' friction.
+#[test]
+fn slopes_are_only_told_where_they_are_known() {
+    let known = |change: &dyn Fn(&mut Scene), kernel: Kernel| {
+        let mut scene = Scene::default();
+        change(&mut scene);
+        let mut gearbox = Gearbox::new(&scene).unwrap();
+        gearbox.kernel = kernel;
+        let mut system = reduced(&gearbox);
+        let free = system.free_bodies().to_vec();
+        let y = state(&gearbox, 0.0, 0.0, &[0.0], &free);
+        let mut jacobian = Jacobian::new(&system.structure(), y.len());
+        system.jacobian(0.0, &y, &mut jacobian)
+    };
+    assert!(known(&|_| {}, Kernel::Lanes));
+    assert!(known(&|_| {}, Kernel::Portable));
+    assert!(known(
+        &|s| s.contact.friction_coefficient = 0.1,
+        Kernel::Avx2
+    ));
+    assert!(!known(&|_| {}, Kernel::Scalar));
+    let points = |s: &mut Scene| s.contact.detection = pinwheel_gearbox::scene::Detection::Points;
+    assert!(!known(&points, Kernel::Lanes));
+    assert!(!known(
+        &|s| s.contact.law = "paper-conservative".into(),
+        Kernel::Lanes
+    ));
+}

@@ -1,0 +1,476 @@
+//! df/dy of a system and the linear systems that implicit methods solve with it.
+//!
+//! Of a mechanical system, y = (q, v) with q' = v and v' = a(t, q, v), only the accelerations have slopes worth storing,
+//! K = da/dq and D = da/dv, and a system of twice the size is solved by one of the number of velocities:
+//!
+//! ```text
+//! (s I - [0 I; K D]) (x, w) = (r, p)   =>   (s I - D - K/s) w = p + K r/s,   x = (r + w)/s
+//! ```
+//! Velocities may be *hubs* and *leaves* (as in [`crate::sliding`]): what no entry joins to another leaf is
+//! eliminated one by one, and the Schur complement of the hubs is factored densely, with pivots. Nothing need be symmetric.
+
+use crate::OdeSystem;
+use crate::lu::Lu;
+
+/// How f depends on y.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Structure {
+    /// Nothing is known.
+    FirstOrder,
+    /// y = (q, v), both of this length, and q' = v. True: a leaf, whose acceleration depends on no other leaf.
+    SecondOrder {
+        /// By velocity.
+        is_leaf: Vec<bool>,
+    },
+}
+
+/// A square matrix in which no entry joins two leaves.
+#[derive(Debug, Clone)]
+pub struct Arrow {
+    places: Vec<Place>,
+    /// Hubs x hubs, row by row.
+    hubs: Vec<f64>,
+    /// Row of a leaf, column of a hub: `[hub * leaves + leaf]`.
+    down: Vec<f64>,
+    /// Row of a hub, column of a leaf: `[hub * leaves + leaf]`.
+    up: Vec<f64>,
+    leaves: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    Hub(usize),
+    Leaf(usize),
+}
+
+impl Arrow {
+    fn new(is_leaf: &[bool]) -> Self {
+        let (mut hubs, mut leaves) = (0, 0);
+        let places = is_leaf.iter().map(|&leaf| {
+            let (counter, place): (_, fn(usize) -> Place) = if leaf {
+                (&mut leaves, Place::Leaf)
+            } else {
+                (&mut hubs, Place::Hub)
+            };
+            *counter += 1;
+            place(*counter - 1)
+        });
+        Self {
+            places: places.collect(),
+            hubs: vec![0.0; hubs * hubs],
+            down: vec![0.0; hubs * leaves],
+            up: vec![0.0; hubs * leaves],
+            leaves: vec![0.0; leaves],
+        }
+    }
+
+    /// Rows and columns.
+    #[must_use]
+    pub fn dimension(&self) -> usize {
+        self.places.len()
+    }
+
+    fn hub_count(&self) -> usize {
+        self.places.len() - self.leaves.len()
+    }
+
+    fn clear(&mut self) {
+        for part in [
+            &mut self.hubs,
+            &mut self.down,
+            &mut self.up,
+            &mut self.leaves,
+        ] {
+            part.fill(0.0);
+        }
+    }
+
+    /// Adds to an entry; of two different leaves there is none, and nothing happens.
+    #[inline]
+    pub fn add(&mut self, row: usize, column: usize, value: f64) {
+        let (hubs, leaves) = (self.hub_count(), self.leaves.len());
+        match (self.places[row], self.places[column]) {
+            (Place::Hub(i), Place::Hub(j)) => self.hubs[i * hubs + j] += value,
+            (Place::Leaf(l), Place::Hub(j)) => self.down[j * leaves + l] += value,
+            (Place::Hub(i), Place::Leaf(l)) => self.up[i * leaves + l] += value,
+            (Place::Leaf(l), Place::Leaf(k)) if l == k => self.leaves[l] += value,
+            (Place::Leaf(_), Place::Leaf(_)) => {}
+        }
+    }
+
+    /// One entry; 0 between leaves.
+    #[must_use]
+    pub fn entry(&self, row: usize, column: usize) -> f64 {
+        let (hubs, leaves) = (self.hub_count(), self.leaves.len());
+        match (self.places[row], self.places[column]) {
+            (Place::Hub(i), Place::Hub(j)) => self.hubs[i * hubs + j],
+            (Place::Leaf(l), Place::Hub(j)) => self.down[j * leaves + l],
+            (Place::Hub(i), Place::Leaf(l)) => self.up[i * leaves + l],
+            (Place::Leaf(l), Place::Leaf(k)) if l == k => self.leaves[l],
+            (Place::Leaf(_), Place::Leaf(_)) => 0.0,
+        }
+    }
+
+    /// Multiplies every row by its factor.
+    pub(crate) fn scale_rows(&mut self, factors: &[f64]) {
+        let (hubs, leaves) = (self.hub_count(), self.leaves.len());
+        for (place, &factor) in self.places.iter().zip(factors) {
+            match *place {
+                Place::Hub(i) => {
+                    let row = &mut self.hubs[i * hubs..(i + 1) * hubs];
+                    let up = &mut self.up[i * leaves..(i + 1) * leaves];
+                    row.iter_mut().chain(up).for_each(|x| *x *= factor);
+                }
+                Place::Leaf(l) => {
+                    self.leaves[l] *= factor;
+                    for i in 0..hubs {
+                        self.down[i * leaves + l] *= factor;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A vector with hubs and leaves apart.
+#[derive(Debug, Clone)]
+struct Parted {
+    hubs: Vec<f64>,
+    leaves: Vec<f64>,
+}
+
+impl Parted {
+    fn read(&mut self, places: &[Place], x: &[f64]) {
+        for (place, &x) in places.iter().zip(x) {
+            match *place {
+                Place::Hub(i) => self.hubs[i] = x,
+                Place::Leaf(l) => self.leaves[l] = x,
+            }
+        }
+    }
+
+    fn write(&self, places: &[Place], x: &mut [f64]) {
+        for (place, x) in places.iter().zip(x) {
+            *x = match *place {
+                Place::Hub(i) => self.hubs[i],
+                Place::Leaf(l) => self.leaves[l],
+            };
+        }
+    }
+
+    /// self += factor matrix x.
+    fn add_product(&mut self, factor: f64, matrix: &Arrow, x: &Self) {
+        let (m, l) = (self.hubs.len(), self.leaves.len());
+        for (i, sum) in self.hubs.iter_mut().enumerate() {
+            *sum += factor * dot(&matrix.hubs[i * m..(i + 1) * m], &x.hubs);
+            *sum += factor * dot(&matrix.up[i * l..(i + 1) * l], &x.leaves);
+        }
+        for (sum, (d, x)) in self
+            .leaves
+            .iter_mut()
+            .zip(matrix.leaves.iter().zip(&x.leaves))
+        {
+            *sum += factor * d * x;
+        }
+        for (i, x) in x.hubs.iter().enumerate() {
+            axpy(
+                factor * x,
+                &matrix.down[i * l..(i + 1) * l],
+                &mut self.leaves,
+            );
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// y += a x.
+fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += a * x;
+    }
+}
+
+/// The slopes of a system's f, and the factors of s I - df/dy.
+#[derive(Debug, Clone)]
+pub struct Jacobian {
+    /// K, 1/s^2; `None`: of first order.
+    position: Option<Arrow>,
+    /// D, 1/s, or the whole of df/dy of a system of first order.
+    rate: Arrow,
+    /// df/dt of the same rows.
+    time: Vec<f64>,
+    shift: f64,
+    /// Factors: inverse diagonal of the leaves, border above divided by it, border below.
+    inverse: Vec<f64>,
+    up: Vec<f64>,
+    down: Vec<f64>,
+    lu: Lu,
+    rhs: Parted,
+    known: Parted,
+}
+
+impl Jacobian {
+    /// All 0. `dimension` is the length of y.
+    #[must_use]
+    pub fn new(structure: &Structure, dimension: usize) -> Self {
+        let (rate, second) = match structure {
+            Structure::FirstOrder => (Arrow::new(&vec![false; dimension]), false),
+            Structure::SecondOrder { is_leaf } => (Arrow::new(is_leaf), true),
+        };
+        let parted = Parted {
+            hubs: vec![0.0; rate.hub_count()],
+            leaves: vec![0.0; rate.leaves.len()],
+        };
+        Self {
+            position: second.then(|| rate.clone()),
+            time: vec![0.0; rate.dimension()],
+            shift: 0.0,
+            inverse: rate.leaves.clone(),
+            up: rate.up.clone(),
+            down: rate.down.clone(),
+            lu: Lu::new(rate.hub_count()),
+            known: parted.clone(),
+            rhs: parted,
+            rate,
+        }
+    }
+
+    /// K, D and da/dt of a mechanical system, in the order of v; the whole of df/dy is the second of one of first order.
+    pub fn parts_mut(&mut self) -> (Option<&mut Arrow>, &mut Arrow, &mut [f64]) {
+        (self.position.as_mut(), &mut self.rate, &mut self.time)
+    }
+
+    /// K, 1/s^2; `None` of a system of first order.
+    #[must_use]
+    pub fn position(&self) -> Option<&Arrow> {
+        self.position.as_ref()
+    }
+
+    /// D, 1/s, or df/dy of a system of first order.
+    #[must_use]
+    pub fn rate(&self) -> &Arrow {
+        &self.rate
+    }
+
+    /// da/dt, or df/dt of a system of first order.
+    #[must_use]
+    pub fn time(&self) -> &[f64] {
+        &self.time
+    }
+
+    /// All 0 again.
+    pub fn clear(&mut self) {
+        self.position.iter_mut().for_each(Arrow::clear);
+        self.rate.clear();
+        self.time.fill(0.0);
+    }
+
+    /// Multiplies every row by its factor.
+    pub(crate) fn scale_rows(&mut self, factors: &[f64]) {
+        self.position.iter_mut().for_each(|p| p.scale_rows(factors));
+        self.rate.scale_rows(factors);
+        for (time, factor) in self.time.iter_mut().zip(factors) {
+            *time *= factor;
+        }
+    }
+
+    /// Adds `factor` df/dt to `dydt`.
+    pub(crate) fn add_time(&self, factor: f64, dydt: &mut [f64]) {
+        let first = dydt.len() - self.time.len();
+        axpy(factor, &self.time, &mut dydt[first..]);
+    }
+
+    /// Factors `shift` I - df/dy. False if that is singular or not finite.
+    pub(crate) fn factor(&mut self, shift: f64) -> bool {
+        self.shift = shift;
+        let weight = shift.recip();
+        let (m, l) = (self.rate.hub_count(), self.inverse.len());
+        let lu = self.lu.entries_mut();
+        for (parts, out) in [
+            (&self.rate.leaves, &mut self.inverse[..]),
+            (&self.rate.up, &mut self.up),
+            (&self.rate.down, &mut self.down),
+            (&self.rate.hubs, lu),
+        ] {
+            for (out, rate) in out.iter_mut().zip(parts) {
+                *out = -rate;
+            }
+        }
+        if let Some(position) = &self.position {
+            axpy(-weight, &position.leaves, &mut self.inverse);
+            axpy(-weight, &position.up, &mut self.up);
+            axpy(-weight, &position.down, &mut self.down);
+            axpy(-weight, &position.hubs, lu);
+        }
+        for leaf in &mut self.inverse {
+            *leaf = (*leaf + shift).recip();
+        }
+        for i in 0..m {
+            lu[i * m + i] += shift;
+            let up = &mut self.up[i * l..(i + 1) * l];
+            for (up, inverse) in up.iter_mut().zip(&self.inverse) {
+                *up *= inverse;
+            }
+            for j in 0..m {
+                lu[i * m + j] -= dot(up, &self.down[j * l..(j + 1) * l]);
+            }
+        }
+        self.inverse.iter().all(|x| x.is_finite()) && self.lu.factor()
+    }
+
+    /// Overwrites `x` (the right-hand side, of the length of y) with the solution of the factored system.
+    pub(crate) fn solve(&mut self, x: &mut [f64]) {
+        let Self { rhs, known, .. } = self;
+        let (places, n) = (&self.rate.places, self.time.len());
+        let weight = self.shift.recip();
+        let (positions, rates) = x.split_at_mut(x.len() - n);
+        rhs.read(places, rates);
+        if let Some(position) = &self.position {
+            known.read(places, positions);
+            rhs.add_product(weight, position, known);
+        }
+        let l = rhs.leaves.len();
+        for (i, hub) in rhs.hubs.iter_mut().enumerate() {
+            *hub -= dot(&self.up[i * l..(i + 1) * l], &rhs.leaves);
+        }
+        self.lu.solve(&mut rhs.hubs);
+        for (i, hub) in rhs.hubs.iter().enumerate() {
+            axpy(-hub, &self.down[i * l..(i + 1) * l], &mut rhs.leaves);
+        }
+        for (leaf, inverse) in rhs.leaves.iter_mut().zip(&self.inverse) {
+            *leaf *= inverse;
+        }
+        rhs.write(places, rates);
+        for (x, w) in positions.iter_mut().zip(rates.iter()) {
+            *x = (*x + w) * weight;
+        }
+    }
+}
+
+/// Share of a component's scale by which differences move it: errors of rounding and of the next term meet.
+const SHARE: f64 = 6e-6;
+/// The same for the time, of the step at hand.
+const TIME_SHARE: f64 = 1e-4;
+
+/// Slopes by central differences, for systems that do not know theirs.
+#[derive(Debug, Clone)]
+pub(crate) struct Differences {
+    y: Vec<f64>,
+    scale: Vec<f64>,
+    ahead: Vec<f64>,
+    behind: Vec<f64>,
+}
+
+impl Differences {
+    pub(crate) fn new(dimension: usize) -> Self {
+        let zeros = vec![0.0; dimension];
+        Self {
+            y: zeros.clone(),
+            scale: zeros.clone(),
+            ahead: zeros.clone(),
+            behind: zeros,
+        }
+    }
+
+    /// Writes all slopes at (t, y), for a step of `h` (s); returns the number of evaluations.
+    pub(crate) fn write<S: OdeSystem>(
+        &mut self,
+        system: &mut S,
+        t: f64,
+        y: &[f64],
+        h: f64,
+        jacobian: &mut Jacobian,
+    ) -> u64 {
+        jacobian.clear();
+        system.scale(y, &mut self.scale);
+        self.y.copy_from_slice(y);
+        let first = y.len() - jacobian.time.len();
+        for (k, &here) in y.iter().enumerate() {
+            let step = SHARE * self.scale[k];
+            let (high, low) = (here + step, here - step);
+            self.y[k] = high;
+            system.derivative(t, &self.y, &mut self.ahead);
+            self.y[k] = low;
+            system.derivative(t, &self.y, &mut self.behind);
+            self.y[k] = here;
+            let inverse = (high - low).recip();
+            let (part, column) = match &mut jacobian.position {
+                Some(position) if k < first => (position, k),
+                _ => (&mut jacobian.rate, k - first),
+            };
+            let slopes = self.ahead[first..].iter().zip(&self.behind[first..]);
+            for (row, (ahead, behind)) in slopes.enumerate() {
+                part.add(row, column, (ahead - behind) * inverse);
+            }
+        }
+        let (late, early) = (t + TIME_SHARE * h, t - TIME_SHARE * h);
+        system.derivative(late, y, &mut self.ahead);
+        system.derivative(early, y, &mut self.behind);
+        let inverse = (late - early).recip();
+        let slopes = self.ahead[first..].iter().zip(&self.behind[first..]);
+        for (time, (ahead, behind)) in jacobian.time.iter_mut().zip(slopes) {
+            *time = (ahead - behind) * inverse;
+        }
+        2 * (y.len() as u64 + 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const N: usize = 7;
+
+    proptest! {
+        /// Any split into hubs and leaves, of first and second order, against the whole matrix.
+        #[test]
+        fn solves_what_the_whole_matrix_solves(
+            is_leaf in prop::collection::vec(any::<bool>(), N), second: bool,
+            entries in prop::collection::vec(-1.0..1.0_f64, 2 * N * N),
+            rhs in prop::collection::vec(-1.0..1.0_f64, 2 * N), shift in 3.0..1e3_f64,
+        ) {
+            let (structure, dimension) = if second {
+                (Structure::SecondOrder { is_leaf: is_leaf.clone() }, 2 * N)
+            } else {
+                (Structure::FirstOrder, N)
+            };
+            let mut jacobian = Jacobian::new(&structure, dimension);
+            let mut whole = DMatrix::identity(dimension, dimension) * shift;
+            let first = dimension - N;
+            let (mut position, rate, _) = jacobian.parts_mut();
+            for (k, &value) in entries.iter().enumerate() {
+                let (row, column) = (k / N % N, k % N);
+                let joins_leaves = second && row != column && is_leaf[row] && is_leaf[column];
+                if k < N * N {
+                    rate.add(row, column, value);
+                    if !joins_leaves {
+                        whole[(first + row, first + column)] -= value;
+                    }
+                } else if let Some(position) = &mut position {
+                    position.add(row, column, value);
+                    if !joins_leaves {
+                        whole[(first + row, column)] -= value;
+                    }
+                }
+            }
+            for k in 0..first {
+                whole[(k, first + k)] -= 1.0;
+            }
+            let expected = whole.lu().solve(&DVector::from_row_slice(&rhs[..dimension]));
+            prop_assume!(jacobian.factor(shift) && expected.is_some());
+            let mut x = rhs[..dimension].to_vec();
+            jacobian.solve(&mut x);
+            let expected = expected.expect("assumed");
+            for (x, e) in x.iter().zip(expected.iter()) {
+                // Leaves are not pivoted: digits are lost where one of them nearly vanishes.
+                prop_assert!((x - e).abs() < 1e-9 * (1.0 + expected.amax()), "{x} {e}");
+            }
+        }
+    }
+}
