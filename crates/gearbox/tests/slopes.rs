@@ -2,8 +2,8 @@
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactField, Kernel};
-use pinwheel_gearbox::scene::Scene;
 use pinwheel_mbs::{BodyState, Forces, Jacobian, OdeSystem, Reduced, Wrench};
+use pinwheel_scene::Scene;
 use proptest::prelude::*;
 
 /// The contacts alone.
@@ -104,7 +104,7 @@ proptest! {
         backlash in prop_oneof![Just(0.0), 0.0..3e-4], t in 0.0..0.5_f64, twist in 1e-3..6e-3_f64,
         noise in prop::array::uniform16(prop_oneof![-1.0..-0.1_f64, 0.1..1.0]),
     ) {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         scene.gear.external_sleeves = zk;
         scene.gear.internal_sleeves = zi;
         scene.gear.wheels = wheels;
@@ -114,7 +114,7 @@ proptest! {
         scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
         // Wide enough for differences to see.
         scene.contact.friction_ramp_m_s = 5e-3;
-        let gearbox = Gearbox::new(&scene).unwrap();
+        let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         let mut system = reduced(&gearbox);
         let free = system.free_bodies().to_vec();
         let n = free.len();
@@ -162,9 +162,9 @@ proptest! {
 #[test]
 fn slopes_are_only_told_where_they_are_known() {
     let known = |change: &dyn Fn(&mut Scene), kernel: Kernel| {
-        let mut scene = Scene::default();
+        let mut scene = Scene::paper();
         change(&mut scene);
-        let mut gearbox = Gearbox::new(&scene).unwrap();
+        let mut gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         gearbox.kernel = kernel;
         let mut system = reduced(&gearbox);
         let free = system.free_bodies().to_vec();
@@ -179,7 +179,7 @@ fn slopes_are_only_told_where_they_are_known() {
         Kernel::Avx2
     ));
     assert!(!known(&|_| {}, Kernel::Scalar));
-    let points = |s: &mut Scene| s.contact.detection = pinwheel_gearbox::scene::Detection::Points;
+    let points = |s: &mut Scene| s.contact.detection = pinwheel_scene::Detection::Points;
     assert!(!known(&points, Kernel::Lanes));
     assert!(!known(
         &|s| s.contact.law = "paper-conservative".into(),
