@@ -38,6 +38,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),
+        Command::Schema => screen::show_json(&pinwheel::scene::schema::schema()).map(|()| 0),
         Command::Paper(args) => commands::paper::paper(args),
         Command::Baseline(args) => commands::baseline::baseline(args),
         Command::Stability(args) => commands::stability::stability(args),

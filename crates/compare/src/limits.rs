@@ -7,6 +7,7 @@
 //! Patterns: `*` stands for any characters, `|` separates alternatives. The first row that fits a
 //! pair, window, quantity and metric is the one that counts, so stricter conditions stand first.
 
+use pinwheel_courses::columns;
 use serde::Serialize;
 
 pub use crate::metrics::Metric;
@@ -121,7 +122,7 @@ const FOLLOWING: &str = "*_sleeve_force_n|input_torque_n_m|output_torque_n_m|out
 /// window, quantity, metric, limit, measured; then the reason.
 pub const TABLE: &[Limit] = rows! {
     // Any engine, judged alone.
-    "*", "*", None, "the load", None, Any, Steady, "output_torque_n_m", MeanAgainstLoad, 1e-4, None,
+    "*", "*", None, "the load", None, Any, Steady, columns::OUTPUT_TORQUE, MeanAgainstLoad, 1e-4, None,
     "In the mean the contact forces on the output shaft balance the load, whatever the law and engine.";
 
     // Native formulations against each other.
@@ -186,13 +187,13 @@ pub const TABLE: &[Limit] = rows! {
     "Implicit friction at 1e-5 s against a native run that resolves it; times 3.";
 
     // exudyn and MuJoCo, own contact: beds of springs; no friction, no ramp, another transient.
-    "own-contact", "mujoco*|exudyn*", None, "native*", None, Without, Steady, "input_torque_n_m", RelativeL2, 1.7e-2, Some(1.3e-2),
+    "own-contact", "mujoco*|exudyn*", None, "native*", None, Without, Steady, columns::INPUT_TORQUE, RelativeL2, 1.7e-2, Some(1.3e-2),
     "A bed of springs conserves energy, the paper's law creates 1 % of the power: that is most of the difference.";
-    "own-contact", "mujoco*|exudyn*", None, "native*", None, Without, Steady, "output_torque_n_m", RelativeL2, 1e-2, Some(4.8e-3),
+    "own-contact", "mujoco*|exudyn*", None, "native*", None, Without, Steady, columns::OUTPUT_TORQUE, RelativeL2, 1e-2, Some(4.8e-3),
     "Ripple about the same mean; times 2.";
-    "own-contact", "mujoco*|exudyn*", None, "native*", None, Without, Steady, "external_sleeve_force_n", RelativeL2, 4.5e-2, Some(3.8e-2),
+    "own-contact", "mujoco*|exudyn*", None, "native*", None, Without, Steady, columns::EXTERNAL_FORCE, RelativeL2, 4.5e-2, Some(3.8e-2),
     "A bed of 4000 springs or 8000 segments: 2.8 % for the paper's gear, 3.8 % with forty thin sleeves; falls with their number.";
-    "own-contact", "mujoco*|exudyn*", None, "native*", None, Without, Steady, "internal_sleeve_force_n", RelativeL2, 1.5e-2, Some(8.8e-3),
+    "own-contact", "mujoco*|exudyn*", None, "native*", None, Without, Steady, columns::INTERNAL_FORCE, RelativeL2, 1.5e-2, Some(8.8e-3),
     "The law itself but for the ramp S, under external forces that differ: 0.4 to 0.9 % for four gears; times 1.7.";
 
     // rapier, colliders: polyline wheels and rapier's own spring; wave forms are not comparable.

@@ -4,11 +4,11 @@ use pinwheel_courses::{Courses, group_of};
 use serde::Serialize;
 
 /// Torque the driver exerts on the input shaft, where courses have it.
-pub const INPUT_TORQUE: &str = "input_torque_n_m";
-/// Moment of the contact forces on the output shaft, where courses have it.
-pub const OUTPUT_TORQUE: &str = "output_torque_n_m";
+pub use pinwheel_courses::columns::INPUT_TORQUE;
 /// Angle of the output shaft, where courses have it.
-pub const OUTPUT_ANGLE: &str = "output_angle_rad";
+pub use pinwheel_courses::columns::OUTPUT_ANGLE;
+/// Moment of the contact forces on the output shaft, where courses have it.
+pub use pinwheel_courses::columns::OUTPUT_TORQUE;
 
 /// One thing that is compared, e.g. `external_sleeve_force_n` with its 16 channels.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

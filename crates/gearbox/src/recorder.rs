@@ -1,6 +1,6 @@
 //! Turns states at sample times into the contract's courses. Every engine records through this.
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, columns};
 use pinwheel_mbs::{BodyState, Wrench};
 
 use crate::Gearbox;
@@ -20,14 +20,8 @@ pub struct Recorder {
     channels: Option<Values>,
 }
 
-/// Columns before the sleeves.
-const HEAD: [&str; 3] = ["input_torque_n_m", "output_torque_n_m", "output_angle_rad"];
-
 fn contract(layout: Layout) -> impl Iterator<Item = String> {
-    let externals = (0..layout.external_sleeves).map(|j| format!("external_sleeve_force_n_{j}"));
-    let internals = (0..layout.internal_sleeves).map(|k| format!("internal_sleeve_force_n_{k}"));
-    let head = HEAD.iter().map(|&name| name.to_owned());
-    head.chain(externals).chain(internals)
+    columns::of_gearbox(layout.external_sleeves, layout.internal_sleeves)
 }
 
 /// Of a force, N. `hypot` is exact to the last digit where squares overflow, which costs 2 % of a fast run.
@@ -51,7 +45,7 @@ impl Recorder {
         Self {
             layout,
             time: Vec::with_capacity(samples),
-            columns: vec![Vec::with_capacity(samples); HEAD.len() + sleeves],
+            columns: vec![Vec::with_capacity(samples); columns::HEAD.len() + sleeves],
             forces: vec![[0.0; 2]; sleeves],
             channels: Values::new(gearbox, samples),
         }

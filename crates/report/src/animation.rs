@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, columns};
 use serde::Serialize;
 
 use crate::ReportError;
@@ -147,8 +147,8 @@ impl Animation {
             Some(values.iter().map(|v| v * scale).collect())
         };
         let mut columns = vec![
-            part("input_torque_n_m", 1.0)?,
-            part("output_torque_n_m", 1.0)?,
+            part(columns::INPUT_TORQUE, 1.0)?,
+            part(columns::OUTPUT_TORQUE, 1.0)?,
             part("transmission_error_arcmin", ARCMIN)?,
         ];
         for i in 0..gear.wheels {

@@ -7,7 +7,7 @@
 //! Both runs take the same fixed steps: a step control turns a rounding into another sequence of steps,
 //! and then measures its own tolerance.
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, columns};
 use pinwheel_scene::{FrictionLaw, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -122,7 +122,7 @@ pub fn horizon(
 
 fn shares(a: &Courses, b: &Courses, size: f64) -> Vec<f64> {
     let mut share = vec![0.0_f64; a.len().min(b.len())];
-    for prefix in ["external_sleeve_force_n", "internal_sleeve_force_n"] {
+    for prefix in [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE] {
         for (x, y) in a.group(prefix).iter().zip(b.group(prefix)) {
             for ((share, x), y) in share.iter_mut().zip(*x).zip(y) {
                 *share = share.max((x - y).abs() / size);

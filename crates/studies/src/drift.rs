@@ -1,5 +1,6 @@
 //! What long runs do to joints, phases and forces.
 
+use pinwheel_courses::columns;
 use pinwheel_scene::{Formulation, Scene, Stabilisation};
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +33,7 @@ pub fn measure(scene: &Scene, control: &Control<'_>) -> Result<Vec<Drift>, Study
     let reduced = control.complete(&scene)?.courses;
     let last_angle = |courses: &pinwheel_courses::Courses| {
         courses
-            .channel("output_angle_rad")
+            .channel(columns::OUTPUT_ANGLE)
             .and_then(|c| c.last().copied())
     };
     scene.solver.formulation = Formulation::Lagrange;

@@ -1,6 +1,6 @@
 //! How far one run's courses lie from another's, and how high they are.
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, columns};
 use serde::{Deserialize, Serialize};
 
 /// Relative L2 differences.
@@ -23,8 +23,8 @@ pub struct Level {
     pub rms_torque_n_m: f64,
 }
 
-const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];
-const TORQUE: &str = "input_torque_n_m";
+const FORCES: [&str; 2] = [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE];
+const TORQUE: &str = columns::INPUT_TORQUE;
 
 /// `||a - b|| / ||b||` over the samples both have; `b` is the reference. Both start at 0 and share the
 /// sampling step. 1 where `b` is nothing and `a` is not.

@@ -12,6 +12,7 @@
 //! For the largest damping that a model stands, friction (whose coefficient is not printed) and Eq. 17 computed in
 //! millimetres are tried as well; everything else is without friction, as in the preset `paper`.
 
+use pinwheel_courses::columns;
 use pinwheel_scene::{Detection, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -204,7 +205,7 @@ fn steady(courses: &pinwheel_courses::Courses) -> Result<pinwheel_courses::Cours
 }
 
 fn roughness(courses: &pinwheel_courses::Courses) -> f64 {
-    let torque = courses.channel("input_torque_n_m").unwrap_or(&[]);
+    let torque = courses.channel(columns::INPUT_TORQUE).unwrap_or(&[]);
     let n = torque.len().max(2) as f64;
     let mean = torque.iter().sum::<f64>() / n;
     let change: f64 = torque

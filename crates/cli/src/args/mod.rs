@@ -71,6 +71,8 @@ pub(crate) enum Command {
     Stability(StabilityArgs),
     /// List the contact laws with their source, domain and behaviour at slow impacts.
     Laws(LawsArgs),
+    /// Print the JSON schema of scene files, by which editors complete and check them.
+    Schema,
     /// Compute every figure and claim of the paper again, on one page.
     Paper(PaperArgs),
     /// Keep accepted results, and say what a change of the solver moved.

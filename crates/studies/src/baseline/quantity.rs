@@ -4,7 +4,7 @@
 //! signs s. For two runs, `mean_k (p_k - p'_k)^2` estimates the sum of all squared differences without bias
 //! [Achlioptas 2003], so four numbers at full precision tell a rounding from a change anywhere in a course.
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, columns};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::NativeRun;
 use pinwheel_scene::Layout;
@@ -79,11 +79,11 @@ pub fn values(gearbox: &Gearbox, run: &NativeRun) -> Vec<Values> {
         .map(|quantity| Values {
             quantity,
             channels: match quantity.key {
-                "driver_torque" => vec![channel(courses, "input_torque_n_m")],
-                "output_torque" => vec![channel(courses, "output_torque_n_m")],
+                "driver_torque" => vec![channel(courses, columns::INPUT_TORQUE)],
+                "output_torque" => vec![channel(courses, columns::OUTPUT_TORQUE)],
                 "output_twist" => vec![twist(gearbox, courses)],
-                "external_force" => group(courses, "external_sleeve_force_n"),
-                "internal_force" => group(courses, "internal_sleeve_force_n"),
+                "external_force" => group(courses, columns::EXTERNAL_FORCE),
+                "internal_force" => group(courses, columns::INTERNAL_FORCE),
                 "energy" => vec![energy(run)],
                 _ => vec![vec![run.joint_drift_m]],
             },
@@ -107,7 +107,7 @@ fn group(courses: &Courses, prefix: &str) -> Vec<Vec<f64>> {
 fn twist(gearbox: &Gearbox, courses: &Courses) -> Vec<f64> {
     let motion = gearbox.input_motion();
     let start = gearbox.kinematic_states()[Layout::OUTPUT].angle;
-    let angles = courses.channel("output_angle_rad").unwrap_or(&[]);
+    let angles = courses.channel(columns::OUTPUT_ANGLE).unwrap_or(&[]);
     let ideal = |t: f64| start + gearbox.geometry.ideal_output_angle(motion.at(t).0);
     courses
         .time_s()

@@ -1,12 +1,12 @@
 //! What is read off courses.
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, columns};
 
 /// The contract's columns.
-pub(super) const INPUT: &str = "input_torque_n_m";
-pub(super) const OUTPUT: &str = "output_torque_n_m";
-pub(super) const EXTERNAL: &str = "external_sleeve_force_n";
-pub(super) const INTERNAL: &str = "internal_sleeve_force_n";
+pub(super) const INPUT: &str = columns::INPUT_TORQUE;
+pub(super) const OUTPUT: &str = columns::OUTPUT_TORQUE;
+pub(super) const EXTERNAL: &str = columns::EXTERNAL_FORCE;
+pub(super) const INTERNAL: &str = columns::INTERNAL_FORCE;
 
 /// Where the start-up transient is gone, s.
 pub(super) const STEADY: (f64, f64) = (0.3, 0.6);

@@ -6,7 +6,7 @@
 //! ```
 
 use pinwheel_compare::windows::{SETTLING_S, windows};
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, columns};
 use pinwheel_scene::load_course;
 use pinwheel_scene::{Scene, Start};
 use serde::Serialize;
@@ -77,12 +77,12 @@ pub(super) fn spans(scene: &Scene, courses: &Courses) -> Vec<Span> {
 pub(super) fn errors(a: &Courses, b: &Courses, span: &Span) -> Errors {
     let (mut force, mut torque) = (Sums::default(), Sums::default());
     let range = b.window(span.from_s, span.to_s);
-    for prefix in ["external_sleeve_force_n", "internal_sleeve_force_n"] {
+    for prefix in [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE] {
         for (x, y) in a.group(prefix).iter().zip(b.group(prefix)) {
             force.add(&x[range.clone()], &y[range.clone()]);
         }
     }
-    let name = "input_torque_n_m";
+    let name = columns::INPUT_TORQUE;
     if let (Some(x), Some(y)) = (a.channel(name), b.channel(name)) {
         torque.add(&x[range.clone()], &y[range]);
     }

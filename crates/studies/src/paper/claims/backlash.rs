@@ -1,5 +1,6 @@
 //! Claims about the backlash (Figs. 12 to 18).
 
+use pinwheel_courses::columns;
 use std::f64::consts::TAU;
 
 use super::Verdict;
@@ -137,7 +138,7 @@ fn unlike_before(mut scene: Scene, go: Go<'_>) -> Result<f64, NativeError> {
     scene.solver.sample_s = period / SAMPLES as f64;
     scene.solver.duration_s = 8.0 * period;
     let run = run(&scene, go)?;
-    let torque = course(&run.courses, "input_torque_n_m");
+    let torque = course(&run.courses, columns::INPUT_TORQUE);
     let last = torque.len().saturating_sub(SAMPLES);
     let (now, before) = (&torque[last..], &torque[last.saturating_sub(SAMPLES)..last]);
     let middle = mean(now);

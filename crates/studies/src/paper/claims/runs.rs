@@ -1,6 +1,6 @@
 //! Runs behind the claims, and what is read off their courses.
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, columns};
 
 use super::Verdict;
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
@@ -52,8 +52,8 @@ pub(super) fn forces<'a>(
         .map(move |values| values.get(range.clone()).unwrap_or(&[]))
 }
 
-pub(super) const EXTERNAL: &str = "external_sleeve_force_n";
-pub(super) const INTERNAL: &str = "internal_sleeve_force_n";
+pub(super) const EXTERNAL: &str = columns::EXTERNAL_FORCE;
+pub(super) const INTERNAL: &str = columns::INTERNAL_FORCE;
 
 pub(super) fn largest(courses: &Courses, kind: &str, window: (f64, f64)) -> f64 {
     forces(courses, kind, window)
@@ -64,7 +64,7 @@ pub(super) fn largest(courses: &Courses, kind: &str, window: (f64, f64)) -> f64 
 
 pub(super) fn torque(courses: &Courses, window: (f64, f64)) -> &[f64] {
     let range = courses.window(window.0, window.1);
-    course(courses, "input_torque_n_m")
+    course(courses, columns::INPUT_TORQUE)
         .get(range)
         .unwrap_or(&[])
 }

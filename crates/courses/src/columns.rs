@@ -1,0 +1,43 @@
+//! Names of the columns that every engine records. They end in their unit and, where there are several of a kind, in a
+//! number; further columns are channels that a scene asks for.
+//!
+//! ```
+//! use pinwheel_courses::columns;
+//!
+//! let names: Vec<String> = columns::of_gearbox(2, 1).collect();
+//! assert_eq!(names[..2], ["input_torque_n_m", "output_torque_n_m"]);
+//! assert_eq!(names[3..], ["external_sleeve_force_n_0", "external_sleeve_force_n_1", "internal_sleeve_force_n_0"]);
+//! ```
+
+/// Time, s.
+pub const TIME: &str = "time_s";
+/// Torque the driver exerts on the input shaft, N m, counter-clockwise positive.
+pub const INPUT_TORQUE: &str = "input_torque_n_m";
+/// Moment of the internal sleeves' contact forces on the output shaft, N m, counter-clockwise positive.
+pub const OUTPUT_TORQUE: &str = "output_torque_n_m";
+/// Angle of the output shaft, rad, 0 at the start, counter-clockwise positive.
+pub const OUTPUT_ANGLE: &str = "output_angle_rad";
+/// Group: magnitude of all wheels' force on an external sleeve, N.
+pub const EXTERNAL_FORCE: &str = "external_sleeve_force_n";
+/// Group: magnitude of all wheels' force on an internal sleeve, N.
+pub const INTERNAL_FORCE: &str = "internal_sleeve_force_n";
+
+/// Columns before the sleeves'.
+pub const HEAD: [&str; 3] = [INPUT_TORQUE, OUTPUT_TORQUE, OUTPUT_ANGLE];
+
+/// Column `number` of a group.
+#[must_use]
+pub fn numbered(group: &str, number: usize) -> String {
+    format!("{group}_{number}")
+}
+
+/// The columns of a gearbox after the time, in their order.
+pub fn of_gearbox(
+    external_sleeves: usize,
+    internal_sleeves: usize,
+) -> impl Iterator<Item = String> {
+    let head = HEAD.iter().map(|&name| name.to_owned());
+    let externals = (0..external_sleeves).map(|j| numbered(EXTERNAL_FORCE, j));
+    let internals = (0..internal_sleeves).map(|k| numbered(INTERNAL_FORCE, k));
+    head.chain(externals).chain(internals)
+}
