@@ -47,7 +47,7 @@ fn browser_shows_the_stability() {
     let dir = tempfile::tempdir().unwrap();
     for (name, stiffness) in [("soft", 0.01), ("stiff", 4.0)] {
         let scene = format!(
-            "name = \"{name}\"\n[contact]\nstiffness_multiplier = {stiffness}\n[solver]\nduration_s = 0.002\n"
+            "base = \"paper\"\nname = \"{name}\"\n[contact]\nstiffness_multiplier = {stiffness}\n[solver]\nduration_s = 0.002\n"
         );
         std::fs::write(dir.path().join(format!("{name}.toml")), scene).unwrap();
     }

@@ -2,12 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use pinwheel_contact::laws::{LAWS, LawInfo};
 use toml::Value;
 
 use crate::check::short;
-use crate::checked::{CheckedScene, Source};
+use crate::checked::{CheckedScene, Origin, Source};
 use crate::keys::{Key, key};
-use crate::model::{Gear, Scene};
+use crate::model::{Detection, Formulation, FrictionLaw, Gear, Scene};
 
 /// A value that had to be assumed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -75,11 +76,31 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
     list
 }
 
+/// Whether anything in this scene depends on a key: of laws, friction and detection only what they read.
+fn is_used(scene: &Scene, key: &str) -> bool {
+    let contact = &scene.contact;
+    let rubs = contact.friction_coefficient > 0.0;
+    let own = |law: &&LawInfo| law.keys.contains(&key);
+    match key {
+        "contact.friction_ramp_m_s" | "contact.friction_law" => rubs,
+        "contact.friction_dynamic_coefficient" | "contact.friction_dynamic_speed_m_s" => {
+            rubs && contact.friction_law == FrictionLaw::Adams
+        }
+        "contact.wheel_points" | "contact.hole_points" => contact.detection == Detection::Points,
+        "solver.stabilisation" => scene.solver.formulation == Formulation::Lagrange,
+        _ if LAWS.iter().any(|law| own(&law)) => {
+            LAWS.iter().filter(own).any(|law| law.name == contact.law)
+        }
+        _ => true,
+    }
+}
+
 /// What the scene's file does not write: one entry for all that comes from its base, one a key for the rest.
 fn filled_in(scene: &CheckedScene) -> Vec<Assumption> {
     let mut list: Vec<Assumption> = Vec::new();
     let mut inherited: Vec<(&str, Vec<&str>)> = Vec::new();
-    for origin in scene.origins() {
+    let used = |origin: &&Origin| is_used(scene, origin.key);
+    for origin in scene.origins().into_iter().filter(used) {
         if let Source::Base(base) = &origin.source {
             match inherited.iter_mut().find(|(known, _)| known == base) {
                 Some((_, keys)) => keys.push(origin.key),

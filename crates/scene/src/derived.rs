@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
-use super::model::Scene;
+use super::model::{Gear, Scene};
 use super::profile::Profile;
 use crate::{load_course, scales};
 
@@ -56,6 +56,16 @@ pub struct Frequency {
     pub hertz: f64,
 }
 
+/// hole - sleeve - e, m; 0 where only rounding is left.
+fn hole_clearance(gear: &Gear) -> f64 {
+    let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
+    if clearance.abs() < 1e-12 * gear.hole_radius_m {
+        0.0
+    } else {
+        clearance
+    }
+}
+
 /// Derives the closed-form figures of a scene that passed [`check`](super::check).
 #[must_use]
 pub fn derived(scene: &Scene) -> Derived {
@@ -79,7 +89,7 @@ pub fn derived(scene: &Scene) -> Derived {
         pit_curvature_radius_m: 1.0 / curve.curvature(-1.0) - q,
         smallest_convex_radius_m: curve.smallest_convex_radius(),
         profile_radii_m: [gear.pitch_radius_m() + e - q, curve.pit_radius()],
-        hole_clearance_m: gear.hole_radius_m - gear.internal_sleeve_radius_m - e,
+        hole_clearance_m: hole_clearance(gear),
         free_play_rad: scales::free_play(gear),
         ideal_input_torque_n_m: load_course::final_load(scene) / zs,
         external_force_estimate_n: scales::external_force(gear, wheel_torque),
