@@ -3,7 +3,7 @@
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_gearbox::native::{self, NativeRun};
-use pinwheel_gearbox::scene::{Override, Scene};
+use pinwheel_scene::{Override, Scene};
 
 fn run(preset: &str, kernel: Kernel, sets: &[(&str, &str)]) -> NativeRun {
     let sets: Vec<Override> = sets.iter().map(|&(k, v)| Override::new(k, v)).collect();

@@ -124,7 +124,7 @@ impl<L: NormalLaw> pulp::WithSimd for SplitWalk<'_, L> {
 /// A walk that adds up slopes.
 struct SlopeWalk<'a, L, const FRICTION: bool>(Walk<'a, Slopes<'a, L, FRICTION>>);
 
-impl<L: LanesLaw, const FRICTION: bool> pulp::WithSimd for SlopeWalk<'_, L, FRICTION> {
+impl<L: NormalLaw, const FRICTION: bool> pulp::WithSimd for SlopeWalk<'_, L, FRICTION> {
     type Output = ();
 
     #[inline(always)]

@@ -14,12 +14,12 @@
 //! and the moments are differentiated by the product rule. The slopes of the normal law are differences of the law itself,
 //! right to 1e-9, so that a law needs none of its own. Where friction or law have a kink, one side's slope counts.
 
-use pinwheel_contact::{Lanes, LanesLaw, RegularisedCoulomb};
+use pinwheel_contact::{Lanes, NormalLaw, RegularisedCoulomb};
 use pinwheel_mbs::{Arrow, BodyState, Jacobian};
 use pulp::Simd;
 
 use super::walk::{Group, Sink, Wheel};
-use crate::layout::Layout;
+use crate::Layout;
 
 /// Shares of stiffness and penetration, and the closing speed (m/s), by which the law's differences go to either side.
 const STIFFNESS_SHARE: f64 = 1e-4;
@@ -83,7 +83,7 @@ struct Pressure<S: Simd> {
 
 impl<S: Simd> Pressure<S> {
     #[inline(always)]
-    fn new<L: LanesLaw>(law: &L, group: &Group<'_, S>, closing: Lanes<S>) -> Self {
+    fn new<L: NormalLaw>(law: &L, group: &Group<'_, S>, closing: Lanes<S>) -> Self {
         let (touching, mask) = (&group.touching, group.touching.mask);
         let (stiffness, depth) = (touching.stiffness, touching.penetration);
         let c = |x: f64| depth.like(x);
@@ -110,7 +110,7 @@ impl<S: Simd> Pressure<S> {
 /// Slopes of the three moments of a contact: on the wheel, on the output, on the sleeve.
 type Moments<S> = [Lanes<S>; 3];
 
-impl<L: LanesLaw, const FRICTION: bool> Slopes<'_, L, FRICTION> {
+impl<L: NormalLaw, const FRICTION: bool> Slopes<'_, L, FRICTION> {
     /// Adds a column of slopes, of the angle or rate `of` a hub, or of the time.
     #[inline(always)]
     fn add<S: Simd>(
@@ -159,7 +159,7 @@ enum Target {
     Time,
 }
 
-impl<S: Simd, L: LanesLaw, const FRICTION: bool> Sink<S> for Slopes<'_, L, FRICTION> {
+impl<S: Simd, L: NormalLaw, const FRICTION: bool> Sink<S> for Slopes<'_, L, FRICTION> {
     #[inline(always)]
     fn group(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let (touching, mask) = (&group.touching, group.touching.mask);
