@@ -115,8 +115,8 @@ fn bad_input_wrong_type() {
         &[
             "mine.toml, line 2",
             "`drive.start`",
-            "`kinematic`",
-            "`equilibrium`",
+            "kinematic",
+            "equilibrium",
         ],
     );
 }

@@ -1,5 +1,6 @@
 //! What the whole-program tests share: the program, and runs of engines.
 
+pub mod gears;
 pub mod runs;
 
 use std::ffi::OsStr;

@@ -1,31 +1,27 @@
-//! The comparison itself: participants and limits in, verdicts out.
-
-use std::collections::BTreeMap;
-use std::ops::Range;
+//! The comparison itself: participants and rules in, verdicts out.
 
 use pinwheel_courses::Courses;
 
-use crate::comparison::{Comparison, EngineEntry, EngineSummary, Figures, Pair, PairEntry};
-use crate::grid::Common;
-use crate::judge::{Judge, Sides};
-use crate::limits::{Limit, StatedLimit};
+use crate::comparison::{Comparison, EngineSummary};
+use crate::judge::{Judge, Negligible, Sides};
+use crate::limits::{Limit, MEASURED_ON, StatedLimit, fits};
 use crate::matrix::{self, track_of};
-use crate::metrics::PairMetrics;
-use crate::participant::{Context, Participant, track};
-use crate::quantities::{self, INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, Quantity};
-use crate::statistics::{Statistics, View};
-use crate::verdict::{Counts, Verdict};
-use crate::windows::{self, FEWEST_SAMPLES, SETTLING_S, Window, WindowKind};
+use crate::pairs::pair;
+use crate::participant::{Context, Participant};
+use crate::quantities::{self, Quantity};
+use crate::rules::Rules;
+use crate::summary::engine_summary;
+use crate::uncertainty::Evidence;
+use crate::verdict::{Counts, Outcome};
+use crate::windows::{self, SETTLING_S, Window};
 use crate::{CompareError, grid};
 
-/// Compares every finished run with every other on its track, window by window.
+/// Compares by limits alone: [`compare_with`] without evidence.
 ///
-/// `limits` is usually [`limits::TABLE`](crate::limits::TABLE). Runs that did not finish are
-/// listed with their reason and not judged. A single engine is no error: its figures and its
-/// balance with the load remain.
+/// `limits` is usually [`limits::TABLE`](crate::limits::TABLE).
 ///
 /// # Errors
-/// No participant, two of one name, or finished runs on different sample times.
+/// As [`compare_with`].
 pub fn compare(
     context: &Context,
     participants: &[Participant],
@@ -37,12 +33,33 @@ pub fn compare(
 /// [`compare`] with measured participants, held against the limits stated for them alone.
 ///
 /// # Errors
-/// As [`compare`].
+/// As [`compare_with`].
 pub fn compare_stated(
     context: &Context,
     participants: &[Participant],
     limits: &[Limit],
     stated: &[StatedLimit],
+) -> Result<Comparison, CompareError> {
+    let rules = Rules {
+        limits,
+        stated,
+        ..Rules::default()
+    };
+    compare_with(context, participants, &rules)
+}
+
+/// Compares every finished run with every other on its track, window by window.
+///
+/// Runs that did not finish are listed with their reason and not judged. A single engine is no error: its figures,
+/// its uncertainties and its balance with the load remain.
+///
+/// # Errors
+/// No participant, two of one name, finished runs on different sample times, evidence for nobody, a stated limit
+/// that matches nothing.
+pub fn compare_with(
+    context: &Context,
+    participants: &[Participant],
+    rules: &Rules<'_>,
 ) -> Result<Comparison, CompareError> {
     if participants.is_empty() {
         return Err(CompareError::Empty);
@@ -53,6 +70,14 @@ pub fn compare_stated(
             .any(|other| other.name == participant.name)
         {
             return Err(CompareError::Duplicate(participant.name.clone()));
+        }
+    }
+    for (k, evidence) in rules.evidence.iter().enumerate() {
+        let same = |other: &Evidence| other.engine == evidence.engine;
+        if !participants.iter().any(|p| p.name == evidence.engine)
+            || rules.evidence[..k].iter().any(same)
+        {
+            return Err(CompareError::Evidence(evidence.engine.clone()));
         }
     }
     let finished: Vec<&Participant> = participants
@@ -77,11 +102,16 @@ pub fn compare_stated(
         &context.load_changes_s,
     );
     let quantities = quantities::derive(finished.iter().map(|p| &p.courses));
+    matched(rules.stated, &finished, &windows, &quantities)?;
     let judge = Judge {
-        limits,
-        stated,
+        rules,
         friction: context.friction_coefficient > 0.0,
+        guarded: context
+            .guarded
+            .as_deref()
+            .is_some_and(|name| MEASURED_ON.contains(&name)),
         context,
+        negligible: Negligible::of(context, &finished, &quantities),
     };
 
     let engines: Vec<EngineSummary> = participants
@@ -92,7 +122,8 @@ pub fn compare_stated(
     for (k, b) in finished.iter().enumerate() {
         for a in &finished[..k] {
             if let Some(track) = track_of(a, b) {
-                pairs.push(pair(Sides { track, a, b }, &windows, &quantities, judge)?);
+                let sides = Sides { track, a, b };
+                pairs.push(pair(sides, &engines, &windows, &quantities, judge)?);
             }
         }
     }
@@ -108,7 +139,9 @@ pub fn compare_stated(
         .for_each(|entry| counts.add(&entry.verdict));
     Ok(Comparison {
         context: context.clone(),
-        passed: counts.exceeded == 0 && counts.within > 0,
+        passed: counts.outcome() == Outcome::Passed,
+        outcome: counts.outcome(),
+        resolution: rules.resolution,
         counts,
         unfinished: participants.len() - finished.len(),
         windows,
@@ -120,205 +153,53 @@ pub fn compare_stated(
     })
 }
 
-fn engine_summary(
-    participant: &Participant,
-    context: &Context,
+/// Every stated limit has something that it is held against.
+fn matched(
+    stated: &[StatedLimit],
+    finished: &[&Participant],
     windows: &[Window],
     quantities: &[Quantity],
-    judge: Judge<'_>,
-) -> EngineSummary {
-    let (mut all_figures, mut judged) = (Vec::new(), Vec::new());
-    let windows = if participant.status.is_finished() {
-        windows
-    } else {
-        &[]
-    };
-    for window in windows {
-        let figures = figures(participant, context, window, quantities);
-        let output = quantities.iter().find(|q| q.name == OUTPUT_TORQUE);
-        let judged_alone = participant.track != track::MEASURED;
-        if let Some((quantity, load_n_m)) = output.zip(context.load_n_m).filter(|_| judged_alone) {
-            let mean = figures
-                .quantities
-                .get(OUTPUT_TORQUE)
-                .map(|statistics| statistics.mean);
-            let found = judge.load(participant, quantity, window.kind, mean, load_n_m);
-            let found = found.map(|(checks, verdict)| {
-                if participant.cost.recorded.is_none() {
-                    return (checks, verdict);
-                }
-                // One sample a millisecond aliases the ripple into the mean: 1e-4 of it for 40 sleeves.
-                let reason = "a recording has too few samples for this mean".to_owned();
-                (Vec::new(), Verdict::NotJudged { reason })
-            });
-            judged.extend(found.map(|(checks, verdict)| EngineEntry {
-                quantity: quantity.name.clone(),
-                window: window.kind,
-                checks,
-                verdict,
-            }));
+) -> Result<(), CompareError> {
+    for limit in stated {
+        let Some(owner) = finished.iter().find(|p| p.name == limit.engine) else {
+            continue;
+        };
+        let has = |p: &Participant, q: &Quantity| {
+            q.channels
+                .iter()
+                .any(|name| p.courses.channel(name).is_some())
+        };
+        // With someone else who has it too.
+        let there = |q: &&Quantity| {
+            has(owner, q) && finished.iter().any(|p| p.name != owner.name && has(p, q))
+        };
+        let shared: Vec<&str> = quantities
+            .iter()
+            .filter(there)
+            .map(|q| q.name.as_str())
+            .collect();
+        let window = windows.iter().any(|w| w.kind == limit.window);
+        if window && shared.iter().any(|name| fits(&limit.quantity, name)) {
+            continue;
         }
-        all_figures.push(figures);
-    }
-    EngineSummary {
-        name: participant.name.clone(),
-        track: participant.track.clone(),
-        version: participant.version.clone(),
-        summary: participant.summary.clone(),
-        differences: participant.differences.clone(),
-        status: participant.status.clone(),
-        cost: participant.cost.clone(),
-        figures: all_figures,
-        judged,
-    }
-}
-
-fn figures(
-    participant: &Participant,
-    context: &Context,
-    window: &Window,
-    quantities: &[Quantity],
-) -> Figures {
-    let courses = &participant.courses;
-    let samples = covered(
-        &[(participant, courses)],
-        courses.window(window.from_s, window.to_s),
-    );
-    let statistics: BTreeMap<String, Statistics> = quantities
-        .iter()
-        .filter_map(|quantity| {
-            let quantity = &shared(quantity, &[participant]);
-            let view = View::of(courses, quantity, samples.clone())?;
-            Some((quantity.name.clone(), Statistics::of(&view)?))
-        })
-        .collect();
-    let efficiency = || {
-        // A start-up stores and returns energy: no efficiency there.
-        if window.kind == WindowKind::Transient {
-            return None;
-        }
-        let mean = |name: &str| statistics.get(name).map(|s| s.mean);
-        let time_s = courses.time_s().get(samples.clone())?;
-        let angle_rad = courses.channel(OUTPUT_ANGLE)?.get(samples.clone())?;
-        let turned = angle_rad.last()? - angle_rad.first()?;
-        let output_speed = turned / (time_s.last()? - time_s.first()?);
-        let power_in = mean(INPUT_TORQUE)? * context.input_speed_rad_s?;
-        let efficiency = mean(OUTPUT_TORQUE)? * output_speed / power_in;
-        (power_in > 0.0 && efficiency.is_finite()).then_some(efficiency)
-    };
-    Figures {
-        window: window.kind,
-        efficiency: efficiency(),
-        quantities: statistics,
-    }
-}
-
-/// The quantity without channels that a measured participant lacks: a rig has force cells on three of
-/// sixteen sleeves. Engines have all channels of a quantity or none.
-fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quantity {
-    let mut quantity = quantity.clone();
-    if participants.iter().any(|p| p.track == track::MEASURED) {
-        quantity.channels.retain(|name| {
-            let has = |p: &&Participant| p.courses.channel(name).is_some();
-            participants.iter().all(has)
+        let words: Vec<&str> = windows.iter().map(|w| w.kind.word()).collect();
+        let list = |names: &[&str]| {
+            if names.is_empty() {
+                "none".to_owned()
+            } else {
+                names.join(", ")
+            }
+        };
+        return Err(CompareError::Unmatched {
+            engine: limit.engine.clone(),
+            window: limit.window.word(),
+            quantity: limit.quantity.clone(),
+            available: format!(
+                "the windows {} and the quantities {}",
+                list(&words),
+                list(&shared)
+            ),
         });
     }
-    quantity
-}
-
-/// The part of `samples` that all measured participants cover: theirs may be missing at both ends.
-fn covered(participants: &[(&Participant, &Courses)], mut samples: Range<usize>) -> Range<usize> {
-    let measured = |p: &&(&Participant, &Courses)| p.0.track == track::MEASURED;
-    for (_, courses) in participants.iter().filter(measured) {
-        let channels = courses.channels();
-        let there = |k: usize| {
-            let mut values = channels.iter().map(|channel| channel.values.get(k));
-            values.all(|value| value.is_some_and(|v| !v.is_nan()))
-        };
-        while samples.start < samples.end && !there(samples.start) {
-            samples.start += 1;
-        }
-        while samples.start < samples.end && !there(samples.end - 1) {
-            samples.end -= 1;
-        }
-    }
-    samples
-}
-
-fn pair(
-    sides: Sides<'_>,
-    windows: &[Window],
-    quantities: &[Quantity],
-    judge: Judge<'_>,
-) -> Result<Pair, CompareError> {
-    let Sides { track, a, b } = sides;
-    let common = grid::common(a, b)?;
-    let mut entries = Vec::new();
-    for window in windows {
-        for quantity in quantities {
-            entries.extend(pair_entry(sides, &common, window, quantity, judge));
-        }
-    }
-    Ok(Pair {
-        a: a.name.clone(),
-        b: b.name.clone(),
-        track: track.to_owned(),
-        entries,
-    })
-}
-
-/// `None` if neither engine has the quantity.
-fn pair_entry(
-    sides: Sides<'_>,
-    (of_a, of_b): &Common<'_>,
-    window: &Window,
-    quantity: &Quantity,
-    judge: Judge<'_>,
-) -> Option<PairEntry> {
-    let Sides { a, b, .. } = sides;
-    let entry = |metrics, checks, verdict| {
-        let quantity = quantity.name.clone();
-        Some(PairEntry {
-            quantity,
-            window: window.kind,
-            metrics,
-            checks,
-            verdict,
-        })
-    };
-    let unjudged = |reason| entry(None, Vec::new(), Verdict::NotJudged { reason });
-    let has = |p: &Participant| {
-        quantity
-            .channels
-            .iter()
-            .filter(|name| p.courses.channel(name).is_some())
-            .count()
-    };
-    match (has(a), has(b)) {
-        (0, 0) => return None,
-        (0, _) => return unjudged(format!("{} has no `{}`", a.name, quantity.name)),
-        (_, 0) => return unjudged(format!("{} has no `{}`", b.name, quantity.name)),
-        _ => {}
-    }
-    let samples = of_a.window(window.from_s, window.to_s);
-    let samples = covered(&[(a, of_a.as_ref()), (b, of_b.as_ref())], samples);
-    let quantity = &shared(quantity, &[a, b]);
-    if samples.len() < FEWEST_SAMPLES {
-        return unjudged(format!(
-            "both have {} samples in this window, fewer than {FEWEST_SAMPLES}",
-            samples.len()
-        ));
-    }
-    let metrics = View::of(of_a, quantity, samples.clone())
-        .zip(View::of(of_b, quantity, samples.clone()))
-        .zip(of_a.time_s().get(samples))
-        .and_then(|((of_a, of_b), time_s)| PairMetrics::of(&of_a, &of_b, time_s));
-    let Some(metrics) = metrics else {
-        return unjudged(format!(
-            "`{}` has channels that only one of the two has",
-            quantity.name
-        ));
-    };
-    let (checks, verdict) = judge.pair(sides, quantity, window, &metrics);
-    entry(Some(metrics), checks, verdict)
+    Ok(())
 }

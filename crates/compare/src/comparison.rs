@@ -7,11 +7,13 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::metrics::PairMetrics;
+use crate::metrics::{Metric, PairMetrics};
 use crate::participant::{Context, Cost, Status};
 use crate::quantities::Quantity;
 use crate::statistics::Statistics;
-use crate::verdict::{Check, Counts, Verdict};
+use crate::uncertainty::QuantityUncertainty;
+use crate::validation::Budget;
+use crate::verdict::{Check, Counts, Outcome, Verdict};
 use crate::windows::{AbsentWindow, Window, WindowKind};
 
 /// Everything that was compared, and how it turned out.
@@ -19,8 +21,12 @@ use crate::windows::{AbsentWindow, Window, WindowKind};
 pub struct Comparison {
     /// The scene.
     pub context: Context,
-    /// True when nothing was exceeded and at least one limit was checked.
+    /// True when something was judged and everything judged holds.
     pub passed: bool,
+    /// What the verdicts amount to; a program's exit status is [`Outcome::exit_status`] of it.
+    pub outcome: Outcome,
+    /// The largest U that still counts as resolved, relative.
+    pub resolution: f64,
     /// Verdicts over all engines and pairs.
     pub counts: Counts,
     /// Engines that did not finish.
@@ -60,6 +66,9 @@ pub struct EngineSummary {
     pub figures: Vec<Figures>,
     /// What was judged of this engine alone; empty unless finished.
     pub judged: Vec<EngineEntry>,
+    /// Its numerical uncertainty per window and quantity; empty where no evidence was given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub uncertainty: Vec<QuantityUncertainty>,
 }
 
 /// One engine's figures in one window.
@@ -73,6 +82,14 @@ pub struct Figures {
     /// (mean `input_torque_n_m` * input speed). `None` without these channels or without positive
     /// input power, and in the transient window, where energy is stored and returned.
     pub efficiency: Option<f64>,
+    /// Why there is no efficiency.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub efficiency_reason: Option<String>,
+    /// The efficiency with the energy that nothing accounts for added to the power in: efficiency / (1 + remainder /
+    /// driver's work). Where a contact law creates energy this is the efficiency of the gear. `None` without an
+    /// energy account.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub efficiency_accounted: Option<f64>,
 }
 
 /// A verdict on one engine alone.
@@ -113,9 +130,47 @@ pub struct PairEntry {
     pub metrics: Option<PairMetrics>,
     /// Limits checked; empty when not judged.
     pub checks: Vec<Check>,
-    /// The worst of the checks.
+    /// The distance against the numerical uncertainty of both, metric by metric; empty where no evidence was given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub judgements: Vec<Judgement>,
+    /// The same with the leading error term of every confirmed ladder taken off (Richardson).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extrapolated: Option<Judgement>,
+    /// The worst of the checks and of the judgements that count.
     #[serde(flatten)]
     pub verdict: Verdict,
+}
+
+/// A distance against uncertainties. All values relative, as the metric is.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Judgement {
+    /// Which metric.
+    pub metric: Metric,
+    /// D. Signed where its verdict is on a mean with a predicted sign.
+    pub distance: Option<f64>,
+    /// u of the first participant.
+    pub u_a: Option<f64>,
+    /// u of the second.
+    pub u_b: Option<f64>,
+    /// Whether it counts for the entry's verdict; the others are shown beside it.
+    pub counts: bool,
+    /// The parts of a validation uncertainty, of measured data.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub budget: Option<Budget>,
+    /// Why a tolerance is what it is; empty for others.
+    #[serde(skip_serializing_if = "str::is_empty")]
+    pub reason: &'static str,
+    /// What follows.
+    #[serde(flatten)]
+    pub verdict: Verdict,
+}
+
+impl Judgement {
+    /// U, where both are known.
+    #[must_use]
+    pub fn combined(&self) -> Option<f64> {
+        Some(self.u_a? + self.u_b?)
+    }
 }
 
 /// All engines of a track against each other in one window.
@@ -140,10 +195,13 @@ pub struct Cell {
     pub column: usize,
     /// Index into [`Comparison::pairs`].
     pub pair: usize,
-    /// Largest relative L2 over forces and torques; `None` if there is none.
+    /// The figure that decided the verdict: of what was judged the one that uses most of its limit or uncertainty. Where
+    /// nothing was judged the largest relative L2 over forces and torques; `None` if there is none.
     pub worst: Option<f64>,
     /// The quantity that has it.
     pub worst_quantity: Option<String>,
+    /// The metric it is of.
+    pub worst_metric: Option<Metric>,
     /// Largest relative L2 over forces (N).
     pub force: Option<f64>,
     /// Largest relative L2 over torques (N m).

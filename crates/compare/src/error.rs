@@ -39,6 +39,23 @@ pub enum CompareError {
     /// Two participants of one name.
     #[error("engine `{0}` appears twice: name each engine once")]
     Duplicate(String),
+    /// Evidence for someone who does not take part, or two for one.
+    #[error("evidence is given for `{0}`, which does not take part or has evidence already")]
+    Evidence(String),
+    /// A stated limit that nothing can be held against.
+    #[error(
+        "the limit on `{quantity}` in the {window} window of `{engine}` matches nothing; there are {available}"
+    )]
+    Unmatched {
+        /// The participant it is stated for.
+        engine: String,
+        /// Its window.
+        window: &'static str,
+        /// Its quantity, a pattern.
+        quantity: String,
+        /// The windows and quantities there are, in words.
+        available: String,
+    },
     /// Nobody takes part.
     #[error("no engine to compare: name at least one")]
     Empty,

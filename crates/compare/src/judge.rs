@@ -1,34 +1,98 @@
-//! From the table of limits to a verdict.
+//! From distances, uncertainties and limits to a verdict.
 
-use crate::limits::{Friction, Limit, Metric, NEGLIGIBLE, StatedLimit, fits};
-use crate::metrics::PairMetrics;
+use crate::comparison::Judgement;
+use crate::limits::{NEGLIGIBLE_SHARE, fits};
+use crate::metrics::{Metric, PairMetrics};
+use crate::model::{self, ModelTolerance, Prediction};
 use crate::participant::{Context, Participant, track};
 use crate::quantities::Quantity;
-use crate::verdict::{Check, Verdict};
+use crate::rules::Rules;
+use crate::uncertainty::{Estimate, QuantityUncertainty, Uncertainty, Unresolved};
+use crate::validation::Budget;
+use crate::verdict::{self, Check, Side, Verdict};
 use crate::windows::{Window, WindowKind};
-
-/// Metrics that judge a pair, in the order of a report.
-const PAIR_METRICS: [Metric; 6] = [
-    Metric::RelativeL2,
-    Metric::RelativeLinf,
-    Metric::Mean,
-    Metric::Peak,
-    Metric::Rms,
-    Metric::SpragueGeers,
-];
 
 /// What a verdict depends on besides the numbers.
 #[derive(Clone, Copy)]
 pub(crate) struct Judge<'a> {
-    /// The table.
-    pub(crate) limits: &'a [Limit],
-    /// Limits of measured participants.
-    pub(crate) stated: &'a [StatedLimit],
+    /// Limits, evidence, tolerances.
+    pub(crate) rules: &'a Rules<'a>,
     /// Whether the scene has friction.
     pub(crate) friction: bool,
+    /// Whether the table of limits guards this scene.
+    pub(crate) guarded: bool,
     /// The scene, for its divergence horizon.
     pub(crate) context: &'a Context,
+    /// Force (N) and torque (N m) below which a load is rounding.
+    pub(crate) negligible: Negligible,
 }
+
+/// Loads below these are rounding.
+#[derive(Clone, Copy)]
+pub(crate) struct Negligible {
+    pub(crate) force_n: f64,
+    pub(crate) torque_n_m: f64,
+}
+
+impl Negligible {
+    /// From the scene's own sizes, or where they are not stated from the largest loads there are.
+    pub(crate) fn of(
+        context: &Context,
+        finished: &[&Participant],
+        quantities: &[Quantity],
+    ) -> Self {
+        let largest = |wanted: fn(&Quantity) -> bool| {
+            let loads = quantities.iter().filter(|q| wanted(q));
+            loads
+                .flat_map(|q| &q.channels)
+                .flat_map(|name| finished.iter().filter_map(|p| p.courses.channel(name)))
+                .flatten()
+                .filter(|v| v.is_finite())
+                .fold(0.0_f64, |most, v| most.max(v.abs()))
+        };
+        let force_n = context
+            .scales
+            .force_n
+            .unwrap_or_else(|| largest(Quantity::is_force));
+        let torque_n_m = context
+            .scales
+            .torque_n_m
+            .unwrap_or_else(|| largest(Quantity::is_torque));
+        Self {
+            force_n: NEGLIGIBLE_SHARE * force_n.abs(),
+            torque_n_m: NEGLIGIBLE_SHARE * torque_n_m.abs(),
+        }
+    }
+
+    /// Of one quantity; `None` for what is no load.
+    fn below(&self, quantity: &Quantity) -> Option<f64> {
+        if quantity.is_force() {
+            Some(self.force_n)
+        } else {
+            quantity.is_torque().then_some(self.torque_n_m)
+        }
+    }
+}
+
+/// What was found of one quantity of a pair in one window.
+pub(crate) struct Judged {
+    pub(crate) checks: Vec<Check>,
+    pub(crate) judgements: Vec<Judgement>,
+    pub(crate) verdict: Verdict,
+}
+
+impl Judged {
+    fn not(reason: String) -> Self {
+        Self {
+            checks: Vec::new(),
+            judgements: Vec::new(),
+            verdict: Verdict::NotJudged { reason },
+        }
+    }
+}
+
+/// The uncertainties of both sides of a pair; `None` where no evidence was given.
+pub(crate) type Uncertainties<'a> = [Option<&'a QuantityUncertainty>; 2];
 
 /// Two engines and the track they are compared on.
 #[derive(Clone, Copy)]
@@ -38,87 +102,71 @@ pub(crate) struct Sides<'a> {
     pub(crate) b: &'a Participant,
 }
 
-/// Whether a row applies, and if not, by how little.
-enum Fit {
-    Yes,
-    /// It would but for this.
-    But(String),
-    No,
-}
-
 impl Judge<'_> {
     /// Judges one quantity of a pair in one window.
     pub(crate) fn pair(
         &self,
-        Sides { track, a, b }: Sides<'_>,
+        sides: Sides<'_>,
         quantity: &Quantity,
         window: &Window,
         metrics: &PairMetrics,
-    ) -> (Vec<Check>, Verdict) {
-        let pointwise = self.context.is_pointwise(window.to_s);
-        if quantity.is_load() && metrics.larger_peak.is_some_and(|peak| peak < NEGLIGIBLE) {
-            let reason = format!(
-                "both stay below {NEGLIGIBLE:e} {}: only rounding",
+        uncertainties: Uncertainties<'_>,
+    ) -> Judged {
+        let Sides { a, b, .. } = sides;
+        let below = self.negligible.below(quantity);
+        if let Some(below) = below
+            .zip(metrics.larger_peak)
+            .filter(|(below, peak)| peak < below)
+        {
+            let below = below.0;
+            return Judged::not(format!(
+                "both stay below {below:.0e} {}: only rounding at the size of this scene",
                 quantity.unit
-            );
-            return (Vec::new(), Verdict::NotJudged { reason });
+            ));
         }
-        if [a, b].iter().any(|p| p.track == track::MEASURED) {
-            return self.measured(&[&a.name, &b.name], quantity, window.kind, metrics);
+        let measured = [a, b].iter().any(|p| p.track == track::MEASURED);
+        let (checks, reason) = if measured {
+            self.stated(&[&a.name, &b.name], quantity, window.kind, metrics)
+        } else {
+            self.guard(sides, quantity, window, metrics)
+        };
+        let judgements = if measured {
+            self.validation(sides, quantity, metrics, uncertainties)
+        } else if self.rules.evidence.is_empty() {
+            Vec::new()
+        } else if [track::NATIVE, track::SHARED_LAW].contains(&sides.track) {
+            self.one_law(sides, window, metrics, uncertainties)
+        } else {
+            self.models(sides, quantity, window, metrics, uncertainties)
+        };
+        let of_checks: Vec<Verdict> = checks.iter().map(Check::verdict).collect();
+        let counting = judgements.iter().filter(|j| j.counts).map(|j| &j.verdict);
+        let verdict = Verdict::worst(counting.chain(&of_checks))
+            .cloned()
+            .unwrap_or(Verdict::NotJudged { reason });
+        Judged {
+            checks,
+            judgements,
+            verdict,
         }
-        let rows = self.limits.iter().filter(|row| {
-            row.metric != Metric::MeanAgainstLoad
-                && row.window == window.kind
-                && (pointwise || !row.metric.is_pointwise())
-                && fits(row.quantity, &quantity.name)
-                && fits(row.track, track)
-        });
-        let (mut checks, mut reason) = (Vec::new(), None);
-        for metric in PAIR_METRICS {
-            for row in rows.clone().filter(|row| row.metric == metric) {
-                match self.fit(row, a, b) {
-                    Fit::Yes => {
-                        let value = value(metrics, metric);
-                        checks.push(check(row, value, row.limit, row.reason.to_owned()));
-                        break;
-                    }
-                    Fit::But(why) => reason = reason.or(Some(why)),
-                    Fit::No => {}
-                }
-            }
-        }
-        if checks.is_empty() && a.track != track::NATIVE && b.track != track::NATIVE {
-            let rows: Vec<_> = rows.collect();
-            checks = self.through_native(&rows, a, b, metrics);
-        }
-        let reason = reason.unwrap_or_else(|| {
-            if pointwise {
-                "no limit for this pair and window".to_owned()
-            } else {
-                "beyond the divergence horizon, where only statistics are judged, and no limit for them"
-                    .to_owned()
-            }
-        });
-        let verdict = verdict(&checks, reason);
-        (checks, verdict)
     }
 
-    /// Judges a pair of which one is measured: by what is stated for it, by nothing else.
-    fn measured(
+    /// What is stated for measured data.
+    fn stated(
         &self,
         names: &[&String],
         quantity: &Quantity,
         window: WindowKind,
         metrics: &PairMetrics,
-    ) -> (Vec<Check>, Verdict) {
-        let rows = self.stated.iter().filter(|row| {
+    ) -> (Vec<Check>, String) {
+        let rows = self.rules.stated.iter().filter(|row| {
             names.contains(&&row.engine)
                 && row.window == window
                 && fits(&row.quantity, &quantity.name)
         });
         let checks: Vec<Check> = rows
             .map(|row| {
-                let value = value(metrics, row.metric);
+                let value = (row.metric.row().of)(metrics);
                 Check {
                     metric: row.metric,
                     value,
@@ -129,172 +177,277 @@ impl Judge<'_> {
                 }
             })
             .collect();
-        let reason = "measured data: no limit is stated for this quantity and window".to_owned();
-        let verdict = verdict(&checks, reason);
-        (checks, verdict)
+        let reason =
+            "measured data: no limit and no uncertainty is stated for this quantity and window";
+        (checks, reason.to_owned())
     }
 
-    /// Two foreign engines without a limit of their own may be as far apart as both are allowed
-    /// to be from a native run: the triangle inequality.
-    fn through_native(
+    /// Two participants of one law: any difference beyond the uncertainties is a finding.
+    fn one_law(
         &self,
-        rows: &[&Limit],
-        a: &Participant,
-        b: &Participant,
+        Sides { a, b, .. }: Sides<'_>,
+        window: &Window,
         metrics: &PairMetrics,
-    ) -> Vec<Check> {
-        let leg = |engine: &Participant, metric: Metric| {
-            rows.iter().copied().find(|row| {
-                row.metric == metric
-                    && fits(row.against, track::NATIVE)
-                    && fits(row.engine, &engine.name)
-                    && row.against_step_at_most_s.is_none()
-                    && self.suits(row.friction)
-                    && step_suits(engine, row.step_at_most_s)
-            })
+        [of_a, of_b]: Uncertainties<'_>,
+    ) -> Vec<Judgement> {
+        let pointwise = self.context.is_pointwise(window.to_s);
+        let counts = |metric| {
+            if pointwise {
+                metric == Metric::RelativeL2
+            } else {
+                matches!(metric, Metric::Mean | Metric::Rms)
+            }
         };
-        PAIR_METRICS
-            .iter()
-            .filter_map(|&metric| {
-                let (one, other) = (leg(a, metric)?, leg(b, metric)?);
-                let reason = format!(
-                    "Each may be this far from a native run: {:e} + {:e}.",
-                    one.limit, other.limit
+        let metrics_there = Metric::of_pairs().filter(|metric| pointwise || !metric.is_pointwise());
+        metrics_there
+            .filter_map(|metric| {
+                let (one, other) = (
+                    side(a, of_a, metric, metrics),
+                    side(b, of_b, metric, metrics),
                 );
-                let limit = one.limit + other.limit;
-                Some(Check {
-                    measured: None,
-                    ..check(one, value(metrics, metric), limit, reason)
-                })
+                let distance = (metric.row().of)(metrics);
+                let verdict = match distance {
+                    Some(distance) => verdict::pair(distance, &one, &other, self.rules.resolution),
+                    None if counts(metric) => not_finite(a, b),
+                    None => return None,
+                };
+                Some(judgement(
+                    metric,
+                    distance,
+                    &one,
+                    &other,
+                    counts(metric),
+                    verdict,
+                ))
             })
             .collect()
     }
 
-    /// Judges the mean output torque of one engine against the load.
-    pub(crate) fn load(
+    /// At least one contact model of its own: the interval of the difference, against what the engine states.
+    fn models(
         &self,
-        engine: &Participant,
+        Sides { a, b, .. }: Sides<'_>,
         quantity: &Quantity,
-        window: WindowKind,
-        mean: Option<f64>,
-        load_n_m: f64,
-    ) -> Option<(Vec<Check>, Verdict)> {
-        let row = self.limits.iter().find(|row| {
-            row.metric == Metric::MeanAgainstLoad
-                && row.window == window
-                && fits(row.quantity, &quantity.name)
-                && fits(row.track, &engine.track)
-                && fits(row.engine, &engine.name)
-                && self.suits(row.friction)
-                && step_suits(engine, row.step_at_most_s)
-        })?;
-        if load_n_m.abs() < NEGLIGIBLE {
-            let reason = "the scene has no load to compare with".to_owned();
-            return Some((Vec::new(), Verdict::NotJudged { reason }));
-        }
-        let value = mean.map(|mean| (mean + load_n_m).abs() / load_n_m.abs());
-        let checks = vec![check(row, value, row.limit, row.reason.to_owned())];
-        let verdict = verdict(&checks, String::new());
-        Some((checks, verdict))
-    }
-
-    fn suits(&self, friction: Friction) -> bool {
-        match friction {
-            Friction::Any => true,
-            Friction::With => self.friction,
-            Friction::Without => !self.friction,
-        }
-    }
-
-    fn fit(&self, row: &Limit, a: &Participant, b: &Participant) -> Fit {
-        let mut almost = Fit::No;
-        for (engine, other) in [(a, b), (b, a)] {
-            // Two native runs may both fit `native*`: a row is about two engines.
-            if !fits(row.engine, &engine.name) || !fits(row.against, &other.name) {
-                continue;
-            }
-            if !self.suits(row.friction) {
-                let scenes = if self.friction { "without" } else { "with" };
-                almost = Fit::But(format!("the limit is for scenes {scenes} friction"));
-                continue;
-            }
-            let steps = [
-                (engine, row.step_at_most_s),
-                (other, row.against_step_at_most_s),
-            ];
-            match steps
+        window: &Window,
+        metrics: &PairMetrics,
+        [of_a, of_b]: Uncertainties<'_>,
+    ) -> Vec<Judgement> {
+        let pointwise = self.context.is_pointwise(window.to_s);
+        let statement = |engine: &Participant, metric: Metric| {
+            self.rules.tolerances.iter().find(|t| {
+                t.metric == metric
+                    && t.applies(&engine.name, self.friction, window.kind, &quantity.name)
+            })
+        };
+        let mut found = Vec::new();
+        for metric in Metric::of_pairs().filter(|m| pointwise || !m.is_pointwise()) {
+            let own: Vec<&Participant> = [a, b]
+                .into_iter()
+                .filter(|p| p.track != track::NATIVE)
+                .collect();
+            let Some(statements) = own
                 .iter()
-                .find(|(engine, largest)| !step_suits(engine, *largest))
-            {
-                None => return Fit::Yes,
-                Some((engine, largest)) => {
-                    almost = Fit::But(format!(
-                        "the limit is for steps of {} up to {:e} s; this run used {:e} s",
-                        engine.name,
-                        largest.unwrap_or(f64::NAN),
-                        engine.cost.step_s
-                    ));
+                .map(|p| statement(p, metric))
+                .collect::<Option<Vec<&ModelTolerance>>>()
+            else {
+                continue;
+            };
+            let energy = statements
+                .iter()
+                .any(|t| t.predicted == Prediction::LawEnergy);
+            let predicted = energy.then(|| model::predicted(a, b, window)).flatten();
+            // A prediction has a sign, and so has the difference that is held against it.
+            let distance = match predicted {
+                Some(_) => metrics.signed_mean_difference(),
+                None => (metric.row().of)(metrics),
+            };
+            let (one, other) = (
+                side(a, of_a, metric, metrics),
+                side(b, of_b, metric, metrics),
+            );
+            let tolerance = statements.iter().map(|t| t.tolerance).sum();
+            let verdict = match distance {
+                Some(d) => {
+                    let tolerance = (!energy || predicted.is_some()).then_some(tolerance);
+                    verdict::model(
+                        d,
+                        &one,
+                        &other,
+                        self.rules.resolution,
+                        predicted.unwrap_or(0.0),
+                        tolerance,
+                    )
                 }
+                None => not_finite(a, b),
+            };
+            found.push(Judgement {
+                reason: statements.first().map_or("", |t| t.reason),
+                ..judgement(metric, distance, &one, &other, true, verdict)
+            });
+        }
+        if found.is_empty() {
+            let metric = if pointwise {
+                Metric::RelativeL2
+            } else {
+                Metric::Mean
+            };
+            let (one, other) = (
+                side(a, of_a, metric, metrics),
+                side(b, of_b, metric, metrics),
+            );
+            let distance = (metric.row().of)(metrics);
+            let verdict = match distance {
+                Some(d) => verdict::model(d, &one, &other, self.rules.resolution, 0.0, None),
+                None => not_finite(a, b),
+            };
+            // Nothing is stated of this quantity, so nothing can fail: what is not resolved is told and not counted.
+            let counts = matches!(verdict, Verdict::ModelDifference { .. });
+            found.push(judgement(metric, distance, &one, &other, counts, verdict));
+        }
+        found
+    }
+
+    /// A simulation against measured data whose owner states their uncertainty.
+    fn validation(
+        &self,
+        Sides { a, b, .. }: Sides<'_>,
+        quantity: &Quantity,
+        metrics: &PairMetrics,
+        [of_a, of_b]: Uncertainties<'_>,
+    ) -> Vec<Judgement> {
+        let (data, simulation, of_simulation) = match (a.track.as_str(), b.track.as_str()) {
+            (track::MEASURED, track::MEASURED) => return Vec::new(),
+            (track::MEASURED, _) => (a, b, of_b),
+            _ => (b, a, of_a),
+        };
+        let Some(stated) = self
+            .rules
+            .data
+            .iter()
+            .find(|d| d.engine == data.name && fits(&d.quantity, &quantity.name))
+        else {
+            return Vec::new();
+        };
+        let metrics_there = [Metric::RelativeL2, Metric::Mean, Metric::Peak, Metric::Rms];
+        metrics_there
+            .into_iter()
+            .map(|metric| {
+                let one = side(simulation, of_simulation, metric, metrics);
+                let nothing = Side::known(&data.name, Estimate::stated(0.0));
+                let signed = |d: f64| {
+                    // E = S - D.
+                    if simulation.name == a.name { d } else { -d }
+                };
+                let distance = match metric {
+                    Metric::Mean => metrics
+                        .signed_mean_difference()
+                        .map(signed)
+                        .or(metrics.mean_difference),
+                    _ => (metric.row().of)(metrics),
+                };
+                let budget = one
+                    .uncertainty
+                    .as_ref()
+                    .ok()
+                    .map(|e| Budget::new(e.u, stated.input, stated.data));
+                let verdict = match (distance, &budget) {
+                    (None, _) => not_finite(a, b),
+                    (Some(error), Some(budget)) => budget.verdict(error),
+                    (Some(_), None) => verdict::combined(&one, &nothing)
+                        .err()
+                        .unwrap_or_else(|| not_finite(a, b)),
+                };
+                let u_of = |p: &Participant| {
+                    if p.name == simulation.name {
+                        one.uncertainty.as_ref().ok().map(|e| e.u)
+                    } else {
+                        Some(stated.data)
+                    }
+                };
+                Judgement {
+                    metric,
+                    distance,
+                    u_a: u_of(a),
+                    u_b: u_of(b),
+                    counts: metric == Metric::RelativeL2,
+                    budget,
+                    reason: "",
+                    verdict,
+                }
+            })
+            .collect()
+    }
+}
+
+/// One side's uncertainty in a metric, relative as the metric is.
+fn side<'a>(
+    participant: &'a Participant,
+    of: Option<&QuantityUncertainty>,
+    metric: Metric,
+    metrics: &PairMetrics,
+) -> Side<'a> {
+    let row = metric.row();
+    let uncertainty = match of.map(|of| of.of(row.norm)) {
+        None => Err(Unresolved::new(
+            "its numerical uncertainty is not known",
+            "give the runs of its ladder, or a recording that holds its uncertainty",
+        )),
+        Some(Uncertainty::NotResolved(missing)) => Err(missing.clone()),
+        Some(Uncertainty::Resolved(estimate)) => {
+            let relative = match (row.scale)(metrics) {
+                _ if estimate.u == 0.0 => Some(0.0),
+                Some(scale) => Some(row.sensitivity * estimate.u / scale),
+                None => None,
+            };
+            match relative.filter(|u| u.is_finite()) {
+                Some(u) => Ok(Estimate { u, ..*estimate }),
+                None => Err(Unresolved::new(
+                    "the quantity is zero throughout and its uncertainty is not",
+                    "look at the runs of its ladder",
+                )),
             }
         }
-        almost
+    };
+    Side {
+        name: &participant.name,
+        uncertainty,
     }
 }
 
-fn step_suits(engine: &Participant, largest_s: Option<f64>) -> bool {
-    // The mean step of an adaptive run is a quotient: allow for its rounding.
-    largest_s.is_none_or(|largest| {
-        engine.cost.step_s > 0.0 && engine.cost.step_s <= largest * (1.0 + 1e-9)
-    })
-}
-
-fn check(row: &Limit, value: Option<f64>, limit: f64, reason: String) -> Check {
-    // What has no value, because a course is not finite, is never within.
-    let within = value.is_some_and(|value| value <= limit);
-    Check {
-        metric: row.metric,
-        value,
-        limit,
-        measured: row.measured,
-        reason,
-        within,
+pub(crate) fn judgement(
+    metric: Metric,
+    distance: Option<f64>,
+    a: &Side<'_>,
+    b: &Side<'_>,
+    counts: bool,
+    verdict: Verdict,
+) -> Judgement {
+    let u = |side: &Side<'_>| side.uncertainty.as_ref().ok().map(|e| e.u);
+    Judgement {
+        metric,
+        distance,
+        u_a: u(a),
+        u_b: u(b),
+        counts,
+        budget: None,
+        reason: "",
+        verdict,
     }
 }
 
-fn value(metrics: &PairMetrics, metric: Metric) -> Option<f64> {
-    match metric {
-        Metric::RelativeL2 => metrics.relative_l2,
-        Metric::RelativeLinf => metrics.relative_linf,
-        Metric::Mean => metrics.mean_difference,
-        Metric::Peak => metrics.peak_difference,
-        Metric::Rms => metrics.rms_difference,
-        Metric::SpragueGeers => metrics.sprague_geers_c,
-        Metric::MeanAgainstLoad => None,
+/// A distance that has no value.
+fn not_finite(a: &Participant, b: &Participant) -> Verdict {
+    let spoiled = |p: &&&Participant| {
+        let channels = p.courses.channels();
+        channels
+            .iter()
+            .any(|c| c.values.iter().any(|v| !v.is_finite()))
+    };
+    let who = [a, b].iter().find(spoiled).map_or(a, |p| *p);
+    Verdict::NotResolved {
+        participant: who.name.clone(),
+        u: None,
+        reason: "a value is not finite".to_owned(),
+        remedy: format!("look at the time series of {}", who.name),
     }
-}
-
-fn verdict(checks: &[Check], otherwise: String) -> Verdict {
-    if checks.is_empty() {
-        Verdict::NotJudged { reason: otherwise }
-    } else if checks.iter().all(|check| check.within) {
-        Verdict::Within
-    } else {
-        Verdict::Exceeded
-    }
-}
-
-/// The worst of several verdicts: exceeded before within before not judged.
-pub(crate) fn worst<'a>(verdicts: impl IntoIterator<Item = &'a Verdict>) -> Verdict {
-    let mut worst = None;
-    for verdict in verdicts {
-        match (verdict, &worst) {
-            (Verdict::Exceeded, _) => return Verdict::Exceeded,
-            (Verdict::Within, _) => worst = Some(Verdict::Within),
-            (Verdict::NotJudged { .. }, None) => worst = Some(verdict.clone()),
-            (Verdict::NotJudged { .. }, Some(_)) => {}
-        }
-    }
-    worst.unwrap_or_else(|| Verdict::NotJudged {
-        reason: "nothing to compare".to_owned(),
-    })
 }

@@ -1,30 +1,110 @@
-//! Metrics, limits and verdicts on courses of several engines.
+//! Metrics, uncertainties and verdicts on the time series of several engines.
 //!
-//! [`compare`] takes finished (and unfinished) runs on one sample grid and says, per pair of
-//! engines, window and quantity, how far they are apart, which limit applies and whether it holds.
-//! No engine is called the truth: every judged metric is free of direction.
-//! It works on any courses; what only a gearbox has (load, efficiency) is optional.
+//! [`compare_with`] takes finished (and unfinished) runs on one sample grid and says, per pair of engines, window
+//! and quantity, how far they are apart and what follows. No engine is called the truth: every judged metric is free
+//! of direction. It works on any time series; what only a gearbox has (load, efficiency) is optional.
+//!
+//! ```text
+//!  runs of engine A: step h, 2h, 4h ──> uA ─┐
+//!                                           ├─ U = uA + uB ─┐   D <= U           agree to U
+//!  runs of engine B: step h, 2h, 4h ──> uB ─┘               ├── D >  U           differ by at least D - U
+//!  A at h against B at h ────────────────────────────> D ───┘   U > resolution   not resolved, with the remedy
+//! ```
+//!
+//! * [`uncertainty`]: the numerical uncertainty u of a run, from the same engine's runs at coarser settings.
+//! * [`verdict`]: the words, and the one function from verdicts to an exit status ([`Counts::outcome`],
+//!   [`Outcome::exit_status`]).
+//! * [`model`]: engines with a contact model of their own, whose difference is an interval against a prediction.
+//! * [`validation`]: measured data, by ASME V&V 20.
+//! * [`limits`]: the table of limits, a regression guard on the scenes it was measured on and on no other.
+//! * [`metrics`]: every metric in one table.
+//!
+//! `docs/verdicts.md` explains all of it on one page.
+//!
+//! # Two engines of one law
+//!
+//! Both solve `x = sin t`, one with an error of `1e-4 (h/h0)^2`, the other of `1e-6 (h/h0)^4`:
+//!
+//! ```
+//! use pinwheel_compare::uncertainty::Method;
+//! use pinwheel_compare::*;
+//! use pinwheel_courses::{Courses, CoursesError};
+//!
+//! fn run(error: f64) -> Result<Courses, CoursesError> {
+//!     let time: Vec<f64> = (0..=1000).map(|k| f64::from(k) * 1e-3).collect();
+//!     let x = time.iter().map(|t| (40.0 * t).sin() + error * (25.0 * t).cos()).collect();
+//!     let mut courses = Courses::new(time)?;
+//!     courses.push("angle_rad", x)?;
+//!     Ok(courses)
+//! }
+//!
+//! fn engine(name: &str, error: f64, order: i32) -> Result<(Participant, Evidence), CoursesError> {
+//!     let rung = |refinement: f64| {
+//!         let courses = run(error * refinement.powi(order))?;
+//!         Ok::<_, CoursesError>(Rung { refinement, run: Ok(courses), wall_s: 0.0 })
+//!     };
+//!     let ladder = Ladder {
+//!         method: Method::Step { order: order.into(), limit: None },
+//!         finest: 1e-5,
+//!         coarser: vec![rung(2.0)?, rung(4.0)?],
+//!     };
+//!     let participant = Participant {
+//!         name: name.to_owned(),
+//!         track: track::SHARED_LAW.to_owned(),
+//!         version: String::new(),
+//!         summary: String::new(),
+//!         differences: String::new(),
+//!         courses: run(error)?,
+//!         cost: Cost::default(),
+//!         status: Status::Finished,
+//!     };
+//!     Ok((participant, Evidence::ladder(name, ladder)))
+//! }
+//!
+//! let (second, of_second) = engine("second-order", 1e-4, 2)?;
+//! let (fourth, of_fourth) = engine("fourth-order", 1e-6, 4)?;
+//! let context = Context { duration_s: 1.0, ..Context::default() };
+//! let evidence = [of_second, of_fourth];
+//! let rules = Rules { evidence: &evidence, ..Rules::default() };
+//! let found = compare_with(&context, &[second, fourth], &rules)?;
+//!
+//! let verdict = &found.pairs[0].entries[0].verdict;
+//! assert!(matches!(verdict, Verdict::Agree { to } if (1e-4..2e-4).contains(to)), "{verdict:?}");
+//! assert_eq!(found.outcome.exit_status(), 0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod compare;
 pub mod comparison;
 mod error;
 mod grid;
+mod guard;
 mod judge;
 pub mod limits;
 mod matrix;
 pub mod metrics;
+pub mod model;
+mod pairs;
 mod participant;
 pub mod quantities;
+mod rules;
 pub mod sprague_geers;
 pub mod statistics;
+mod summary;
+pub mod uncertainty;
+pub mod validation;
 pub mod verdict;
 pub mod windows;
 
-pub use compare::{compare, compare_stated};
-pub use comparison::Comparison;
+pub use compare::{compare, compare_stated, compare_with};
+pub use comparison::{Comparison, Judgement};
 pub use error::CompareError;
-pub use limits::{Limit, Metric, StatedLimit};
-pub use participant::{Context, Cost, Divergence, Energy, Participant, Status, track};
+pub use limits::{Limit, StatedLimit};
+pub use metrics::Metric;
+pub use participant::{Context, Cost, Divergence, Energy, Participant, Scales, Status, track};
 pub use quantities::Quantity;
-pub use verdict::{Check, Counts, Verdict};
+pub use rules::{RESOLUTION, Rules};
+pub use uncertainty::{Evidence, Ladder, Rung, Uncertainty};
+pub use validation::DataUncertainty;
+pub use verdict::{Check, Counts, Outcome, Verdict};
 pub use windows::{Window, WindowKind};

@@ -1,43 +1,16 @@
-//! Every limit in one table: what it applies to, how large it is, what was measured, and why.
+//! The regression guard: limits in one table, with what each applies to, what was measured, and why.
+//!
+//! The table holds what was measured on the scenes of [`MEASURED_ON`] and guards those, no other: what one gear's
+//! engines are apart says nothing of another's. Verdicts on any scene come from verified uncertainty
+//! ([`crate::uncertainty`]). The one exception is the balance with the load, which is mechanics and no calibration.
 //!
 //! Patterns: `*` stands for any characters, `|` separates alternatives. The first row that fits a
 //! pair, window, quantity and metric is the one that counts, so stricter conditions stand first.
 
 use serde::Serialize;
 
+pub use crate::metrics::Metric;
 use crate::windows::WindowKind;
-
-/// What is held against a limit. All are free of direction and never negative.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Metric {
-    /// RMS of the difference over the larger of the two RMS, all channels jointly.
-    RelativeL2,
-    /// Largest difference over the larger of the two peaks.
-    RelativeLinf,
-    /// Difference of the means over the larger of them.
-    Mean,
-    /// Difference of the peaks over the larger of them.
-    Peak,
-    /// Difference of the RMS values over the larger of them.
-    Rms,
-    /// Sprague-Geers comprehensive error C, magnitude taken larger over smaller.
-    SpragueGeers,
-    /// Of one engine alone: mean output torque against the load, over the load.
-    MeanAgainstLoad,
-}
-
-impl Metric {
-    /// Whether it holds one course's samples against the other's, which means nothing once a rounding has
-    /// driven two runs of one solver apart.
-    #[must_use]
-    pub fn is_pointwise(self) -> bool {
-        matches!(
-            self,
-            Self::RelativeL2 | Self::RelativeLinf | Self::SpragueGeers
-        )
-    }
-}
 
 /// Which scenes a row applies to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -97,9 +70,19 @@ pub struct StatedLimit {
     pub reason: String,
 }
 
-/// Forces (N) and torques (N m) that stay below this are rounding, and are not judged: 16 digits
-/// of the 100 N of a sleeve, times some thousand for what 28 bodies and a solver add.
-pub const NEGLIGIBLE: f64 = 1e-9;
+/// Presets the table was measured on; [`Context::guarded`](crate::Context::guarded) names the one a scene is.
+pub const MEASURED_ON: [&str; 6] = [
+    "paper",
+    "paper-friction",
+    "backlash-0.6",
+    "steel",
+    "eleven-pins",
+    "forty-pins",
+];
+
+/// Forces and torques below this share of the scene's own scale are rounding, and are not judged: 16 digits, times
+/// some ten thousand for what 28 bodies and a solver add.
+pub const NEGLIGIBLE_SHARE: f64 = 1e-11;
 
 /// One row per line of the table below, its reason on a second.
 macro_rules! rows {

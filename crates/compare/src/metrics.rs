@@ -6,10 +6,174 @@
 //! Against the usual denominator, the RMS of one of them, the figure differs by no more than its
 //! own size: 1e-4 stays 1e-4 within 1e-8.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::sprague_geers::{self, SpragueGeers};
 use crate::statistics::{self, View};
+use crate::uncertainty::Norm;
+
+/// What is held against a limit or an uncertainty. All are relative, free of direction and never negative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Metric {
+    /// RMS of the difference over the larger of the two RMS, all channels jointly.
+    RelativeL2,
+    /// Largest difference over the larger of the two peaks.
+    RelativeLinf,
+    /// Difference of the means over the larger of them.
+    Mean,
+    /// Difference of the peaks over the larger of them.
+    Peak,
+    /// Difference of the RMS values over the larger of them.
+    Rms,
+    /// Sprague-Geers comprehensive error C, magnitude taken larger over smaller.
+    SpragueGeers,
+    /// Of one engine alone: mean output torque against the load, over the load.
+    MeanAgainstLoad,
+}
+
+/// Everything there is to say of a metric.
+pub struct Row {
+    /// Which.
+    pub metric: Metric,
+    /// The word in files, maps and the terminal.
+    pub key: &'static str,
+    /// For readers.
+    pub label: &'static str,
+    /// Whether it holds one run's samples against the other's, which means nothing once a rounding has driven two
+    /// runs of one solver apart.
+    pub pointwise: bool,
+    /// Its value of a pair; `None` for what is of one engine alone.
+    pub of: fn(&PairMetrics) -> Option<f64>,
+    /// The uncertainty that carries over to it,
+    pub norm: Norm,
+    /// times this at most,
+    pub sensitivity: f64,
+    /// over this, in the quantity's unit.
+    pub scale: fn(&PairMetrics) -> Option<f64>,
+}
+
+/// The one table of metrics: adding one is a variant of [`Metric`] and a row here.
+pub const METRICS: [Row; 7] = [
+    Row {
+        metric: Metric::RelativeL2,
+        key: "relative-l2",
+        label: "relative L2",
+        pointwise: true,
+        of: |m| m.relative_l2,
+        norm: Norm::L2,
+        sensitivity: 1.0,
+        scale: |m| m.larger_rms,
+    },
+    Row {
+        metric: Metric::RelativeLinf,
+        key: "relative-linf",
+        label: "relative L\u{221e}",
+        pointwise: true,
+        of: |m| m.relative_linf,
+        norm: Norm::Linf,
+        sensitivity: 1.0,
+        scale: |m| m.larger_peak,
+    },
+    Row {
+        metric: Metric::Mean,
+        key: "mean",
+        label: "mean",
+        pointwise: false,
+        of: |m| m.mean_difference,
+        norm: Norm::Mean,
+        sensitivity: 1.0,
+        scale: |m| m.larger_mean,
+    },
+    Row {
+        metric: Metric::Peak,
+        key: "peak",
+        label: "peak",
+        pointwise: false,
+        of: |m| m.peak_difference,
+        norm: Norm::Peak,
+        sensitivity: 1.0,
+        scale: |m| m.larger_peak,
+    },
+    Row {
+        metric: Metric::Rms,
+        key: "rms",
+        label: "rms",
+        pointwise: false,
+        of: |m| m.rms_difference,
+        norm: Norm::Rms,
+        sensitivity: 1.0,
+        scale: |m| m.larger_rms,
+    },
+    Row {
+        metric: Metric::SpragueGeers,
+        key: "sprague-geers",
+        label: "Sprague\u{2013}Geers C",
+        pointwise: true,
+        of: |m| m.sprague_geers_c,
+        // M moves by the relative L2 at most, the angle P pi as well: C by sqrt(1 + 1/pi^2).
+        norm: Norm::L2,
+        sensitivity: 1.0495,
+        scale: |m| m.larger_rms,
+    },
+    Row {
+        metric: Metric::MeanAgainstLoad,
+        key: "mean-against-load",
+        label: "mean against the load",
+        pointwise: false,
+        of: |_| None,
+        norm: Norm::Mean,
+        sensitivity: 1.0,
+        scale: |_| None,
+    },
+];
+
+impl Metric {
+    /// Its row of [`METRICS`].
+    #[must_use]
+    pub fn row(self) -> &'static Row {
+        // In the order of the variants, which a test asserts.
+        &METRICS[self as usize]
+    }
+
+    /// The word in files, maps and the terminal.
+    #[must_use]
+    pub fn key(self) -> &'static str {
+        self.row().key
+    }
+
+    /// For readers.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        self.row().label
+    }
+
+    /// Whether it holds samples against samples.
+    #[must_use]
+    pub fn is_pointwise(self) -> bool {
+        self.row().pointwise
+    }
+
+    /// Those that judge a pair, in the order of a report.
+    pub fn of_pairs() -> impl Iterator<Item = Self> {
+        let all = METRICS.iter().map(|row| row.metric);
+        all.filter(|metric| *metric != Self::MeanAgainstLoad)
+    }
+
+    /// The metric a file calls `key`.
+    #[must_use]
+    pub fn from_key(key: &str) -> Option<Self> {
+        METRICS
+            .iter()
+            .find(|row| row.key == key)
+            .map(|row| row.metric)
+    }
+}
+
+impl Serialize for Metric {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.key())
+    }
+}
 
 /// Every metric of one quantity of a pair. `None` where a value is not finite or a course is
 /// empty.
@@ -27,6 +191,10 @@ pub struct PairMetrics {
     pub worst: Option<WorstSample>,
     /// The larger of the two peaks, in the quantity's unit: the scale of the comparison.
     pub larger_peak: Option<f64>,
+    /// The larger of the two RMS values, in the quantity's unit.
+    pub larger_rms: Option<f64>,
+    /// The larger magnitude of the two means, in the quantity's unit.
+    pub larger_mean: Option<f64>,
     /// Relative L2 over the channels of the window's last sample alone.
     pub end_value: Option<f64>,
     /// |mean a - mean b| / max(|mean a|, |mean b|).
@@ -83,6 +251,8 @@ impl PairMetrics {
             difference_max,
             worst: worst(a, b, time_s),
             larger_peak: peaks.map(|(a, b)| a.max(b)),
+            larger_rms: squares.map(|(a, b)| a.max(b)),
+            larger_mean: means.map(|(a, b)| a.abs().max(b.abs())),
             end_value: end_value(a, b),
             mean_difference: means.and_then(apart),
             peak_difference: peaks.and_then(apart),
@@ -92,6 +262,20 @@ impl PairMetrics {
             rms_ratio: squares.and_then(ratio),
             sprague_geers: sprague_geers::sprague_geers(a, b),
             sprague_geers_c: sprague_geers::comprehensive(a, b),
+        })
+    }
+}
+
+impl PairMetrics {
+    /// The difference of the means as [`Metric::Mean`], positive where the mean of `a` has the larger magnitude.
+    /// `None` if one of them is zero or they have opposite signs.
+    #[must_use]
+    pub fn signed_mean_difference(&self) -> Option<f64> {
+        let ratio = self.mean_ratio.filter(|ratio| *ratio > 0.0)?;
+        Some(if ratio >= 1.0 {
+            1.0 - 1.0 / ratio
+        } else {
+            ratio - 1.0
         })
     }
 }
@@ -176,6 +360,25 @@ mod tests {
                 time_s: 1.0
             })
         );
+    }
+
+    #[test]
+    fn the_table_is_in_order_and_complete() {
+        for (k, row) in METRICS.iter().enumerate() {
+            assert_eq!(row.metric as usize, k);
+            assert_eq!(Metric::from_key(row.key), Some(row.metric));
+        }
+        assert_eq!(Metric::of_pairs().count(), 6);
+        assert_eq!(Metric::from_key("l2"), None);
+    }
+
+    #[test]
+    fn the_sign_of_a_mean_difference() {
+        let sign = |a: f64, b: f64| of(&[a, a], &[b, b]).signed_mean_difference();
+        assert_eq!(sign(2.0, 1.0), Some(0.5));
+        assert_eq!(sign(1.0, 2.0), Some(-0.5));
+        assert_eq!(sign(-2.0, -1.0), Some(0.5), "larger magnitude");
+        assert_eq!((sign(2.0, -1.0), sign(2.0, 0.0)), (None, None));
     }
 
     #[test]

@@ -1,19 +1,22 @@
 //! What goes into a comparison: runs of several engines on one scene, and what is known of the scene.
 
 use pinwheel_courses::Courses;
+pub use pinwheel_courses::{Ending as Status, EnergyAudit as Energy, RunStats as Cost};
 use serde::Serialize;
 
 /// The tracks: kinds of comparison that are never mixed in one table.
 pub mod track {
+    use pinwheel_courses::Track;
+
     /// The project's own solver; stands in the tables of every other track.
-    pub const NATIVE: &str = "native";
+    pub const NATIVE: &str = Track::Native.as_str();
     /// Foreign bodies, joints and time integration under one shared contact law.
-    pub const SHARED_LAW: &str = "shared-law";
+    pub const SHARED_LAW: &str = Track::SharedLaw.as_str();
     /// The engine detects or resolves contact itself.
-    pub const OWN_CONTACT: &str = "own-contact";
+    pub const OWN_CONTACT: &str = Track::OwnContact.as_str();
     /// Data from elsewhere: another program's export, a test rig. Samples may be missing (NaN) before
     /// and after what it covers, and only limits that its owner states apply.
-    pub const MEASURED: &str = "measured";
+    pub const MEASURED: &str = Track::Measured.as_str();
 }
 
 /// One engine's run.
@@ -35,120 +38,6 @@ pub struct Participant {
     pub cost: Cost,
     /// How the run ended.
     pub status: Status,
-}
-
-/// How a run ended.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(tag = "state", rename_all = "kebab-case")]
-pub enum Status {
-    /// Complete courses; the only state that is judged.
-    Finished,
-    /// The numbers ran away; the courses until then are kept and shown, not judged.
-    Diverged {
-        /// When, s.
-        time_s: f64,
-        /// Which quantity, and its value.
-        quantity: String,
-    },
-    /// The engine cannot honour the scene.
-    Unsupported {
-        /// Which part of the scene, and why.
-        reason: String,
-    },
-    /// The engine is missing or broke.
-    Failed {
-        /// Its own words.
-        reason: String,
-    },
-}
-
-impl Status {
-    /// True for complete courses.
-    #[must_use]
-    pub fn is_finished(&self) -> bool {
-        *self == Self::Finished
-    }
-
-    /// One word for tables: `finished`, `diverged`, `unsupported`, `failed`.
-    #[must_use]
-    pub fn word(&self) -> &'static str {
-        match self {
-            Self::Finished => "finished",
-            Self::Diverged { .. } => "diverged",
-            Self::Unsupported { .. } => "unsupported",
-            Self::Failed { .. } => "failed",
-        }
-    }
-
-    /// Why the run is not judged; `None` when finished.
-    #[must_use]
-    pub fn reason(&self) -> Option<String> {
-        match self {
-            Self::Finished => None,
-            Self::Diverged { time_s, quantity } => {
-                Some(format!("diverged at t = {time_s:.6} s: {quantity}"))
-            }
-            Self::Unsupported { reason } => Some(format!("cannot run this scene: {reason}")),
-            Self::Failed { reason } => Some(format!("failed: {reason}")),
-        }
-    }
-}
-
-/// What a run cost and which settings it had.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Cost {
-    /// Wall time, s.
-    pub wall_s: f64,
-    /// CPU time, s.
-    pub cpu_s: f64,
-    /// Evaluations of the right-hand side.
-    pub rhs_calls: u64,
-    /// Accepted steps.
-    pub steps: u64,
-    /// Rejected steps (adaptive methods).
-    pub rejected_steps: u64,
-    /// Degrees of freedom integrated.
-    pub degrees_of_freedom: usize,
-    /// Bodies moved.
-    pub bodies: usize,
-    /// Step, s (the mean accepted step of adaptive methods).
-    pub step_s: f64,
-    /// The engine's settings in words.
-    pub settings: String,
-    /// Remarks for the reader.
-    pub notes: Vec<String>,
-    /// Largest position error of any joint, m, where the engine has constraints.
-    pub joint_drift_m: Option<f64>,
-    /// Where the energy went, window by window, of engines that keep an account.
-    pub energy: Vec<Energy>,
-    /// Set for a course that was not computed now but recorded earlier: when, with what, and why it stands here.
-    /// Costs are then those of the recording, on its machine; its samples may be a part of the others'.
-    pub recorded: Option<String>,
-}
-
-/// Energy account of one window, J: growth of kinetic and stored energy = works - losses + remainder.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Energy {
-    /// Start of the window, s.
-    pub from_s: f64,
-    /// End of the window, s.
-    pub to_s: f64,
-    /// Work of the driver.
-    pub driver_j: f64,
-    /// Work of the load; negative when the gear drives it.
-    pub load_j: f64,
-    /// Growth of kinetic energy.
-    pub kinetic_j: f64,
-    /// Growth of the energy stored in contacts.
-    pub stored_j: f64,
-    /// Lost by contact damping.
-    pub damping_j: f64,
-    /// Lost by sliding.
-    pub friction_j: f64,
-    /// Energy that nothing accounts for.
-    pub remainder_j: f64,
-    /// The remainder as a share of the larger work.
-    pub remainder_share: f64,
 }
 
 /// What a comparison needs to know of the scene. Only `scene` and `duration_s` are needed for
@@ -176,6 +65,28 @@ pub struct Context {
     pub settling_s: Option<f64>,
     /// What a rounding does to the scene, where it was measured.
     pub divergence: Option<Divergence>,
+    /// The preset that the scene is, but for its duration and what it writes: the table of limits guards those
+    /// presets it was measured on. `None` for any other scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub guarded: Option<String>,
+    /// Sizes that tell a load from a rounding; what is `None` is taken from the time series themselves.
+    #[serde(skip_serializing_if = "Scales::is_empty")]
+    pub scales: Scales,
+}
+
+/// Characteristic sizes of a scene, so that no verdict depends on how large the gear is.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Scales {
+    /// Force, N: e.g. the load over the radius it acts at.
+    pub force_n: Option<f64>,
+    /// Torque, N m: e.g. the load.
+    pub torque_n_m: Option<f64>,
+}
+
+impl Scales {
+    fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// How two runs of one solver come apart that differ by one rounding.

@@ -1,18 +1,66 @@
-//! Verdicts: what a limit says of a number.
+//! The one vocabulary of verdicts: used by pairs, figures and matrices, and by whatever shows them.
 
 use serde::Serialize;
 
-use crate::limits::Metric;
+use crate::metrics::Metric;
+use crate::uncertainty::{Estimate, Unresolved};
 
-/// Within, exceeded, or not judged.
+/// What was found of two numbers or of one number and its limit. All values are relative (see
+/// [`Metric`]).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "verdict", rename_all = "kebab-case")]
 pub enum Verdict {
-    /// The value is at or below its limit.
+    /// No difference beyond the numerical uncertainty: D <= U.
+    Agree {
+        /// How sharp the statement is: U.
+        to: f64,
+    },
+    /// They differ beyond the numerical uncertainty: D > U.
+    Differ {
+        /// By at least D - U.
+        at_least: f64,
+    },
+    /// The numerical uncertainty is too large, or not known: neither was shown.
+    NotResolved {
+        /// The participant with the largest uncertainty.
+        participant: String,
+        /// Its relative uncertainty, where known.
+        u: Option<f64>,
+        /// Why.
+        reason: String,
+        /// What would do.
+        remedy: String,
+    },
+    /// The two differ in their model on purpose, by something in this interval.
+    ModelDifference {
+        /// D - U.
+        low: f64,
+        /// D + U.
+        high: f64,
+        /// The difference predicted; 0 where none is.
+        predicted: f64,
+        /// How far the engine states its model may be from that; `None` where it states nothing.
+        tolerance: Option<f64>,
+        /// Whether |D - predicted| <= U + tolerance; `None` without a tolerance.
+        within: Option<bool>,
+    },
+    /// A model error is not distinguishable from zero at this level (ASME V&V 20): |E| <= k u_val.
+    NotDistinguishable {
+        /// k u_val.
+        level: f64,
+    },
+    /// The model is off by something in this interval (ASME V&V 20): E - k u_val to E + k u_val.
+    ModelError {
+        /// Lower end.
+        low: f64,
+        /// Upper end.
+        high: f64,
+    },
+    /// At or below a limit.
     Within,
-    /// The value is above its limit, or is not a number.
+    /// Above a limit, or not a number.
     Exceeded,
-    /// No limit applies.
+    /// Nothing applies.
     NotJudged {
         /// Why.
         reason: String,
@@ -20,14 +68,80 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The word used in tables: `within`, `exceeded`, `not judged`.
+    /// The word used in tables.
     #[must_use]
     pub fn word(&self) -> &'static str {
         match self {
+            Self::Agree { .. } => "agree",
+            Self::Differ { .. } => "differ",
+            Self::NotResolved { .. } => "not resolved",
+            Self::ModelDifference {
+                within: Some(false),
+                ..
+            } => "model difference beyond its tolerance",
+            Self::ModelDifference { .. } => "model difference",
+            Self::NotDistinguishable { .. } => "no model error distinguishable",
+            Self::ModelError { .. } => "model error",
             Self::Within => "within",
             Self::Exceeded => "exceeded",
             Self::NotJudged { .. } => "not judged",
         }
+    }
+
+    /// What it amounts to.
+    #[must_use]
+    pub fn outcome(&self) -> Outcome {
+        match self {
+            Self::Differ { .. }
+            | Self::Exceeded
+            | Self::ModelDifference {
+                within: Some(false),
+                ..
+            } => Outcome::Finding,
+            Self::NotResolved { .. } => Outcome::NotResolved,
+            Self::NotJudged { .. } => Outcome::Nothing,
+            // A model difference without a tolerance is a result; nothing was checked.
+            Self::ModelDifference { within: None, .. } => Outcome::Nothing,
+            Self::Agree { .. }
+            | Self::ModelDifference { .. }
+            | Self::NotDistinguishable { .. }
+            | Self::ModelError { .. }
+            | Self::Within => Outcome::Passed,
+        }
+    }
+
+    /// The worst of several: a finding before what is not resolved before what passed before what was not judged.
+    /// Of equals the first.
+    pub fn worst<'a>(verdicts: impl IntoIterator<Item = &'a Self>) -> Option<&'a Self> {
+        let mut worst: Option<&Self> = None;
+        for verdict in verdicts {
+            if worst.is_none_or(|known| verdict.outcome() > known.outcome()) {
+                worst = Some(verdict);
+            }
+        }
+        worst
+    }
+}
+
+/// What one verdict or a whole comparison amounts to, from the mildest to the gravest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// Nothing was judged.
+    Nothing,
+    /// Everything judged holds.
+    Passed,
+    /// Something could not be shown either way.
+    NotResolved,
+    /// Something differs, or is beyond its limit.
+    Finding,
+}
+
+impl Outcome {
+    /// The status a program ends with: 1 where something differs, or could not be resolved; else 0.
+    #[must_use]
+    pub fn exit_status(self) -> u8 {
+        u8::from(matches!(self, Self::NotResolved | Self::Finding))
     }
 }
 
@@ -48,12 +162,40 @@ pub struct Check {
     pub within: bool,
 }
 
+impl Check {
+    /// The verdict of this check alone.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        if self.within {
+            Verdict::Within
+        } else {
+            Verdict::Exceeded
+        }
+    }
+
+    /// Value over limit; infinite where the value is not finite.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        self.value.map_or(f64::INFINITY, |value| value / self.limit)
+    }
+}
+
 /// How many verdicts of each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Counts {
-    /// Within.
+    /// Agree to their uncertainty.
+    pub agree: usize,
+    /// Differ beyond it.
+    pub differ: usize,
+    /// Not resolved.
+    pub not_resolved: usize,
+    /// Differences and errors of a model, stated as such.
+    pub model: usize,
+    /// Of these, beyond the tolerance stated for the model.
+    pub model_beyond: usize,
+    /// Within a limit.
     pub within: usize,
-    /// Exceeded.
+    /// Beyond a limit.
     pub exceeded: usize,
     /// Not judged.
     pub not_judged: usize,
@@ -63,9 +205,156 @@ impl Counts {
     /// Counts one more.
     pub fn add(&mut self, verdict: &Verdict) {
         match verdict {
+            Verdict::Agree { .. } => self.agree += 1,
+            Verdict::Differ { .. } => self.differ += 1,
+            Verdict::NotResolved { .. } => self.not_resolved += 1,
+            Verdict::ModelDifference { within, .. } => {
+                self.model += 1;
+                self.model_beyond += usize::from(*within == Some(false));
+            }
+            Verdict::NotDistinguishable { .. } | Verdict::ModelError { .. } => self.model += 1,
             Verdict::Within => self.within += 1,
             Verdict::Exceeded => self.exceeded += 1,
             Verdict::NotJudged { .. } => self.not_judged += 1,
         }
+    }
+
+    /// What they amount to; the exit status is [`Outcome::exit_status`] of this.
+    #[must_use]
+    pub fn outcome(&self) -> Outcome {
+        if self.differ + self.exceeded + self.model_beyond > 0 {
+            Outcome::Finding
+        } else if self.not_resolved > 0 {
+            Outcome::NotResolved
+        } else if self.agree + self.within + self.model > 0 {
+            Outcome::Passed
+        } else {
+            Outcome::Nothing
+        }
+    }
+}
+
+/// One side of a pair as a verdict needs it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Side<'a> {
+    /// Name of the participant.
+    pub name: &'a str,
+    /// Its uncertainty, relative as the distance is; or why there is none.
+    pub uncertainty: Result<Estimate, Unresolved>,
+}
+
+impl<'a> Side<'a> {
+    /// A side with a known relative uncertainty.
+    #[must_use]
+    pub fn known(name: &'a str, estimate: Estimate) -> Self {
+        Self {
+            name,
+            uncertainty: Ok(estimate),
+        }
+    }
+
+    fn u(&self) -> Option<f64> {
+        self.uncertainty.as_ref().ok().map(|e| e.u)
+    }
+}
+
+/// The combined uncertainty U of two sides, or the verdict that says what is missing.
+///
+/// U = uA + uB: both are bounds of errors that are fixed by the settings, not random and not independent (two
+/// engines may share a method and err alike or against each other), so nothing entitles us to add them as squares.
+///
+/// # Errors
+/// The verdict `NotResolved` where one of them is not known.
+pub fn combined(a: &Side<'_>, b: &Side<'_>) -> Result<f64, Verdict> {
+    for side in [a, b] {
+        if let Err(missing) = &side.uncertainty {
+            return Err(Verdict::NotResolved {
+                participant: side.name.to_owned(),
+                u: None,
+                reason: missing.reason.clone(),
+                remedy: missing.remedy.clone(),
+            });
+        }
+    }
+    Ok(a.u().unwrap_or(0.0) + b.u().unwrap_or(0.0))
+}
+
+/// Two participants of one law at the relative distance D.
+///
+/// D <= U: agree to U. D > U: differ by at least D - U. Where U is above `resolution`, agreement would say nothing,
+/// and a difference is told only if both uncertainties rest on confirmed orders: otherwise not resolved.
+#[must_use]
+pub fn pair(distance: f64, a: &Side<'_>, b: &Side<'_>, resolution: f64) -> Verdict {
+    let sum = match combined(a, b) {
+        Ok(sum) => sum,
+        Err(missing) => return missing,
+    };
+    let confirmed = [a, b]
+        .iter()
+        .all(|s| s.uncertainty.as_ref().is_ok_and(|e| e.basis.is_confirmed()));
+    // What is not a number is not sharp.
+    let (sharp, shown) = (sum <= resolution, confirmed && distance > sum);
+    if !(sharp || shown) {
+        return too_blunt(sum, a, b, resolution);
+    }
+    if distance <= sum {
+        Verdict::Agree { to: sum }
+    } else {
+        Verdict::Differ {
+            at_least: distance - sum,
+        }
+    }
+}
+
+/// Not resolved: U is above what was asked for.
+pub(crate) fn too_blunt(sum: f64, a: &Side<'_>, b: &Side<'_>, resolution: f64) -> Verdict {
+    let (blunt, other) = if a.u() >= b.u() { (a, b) } else { (b, a) };
+    let target = (resolution - other.u().unwrap_or(0.0)).max(resolution / 2.0);
+    let factor = blunt
+        .uncertainty
+        .as_ref()
+        .ok()
+        .and_then(|e| e.refinement_for(target));
+    Verdict::NotResolved {
+        participant: blunt.name.to_owned(),
+        u: blunt.u(),
+        reason: format!("U = {sum:.1e} is above the resolution of {resolution:.0e}"),
+        remedy: match factor {
+            Some(factor) => format!(
+                "refine {} {} times",
+                blunt.name,
+                (factor * 10.0).ceil() / 10.0
+            ),
+            None => format!("refine {}", blunt.name),
+        },
+    }
+}
+
+/// Two participants whose models differ on purpose, at the (signed, where it has a sign) distance D: the interval
+/// D - U to D + U, and whether the difference less the predicted one is within U + `tolerance`.
+#[must_use]
+pub fn model(
+    distance: f64,
+    a: &Side<'_>,
+    b: &Side<'_>,
+    resolution: f64,
+    predicted: f64,
+    tolerance: Option<f64>,
+) -> Verdict {
+    let sum = match combined(a, b) {
+        Ok(sum) => sum,
+        Err(missing) => return missing,
+    };
+    // As blunt as its tolerance a statement may be, but no blunter: it would pass by being blunt.
+    let resolution = resolution.max(tolerance.unwrap_or(0.0));
+    if !(sum <= resolution) {
+        return too_blunt(sum, a, b, resolution);
+    }
+    Verdict::ModelDifference {
+        low: distance - sum,
+        high: distance + sum,
+        predicted,
+        tolerance,
+        within: tolerance.map(|t| (distance - predicted).abs() <= sum + t),
     }
 }

@@ -4,7 +4,7 @@
 //! part the other way round; one figure over both would hide either.
 
 use pinwheel_courses::Courses;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Time in which the paper gearbox's start-up transient decays, s (measured: about 0.25 s, with
 /// 1.2 kHz at 2 % of critical damping). A steady window starts no earlier.
@@ -15,7 +15,7 @@ pub const TRANSIENT_S: f64 = 0.05;
 pub const FEWEST_SAMPLES: usize = 10;
 
 /// Which part of the run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WindowKind {
     /// After the start-up transient: the second half of the run, or what is left of it when the load has changed

@@ -397,3 +397,51 @@ fn beyond_the_horizon_only_statistics_are_judged() {
         "{verdict:?}"
     );
 }
+
+/// Torques of the wrong sign do not balance the load, whatever their size.
+#[test]
+fn regress_the_load_balance_has_a_sign() {
+    let base = courses(1.0);
+    let mut flipped = Courses::new(base.time_s().to_vec()).unwrap();
+    for channel in base.channels() {
+        let sign = if channel.name == "output_torque_n_m" {
+            -1.0
+        } else {
+            1.0
+        };
+        let values = channel.values.iter().map(|v| sign * v).collect();
+        flipped.push(channel.name.clone(), values).unwrap();
+    }
+    let wrong = participant("native", track::NATIVE, flipped);
+    let comparison = compare(&context(), &[wrong], TABLE).unwrap();
+    assert_eq!(comparison.counts.exceeded, 1);
+    assert!((comparison.engines[0].judged[0].checks[0].value.unwrap() - 2.0).abs() < 1e-12);
+}
+
+/// A grid may differ by a rounding, a millionth of its spacing, and by no more.
+#[test]
+fn regress_the_slack_of_the_grid() {
+    let moved = |by: f64| {
+        let mut times = courses(1.0).time_s().to_vec();
+        times[17] += by * 1e-3;
+        let other = participant("other", track::NATIVE, Courses::new(times).unwrap());
+        compare(&context(), &[native(), other], TABLE).is_ok()
+    };
+    assert!(moved(0.5e-6) && moved(-0.5e-6));
+    assert!(!moved(2e-6) && !moved(-2e-6));
+}
+
+/// Loads are rounding below 1e-11 of the scene's own, and judged above.
+#[test]
+fn regress_small_loads_are_judged() {
+    let at = |size: f64| {
+        let pair = [
+            participant("native", track::NATIVE, courses(size)),
+            foreign(-size),
+        ];
+        verdict(&pair, &[limit("foreign", 0.1)])
+    };
+    // Peaks of 100 N times the size, on a scale of 100 N.
+    assert!(matches!(at(0.9e-11), Verdict::NotJudged { .. }));
+    assert_eq!(at(1.2e-11), Verdict::Exceeded);
+}

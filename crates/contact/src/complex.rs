@@ -7,6 +7,15 @@
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// x + i y.
+///
+/// ```
+/// use pinwheel_contact::Complex;
+///
+/// let quarter = Complex::unit(std::f64::consts::FRAC_PI_2);
+/// assert!((Complex::new(3.0, 4.0) * quarter - Complex::new(-4.0, 3.0)).norm() < 1e-15);
+/// // The moment of a force (0, 2) at the arm (3, 4).
+/// assert_eq!(Complex::new(3.0, 4.0).cross(Complex::new(0.0, 2.0)), 6.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Complex {
     /// Real part, x.

@@ -13,9 +13,10 @@
 use crate::Complex;
 
 /// Why a curve cannot be made.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum CurveError {
     /// Fewer than 3 sleeves, or a length or the shortening out of range.
+    #[error("no epitrochoid has this eccentricity, shortening and number of sleeves")]
     Parameters,
 }
 
@@ -52,6 +53,18 @@ impl Foot {
 }
 
 /// C for given R, e, zk (m = e zk/R), with the radii inside which closest points are certain.
+///
+/// ```
+/// use pinwheel_contact::{Complex, Epitrochoid};
+///
+/// let curve = Epitrochoid::new(0.0028, 16, 0.7)?; // the paper's: R = e zk/m = 64 mm, 15 lobes
+/// assert!((curve.pitch_radius() - 0.064).abs() < 1e-15);
+/// // A point 0.1 mm outside a lobe's flank, and its closest point.
+/// let at = curve.at(0.1);
+/// let foot = curve.closest(at.position + at.normal.scale(1e-4));
+/// assert!((foot.distance - 1e-4).abs() < 1e-15 && (foot.parameter() - 0.1).abs() < 1e-10);
+/// # Ok::<(), pinwheel_contact::CurveError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Epitrochoid {
     pub(crate) pitch_radius: f64,

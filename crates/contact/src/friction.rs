@@ -56,6 +56,15 @@ impl AdamsFriction {
 }
 
 /// The friction of a scene.
+///
+/// ```
+/// use pinwheel_contact::{Friction, RegularisedCoulomb};
+///
+/// let friction = Friction::Regularised(RegularisedCoulomb { coefficient: 0.1, ramp: 5e-5 });
+/// // 10 N pressed, sliding faster than the ramp: 1 N against the motion; half of it at half the ramp.
+/// assert_eq!(friction.force(10.0, 0.3), -1.0);
+/// assert_eq!(friction.force(10.0, -2.5e-5), 0.5);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Friction {
     /// Eq. 21.

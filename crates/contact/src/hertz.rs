@@ -10,6 +10,15 @@
 use pinwheel_faults::{Fault, factor};
 
 /// K as a function of the effective radius.
+///
+/// ```
+/// use pinwheel_contact::HertzStiffness;
+///
+/// let steel = HertzStiffness::new(2e11, 0.3, 1.0);
+/// // A sleeve of 6 mm in a hole of 8.8 mm is stiffer than one on a plane: R_c R_p/(R_c + R_p) is 18.9 mm and not 6 mm.
+/// let ratio = steel.of_hole(0.006, 0.0088) / steel.of_profile(0.006, 0.0);
+/// assert!((ratio - (0.0088_f64 / 0.0028).sqrt()).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HertzStiffness {
     coefficient: f64,

@@ -3,6 +3,17 @@
 use crate::Complex;
 
 /// Circle of radius `radius` about `centre` (wheel frame).
+///
+/// ```
+/// use pinwheel_contact::{Complex, Hole};
+///
+/// // 8.8 mm about (38 mm, 0), a sleeve of 6 mm: 2.8 mm of clearance, used up and 0.1 mm more to the right.
+/// let hole = Hole { centre: Complex::new(0.038, 0.0), radius: 0.0088 };
+/// let (depth, normal) = hole.penetration(Complex::new(0.0409, 0.0), 0.006).expect("it touches");
+/// assert!((depth - 1e-4).abs() < 1e-15);
+/// assert_eq!(normal, Complex::ONE);
+/// assert!(hole.penetration(Complex::new(0.0407, 0.0), 0.006).is_none());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hole {
     /// Centre, m.

@@ -10,6 +10,29 @@ use pulp::Simd;
 use crate::Complex;
 
 /// Two registers of doubles.
+///
+/// ```
+/// use pinwheel_contact::Lanes;
+/// use pulp::Simd;
+///
+/// /// Root of every value, several at a time, with what the processor has.
+/// struct Roots<'a>(&'a mut [f64]);
+///
+/// impl pulp::WithSimd for Roots<'_> {
+///     type Output = ();
+///
+///     #[inline(always)]
+///     fn with_simd<S: Simd>(self, simd: S) {
+///         for group in self.0.chunks_exact_mut(Lanes::<S>::COUNT) {
+///             Lanes::load(simd, group).sqrt().store(group);
+///         }
+///     }
+/// }
+///
+/// let mut values = [4.0; 16];
+/// pulp::Arch::new().dispatch(Roots(&mut values));
+/// assert_eq!(values, [2.0; 16]);
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Lanes<S: Simd> {
     simd: S,

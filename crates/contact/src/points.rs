@@ -98,6 +98,14 @@ fn circle_curvature(a: Complex, b: Complex, c: Complex) -> f64 {
 }
 
 /// Points of a hole at equal angles, the first along the wheel's x axis.
+///
+/// ```
+/// use pinwheel_contact::{Complex, HolePoints};
+///
+/// // Four points: right, up, left, down. The one nearest to 100 degrees is up.
+/// let nearest = HolePoints::new(4).nearest(Complex::unit(100_f64.to_radians()));
+/// assert!((nearest - Complex::new(0.0, 1.0)).norm() < 1e-15);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct HolePoints {
     directions: Vec<Complex>,

@@ -7,7 +7,9 @@
 mod csv_file;
 mod error;
 pub mod foreign;
+mod run;
 mod store;
 
 pub use error::CoursesError;
+pub use run::{Ending, EnergyAudit, RunStats, Track};
 pub use store::{Channel, Courses, group_of};

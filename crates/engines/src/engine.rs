@@ -2,70 +2,12 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+pub use pinwheel_courses::{RunStats, Track};
+
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::energy::EnergyAudit;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Scene};
-use serde::{Deserialize, Serialize};
-
-/// Which comparison an engine belongs to. Tracks are never mixed in one table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Track {
-    /// Pinwheel's own solver; stands in both tables.
-    Native,
-    /// Foreign bodies, joints and time integration; contact forces from our law inside the engine's step.
-    SharedLaw,
-    /// The engine detects or resolves contact itself.
-    OwnContact,
-}
-
-impl Track {
-    /// The word used in reports and files.
-    #[must_use]
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Native => "native",
-            Self::SharedLaw => "shared-law",
-            Self::OwnContact => "own-contact",
-        }
-    }
-}
-
-/// What one run did and cost.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct RunStats {
-    /// Wall time, s.
-    pub wall_s: f64,
-    /// CPU time of the running thread, s.
-    pub cpu_s: f64,
-    /// Evaluations of the contact forces inside the integration (samples not counted).
-    pub rhs_calls: u64,
-    /// Accepted steps.
-    pub steps: u64,
-    /// Rejected steps (adaptive methods).
-    pub rejected_steps: u64,
-    /// Degrees of freedom integrated (velocities, not coordinates with their rates).
-    pub degrees_of_freedom: usize,
-    /// Bodies the engine moves.
-    pub bodies: usize,
-    /// Step in use, s (the mean accepted step of adaptive methods).
-    pub step_s: f64,
-    /// The engine's own settings in words, e.g. `reduced, rk2`.
-    pub settings: String,
-    /// Largest position error of any joint, m, where the engine has constraints.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub joint_drift_m: Option<f64>,
-    /// Energy account of the whole run and of its second half, where the engine keeps one.
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
-    pub energy: Vec<EnergyAudit>,
-    /// Remarks for the reader (approximations, guards that fired).
-    pub notes: Vec<String>,
-    /// For courses that were recorded earlier and not computed now: when, with what, and why they stand here.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub recorded: Option<String>,
-}
 
 /// A finished run.
 #[derive(Debug, Clone)]

@@ -1,16 +1,41 @@
-//! `integrator = "auto"`: the method that a scene's forces ask for, and why.
+//! `integrator = "auto"`: the method, step and tolerance that a scene's forces ask for, and why.
+//!
+//! What is planned here is a good first try, from [`Frequencies`]; [`resolve`](crate::resolve) verifies it on the run
+//! itself, refines it, and falls back on the next plan of the [`chain`] where it fails.
 
 use pinwheel_mbs::integrators::METHODS;
 
+use crate::frequencies::Frequencies;
 use crate::load_course;
+use crate::native::Limits;
 use crate::scene::{Detection, FrictionLaw, Scene};
+use crate::{Gearbox, GearboxError, scene};
 
 pub use pinwheel_scene::names::AUTO;
 
-/// Relaxations of a spin within a step, above which a step is not fixed but follows the tolerance. `imex2` damps
-/// what relaxes within a step whatever its rate, but lighter sleeves also follow the contacts ever more closely: its
-/// error is 0.1 % at 4 (the paper's sleeves with friction), 0.25 % at some 100, and 1 % at 4e6.
-const MOST_RELAXATIONS: f64 = 1000.0;
+/// Numerical uncertainty that `auto` promises: relative L2 of all sleeve forces over the run, and of the driver's torque.
+/// A tenth of what the least certain inputs of such a model (stiffness, friction) are ever known to, so that figures of a run
+/// are the model's own.
+pub const PROMISE: f64 = 1e-3;
+
+/// Tolerance of Dormand-Prince for a promise, as a share of it. Its error is some 15 times the tolerance on gears whose
+/// contacts stay closed, and up to hundreds of times where wheels bounce.
+const SMOOTH: f64 = 1e-3;
+/// The same with friction, where steps follow its rate and digits cost next to nothing: `paper-friction` takes 3 % more
+/// evaluations at 1e-7 than at 1e-5, and its torque is 500 times better.
+const RUBBING: f64 = 1e-4;
+/// Tolerance of the adaptive IMEX method for a promise, as a share of it: its error is 0.1 to 30 times the tolerance.
+const IMPLICIT: f64 = 0.05;
+/// Explicit steps follow friction with about ten evaluations a relaxation; implicit ones take some 300 a radian of
+/// the contacts' oscillation at a promise of [`PROMISE`], growing with its inverse root: up to this many relaxations a radian
+/// the explicit method is the cheaper one.
+const RELAXATIONS_A_RADIAN: f64 = 30.0;
+/// Step of fixed-step methods at [`PROMISE`], in radians of the contacts' oscillation.
+const RADIANS: f64 = 0.1;
+/// Steps of the energy account and first steps, in the same radians: 1e-5 s for the paper's gear.
+const FIRST_RADIANS: f64 = 0.1;
+/// Bounds of what is worth asking for.
+const TOLERANCES: (f64, f64) = (1e-13, 1e-2);
 
 /// A method and the reason for it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,6 +44,81 @@ pub struct Choice {
     pub integrator: String,
     /// Why, one sentence.
     pub reason: String,
+}
+
+/// One way to run a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Name of the method.
+    pub integrator: &'static str,
+    /// Step of fixed-step methods, first step of adaptive ones, s; the energy account has an entry every ten.
+    pub step_s: f64,
+    /// Relative error a step of adaptive methods.
+    pub tolerance: f64,
+    /// Longest step of adaptive methods, s.
+    pub longest_step_s: f64,
+    /// Why, one sentence.
+    pub reason: String,
+}
+
+impl Plan {
+    /// Whether the tolerance sets its steps.
+    #[must_use]
+    pub fn adaptive(&self) -> bool {
+        METHODS
+            .iter()
+            .any(|m| m.name == self.integrator && m.adaptive)
+    }
+
+    /// What sets its steps, in words.
+    #[must_use]
+    pub fn setting(&self) -> String {
+        if self.adaptive() {
+            format!("a tolerance of {:.1e}", self.tolerance)
+        } else {
+            format!("a step of {:.2e} s", self.step_s)
+        }
+    }
+
+    /// The same with the setting `factor` times finer (below 1: coarser).
+    #[must_use]
+    pub(crate) fn finer(&self, factor: f64) -> Self {
+        let mut plan = self.clone();
+        if plan.adaptive() {
+            plan.tolerance = (plan.tolerance / factor).clamp(TOLERANCES.0, TOLERANCES.1);
+            // Runs whose steps are all the longest would be the same run twice.
+            let order = if plan.integrator == "imex2-adaptive" {
+                2
+            } else {
+                5
+            };
+            plan.longest_step_s /= (self.tolerance / plan.tolerance).powf(1.0 / f64::from(order));
+        } else {
+            plan.step_s /= factor;
+        }
+        plan
+    }
+
+    /// The gearbox with these settings.
+    ///
+    /// # Errors
+    /// A step that no scene may have.
+    pub fn applied(&self, gearbox: &Gearbox) -> Result<Gearbox, GearboxError> {
+        let applied = gearbox.with_solver(|solver| {
+            self.integrator.clone_into(&mut solver.integrator);
+            solver.step_s = self.step_s.min(solver.duration_s);
+            solver.tolerance = self.tolerance;
+        });
+        Ok(applied?)
+    }
+
+    /// What bounds its run.
+    pub(crate) fn limits(&self) -> Limits {
+        Limits {
+            longest_step_s: self.longest_step_s,
+            ..Limits::NONE
+        }
+    }
 }
 
 /// The integrator that a run of `scene` uses.
@@ -31,59 +131,145 @@ pub fn integrator(scene: &Scene) -> Choice {
             reason: "named by the scene".to_owned(),
         };
     }
-    let registered = |name: &str| METHODS.iter().any(|method| method.name == name);
-    let contact = &scene.contact;
-    let rubs = contact.friction_coefficient > 0.0;
-    let (name, reason) = if rubs && contact.friction_law == FrictionLaw::Adams {
-        let reason = "friction that falls with speed is no convex problem, so it is followed explicitly, \
-                      with steps from the tolerance where that is possible";
-        let name = if registered("dopri5") {
-            "dopri5"
-        } else {
-            "rk4"
-        };
-        (name, reason.to_owned())
-    } else if rubs {
-        let rate = friction_rate(scene);
-        let step = scene.solver.step_s;
-        // Forces that jump from point to point would only shorten adaptive steps.
-        let smooth = contact.detection == Detection::Exact;
-        if smooth && rate * step > MOST_RELAXATIONS && registered("imex2-adaptive") {
-            let reason = format!(
-                "friction relaxes the sleeves' spins at about {rate:.1e} 1/s, {:.0e} times within the scene's step of \
-                 {step:.1e} s: implicitly, with steps from solver.tolerance = {:.1e}",
-                rate * step,
-                scene.solver.tolerance
-            );
-            return Choice {
-                integrator: "imex2-adaptive".to_owned(),
-                reason,
+    let plan = plan(scene, PROMISE);
+    Choice {
+        integrator: plan.integrator.to_owned(),
+        reason: plan.reason,
+    }
+}
+
+/// How a run that promises `promise` goes about a scene, whose own step and tolerance are for named methods.
+#[must_use]
+pub fn plan(scene: &Scene, promise: f64) -> Plan {
+    Planner::new(scene, promise).first()
+}
+
+/// The plan and what to try when it fails, the best first.
+#[must_use]
+pub fn chain(scene: &Scene, promise: f64) -> Vec<Plan> {
+    let planner = Planner::new(scene, promise);
+    let first = planner.first();
+    let mut plans = vec![first.clone()];
+    let others = [
+        planner.implicit("the method before failed: friction implicitly"),
+        planner.explicit("the method before failed: order five"),
+        planner.fixed(
+            "rk4",
+            "the methods before failed: order four at a fixed step",
+        ),
+        planner.fixed(
+            "imex2",
+            "the methods before failed: friction implicitly at a fixed step",
+        ),
+    ];
+    plans.extend(others.into_iter().filter(|plan| {
+        plan.integrator != first.integrator
+            && (planner.may_be_implicit() || !plan.integrator.starts_with("imex"))
+            && (planner.smooth() || !plan.adaptive())
+    }));
+    plans
+}
+
+struct Planner<'a> {
+    scene: &'a Scene,
+    promise: f64,
+    frequencies: Frequencies,
+}
+
+impl<'a> Planner<'a> {
+    fn new(scene: &'a Scene, promise: f64) -> Self {
+        Self {
+            scene,
+            promise,
+            frequencies: Frequencies::of(scene),
+        }
+    }
+
+    fn rubs(&self) -> bool {
+        self.scene.contact.friction_coefficient > 0.0
+    }
+
+    /// Forces that jump from point to point would only shorten adaptive steps.
+    fn smooth(&self) -> bool {
+        self.scene.contact.detection == Detection::Exact
+    }
+
+    /// Friction that falls with speed is no convex problem.
+    fn may_be_implicit(&self) -> bool {
+        self.rubs() && self.scene.contact.friction_law == FrictionLaw::Regularised
+    }
+
+    fn first(&self) -> Plan {
+        let Frequencies {
+            contact_rad_s: contact,
+            friction_1_s: rate,
+            ..
+        } = self.frequencies;
+        if !self.smooth() {
+            let reason = "forces that jump from point to point have no high order and would only shorten \
+                          adaptive steps";
+            return if self.may_be_implicit() {
+                self.fixed("imex2", &format!("{reason}; friction implicitly"))
+            } else {
+                self.fixed("rk4", reason)
             };
         }
-        let reason = format!(
-            "friction relaxes the sleeves' spins at about {rate:.1e} 1/s, which explicit methods must follow with \
-             steps below {:.1e} s; imex2 treats it implicitly at the scene's step of {step:.1e} s",
-            2.0 / rate
-        );
-        ("imex2", reason)
-    } else if contact.detection == Detection::Points {
-        let reason = "without friction nothing is stiff, and forces that jump from point to point \
-                      would only shorten the steps of an adaptive method";
-        ("rk4", reason.to_owned())
-    } else if registered("dopri5") {
-        let reason = format!(
-            "without friction the forces are smooth between contacts: order five with steps from \
-             solver.tolerance = {:.1e}, whatever the stiffness",
-            scene.solver.tolerance
-        );
-        ("dopri5", reason)
-    } else {
-        let reason = "without friction nothing is stiff: order four at the scene's step";
-        ("rk4", reason.to_owned())
-    };
-    Choice {
-        integrator: name.to_owned(),
-        reason,
+        if !self.rubs() {
+            return self.explicit(&format!(
+                "without friction the forces are smooth between contacts: order five with steps from a tolerance, \
+                 on oscillations of {:.0} Hz",
+                contact / std::f64::consts::TAU
+            ));
+        }
+        let most = RELAXATIONS_A_RADIAN * contact * (PROMISE / self.promise).sqrt();
+        if !self.may_be_implicit() {
+            self.explicit(
+                "friction that falls with speed is no convex problem, so it is followed explicitly, with steps from a \
+                 tolerance",
+            )
+        } else if rate <= most {
+            self.explicit(&format!(
+                "friction relaxes the sleeves' spins at about {rate:.1e} 1/s, {:.0} times in a radian of the contacts' \
+                 oscillation: cheaper to follow than to solve",
+                rate / contact
+            ))
+        } else {
+            self.implicit(&format!(
+                "friction relaxes the sleeves' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the \
+                 contacts' oscillation: implicitly, with steps from a tolerance",
+                rate / contact
+            ))
+        }
+    }
+
+    fn explicit(&self, reason: &str) -> Plan {
+        let share = if self.rubs() { RUBBING } else { SMOOTH };
+        self.plan("dopri5", share, reason)
+    }
+
+    fn implicit(&self, reason: &str) -> Plan {
+        self.plan("imex2-adaptive", IMPLICIT, reason)
+    }
+
+    fn fixed(&self, integrator: &'static str, reason: &str) -> Plan {
+        // As of order two, which forces with kinks leave of any.
+        let radians = RADIANS * (self.promise / PROMISE).sqrt();
+        Plan {
+            step_s: radians / self.frequencies.contact_rad_s,
+            ..self.plan(integrator, SMOOTH, reason)
+        }
+    }
+
+    fn plan(&self, integrator: &'static str, share: f64, reason: &str) -> Plan {
+        Plan {
+            integrator,
+            step_s: FIRST_RADIANS / self.frequencies.contact_rad_s,
+            // A law stiffer than Hertz' twists less than errors are weighed by.
+            tolerance: (share * self.promise * Frequencies::depth_share(self.scene).min(1.0))
+                .max(TOLERANCES.0),
+            longest_step_s: self.frequencies.longest_step_s(),
+            reason: reason.to_owned(),
+        }
     }
 }
 
@@ -96,19 +282,19 @@ pub fn friction_rate(scene: &Scene) -> f64 {
     let lever = gear.eccentricity_m * gear.lobes() as f64;
     let external = 4.0 * torque / (lever * gear.external_sleeves as f64);
     let internal = 4.0 * torque / (gear.internal_circle_radius_m * gear.internal_sleeves as f64);
-    let rate = |force: f64, radius: f64, moment: f64| {
+    let rate = |force: f64, radius: f64, body: scene::BodyMass| {
         contact.friction_coefficient * force * radius * radius
-            / (contact.friction_ramp_m_s * moment)
+            / (contact.friction_ramp_m_s * body.moment_kg_m2)
     };
     rate(
         external,
         gear.external_sleeve_radius_m,
-        mass.external_sleeve.moment_kg_m2,
+        mass.external_sleeve,
     )
     .max(rate(
         internal,
         gear.internal_sleeve_radius_m,
-        mass.internal_sleeve.moment_kg_m2,
+        mass.internal_sleeve,
     ))
 }
 
@@ -121,18 +307,40 @@ mod tests {
         let mut scene = Scene::paper();
         assert_eq!(integrator(&scene).integrator, "rk2", "named");
         scene.solver.integrator = AUTO.to_owned();
-        let smooth = integrator(&scene).integrator;
-        assert!(["dopri5", "rk4"].contains(&smooth.as_str()));
+        assert_eq!(integrator(&scene).integrator, "dopri5");
         scene.contact.detection = Detection::Points;
         assert_eq!(integrator(&scene).integrator, "rk4");
         scene.contact.friction_coefficient = 0.1;
-        assert_eq!(integrator(&scene).integrator, "imex2");
-        scene.mass.external_sleeve.moment_kg_m2 = 1e-11;
         assert_eq!(integrator(&scene).integrator, "imex2", "points");
         scene.contact.detection = Detection::Exact;
         assert_eq!(integrator(&scene).integrator, "imex2-adaptive");
+        // Slow friction, and digits that an implicit method of order two would pay for.
+        assert_eq!(plan(&scene, 1e-5).integrator, "dopri5");
+        scene.contact.friction_ramp_m_s = 1e-3;
+        assert_eq!(integrator(&scene).integrator, "dopri5");
+        scene.contact.friction_ramp_m_s = 5e-5;
         scene.contact.friction_law = FrictionLaw::Adams;
         assert_eq!(integrator(&scene).integrator, "dopri5");
+        let chain = chain(&scene, PROMISE);
+        assert!(
+            chain
+                .iter()
+                .all(|plan| !plan.integrator.starts_with("imex"))
+        );
+    }
+
+    /// The paper's own step and tolerance, from its frequencies alone; ten times the stiffness shortens the step by its
+    /// cube root, and the scene's own step is not asked.
+    #[test]
+    fn steps_come_from_the_scenes_frequencies() {
+        let mut scene = Scene::paper();
+        let paper = plan(&scene, PROMISE);
+        assert!((paper.step_s / 1e-5 - 1.0).abs() < 0.3, "{}", paper.step_s);
+        assert!((paper.tolerance / 1e-6 - 1.0).abs() < 1e-12);
+        scene.contact.stiffness_multiplier *= 10.0;
+        scene.solver.step_s = 1e-3;
+        let stiff = plan(&scene, PROMISE);
+        assert!((paper.step_s / stiff.step_s / 10.0_f64.cbrt() - 1.0).abs() < 1e-9);
     }
 
     /// By hand: 6.5e5 1/s for a sleeve of the paper at 100 N; the static 65 N give two thirds of it.

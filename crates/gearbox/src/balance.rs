@@ -60,9 +60,10 @@ impl Balance {
 
 /// Energy in the contacts under the load, about, J.
 fn elastic_j(gearbox: &Gearbox) -> f64 {
-    // Without load the scales are those of 1 mN m a wheel.
-    let load = load_course::largest(&gearbox.scene.drive).max(1e-3);
-    load * gearbox.error_scales().angle
+    let scales = gearbox.error_scales();
+    // Without load the scales are those of the least force.
+    let least = gearbox.least_force_n() * scales.length / scales.angle;
+    load_course::largest(&gearbox.scene.drive).max(least) * scales.angle
 }
 
 #[cfg(test)]

@@ -15,7 +15,6 @@
 //! grows with its samples, not with its steps.
 
 use pinwheel_mbs::{Mechanism, Observation};
-use serde::{Deserialize, Serialize};
 
 use crate::Layout;
 use crate::contacts::ContactEnergy;
@@ -50,30 +49,7 @@ struct Mark {
     energies: [f64; 2],
 }
 
-/// The account between two times.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct EnergyAudit {
-    /// Start, s.
-    pub from_s: f64,
-    /// End, s.
-    pub to_s: f64,
-    /// Work of the driver on the input shaft, J.
-    pub driver_j: f64,
-    /// Work of the load on the output shaft, J; negative when the gear drives the load.
-    pub load_j: f64,
-    /// Growth of kinetic energy, J.
-    pub kinetic_j: f64,
-    /// Growth of the energy stored in contacts, J.
-    pub stored_j: f64,
-    /// Lost by contact damping, J.
-    pub damping_j: f64,
-    /// Lost by sliding, J.
-    pub friction_j: f64,
-    /// What is left over, J: positive when energy appeared that nothing accounts for.
-    pub remainder_j: f64,
-    /// The remainder as a share of the larger of the two works.
-    pub remainder_share: f64,
-}
+pub use pinwheel_courses::EnergyAudit;
 
 impl EnergyAccount {
     /// An empty account of a mechanism.

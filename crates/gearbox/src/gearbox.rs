@@ -1,10 +1,10 @@
 //! A compiled scene: geometry, bodies, joints and contacts.
 
-use pinwheel_contact::HertzStiffness;
 use pinwheel_mbs::{Body, BodyState, Driver, ErrorScales, Mechanism, Motion, Revolute};
 
 use crate::Layout;
 use crate::contacts::{self, ContactField, Kernel};
+use crate::frequencies::{hertz, least_depth};
 use crate::geometry::Geometry;
 use crate::load_course;
 use crate::scene::{BodyMass, CheckedScene, Fault, Solver, Start};
@@ -142,15 +142,11 @@ impl Gearbox {
     pub fn error_scales(&self) -> ErrorScales {
         let gear = &self.scene.gear;
         let lever = gear.eccentricity_m * gear.lobes() as f64;
-        let torque = (load_course::largest(&self.scene.drive) / gear.wheels as f64).max(1e-3);
+        let per_force = 0.25 * lever * gear.external_sleeves as f64;
+        let torque = (load_course::largest(&self.scene.drive) / gear.wheels as f64)
+            .max(self.least_force_n() * per_force);
         let force = 4.0 * torque / (lever * gear.external_sleeves as f64);
-        let contact = &self.scene.contact;
-        let hertz = HertzStiffness::new(
-            contact.young_pa,
-            contact.poisson,
-            contact.stiffness_multiplier,
-        );
-        let stiffness = hertz.of_radius(gear.external_sleeve_radius_m);
+        let stiffness = hertz(&self.scene).of_radius(gear.external_sleeve_radius_m);
         let penetration = (force / stiffness).powf(2.0 / 3.0);
         let angle = penetration / lever;
         // Torsional stiffness of the loaded half of the sleeves against the wheel's inertia.
@@ -160,6 +156,14 @@ impl Gearbox {
             angle,
             frequency: (torsion / self.scene.mass.wheel.moment_kg_m2).sqrt(),
         }
+    }
+
+    /// Below this a sleeve carries nothing to speak of, N: Hertz' force at a hundred-thousandth of its radius. What
+    /// stands in for the load of a gear without any; it grows and shrinks with the gear.
+    #[must_use]
+    pub fn least_force_n(&self) -> f64 {
+        let radius = self.scene.gear.external_sleeve_radius_m;
+        hertz(&self.scene).of_radius(radius) * least_depth(&self.scene).powf(1.5)
     }
 
     /// Input angle and rate at time `t`.

@@ -64,12 +64,43 @@ const BAUMGARTE_PER_STEP: f64 = 0.1;
 /// Steps between looks at whether the run must stop; samples may be much farther apart.
 const STEPS_BETWEEN_LOOKS: u64 = 1000;
 
+/// What bounds a run besides its scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Limits {
+    /// No step of an adaptive method is longer, s.
+    pub(crate) longest_step_s: f64,
+    /// The run ends as diverged after this many evaluations.
+    pub(crate) evaluations: u64,
+}
+
+impl Limits {
+    /// None: what a run with a named method has.
+    pub(crate) const NONE: Self = Self {
+        longest_step_s: f64::INFINITY,
+        evaluations: u64::MAX,
+    };
+}
+
 /// Runs the scene; `watch` receives the simulated time at every sample and every 1000 steps and returns true to stop.
+/// With the integrator `auto` this is one run as [`auto::plan`] has it; [`resolve::run`](crate::resolve::run) verifies it.
 ///
 /// # Errors
 /// See [`NativeError`].
 pub fn run(
     gearbox: &Gearbox,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<NativeRun, NativeError> {
+    if gearbox.scene.solver.integrator == auto::AUTO {
+        let plan = auto::plan(&gearbox.scene, auto::PROMISE);
+        return run_within(&plan.applied(gearbox)?, plan.limits(), watch);
+    }
+    run_within(gearbox, Limits::NONE, watch)
+}
+
+/// Runs the scene with its named integrator within limits.
+pub(crate) fn run_within(
+    gearbox: &Gearbox,
+    limits: Limits,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
     let forces = GearForces::new(gearbox)?;
@@ -93,7 +124,7 @@ pub fn run(
             } else {
                 system
             };
-            integrate(gearbox, system, watch)
+            integrate(gearbox, system, limits, watch)
         }
         scene::Formulation::Lagrange => {
             let stabilisation = match gearbox.scene.solver.stabilisation {
@@ -111,7 +142,7 @@ pub fn run(
                 .map_err(GearboxError::from)?
                 .with_contacts(contacts)
                 .with_scales(gearbox.error_scales());
-            integrate(gearbox, system, watch)
+            integrate(gearbox, system, limits, watch)
         }
     }
 }
@@ -120,6 +151,7 @@ pub fn run(
 fn integrate<F: Formulation>(
     gearbox: &Gearbox,
     mut system: F,
+    limits: Limits,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
     let solver = &gearbox.scene.solver;
@@ -128,10 +160,11 @@ fn integrate<F: Formulation>(
         tolerance: solver.tolerance,
     };
     let mut y = system.initial();
-    let integrator = auto::integrator(&gearbox.scene).integrator;
+    let integrator = solver.integrator.clone();
     let breaks = load_course::breaks(&gearbox.scene.drive);
     let mut stepper = Legs::start(&integrator, settings, 0.0, &y, &breaks)
-        .ok_or(GearboxError::UnknownIntegrator(integrator))?;
+        .ok_or(GearboxError::UnknownIntegrator(integrator))?
+        .with_longest(limits.longest_step_s);
     let mut load = load_course::piece_at(&gearbox.scene.drive, 0.0);
     let mut field = gearbox.contact_field()?;
     let mut recorder = Recorder::new(gearbox);
@@ -148,6 +181,7 @@ fn integrate<F: Formulation>(
                 &mut system,
                 due.time(),
                 gearbox,
+                limits,
                 &mut pace,
                 watch,
             ) {
@@ -236,12 +270,18 @@ fn reach<F: Formulation>(
     system: &mut F,
     t: f64,
     gearbox: &Gearbox,
+    limits: Limits,
     pace: &mut Pace,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), Stop> {
     while stepper.time() < t - 1e-9 * gearbox.scene.solver.step_s {
-        let (time, steps) = (stepper.time(), stepper.counts().steps);
+        let (time, counts) = (stepper.time(), stepper.counts());
+        let steps = counts.steps;
         if steps % STEPS_BETWEEN_LOOKS == 0 {
+            if counts.evaluations > limits.evaluations {
+                let told = format!("more than {:.1e} evaluations", limits.evaluations as f64);
+                return Err(Stop::Fault(time, told));
+            }
             if watch(time) {
                 return Err(Stop::Asked);
             }

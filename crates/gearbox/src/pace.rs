@@ -1,6 +1,5 @@
 //! Ends a run whose adaptive steps have become so short that its end is out of reach.
 
-use crate::auto;
 use crate::scene::Scene;
 
 /// Accepted steps between two looks.
@@ -26,7 +25,7 @@ impl Pace {
             end: scene.solver.duration_s,
             last: 0.0,
             next_look: SPAN,
-            integrator: auto::integrator(scene).integrator,
+            integrator: scene.solver.integrator.clone(),
             rubs,
         }
     }

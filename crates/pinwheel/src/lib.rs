@@ -1,4 +1,60 @@
-//! Dynamics of cycloidal gearboxes by several engines, compared: the library in one piece.
+//! Dynamics of cycloidal gearboxes, computed by several engines and compared.
+//!
+//! A cycloidal gearbox turns an eccentric input into a slow output: discs with lobes (here *wheels*) roll inside a ring
+//! of rollers (*external sleeves*), and rollers in the discs' holes (*internal sleeves*) carry the load to the output.
+//! A [`Scene`] says which gear, load, contact law and solver; an *engine* turns it into [`Courses`], time series of
+//! forces, torques and angles. All values are SI; names of keys and columns end in their unit.
+//!
+//! # Run a gear
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use pinwheel::compare::statistics::{Statistics, View};
+//!
+//! let paper = pinwheel::load("paper", &["solver.duration_s = 0.02"])?;
+//! let loose = paper.changed(|scene| scene.gear.backlash_m = 6e-4)?;
+//! let found = pinwheel::run(&loose, "native")?;
+//! let torque = found.run.courses.channel("input_torque_n_m").ok_or("no such column")?;
+//! let driver = Statistics::of(&View::new(vec![torque])).ok_or("no samples")?;
+//! println!("driver torque {:.3} N m in the mean, {:.3} at most", driver.mean, driver.peak);
+//! # assert!((0.5..3.0).contains(&driver.mean), "{}", driver.mean);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Compare engines
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let paper = pinwheel::load("paper", &["solver.duration_s = 0.02"])?;
+//! let names = ["native-reduced", "native-lagrange", "native-resolved"];
+//! let found = pinwheel::compare(&paper, &names)?;
+//! println!("{}", pinwheel::pages::comparison::text(&paper, &found.comparison));
+//! # assert_eq!(found.comparison.pairs.len(), 3);
+//! # assert!(found.participants.iter().all(|p| p.status.is_finished()));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`studies::choice::listed`] names the engines of a build. Of foreign ones the `shared-law` engines take contact
+//! forces from our law and check the multibody side to many digits; the `own-contact` engines find contact
+//! themselves and check geometry and law to a few per cent.
+//!
+//! # What else there is
+//!
+//! | for | see |
+//! |---|---|
+//! | keys, presets, checks | [`scene`] |
+//! | contact laws and the profile's geometry | [`contact`] |
+//! | the gearbox as bodies and contacts, statics, energy | [`gearbox`] |
+//! | columns, CSV, foreign data | [`courses`], [`studies::comparison::foreign`] |
+//! | solvers behind one trait, and one of your own | [`engines`] |
+//! | metrics, limits and verdicts | [`mod@compare`] |
+//! | sweeps, baselines, cost of accuracy, stability, the paper's figures | [`studies`] |
+//! | pages and text of what was found | [`pages`] |
+//!
+//! `examples/` has five programs, each a little longer than the last: `run_a_gear`, `compare_engines`, `own_law`,
+//! `own_study`, `read_courses`. The program `pinwheel` is a shell around this library.
 
 pub use pinwheel_compare as compare;
 pub use pinwheel_contact as contact;
@@ -10,3 +66,57 @@ pub use pinwheel_pages as pages;
 pub use pinwheel_report as report;
 pub use pinwheel_scene as scene;
 pub use pinwheel_studies as studies;
+
+pub use pinwheel_courses::Courses;
+pub use pinwheel_gearbox::Gearbox;
+pub use pinwheel_scene::{CheckedScene, Scene};
+pub use pinwheel_studies::{Control, Progress, Provenance, StudyError};
+
+use pinwheel_scene::Override;
+use pinwheel_studies::{choice, comparison, single};
+
+/// The scene of a preset or a file, with keys set: `"gear.backlash_m = 6e-4"`, spaces or none.
+///
+/// # Errors
+/// No such scene, a key that there is not, or a value that cannot be; with the remedy.
+pub fn load(name: &str, set: &[&str]) -> Result<CheckedScene, StudyError> {
+    let parsed = set.iter().map(|text| text.parse::<Override>());
+    Ok(Scene::load(name, &parsed.collect::<Result<Vec<_>, _>>()?)?)
+}
+
+/// Runs a scene on one engine. `"native"` is our solver in the form that the scene asks for.
+///
+/// A native run is made once more at twice its step: the outcome's
+/// [`resolution`](studies::single::Outcome::resolution) says whether the step resolves the scene. A run that diverges
+/// is an outcome too, with its courses until then.
+///
+/// # Errors
+/// No such engine, or one that cannot run the scene or broke.
+pub fn run(scene: &CheckedScene, engine: &str) -> Result<single::Outcome, StudyError> {
+    let engine = choice::find(engine, scene)?;
+    single::run(&compile(scene)?, engine.as_ref(), true, &Control::quiet())
+}
+
+/// Runs a scene on several engines and compares them pair by pair; without names on all that this build has.
+///
+/// # Errors
+/// No such engine, or a scene that cannot be modelled. What an engine does wrong is its status in the outcome.
+pub fn compare(scene: &CheckedScene, engines: &[&str]) -> Result<comparison::Outcome, StudyError> {
+    let input = comparison::Input {
+        gearbox: &compile(scene)?,
+        engines: &choice::engines(engines, scene)?,
+        data: &[],
+    };
+    comparison::run(&input, &Control::quiet())
+}
+
+/// The gearbox of a scene: what is computed once for all engines and runs.
+///
+/// # Errors
+/// A scene that cannot be modelled.
+pub fn compile(scene: &CheckedScene) -> Result<Gearbox, StudyError> {
+    Gearbox::new(scene).map_err(|source| StudyError::Scene {
+        scene: scene.name.clone(),
+        source,
+    })
+}

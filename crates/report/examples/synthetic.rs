@@ -141,6 +141,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         duration_s: 0.6,
         load_n_m: Some(22.0),
         input_speed_rad_s: Some(52.34),
+        guarded: Some("paper".to_owned()),
         ..Context::default()
     };
     let comparison = compare(&context, &participants, TABLE)?;

@@ -17,6 +17,12 @@ pub fn styled(style: Style, text: &str) -> String {
     format!("{style}{text}{style:#}")
 }
 
+/// The text without styles, for files and pipes.
+#[must_use]
+pub fn plain(text: &str) -> String {
+    anstream::adapter::strip_str(text).to_string()
+}
+
 /// One cell.
 #[derive(Debug, Clone, Default)]
 pub struct Cell {
@@ -116,6 +122,12 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn plain_text_has_no_escapes() {
+        assert_eq!(plain(&styled(BAD, "worse")), "worse");
+        assert_ne!(styled(BAD, "worse"), "worse");
+    }
 
     #[test]
     fn columns_line_up() {

@@ -51,6 +51,7 @@ fn context(scene: &str) -> Context {
         scene: scene.to_owned(),
         duration_s: 0.6,
         load_n_m,
+        guarded: Some("paper".to_owned()),
         ..Context::default()
     }
 }

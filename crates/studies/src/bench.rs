@@ -73,6 +73,7 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
                 Track::Native => native.contains(&engine.name()),
                 Track::SharedLaw => true,
                 Track::OwnContact => friction,
+                Track::Measured => false,
             })
             .collect());
     }

@@ -28,6 +28,6 @@ pub fn explain(gearbox: &Gearbox) -> Result<Explanation<'_>, GearboxError> {
         scene,
         model: pinwheel_gearbox::explain(gearbox)?,
         derived: derived(scene),
-        assumptions: assumptions(scene),
+        assumptions: assumptions(&gearbox.scene),
     })
 }

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, Ending};
 use pinwheel_engines::{Engine, EngineError, Run, RunStats, Track};
 use pinwheel_gearbox::Gearbox;
-use pinwheel_scene::{CheckedScene, Formulation, Scene};
+use pinwheel_scene::{Assumption, CheckedScene, Formulation, Scene, assumptions};
 use serde::Serialize;
 
 use crate::StudyError;
@@ -20,8 +20,11 @@ pub(crate) struct RunRecord<'a> {
     pub(crate) engine: &'a str,
     pub(crate) version: &'a str,
     pub(crate) track: &'a str,
-    #[serde(flatten)]
-    pub(crate) ending: &'a Ending,
+    status: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    diverged_at_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    diverged_quantity: Option<&'a str>,
     /// File with the samples, beside this one.
     courses: &'static str,
     samples: usize,
@@ -31,33 +34,19 @@ pub(crate) struct RunRecord<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) resolution: Option<&'a Resolution>,
     scene: &'a Scene,
+    /// Values of the scene that its file does not write.
+    assumptions: Vec<Assumption>,
     pinwheel_version: &'static str,
     machine: &'a Machine,
 }
 
-/// How a run ended.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(tag = "status", rename_all = "lowercase")]
-pub enum Ending {
-    /// Complete courses.
-    Finished,
-    /// The numbers ran away.
-    Diverged {
-        /// When, s.
-        diverged_at_s: f64,
-        /// Which quantity.
-        diverged_quantity: String,
-    },
-}
-
-impl Ending {
-    /// File of the courses.
-    #[must_use]
-    pub fn file(&self) -> &'static str {
-        match self {
-            Self::Finished => "courses.csv",
-            Self::Diverged { .. } => "courses.partial.csv",
-        }
+/// File of the courses of a run that ended so.
+#[must_use]
+pub fn file(ending: &Ending) -> &'static str {
+    if ending.is_finished() {
+        "courses.csv"
+    } else {
+        "courses.partial.csv"
     }
 }
 
@@ -100,13 +89,7 @@ pub fn run(
             quantity,
             partial,
             ..
-        }) => (
-            *partial,
-            Ending::Diverged {
-                diverged_at_s: time_s,
-                diverged_quantity: quantity,
-            },
-        ),
+        }) => (*partial, Ending::Diverged { time_s, quantity }),
         Err(error) => return Err(StudyError::Engine(error)),
     };
     let resolution = if ending == Ending::Finished && checked {
@@ -172,21 +155,28 @@ impl<'a> RunRecord<'a> {
     /// The record of a run of `engine` (name, version, track).
     pub(crate) fn new(
         (engine, version, track): (&'a str, &'a str, &'a str),
-        scene: &'a Scene,
+        scene: &'a CheckedScene,
         ending: &'a Ending,
         stats: &'a RunStats,
         made: &'a Provenance,
     ) -> Self {
+        let (diverged_at_s, diverged_quantity) = match ending {
+            Ending::Diverged { time_s, quantity } => (Some(*time_s), Some(quantity.as_str())),
+            _ => (None, None),
+        };
         Self {
             engine,
             version,
             track,
-            ending,
-            courses: ending.file(),
+            status: ending.word(),
+            diverged_at_s,
+            diverged_quantity,
+            courses: file(ending),
             samples: 0,
             stats,
             resolution: None,
             scene,
+            assumptions: assumptions(scene),
             pinwheel_version: made.version,
             machine: &made.machine,
         }

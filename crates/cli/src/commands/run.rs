@@ -1,7 +1,8 @@
 //! `pinwheel run`: one scene, one engine.
 
+use pinwheel::courses::Ending;
 use pinwheel::pages;
-use pinwheel::studies::single::{self, Ending};
+use pinwheel::studies::single;
 use pinwheel::studies::{Provenance, StudyError, choice};
 
 use crate::args::{self, RunArgs};
@@ -20,16 +21,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
         single::run(&gearbox, engine.as_ref(), !args.unchecked, control)
     })?;
     found.write(folder.path(), &Provenance::here(args::typed()))?;
-    let courses = folder.publish()?.join(found.ending.file());
+    let courses = folder.publish()?.join(single::file(&found.ending));
     let courses = courses.display();
 
-    if let Ending::Diverged {
-        diverged_at_s,
-        diverged_quantity,
-    } = &found.ending
-    {
+    if let Ending::Diverged { time_s, quantity } = &found.ending {
         screen::complain(&format!(
-            "{} diverged at t = {diverged_at_s:.6} s: {diverged_quantity}; what there is until then is in {courses}; try a smaller solver.step_s or another solver.integrator",
+            "{} diverged at t = {time_s:.6} s: {quantity}; what there is until then is in {courses}; try a smaller solver.step_s or another solver.integrator",
             found.engine
         ));
         return Ok(ENGINE);

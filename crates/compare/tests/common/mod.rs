@@ -1,6 +1,7 @@
-//! Small gearbox-like courses for the tests of this crate.
+//! Small gearbox-like courses for the tests of this crate; each test file uses a part.
+#![allow(dead_code)]
 
-use pinwheel_compare::{Context, Cost, Participant, Status};
+use pinwheel_compare::{Context, Cost, Participant, Scales, Status};
 use pinwheel_courses::Courses;
 
 /// A participant with these courses at a step of 1e-5 s.
@@ -52,6 +53,30 @@ pub(crate) fn context() -> Context {
         duration_s: 0.6,
         load_n_m: Some(22.0),
         input_speed_rad_s: Some(52.34),
+        guarded: Some("paper".to_owned()),
+        scales: Scales {
+            force_n: Some(100.0),
+            torque_n_m: Some(22.0),
+        },
         ..Context::default()
+    }
+}
+
+/// A small generator of numbers with a fixed seed (splitmix64).
+pub(crate) struct Random(u64);
+
+impl Random {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// Evenly between both.
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
+        low + (high - low) * unit
     }
 }

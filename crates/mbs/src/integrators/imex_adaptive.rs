@@ -149,6 +149,10 @@ impl<S: OdeSystem> Stepper<S> for ImexAdaptive {
         self.h
     }
 
+    fn shorten(&mut self, longest: f64) {
+        self.h = self.h.min(longest);
+    }
+
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         let whole = self.time - self.time_before;
         if self.counts.steps == 0 || (self.time - t).abs() < 1e-9 * whole {

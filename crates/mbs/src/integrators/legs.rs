@@ -23,6 +23,8 @@ pub struct Legs<S: OdeSystem> {
     ends: Vec<f64>,
     /// What the steppers before did.
     past: StepCounts,
+    /// No step of a method that chooses its steps is longer, s.
+    longest: f64,
 }
 
 impl<S: OdeSystem> Legs<S> {
@@ -42,7 +44,16 @@ impl<S: OdeSystem> Legs<S> {
             stepper: start(name, settings, t, y)?,
             ends: coming.filter(|&end| end > t).collect(),
             past: StepCounts::default(),
+            longest: f64::INFINITY,
         })
+    }
+
+    /// Bounds the steps of a method that chooses them: where f is smooth for a while, its estimates see nothing of
+    /// what begins and ends within a long step.
+    #[must_use]
+    pub fn with_longest(mut self, step: f64) -> Self {
+        self.longest = step;
+        self
     }
 
     /// End of this leg, s; infinite for the last.
@@ -90,6 +101,7 @@ impl<S: OdeSystem> Stepper<S> for Legs<S> {
             return self.stepper.step(system);
         }
         self.enter(system);
+        self.stepper.shorten(self.longest);
         let (time, step, end) = (self.stepper.time(), self.stepper.next_step(), self.end());
         if time + step > end + THERE * step {
             self.restart(time, end - time);

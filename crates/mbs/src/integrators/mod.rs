@@ -79,6 +79,8 @@ pub trait Stepper<S: OdeSystem> {
     fn state(&self) -> &[f64];
     /// Length of the next step to try, s.
     fn next_step(&self) -> f64;
+    /// Lets the next step be no longer than `longest`, s, where the method chooses it; else nothing happens.
+    fn shorten(&mut self, _longest: f64) {}
     /// Writes the state at `t`, which lies inside the last accepted step.
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]);
     /// Counts so far.

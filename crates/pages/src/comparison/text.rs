@@ -1,7 +1,7 @@
 //! What `pinwheel compare` says on stdout: figures of every engine, verdicts of every pair.
 
 use pinwheel_compare::quantities::INPUT_TORQUE;
-use pinwheel_compare::{Check, Comparison, Verdict, WindowKind};
+use pinwheel_compare::{Check, Comparison, Outcome, Verdict, WindowKind};
 use pinwheel_report::terminal::{BAD, Cell, GOOD, QUIET, TITLE, lines, styled};
 use pinwheel_scene::Scene;
 
@@ -107,10 +107,10 @@ fn engines(comparison: &Comparison) -> Vec<Vec<Cell>> {
 fn own_verdict<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Cell {
     let mut word = Cell::text("");
     for verdict in verdicts {
-        match verdict {
-            Verdict::Exceeded => return Cell::text("load balance exceeded").styled(BAD),
-            Verdict::Within => word = Cell::text("load balance within").styled(GOOD),
-            Verdict::NotJudged { .. } => {}
+        match verdict.outcome() {
+            Outcome::Finding => return Cell::text("load balance exceeded").styled(BAD),
+            Outcome::Passed => word = Cell::text("load balance within").styled(GOOD),
+            Outcome::NotResolved | Outcome::Nothing => {}
         }
     }
     word

@@ -11,7 +11,7 @@ mod pairs;
 mod tracks;
 
 use askama::Template;
-use pinwheel_compare::{Comparison, Verdict, WindowKind};
+use pinwheel_compare::{Comparison, Outcome, Verdict, WindowKind};
 
 use crate::assets::{ASSETS, Assets};
 use crate::chart_data::{ChartData, json_for_script};
@@ -166,10 +166,10 @@ struct Mark {
 }
 
 fn mark(verdict: &Verdict) -> Mark {
-    let (class, sign) = match verdict {
-        Verdict::Within => ("within", "\u{2713}"),
-        Verdict::Exceeded => ("exceeded", "\u{2715}"),
-        Verdict::NotJudged { .. } => ("unjudged", "\u{25cb}"),
+    let (class, sign) = match verdict.outcome() {
+        Outcome::Passed => ("within", "\u{2713}"),
+        Outcome::Finding => ("exceeded", "\u{2715}"),
+        Outcome::NotResolved | Outcome::Nothing => ("unjudged", "\u{25cb}"),
     };
     Mark {
         class,

@@ -1,9 +1,9 @@
 //! Every threshold of a check, in one place, with the measurement it comes from (`docs/baselines.md` repeats them).
 
 /// Results count as the same up to this many times the largest difference that roundings made when the baseline
-/// was recorded: other vector instructions, the scalar loop, and an inertia one digit up and down. Those five include
-/// every instruction set that contact loops know; what else differs between machines (the system's sine, the
-/// compiler) is of the kind of the inertias.
+/// was recorded: other vector instructions, the scalar loop, and an inertia and a radius one digit up and down. Those
+/// seven include every instruction set that contact loops know; what else differs between machines (the system's sine,
+/// the compiler) is of the kind of the inertias, and of the radius where a run starts in equilibrium.
 pub const ROUNDING_MARGIN: f64 = 30.0;
 
 /// Where a rounding turned an accepted step into a rejected one, differences are those of two runs of one tolerance,
@@ -62,7 +62,7 @@ pub fn table() -> Vec<[String; 3]> {
             format!(
                 "{ROUNDING_MARGIN:.0} x recorded up to {LARGEST_ROUNDING:.0e}, beyond that {FLIP_MARGIN:.0} x; at least {ROUNDING_FLOOR:.0e}"
             ),
-            "largest difference when recording between vector instructions, the scalar loop and inertias one digit apart",
+            "largest difference when recording between vector instructions, the scalar loop, and inertias and radii one digit apart",
         ),
         row(
             "error",

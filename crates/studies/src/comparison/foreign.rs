@@ -13,7 +13,6 @@ use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{Scene, did_you_mean};
 
 use crate::StudyError;
-use crate::control::compile;
 
 /// Bytes of a map at most.
 const MOST_BYTES: u64 = 1 << 20;
@@ -115,8 +114,8 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
 /// # Errors
 /// A mapped column that no engine records: its name is mistyped.
 pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyError> {
-    let mut scene = gearbox.scene.clone().into_scene();
-    let mut everything = scene.clone();
+    let mut channels = gearbox.scene.output.channels.clone();
+    let mut everything = gearbox.scene.clone().into_scene();
     everything.output.channels = vec!["*".to_owned()];
     let all = Channels::of(&everything).map_err(StudyError::Input)?;
     let contract = pinwheel_gearbox::Recorder::contract(&gearbox);
@@ -145,7 +144,7 @@ pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyEr
                 )));
             }
             if !gearbox.channels.names().any(|known| known == name) {
-                scene.output.channels.push(name.to_owned());
+                channels.push(name.to_owned());
                 asked = true;
             }
         }
@@ -154,8 +153,10 @@ pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyEr
         return Ok(gearbox);
     }
     // Hundreds of single names make one pattern a family: the scene's own limit is on patterns.
-    scene.output.channels = patterns(&scene.output.channels);
-    compile(&scene).map_err(|error| StudyError::Input(error.to_string()))
+    let asking = |scene: &mut Scene| scene.output.channels = patterns(&channels);
+    let refuse = |error: &dyn std::fmt::Display| StudyError::Input(error.to_string());
+    let scene = gearbox.scene.changed(asking).map_err(|e| refuse(&e))?;
+    Gearbox::new(&scene).map_err(|e| refuse(&e))
 }
 
 /// The names without those that a few patterns cover: where more than 50 are asked for, whole families.

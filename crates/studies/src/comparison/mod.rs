@@ -7,7 +7,7 @@ pub mod foreign;
 use std::path::Path;
 
 use pinwheel_compare::{
-    Comparison, Context, Cost, Divergence, Energy, Participant, Status, compare_stated, limits,
+    Comparison, Context, Divergence, Participant, Status, compare_stated, limits, track,
 };
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, RunStats, recorded};
@@ -19,7 +19,7 @@ use serde::Serialize;
 use crate::control::{Control, Progress};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
-use crate::single::{Ending, RunRecord};
+use crate::single::RunRecord;
 use crate::{StudyError, divergence};
 use foreign::Data;
 
@@ -47,8 +47,6 @@ pub struct Outcome {
     pub model: Explanation,
     /// Values that are assumptions, and what they rest on.
     pub assumptions: Vec<Assumption>,
-    /// Of each engine its cost in full, and how the run ended; `None`: nothing was run.
-    ran: Vec<Option<(Ending, RunStats)>>,
 }
 
 /// Payload of `summary.json`.
@@ -74,12 +72,10 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyErr
     };
     let model = pinwheel_gearbox::explain(input.gearbox).map_err(of_scene)?;
     let total = input.engines.len() + 1;
-    let (mut participants, mut ran) = (Vec::new(), Vec::new());
+    let mut participants = Vec::new();
     for (done, engine) in input.engines.iter().enumerate() {
         let at = Progress::new(done, total, engine.name());
-        let (participant, ended) = take_part(engine.as_ref(), input.gearbox, at, control)?;
-        participants.push(participant);
-        ran.push(ended);
+        participants.push(take_part(engine.as_ref(), input.gearbox, at, control)?);
     }
     let mut stated = Vec::new();
     for data in input.data {
@@ -99,7 +95,6 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyErr
         participants,
         model,
         assumptions: assumptions(scene),
-        ran,
     })
 }
 
@@ -110,28 +105,36 @@ impl Outcome {
     /// # Errors
     /// A file cannot be written.
     pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
-        for (k, participant) in self.participants.iter().enumerate() {
-            match self.ran.get(k) {
-                Some(None) => {}
-                Some(Some((ending, stats))) => {
-                    let place = output::folder(dir, &participant.name)?;
-                    let named = (
-                        participant.name.as_str(),
-                        participant.version.as_str(),
-                        participant.track.as_str(),
-                    );
-                    RunRecord::new(named, &self.scene, ending, stats, made)
-                        .write(&place, &participant.courses)?;
-                }
-                // Data from elsewhere, as they are compared.
-                None => {
-                    let place = output::folder(dir, &participant.name)?;
-                    participant
-                        .courses
-                        .save_csv(&place.join("courses.csv"))
-                        .map_err(|error| OutputError::new(&place, &error))?;
-                }
+        for participant in &self.participants {
+            let ran = matches!(
+                participant.status,
+                Status::Finished | Status::Diverged { .. }
+            );
+            if !ran {
+                continue;
             }
+            let place = output::folder(dir, &participant.name)?;
+            if participant.track == track::MEASURED {
+                // As they are compared.
+                participant
+                    .courses
+                    .save_csv(&place.join("courses.csv"))
+                    .map_err(|error| OutputError::new(&place, &error))?;
+                continue;
+            }
+            let named = (
+                participant.name.as_str(),
+                participant.version.as_str(),
+                participant.track.as_str(),
+            );
+            RunRecord::new(
+                named,
+                &self.scene,
+                &participant.status,
+                &participant.cost,
+                made,
+            )
+            .write(&place, &participant.courses)?;
         }
         let found = Found {
             comparison: &self.comparison,
@@ -150,7 +153,7 @@ fn take_part(
     gearbox: &Gearbox,
     at: Progress<'_>,
     control: &Control<'_>,
-) -> Result<(Participant, Option<(Ending, RunStats)>), StudyError> {
+) -> Result<Participant, StudyError> {
     let ran = control.engine(engine, gearbox, at)?;
     // A live engine that is missing here (no Python, no network) may have been recorded.
     if let Err(EngineError::Failed { reason, .. }) = &ran
@@ -174,14 +177,6 @@ fn take_part(
         Err(EngineError::Failed { reason, .. }) => (nothing(), Status::Failed { reason }),
         Err(EngineError::Cancelled) => return Err(StudyError::Cancelled),
     };
-    let ending = match &status {
-        Status::Finished => Some(Ending::Finished),
-        Status::Diverged { time_s, quantity } => Some(Ending::Diverged {
-            diverged_at_s: *time_s,
-            diverged_quantity: quantity.clone(),
-        }),
-        Status::Unsupported { .. } | Status::Failed { .. } => None,
-    };
     let participant = Participant {
         name: engine.name().to_owned(),
         track: engine.track().as_str().to_owned(),
@@ -189,43 +184,10 @@ fn take_part(
         summary: engine.summary().to_owned(),
         differences: engine.differences().to_owned(),
         courses,
-        cost: cost(stats.clone()),
+        cost: stats,
         status,
     };
-    Ok((participant, ending.map(|ending| (ending, stats))))
-}
-
-fn cost(stats: RunStats) -> Cost {
-    Cost {
-        wall_s: stats.wall_s,
-        cpu_s: stats.cpu_s,
-        rhs_calls: stats.rhs_calls,
-        steps: stats.steps,
-        rejected_steps: stats.rejected_steps,
-        degrees_of_freedom: stats.degrees_of_freedom,
-        bodies: stats.bodies,
-        step_s: stats.step_s,
-        settings: stats.settings,
-        notes: stats.notes,
-        joint_drift_m: stats.joint_drift_m,
-        recorded: stats.recorded,
-        energy: stats
-            .energy
-            .iter()
-            .map(|e| Energy {
-                from_s: e.from_s,
-                to_s: e.to_s,
-                driver_j: e.driver_j,
-                load_j: e.load_j,
-                kinetic_j: e.kinetic_j,
-                stored_j: e.stored_j,
-                damping_j: e.damping_j,
-                friction_j: e.friction_j,
-                remainder_j: e.remainder_j,
-                remainder_share: e.remainder_share,
-            })
-            .collect(),
-    }
+    Ok(participant)
 }
 
 fn context(scene: &Scene) -> Context {
@@ -238,8 +200,30 @@ fn context(scene: &Scene) -> Context {
         input_speed_rad_s: Some(scene.drive.input_speed_rad_s),
         friction_coefficient: scene.contact.friction_coefficient,
         settling_s: (scene.drive.start == Start::Equilibrium).then_some(0.0),
+        guarded: guarded(scene),
         ..Context::default()
     }
+}
+
+/// The preset that the scene is, but for its name, its duration and what it writes, if the table of limits was
+/// measured on it.
+fn guarded(scene: &Scene) -> Option<String> {
+    let same = |name: &&&str| {
+        let Ok(preset) = Scene::load(name, &[]) else {
+            return false;
+        };
+        let mut wanted = Scene {
+            name: scene.name.clone(),
+            description: scene.description.clone(),
+            output: scene.output.clone(),
+            ..preset.into_scene()
+        };
+        wanted.solver.duration_s = scene.solver.duration_s;
+        wanted.solver.sample_s = scene.solver.sample_s;
+        wanted == *scene
+    };
+    let found = limits::MEASURED_ON.iter().find(same);
+    found.map(|name| (*name).to_owned())
 }
 
 /// Longest step of the two runs that differ by a rounding, s.

@@ -68,7 +68,7 @@ impl Options {
     pub fn longest(&self, track: Track) -> f64 {
         match track {
             Track::Native => self.longest_native_s,
-            Track::SharedLaw | Track::OwnContact => self.longest_s,
+            Track::SharedLaw | Track::OwnContact | Track::Measured => self.longest_s,
         }
     }
 }

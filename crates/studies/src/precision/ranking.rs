@@ -87,7 +87,7 @@ fn advantage(entries: &[Entry]) -> Option<Advantage> {
     let (native, native_cost) =
         cheapest(&|entry, cost| entry.track == Track::Native && cost.reached())?;
     let (peer, peer_cost) = cheapest(&|entry, cost| match entry.track {
-        Track::Native => false,
+        Track::Native | Track::Measured => false,
         Track::SharedLaw => true,
         Track::OwnContact => cost.reached(),
     })?;

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::{Column, Journal, Plan, Results, RunRecord, SweepError, costs};
-use crate::output::{self, OutputError, write_text, write_with};
+use crate::output::{self, write_text, write_with};
 use crate::provenance::{Provenance, Summary};
 
 /// Payload of `summary.json`: what was run and every row of the results.
@@ -42,7 +42,7 @@ pub fn write(
     #[cfg(feature = "parquet")]
     {
         let path = dir.join("results.parquet");
-        let failed = |error: &dyn std::fmt::Display| OutputError::new(&path, error);
+        let failed = |error: &dyn std::fmt::Display| output::OutputError::new(&path, error);
         let file = std::fs::File::create(&path).map_err(|error| failed(&error))?;
         table.write_parquet(file).map_err(|error| failed(&error))?;
     }

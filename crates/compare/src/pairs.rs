@@ -1,0 +1,191 @@
+//! Two engines side by side.
+
+use pinwheel_courses::Courses;
+
+use crate::comparison::{EngineSummary, Judgement, Pair, PairEntry};
+use crate::grid::Common;
+use crate::judge::{self, Judge, Sides, Uncertainties};
+use crate::metrics::{Metric, PairMetrics};
+use crate::participant::{Participant, track};
+use crate::quantities::Quantity;
+use crate::statistics::View;
+use crate::summary::{covered, floor, shared, uncertainty};
+use crate::uncertainty::{Estimate, Extrapolated, QuantityUncertainty, Source};
+use crate::verdict::{self, Side, Verdict};
+use crate::windows::{FEWEST_SAMPLES, Window};
+use crate::{CompareError, grid};
+
+pub(crate) fn pair(
+    sides: Sides<'_>,
+    engines: &[EngineSummary],
+    windows: &[Window],
+    quantities: &[Quantity],
+    judge: Judge<'_>,
+) -> Result<Pair, CompareError> {
+    let Sides { track, a, b } = sides;
+    let common = grid::common(a, b)?;
+    let mut entries = Vec::new();
+    for window in windows {
+        for quantity in quantities {
+            entries.extend(pair_entry(sides, engines, &common, window, quantity, judge));
+        }
+    }
+    Ok(Pair {
+        a: a.name.clone(),
+        b: b.name.clone(),
+        track: track.to_owned(),
+        entries,
+    })
+}
+
+/// `None` if neither engine has the quantity.
+fn pair_entry(
+    sides: Sides<'_>,
+    engines: &[EngineSummary],
+    (of_a, of_b): &Common<'_>,
+    window: &Window,
+    quantity: &Quantity,
+    judge: Judge<'_>,
+) -> Option<PairEntry> {
+    let Sides { a, b, .. } = sides;
+    let unjudged = |reason| {
+        Some(PairEntry {
+            quantity: quantity.name.clone(),
+            window: window.kind,
+            metrics: None,
+            checks: Vec::new(),
+            judgements: Vec::new(),
+            extrapolated: None,
+            verdict: Verdict::NotJudged { reason },
+        })
+    };
+    let has = |p: &Participant| {
+        quantity
+            .channels
+            .iter()
+            .filter(|name| p.courses.channel(name).is_some())
+            .count()
+    };
+    match (has(a), has(b)) {
+        (0, 0) => return None,
+        (0, _) => return unjudged(format!("{} has no `{}`", a.name, quantity.name)),
+        (_, 0) => return unjudged(format!("{} has no `{}`", b.name, quantity.name)),
+        _ => {}
+    }
+    let samples = of_a.window(window.from_s, window.to_s);
+    let samples = covered(&[(a, of_a.as_ref()), (b, of_b.as_ref())], samples);
+    let whole = quantity;
+    let quantity = &shared(quantity, &[a, b]);
+    if samples.len() < FEWEST_SAMPLES {
+        return unjudged(format!(
+            "both have {} samples in this window, fewer than {FEWEST_SAMPLES}",
+            samples.len()
+        ));
+    }
+    let metrics = View::of(of_a, quantity, samples.clone())
+        .zip(View::of(of_b, quantity, samples.clone()))
+        .zip(of_a.time_s().get(samples))
+        .and_then(|((of_a, of_b), time_s)| PairMetrics::of(&of_a, &of_b, time_s));
+    let Some(metrics) = metrics else {
+        return unjudged(format!(
+            "`{}` has channels that only one of the two has",
+            quantity.name
+        ));
+    };
+    let uncertainty = |p: &Participant, common: &Courses| -> Option<QuantityUncertainty> {
+        if *quantity != *whole {
+            // A rig has some of the sleeves only: the uncertainty of those.
+            let samples = p.courses.window(window.from_s, window.to_s);
+            return uncertainty(p, quantity, window, covered(&[(p, common)], samples), judge);
+        }
+        let summary = engines.iter().find(|e| e.name == p.name)?;
+        let found = summary
+            .uncertainty
+            .iter()
+            .find(|u| u.quantity == quantity.name && u.window == window.kind)?;
+        Some(found.clone())
+    };
+    let of_sides = [uncertainty(a, of_a), uncertainty(b, of_b)];
+    let of_sides = [of_sides[0].as_ref(), of_sides[1].as_ref()];
+    let found = judge.pair(sides, quantity, window, &metrics, of_sides);
+    let extrapolated = extrapolated(sides, quantity, window, of_sides, judge);
+    Some(PairEntry {
+        quantity: quantity.name.clone(),
+        window: window.kind,
+        metrics: Some(metrics),
+        checks: found.checks,
+        judgements: found.judgements,
+        extrapolated,
+        verdict: found.verdict,
+    })
+}
+
+/// The relative L2 judgement of two participants of one law, both on one grid, with the leading error term of every
+/// confirmed ladder taken off; `None` where neither has one.
+fn extrapolated(
+    Sides { track, a, b }: Sides<'_>,
+    quantity: &Quantity,
+    window: &Window,
+    [of_a, of_b]: Uncertainties<'_>,
+    judge: Judge<'_>,
+) -> Option<Judgement> {
+    let one_law = [track::NATIVE, track::SHARED_LAW].contains(&track);
+    if !one_law || !judge.context.is_pointwise(window.to_s) || !grid::same(&a.courses, &b.courses) {
+        return None;
+    }
+    let samples = a.courses.window(window.from_s, window.to_s);
+    let sharper = |p: &Participant, of: Option<&QuantityUncertainty>| {
+        let evidence = judge.rules.evidence.iter().find(|e| e.engine == p.name)?;
+        let Source::Ladder(ladder) = &evidence.source else {
+            return None;
+        };
+        let floor = floor(p, judge.context);
+        ladder.extrapolated(&p.courses, quantity, samples.clone(), &of?.l2, floor)
+    };
+    let (new_a, new_b) = (sharper(a, of_a), sharper(b, of_b));
+    if new_a.is_none() && new_b.is_none() {
+        return None;
+    }
+    let view = |p: &'_ Participant, new: &Option<Extrapolated>| -> Option<Vec<Vec<f64>>> {
+        match new {
+            Some(new) => Some(new.channels.clone()),
+            None => {
+                let view = View::of(&p.courses, quantity, samples.clone())?;
+                Some(view.channels().iter().map(|c| c.to_vec()).collect())
+            }
+        }
+    };
+    let (one, other) = (view(a, &new_a)?, view(b, &new_b)?);
+    let of = |channels: &'_ [Vec<f64>]| channels.iter().map(Vec::len).sum::<usize>();
+    if of(&one) != of(&other) {
+        return None;
+    }
+    let metrics = PairMetrics::of(
+        &View::new(one.iter().map(Vec::as_slice).collect()),
+        &View::new(other.iter().map(Vec::as_slice).collect()),
+        a.courses.time_s().get(samples.clone())?,
+    )?;
+    let scale = metrics.larger_rms?;
+    let u = |new: &Option<Extrapolated>, of: Option<&QuantityUncertainty>| -> Option<Estimate> {
+        let old = *of?.l2.estimate()?;
+        let u = new.as_ref().map_or(old.u, |new| new.u);
+        let relative = if u == 0.0 { 0.0 } else { u / scale };
+        relative
+            .is_finite()
+            .then_some(Estimate { u: relative, ..old })
+    };
+    let (side_a, side_b) = (
+        Side::known(&a.name, u(&new_a, of_a)?),
+        Side::known(&b.name, u(&new_b, of_b)?),
+    );
+    let distance = metrics.relative_l2?;
+    let verdict = verdict::pair(distance, &side_a, &side_b, judge.rules.resolution);
+    Some(judge::judgement(
+        Metric::RelativeL2,
+        Some(distance),
+        &side_a,
+        &side_b,
+        false,
+        verdict,
+    ))
+}

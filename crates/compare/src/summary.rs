@@ -1,0 +1,264 @@
+//! One engine alone: its figures, its uncertainties, its balance with the load.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use pinwheel_courses::Courses;
+
+use crate::comparison::{EngineEntry, EngineSummary, Figures};
+use crate::judge::Judge;
+use crate::model;
+use crate::participant::{Context, Participant, track};
+use crate::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, Quantity};
+use crate::statistics::{Statistics, View};
+use crate::uncertainty::{
+    Estimate, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved, rounding_floor,
+};
+use crate::verdict::Verdict;
+use crate::windows::{Window, WindowKind};
+
+/// What rounding alone makes of a run, as a share.
+pub(crate) fn floor(participant: &Participant, context: &Context) -> f64 {
+    let walk = rounding_floor(participant.cost.steps);
+    // What a rounding did to the scene where that was measured, unless it parts the runs altogether.
+    let grown = context
+        .divergence
+        .as_ref()
+        .filter(|d| d.horizon_s.is_none())
+        .map_or(0.0, |d| d.largest_share);
+    walk.max(grown)
+}
+
+/// The uncertainty of one quantity of a participant in the samples of a window; `None` without evidence.
+pub(crate) fn uncertainty(
+    participant: &Participant,
+    quantity: &Quantity,
+    window: &Window,
+    samples: Range<usize>,
+    judge: Judge<'_>,
+) -> Option<QuantityUncertainty> {
+    let evidence = judge
+        .rules
+        .evidence
+        .iter()
+        .find(|e| e.engine == participant.name)?;
+    let missing = |missing: &Unresolved| {
+        let what = Uncertainty::NotResolved(missing.clone());
+        QuantityUncertainty::everywhere(&quantity.name, window.kind, &what)
+    };
+    Some(match &evidence.source {
+        Source::Ladder(ladder) => match ladder.check(&participant.courses) {
+            Ok(()) => ladder.assess(
+                &participant.courses,
+                quantity,
+                window.kind,
+                samples,
+                Settings {
+                    floor: floor(participant, judge.context),
+                    pointwise: judge.context.is_pointwise(window.to_s),
+                },
+            ),
+            Err(unresolved) => missing(&unresolved),
+        },
+        Source::Recorded(list) => list
+            .iter()
+            .find(|u| u.quantity == quantity.name && u.window == window.kind)
+            .cloned()
+            .unwrap_or_else(|| {
+                missing(&Unresolved {
+                    reason: "its recording holds no uncertainty of this".to_owned(),
+                    remedy: "record it anew with its ladder, or run it live".to_owned(),
+                })
+            }),
+        Source::Exact(share) => {
+            let statistics = View::of(&participant.courses, quantity, samples)
+                .and_then(|view| Statistics::of(&view));
+            let of = |size: f64| Uncertainty::Resolved(Estimate::stated(share * size));
+            let own = statistics?;
+            QuantityUncertainty {
+                linf: of(own.peak),
+                peak: of(own.peak),
+                relative_l2: Some(*share),
+                ..QuantityUncertainty::everywhere(&quantity.name, window.kind, &of(own.rms))
+            }
+        }
+        Source::Unknown(unresolved) => missing(unresolved),
+    })
+}
+
+pub(crate) fn engine_summary(
+    participant: &Participant,
+    context: &Context,
+    windows: &[Window],
+    quantities: &[Quantity],
+    judge: Judge<'_>,
+) -> EngineSummary {
+    let (mut all_figures, mut judged, mut uncertainties) = (Vec::new(), Vec::new(), Vec::new());
+    let windows = if participant.status.is_finished() {
+        windows
+    } else {
+        &[]
+    };
+    for window in windows {
+        let figures = figures(participant, context, window, quantities);
+        let samples = participant.courses.window(window.from_s, window.to_s);
+        let there = quantities
+            .iter()
+            .filter(|q| figures.quantities.contains_key(&q.name));
+        let found: Vec<QuantityUncertainty> = there
+            .filter_map(|q| uncertainty(participant, q, window, samples.clone(), judge))
+            .collect();
+        let output = quantities.iter().find(|q| q.name == OUTPUT_TORQUE);
+        let judged_alone = participant.track != track::MEASURED;
+        if let Some((quantity, load_n_m)) = output.zip(context.load_n_m).filter(|_| judged_alone) {
+            let mean = figures
+                .quantities
+                .get(OUTPUT_TORQUE)
+                .map(|statistics| statistics.mean);
+            let u = found
+                .iter()
+                .find(|u| u.quantity == OUTPUT_TORQUE)
+                .and_then(|u| u.mean.u());
+            let found = judge.load(participant, quantity, window.kind, mean, load_n_m, u);
+            let found = found.map(|(checks, verdict)| {
+                if participant.cost.recorded.is_none() {
+                    return (checks, verdict);
+                }
+                // One sample a millisecond aliases the ripple into the mean: 1e-4 of it for 40 sleeves.
+                let reason = "a recording has too few samples for this mean".to_owned();
+                (Vec::new(), Verdict::NotJudged { reason })
+            });
+            judged.extend(found.map(|(checks, verdict)| EngineEntry {
+                quantity: quantity.name.clone(),
+                window: window.kind,
+                checks,
+                verdict,
+            }));
+        }
+        all_figures.push(figures);
+        uncertainties.extend(found);
+    }
+    EngineSummary {
+        name: participant.name.clone(),
+        track: participant.track.clone(),
+        version: participant.version.clone(),
+        summary: participant.summary.clone(),
+        differences: participant.differences.clone(),
+        status: participant.status.clone(),
+        cost: participant.cost.clone(),
+        figures: all_figures,
+        judged,
+        uncertainty: uncertainties,
+    }
+}
+
+fn figures(
+    participant: &Participant,
+    context: &Context,
+    window: &Window,
+    quantities: &[Quantity],
+) -> Figures {
+    let courses = &participant.courses;
+    let samples = covered(
+        &[(participant, courses)],
+        courses.window(window.from_s, window.to_s),
+    );
+    let statistics: BTreeMap<String, Statistics> = quantities
+        .iter()
+        .filter_map(|quantity| {
+            let quantity = &shared(quantity, &[participant]);
+            let view = View::of(courses, quantity, samples.clone())?;
+            Some((quantity.name.clone(), Statistics::of(&view)?))
+        })
+        .collect();
+    let (efficiency, efficiency_reason) =
+        match efficiency(participant, context, window, samples, &statistics) {
+            Ok(efficiency) => (Some(efficiency), None),
+            Err(reason) => (None, reason.map(str::to_owned)),
+        };
+    let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
+    Figures {
+        window: window.kind,
+        efficiency,
+        efficiency_reason,
+        efficiency_accounted: efficiency
+            .zip(created)
+            .map(|(efficiency, created)| efficiency / (1.0 + created))
+            .filter(|e| e.is_finite()),
+        quantities: statistics,
+    }
+}
+
+/// Power out over power in; or why there is none, where a reader would look for it.
+fn efficiency(
+    participant: &Participant,
+    context: &Context,
+    window: &Window,
+    samples: Range<usize>,
+    statistics: &BTreeMap<String, Statistics>,
+) -> Result<f64, Option<&'static str>> {
+    if window.kind == WindowKind::Transient {
+        return Err(Some("a start-up stores and returns energy"));
+    }
+    let courses = &participant.courses;
+    let mean = |name: &str| statistics.get(name).map(|s| s.mean).ok_or(None);
+    let (torque_in, torque_out) = (mean(INPUT_TORQUE)?, mean(OUTPUT_TORQUE)?);
+    let speed_in = context.input_speed_rad_s.ok_or(None)?;
+    let ends = |values: &[f64]| {
+        let part = values.get(samples.clone())?;
+        Some(part.last()? - part.first()?)
+    };
+    let turned = courses.channel(OUTPUT_ANGLE).and_then(ends).ok_or(None)?;
+    let lasted = ends(courses.time_s()).ok_or(None)?;
+    if speed_in == 0.0 {
+        return Err(Some("the driver stands still"));
+    }
+    if context.load_n_m == Some(0.0) {
+        return Err(Some("the scene has no load, so no power is delivered"));
+    }
+    let power_in = torque_in * speed_in;
+    if !(power_in > 0.0) {
+        return Err(Some("the driver gives no power"));
+    }
+    let efficiency = torque_out * turned / lasted / power_in;
+    if efficiency.is_finite() {
+        Ok(efficiency)
+    } else {
+        Err(Some("a value is not finite"))
+    }
+}
+
+/// The quantity without channels that a measured participant lacks: a rig has force cells on three of
+/// sixteen sleeves. Engines have all channels of a quantity or none.
+pub(crate) fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quantity {
+    let mut quantity = quantity.clone();
+    if participants.iter().any(|p| p.track == track::MEASURED) {
+        quantity.channels.retain(|name| {
+            let has = |p: &&Participant| p.courses.channel(name).is_some();
+            participants.iter().all(has)
+        });
+    }
+    quantity
+}
+
+/// The part of `samples` that all measured participants cover: theirs may be missing at both ends.
+pub(crate) fn covered(
+    participants: &[(&Participant, &Courses)],
+    mut samples: Range<usize>,
+) -> Range<usize> {
+    let measured = |p: &&(&Participant, &Courses)| p.0.track == track::MEASURED;
+    for (_, courses) in participants.iter().filter(measured) {
+        let channels = courses.channels();
+        let there = |k: usize| {
+            let mut values = channels.iter().map(|channel| channel.values.get(k));
+            values.all(|value| value.is_some_and(|v| !v.is_nan()))
+        };
+        while samples.start < samples.end && !there(samples.start) {
+            samples.start += 1;
+        }
+        while samples.start < samples.end && !there(samples.end - 1) {
+            samples.end -= 1;
+        }
+    }
+    samples
+}

@@ -1,0 +1,361 @@
+//! Runs of one engine at several refinements, and what they say of the finest, quantity by quantity.
+
+use std::ops::Range;
+
+use pinwheel_courses::Courses;
+
+use super::order::{self, Basis, Estimate, Method, SAFETY_UNCONFIRMED, Step, Unresolved};
+use super::{QuantityUncertainty, Uncertainty};
+use crate::grid;
+use crate::quantities::Quantity;
+use crate::statistics::{Statistics, View, peak, rms};
+use crate::windows::WindowKind;
+
+/// The coarser runs beside a participant's own, which is the finest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ladder {
+    /// What is refined.
+    pub method: Method,
+    /// The finest run's step (s), tolerance, or whatever is refined: for the remedies told.
+    pub finest: f64,
+    /// The other runs.
+    pub coarser: Vec<Rung>,
+}
+
+/// One coarser run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rung {
+    /// Its step or tolerance over the finest run's, above 1.
+    pub refinement: f64,
+    /// Its time series at the finest run's sample times; or why there are none.
+    pub run: Result<Courses, String>,
+    /// Its wall time, s.
+    pub wall_s: f64,
+}
+
+/// Time series freed of the leading term of their error, and what is left of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Extrapolated {
+    /// The channels of the quantity within the window.
+    pub channels: Vec<Vec<f64>>,
+    /// Root mean square of what may be left of the error.
+    pub u: f64,
+}
+
+/// What is known beside the runs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Settings {
+    /// Rounding as a share of the quantity's RMS (or peak).
+    pub(crate) floor: f64,
+    /// Whether runs may be held against each other sample by sample.
+    pub(crate) pointwise: bool,
+}
+
+/// One pair of neighbouring rungs, in every norm.
+#[derive(Debug, Clone, Copy)]
+struct Gap {
+    ratio: f64,
+    l2: f64,
+    linf: f64,
+}
+
+impl Ladder {
+    /// The rungs from fine to coarse, without the finest.
+    fn rungs(&self) -> Vec<&Rung> {
+        let mut rungs: Vec<&Rung> = self.coarser.iter().collect();
+        rungs.sort_by(|a, b| a.refinement.total_cmp(&b.refinement));
+        rungs
+    }
+
+    /// The remedy in words: the setting that makes the uncertainty `factor` times finer.
+    #[must_use]
+    pub fn remedy(&self, factor: f64) -> String {
+        let what = match self.method {
+            Method::Step { .. } => "step",
+            Method::Tolerance { .. } => "tolerance",
+        };
+        format!("run it at a {what} of {:.1e}", self.finest / factor)
+    }
+
+    /// Whether the ladder can be read at all.
+    ///
+    /// # Errors
+    /// A rung that failed, has other sample times, or is not coarser than the finest.
+    pub fn check(&self, finest: &Courses) -> Result<(), Unresolved> {
+        if self.coarser.is_empty() {
+            return Err(Unresolved::new(
+                "one run alone shows nothing of its error",
+                "run it again at a coarser step or tolerance",
+            ));
+        }
+        let mut before = 1.0;
+        for rung in self.rungs() {
+            if !(rung.refinement > before && rung.refinement.is_finite()) {
+                return Err(Unresolved::new(
+                    format!(
+                        "a rung of its ladder has the refinement {}",
+                        rung.refinement
+                    ),
+                    "give every rung a refinement of its own above 1",
+                ));
+            }
+            before = rung.refinement;
+            match &rung.run {
+                Err(reason) => {
+                    return Err(Unresolved::new(
+                        format!(
+                            "its run at {} times the setting failed: {reason}",
+                            rung.refinement
+                        ),
+                        self.remedy(rung.refinement),
+                    ));
+                }
+                Ok(courses) if !grid::same(finest, courses) => {
+                    return Err(Unresolved::new(
+                        format!(
+                            "its run at {} times the setting has other sample times",
+                            rung.refinement
+                        ),
+                        "write all runs on one grid",
+                    ));
+                }
+                Ok(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The uncertainties of one quantity of the finest run in the samples of one window.
+    /// [`Ladder::check`] must have passed.
+    pub(crate) fn assess(
+        &self,
+        finest: &Courses,
+        quantity: &Quantity,
+        window: WindowKind,
+        samples: Range<usize>,
+        settings: Settings,
+    ) -> QuantityUncertainty {
+        let unresolved = |reason: String| {
+            let what =
+                Uncertainty::NotResolved(Unresolved::new(reason, "look at the runs of its ladder"));
+            QuantityUncertainty::everywhere(&quantity.name, window, &what)
+        };
+        let Some(views) = self.views(finest, quantity, samples) else {
+            return unresolved("a run of its ladder lacks a channel".to_owned());
+        };
+        let figures: Option<Vec<Statistics>> =
+            views.iter().map(|(_, v)| Statistics::of(v)).collect();
+        let (Some(figures), Some(gaps)) = (figures, gaps(&views)) else {
+            return unresolved("a run of its ladder is not finite".to_owned());
+        };
+        let own = figures[0];
+        let (floor_rms, floor_peak) = (settings.floor * own.rms, settings.floor * own.peak);
+        let steps = |norm: fn(&Gap) -> f64| -> Vec<Step> {
+            gaps.iter()
+                .map(|gap| Step {
+                    ratio: gap.ratio,
+                    difference: norm(gap),
+                })
+                .collect()
+        };
+        let cosine = alignment(&views);
+        let (l2, linf) = if settings.pointwise {
+            (
+                order::estimate(&steps(|g| g.l2), cosine, self.method, floor_rms),
+                order::estimate(&steps(|g| g.linf), cosine, self.method, floor_peak),
+            )
+        } else {
+            let beyond = || {
+                Err(Unresolved::new(
+                    "beyond the divergence horizon a rounding parts two runs: only statistics can be compared",
+                    "shorten the run",
+                ))
+            };
+            (beyond(), beyond())
+        };
+        let figure =
+            |of: fn(&Statistics) -> f64, floor: f64, series: &Result<Estimate, Unresolved>| {
+                let values: Vec<f64> = figures.iter().map(of).collect();
+                if settings.pointwise {
+                    self.figure(&gaps, &values, floor, series)
+                } else {
+                    Ok(spread(&values, floor))
+                }
+            };
+        QuantityUncertainty {
+            quantity: quantity.name.clone(),
+            window,
+            mean: figure(|s| s.mean, floor_rms, &l2).into(),
+            peak: figure(|s| s.peak, floor_peak, &linf).into(),
+            rms: figure(|s| s.rms, floor_rms, &l2).into(),
+            relative_l2: l2
+                .as_ref()
+                .ok()
+                .map(|e| e.u / own.rms)
+                .filter(|u| u.is_finite()),
+            l2: l2.into(),
+            linf: linf.into(),
+        }
+    }
+
+    /// A scalar figure. Where the series showed the stated order, the figure's own differences are used with that
+    /// order, which all samples vote for: the error of one number passes through zero and would show any. No figure
+    /// is off by more than its series; where that order was not confirmed, that bound is all there is.
+    fn figure(
+        &self,
+        gaps: &[Gap],
+        values: &[f64],
+        floor: f64,
+        series: &Result<Estimate, Unresolved>,
+    ) -> Result<Estimate, Unresolved> {
+        let series = series.clone()?;
+        let bound = Estimate {
+            basis: Basis::Series,
+            ..series
+        };
+        let (Method::Step { .. }, Basis::Observed, Some(order)) =
+            (self.method, series.basis, series.order)
+        else {
+            return Ok(bound);
+        };
+        let steps: Vec<Step> = values
+            .windows(2)
+            .zip(gaps)
+            .map(|(pair, gap)| Step {
+                ratio: gap.ratio,
+                difference: (pair[1] - pair[0]).abs(),
+            })
+            .collect();
+        let sign = match values {
+            [one, two, three, ..] => Some(((two - one) * (three - two)).signum()),
+            _ => None,
+        };
+        let own = order::estimate(&steps, sign, Method::Step { order, limit: None }, floor);
+        Ok(own.ok().filter(|own| own.u <= bound.u).unwrap_or(bound))
+    }
+
+    /// The quantity freed of the leading term of its error, pointwise: `f1 + (f1 - f2)/(r^p - 1)` (Richardson). Only
+    /// where three rungs showed the stated order. What is left is taken from two extrapolations, one rung apart, as
+    /// if the next term had the same order; it has at least one more.
+    #[must_use]
+    pub(crate) fn extrapolated(
+        &self,
+        finest: &Courses,
+        quantity: &Quantity,
+        samples: Range<usize>,
+        l2: &Uncertainty,
+        floor: f64,
+    ) -> Option<Extrapolated> {
+        // With a kink's error beside the method's own there is no one leading term.
+        let one_term = self.method.allowed_order() == self.method.stated_order();
+        let confirmed = one_term && l2.estimate().is_some_and(|e| e.basis == Basis::Observed);
+        if !confirmed {
+            return None;
+        }
+        let order = self.method.allowed_order();
+        let views = self.views(finest, quantity, samples)?;
+        let [(h1, one), (h2, two), (h3, three), ..] = views.as_slice() else {
+            return None;
+        };
+        let beyond = |fine: &View<'_>, coarse: &View<'_>, ratio: f64| -> Vec<Vec<f64>> {
+            let share = 1.0 / (ratio.powf(order) - 1.0);
+            let channels = fine.channels().iter().zip(coarse.channels());
+            channels
+                .map(|(f, c)| f.iter().zip(*c).map(|(f, c)| f + (f - c) * share).collect())
+                .collect()
+        };
+        let channels = beyond(one, two, h2 / h1);
+        let before = beyond(two, three, h3 / h2);
+        let apart = || {
+            channels
+                .iter()
+                .flatten()
+                .zip(before.iter().flatten())
+                .map(|(a, b)| a - b)
+        };
+        let left = rms(apart(), peak(apart())?)?;
+        let u = SAFETY_UNCONFIRMED * left / ((h2 / h1).powf(order) - 1.0);
+        Some(Extrapolated {
+            u: u.max(floor * one.rms()?),
+            channels,
+        })
+    }
+
+    /// Refinement and view of every run, the finest first.
+    fn views<'a>(
+        &'a self,
+        finest: &'a Courses,
+        quantity: &Quantity,
+        samples: Range<usize>,
+    ) -> Option<Vec<(f64, View<'a>)>> {
+        let mut views = vec![(1.0, View::of(finest, quantity, samples.clone())?)];
+        for rung in self.rungs() {
+            let courses = rung.run.as_ref().ok()?;
+            views.push((
+                rung.refinement,
+                View::of(courses, quantity, samples.clone())?,
+            ));
+        }
+        Some(views)
+    }
+}
+
+fn gaps(views: &[(f64, View<'_>)]) -> Option<Vec<Gap>> {
+    views
+        .windows(2)
+        .map(|pair| {
+            let [(fine, of_fine), (coarse, of_coarse)] = pair else {
+                return None;
+            };
+            let apart = || of_coarse.values().zip(of_fine.values()).map(|(c, f)| c - f);
+            let linf = peak(apart())?;
+            Some(Gap {
+                ratio: coarse / fine,
+                l2: rms(apart(), linf)?,
+                linf,
+            })
+        })
+        .collect()
+}
+
+/// Cosine between `f3 - f2` and `f2 - f1`: 1 where every sample converges along one line.
+fn alignment(views: &[(f64, View<'_>)]) -> Option<f64> {
+    let [(_, one), (_, two), (_, three), ..] = views else {
+        return None;
+    };
+    let differences = || {
+        let both = one.values().zip(two.values()).zip(three.values());
+        both.map(|((a, b), c)| (c - b, b - a))
+    };
+    // Scaled, so that no square vanishes or overflows.
+    let (large, small) = (
+        peak(differences().map(|d| d.0))?,
+        peak(differences().map(|d| d.1))?,
+    );
+    if large == 0.0 || small == 0.0 {
+        return None;
+    }
+    let (mut xy, mut xx, mut yy) = (0.0, 0.0, 0.0);
+    for (x, y) in differences() {
+        let (x, y) = (x / large, y / small);
+        xy += x * y;
+        xx += x * x;
+        yy += y * y;
+    }
+    Some(xy / (xx * yy).sqrt())
+}
+
+/// Beyond the divergence horizon every rung is a sample of the same statistics.
+fn spread(values: &[f64], floor: f64) -> Estimate {
+    let furthest = values
+        .iter()
+        .map(|v| (v - values[0]).abs())
+        .fold(0.0, f64::max);
+    Estimate {
+        u: (SAFETY_UNCONFIRMED * furthest).max(floor),
+        basis: Basis::Spread,
+        observed_order: None,
+        order: None,
+        safety: Some(SAFETY_UNCONFIRMED),
+    }
+}

@@ -1,0 +1,157 @@
+//! The numerical uncertainty of a run, from the same engine's runs at coarser settings.
+//!
+//! [`order`] holds the formulas on plain numbers. [`Ladder`] applies them to time series: per quantity (all
+//! channels jointly) and window, in the norms of the comparison. [`Evidence`] is what a participant brings.
+
+mod ladder;
+pub mod order;
+
+use serde::{Deserialize, Serialize};
+
+use crate::windows::WindowKind;
+pub(crate) use ladder::Settings;
+pub use ladder::{Extrapolated, Ladder, Rung};
+pub use order::{Basis, Estimate, Method, Unresolved};
+
+/// The uncertainty of one figure, or why there is none.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "state", rename_all = "kebab-case")]
+pub enum Uncertainty {
+    /// Known.
+    Resolved(Estimate),
+    /// Not known.
+    NotResolved(Unresolved),
+}
+
+impl Uncertainty {
+    /// The estimate, if there is one.
+    #[must_use]
+    pub fn estimate(&self) -> Option<&Estimate> {
+        match self {
+            Self::Resolved(estimate) => Some(estimate),
+            Self::NotResolved(_) => None,
+        }
+    }
+
+    /// The uncertainty in the unit of the quantity, if it is known.
+    #[must_use]
+    pub fn u(&self) -> Option<f64> {
+        self.estimate().map(|e| e.u)
+    }
+}
+
+impl From<Result<Estimate, Unresolved>> for Uncertainty {
+    fn from(found: Result<Estimate, Unresolved>) -> Self {
+        found.map_or_else(Self::NotResolved, Self::Resolved)
+    }
+}
+
+/// What an uncertainty is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Norm {
+    /// The series, as root mean square of its error over all channels and samples.
+    L2,
+    /// The series, as its largest error.
+    Linf,
+    /// The mean.
+    Mean,
+    /// The largest magnitude.
+    Peak,
+    /// The root mean square.
+    Rms,
+}
+
+/// The uncertainties of one quantity in one window, each in the quantity's unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct QuantityUncertainty {
+    /// Quantity name.
+    pub quantity: String,
+    /// Window.
+    pub window: WindowKind,
+    /// Root mean square of the series' error.
+    pub l2: Uncertainty,
+    /// Largest error of the series.
+    pub linf: Uncertainty,
+    /// Error of the mean.
+    pub mean: Uncertainty,
+    /// Error of the peak.
+    pub peak: Uncertainty,
+    /// Error of the root mean square.
+    pub rms: Uncertainty,
+    /// `l2` over the quantity's own RMS: what a reader compares with 1 %. `None` for a series of zeros.
+    pub relative_l2: Option<f64>,
+}
+
+impl QuantityUncertainty {
+    /// The uncertainty in one norm.
+    #[must_use]
+    pub fn of(&self, norm: Norm) -> &Uncertainty {
+        match norm {
+            Norm::L2 => &self.l2,
+            Norm::Linf => &self.linf,
+            Norm::Mean => &self.mean,
+            Norm::Peak => &self.peak,
+            Norm::Rms => &self.rms,
+        }
+    }
+
+    /// The same in every norm.
+    pub(crate) fn everywhere(quantity: &str, window: WindowKind, what: &Uncertainty) -> Self {
+        Self {
+            quantity: quantity.to_owned(),
+            window,
+            l2: what.clone(),
+            linf: what.clone(),
+            mean: what.clone(),
+            peak: what.clone(),
+            rms: what.clone(),
+            relative_l2: None,
+        }
+    }
+}
+
+/// What a participant brings to show how far its numbers are from its own equations.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evidence {
+    /// Name of the participant.
+    pub engine: String,
+    /// Where its uncertainty comes from.
+    pub source: Source,
+}
+
+/// Where an uncertainty comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Source {
+    /// Coarser runs of the same engine.
+    Ladder(Ladder),
+    /// Uncertainties written down with a recording, as a comparison gave them
+    /// ([`EngineSummary::uncertainty`](crate::comparison::EngineSummary::uncertainty)).
+    Recorded(Vec<QuantityUncertainty>),
+    /// Exact but for rounding: a closed form. The value is the floor, as a share of a quantity's RMS.
+    Exact(f64),
+    /// Not known.
+    Unknown(Unresolved),
+}
+
+impl Evidence {
+    /// Evidence from a ladder.
+    #[must_use]
+    pub fn ladder(engine: impl Into<String>, ladder: Ladder) -> Self {
+        Self {
+            engine: engine.into(),
+            source: Source::Ladder(ladder),
+        }
+    }
+}
+
+/// How many rounding errors of a step add up to at most this many of their random walk's root mean square: measured
+/// 2e-12 over 60 000 steps is 37 of them.
+const WALK: f64 = 64.0;
+
+/// What rounding makes of a run of `steps` steps, as a share of a quantity's RMS: errors of 2^-52 a step that add up
+/// as a random walk.
+#[must_use]
+pub fn rounding_floor(steps: u64) -> f64 {
+    WALK * f64::EPSILON * (steps.max(1) as f64).sqrt()
+}

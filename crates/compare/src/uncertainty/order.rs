@@ -1,0 +1,345 @@
+//! From the differences between runs of one method at several refinements to an uncertainty of the finest.
+//!
+//! With H the step over the finest step, p the order and C a constant of the problem, `f(H) = f + C H^p`. Then
+//! `|f2 - f1| = C (H2^p - 1)` and the finest run is off by `C = |f2 - f1| / (H2^p - 1)`; the factor of safety Fs
+//! makes a bound of it: Roache's grid convergence index (Verification and Validation in Computational Science
+//! and Engineering, 1998, ch. 5). Fs = 1.25 where three runs show the order that the method promises, else 3.
+//! The caps on the order are those of Oberkampf & Roy (2010), ch. 8, and Eca & Hoekstra, J. Comput. Phys. 262
+//! (2014) 104.
+
+use serde::{Deserialize, Serialize};
+
+/// Fs where the order was observed as stated.
+pub const SAFETY: f64 = 1.25;
+/// Fs elsewhere.
+pub const SAFETY_UNCONFIRMED: f64 = 3.0;
+/// Below this observed order a ladder does not converge.
+pub const LEAST_ORDER: f64 = 0.5;
+/// As [`LEAST_ORDER`] for tolerances: the differences shrink less than twofold while the tolerance falls tenfold.
+pub const LEAST_TOLERANCE_ORDER: f64 = 0.3;
+/// An observed order confirms the stated one when it is no further away than this.
+pub const ORDER_MARGIN: f64 = 0.5;
+/// Two successive differences confirm an order only if they point the same way: the least cosine between them.
+pub const LEAST_ALIGNMENT: f64 = 0.5;
+
+/// The order that a scene allows any method whose contacts open and close with a force of penetration^1.5: a step over
+/// such a kink is off by h^2.5, whatever its order elsewhere.
+pub const CONTACTS: f64 = 2.5;
+/// The order that a scene with friction, impacts or jumps allows.
+pub const FRICTION: f64 = 1.0;
+
+/// What is refined from rung to rung.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "refined", rename_all = "kebab-case")]
+pub enum Method {
+    /// A step, mesh or number of points of a method with a known order.
+    Step {
+        /// Order the method states.
+        order: f64,
+        /// Order that the scene allows: [`CONTACTS`], [`FRICTION`]; `None` for a smooth one. Coarse runs may show the
+        /// method's order while the error of the finest already falls with this one: never more is used.
+        limit: Option<f64>,
+    },
+    /// The error tolerance of an adaptive method. Its error follows the tolerance, which is what step size control aims
+    /// at, to a factor (Fs = 3); over kinks it falls with the square root only (order 2.5 of a method of order 5).
+    Tolerance {
+        /// Whether the scene has no kinks.
+        smooth: bool,
+    },
+}
+
+impl Method {
+    /// The order that the method states in its refinement.
+    #[must_use]
+    pub fn stated_order(self) -> f64 {
+        match self {
+            Self::Step { order, .. } => order,
+            Self::Tolerance { .. } => 1.0,
+        }
+    }
+
+    /// The highest order used: that of method and scene.
+    #[must_use]
+    pub fn allowed_order(self) -> f64 {
+        match self {
+            Self::Step { order, limit } => limit.map_or(order, |limit| limit.min(order)),
+            Self::Tolerance { smooth } => {
+                if smooth {
+                    1.0
+                } else {
+                    0.5
+                }
+            }
+        }
+    }
+
+    fn least_order(self) -> f64 {
+        match self {
+            Self::Step { .. } => LEAST_ORDER,
+            Self::Tolerance { .. } => LEAST_TOLERANCE_ORDER,
+        }
+    }
+
+    /// Fs where the order was not confirmed. A square root of the tolerance is itself the bad case.
+    fn unconfirmed_safety(self) -> f64 {
+        match self {
+            Self::Tolerance { smooth: false } => SAFETY,
+            _ => SAFETY_UNCONFIRMED,
+        }
+    }
+
+    /// Whether three runs that show `observed` confirm what is expected of method and scene.
+    fn confirmed_by(self, observed: f64) -> bool {
+        let Self::Step { order, limit } = self else {
+            return false;
+        };
+        // Friction confirms nothing: orders about 1 come and go there.
+        let from = limit
+            .filter(|l| *l > FRICTION)
+            .map_or(order, |l| l.min(order));
+        (from - ORDER_MARGIN..=order + ORDER_MARGIN).contains(&observed)
+    }
+}
+
+/// What an uncertainty rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Basis {
+    /// Three runs showed the stated order: Fs = 1.25.
+    Observed,
+    /// Three runs converge, with another order than stated: Fs = 3 with the lower of both orders.
+    Unconfirmed,
+    /// Two runs: the order is the stated one, unseen. What both runs miss alike cannot be seen.
+    TwoRungs,
+    /// Runs at several tolerances: the error was taken as proportional to the tolerance, Fs = 3.
+    Tolerance,
+    /// The runs differ by rounding only: u is the floor of rounding.
+    Rounding,
+    /// A figure of a series whose own uncertainty bounds it more sharply than the figure's ladder does.
+    Series,
+    /// Runs beyond the divergence horizon, where each rung is a sample: three times their spread.
+    Spread,
+    /// The engine states it: a closed form, or a value the caller knows.
+    Stated,
+}
+
+impl Basis {
+    /// Whether the size of u was confirmed, and not only guarded against by a larger factor of safety.
+    #[must_use]
+    pub fn is_confirmed(self) -> bool {
+        matches!(self, Self::Observed | Self::Rounding | Self::Stated)
+    }
+}
+
+/// The numerical uncertainty of one figure: a bound of a deterministic error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// The uncertainty, in the unit of what was estimated; never negative.
+    pub u: f64,
+    /// What it rests on.
+    pub basis: Basis,
+    /// Order observed from three runs.
+    pub observed_order: Option<f64>,
+    /// Order used.
+    pub order: Option<f64>,
+    /// Factor of safety used.
+    pub safety: Option<f64>,
+}
+
+impl Estimate {
+    /// An uncertainty that is known otherwise.
+    #[must_use]
+    pub fn stated(u: f64) -> Self {
+        Self {
+            u,
+            basis: Basis::Stated,
+            observed_order: None,
+            order: None,
+            safety: None,
+        }
+    }
+
+    /// By how much the step (or tolerance) must fall for u to fall to `target`: at least 1; `None` where no
+    /// refinement would do (rounding), or the order is not known.
+    #[must_use]
+    pub fn refinement_for(&self, target: f64) -> Option<f64> {
+        if matches!(self.basis, Basis::Rounding) {
+            return None;
+        }
+        let factor = (self.u / target).powf(1.0 / self.order?);
+        (target > 0.0 && factor.is_finite()).then(|| factor.max(1.0))
+    }
+}
+
+/// Why there is no uncertainty, and what would give one.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Unresolved {
+    /// Why.
+    pub reason: String,
+    /// What would help.
+    pub remedy: String,
+}
+
+impl Unresolved {
+    pub(crate) fn new(reason: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self {
+            reason: reason.into(),
+            remedy: remedy.into(),
+        }
+    }
+}
+
+/// From one rung to the next coarser one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// The coarser refinement over the finer one, above 1.
+    pub ratio: f64,
+    /// Norm of the difference of the two runs.
+    pub difference: f64,
+}
+
+/// The order p that the two finest differences show; `None` if one of them is zero or not finite.
+///
+/// Solves `e32/e21 = r21^p (r32^p - 1) / (r21^p - 1)`, which for equal ratios is `ln(e32/e21) / ln r`.
+/// Between -20 and 20.
+#[must_use]
+pub fn observed_order(fine: Step, coarse: Step) -> Option<f64> {
+    let sound = |s: Step| s.ratio > 1.0 && s.difference > 0.0 && s.difference.is_finite();
+    if !sound(fine) || !sound(coarse) {
+        return None;
+    }
+    let wanted = (coarse.difference / fine.difference).ln();
+    let (r21, r32) = (fine.ratio.ln(), coarse.ratio.ln());
+    // ln of the right-hand side without cancellation: (r^p - 1) = expm1(p ln r).
+    let of = |p: f64| {
+        let quotient = if p.abs() < 1e-9 {
+            r32 / r21
+        } else {
+            (p * r32).exp_m1() / (p * r21).exp_m1()
+        };
+        p * r21 + quotient.ln()
+    };
+    let (mut low, mut high) = (-20.0, 20.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if of(middle) < wanted {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(0.5 * (low + high))
+}
+
+/// The uncertainty of the finest run.
+///
+/// `steps`: from the finest rung to the coarsest. `alignment`: cosine between the two finest differences, for
+/// single figures 1 or -1. `floor`: what rounding alone may make of a difference, in the unit of the differences.
+///
+/// # Errors
+/// [`Unresolved`]: fewer than two runs, differences that are not finite or do not shrink.
+pub fn estimate(
+    steps: &[Step],
+    alignment: Option<f64>,
+    method: Method,
+    floor: f64,
+) -> Result<Estimate, Unresolved> {
+    let Some(fine) = steps.first().copied() else {
+        return Err(Unresolved::new(
+            "one run alone shows nothing of its error",
+            "run it again at a coarser step or tolerance",
+        ));
+    };
+    if steps.iter().any(|s| !s.difference.is_finite()) {
+        return Err(Unresolved::new(
+            "a run of the ladder is not finite",
+            "take a finer ladder",
+        ));
+    }
+    if steps
+        .iter()
+        .any(|s| !(s.ratio > 1.0 && s.ratio.is_finite()))
+    {
+        return Err(Unresolved::new(
+            "the rungs of the ladder are not ordered from fine to coarse",
+            "order them",
+        ));
+    }
+    let stated = method.stated_order();
+    let bound = |order: f64, safety: f64| {
+        let mut refinement = fine.ratio;
+        let mut largest = fine.difference / (refinement.powf(order) - 1.0);
+        // Every rung predicts the error of the finest; an accident of one difference does not hide the others.
+        // Coarse runs fall with the method's own order where the scene's is lower.
+        let order = if method.allowed_order() < stated {
+            stated
+        } else {
+            order
+        };
+        for step in &steps[1..] {
+            let next = refinement * step.ratio;
+            largest = largest.max(step.difference / (next.powf(order) - refinement.powf(order)));
+            refinement = next;
+        }
+        (safety * largest).max(floor)
+    };
+    let known = |basis, observed_order, order: f64, safety| {
+        Ok(Estimate {
+            u: bound(order, safety),
+            basis,
+            observed_order,
+            order: Some(order),
+            safety: Some(safety),
+        })
+    };
+    let guarded = method.unconfirmed_safety();
+    if fine.difference <= floor {
+        return known(
+            Basis::Rounding,
+            None,
+            method.allowed_order(),
+            SAFETY_UNCONFIRMED,
+        );
+    }
+    let unseen = match method {
+        Method::Step { .. } => Basis::TwoRungs,
+        Method::Tolerance { .. } => Basis::Tolerance,
+    };
+    let Some(&coarse) = steps.get(1) else {
+        return known(unseen, None, method.allowed_order(), guarded);
+    };
+    let observed = observed_order(fine, coarse).unwrap_or(f64::NEG_INFINITY);
+    if !(observed >= method.least_order()) {
+        return Err(Unresolved::new(
+            format!(
+                "it does not converge: from rung to rung the runs differ by {:.1e} and then by {:.1e} (observed order {}, \
+                 at least {} needed)",
+                coarse.difference,
+                fine.difference,
+                if observed.is_finite() {
+                    format!("{observed:.1}")
+                } else {
+                    "none".to_owned()
+                },
+                method.least_order()
+            ),
+            match method {
+                Method::Step { .. } => "take a smaller step: half or a quarter",
+                Method::Tolerance { .. } => "take a smaller tolerance: a tenth or a hundredth",
+            },
+        ));
+    }
+    let allowed = method.allowed_order();
+    let lower = observed.min(allowed);
+    let aligned = alignment.is_none_or(|cosine| cosine >= LEAST_ALIGNMENT);
+    if aligned && method.confirmed_by(observed) {
+        // What the order lacks tells how well it is known: as much again is taken off.
+        let order = (lower - (allowed - lower)).max(LEAST_ORDER);
+        return known(Basis::Observed, Some(observed), order, SAFETY);
+    }
+    let basis = match method {
+        Method::Step { .. } => Basis::Unconfirmed,
+        Method::Tolerance { .. } => Basis::Tolerance,
+    };
+    known(basis, Some(observed), lower, guarded)
+}

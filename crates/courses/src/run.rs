@@ -1,0 +1,146 @@
+//! What a run is beside its time series: which comparison it belongs to, what it cost, where its energy went,
+//! how it ended. Every engine, comparison and file uses these types.
+
+use serde::{Deserialize, Serialize};
+
+/// Which comparison an engine belongs to. Tracks are never mixed in one table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Track {
+    /// Pinwheel's own solver; stands in the tables of every other track.
+    Native,
+    /// Foreign bodies, joints and time integration; contact forces from our law inside the engine's step.
+    SharedLaw,
+    /// The engine detects or resolves contact itself.
+    OwnContact,
+    /// Data from elsewhere: another program's export, a test rig.
+    Measured,
+}
+
+impl Track {
+    /// The word used in reports and files.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Native => "native",
+            Self::SharedLaw => "shared-law",
+            Self::OwnContact => "own-contact",
+            Self::Measured => "measured",
+        }
+    }
+}
+
+/// What one run did and cost, and which settings it had.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct RunStats {
+    /// Wall time, s.
+    pub wall_s: f64,
+    /// CPU time of the running thread, s.
+    pub cpu_s: f64,
+    /// Evaluations of the contact forces inside the integration (samples not counted).
+    pub rhs_calls: u64,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps (adaptive methods).
+    pub rejected_steps: u64,
+    /// Degrees of freedom integrated (velocities, not coordinates with their rates).
+    pub degrees_of_freedom: usize,
+    /// Bodies the engine moves.
+    pub bodies: usize,
+    /// Step in use, s (the mean accepted step of adaptive methods).
+    pub step_s: f64,
+    /// The engine's own settings in words, e.g. `reduced, rk2`.
+    pub settings: String,
+    /// Remarks for the reader (approximations, guards that fired).
+    pub notes: Vec<String>,
+    /// Largest position error of any joint, m, where the engine has constraints.
+    pub joint_drift_m: Option<f64>,
+    /// Energy account of the whole run and of its second half, where the engine keeps one.
+    pub energy: Vec<EnergyAudit>,
+    /// Set for time series that were recorded earlier and not computed now: when, with what, and why they stand
+    /// here. Costs are then those of the recording, on its machine; its samples may be a part of the others'.
+    pub recorded: Option<String>,
+}
+
+/// Energy account between two times, J: growth of kinetic and stored energy = works - losses + remainder.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct EnergyAudit {
+    /// Start, s.
+    pub from_s: f64,
+    /// End, s.
+    pub to_s: f64,
+    /// Work of the driver on the input shaft, J.
+    pub driver_j: f64,
+    /// Work of the load on the output shaft, J; negative when the gear drives the load.
+    pub load_j: f64,
+    /// Growth of kinetic energy, J.
+    pub kinetic_j: f64,
+    /// Growth of the energy stored in contacts, J.
+    pub stored_j: f64,
+    /// Lost by contact damping, J.
+    pub damping_j: f64,
+    /// Lost by sliding, J.
+    pub friction_j: f64,
+    /// What is left over, J: positive when energy appeared that nothing accounts for.
+    pub remainder_j: f64,
+    /// The remainder as a share of the larger of the two works.
+    pub remainder_share: f64,
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "state", rename_all = "kebab-case")]
+pub enum Ending {
+    /// Complete time series; the only state that is judged.
+    Finished,
+    /// The numbers ran away; the time series until then are kept and shown, not judged.
+    Diverged {
+        /// When, s.
+        time_s: f64,
+        /// Which quantity, and its value.
+        quantity: String,
+    },
+    /// The engine cannot honour the scene.
+    Unsupported {
+        /// Which part of the scene, and why.
+        reason: String,
+    },
+    /// The engine is missing or broke.
+    Failed {
+        /// Its own words.
+        reason: String,
+    },
+}
+
+impl Ending {
+    /// True for complete time series.
+    #[must_use]
+    pub fn is_finished(&self) -> bool {
+        *self == Self::Finished
+    }
+
+    /// One word for tables: `finished`, `diverged`, `unsupported`, `failed`.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Finished => "finished",
+            Self::Diverged { .. } => "diverged",
+            Self::Unsupported { .. } => "unsupported",
+            Self::Failed { .. } => "failed",
+        }
+    }
+
+    /// Why the run is not judged; `None` when finished.
+    #[must_use]
+    pub fn reason(&self) -> Option<String> {
+        match self {
+            Self::Finished => None,
+            Self::Diverged { time_s, quantity } => {
+                Some(format!("diverged at t = {time_s:.6} s: {quantity}"))
+            }
+            Self::Unsupported { reason } => Some(format!("cannot run this scene: {reason}")),
+            Self::Failed { reason } => Some(format!("failed: {reason}")),
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! How far one run's courses lie from another's, measured by what the scene itself calls small.
+
+use pinwheel_courses::Courses;
+use serde::{Deserialize, Serialize};
+
+use crate::Gearbox;
+
+const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];
+const TORQUE: &str = "input_torque_n_m";
+
+/// Relative L2 distances.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Distance {
+    /// All sleeve forces together.
+    pub forces: f64,
+    /// The driver's torque.
+    pub driver_torque: f64,
+}
+
+impl Distance {
+    /// The larger of the two; NaN if either is.
+    #[must_use]
+    pub fn worst(&self) -> f64 {
+        if self.forces.is_nan() || self.driver_torque.is_nan() {
+            return f64::NAN;
+        }
+        self.forces.max(self.driver_torque)
+    }
+
+    /// Both, `factor` times.
+    #[must_use]
+    pub fn times(&self, factor: f64) -> Self {
+        Self {
+            forces: factor * self.forces,
+            driver_torque: factor * self.driver_torque,
+        }
+    }
+
+    /// `||a - b|| / ||b||` over the samples both have; `b` is the reference. Both start at 0 and share the sampling step.
+    ///
+    /// Where `b` is next to nothing it is measured by the gear's least force instead, and the torque by that force on the
+    /// eccentric ([`Gearbox::least_force_n`]).
+    #[must_use]
+    pub fn between(gearbox: &Gearbox, a: &Courses, b: &Courses) -> Self {
+        let least = gearbox.least_force_n();
+        let mut forces = Sums::default();
+        for prefix in FORCES {
+            for (x, y) in a.group(prefix).iter().zip(b.group(prefix)) {
+                forces.add(x, y);
+            }
+        }
+        let mut torque = Sums::default();
+        if let (Some(x), Some(y)) = (a.channel(TORQUE), b.channel(TORQUE)) {
+            torque.add(x, y);
+        }
+        let samples = a.len().min(b.len()) as f64;
+        Self {
+            forces: forces.relative(least * least * samples),
+            driver_torque: torque
+                .relative((least * gearbox.scene.gear.eccentricity_m).powi(2) * samples),
+        }
+    }
+}
+
+/// Sums of squares.
+#[derive(Default)]
+struct Sums {
+    error: f64,
+    size: f64,
+}
+
+impl Sums {
+    fn add(&mut self, a: &[f64], b: &[f64]) {
+        for (x, y) in a.iter().zip(b) {
+            self.error += (x - y) * (x - y);
+            self.size += y * y;
+        }
+    }
+
+    fn relative(&self, least: f64) -> f64 {
+        (self.error / self.size.max(least)).sqrt()
+    }
+}

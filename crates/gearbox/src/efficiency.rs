@@ -1,0 +1,91 @@
+//! Efficiency with and without what the contact law itself creates.
+
+use serde::{Deserialize, Serialize};
+
+use crate::energy::EnergyAudit;
+
+/// The efficiency of a window of a run.
+///
+/// The paper's law creates energy ([`crate::energy`]), so that what leaves a gear over what enters it can be above 1, and
+/// with light friction hides half of the loss. What contacts lose is in the account apart from that, and tells the efficiency
+/// that the gear has: `1 - lost/supplied`, with `supplied = delivered + lost`. Storage over the window is left out of both.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Efficiency {
+    /// Work delivered over work taken in, as the courses have it: with the energy that the law creates, the run's own error and
+    /// storage at the ends of the window.
+    pub measured: f64,
+    /// Work delivered over work delivered and lost: with all of that taken out. Never above 1 where contacts only lose.
+    pub of_losses: f64,
+    /// The account's remainder as a share of the work taken in: what the law (and the run) created, negative if destroyed.
+    /// Its size is the half-truth of `measured`: their difference, but for storage.
+    pub created_share: f64,
+}
+
+impl Efficiency {
+    /// From an account; `None` where no work passes from one shaft to the other.
+    #[must_use]
+    pub fn of(audit: &EnergyAudit) -> Option<Self> {
+        // Either shaft may drive.
+        let (taken, delivered) = if audit.driver_j > 0.0 {
+            (audit.driver_j, -audit.load_j)
+        } else {
+            (audit.load_j, -audit.driver_j)
+        };
+        if !(taken > 0.0 && delivered > 0.0) {
+            return None;
+        }
+        Some(Self {
+            measured: delivered / taken,
+            of_losses: delivered / (delivered + audit.damping_j + audit.friction_j),
+            created_share: audit.remainder_j / taken,
+        })
+    }
+
+    /// Below and above: what to show where one figure would mislead.
+    #[must_use]
+    pub fn interval(&self) -> [f64; 2] {
+        [
+            self.measured.min(self.of_losses),
+            self.measured.max(self.of_losses),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn audit(driver_j: f64, load_j: f64, lost_j: f64) -> EnergyAudit {
+        let remainder_j = lost_j - driver_j - load_j;
+        EnergyAudit {
+            from_s: 0.0,
+            to_s: 1.0,
+            driver_j,
+            load_j,
+            kinetic_j: 0.0,
+            stored_j: 0.0,
+            damping_j: 0.25 * lost_j,
+            friction_j: 0.75 * lost_j,
+            remainder_j,
+            remainder_share: remainder_j / driver_j.abs().max(load_j.abs()),
+        }
+    }
+
+    #[test]
+    fn what_the_law_creates_is_taken_out() {
+        let found = Efficiency::of(&audit(99.0, -100.0, 2.0)).unwrap();
+        assert!((found.measured - 100.0 / 99.0).abs() < 1e-15);
+        assert!((found.of_losses - 100.0 / 102.0).abs() < 1e-15);
+        assert!((found.created_share - 3.0 / 99.0).abs() < 1e-15);
+        assert_eq!(found.interval(), [found.of_losses, found.measured]);
+    }
+
+    #[test]
+    fn the_load_may_drive() {
+        let found = Efficiency::of(&audit(-90.0, 100.0, 10.0)).unwrap();
+        assert!((found.measured - 0.9).abs() < 1e-15 && (found.of_losses - 0.9).abs() < 1e-15);
+        assert_eq!(found.created_share, 0.0);
+        assert!(Efficiency::of(&audit(10.0, 10.0, 20.0)).is_none());
+        assert!(Efficiency::of(&audit(0.0, 0.0, 0.0)).is_none());
+    }
+}

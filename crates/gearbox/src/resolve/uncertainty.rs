@@ -1,0 +1,138 @@
+//! What is known of a run's numerical error.
+
+use serde::{Deserialize, Serialize};
+
+use super::Budget;
+use crate::Distance;
+
+/// One run of a ladder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Rung {
+    /// Method.
+    pub integrator: String,
+    /// What sets its steps, in words.
+    pub setting: String,
+    /// Evaluations of the forces.
+    pub evaluations: u64,
+    /// How far the forces moved from the rung before, if that finished.
+    pub moved: Option<Distance>,
+    /// How it failed.
+    pub failure: Option<String>,
+}
+
+/// Whether the promise was kept.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum Verdict {
+    /// It was.
+    Resolved,
+    /// It was not; what was reached is the [`Uncertainty::error`].
+    NotResolved {
+        /// Why the refinement ended.
+        reason: String,
+        /// What would help.
+        remedy: String,
+    },
+}
+
+/// A run's numerical uncertainty, and how it was found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Uncertainty {
+    /// What was asked for: relative L2 of the forces and of the driver's torque.
+    pub promise: f64,
+    /// Estimated bounds of the error; `None` where only one run finished.
+    pub error: Option<Distance>,
+    /// Whether the promise was kept.
+    pub verdict: Verdict,
+    /// Index of the run whose courses are given.
+    pub chosen: usize,
+    /// All runs, in order.
+    pub rungs: Vec<Rung>,
+}
+
+impl Uncertainty {
+    /// True if the promise was kept.
+    #[must_use]
+    pub fn is_resolved(&self) -> bool {
+        self.verdict == Verdict::Resolved
+    }
+
+    /// The run whose courses are given.
+    #[must_use]
+    pub fn chosen(&self) -> Option<&Rung> {
+        self.rungs.get(self.chosen)
+    }
+
+    /// Evaluations of all runs as a multiple of those of the chosen one: what the verification costs.
+    #[must_use]
+    pub fn cost(&self) -> f64 {
+        let all: u64 = self.rungs.iter().map(|rung| rung.evaluations).sum();
+        let one = self.chosen().map_or(0, |rung| rung.evaluations);
+        all as f64 / one.max(1) as f64
+    }
+
+    /// Remarks for the reader: the result, and what it took.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = vec![self.sentence()];
+        let failed = self.rungs.iter().filter(|rung| rung.failure.is_some());
+        let failed = failed.count();
+        if let (Some(first), true) = (
+            self.rungs.iter().find(|rung| rung.failure.is_some()),
+            failed > 0,
+        ) {
+            let why = first.failure.as_deref().unwrap_or_default();
+            notes.push(format!(
+                "{failed} of {} runs of the ladder failed, the first ({}, {}) at {why}.",
+                self.rungs.len(),
+                first.integrator,
+                first.setting
+            ));
+        }
+        notes
+    }
+
+    /// One sentence: what is known, from what, at what cost.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let (method, setting) = self.chosen().map_or(("", ""), |rung| {
+            (rung.integrator.as_str(), rung.setting.as_str())
+        });
+        let known = match self.error {
+            Some(error) => format!(
+                "numerical uncertainty {:.1e} in the forces, {:.1e} in the driver's torque (relative L2)",
+                error.forces, error.driver_torque
+            ),
+            None => "numerical uncertainty not known".to_owned(),
+        };
+        let cost = format!(
+            "{method} at {setting}, {} runs, {:.2} times the cost of the last",
+            self.rungs.len(),
+            self.cost()
+        );
+        match &self.verdict {
+            Verdict::Resolved => {
+                format!("Resolved: {known}, {:.0e} promised; {cost}.", self.promise)
+            }
+            Verdict::NotResolved { reason, remedy } => format!(
+                "Not resolved: {known}, {:.0e} promised; {reason}; {cost}. {remedy}",
+                self.promise
+            ),
+        }
+    }
+}
+
+/// What helps a run that was not resolved.
+pub(super) fn remedy(promise: f64, error: Option<Distance>, budget: Budget) -> String {
+    let reached = error.map(|e| e.worst()).filter(|e| e.is_finite());
+    match reached {
+        Some(worst) if worst < 0.1 => format!(
+            "Its figures hold to {worst:.0e}; a shorter solver.duration_s or more than {:.0e} evaluations would \
+             bring {promise:.0e}.",
+            budget.evaluations as f64
+        ),
+        _ => "Its forces are not to be trusted as a course: errors grow from impact to impact; look at a shorter \
+              solver.duration_s, or give the contacts damping."
+            .to_owned(),
+    }
+}

@@ -1,0 +1,308 @@
+//! Random valid gears with fixed seeds: the scenes that nobody tuned anything to.
+//!
+//! A gear is drawn from ratios first (what carries how much of what), then put to a size: lengths from a watch to a
+//! wind turbine, times and masses that follow from materials and speeds. Runs last a few oscillations of the gear on
+//! its contacts, and the free flight through its backlash before them.
+
+use std::f64::consts::{PI, TAU};
+
+use pinwheel_gearbox::{Frequencies, Gearbox};
+use pinwheel_scene::{BodyMass, Detection, FrictionLaw, Gear, LoadChange, Masses, Scene, Start};
+
+/// Numbers from a seed, the same on every machine: SplitMix64 [Steele, Lea, Flood 2014].
+#[derive(Debug, Clone)]
+pub struct Dice(u64);
+
+impl Dice {
+    /// Starts at a seed.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Uniform in [0, 1).
+    pub fn share(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Uniform in [low, high).
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.share()
+    }
+
+    /// Uniform in the logarithm.
+    pub fn spread(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.share())
+    }
+
+    /// A whole number from `low` to `high`, both included.
+    pub fn whole(&mut self, low: usize, high: usize) -> usize {
+        low + (self.next() % (high - low + 1) as u64) as usize
+    }
+
+    /// True in this share of cases.
+    pub fn chance(&mut self, share: f64) -> bool {
+        self.share() < share
+    }
+
+    fn sign(&mut self) -> f64 {
+        if self.chance(0.5) { 1.0 } else { -1.0 }
+    }
+}
+
+/// Of the fastest oscillation of a gear on its contacts, so many periods a run lasts.
+const OSCILLATIONS: (f64, f64) = (6.0, 24.0);
+/// Samples of a run.
+const SAMPLES: f64 = 60.0;
+
+/// The gear of a seed.
+///
+/// # Panics
+/// When a thousand draws give no valid gear: the ranges below are then wrong.
+#[must_use]
+pub fn gear(seed: u64) -> Scene {
+    let mut dice = Dice::new(seed);
+    for _ in 0..1000 {
+        if let Some(scene) = draw(&mut dice) {
+            return Scene {
+                name: format!("random-{seed}"),
+                ..scene
+            };
+        }
+    }
+    panic!("seed {seed} gives no gear");
+}
+
+/// One draw; `None` if its parts do not fit together.
+fn draw(dice: &mut Dice) -> Option<Scene> {
+    let mut scene = Scene::paper();
+    scene.gear = geometry(dice);
+    let wheel_density = if dice.chance(0.7) { 7850.0 } else { 1200.0 };
+    scene.mass = masses(dice, &scene.gear, wheel_density);
+    material(dice, &mut scene);
+    drive(dice, &mut scene);
+    contact(dice, &mut scene);
+    solver(dice, &mut scene);
+    let checked = scene.clone().check().ok()?;
+    // A load can be more than the teeth carry from an equilibrium.
+    Gearbox::new(&checked).ok()?;
+    Some(scene)
+}
+
+fn geometry(dice: &mut Dice) -> Gear {
+    let pitch_radius = dice.spread(2.5e-3, 0.5);
+    let zk = dice.whole(6, 60);
+    let shortening = dice.between(0.4, 0.9);
+    let eccentricity = shortening * pitch_radius / zk as f64;
+    let k = zk as f64;
+    // Smallest convex radius of the sleeve centre's path as its formula has it, where that is not at an end.
+    let bend = pitch_radius
+        * (27.0 * (1.0 - shortening * shortening) * (k - 1.0) / (k + 1.0).powi(3)).sqrt();
+    let pitch = pitch_radius * (PI / k).sin();
+    let sleeve = dice.between(0.3, 0.9) * bend.min(pitch);
+    let zi = dice.whole(4, 16);
+    let room = pitch_radius - eccentricity - sleeve;
+    let circle = dice.between(0.45, 0.75) * room;
+    let most = (circle * (PI / zi as f64).sin()).min(room - circle);
+    let clearance = if dice.chance(0.5) {
+        0.0
+    } else {
+        eccentricity * dice.spread(1e-3, 0.2)
+    };
+    let internal = dice.between(0.5, 0.95) * (most - eccentricity - clearance);
+    Gear {
+        eccentricity_m: eccentricity,
+        external_sleeves: zk,
+        shortening,
+        external_sleeve_radius_m: sleeve,
+        internal_sleeves: zi,
+        internal_sleeve_radius_m: internal,
+        internal_circle_radius_m: circle,
+        hole_radius_m: internal + eccentricity + clearance,
+        face_width_m: None,
+        wheels: dice.whole(1, 4),
+        backlash_m: if dice.chance(0.5) {
+            0.0
+        } else {
+            eccentricity.min(sleeve) * dice.spread(1e-3, 0.4)
+        },
+    }
+}
+
+fn masses(dice: &mut Dice, gear: &Gear, density: f64) -> Masses {
+    let (radius, width) = (gear.pitch_radius_m(), gear.pitch_radius_m() * 0.15);
+    let disc = |r: f64, factor: f64| {
+        let mass_kg = density * PI * r * r * width;
+        BodyMass {
+            mass_kg,
+            moment_kg_m2: 0.5 * factor * mass_kg * r * r,
+        }
+    };
+    Masses {
+        density_kg_m3: None,
+        input_shaft: disc(0.3 * radius, 1.0),
+        output_shaft: disc(radius, dice.spread(0.1, 3.0)),
+        wheel: disc(radius, dice.spread(0.1, 1.0)),
+        // Tables of real gears hold moments that are up to several times a cylinder's.
+        internal_sleeve: disc(gear.internal_sleeve_radius_m, dice.spread(0.5, 6.0)),
+        external_sleeve: disc(gear.external_sleeve_radius_m, dice.spread(0.5, 6.0)),
+    }
+}
+
+/// Law and stiffness; damping comes with the load.
+fn material(dice: &mut Dice, scene: &mut Scene) {
+    let laws = [
+        "paper",
+        "paper",
+        "paper",
+        "paper-conservative",
+        "constant",
+        "adams-impact",
+        "line-contact",
+        "hunt-crossley",
+        "lankarani-nikravesh",
+        "flores",
+        "paper-printed",
+    ];
+    let contact = &mut scene.contact;
+    contact.law = laws[dice.whole(0, laws.len() - 1)].to_owned();
+    contact.young_pa = dice.spread(2e9, 2e11);
+    contact.stiffness_multiplier = [1.0, 1.0, 0.1, 0.01][dice.whole(0, 3)];
+    contact.line_length_m = 0.15 * scene.gear.pitch_radius_m();
+}
+
+/// Hertz' stiffness of an external sleeve, N/m^1.5.
+fn hertz(scene: &Scene) -> f64 {
+    let contact = &scene.contact;
+    2.0 / 3.0 * contact.stiffness_multiplier * contact.young_pa
+        / (1.0 - contact.poisson * contact.poisson)
+        * scene.gear.external_sleeve_radius_m.sqrt()
+}
+
+/// Speed and every kind of load: none, at once, by a ramp, changes; from either start.
+fn drive(dice: &mut Dice, scene: &mut Scene) {
+    let gear = &scene.gear;
+    let sleeve = gear.external_sleeve_radius_m;
+    // The load presses the most loaded sleeve in by this share of its radius.
+    let depth = sleeve * dice.spread(1e-4, 1e-2);
+    let force = hertz(scene) * depth.powf(1.5);
+    let lever = gear.eccentricity_m * gear.lobes() as f64;
+    let load = 0.25 * force * lever * gear.external_sleeves as f64 * gear.wheels as f64;
+    let kind = dice.share();
+    let drive = &mut scene.drive;
+    // The wheel's edge at 0.1 to 10 m/s.
+    drive.input_speed_rad_s = dice.sign() * dice.spread(0.05, 5.0) / gear.pitch_radius_m();
+    drive.output_torque_n_m = if kind < 0.04 { 0.0 } else { dice.sign() * load };
+    drive.start = if dice.chance(0.3) {
+        Start::Equilibrium
+    } else {
+        Start::Kinematic
+    };
+}
+
+/// Everything of the contact that is measured by what the load does to it.
+fn contact(dice: &mut Dice, scene: &mut Scene) {
+    let scales = twist(scene);
+    let (depth, frequency) = (scales.0, scales.1);
+    let speed = depth * frequency;
+    let gear = scene.gear.clone();
+    let zeta = if dice.chance(0.2) {
+        0.0
+    } else {
+        dice.spread(1e-3, 0.3)
+    };
+    let lever = gear.eccentricity_m * gear.lobes() as f64;
+    let moment = scene.mass.wheel.moment_kg_m2;
+    let mass = moment / (lever * lever) / (0.25 * gear.external_sleeves as f64);
+    let slide = scene.drive.input_speed_rad_s.abs() * gear.pitch_radius_m() / gear.lobes() as f64;
+    let contact = &mut scene.contact;
+    contact.damping_n_s_m = 2.0 * zeta * mass * frequency;
+    contact.ramp_m = depth * dice.spread(1e-3, 0.5);
+    contact.constant_stiffness_n_m15 = 2.0 / 3.0 * contact.stiffness_multiplier * contact.young_pa
+        / (1.0 - contact.poisson * contact.poisson)
+        * gear.external_sleeve_radius_m.sqrt();
+    contact.restitution = dice.between(0.5, 0.95);
+    contact.impact_speed_m_s = speed * dice.spread(0.3, 3.0);
+    if dice.chance(0.4) {
+        contact.friction_coefficient = dice.spread(0.005, 0.3);
+        contact.friction_ramp_m_s = slide * dice.spread(1e-3, 1e-1);
+        if dice.chance(0.15) {
+            // Followed explicitly: its ramps are as wide as those of the published models that use it.
+            contact.friction_law = FrictionLaw::Adams;
+            contact.friction_ramp_m_s *= 20.0;
+            contact.friction_dynamic_coefficient = 0.7 * contact.friction_coefficient;
+            contact.friction_dynamic_speed_m_s = contact.friction_ramp_m_s * dice.spread(3.0, 30.0);
+        }
+    }
+    if dice.chance(0.06) && contact.law != "paper-conservative" {
+        contact.detection = Detection::Points;
+        contact.wheel_points = gear.lobes() * dice.whole(200, 600);
+        contact.hole_points = dice.whole(100, 400);
+    }
+}
+
+/// Penetration of the most loaded sleeve, m, and the frequency of a wheel on its sleeves, rad/s, at the load; of a load
+/// of a hundredth of that without any.
+fn twist(scene: &Scene) -> (f64, f64) {
+    let gear = &scene.gear;
+    let lever = gear.eccentricity_m * gear.lobes() as f64;
+    let pins = gear.external_sleeves as f64;
+    let torque = scene.drive.output_torque_n_m.abs() / gear.wheels as f64;
+    let force = (4.0 * torque / (lever * pins))
+        .max(hertz(scene) * (1e-4 * gear.external_sleeve_radius_m).powf(1.5));
+    let depth = (force / hertz(scene)).powf(2.0 / 3.0);
+    let stiffness = 1.5 * force / depth * lever * lever * 0.25 * pins;
+    (depth, (stiffness / scene.mass.wheel.moment_kg_m2).sqrt())
+}
+
+fn solver(dice: &mut Dice, scene: &mut Scene) {
+    let frequency = Frequencies::of(scene).contact_rad_s;
+    let gear = &scene.gear;
+    let period = TAU / frequency;
+    let lever = gear.eccentricity_m * gear.lobes() as f64;
+    let play = gear.backlash_m / lever
+        + (gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m).max(0.0)
+            / gear.internal_circle_radius_m;
+    let torque = scene.drive.output_torque_n_m.abs();
+    let moment = scene.mass.output_shaft.moment_kg_m2;
+    let flight = if torque > 0.0 {
+        (2.0 * play * moment / torque).sqrt()
+    } else {
+        0.0
+    };
+    let duration =
+        dice.between(OSCILLATIONS.0, OSCILLATIONS.1) * period + (2.0 * flight).min(30.0 * period);
+    let (kind, when, what) = (
+        dice.share(),
+        dice.between(0.3, 0.7),
+        dice.between(-1.0, 2.0),
+    );
+    let drive = &mut scene.drive;
+    if drive.start == Start::Kinematic && kind < 0.2 {
+        drive.load_ramp_s = duration * dice.between(0.1, 0.4);
+    } else if kind > 0.7 {
+        drive.load_changes = vec![LoadChange {
+            time_s: duration * when,
+            output_torque_n_m: what * drive.output_torque_n_m,
+            ramp_s: if dice.chance(0.5) {
+                0.0
+            } else {
+                0.1 * duration
+            },
+        }];
+    }
+    let solver = &mut scene.solver;
+    solver.duration_s = duration;
+    solver.sample_s = duration / SAMPLES;
+    // What a scene says without having been tuned: its steps come from its frequencies.
+    solver.step_s = 0.02 * period;
+    solver.integrator = "auto".to_owned();
+}
