@@ -100,13 +100,15 @@ proptest! {
 
     #[test]
     fn the_jacobian_is_the_slope(
-        (zk, zi, wheels) in (5_usize..30, 3_usize..12, 1_usize..5), friction: bool, law in 0..LAWS.len(),
+        (zk, m, zi, wheels) in (9_usize..40, 0.3..0.9_f64, 3_usize..9, 1_usize..5), friction: bool, law in 0..LAWS.len(),
         backlash in prop_oneof![Just(0.0), 0.0..3e-4], t in 0.0..0.5_f64, twist in 1e-3..6e-3_f64,
         noise in prop::array::uniform16(prop_oneof![-1.0..-0.1_f64, 0.1..1.0]),
     ) {
         let mut scene = Scene::paper();
         scene.gear.external_sleeves = zk;
+        scene.gear.shortening = m;
         scene.gear.internal_sleeves = zi;
+        scene.gear.internal_circle_radius_m = 0.55 * 0.0028 * zk as f64 / m;
         scene.gear.wheels = wheels;
         scene.gear.backlash_m = backlash;
         scene.gear.external_sleeve_radius_m = 0.004;
@@ -114,7 +116,9 @@ proptest! {
         scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
         // Wide enough for differences to see.
         scene.contact.friction_ramp_m_s = 5e-3;
-        let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
+        let checked = scene.clone().check();
+        prop_assume!(checked.is_ok()); // some holes have no room
+        let gearbox = Gearbox::new(&checked.unwrap()).unwrap();
         let mut system = reduced(&gearbox);
         let free = system.free_bodies().to_vec();
         let n = free.len();
@@ -130,7 +134,8 @@ proptest! {
                 .map(|k| (quotient(&mut system, t, &y, k, h), quotient(&mut system, t, &y, k, 0.5 * h)))
                 .collect();
             let sizes = quotients.iter().flat_map(|(_, (fine, _))| &fine[n..]);
-            let largest = sizes.fold(0.0, |m: f64, x| m.max(x.abs()));
+            // Of a gear that carries anything: 1e5 and more.
+            let largest = sizes.fold(1.0, |m: f64, x| m.max(x.abs()));
             for (k, ((coarse, bend), (fine, _))) in columns.zip(&quotients) {
                 for row in 0..n {
                     let exact = match k {
