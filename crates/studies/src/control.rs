@@ -124,7 +124,7 @@ impl Control<'_> {
 
     /// Runs a published model whose damping no sound scene has.
     pub(crate) fn run_published(&self, scene: &Scene) -> Result<Ended, StudyError> {
-        let scene = CheckedScene::unchecked_for_published_study(scene.clone());
+        let scene = CheckedScene::unchecked(scene.clone());
         let gearbox = Gearbox::new(&scene).map_err(|source| of_scene(&scene, source))?;
         run_compiled(&gearbox, &mut |_| self.cancel.load(Ordering::Relaxed))
     }

@@ -108,6 +108,13 @@ choice!(
     "solver.tolerance" = "1e-3"
 );
 choice!(
+    RODAS5P,
+    "reduced-rodas5p",
+    "reduced",
+    "rodas5p",
+    "solver.tolerance" = "1e-6"
+);
+choice!(
     LAGRANGE_RK2,
     "lagrange-rk2",
     "lagrange",
@@ -215,7 +222,7 @@ pub const SCENES: &[SceneCase] = &[
     ),
     scene!(
         "paper-friction",
-        &[IMEX2, IMEX2_ADAPTIVE, LAGRANGE_IMEX2],
+        &[IMEX2, IMEX2_ADAPTIVE, RODAS5P, LAGRANGE_IMEX2],
         "friction"
     ),
     scene!(
@@ -231,7 +238,7 @@ pub const SCENES: &[SceneCase] = &[
     scene!("line-contact" from "paper" { "contact.law" = "line-contact" } &[RK4, DOPRI5], "line contact"),
     scene!(
         "hard-friction-light-sleeves",
-        &[IMEX2, LAGRANGE_IMEX2],
+        &[IMEX2, RODAS5P, LAGRANGE_IMEX2],
         "friction thirteen times as stiff"
     ),
     scene!(
