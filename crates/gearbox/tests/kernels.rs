@@ -186,7 +186,7 @@ proptest! {
         scene.gear.external_sleeve_radius_m = 0.004;
         scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
         // Holes may leave the wheel: the kernels do not mind.
-        let gearbox = Gearbox::new(&CheckedScene::unchecked(scene)).unwrap();
+        let gearbox = Gearbox::new(&CheckedScene::unchecked(scene.clone())).unwrap();
         let bodies = states(&gearbox, input, twist, &rates);
         let (fast, slow) = (loads(&gearbox, Kernel::Lanes, &bodies), loads(&gearbox, Kernel::Scalar, &bodies));
         // 1e-13 of the largest force, and what rounding of positions does to both alike: a radius of R is
