@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::channels::Channels;
 use pinwheel_gearbox::energy::EnergyAudit;
+use pinwheel_gearbox::resolve::Uncertainty;
 use pinwheel_gearbox::scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -61,6 +62,9 @@ pub struct RunStats {
     pub energy: Vec<EnergyAudit>,
     /// Remarks for the reader (approximations, guards that fired).
     pub notes: Vec<String>,
+    /// The numerical uncertainty of the courses, where the engine verified them itself (`auto`, `native-resolved`).
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub uncertainty: Option<Uncertainty>,
     /// For courses that were recorded earlier and not computed now: when, with what, and why they stand here.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub recorded: Option<String>,

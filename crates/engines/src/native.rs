@@ -2,8 +2,10 @@
 
 use cpu_time::ThreadTime;
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
+use pinwheel_gearbox::resolve::{self, Budget, Uncertainty};
 use pinwheel_gearbox::scene::{Detection, Formulation, Scene};
-use pinwheel_gearbox::{Gearbox, GearboxError, load_course};
+use pinwheel_gearbox::{Gearbox, GearboxError, auto, load_course};
+use pinwheel_mbs::integrators::METHODS;
 
 use crate::engine::{Control, Engine, EngineError, Run, RunStats, Track};
 
@@ -24,11 +26,10 @@ pub struct Native {
     form: Form,
 }
 
-/// Tolerance of the resolved form: its forces are then within 1e-6 of those at a hundredth of it
-/// (measured over 0.6 s: `paper` 3e-8, `backlash-0.6` 2e-6, `steel` 7e-6 at 1e-10 against RK4).
-const RESOLVED_TOLERANCE: f64 = 1e-10;
-/// With friction, and with discrete points, no high order is to be had: the scene's step divided by this.
-const RESOLVED_DIVISION: f64 = 10.0;
+/// What the resolved form promises without friction: forces that no course shows the step in.
+const RESOLVED: f64 = 1e-7;
+/// The same where friction switches, or forces jump from point to point: two foreign solvers of `paper-friction` agree to 1.5e-5.
+const RESOLVED_ROUGH: f64 = 1e-5;
 
 impl Native {
     /// Centre-pinned bodies eliminated.
@@ -62,19 +63,20 @@ impl Native {
             Form::Reduced | Form::Resolved => Formulation::Reduced,
         };
         if self.form == Form::Resolved {
-            let contact = &scene.contact;
-            let smooth =
-                contact.friction_coefficient == 0.0 && contact.detection == Detection::Exact;
-            if smooth {
-                solver.integrator = "dopri5".to_owned();
-                solver.tolerance = RESOLVED_TOLERANCE;
-            } else {
-                let friction = contact.friction_coefficient > 0.0;
-                solver.integrator = if friction { "imex2" } else { "rk2" }.to_owned();
-                solver.step_s /= RESOLVED_DIVISION;
-            }
+            auto::AUTO.clone_into(&mut solver.integrator);
         }
         scene
+    }
+
+    /// What its run promises; `None` where the scene names its method.
+    fn promise(&self, scene: &Scene) -> Option<f64> {
+        let contact = &scene.contact;
+        if self.form == Form::Resolved {
+            let smooth =
+                contact.friction_coefficient == 0.0 && contact.detection == Detection::Exact;
+            return Some(if smooth { RESOLVED } else { RESOLVED_ROUGH });
+        }
+        (scene.solver.integrator == auto::AUTO).then_some(auto::PROMISE)
     }
 
     fn compile(&self, scene: &Scene) -> Result<Gearbox, EngineError> {
@@ -128,9 +130,10 @@ impl Engine for Native {
                  unless the scene says otherwise."
             }
             Form::Resolved => {
-                "The equations of native-reduced without the scene's integrator and step: Dormand-Prince at a tolerance \
-                 of 1e-10 where forces are smooth, otherwise the method for friction or points at a tenth of the step. \
-                 Its distance from native-reduced is the error of the scene's own integrator."
+                "The equations of native-reduced without the scene's integrator and step: method and steps come from the \
+                 scene's frequencies and are refined until two runs show the forces to be within 1e-7 (with friction or points \
+                 1e-5) of the exact solution; the notes say what was reached. Its distance from native-reduced is the error of the \
+                 scene's own integrator."
             }
         }
     }
@@ -142,9 +145,18 @@ impl Engine for Native {
     fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
         let gearbox = self.compile(scene)?;
         let (wall, cpu) = (std::time::Instant::now(), ThreadTime::now());
-        let outcome = native::run(&gearbox, &mut |t| control.reached(t));
+        let mut watch = |t| control.reached(t);
+        let outcome = match self.promise(scene) {
+            Some(promise) => {
+                resolve::run_resolved(&gearbox, promise, Budget::default(), &mut watch)
+                    .map(|(run, uncertainty)| (run, Some(uncertainty)))
+            }
+            None => native::run(&gearbox, &mut watch).map(|run| (run, None)),
+        };
         let (wall_s, cpu_s) = (wall.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
-        let dress = |run: NativeRun| {
+        let dress = |run: NativeRun, uncertainty: Option<Uncertainty>| {
+            let late = load_course::unreached(scene);
+            let notes = uncertainty.iter().flat_map(Uncertainty::notes);
             let counts = run.counts;
             let stats = RunStats {
                 wall_s,
@@ -159,13 +171,14 @@ impl Engine for Native {
                 } else {
                     run.end_s / counts.steps as f64
                 },
-                settings: settings(&gearbox.scene),
+                settings: settings(&gearbox.scene, uncertainty.as_ref()),
                 joint_drift_m: (self.form == Form::Lagrange).then_some(run.joint_drift_m),
                 energy: windows(scene)
                     .into_iter()
                     .filter_map(|(from, to)| run.energy.audit(from, to))
                     .collect(),
-                notes: load_course::unreached(scene).into_iter().collect(),
+                notes: late.into_iter().chain(notes).collect(),
+                uncertainty,
                 recorded: None,
             };
             Run {
@@ -175,7 +188,7 @@ impl Engine for Native {
         };
         let engine = self.name().to_owned();
         match outcome {
-            Ok(run) => Ok(dress(run)),
+            Ok((run, uncertainty)) => Ok(dress(run, uncertainty)),
             Err(NativeError::Diverged {
                 time_s,
                 quantity,
@@ -184,7 +197,7 @@ impl Engine for Native {
                 engine,
                 time_s,
                 quantity,
-                partial: Box::new(dress(*partial)),
+                partial: Box::new(dress(*partial, None)),
             }),
             Err(NativeError::Stopped) => Err(EngineError::Cancelled),
             Err(NativeError::Model(error)) => Err(self.unsupported(&error)),
@@ -197,20 +210,21 @@ impl Engine for Native {
 }
 
 /// Formulation, method and what sets its steps.
-fn settings(scene: &Scene) -> String {
+fn settings(scene: &Scene, uncertainty: Option<&Uncertainty>) -> String {
     let solver = &scene.solver;
     let form = match solver.formulation {
         Formulation::Reduced => "reduced",
         Formulation::Lagrange => "lagrange",
     };
-    let choice = pinwheel_gearbox::auto::integrator(scene).integrator;
-    let adaptive = pinwheel_mbs::integrators::METHODS
-        .iter()
-        .any(|m| m.name == choice && m.adaptive);
+    if let Some(rung) = uncertainty.and_then(Uncertainty::chosen) {
+        return format!("{form}, {}, {}", rung.integrator, rung.setting);
+    }
+    let named = &solver.integrator;
+    let adaptive = METHODS.iter().any(|m| m.name == named && m.adaptive);
     if adaptive {
-        format!("{form}, {choice}, tolerance {:e}", solver.tolerance)
+        format!("{form}, {named}, tolerance {:e}", solver.tolerance)
     } else {
-        format!("{form}, {choice}, {:e} s", solver.step_s)
+        format!("{form}, {named}, {:e} s", solver.step_s)
     }
 }
 

@@ -243,7 +243,9 @@ impl<'a> Planner<'a> {
 
     fn explicit(&self, reason: &str) -> Plan {
         let share = if self.rubs() { RUBBING } else { SMOOTH };
-        self.plan("dopri5", share, reason)
+        // A law stiffer than Hertz' twists less than errors are weighed by.
+        let twist = Frequencies::depth_share(self.scene).min(1.0);
+        self.plan("dopri5", share * twist, reason)
     }
 
     fn implicit(&self, reason: &str) -> Plan {
@@ -263,9 +265,7 @@ impl<'a> Planner<'a> {
         Plan {
             integrator,
             step_s: FIRST_RADIANS / self.frequencies.contact_rad_s,
-            // A law stiffer than Hertz' twists less than errors are weighed by.
-            tolerance: (share * self.promise * Frequencies::depth_share(self.scene).min(1.0))
-                .max(TOLERANCES.0),
+            tolerance: (share * self.promise).max(TOLERANCES.0),
             longest_step_s: self.frequencies.longest_step_s(),
             reason: reason.to_owned(),
         }
