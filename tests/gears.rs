@@ -60,6 +60,8 @@ impl Dice {
 
 /// Of the fastest oscillation of a gear on its contacts, so many periods a run lasts.
 const OSCILLATIONS: (f64, f64) = (6.0, 24.0);
+/// With friction, whose steps are many: a share of them.
+const RUBBING: f64 = 0.3;
 /// Samples of a run.
 const SAMPLES: f64 = 60.0;
 
@@ -278,8 +280,10 @@ fn solver(dice: &mut Dice, scene: &mut Scene) {
     } else {
         0.0
     };
-    let duration =
-        dice.between(OSCILLATIONS.0, OSCILLATIONS.1) * period + (2.0 * flight).min(30.0 * period);
+    let rubs = scene.contact.friction_coefficient > 0.0;
+    let share = if rubs { RUBBING } else { 1.0 };
+    let duration = share * dice.between(OSCILLATIONS.0, OSCILLATIONS.1) * period
+        + (2.0 * flight).min(30.0 * period);
     let (kind, when, what) = (
         dice.share(),
         dice.between(0.3, 0.7),

@@ -6,6 +6,7 @@ pub use pinwheel_courses::{RunStats, Track};
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::resolve::Uncertainty;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Scene};
 
@@ -16,9 +17,21 @@ pub struct Run {
     pub courses: Courses,
     /// Cost and settings.
     pub stats: RunStats,
+    /// The numerical uncertainty of the courses, where the engine verified them itself (`auto`, `native-resolved`).
+    pub uncertainty: Option<Uncertainty>,
 }
 
 impl Run {
+    /// A run of an engine that knows nothing of its uncertainty.
+    #[must_use]
+    pub fn new(courses: Courses, stats: RunStats) -> Self {
+        Self {
+            courses,
+            stats,
+            uncertainty: None,
+        }
+    }
+
     /// Adds a note if channels that the scene asks for are not among the courses.
     pub fn note_missing_channels(&mut self, scene: &Scene) {
         let Ok(asked) = Channels::of(scene) else {

@@ -1,10 +1,11 @@
 //! Pinwheel's own solver as an engine, in its two formulations.
 
 use cpu_time::ThreadTime;
-use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
-use pinwheel_scene::load_course;
-use pinwheel_scene::{Contact, Detection, Fault, Formulation, Scene, Solver};
+use pinwheel_gearbox::resolve::{self, Budget, Uncertainty};
+use pinwheel_gearbox::{Gearbox, auto};
+use pinwheel_mbs::integrators::METHODS;
+use pinwheel_scene::{Detection, Fault, Formulation, Scene, load_course};
 
 use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
 
@@ -25,11 +26,10 @@ pub struct Native {
     form: Form,
 }
 
-/// Tolerance of the resolved form: its forces are then within 1e-6 of those at a hundredth of it
-/// (measured over 0.6 s: `paper` 3e-8, `backlash-0.6` 2e-6, `steel` 7e-6 at 1e-10 against RK4).
-const RESOLVED_TOLERANCE: f64 = 1e-10;
-/// With friction, and with discrete points, no high order is to be had: the scene's step divided by this.
-const RESOLVED_DIVISION: f64 = 10.0;
+/// What the resolved form promises without friction: forces that no course shows the step in.
+const RESOLVED: f64 = 1e-7;
+/// The same where friction switches, or forces jump from point to point: two foreign solvers of `paper-friction` agree to 1.5e-5.
+const RESOLVED_ROUGH: f64 = 1e-5;
 
 impl Native {
     /// Centre-pinned bodies eliminated.
@@ -56,27 +56,26 @@ impl Native {
 
     /// The gearbox as this form solves it.
     fn formed(&self, gearbox: &Gearbox) -> Result<Gearbox, Fault> {
-        let contact = gearbox.scene.contact.clone();
-        gearbox.with_solver(|solver| self.form_of(&contact, solver))
+        gearbox.with_solver(|solver| {
+            solver.formulation = match self.form {
+                Form::Lagrange => Formulation::Lagrange,
+                Form::Reduced | Form::Resolved => Formulation::Reduced,
+            };
+            if self.form == Form::Resolved {
+                auto::AUTO.clone_into(&mut solver.integrator);
+            }
+        })
     }
 
-    fn form_of(&self, contact: &Contact, solver: &mut Solver) {
-        solver.formulation = match self.form {
-            Form::Lagrange => Formulation::Lagrange,
-            Form::Reduced | Form::Resolved => Formulation::Reduced,
-        };
+    /// What its run promises; `None` where the scene names its method.
+    fn promise(&self, scene: &Scene) -> Option<f64> {
+        let contact = &scene.contact;
         if self.form == Form::Resolved {
             let smooth =
                 contact.friction_coefficient == 0.0 && contact.detection == Detection::Exact;
-            if smooth {
-                solver.integrator = "dopri5".to_owned();
-                solver.tolerance = RESOLVED_TOLERANCE;
-            } else {
-                let friction = contact.friction_coefficient > 0.0;
-                solver.integrator = if friction { "imex2" } else { "rk2" }.to_owned();
-                solver.step_s /= RESOLVED_DIVISION;
-            }
+            return Some(if smooth { RESOLVED } else { RESOLVED_ROUGH });
         }
+        (scene.solver.integrator == auto::AUTO).then_some(auto::PROMISE)
     }
 
     fn unsupported(&self, error: &dyn std::fmt::Display) -> EngineError {
@@ -126,9 +125,10 @@ impl Engine for Native {
                  unless the scene says otherwise."
             }
             Form::Resolved => {
-                "The equations of native-reduced without the scene's integrator and step: Dormand-Prince at a tolerance \
-                 of 1e-10 where forces are smooth, otherwise the method for friction or points at a tenth of the step. \
-                 Its distance from native-reduced is the error of the scene's own integrator."
+                "The equations of native-reduced without the scene's integrator and step: method and steps come from the \
+                 scene's frequencies and are refined until two runs show the forces to be within 1e-7 (with friction or points \
+                 1e-5) of the exact solution; the notes say what was reached. Its distance from native-reduced is the error of the \
+                 scene's own integrator."
             }
         }
     }
@@ -147,9 +147,16 @@ impl Native {
     fn integrate(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, EngineError> {
         let scene = &gearbox.scene;
         let (wall, cpu) = (std::time::Instant::now(), ThreadTime::now());
-        let outcome = native::run(gearbox, &mut |t| control.reached(t));
+        let mut watch = |t| control.reached(t);
+        let outcome = match self.promise(scene) {
+            Some(promise) => resolve::run_resolved(gearbox, promise, Budget::default(), &mut watch)
+                .map(|(run, uncertainty)| (run, Some(uncertainty))),
+            None => native::run(gearbox, &mut watch).map(|run| (run, None)),
+        };
         let (wall_s, cpu_s) = (wall.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
-        let dress = |run: NativeRun| {
+        let dress = |run: NativeRun, uncertainty: Option<Uncertainty>| {
+            let late = load_course::unreached(scene);
+            let notes = uncertainty.iter().flat_map(Uncertainty::notes);
             let counts = run.counts;
             let stats = RunStats {
                 wall_s,
@@ -164,23 +171,24 @@ impl Native {
                 } else {
                     run.end_s / counts.steps as f64
                 },
-                settings: settings(&gearbox.scene),
+                settings: settings(&gearbox.scene, uncertainty.as_ref()),
                 joint_drift_m: (self.form == Form::Lagrange).then_some(run.joint_drift_m),
                 energy: windows(scene)
                     .into_iter()
                     .filter_map(|(from, to)| run.energy.audit(from, to))
                     .collect(),
-                notes: load_course::unreached(scene).into_iter().collect(),
+                notes: late.into_iter().chain(notes).collect(),
                 recorded: None,
             };
             Run {
                 courses: run.courses,
                 stats,
+                uncertainty,
             }
         };
         let engine = self.name().to_owned();
         match outcome {
-            Ok(run) => Ok(dress(run)),
+            Ok((run, uncertainty)) => Ok(dress(run, uncertainty)),
             Err(NativeError::Diverged {
                 time_s,
                 quantity,
@@ -189,7 +197,7 @@ impl Native {
                 engine,
                 time_s,
                 quantity,
-                partial: Box::new(dress(*partial)),
+                partial: Box::new(dress(*partial, None)),
             }),
             Err(NativeError::Stopped) => Err(EngineError::Cancelled),
             Err(NativeError::Model(error)) => Err(self.unsupported(&error)),
@@ -202,20 +210,21 @@ impl Native {
 }
 
 /// Formulation, method and what sets its steps.
-fn settings(scene: &Scene) -> String {
+fn settings(scene: &Scene, uncertainty: Option<&Uncertainty>) -> String {
     let solver = &scene.solver;
     let form = match solver.formulation {
         Formulation::Reduced => "reduced",
         Formulation::Lagrange => "lagrange",
     };
-    let choice = pinwheel_gearbox::auto::integrator(scene).integrator;
-    let adaptive = pinwheel_mbs::integrators::METHODS
-        .iter()
-        .any(|m| m.name == choice && m.adaptive);
+    if let Some(rung) = uncertainty.and_then(Uncertainty::chosen) {
+        return format!("{form}, {}, {}", rung.integrator, rung.setting);
+    }
+    let named = &solver.integrator;
+    let adaptive = METHODS.iter().any(|m| m.name == named && m.adaptive);
     if adaptive {
-        format!("{form}, {choice}, tolerance {:e}", solver.tolerance)
+        format!("{form}, {named}, tolerance {:e}", solver.tolerance)
     } else {
-        format!("{form}, {choice}, {:e} s", solver.step_s)
+        format!("{form}, {named}, {:e} s", solver.step_s)
     }
 }
 

@@ -326,16 +326,16 @@ impl Recorded {
             stats,
             ..
         } = &self.recording;
-        Ok(Run {
-            courses: self.recording.at_samples_of(scene),
-            stats: RunStats {
+        Ok(Run::new(
+            self.recording.at_samples_of(scene),
+            RunStats {
                 recorded: Some(format!(
                     "Recorded on {date} with {version} on {machine} by `{command}`, because {}.",
                     self.why
                 )),
                 ..stats.clone()
             },
-        })
+        ))
     }
 }
 

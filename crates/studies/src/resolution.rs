@@ -1,67 +1,74 @@
-//! Whether a run's step resolves its scene: the same run again at twice the step (or ten times the
+//! Whether the step that a scene names resolves it: the same run again at twice the step (or ten times the
 //! tolerance), and how far the forces move.
 //!
 //! A method of order 2 that is asymptotic there has a third of that distance for its own error, one of
 //! order 4 a fifteenth; with friction, whose switches are not located, a little more than half. An error
-//! that this does not show would have to be the same at both steps.
+//! that this does not show would have to be the same at both steps. Where the coarser run fails it shows nothing, and the
+//! run is repeated at half its step (a tenth of its tolerance) instead, whose distance is the error itself.
+//!
+//! A run by `auto` or by `native-resolved` brings its own verification ([`resolve`]); this is for named methods.
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::auto;
+use pinwheel_gearbox::native::NativeError;
+use pinwheel_gearbox::resolve::{self, Budget};
+use pinwheel_gearbox::{Distance, Gearbox, auto};
 use pinwheel_mbs::integrators::METHODS;
 use pinwheel_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
-use crate::control::{Ended, run};
-use crate::measure::{Difference, difference, level};
+use crate::control::{Ended, compile, run};
 
-/// Relative L2 distance beyond which a run is not resolved: its own error is then about 0.1 or more.
+/// Relative L2 distance to the coarser run beyond which a run is not resolved: its own error is then about 0.1 or more.
 /// Measured over the presets, 0.05 s at 1e-5 s: those within 0.1 of their converged run move by 0.25 at most
 /// (`hard-damping-0` with Heun, 0.05 off); `hard-all-open` with Heun moves by 0.56 (0.36 off), `steel` with
 /// RK4 by 0.79 (0.79 off).
 pub const MOST: f64 = 0.3;
 
-/// Forces below which nothing is judged, N: an idle gear has none to speak of.
-const FORCE_FLOOR: f64 = 1.0;
+/// The same to a finer run, whose distance is the error.
+pub const MOST_TO_FINER: f64 = 0.1;
 
-/// What a coarser run shows.
+/// What another run of the same scene shows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Resolution {
-    /// The coarser setting in words, e.g. `a step of 2e-5 s`.
-    pub coarser: String,
-    /// How far the run moves; `None` if the coarser one failed, or without forces to speak of.
-    pub moved: Option<Difference>,
-    /// How the coarser run failed.
+    /// The other setting in words, e.g. `a step of 2e-5 s`.
+    pub other: String,
+    /// How far the run moves; `None` if the other run failed too.
+    pub moved: Option<Distance>,
+    /// The most that it may.
+    pub most: f64,
+    /// How the coarser run failed, after which the other one was finer.
     pub failure: Option<String>,
 }
 
 impl Resolution {
-    /// False when the forces or the driver's torque move by more than [`MOST`].
+    /// True when forces and driver's torque move by no more than they may. What was not shown does not hold.
     #[must_use]
     pub fn holds(&self) -> bool {
-        self.moved
-            .is_none_or(|d| d.forces <= MOST && d.driver_torque <= MOST)
+        self.moved.is_some_and(|d| d.worst() <= self.most)
     }
 
     /// One sentence for the reader.
     #[must_use]
     pub fn sentence(&self) -> String {
-        match (&self.failure, self.moved) {
-            (Some(failure), _) => format!(
-                "at {} the run fails ({failure}): this one is less than that away from its limit",
-                self.coarser
-            ),
-            (None, Some(d)) => format!(
+        let shown = match self.moved {
+            Some(d) => format!(
                 "at {} the forces move by {:.1e}, the driver's torque by {:.1e} (relative L2)",
-                self.coarser, d.forces, d.driver_torque
+                self.other, d.forces, d.driver_torque
             ),
-            (None, None) => "no forces to speak of: nothing to resolve".to_owned(),
+            None => format!("at {} the run fails too", self.other),
+        };
+        match &self.failure {
+            Some(failure) => {
+                format!("coarser, the run fails ({failure}): it is near its limit; {shown}")
+            }
+            None => shown,
         }
     }
 }
 
-/// Repeats the native run of `scene` that gave `courses`, coarser; `watch` receives the simulated time and returns
-/// true to stop.
+/// Repeats the native run of `scene` that gave `courses`; `watch` receives the simulated time and returns
+/// true to stop. For `auto` the whole verified run is made again.
 ///
 /// # Errors
 /// Cancelled, or a scene that cannot be modelled.
@@ -70,29 +77,81 @@ pub fn check(
     courses: &Courses,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Resolution, StudyError> {
-    let integrator = auto::integrator(scene).integrator;
-    let adaptive = METHODS.iter().any(|m| m.name == integrator && m.adaptive);
-    let mut coarse = scene.clone();
-    let coarser = if adaptive {
-        coarse.solver.tolerance *= 10.0;
-        format!("a tolerance of {:.0e}", coarse.solver.tolerance)
-    } else {
-        coarse.solver.step_s *= 2.0;
-        format!("a step of {:e} s", coarse.solver.step_s)
-    };
-    let mut found = Resolution {
-        coarser,
-        moved: None,
-        failure: None,
-    };
+    let gearbox = compile(scene)?;
+    if scene.solver.integrator == auto::AUTO {
+        return of_auto(&gearbox, courses, watch);
+    }
+    let (coarse, other) = refined(scene, 0.5);
     match run(&coarse, watch)? {
-        Ended::Whole(other) => {
-            found.moved = (level(courses).peak_force_n > FORCE_FLOOR)
-                .then(|| difference(&other.courses, courses));
-        }
+        Ended::Whole(coarser) => Ok(Resolution {
+            other,
+            moved: Some(Distance::between(&gearbox, &coarser.courses, courses)),
+            most: MOST,
+            failure: None,
+        }),
         Ended::Diverged { time_s, quantity } => {
-            found.failure = Some(format!("t = {time_s:.4} s: {quantity}"));
+            let (fine, other) = refined(scene, 2.0);
+            let moved = match run(&fine, watch)? {
+                Ended::Whole(finer) => Some(Distance::between(&gearbox, courses, &finer.courses)),
+                Ended::Diverged { .. } => None,
+            };
+            Ok(Resolution {
+                other,
+                moved,
+                most: MOST_TO_FINER,
+                failure: Some(format!("t = {time_s:.4} s: {quantity}")),
+            })
         }
     }
-    Ok(found)
+}
+
+/// The scene at a step `factor` times finer, or at a tolerance ten times finer (coarser where `factor` is below 1).
+fn refined(scene: &Scene, factor: f64) -> (Scene, String) {
+    let mut other = scene.clone();
+    let solver = &mut other.solver;
+    let adaptive = METHODS
+        .iter()
+        .any(|m| m.name == solver.integrator && m.adaptive);
+    let words = if adaptive {
+        solver.tolerance /= if factor > 1.0 { 10.0 } else { 0.1 };
+        format!("a tolerance of {:.0e}", solver.tolerance)
+    } else {
+        solver.step_s /= factor;
+        format!("a step of {:e} s", solver.step_s)
+    };
+    (other, words)
+}
+
+/// What the verified run of a scene says of its courses.
+fn of_auto(
+    gearbox: &Gearbox,
+    courses: &Courses,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Resolution, StudyError> {
+    let most = auto::PROMISE;
+    let found = resolve::run_resolved(gearbox, most, Budget::default(), watch);
+    match found {
+        Ok((run, uncertainty)) => {
+            let off = Distance::between(gearbox, courses, &run.courses);
+            let sum = uncertainty.error.map(|error| Distance {
+                forces: off.forces + error.forces,
+                driver_torque: off.driver_torque + error.driver_torque,
+            });
+            Ok(Resolution {
+                other: uncertainty
+                    .chosen()
+                    .map_or_else(String::new, |rung| rung.setting.clone()),
+                moved: sum,
+                most,
+                failure: None,
+            })
+        }
+        Err(NativeError::Stopped) => Err(StudyError::Cancelled),
+        Err(error) => Ok(Resolution {
+            other: "any setting".to_owned(),
+            moved: None,
+            most,
+            failure: Some(error.to_string()),
+        }),
+    }
 }

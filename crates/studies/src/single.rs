@@ -1,10 +1,12 @@
 //! One scene on one engine: `run.json` and the courses; what was run, how it ended, what it cost, on which machine.
 
 use std::path::Path;
+use std::time::Duration;
 
 use pinwheel_courses::{Courses, Ending};
 use pinwheel_engines::{Engine, EngineError, Run, RunStats, Track};
 use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::resolve::{self, Uncertainty};
 use pinwheel_scene::{Assumption, CheckedScene, Formulation, Scene, assumptions};
 use serde::Serialize;
 
@@ -33,11 +35,32 @@ pub(crate) struct RunRecord<'a> {
     /// What the same run at twice the step shows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) resolution: Option<&'a Resolution>,
+    /// What the engine itself knows of its numerical uncertainty.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) uncertainty: Option<&'a Uncertainty>,
     scene: &'a Scene,
     /// Values of the scene that its file does not write.
     assumptions: Vec<Assumption>,
     pinwheel_version: &'static str,
     machine: &'a Machine,
+}
+
+/// Time that a remedy may take to be tried.
+const TRIED_WITHIN: Duration = Duration::from_secs(1);
+
+/// What to do about a run that diverged or whose step does not resolve its scene: `auto`, tried first where that costs
+/// under a second, as one says it after a semicolon.
+#[must_use]
+pub fn remedy(gearbox: &Gearbox, track: Track) -> String {
+    if track != Track::Native {
+        return "try a smaller solver.step_s, or the engine native-resolved".to_owned();
+    }
+    match resolve::remedy(&gearbox.scene, TRIED_WITHIN) {
+        Some(remedy) => remedy.sentence(),
+        None => "make solver.step_s or solver.tolerance smaller, or set solver.integrator to \"auto\", which chooses \
+                 and checks its method itself"
+            .to_owned(),
+    }
 }
 
 /// File of the courses of a run that ended so.
@@ -92,7 +115,8 @@ pub fn run(
         }) => (*partial, Ending::Diverged { time_s, quantity }),
         Err(error) => return Err(StudyError::Engine(error)),
     };
-    let resolution = if ending == Ending::Finished && checked {
+    // What verified itself needs no second look.
+    let resolution = if ending == Ending::Finished && checked && run.uncertainty.is_none() {
         check(engine, scene, &run.courses, control)?
     } else {
         None
@@ -139,6 +163,7 @@ impl Outcome {
     pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
         let record = RunRecord {
             resolution: self.resolution.as_ref(),
+            uncertainty: self.run.uncertainty.as_ref(),
             ..RunRecord::new(
                 (&self.engine, &self.version, self.track.as_str()),
                 &self.scene,
@@ -175,6 +200,7 @@ impl<'a> RunRecord<'a> {
             samples: 0,
             stats,
             resolution: None,
+            uncertainty: None,
             scene,
             assumptions: assumptions(scene),
             pinwheel_version: made.version,

@@ -26,17 +26,24 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
 
     if let Ending::Diverged { time_s, quantity } = &found.ending {
         screen::complain(&format!(
-            "{} diverged at t = {time_s:.6} s: {quantity}; what there is until then is in {courses}; try a smaller solver.step_s or another solver.integrator",
-            found.engine
+            "{} diverged at t = {time_s:.6} s: {quantity}; what there is until then is in {courses}; {}",
+            found.engine,
+            single::remedy(&gearbox, found.track)
         ));
         return Ok(ENGINE);
     }
     screen::show(&pages::single::text(&found, &courses.to_string()))?;
     if let Some(resolution) = found.resolution.filter(|resolution| !resolution.holds()) {
         screen::complain(&format!(
-            "the step does not resolve this scene: {}; make solver.step_s or solver.tolerance smaller, or set solver.integrator to \"auto\"",
-            resolution.sentence()
+            "the step does not resolve this scene: {}; {}",
+            resolution.sentence(),
+            single::remedy(&gearbox, found.track)
         ));
+        return Ok(EXCEEDED);
+    }
+    let verified = found.run.uncertainty.as_ref();
+    if let Some(uncertainty) = verified.filter(|uncertainty| !uncertainty.is_resolved()) {
+        screen::complain(&uncertainty.sentence());
         return Ok(EXCEEDED);
     }
     Ok(0)

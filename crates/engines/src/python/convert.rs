@@ -27,7 +27,7 @@ pub(super) fn run(result: &Bound<'_, PyAny>) -> PyResult<Result<Run, String>> {
         notes: stats.getattr("notes")?.extract()?,
         ..RunStats::default()
     };
-    Ok(courses(&result.getattr("columns")?)?.map(|courses| Run { courses, stats }))
+    Ok(courses(&result.getattr("columns")?)?.map(|courses| Run::new(courses, stats)))
 }
 
 /// Courses from a dict of numpy columns, `time_s` among them.
@@ -92,10 +92,7 @@ fn known(py: Python<'_>, engine: &str, error: &PyErr) -> PyResult<Option<EngineE
         }
     } else if is("Diverged")? {
         let partial = value.getattr("partial")?;
-        let nothing = || Run {
-            courses: Courses::default(),
-            stats: RunStats::default(),
-        };
+        let nothing = || Run::new(Courses::default(), RunStats::default());
         EngineError::Diverged {
             engine: owner,
             time_s: value.getattr("time_s")?.extract()?,

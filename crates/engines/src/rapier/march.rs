@@ -243,7 +243,7 @@ pub(super) fn march(
     let courses = recorder
         .finish()
         .map_err(|error| super::failed(engine, error))?;
-    let run = Run { courses, stats };
+    let run = Run::new(courses, stats);
     match ran_away {
         None => Ok(run),
         Some((time_s, quantity)) => Err(EngineError::Diverged {

@@ -131,8 +131,14 @@ pub(super) fn remedy(promise: f64, error: Option<Distance>, budget: Budget) -> S
              bring {promise:.0e}.",
             budget.evaluations as f64
         ),
-        _ => "Its forces are not to be trusted as a course: errors grow from impact to impact; look at a shorter \
-              solver.duration_s, or give the contacts damping."
-            .to_owned(),
+        Some(_) => {
+            "Its forces are not to be trusted as a course: errors grow from impact to impact; look at a shorter \
+             solver.duration_s, or give the contacts damping."
+                .to_owned()
+        }
+        None => format!(
+            "Nothing is known of its error; a shorter solver.duration_s or more than {:.0e} evaluations would tell.",
+            budget.evaluations as f64
+        ),
     }
 }

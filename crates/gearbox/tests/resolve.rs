@@ -1,0 +1,251 @@
+//! Runs that verify themselves: what used to end well and was wrong does not any more.
+
+use std::time::Duration;
+
+use pinwheel_gearbox::auto::{self, PROMISE};
+use pinwheel_gearbox::native::{self, NativeError, NativeRun};
+use pinwheel_gearbox::resolve::{Budget, Uncertainty, Verdict, remedy, run_resolved};
+use pinwheel_gearbox::{Distance, Gearbox};
+use pinwheel_scene::{BodyMass, Override, Scene};
+
+fn scene(name: &str, sets: &[&str]) -> Scene {
+    let sets: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
+    Scene::load(name, &sets).unwrap().into_scene()
+}
+
+fn resolved(scene: &Scene) -> (NativeRun, Uncertainty) {
+    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
+    run_resolved(&gearbox, PROMISE, Budget::default(), &mut |_| false).unwrap()
+}
+
+fn named(scene: &Scene, integrator: &str, tolerance: f64) -> NativeRun {
+    let mut scene = scene.clone();
+    integrator.clone_into(&mut scene.solver.integrator);
+    scene.solver.tolerance = tolerance;
+    native::run(
+        &Gearbox::new(&scene.clone().check().unwrap()).unwrap(),
+        &mut |_| false,
+    )
+    .unwrap()
+}
+
+/// The true error of what `auto` gives, against another method at a tolerance that it does not take.
+fn error(scene: &Scene, integrator: &str, tolerance: f64) -> (f64, Uncertainty) {
+    let (run, uncertainty) = resolved(scene);
+    let truth = named(scene, integrator, tolerance);
+    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
+    let off = Distance::between(&gearbox, &run.courses, &truth.courses);
+    (off.worst(), uncertainty)
+}
+
+/// Light friction on stiff contacts: a step that follows the spins alone leaves the forces 78 % off.
+#[test]
+fn regress_friction_does_not_hide_stiff_contacts() {
+    let sets = [
+        "contact.stiffness_multiplier=0.3",
+        "contact.friction_coefficient=0.01",
+        "solver.duration_s=0.03",
+    ];
+    let (error, uncertainty) = error(&scene("paper", &sets), "dopri5", 1e-8);
+    assert!(uncertainty.is_resolved(), "{}", uncertainty.sentence());
+    assert!(error <= PROMISE, "{error:e}: {}", uncertainty.sentence());
+}
+
+/// The step that followed the spins alone diverged here.
+#[test]
+fn regress_steel_with_line_contact_and_friction_is_resolved() {
+    let sets = [
+        "contact.law=\"line-contact\"",
+        "contact.friction_coefficient=0.05",
+        "solver.duration_s=0.005",
+    ];
+    let (error, uncertainty) = error(&scene("steel", &sets), "dopri5", 1e-8);
+    assert!(uncertainty.is_resolved(), "{}", uncertainty.sentence());
+    assert!(error <= PROMISE, "{error:e}: {}", uncertainty.sentence());
+}
+
+/// Lengths, masses and times of a scene in other units: forces scale by m l/t^2.
+fn similar(scene: &Scene, length: f64, mass: f64, time: f64) -> Scene {
+    let mut scaled = scene.clone();
+    let (force, speed) = (mass * length / (time * time), length / time);
+    let gear = &mut scaled.gear;
+    for value in [
+        &mut gear.eccentricity_m,
+        &mut gear.external_sleeve_radius_m,
+        &mut gear.internal_sleeve_radius_m,
+        &mut gear.internal_circle_radius_m,
+        &mut gear.hole_radius_m,
+        &mut gear.backlash_m,
+        &mut scaled.contact.ramp_m,
+    ] {
+        *value *= length;
+    }
+    let of_body = |body: &mut BodyMass| {
+        body.mass_kg *= mass;
+        body.moment_kg_m2 *= mass * length * length;
+    };
+    let masses = &mut scaled.mass;
+    of_body(&mut masses.input_shaft);
+    of_body(&mut masses.output_shaft);
+    of_body(&mut masses.wheel);
+    of_body(&mut masses.internal_sleeve);
+    of_body(&mut masses.external_sleeve);
+    scaled.drive.input_speed_rad_s /= time;
+    scaled.drive.output_torque_n_m *= force * length;
+    scaled.drive.load_ramp_s *= time;
+    let contact = &mut scaled.contact;
+    contact.young_pa *= force / (length * length);
+    contact.damping_n_s_m *= force / speed;
+    contact.friction_ramp_m_s *= speed;
+    let solver = &mut scaled.solver;
+    for value in [
+        &mut solver.step_s,
+        &mut solver.duration_s,
+        &mut solver.sample_s,
+    ] {
+        *value *= time;
+    }
+    scaled.clone().check().unwrap();
+    scaled
+}
+
+/// A gear of a few millimetres that carries a fraction of a millinewton metre is as good as its likeness of
+/// ordinary size: nothing is measured by a newton or a second. Powers of two, so that only roundings of powers differ.
+#[test]
+fn regress_results_do_not_depend_on_the_size() {
+    for (preset, sets) in [
+        ("paper", vec!["solver.duration_s=0.01"]),
+        (
+            "backlash-0.6",
+            vec![
+                "solver.duration_s=0.01",
+                "contact.friction_coefficient=0.05",
+            ],
+        ),
+        (
+            "paper",
+            vec!["solver.duration_s=0.01", "drive.output_torque_n_m=0"],
+        ),
+    ] {
+        let ordinary = scene(preset, &sets);
+        let (length, mass, time) = (1.0 / 16.0, 1.0 / 4096.0, 1.0 / 4.0);
+        let small = similar(&ordinary, length, mass, time);
+        let ((one, a), (other, b)) = (resolved(&ordinary), resolved(&small));
+        assert_eq!(one.counts, other.counts, "{preset}: the same steps");
+        let (of_a, of_b) = (a.error.unwrap(), b.error.unwrap());
+        assert!(
+            (of_a.worst() - of_b.worst()).abs() <= 1e-3 * of_a.worst() + 1e-11,
+            "{preset}: {of_a:?} {of_b:?}"
+        );
+        let force = mass * length / (time * time);
+        let (x, y) = (
+            one.courses.group("external_sleeve_force_n"),
+            other.courses.group("external_sleeve_force_n"),
+        );
+        let most = x
+            .iter()
+            .flat_map(|c| c.iter())
+            .fold(1e-9, |m: f64, &v| m.max(v));
+        for (x, y) in x.iter().zip(&y) {
+            for (x, y) in x.iter().zip(*y) {
+                assert!((x - y / force).abs() <= 1e-9 * most, "{preset}: {x} {y}");
+            }
+        }
+    }
+}
+
+/// The 5 mm gear whose forces of millinewtons fell below a floor of 1 N: Heun at a step twice too long is told.
+#[test]
+fn regress_small_forces_are_judged_too() {
+    let ordinary = scene("paper", &["solver.duration_s=0.01"]);
+    let small = similar(&ordinary, 1.0 / 16.0, 1.0 / 4096.0, 1.0);
+    let gearbox = Gearbox::new(&small.clone().check().unwrap()).unwrap();
+    let run = |step_s: f64| {
+        let gearbox = gearbox
+            .with_solver(|solver| solver.step_s = step_s)
+            .unwrap();
+        native::run(&gearbox, &mut |_| false).unwrap().courses
+    };
+    let (coarse, fine) = (run(5e-5), run(5e-6));
+    let peak = fine.group("external_sleeve_force_n").concat();
+    assert!(peak.iter().all(|&force| force < 1.0), "below the old floor");
+    let off = Distance::between(&gearbox, &coarse, &fine).forces;
+    assert!(off > 0.05, "{off}");
+}
+
+/// What verification costs an easy scene, and that the paper's own run needs no refinement.
+#[test]
+fn easy_scenes_are_verified_at_less_than_twice_the_cost() {
+    for name in ["paper", "paper-2019", "forty-pins", "eleven-pins"] {
+        let (_, uncertainty) = resolved(&scene(name, &["solver.duration_s=0.1"]));
+        assert!(uncertainty.is_resolved(), "{}", uncertainty.sentence());
+        println!("{name}: {}", uncertainty.sentence());
+        assert!(uncertainty.cost() <= 1.75, "{name}: {}", uncertainty.cost());
+    }
+}
+
+/// Too small a budget is told, with what was reached.
+#[test]
+fn bad_input_a_budget_too_small_is_told() {
+    let scene = scene("paper", &["solver.duration_s=0.02"]);
+    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
+    // Enough for the first rung of 1e-7, at a tolerance of 1e-9, and not for the second.
+    let budget = Budget {
+        evaluations: named(&scene, "dopri5", 1e-9).counts.evaluations * 6 / 5,
+    };
+    let found = run_resolved(&gearbox, 1e-7, budget, &mut |_| false);
+    let (_, uncertainty) = found.ok().expect("a run within the budget");
+    let Verdict::NotResolved { reason, .. } = &uncertainty.verdict else {
+        panic!("{}", uncertainty.sentence());
+    };
+    assert!(reason.contains("budget"), "{reason}");
+    assert!(uncertainty.sentence().contains("Not resolved"));
+}
+
+/// Feather-light sleeves, on which explicit methods never end: the chain begins with the one that does.
+#[test]
+fn hard_auto_ends_where_one_method_does() {
+    for name in [
+        "hard-feather-sleeves",
+        "hard-all-open",
+        "hard-steel",
+        "hard-zero-load-friction",
+    ] {
+        let scene = scene(name, &["solver.duration_s=0.005"]);
+        let (run, uncertainty) = resolved(&scene);
+        println!("{name}: {}", uncertainty.sentence());
+        assert!(
+            uncertainty.is_resolved(),
+            "{name}: {}",
+            uncertainty.sentence()
+        );
+        assert!((run.end_s - 0.005).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn remedies_are_tried_before_they_are_offered() {
+    let steel = scene("steel", &["solver.duration_s=0.01"]);
+    let failed = native::run(
+        &Gearbox::new(&steel.clone().check().unwrap()).unwrap(),
+        &mut |_| false,
+    );
+    assert!(matches!(failed, Err(NativeError::Diverged { .. })));
+    let found =
+        remedy(&steel.clone().check().unwrap(), Duration::from_secs(60)).expect("auto resolves it");
+    assert!(found.sentence().contains("solver.integrator = \"auto\""));
+    assert!(
+        remedy(&steel.clone().check().unwrap(), Duration::ZERO).is_none(),
+        "no time to try"
+    );
+    let auto = scene("steel", &["solver.integrator=auto"]);
+    assert!(remedy(&auto.clone().check().unwrap(), Duration::from_secs(60)).is_none());
+}
+
+#[test]
+fn stopping_is_heard() {
+    let gearbox = Gearbox::new(&scene("paper", &[]).clone().check().unwrap()).unwrap();
+    let found = run_resolved(&gearbox, PROMISE, Budget::default(), &mut |t| t > 1e-3);
+    assert!(matches!(found, Err(NativeError::Stopped)));
+    assert_eq!(auto::chain(&gearbox.scene, PROMISE)[0].integrator, "dopri5");
+}

@@ -1,0 +1,195 @@
+//! `auto` on gears that nobody tuned it to: no run that calls itself resolved may be wrong.
+//!
+//! `PINWHEEL_GEARS=1000` judges that many of them, `PINWHEEL_GEARS=300..900` others.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use pinwheel_courses::Courses;
+use pinwheel_gearbox::auto::PROMISE;
+use pinwheel_gearbox::resolve::{Budget, Uncertainty, run_resolved};
+use pinwheel_gearbox::{Distance, Frequencies, Gearbox, native};
+use pinwheel_scene::{Detection, FrictionLaw, Scene};
+use pinwheel_tests::gears::gear;
+
+/// Gears of an ordinary test run.
+const GEARS: u64 = 300;
+/// Evaluations a gear may take: the dearest two per cent end as not resolved.
+const BUDGET: Budget = Budget {
+    evaluations: 600_000,
+};
+/// An error beyond this many promises is a silent failure.
+const SILENT: f64 = 3.0;
+
+/// Method and setting (tolerance, or radians of the contacts' oscillation a step) of a reference and of the one that
+/// confirms it: methods and steps that `auto` does not take.
+fn references(scene: &Scene, by: &str) -> [(&'static str, f64); 2] {
+    let contact = &scene.contact;
+    let rubs = contact.friction_coefficient > 0.0;
+    let convex = rubs && contact.friction_law == FrictionLaw::Regularised;
+    let found = Frequencies::of(scene);
+    let stiff = found.friction_1_s > 100.0 * found.contact_rad_s;
+    match contact.detection {
+        Detection::Points if convex => [("imex2", 0.004), ("imex2", 0.0015)],
+        Detection::Points => [("rk4", 0.004), ("rk4", 0.0015)],
+        Detection::Exact if !rubs => [("dop853", 1e-11), ("dopri5", 1e-12)],
+        Detection::Exact if !convex => [("dop853", 1e-9), ("dopri5", 1e-11)],
+        Detection::Exact if by == "dopri5" => [("imex2-adaptive", 1e-5), ("dopri5", 1e-11)],
+        Detection::Exact if stiff => [("imex2", 0.001), ("imex2-adaptive", 2e-6)],
+        Detection::Exact => [("dopri5", 1e-8), ("dopri5", 1e-10)],
+    }
+}
+
+fn reference(scene: &Scene, (integrator, setting): (&str, f64)) -> Option<Courses> {
+    let radian = 1.0 / Frequencies::of(scene).contact_rad_s;
+    let mut scene = scene.clone();
+    let solver = &mut scene.solver;
+    integrator.clone_into(&mut solver.integrator);
+    if ["dopri5", "dop853", "imex2-adaptive"].contains(&integrator) {
+        solver.tolerance = setting;
+    } else {
+        solver.step_s = setting * radian;
+    }
+    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).ok()?;
+    native::run(&gearbox, &mut |_| false)
+        .ok()
+        .map(|run| run.courses)
+}
+
+/// What became of one gear.
+enum Outcome {
+    /// With the uncertainty and the true error.
+    Judged(Uncertainty, Distance),
+    /// It said that it is not resolved, and why.
+    Told(String),
+    /// Two references disagree by more than the promise.
+    NoTruth(f64),
+    /// Every method failed.
+    Failed(String),
+}
+
+fn judge(scene: &Scene) -> Outcome {
+    let gearbox = match Gearbox::new(&scene.clone().check().unwrap()) {
+        Ok(gearbox) => gearbox,
+        Err(error) => return Outcome::Failed(error.to_string()),
+    };
+    let (run, uncertainty) = match run_resolved(&gearbox, PROMISE, BUDGET, &mut |_| false) {
+        Ok(found) => found,
+        Err(error) => return Outcome::Failed(error.to_string()),
+    };
+    if !uncertainty.is_resolved() {
+        return Outcome::Told(uncertainty.sentence());
+    }
+    let by = uncertainty.chosen().map_or("", |rung| &rung.integrator);
+    let [first, second] = references(scene, by);
+    let off = |truth: &Courses| Distance::between(&gearbox, &run.courses, truth);
+    let truth = reference(scene, first);
+    if let Some(truth) = &truth
+        && off(truth).worst() <= PROMISE
+    {
+        return Outcome::Judged(uncertainty, off(truth));
+    }
+    // Either may be wrong: the second reference tells, if it is one itself.
+    match (truth, reference(scene, second)) {
+        (Some(first), Some(second)) => {
+            let apart = Distance::between(&gearbox, &first, &second).worst();
+            let error = off(&second);
+            if apart <= PROMISE || error.worst() <= PROMISE {
+                Outcome::Judged(uncertainty, error)
+            } else {
+                Outcome::NoTruth(apart)
+            }
+        }
+        (None, Some(second)) => Outcome::Judged(uncertainty, off(&second)),
+        _ => Outcome::NoTruth(f64::INFINITY),
+    }
+}
+
+/// Seeds to judge.
+fn seeds() -> std::ops::Range<u64> {
+    let asked = std::env::var("PINWHEEL_GEARS").unwrap_or_default();
+    match asked.split_once("..") {
+        Some((from, to)) => from.parse().unwrap()..to.parse().unwrap(),
+        None => 0..asked.parse().unwrap_or(GEARS),
+    }
+}
+
+/// Counts by decade of the stated uncertainty (rows) and of the true error (columns).
+fn print_histogram(pairs: &[(f64, f64)]) {
+    let decade = |x: f64| (x.max(1e-9).log10().floor() as i32).clamp(-9, 0);
+    println!("uncertainty \\ true error, decades:");
+    let columns: Vec<String> = (-9..=0).map(|d| format!("{d:>4}")).collect();
+    println!("{:>6} {}", "", columns.join(""));
+    for row in (-9..=-3).rev() {
+        let counts = (-9..=0).map(|column| {
+            let here = pairs.iter();
+            let here = here.filter(|(u, e)| decade(*u) == row && decade(*e) == column);
+            match here.count() {
+                0 => "   .".to_owned(),
+                count => format!("{count:>4}"),
+            }
+        });
+        println!("{row:>6} {}", counts.collect::<String>());
+    }
+}
+
+/// Of 300 random gears (6 to 60 sleeves, 1 to 4 wheels, backlash, friction, all loads, laws and sizes) none is silently wrong:
+/// what calls itself resolved to 1e-3 is within 3e-3 of a reference by another method. See `print_histogram`'s table.
+#[test]
+fn crossval_no_random_gear_is_silently_wrong() {
+    let seeds = seeds();
+    let total = (seeds.end - seeds.start) as usize;
+    let (next, found) = (AtomicU64::new(seeds.start), Mutex::new(Vec::new()));
+    let threads = std::thread::available_parallelism().map_or(2, std::num::NonZero::get);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                loop {
+                    let seed = next.fetch_add(1, Ordering::Relaxed);
+                    if seed >= seeds.end {
+                        break;
+                    }
+                    let outcome = judge(&gear(seed));
+                    found.lock().unwrap().push((seed, outcome));
+                }
+            });
+        }
+    });
+    let mut pairs = Vec::new();
+    let (mut silent, mut failed, mut told, mut open) = (Vec::new(), Vec::new(), 0, 0);
+    let mut costs = Vec::new();
+    for (seed, outcome) in found.into_inner().unwrap() {
+        match outcome {
+            Outcome::Judged(uncertainty, error) => {
+                let stated = uncertainty.error.unwrap().worst();
+                pairs.push((stated, error.worst()));
+                costs.push(uncertainty.cost());
+                if !(error.worst() <= SILENT * PROMISE) {
+                    silent.push(format!("{seed}: {stated:.1e} stated, {error:?}"));
+                }
+            }
+            Outcome::Told(why) => {
+                told += 1;
+                println!("{seed}: {why}");
+            }
+            Outcome::NoTruth(apart) => {
+                open += 1;
+                println!("{seed}: references {apart:.1e} apart");
+            }
+            Outcome::Failed(why) => failed.push(format!("{seed}: {why}")),
+        }
+    }
+    print_histogram(&pairs);
+    costs.sort_by(f64::total_cmp);
+    println!(
+        "{} judged, {told} said not resolved, {open} without a truth; cost {:.2} times a run in the median",
+        pairs.len(),
+        costs[costs.len() / 2]
+    );
+    assert!(failed.is_empty(), "{failed:#?}");
+    assert!(silent.is_empty(), "{silent:#?}");
+    // Silence would also be never to promise, and blindness never to look.
+    assert!(told * 20 <= total, "{told} of {total} not resolved");
+    assert!(open * 50 <= total, "{open} of {total} without a truth");
+    assert!(costs[costs.len() / 2] <= 1.75, "{costs:?}");
+}
