@@ -2,6 +2,11 @@
 //!
 //! `PINWHEEL_GEARS=1000` judges that many of them, `PINWHEEL_GEARS=300..900` others.
 
+#![allow(
+    clippy::print_stdout,
+    reason = "the table of uncertainty against error is what one looks at"
+)]
+
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 

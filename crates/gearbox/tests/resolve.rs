@@ -194,7 +194,9 @@ fn bad_input_a_budget_too_small_is_told() {
         evaluations: named(&scene, "dopri5", 1e-9).counts.evaluations * 6 / 5,
     };
     let found = run_resolved(&gearbox, 1e-7, budget, &mut |_| false);
-    let (_, uncertainty) = found.ok().expect("a run within the budget");
+    let Ok((_, uncertainty)) = found else {
+        panic!("one run fits the budget");
+    };
     let Verdict::NotResolved { reason, .. } = &uncertainty.verdict else {
         panic!("{}", uncertainty.sentence());
     };
