@@ -3,13 +3,15 @@
 //! What is planned here is a good first try, from [`Frequencies`]; [`resolve`](crate::resolve) verifies it on the run
 //! itself, refines it, and falls back on the next plan of the [`chain`] where it fails.
 
+use pinwheel_contact::{Law, NormalLaw};
 use pinwheel_mbs::integrators::METHODS;
+use pinwheel_scene::scales;
 
 use crate::frequencies::Frequencies;
 use crate::load_course;
 use crate::native::Limits;
-use crate::scene::{Detection, FrictionLaw, Scene};
-use crate::{Gearbox, GearboxError, scene};
+use crate::scene::{Detection, Formulation, FrictionLaw, Scene};
+use crate::{Gearbox, GearboxError, contacts, scene};
 
 pub use pinwheel_scene::names::AUTO;
 
@@ -26,6 +28,10 @@ const SMOOTH: f64 = 5e-4;
 const RUBBING: f64 = 1e-4;
 /// Tolerance of the adaptive IMEX method for a promise, as a share of it: its error is 0.1 to 30 times the tolerance.
 const IMPLICIT: f64 = 0.05;
+/// Tolerance of RODAS5P for a promise, as a share of it: its error is 10 to 16 times the tolerance on `paper-friction`.
+const ROSENBROCK: f64 = 0.02;
+/// Largest tolerance at which RODAS5P lands on the friction's ramp: looser ones cost more and give less.
+const LOOSEST_ROSENBROCK: f64 = 1e-5;
 /// Explicit steps follow friction with about ten evaluations a relaxation; implicit ones take some 80 a radian of
 /// the contacts' oscillation at a promise of [`PROMISE`] on the paper's gear, growing with its inverse root: up to this many
 /// relaxations a radian the explicit method is the cheaper one.
@@ -233,6 +239,12 @@ impl<'a> Planner<'a> {
                  oscillation: cheaper to follow than to solve",
                 rate / contact
             ))
+        } else if self.has_slopes() {
+            self.rosenbrock(&format!(
+                "friction relaxes the sleeves' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the \
+                 contacts' oscillation: implicitly to order five, by the exact Jacobian",
+                rate / contact
+            ))
         } else {
             self.implicit(&format!(
                 "friction relaxes the sleeves' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the \
@@ -247,6 +259,23 @@ impl<'a> Planner<'a> {
         // A law stiffer than Hertz' twists less than errors are weighed by.
         let twist = Frequencies::depth_share(self.scene).min(1.0);
         self.plan("dopri5", share * twist, reason)
+    }
+
+    /// Whether the contacts know their Jacobian in closed form, without which a Rosenbrock step costs ten times as much:
+    /// laws without a force along the profile, in vector lanes.
+    fn has_slopes(&self) -> bool {
+        let normal_only = |law: Law| law.along(1e-6).is_none();
+        contacts::law_of(self.scene).is_some_and(normal_only)
+            && self.scene.solver.formulation == Formulation::Reduced
+    }
+
+    fn rosenbrock(&self, reason: &str) -> Plan {
+        let plan = self.plan("rodas5p", ROSENBROCK, reason);
+        // Looser, and it jumps to and fro over the friction's ramp.
+        Plan {
+            tolerance: plan.tolerance.min(LOOSEST_ROSENBROCK),
+            ..plan
+        }
     }
 
     fn implicit(&self, reason: &str) -> Plan {
@@ -279,9 +308,8 @@ impl<'a> Planner<'a> {
 pub fn friction_rate(scene: &Scene) -> f64 {
     let (gear, contact, mass) = (&scene.gear, &scene.contact, &scene.mass);
     let torque = load_course::largest(&scene.drive) / gear.wheels as f64;
-    let lever = gear.eccentricity_m * gear.lobes() as f64;
-    let external = 4.0 * torque / (lever * gear.external_sleeves as f64);
-    let internal = 4.0 * torque / (gear.internal_circle_radius_m * gear.internal_sleeves as f64);
+    let external = scales::external_force(gear, torque);
+    let internal = scales::internal_force(gear, torque);
     let rate = |force: f64, radius: f64, body: scene::BodyMass| {
         contact.friction_coefficient * force * radius * radius
             / (contact.friction_ramp_m_s * body.moment_kg_m2)
@@ -313,6 +341,9 @@ mod tests {
         scene.contact.friction_coefficient = 0.1;
         assert_eq!(integrator(&scene).integrator, "imex2", "points");
         scene.contact.detection = Detection::Exact;
+        assert_eq!(integrator(&scene).integrator, "rodas5p");
+        // Without a Jacobian in closed form a Rosenbrock step is dear.
+        scene.contact.law = "paper-conservative".to_owned();
         assert_eq!(integrator(&scene).integrator, "imex2-adaptive");
         // Slow friction, and digits that an implicit method of order two would pay for.
         assert_eq!(plan(&scene, 1e-7).integrator, "dopri5");

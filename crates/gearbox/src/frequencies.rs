@@ -108,7 +108,7 @@ impl Frequencies {
 fn external_force(scene: &Scene) -> f64 {
     let gear = &scene.gear;
     let torque = load_course::largest(&scene.drive) / gear.wheels as f64;
-    4.0 * torque / (gear.eccentricity_m * gear.lobes() as f64 * gear.external_sleeves as f64)
+    pinwheel_scene::scales::external_force(gear, torque)
 }
 
 /// Hertz' stiffness of a scene's material.

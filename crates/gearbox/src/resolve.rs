@@ -300,7 +300,7 @@ impl Ladder {
             },
             // Where friction sets the steps, tolerances change them little, and the error no more: measured on
             // `paper-friction` between 1e-7 and 1e-9, 5 in the driver's torque.
-            (true, _) if rubs => Self {
+            (true, method) if rubs && method != "rodas5p" => Self {
                 first: 10.0,
                 order: 0.45,
                 cost: 0.2,

@@ -87,14 +87,18 @@ pub(crate) fn field(
     geometry: &Geometry,
     kernel: Kernel,
 ) -> Result<Box<dyn ContactField>, GearboxError> {
-    let law = Law::named(&scene.contact.law, &parameters(&scene.contact))
-        .ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
+    let law = law_of(scene).ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
     law.visit(Build {
         scene,
         geometry,
         kernel,
         any: law,
     })
+}
+
+/// The law that a scene names; `None` if there is none of that name.
+pub(crate) fn law_of(scene: &Scene) -> Option<Law> {
+    Law::named(&scene.contact.law, &parameters(&scene.contact))
 }
 
 /// Builds the field of the law it is given.

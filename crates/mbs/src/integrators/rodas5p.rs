@@ -223,6 +223,10 @@ impl<S: OdeSystem> Stepper<S> for Rodas5p {
         self.h
     }
 
+    fn shorten(&mut self, longest: f64) {
+        self.h = self.h.min(longest);
+    }
+
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         if self.counts.steps == 0 || (self.time - t).abs() < 1e-9 * self.taken {
             y.copy_from_slice(&self.y);
