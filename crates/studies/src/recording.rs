@@ -10,7 +10,7 @@ use pinwheel_scene::{CheckedScene, Scene};
 use crate::StudyError;
 use crate::choice;
 use crate::control::{Control, Progress, compile};
-use crate::output::OutputError;
+use crate::output::{OutputError, file_name};
 use crate::provenance::Provenance;
 
 /// The scenes named (presets or files), or those that recordings are kept of.
@@ -93,7 +93,7 @@ pub fn record(
     );
     recording.date = made.date;
     recording.command = made.command;
-    let folder = out.join(&scene.name);
+    let folder = out.join(file_name(&scene.name));
     let path = folder.join(engine.name());
     let (description, csv) = recording
         .write()
