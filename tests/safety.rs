@@ -9,6 +9,16 @@ use pinwheel_tests::{Outcome, names_in, pinwheel, repository, run_in};
 
 const SHORT: [&str; 2] = ["--set", "solver.duration_s=0.002"];
 
+/// Seconds of work, written into the folder named after it.
+const LONG: [&str; 6] = [
+    "run",
+    "paper",
+    "--unchecked",
+    "--set",
+    "solver.duration_s=20",
+    "--out",
+];
+
 /// A sweep of eight runs, each of `duration` seconds.
 fn sweep_file(dir: &Path, duration: &str) {
     let text = format!(
@@ -42,8 +52,9 @@ fn assert_refused(outcome: &Outcome, part: &str) {
 }
 
 fn interrupt(child: &Child) {
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]);
-    assert!({ sent }.status().unwrap().success());
+    let mut sent = Command::new("kill");
+    let sent = sent.args(["-INT", &child.id().to_string()]);
+    assert!(sent.status().unwrap().success());
 }
 
 /// Waits for `there`, at most a minute.
@@ -65,7 +76,7 @@ fn regress_a_scenes_name_is_no_path() {
         "..",
         &dir.path().join("abs").display().to_string(),
     ] {
-        let text = format!("name = {name:?}\n[solver]\nduration_s = 0.002\n");
+        let text = format!("base = \"paper\"\nname = {name:?}\n[solver]\nduration_s = 0.002\n");
         fs::write(place.join("mine.toml"), text).unwrap();
         let words = [
             "record",
@@ -144,7 +155,7 @@ fn regress_folders_of_the_user_are_never_replaced() {
     std::os::unix::fs::symlink(&real, &link).unwrap();
     fs::write(
         work.join("data/mine.toml"),
-        "[solver]\nduration_s = 0.002\n",
+        "base = \"paper\"\n[solver]\nduration_s = 0.002\n",
     )
     .unwrap();
     let run = |words: &[&str]| {
@@ -283,15 +294,16 @@ fn regress_what_a_kill_leaves_is_cleaned_up() {
             .filter(|n| n.starts_with(".pinwheel-"))
             .count()
     };
-    let mut child = start(dir.path(), &["run", "paper", "--unchecked", "--out", "o"]);
+    let mut child = start(dir.path(), &[&LONG[..], &["o"]].concat());
     until(|| hidden() == 1);
     std::thread::sleep(Duration::from_millis(200));
     child.kill().unwrap();
     child.wait().unwrap();
     assert_eq!(hidden(), 1);
+    let left = names_in(dir.path()).remove(0);
     // The folder of a program that still runs is left alone.
-    let alive = start(dir.path(), &["run", "paper", "--unchecked", "--out", "p"]);
-    until(|| hidden() >= 1 && dir.path().join("o").exists() || hidden() == 2 || hidden() == 1);
+    let alive = start(dir.path(), &[&LONG[..], &["p"]].concat());
+    until(|| hidden() == 1 && !dir.path().join(&left).exists());
     std::thread::sleep(Duration::from_millis(500));
     let words = ["run", "paper", "--out", "o"];
     assert_eq!(run_in(dir.path(), words.iter().chain(&SHORT)).code, Some(0));
@@ -449,6 +461,8 @@ fn regress_control_characters_never_reach_the_terminal() {
     for words in [
         &["run", "\u{1b}]0;owned\u{7}"][..],
         &["run", "paper", "--set", "contact.law=a\u{1b}[2Jb"],
+        &["run", "paper", "--out", "a\u{1b}[2Jb/../x"],
+        &["baseline", "check", "--dir", "a\u{1b}[2Jb"],
         &["run", "paper", "--set", "gear.\u{9b}2J=1"],
         &["\u{1b}[2J"],
     ] {
@@ -458,7 +472,7 @@ fn regress_control_characters_never_reach_the_terminal() {
         assert!(!line.chars().any(char::is_control), "{line:?}");
     }
     let keys: String = (0..60_000)
-        .map(|k| format!("gear.key_{k} = [1, 2]\n"))
+        .map(|k| format!("gear.key_{k} = [1]\n"))
         .collect();
     fs::write(dir.path().join("s.toml"), format!("[vary]\n{keys}")).unwrap();
     let outcome = within(start(dir.path(), &["sweep", "s.toml"]), 20.0);
@@ -468,6 +482,47 @@ fn regress_control_characters_never_reach_the_terminal() {
         "{} bytes",
         outcome.stderr.len()
     );
+}
+
+/// An output folder that holds what a named file names in turn is not replaced.
+#[test]
+fn regress_inputs_of_inputs_are_inputs() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::create_dir(dir.path().join("o")).unwrap();
+    fs::write(dir.path().join("o/base.toml"), "base = \"paper\"\n").unwrap();
+    fs::write(dir.path().join("mine.toml"), "base = \"o/base.toml\"\n").unwrap();
+    fs::write(dir.path().join("s.toml"), "scene = \"mine.toml\"\n").unwrap();
+    for words in [["run", "mine.toml"], ["sweep", "s.toml"]] {
+        let words = words.iter().chain(&["--force", "--out", "o"]).chain(&SHORT);
+        assert_refused(&run_in(dir.path(), words), "base.toml");
+    }
+    assert_eq!(names_in(&dir.path().join("o")), ["base.toml"]);
+}
+
+/// A plan of many runs is made of many scenes: the first Ctrl-C ends that, too.
+#[cfg(unix)]
+#[test]
+fn regress_planning_can_be_stopped() {
+    let dir = tempfile::tempdir().unwrap();
+    let axis = |key: &str, to: f64| format!("{key} = {{ from = 0.0, to = {to}, points = 300 }}\n");
+    let text = format!(
+        "[vary]\n{}{}",
+        axis("gear.backlash_m", 3e-4),
+        axis("drive.output_torque_n_m", 11.0)
+    );
+    fs::write(dir.path().join("s.toml"), text).unwrap();
+    let child = start(dir.path(), &["sweep", "s.toml", "--list"]);
+    std::thread::sleep(Duration::from_millis(300));
+    let asked = Instant::now();
+    interrupt(&child);
+    let outcome = within(child, 30.0);
+    assert_eq!(outcome.code, Some(130), "{:.300}", outcome.stderr);
+    assert!(
+        asked.elapsed() < Duration::from_secs(1),
+        "{:?}",
+        asked.elapsed()
+    );
+    assert_eq!(outcome.stdout, "");
 }
 
 #[cfg(target_os = "linux")]

@@ -119,6 +119,7 @@ impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         match error {
             SweepError::Output(error) => error.into(),
+            SweepError::Stopped { finished: 0, .. } => Self::stopped(),
             SweepError::Stopped { finished, runs } => Self {
                 code: STOPPED,
                 message: format!(

@@ -264,10 +264,12 @@ impl Place {
     }
 }
 
-/// Files that the command line names, whatever they are for.
+/// Files that the command line names, whatever they are for, and those that TOML files among them name in turn: the
+/// base of a scene, the scene of a sweep.
 fn named_files() -> Vec<PathBuf> {
+    let mut files = Vec::new();
     let words = std::env::args_os().skip(1);
-    words
+    let mut open: Vec<PathBuf> = words
         .flat_map(|word| {
             // `--against=FILE`
             let value = word
@@ -276,8 +278,24 @@ fn named_files() -> Vec<PathBuf> {
                 .map(|(_, value)| PathBuf::from(value));
             value.into_iter().chain([PathBuf::from(word)])
         })
-        .filter(|path| path.is_file())
-        .collect()
+        .collect();
+    while let Some(path) = open.pop() {
+        if !path.is_file() || files.contains(&path) {
+            continue;
+        }
+        let text = path
+            .extension()
+            .filter(|ending| ending.eq_ignore_ascii_case("toml"))
+            .and_then(|_| fs::read_to_string(&path).ok());
+        if let Some(Ok(table)) = text.map(|text| text.parse::<toml::Table>()) {
+            let above = path.parent().unwrap_or(Path::new(""));
+            // At the top, where they stand; a word that is no path is no file either.
+            let words = table.values().filter_map(toml::Value::as_str);
+            open.extend(words.flat_map(|word| [PathBuf::from(word), above.join(word)]));
+        }
+        files.push(path);
+    }
+    files
 }
 
 /// Whether another file system, or another part of one, begins at an absolute path.

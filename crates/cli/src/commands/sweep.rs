@@ -1,7 +1,6 @@
 //! `pinwheel sweep`: a study as data.
 
 use std::fs;
-use std::path::Path;
 
 use pinwheel::pages;
 use pinwheel::studies::Provenance;
@@ -14,7 +13,7 @@ use crate::args::{self, SweepArgs};
 use crate::failure::{ENGINE, Failure};
 use crate::folder::{self, Folder};
 use crate::progress::watched;
-use crate::screen;
+use crate::{interrupt, screen};
 
 pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let plan = plan(args)?;
@@ -25,7 +24,6 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let out = args.out.folder(&plan.sweep.name, "sweep");
     // Checked before anything long is run; what is written comes at the end.
     drop(Folder::prepare(&out, args.out.force)?);
-    folder::protect(&out, &[&args.file, Path::new(&plan.sweep.scene)])?;
     // `out/backlash.unfinished` for `out/backlash`.
     let place = folder::beside(&out, ".unfinished");
     let there = place.exists();
@@ -107,5 +105,9 @@ fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
             .map(|name| name.trim().to_owned())
             .collect();
     }
-    Ok(Plan::new(sweep, &args::overrides(&args.set)?)?)
+    Ok(Plan::within(
+        sweep,
+        &args::overrides(&args.set)?,
+        interrupt::flag(),
+    )?)
 }

@@ -52,12 +52,15 @@ fn two_at_once_make_one_and_leftovers_go() {
     );
     assert_eq!(names(&here), [name.clone(), format!("{name}.lock")]);
     // A named environment is used as it is.
-    assert_eq!(named(&made[0].folder, &interpreter()).unwrap(), made[0]);
+    assert_eq!(
+        named(&made[0].folder, &interpreter(), &GO).unwrap(),
+        made[0]
+    );
     let other = Interpreter {
         version: "3.99.0".to_owned(),
         candidates: Vec::new(),
     };
-    let refused = named(&made[0].folder, &other).unwrap_err().to_string();
+    let refused = named(&made[0].folder, &other, &GO).unwrap_err().to_string();
     assert!(
         refused.contains("embeds 3.99.0") && refused.contains(ENVIRONMENT),
         "{refused}"
@@ -93,6 +96,47 @@ fn packages_that_cannot_be_had_leave_nothing_behind() {
 }
 
 #[test]
+fn an_environment_without_its_packages_is_not_whole() {
+    let cache = tempfile::tempdir().unwrap();
+    let made = ensure(NOTHING, &interpreter(), cache.path(), None, &GO).unwrap();
+    assert!(whole(&made.folder, NOTHING, &GO).is_some());
+    let more = Requirements {
+        text: "# list\nno_such.package==1.0 --hash=sha256:00\n",
+        ..NOTHING
+    };
+    let marker = made.folder.join(MARKER);
+    fs::write(marker, more.text).unwrap();
+    assert!(
+        whole(&made.folder, more, &GO).is_none(),
+        "the marker alone decides nothing"
+    );
+    let info = made.packages.join("No_Such_Package-1.0.dist-info");
+    fs::create_dir(&info).unwrap();
+    fs::write(
+        info.join("METADATA"),
+        "Name: No.Such-Package\nVersion: 1.0\n",
+    )
+    .unwrap();
+    assert!(whole(&made.folder, more, &GO).is_some());
+}
+
+#[test]
+fn a_call_ends_with_the_users_stop() {
+    let python = interpreter().candidates.remove(0);
+    let cancel = AtomicBool::new(false);
+    let start = std::time::Instant::now();
+    let said = thread::scope(|scope| {
+        let sleep = ["-I", "-c", "import time; time.sleep(60)"];
+        let called = scope.spawn(|| call(&python, sleep, None, &cancel));
+        thread::sleep(Duration::from_millis(300));
+        cancel.store(true, Ordering::Relaxed);
+        called.join().unwrap()
+    });
+    assert_eq!(said, Err("stopped".to_owned()));
+    assert!(start.elapsed() < Duration::from_secs(20));
+}
+
+#[test]
 fn who_waits_for_the_lock_can_be_stopped() {
     let cache = tempfile::tempdir().unwrap();
     let path = cache.path().join("x.lock");
@@ -105,7 +149,7 @@ fn who_waits_for_the_lock_can_be_stopped() {
 
 #[test]
 fn faults_name_the_remedy() {
-    let nowhere = named(Path::new("/nowhere"), &interpreter()).unwrap_err();
+    let nowhere = named(Path::new("/nowhere"), &interpreter(), &GO).unwrap_err();
     assert!(nowhere.to_string().contains(ENVIRONMENT), "{nowhere}");
     let cache = tempfile::tempdir().unwrap();
     let none = Interpreter {
