@@ -273,7 +273,9 @@ fn regress_reserved_names_are_refused_before_the_run() {
     let dir = tempfile::tempdir().unwrap();
     let map = "name = \"Index.html\"\n[columns]\ninput_torque_n_m = \"a\"\n";
     fs::write(dir.path().join("map.toml"), map).unwrap();
-    fs::write(dir.path().join("d.csv"), "time_s,a\n0,1\n").unwrap();
+    let mut csv = "time_s,a\n".to_owned();
+    (0..20).for_each(|k| csv.push_str(&format!("{},1\n", 1e-4 * f64::from(k))));
+    fs::write(dir.path().join("d.csv"), csv).unwrap();
     let words = [
         "compare",
         "paper",
@@ -282,7 +284,7 @@ fn regress_reserved_names_are_refused_before_the_run() {
         "--map",
         "map.toml",
     ];
-    assert_refused(&run_in(dir.path(), words), "`name`");
+    assert_refused(&run_in(dir.path(), words.iter().chain(&SHORT)), "`name`");
 }
 
 #[test]

@@ -198,7 +198,12 @@ impl RunRecord {
             Ok(efficiency) => self.efficiency = Some(efficiency),
             Err(reason) => self.undefined.push(format!("no efficiency: {reason}")),
         }
-        self.energy_remainder_share = run.stats.energy.last().map(|audit| audit.remainder_share);
+        let share = run.stats.energy.last().map(|audit| audit.remainder_share);
+        self.energy_remainder_share = share.filter(|share| share.is_finite());
+        if share != self.energy_remainder_share {
+            let reason = "no share of energy: no work is done in the run's second half";
+            self.undefined.push(reason.to_owned());
+        }
         self
     }
 

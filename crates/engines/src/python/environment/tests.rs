@@ -127,7 +127,8 @@ fn a_call_ends_with_the_users_stop() {
     let start = std::time::Instant::now();
     let said = thread::scope(|scope| {
         let sleep = ["-I", "-c", "import time; time.sleep(60)"];
-        let called = scope.spawn(|| call(&python, sleep, None, &cancel));
+        let (python, cancel) = (&python, &cancel);
+        let called = scope.spawn(move || call(python, sleep, None, cancel));
         thread::sleep(Duration::from_millis(300));
         cancel.store(true, Ordering::Relaxed);
         called.join().unwrap()
