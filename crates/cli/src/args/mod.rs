@@ -362,7 +362,7 @@ mod tests {
             ("paper", "out/paper-run"),
             ("../evil", "out/-evil-run"),
             ("a b/c", "out/a-b-c-run"),
-            ("..", "out/-run"),
+            ("..", "out/unnamed-run"),
         ] {
             assert_eq!(out.folder(scene, "run"), PathBuf::from(folder));
         }
