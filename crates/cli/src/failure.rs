@@ -95,7 +95,7 @@ impl From<PageError> for Failure {
 impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
         match error {
-            StudyError::Cancelled => Self::stopped(),
+            StudyError::Cancelled | StudyError::Engine(EngineError::Cancelled) => Self::stopped(),
             StudyError::Input(_) | StudyError::Load(_) | StudyError::Scene { .. } => {
                 Self::input(error.to_string())
             }

@@ -11,6 +11,7 @@ use crate::StudyError;
 use crate::choice;
 use crate::control::{Control, Progress, compile};
 use crate::output::{OutputError, file_name};
+use crate::ownership::sync;
 use crate::provenance::Provenance;
 
 /// The scenes named (presets or files), or those that recordings are kept of.
@@ -104,6 +105,7 @@ pub fn record(
         for (ending, text) in [("csv", &csv), ("toml", &description)] {
             let draft = path.with_extension(format!("{ending}.part"));
             fs::write(&draft, text)?;
+            sync(&draft)?;
             fs::rename(&draft, path.with_extension(ending))?;
         }
         Ok(())

@@ -203,8 +203,7 @@ impl Engine for PythonEngine {
 impl PythonEngine {
     /// Whether the package's engine honours the scene.
     fn check(&self, scene: &Scene) -> Result<(), EngineError> {
-        static NEVER: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
-        host::ready(&NEVER).map_err(|error| self.not_ready(&error))?;
+        host::ready(crate::stopping::flag()).map_err(|error| self.not_ready(&error))?;
         let scene_toml = scene.to_toml();
         Python::attach(|py| {
             host::package(py)
