@@ -66,7 +66,7 @@ const PIP_MAY: [&str; 15] = [
 ];
 
 /// Whether a variable of the user's environment is kept from Python and pip.
-fn kept_away(name: &str) -> bool {
+pub(super) fn kept_away(name: &str) -> bool {
     name.starts_with("PIP_") && !PIP_MAY.contains(&name)
 }
 

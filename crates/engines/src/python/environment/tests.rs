@@ -138,6 +138,37 @@ fn a_call_ends_with_the_users_stop() {
 }
 
 #[test]
+fn pip_installs_where_it_is_told_to() {
+    for away in [
+        "PIP_TARGET",
+        "PIP_DRY_RUN",
+        "PIP_PREFIX",
+        "PIP_USER",
+        "PIP_REQUIRE_VIRTUALENV",
+    ] {
+        assert!(process::kept_away(away), "{away}");
+    }
+    for let_through in ["PIP_INDEX_URL", "PIP_PROXY", "PATH", "HOME"] {
+        assert!(!process::kept_away(let_through), "{let_through}");
+    }
+}
+
+#[test]
+fn an_environment_of_the_user_is_not_to_be_removed() {
+    let said = |named: bool| {
+        let (folder, reason) = (PathBuf::from("/home/me/env"), "why".to_owned());
+        let error = PythonError::Load {
+            reason,
+            folder,
+            named,
+        };
+        error.to_string()
+    };
+    assert!(said(false).contains("remove /home/me/env"));
+    assert!(!said(true).contains("remove") && said(true).contains("pip install"));
+}
+
+#[test]
 fn who_waits_for_the_lock_can_be_stopped() {
     let cache = tempfile::tempdir().unwrap();
     let path = cache.path().join("x.lock");
