@@ -322,6 +322,17 @@ fn is_finite(value: &toml::Value) -> bool {
     }
 }
 
+fn write_toml(path: &PathBuf, value: &impl Serialize) -> Result<(), BaselineError> {
+    let text = toml::to_string_pretty(value).map_err(|error| BaselineError::Spoiled {
+        path: path.clone(),
+        what: error.to_string(),
+    })?;
+    fs::write(path, text).map_err(|source| BaselineError::Write {
+        path: path.clone(),
+        source,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -363,15 +374,4 @@ mod tests {
             }
         }
     }
-}
-
-fn write_toml(path: &PathBuf, value: &impl Serialize) -> Result<(), BaselineError> {
-    let text = toml::to_string_pretty(value).map_err(|error| BaselineError::Spoiled {
-        path: path.clone(),
-        what: error.to_string(),
-    })?;
-    fs::write(path, text).map_err(|source| BaselineError::Write {
-        path: path.clone(),
-        source,
-    })
 }

@@ -125,7 +125,8 @@ impl Repository {
             .stderr(Stdio::null())
             .output()
             .ok()?;
-        output.status.success().then(|| !output.stdout.is_empty())
+        let changed = !output.stdout.is_empty();
+        output.status.success().then_some(changed)
     }
 }
 
