@@ -71,7 +71,7 @@ pub fn run_in<S: AsRef<OsStr>>(dir: &Path, args: impl IntoIterator<Item = S>) ->
     }
 }
 
-/// Names in a folder, sorted, hidden ones included; a test folder that cannot be read has none.
+/// Names in a folder, sorted, hidden ones included but the marker of outputs; a test folder that cannot be read has none.
 #[must_use]
 pub fn names_in(dir: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(dir)
@@ -79,6 +79,7 @@ pub fn names_in(dir: &Path) -> Vec<String> {
         .flatten()
         .flatten()
         .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .filter(|name| name != ".pinwheel")
         .collect();
     names.sort();
     names

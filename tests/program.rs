@@ -224,8 +224,16 @@ fn program_replaces_its_own_output_and_with_force_any() {
     };
     done(run(&[]));
     // An earlier comparison there goes as a whole.
-    std::fs::create_dir(out.join("native-reduced")).unwrap();
-    std::fs::write(out.join("native-reduced/courses.csv"), "old").unwrap();
+    let compare = [
+        "compare",
+        "paper",
+        "--engines",
+        "native-reduced",
+        "--out",
+        "o",
+    ];
+    done(run_in(dir.path(), compare.iter().chain(&SHORT)));
+    assert!(out.join("native-reduced/courses.csv").is_file());
     done(run(&["--set", "name=second"]));
     assert_eq!(names_in(&out), ["courses.csv", "run.json"]);
     assert_eq!(json(out.join("run.json"))["scene"]["name"], "second");

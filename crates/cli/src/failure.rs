@@ -9,7 +9,7 @@ use pinwheel::scene::SceneError;
 use pinwheel::studies::StudyError;
 use pinwheel::studies::baseline::{self, BaselineError};
 use pinwheel::studies::choice::ChoiceError;
-use pinwheel::studies::output::OutputError;
+use pinwheel::studies::output::{OutputError, reason};
 use pinwheel::studies::sweep::SweepError;
 
 /// Ran, but a limit was exceeded.
@@ -48,8 +48,9 @@ impl Failure {
     /// A file or folder of the output cannot be written.
     pub(crate) fn unwritable(path: &Path, error: &dyn Display) -> Self {
         Self::input(format!(
-            "{}: cannot be written: {error}; choose another --out",
-            path.display()
+            "{}: cannot be written: {}; choose another --out",
+            path.display(),
+            reason(error)
         ))
     }
 
@@ -94,7 +95,7 @@ impl From<PageError> for Failure {
 impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
         match error {
-            StudyError::Cancelled => Self::stopped(),
+            StudyError::Cancelled | StudyError::Engine(EngineError::Cancelled) => Self::stopped(),
             StudyError::Input(_) | StudyError::Load(_) | StudyError::Scene { .. } => {
                 Self::input(error.to_string())
             }
@@ -118,6 +119,7 @@ impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         match error {
             SweepError::Output(error) => error.into(),
+            SweepError::Stopped { finished: 0, .. } => Self::stopped(),
             SweepError::Stopped { finished, runs } => Self {
                 code: STOPPED,
                 message: format!(

@@ -36,6 +36,7 @@ pub(crate) fn unfinished(folder: Option<&Path>) {
 /// Installs the handler.
 pub(crate) fn install() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
+        pinwheel::engines::stop_preparing();
         if !CANCEL.swap(true, Ordering::Relaxed) {
             return;
         }

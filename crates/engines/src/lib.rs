@@ -9,7 +9,9 @@ pub mod python;
 mod rapier;
 pub mod recorded;
 mod registry;
+mod stopping;
 
 pub use engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
 pub use native::Native;
 pub use registry::{by_name, registry};
+pub use stopping::stop_preparing;

@@ -23,6 +23,7 @@ mod error;
 pub mod explained;
 mod measure;
 pub mod output;
+pub mod ownership;
 pub mod paper;
 mod pool;
 pub mod precision;

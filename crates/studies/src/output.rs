@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 use std::fs::{self, File};
-use std::io::BufWriter;
+use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -22,9 +22,50 @@ impl OutputError {
     pub fn new(path: &Path, error: &dyn Display) -> Self {
         Self {
             path: path.to_owned(),
-            reason: error.to_string(),
+            reason: reason(error),
         }
     }
+}
+
+/// Why something cannot be written, in words: a full disk is called so, whichever library met it.
+#[must_use]
+pub fn reason(error: &dyn Display) -> String {
+    let text = error.to_string();
+    // ENOSPC and EDQUOT, or their words where a library leaves out the number.
+    for (signs, words) in [
+        (
+            ["(os error 28)", "No space left on device"],
+            "the disk is full",
+        ),
+        (
+            ["(os error 122)", "Disk quota exceeded"],
+            "the disk quota is used up",
+        ),
+    ] {
+        if cfg!(unix) && signs.iter().any(|sign| text.contains(sign)) {
+            return words.to_owned();
+        }
+    }
+    text
+}
+
+/// A name as one part of a path, safe everywhere: letters, digits, `-`, `_` and `.`, no dot first, at most 80 bytes.
+#[must_use]
+pub fn file_name(name: &str) -> String {
+    const LONGEST: usize = 80;
+    let safe = |c: char| c.is_alphanumeric() || "-_.".contains(c);
+    let mut text = String::new();
+    for c in name.chars().map(|c| if safe(c) { c } else { '-' }) {
+        // A leading dot would hide the file, or leave the folder.
+        if (text.is_empty() && c == '.') || text.len() + c.len_utf8() > LONGEST {
+            continue;
+        }
+        text.push(c);
+    }
+    if text.is_empty() {
+        text.push_str("unnamed");
+    }
+    text
 }
 
 /// Writes pretty JSON with a final newline.
@@ -57,9 +98,47 @@ pub(crate) fn folder(dir: &Path, name: &str) -> Result<PathBuf, OutputError> {
 pub(crate) fn write_with<E: Display>(
     dir: &Path,
     name: &str,
-    write: impl FnOnce(BufWriter<File>) -> Result<(), E>,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
 ) -> Result<(), OutputError> {
     let path = dir.join(name);
     let file = File::create(&path).map_err(|error| OutputError::new(&path, &error))?;
-    write(BufWriter::new(file)).map_err(|error| OutputError::new(&path, &error))
+    let mut sink = BufWriter::new(file);
+    write(&mut sink).map_err(|error| OutputError::new(&path, &error))?;
+    // Dropped, it would keep the last error to itself.
+    sink.flush()
+        .map_err(|error| OutputError::new(&path, &error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_one_safe_part_of_a_path() {
+        for (name, file) in [
+            ("paper", "paper"),
+            ("Zahn\u{e4}rztin 2.5", "Zahn\u{e4}rztin-2.5"),
+            ("../../etc", "-..-etc"),
+            ("/tmp/abs", "-tmp-abs"),
+            ("..", "unnamed"),
+            ("", "unnamed"),
+            ("a\\b:c\u{1b}", "a-b-c-"),
+        ] {
+            assert_eq!(file_name(name), file, "{name:?}");
+        }
+        assert_eq!(file_name(&"\u{e4}".repeat(300)).len(), 80);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_called_so() {
+        let full = Path::new("/dev/full");
+        assert_eq!(
+            write_text(full, "x").unwrap_err().reason,
+            "the disk is full"
+        );
+        let write = |sink: &mut BufWriter<File>| sink.write_all(b"x");
+        let error = write_with(Path::new("/dev"), "full", write).unwrap_err();
+        assert_eq!(error.reason, "the disk is full");
+    }
 }

@@ -10,7 +10,8 @@ use pinwheel_scene::{CheckedScene, Scene};
 use crate::StudyError;
 use crate::choice;
 use crate::control::{Control, Progress, compile};
-use crate::output::OutputError;
+use crate::output::{OutputError, file_name};
+use crate::ownership::sync;
 use crate::provenance::Provenance;
 
 /// The scenes named (presets or files), or those that recordings are kept of.
@@ -93,7 +94,7 @@ pub fn record(
     );
     recording.date = made.date;
     recording.command = made.command;
-    let folder = out.join(&scene.name);
+    let folder = out.join(file_name(&scene.name));
     let path = folder.join(engine.name());
     let (description, csv) = recording
         .write()
@@ -104,6 +105,7 @@ pub fn record(
         for (ending, text) in [("csv", &csv), ("toml", &description)] {
             let draft = path.with_extension(format!("{ending}.part"));
             fs::write(&draft, text)?;
+            sync(&draft)?;
             fs::rename(&draft, path.with_extension(ending))?;
         }
         Ok(())

@@ -45,7 +45,7 @@ fn numbers(column: Option<&Column>) -> Vec<f64> {
 fn the_same_numbers_whatever_the_threads() {
     let (plan, folder) = (plan(SWEEP), tempfile::tempdir().unwrap());
     let table = |jobs: usize| {
-        let journal = Journal::open(&folder.path().join(jobs.to_string()), None).unwrap();
+        let journal = Journal::open(&folder.path().join(jobs.to_string()), None, "a test").unwrap();
         let records = run(&plan, &journal, jobs);
         assert_eq!(journal.len(), 12);
         #[cfg(feature = "parquet")]
@@ -81,7 +81,7 @@ fn the_same_numbers_whatever_the_threads() {
 fn figures_are_the_courses() {
     let text = format!("courses = \"csv\"\nwindow_s = [0.001, 0.003]\n{SWEEP}");
     let (plan, folder) = (plan(&text), tempfile::tempdir().unwrap());
-    let journal = Journal::open(folder.path(), None).unwrap();
+    let journal = Journal::open(folder.path(), None, "a test").unwrap();
     let records = run(&plan, &journal, 2);
     let table = results(&plan, &records);
     let peaks = numbers(table.column("peak_external_sleeve_force_n"));
@@ -112,7 +112,7 @@ fn goes_on_where_it_stopped() {
         &plan,
         &run(
             &plan,
-            &Journal::open(&folder.path().join("whole"), None).unwrap(),
+            &Journal::open(&folder.path().join("whole"), None, "a test").unwrap(),
             2,
         ),
     );
@@ -123,7 +123,7 @@ fn goes_on_where_it_stopped() {
         cancel: &cancel,
         progress: &stop_after,
     };
-    let journal = Journal::open(&place, None).unwrap();
+    let journal = Journal::open(&place, None, "a test").unwrap();
     let stopped = execute(&plan, &journal, 2, &control).unwrap_err();
     let SweepError::Stopped { finished, runs } = stopped else {
         panic!("{stopped}");
@@ -132,14 +132,16 @@ fn goes_on_where_it_stopped() {
     // A kill leaves files that were being written, and perhaps a torn record from elsewhere.
     std::fs::write(place.join(".unfinished-x"), "{").unwrap();
     std::fs::write(place.join("run-torn.json"), "{\"engine\":").unwrap();
-    let journal = Journal::open(&place, None).unwrap();
+    drop(journal);
+    let journal = Journal::open(&place, None, "a test").unwrap();
     assert_eq!(journal.len(), finished);
     assert!(!place.join(".unfinished-x").exists());
     let records = run(&plan, &journal, 2);
     assert_eq!(journal.len(), 12);
     assert_eq!(csv(&plan, &records), whole);
+    drop(journal);
     // A third time nothing is run: the times, which no two runs share, stay.
-    let again = run(&plan, &Journal::open(&place, None).unwrap(), 1);
+    let again = run(&plan, &Journal::open(&place, None, "a test").unwrap(), 1);
     assert!(
         again
             .iter()
@@ -153,11 +155,11 @@ fn goes_on_where_it_stopped() {
 fn a_changed_sweep_keeps_what_still_fits() {
     let folder = tempfile::tempdir().unwrap();
     let short = "[set]\nsolver.duration_s = 0.002\n[vary]\ngear.backlash_m = [1e-4]\n";
-    let journal = Journal::open(folder.path(), None).unwrap();
+    let journal = Journal::open(folder.path(), None, "a test").unwrap();
     let first = run(&plan(short), &journal, 1);
     let longer = plan(&short.replace("[1e-4]", "[0.0, 1e-4]"));
     let elsewhere = tempfile::tempdir().unwrap();
-    let journal = Journal::open(elsewhere.path(), Some(folder.path())).unwrap();
+    let journal = Journal::open(elsewhere.path(), Some(folder.path()), "a test").unwrap();
     let second = run(&longer, &journal, 1);
     assert_eq!(second[1], first[0]);
     let window = plan(&format!("window_s = [0.0, 0.001]\n{short}"));
@@ -169,12 +171,19 @@ fn a_changed_sweep_keeps_what_still_fits() {
 fn divergence_and_refusal_are_results() {
     let text = "engines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.02\n[vary]\nsolver.step_s = [1e-5, 1e-4]\n";
     let (plan, folder) = (plan(text), tempfile::tempdir().unwrap());
-    let records = run(&plan, &Journal::open(folder.path(), None).unwrap(), 2);
+    let records = run(
+        &plan,
+        &Journal::open(folder.path(), None, "a test").unwrap(),
+        2,
+    );
     assert_eq!(records[0].outcome, Outcome::Finished);
     // Heun at 1e-4 s is beyond its limit of stability (docs/physics.md) and blows up.
     assert!(matches!(records[1].outcome, Outcome::Diverged { time_s, .. } if time_s < 0.02));
     let table = csv(&plan, &records);
     let second: Vec<&str> = table.lines().nth(2).unwrap().split(',').collect();
     assert_eq!(&second[..4], ["2", "native-reduced", "0.0001", "diverged"]);
-    assert_eq!(Journal::open(folder.path(), None).unwrap().len(), 2);
+    assert_eq!(
+        Journal::open(folder.path(), None, "a test").unwrap().len(),
+        2
+    );
 }

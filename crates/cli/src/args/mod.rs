@@ -6,6 +6,7 @@ use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use pinwheel::gearbox::Gearbox;
 use pinwheel::scene::{Override, Scene};
+use pinwheel::studies::output::file_name;
 
 use crate::failure::Failure;
 use crate::screen;
@@ -262,20 +263,9 @@ impl SceneArgs {
 impl OutArgs {
     /// The folder asked for, or `out/<scene>-<command>`.
     pub(crate) fn folder(&self, scene: &str, command: &str) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| {
-            let name: String = scene
-                .chars()
-                .map(|c| {
-                    if c.is_alphanumeric() || "-_.".contains(c) {
-                        c
-                    } else {
-                        '-'
-                    }
-                })
-                .collect();
-            // A leading dot would hide the folder, or leave it.
-            PathBuf::from("out").join(format!("{}-{command}", name.trim_start_matches('.')))
-        })
+        self.out
+            .clone()
+            .unwrap_or_else(|| PathBuf::from("out").join(format!("{}-{command}", file_name(scene))))
     }
 }
 
@@ -374,7 +364,7 @@ mod tests {
             ("paper", "out/paper-run"),
             ("../evil", "out/-evil-run"),
             ("a b/c", "out/a-b-c-run"),
-            ("..", "out/-run"),
+            ("..", "out/unnamed-run"),
         ] {
             assert_eq!(out.folder(scene, "run"), PathBuf::from(folder));
         }

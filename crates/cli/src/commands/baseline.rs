@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use crate::args::{self, Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
 use crate::failure::{EXCEEDED, Failure};
-use crate::folder::Folder;
+use crate::folder::{self, Folder};
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -69,13 +69,11 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
             target.display()
         )));
     }
-    let mut accepted = if exists {
-        args.which.read()?.head.accepted
-    } else {
-        Vec::new()
-    };
+    let earlier = exists.then(|| args.which.read()).transpose()?;
+    let known = earlier.as_ref().map_or_else(Vec::new, Baseline::files);
+    let mut accepted = earlier.map_or_else(Vec::new, |earlier| earlier.head.accepted);
     interrupt::check()?;
-    let folder = Folder::prepare(&target, exists)?;
+    let folder = Folder::prepare_known(&target, known)?;
     let here = made(&args.which.dir);
     accepted.push(Acceptance {
         date: here.date.clone(),
@@ -121,6 +119,7 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
         .out
         .clone()
         .unwrap_or_else(|| PathBuf::from(format!("out/baseline-{name}")));
+    folder::protect(&out, &[&args.which.dir])?;
     let folder = Folder::prepare(&out, args.force)?;
     let options = Options {
         kernel: args.kernel.into(),

@@ -30,7 +30,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
     let out = if measured.complete {
         folder.publish()?
     } else {
-        folder.publish_unfinished()?
+        folder.publish_partial()?
     };
     screen::show(&format!(
         "{}report: {}",
@@ -38,7 +38,10 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
         out.join("index.html").display()
     ))?;
     if !measured.complete {
-        screen::complain("stopped; what had been measured until then was written");
+        screen::complain(&format!(
+            "stopped; what had been measured until then is in {}",
+            out.display()
+        ));
         return Ok(STOPPED);
     }
     Ok(ended(args, &measured))

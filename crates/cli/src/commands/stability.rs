@@ -40,11 +40,13 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
     let page = pages::stability::page(&survey, &made)?;
     write_text(&folder.path().join("index.html"), &page)?;
     if stopped {
-        let place = folder.publish_unfinished()?;
+        let place = folder.publish_partial()?;
         let (done, all) = survey.done();
-        let out = args.out.as_ref().map_or_else(String::new, |out| {
-            format!(" --out {}", quoted(&out.display().to_string()))
-        });
+        let out = if args.out.is_none() && place == out {
+            String::new()
+        } else {
+            format!(" --out {}", quoted(&place.display().to_string()))
+        };
         screen::complain(&format!(
             "stopped; {done} of {all} pieces are in {}; `{}{out} --resume` does the rest",
             place.display(),

@@ -1,7 +1,6 @@
 //! `pinwheel sweep`: a study as data.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use pinwheel::pages;
 use pinwheel::studies::Provenance;
@@ -12,9 +11,9 @@ use pinwheel::studies::sweep::{
 
 use crate::args::{self, SweepArgs};
 use crate::failure::{ENGINE, Failure};
-use crate::folder::Folder;
+use crate::folder::{self, Folder};
 use crate::progress::watched;
-use crate::screen;
+use crate::{interrupt, screen};
 
 pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let plan = plan(args)?;
@@ -25,24 +24,30 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let out = args.out.folder(&plan.sweep.name, "sweep");
     // Checked before anything long is run; what is written comes at the end.
     drop(Folder::prepare(&out, args.out.force)?);
-    let place = unfinished(&out);
-    if place.exists() && !args.resume {
+    // `out/backlash.unfinished` for `out/backlash`.
+    let place = folder::beside(&out, ".unfinished");
+    let there = place.exists();
+    let earlier = out.join("runs");
+    let earlier = args.resume.then_some(earlier.as_path());
+    let journal = Journal::open(&place, earlier, &args::typed())?;
+    if there && !args.resume {
         if !args.out.force {
             return Err(Failure::input(format!(
                 "{} holds runs of an earlier attempt; go on with --resume, or start over with --force",
                 place.display()
             )));
         }
-        fs::remove_dir_all(&place).map_err(|error| Failure::unwritable(&place, &error))?;
+        journal.clear()?;
     }
-    let earlier = out.join("runs");
-    let journal = Journal::open(&place, args.resume.then_some(earlier.as_path()))?;
     let jobs = args.jobs.map_or_else(args::cores, usize::from);
     let records = watched("sweep", |control| execute(&plan, &journal, jobs, control));
-    if matches!(records, Err(SweepError::Stopped { .. })) && journal.in_its_folder() == 0 {
-        let _ = fs::remove_dir_all(&place);
-    }
-    let records = records?;
+    let records = match records {
+        Err(SweepError::Stopped { .. }) if journal.in_its_folder() == 0 => {
+            journal.remove()?;
+            return Err(Failure::stopped());
+        }
+        records => records?,
+    };
     let folder = Folder::prepare(&out, args.out.force)?;
     let (table, made) = (
         sweep::results(&plan, &records),
@@ -53,7 +58,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     write_text(&folder.path().join("index.html"), &page)?;
     let out = folder.publish()?;
     // Only now: had it failed, --resume would still find every run.
-    fs::remove_dir_all(&place).map_err(|error| Failure::unwritable(&place, &error))?;
+    journal.remove()?;
     let files = [("results", "results.csv"), ("report", "index.html")]
         .map(|(word, name)| (word, out.join(name).display().to_string()));
     screen::show(&pages::sweep::text(&plan, &records, &files))?;
@@ -75,13 +80,6 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
         return Ok(ENGINE);
     }
     Ok(0)
-}
-
-/// `out/backlash.unfinished` for `out/backlash`.
-fn unfinished(out: &Path) -> PathBuf {
-    let mut name = out.file_name().unwrap_or_default().to_owned();
-    name.push(".unfinished");
-    out.with_file_name(name)
 }
 
 fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
@@ -107,5 +105,9 @@ fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
             .map(|name| name.trim().to_owned())
             .collect();
     }
-    Ok(Plan::new(sweep, &args::overrides(&args.set)?)?)
+    Ok(Plan::within(
+        sweep,
+        &args::overrides(&args.set)?,
+        interrupt::flag(),
+    )?)
 }

@@ -22,6 +22,11 @@ use serde::Deserialize;
 use super::error::ForeignError;
 use super::units;
 
+/// Lines and numbers that a map skips at most.
+const MOST_LINES: usize = 1_000_000;
+/// Files beside the participants' folders in an output; compared without case, as some file systems do.
+const RESERVED: [&str; 3] = ["index.html", "summary.json", ".pinwheel"];
+
 /// A map.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -280,6 +285,17 @@ impl Map {
                 "write something like \"adams-2020\"",
             );
         }
+        if let Some(name) = &self.name
+            && RESERVED
+                .iter()
+                .any(|taken| name.eq_ignore_ascii_case(taken))
+        {
+            return wrong(
+                "name",
+                "is the name of a file of the report",
+                "write something like \"adams-2020\"",
+            );
+        }
         let file = &self.file;
         if file.separator_byte().is_none() && file.separator != "space" {
             return wrong(
@@ -297,6 +313,18 @@ impl Map {
         }
         if file.comment.as_ref().is_some_and(|c| c.len() != 1) {
             return wrong("file.comment", "must be one character", "write \"#\"");
+        }
+        for (key, lines) in [
+            ("file.skip_lines", file.skip_lines),
+            ("file.lines_after_header", file.lines_after_header),
+        ] {
+            if lines > MOST_LINES {
+                return wrong(
+                    key,
+                    "is more than 1000000",
+                    "count the lines before the data",
+                );
+            }
         }
         let time = &self.time;
         if units::factor("time_s", &time.unit).is_err() {
@@ -334,6 +362,13 @@ impl Map {
                     name,
                     "needs a finite factor that is not 0, and a finite offset",
                     "leave out what you do not need",
+                );
+            }
+            if full.first > MOST_LINES {
+                return wrong(
+                    name,
+                    "has a `first` above 1000000",
+                    "write the file's first number",
                 );
             }
             if name.matches('*').count() > 1 {
@@ -484,6 +519,18 @@ mod tests {
             (
                 "[columns]\na_n = \"F\"\n[file]\nseparator = \"x\"",
                 "\"tab\"",
+            ),
+            (
+                "name = \"Index.html\"\n[columns]\na_n = \"F\"",
+                "of the report",
+            ),
+            (
+                "[columns]\na_n = \"F\"\n[file]\nskip_lines = 9000000000000000000",
+                "more than 1000000",
+            ),
+            (
+                "[columns]\n\"a_*\" = { column = \"F*\", first = 9000000000000000000 }",
+                "`first`",
             ),
             ("name = \"../x\"\n[columns]\na_n = \"F\"", "letters, digits"),
             (

@@ -12,6 +12,9 @@ const MOST_NAMED: usize = 1000;
 /// Rows that must be left.
 const FEWEST_ROWS: usize = 10;
 
+/// Largest magnitude of a value in our units: squares and sums of such stay finite.
+const LARGEST: f64 = 1e100;
+
 /// A row that could not be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BadRow {
@@ -80,7 +83,15 @@ pub fn read(source: impl Read, map: &Map) -> Result<Foreign, ForeignError> {
             }
         };
         let mut one = || -> Result<f64, String> {
+            let bounded = |name: &str, value: f64| {
+                // NaN, too, is not within.
+                if value.abs() <= LARGEST {
+                    return Ok(value);
+                }
+                Err(format!("`{}` is too large: {value:e}", short(name)))
+            };
             let time = cell(time_column)? * time_factor + map.time.offset_s;
+            let time = bounded("time_s", time)?;
             if let Some(&before) = times.last()
                 && !(time > before)
             {
@@ -97,7 +108,7 @@ pub fn read(source: impl Read, map: &Map) -> Result<Foreign, ForeignError> {
                         squares.sqrt()
                     }
                 };
-                *slot = value * wanted.factor + wanted.offset;
+                *slot = bounded(&wanted.name, value * wanted.factor + wanted.offset)?;
             }
             Ok(time)
         };
@@ -256,9 +267,12 @@ impl<R: Read> Lines<R> {
         let mut first = Vec::new();
         for _ in 0..format.skip_lines {
             first.clear();
-            reader
+            let count = reader
                 .read_until(b'\n', &mut first)
                 .map_err(|error| ForeignError::Io(error.to_string()))?;
+            if count == 0 {
+                break;
+            }
         }
         let comment = format.comment.as_ref().and_then(|text| text.bytes().next());
         Ok(match format.separator_byte() {
@@ -339,7 +353,9 @@ impl<R: Read> Lines<R> {
             });
         };
         for _ in 0..format.lines_after_header {
-            self.next()?;
+            if self.next()?.is_none() {
+                break;
+            }
         }
         let clean = |name: String| {
             name.trim()

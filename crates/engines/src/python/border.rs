@@ -2,9 +2,11 @@
 //! is in this file.
 //!
 //! Contract of [`law`] (engines call it from any thread, one at a time for each context):
-//! - `context` is the number of a [`Published`](super::law::Published) law, not an address, and may be stale;
-//! - for a number that was handed out, `states` points to 6 and `loads` to 3 doubles for each body
-//!   of its scene, aligned, not overlapping, alive and not otherwise used for the time of the call;
+//! - `context` is the number of a [`Published`](super::law::Published) law, not an address;
+//! - for a number that was ever handed out, `states` points to 6 and `loads` to 3 doubles for each body
+//!   of its scene, aligned, not overlapping, alive and not otherwise used for the time of the call, or is null;
+//!   that holds for stale numbers too, whose law is gone: their loads become NaN;
+//! - with a number that never was, or a null address, the call does nothing;
 //! - neither address is kept.
 //!
 //! Contract of [`passive`] (MuJoCo's `mjcb_passive`, on the thread that steps `data`):

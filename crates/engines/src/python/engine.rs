@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
 
 use super::law::Published;
-use super::mujoco::{ATTACHED, Addresses, Attached, Place, detach};
+use super::mujoco::{Addresses, Attached, Place, attach, detach};
 use super::watch::{Watch, watched};
 use super::{PythonError, border, convert, host};
 use crate::cards::Card;
@@ -67,9 +67,7 @@ impl PythonEngine {
             })
         });
         // Whatever Python did or left undone: no callback may reach this run any more.
-        if let Some(law) = &law {
-            detach(law.number);
-        }
+        drop(law);
         let mut run = run
             .map_err(|error| self.failed(error))??
             .map_err(|reason| self.failed(reason))?;
@@ -111,22 +109,16 @@ pub(super) fn pointer<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = package.py();
     let (run, bodies, shared) = (law.number, law.bodies, law.law.clone());
-    let attach = PyCFunction::new_closure(py, None, None, move |args, _| -> PyResult<usize> {
+    let enter = PyCFunction::new_closure(py, None, None, move |args, _| -> PyResult<usize> {
         let (addresses, places) = layout(args.get_item(0)?.cast::<PyDict>()?, bodies)?;
-        detach(run);
-        super::law::locked(&ATTACHED).push(Attached::new(
-            run,
-            addresses,
-            places,
-            shared.clone(),
-            every,
-        ));
+        let law = shared.clone();
+        attach(Attached::new(run, addresses, places, law, every));
         Ok(border::passive_address())
     })?;
     let leave = PyCFunction::new_closure(py, None, None, move |_, _| detach(run))?;
     package
         .getattr("LawPointer")?
-        .call1((border::law_address(), run, attach, leave))
+        .call1((border::law_address(), run, enter, leave))
 }
 
 /// Addresses and joints from the layout that the package hands over.
@@ -159,7 +151,8 @@ fn layout(layout: &Bound<'_, PyDict>, bodies: usize) -> PyResult<(Addresses, Vec
             offset: [x, y],
         })
         .collect();
-    let sound = places.len() == bodies
+    let sound = addresses.are_sound()
+        && places.len() == bodies
         && places.iter().all(|place| {
             place.coordinate < addresses.coordinates
                 && place.carrier.is_none_or(|carrier| carrier < bodies)
@@ -210,8 +203,7 @@ impl Engine for PythonEngine {
 impl PythonEngine {
     /// Whether the package's engine honours the scene.
     fn check(&self, scene: &Scene) -> Result<(), EngineError> {
-        static NEVER: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
-        host::ready(&NEVER).map_err(|error| self.not_ready(&error))?;
+        host::ready(crate::stopping::flag()).map_err(|error| self.not_ready(&error))?;
         let scene_toml = scene.to_toml();
         Python::attach(|py| {
             host::package(py)

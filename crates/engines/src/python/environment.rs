@@ -91,8 +91,8 @@ pub fn environment(
     cancel: &AtomicBool,
 ) -> Result<Environment, PythonError> {
     let interpreter = host::interpreter()?;
-    if let Some(folder) = std::env::var_os(ENVIRONMENT).filter(|value| !value.is_empty()) {
-        return named(Path::new(&folder), &interpreter);
+    if let Some(folder) = name() {
+        return named(Path::new(&folder), &interpreter, cancel);
     }
     let wheels = std::env::var_os(WHEELS)
         .filter(|value| !value.is_empty())
@@ -104,6 +104,16 @@ pub fn environment(
         wheels.as_deref(),
         cancel,
     )
+}
+
+/// The environment that the user named.
+fn name() -> Option<OsString> {
+    std::env::var_os(ENVIRONMENT).filter(|value| !value.is_empty())
+}
+
+/// Whether the user named an environment, which is not ours to make or remove.
+pub(super) fn is_named() -> bool {
+    name().is_some()
 }
 
 /// The folder of all that is made once and kept.
@@ -126,12 +136,22 @@ pub(super) fn cache() -> Result<PathBuf, PythonError> {
 }
 
 /// The environment that the user named.
-fn named(folder: &Path, interpreter: &Interpreter) -> Result<Environment, PythonError> {
+fn named(
+    folder: &Path,
+    interpreter: &Interpreter,
+    cancel: &AtomicBool,
+) -> Result<Environment, PythonError> {
     let refuse = |reason: String| PythonError::Named {
         folder: folder.to_owned(),
         reason,
     };
-    let (found, version) = probe(folder).map_err(refuse)?;
+    let (found, version, _) = probe(folder, cancel).map_err(|reason| {
+        if cancel.load(Ordering::Relaxed) {
+            PythonError::Stopped
+        } else {
+            refuse(reason)
+        }
+    })?;
     let minor = |version: &str| {
         version
             .splitn(3, '.')
@@ -148,14 +168,17 @@ fn named(folder: &Path, interpreter: &Interpreter) -> Result<Environment, Python
     Ok(found)
 }
 
-/// Asks an environment's interpreter where its packages are, and its version.
-fn probe(folder: &Path) -> Result<(Environment, String), String> {
+/// Asks an environment's interpreter where its packages are, its version, and what is installed (`name==version`).
+fn probe(folder: &Path, cancel: &AtomicBool) -> Result<(Environment, String, Vec<String>), String> {
     let python = python_of(folder);
     if !python.exists() {
         return Err(format!("there is no {}", python.display()));
     }
-    let ask = "import sys, sysconfig; print('%d.%d.%d' % sys.version_info[:3]); print(sysconfig.get_path('purelib'))";
-    let said = call(&python, ["-I", "-c", ask], None)?;
+    let ask = "import sys, sysconfig, importlib.metadata as m
+print('%d.%d.%d' % sys.version_info[:3])
+print(p := sysconfig.get_path('purelib'))
+for d in m.distributions(path=[p]): print('%s==%s' % (d.name, d.version))";
+    let said = call(&python, ["-I", "-c", ask], None, cancel)?;
     let mut lines = said.lines();
     match (lines.next(), lines.next()) {
         (Some(version), Some(packages)) => Ok((
@@ -165,9 +188,15 @@ fn probe(folder: &Path) -> Result<(Environment, String), String> {
                 packages: PathBuf::from(packages),
             },
             version.to_owned(),
+            lines.map(plain).collect(),
         )),
         _ => Err(format!("{} does not answer", python.display())),
     }
+}
+
+/// A requirement `name==version` with the name as the packaging standard compares names.
+fn plain(pin: &str) -> String {
+    pin.to_lowercase().replace(['_', '.'], "-")
 }
 
 /// The environment in the cache: found, or made under a lock.
@@ -180,19 +209,19 @@ fn ensure(
 ) -> Result<Environment, PythonError> {
     let name = name_of(requirements, interpreter);
     let folder = cache.join(&name);
-    if let Some(found) = whole(&folder, requirements) {
+    if let Some(found) = whole(&folder, requirements, cancel) {
         return Ok(found);
     }
     let _lock = lock(&cache.join(format!("{name}.lock")), cancel)?;
     // Another process may have made it meanwhile.
-    if let Some(found) = whole(&folder, requirements) {
+    if let Some(found) = whole(&folder, requirements, cancel) {
         return Ok(found);
     }
     remove_leftovers(cache, &name);
-    let executable = executable(interpreter)?;
+    let executable = executable(interpreter, cancel)?;
     let draft = draft_of(cache, &name);
     let note = Note::new("Python packages (once)");
-    let made = make(&draft, &executable, requirements, wheels, &note);
+    let made = make(&draft, &executable, requirements, wheels, &note, cancel);
     drop(note);
     if let Err(error) = made {
         let _ = fs::remove_dir_all(&draft);
@@ -206,8 +235,15 @@ fn ensure(
         fs::remove_dir_all(&folder).map_err(|error| PythonError::storage(&folder, error))?;
     }
     fs::rename(&draft, &folder).map_err(|error| PythonError::storage(&folder, error))?;
-    whole(&folder, requirements)
-        .ok_or_else(|| PythonError::storage(&folder, "the environment just made does not start"))
+    whole(&folder, requirements, cancel).ok_or_else(|| {
+        if cancel.load(Ordering::Relaxed) {
+            PythonError::Stopped
+        } else {
+            let reason =
+                "the environment just made does not start, or lacks packages it was asked for";
+            PythonError::storage(&folder, reason)
+        }
+    })
 }
 
 /// Folder name of an environment: another interpreter or another list of packages has another.
@@ -227,13 +263,20 @@ fn name_of(requirements: Requirements, interpreter: &Interpreter) -> String {
     )
 }
 
-/// A complete environment, or `None`.
-fn whole(folder: &Path, requirements: Requirements) -> Option<Environment> {
+/// A complete environment, or `None`: the marker says that pip ended well, and every package is still there.
+fn whole(folder: &Path, requirements: Requirements, cancel: &AtomicBool) -> Option<Environment> {
     let marker = fs::read_to_string(folder.join(MARKER)).ok()?;
     if marker != requirements.text {
         return None;
     }
-    probe(folder).ok().map(|(found, _)| found)
+    let (found, _, installed) = probe(folder, cancel).ok()?;
+    let words = requirements
+        .text
+        .lines()
+        .filter_map(|line| line.split_whitespace().next());
+    let mut pins = words.filter(|word| word.contains("==") && !word.starts_with(['#', '-']));
+    pins.all(|pin| installed.contains(&plain(pin)))
+        .then_some(found)
 }
 
 /// Where an environment is built; a prefix of its own tells it from whole ones.
@@ -277,23 +320,30 @@ fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, PythonError> {
 }
 
 /// The executable of the embedded interpreter.
-fn executable(interpreter: &Interpreter) -> Result<PathBuf, PythonError> {
+fn executable(interpreter: &Interpreter, cancel: &AtomicBool) -> Result<PathBuf, PythonError> {
     let ask = "import sys; print('%d.%d.%d' % sys.version_info[:3])";
     interpreter
         .candidates
         .iter()
         .find(|path| {
-            call(path, ["-I", "-c", ask], None).is_ok_and(|said| said.trim() == interpreter.version)
+            call(path, ["-I", "-c", ask], None, cancel)
+                .is_ok_and(|said| said.trim() == interpreter.version)
         })
         .cloned()
-        .ok_or_else(|| PythonError::NoInterpreter {
-            version: interpreter.version.clone(),
-            tried: interpreter
-                .candidates
-                .iter()
-                .map(|path| path.display().to_string())
-                .collect::<Vec<_>>()
-                .join(", "),
+        .ok_or_else(|| {
+            if cancel.load(Ordering::Relaxed) {
+                PythonError::Stopped
+            } else {
+                PythonError::NoInterpreter {
+                    version: interpreter.version.clone(),
+                    tried: interpreter
+                        .candidates
+                        .iter()
+                        .map(|path| path.display().to_string())
+                        .collect::<Vec<_>>()
+                        .join(", "),
+                }
+            }
         })
 }
 
@@ -304,6 +354,7 @@ fn make(
     requirements: Requirements,
     wheels: Option<&Path>,
     note: &Note,
+    cancel: &AtomicBool,
 ) -> Result<(), PythonError> {
     note.say("making a virtual environment");
     call(
@@ -315,6 +366,7 @@ fn make(
             draft.as_ref(),
         ],
         Some(note),
+        cancel,
     )
     .map_err(|reason| PythonError::Venv {
         interpreter: executable.to_owned(),
@@ -347,13 +399,15 @@ fn make(
         ]);
     }
     arguments.extend(named.iter().map(OsString::as_os_str));
-    call(&python_of(draft), arguments, Some(note)).map_err(|reason| PythonError::Install {
-        reason,
-        packages: requirements
-            .arguments(Path::new(requirements.file))
-            .join(OsStr::new(" "))
-            .to_string_lossy()
-            .into_owned(),
+    call(&python_of(draft), arguments, Some(note), cancel).map_err(|reason| {
+        PythonError::Install {
+            reason,
+            packages: requirements
+                .arguments(Path::new(requirements.file))
+                .join(OsStr::new(" "))
+                .to_string_lossy()
+                .into_owned(),
+        }
     })?;
     let marker = draft.join(MARKER);
     fs::write(&marker, requirements.text).map_err(|error| PythonError::storage(&marker, error))

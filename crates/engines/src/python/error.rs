@@ -65,16 +65,30 @@ pub enum PythonError {
         reason: String,
     },
     /// The environment is there, and the package cannot be loaded all the same.
-    #[error("the Python package cannot be loaded: {reason}; remove {folder} to have it made anew")]
+    #[error("the Python package cannot be loaded: {reason}; {}", remedy(.folder, *.named))]
     Load {
         /// Python's own words.
         reason: String,
         /// The environment.
         folder: PathBuf,
+        /// Whether the user named it: then it is the user's.
+        named: bool,
     },
     /// The user asked to stop.
     #[error("stopped")]
     Stopped,
+}
+
+/// What helps against an environment that is there and of no use.
+fn remedy(folder: &Path, named: bool) -> String {
+    let folder = folder.display();
+    if named {
+        format!(
+            "run `pip install -r python/requirements.txt` in {folder}, or unset {ENVIRONMENT} to have one made"
+        )
+    } else {
+        format!("remove {folder} to have it made anew")
+    }
 }
 
 impl PythonError {

@@ -94,6 +94,7 @@ fn load(environment: &Environment) -> Result<(), PythonError> {
     let failed = |reason: String| PythonError::Load {
         reason,
         folder: environment.folder.clone(),
+        named: environment::is_named(),
     };
     Python::attach(|py| {
         let start = || -> PyResult<Result<(), String>> {

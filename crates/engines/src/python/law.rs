@@ -11,6 +11,8 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::ContactField;
 use pinwheel_mbs::{BodyState, Wrench};
 
+use super::mujoco::detach;
+
 /// A law and the arrays it works on.
 pub(super) struct Law {
     field: Box<dyn ContactField>,
@@ -97,6 +99,8 @@ impl Published {
 
 impl Drop for Published {
     fn drop(&mut self) {
+        // However the run ended, by a panic too: MuJoCo may call no more.
+        detach(self.number);
         if let Some(entry) = locked(&LAWS).get_mut(&self.number) {
             entry.law = None;
         }

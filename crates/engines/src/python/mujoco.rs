@@ -37,6 +37,24 @@ pub(super) struct Addresses {
     pub(super) coordinates: usize,
 }
 
+impl Addresses {
+    /// Whether each can be one of doubles or of 64-bit counters: not null, and aligned.
+    pub(super) fn are_sound(&self) -> bool {
+        let Self {
+            data,
+            qpos,
+            qvel,
+            qfrc_passive,
+            counters,
+            coordinates: _,
+        } = *self;
+        data != 0
+            && [qpos, qvel, qfrc_passive, counters]
+                .iter()
+                .all(|&address| address != 0 && address.is_multiple_of(align_of::<f64>()))
+    }
+}
+
 /// One run of MuJoCo under our law.
 pub(super) struct Attached {
     pub(super) run: usize,
@@ -55,6 +73,14 @@ pub(super) struct Attached {
 
 /// All runs that MuJoCo may call back for. Its callback is process-wide: it is found by its data.
 pub(super) static ATTACHED: Mutex<Vec<Attached>> = Mutex::new(Vec::new());
+
+/// Lets MuJoCo call back for a run, in the place of an earlier one of the same law or the same data: freed memory is
+/// handed out again, and what had that address before is stale.
+pub(super) fn attach(run: Attached) {
+    let mut attached = locked(&ATTACHED);
+    attached.retain(|other| other.run != run.run && other.addresses.data != run.addresses.data);
+    attached.push(run);
+}
 
 /// Forgets a run: its addresses are stale.
 pub(super) fn detach(run: usize) {

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::error::BaselineError;
 use super::quantity::{self, SKETCH};
 use super::runner::Costs;
+use crate::output::file_name;
 
 /// Version of the layout.
 pub(super) const FORMAT: u32 = 1;
@@ -170,12 +171,26 @@ impl Baseline {
         }
         let mut scenes = Vec::new();
         for name in &head.scenes {
+            if file_name(name) != *name {
+                return Err(BaselineError::Spoiled {
+                    path: dir.join(HEAD),
+                    what: format!("`{name}` is no name of a scene"),
+                });
+            }
             let path = dir.join(Self::scene_file(name));
             let record: SceneRecord = read_toml(&path)?;
             record.check(&path)?;
             scenes.push(record);
         }
         Ok(Self { head, scenes })
+    }
+
+    /// Names of its files, which are all that its folder holds.
+    #[must_use]
+    pub fn files(&self) -> Vec<String> {
+        let scenes = self.head.scenes.iter();
+        let files = scenes.map(|name| Self::scene_file(name));
+        files.chain([HEAD.to_owned()]).collect()
     }
 
     /// Writes all files into the folder `dir`, which exists.
@@ -285,10 +300,26 @@ fn read_toml<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, BaselineE
         path: path.to_owned(),
         source,
     })?;
-    toml::from_str(&text).map_err(|error| BaselineError::Spoiled {
+    let spoiled = |what: String| BaselineError::Spoiled {
         path: path.to_owned(),
-        what: error.message().to_owned(),
-    })
+        what,
+    };
+    let read = |error: toml::de::Error| spoiled(error.message().to_owned());
+    let value: toml::Value = toml::from_str(&text).map_err(read)?;
+    if !is_finite(&value) {
+        return Err(spoiled("holds a number that is not finite".to_owned()));
+    }
+    value.try_into().map_err(read)
+}
+
+/// Whether every number in it is finite: TOML knows `inf` and `nan`, and neither can be compared with.
+fn is_finite(value: &toml::Value) -> bool {
+    match value {
+        toml::Value::Float(number) => number.is_finite(),
+        toml::Value::Array(list) => list.iter().all(is_finite),
+        toml::Value::Table(table) => table.values().all(is_finite),
+        _ => true,
+    }
 }
 
 fn write_toml(path: &PathBuf, value: &impl Serialize) -> Result<(), BaselineError> {
@@ -300,4 +331,47 @@ fn write_toml(path: &PathBuf, value: &impl Serialize) -> Result<(), BaselineErro
         path: path.clone(),
         source,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regress_numbers_that_are_not_finite_are_refused() {
+        let accepted = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../reference/baselines/accepted/paper.toml"
+        );
+        let text = fs::read_to_string(accepted).unwrap();
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("paper.toml");
+        let read = |text: &str| {
+            fs::write(&path, text).unwrap();
+            read_toml::<SceneRecord>(&path).and_then(|record| record.check(&path))
+        };
+        read(&text).unwrap();
+        for key in [
+            "scale",
+            "own_error",
+            "quantum",
+            "mean",
+            "peak",
+            "error",
+            "rounding",
+        ] {
+            let start = text.find(&format!("\n{key} = ")).unwrap() + 1;
+            let end = start + text[start..].find('\n').unwrap();
+            for value in ["inf", "-inf", "nan"] {
+                let spoiled = format!("{}{key} = {value}{}", &text[..start], &text[end..]);
+                let error = read(&spoiled).unwrap_err().to_string();
+                assert!(error.contains("finite"), "{key} = {value}: {error}");
+            }
+            // Each is finite, and the samples are not.
+            if key == "quantum" {
+                let spoiled = format!("{}{key} = 1e308{}", &text[..start], &text[end..]);
+                assert!(read(&spoiled).is_err());
+            }
+        }
+    }
 }

@@ -27,6 +27,7 @@ pub(super) fn to_line(values: &[f64], quantum: f64) -> String {
 pub(super) fn from_line(line: &str, quantum: f64) -> Option<Vec<f64>> {
     line.split_whitespace()
         .map(|word| word.parse::<i64>().ok().map(|n| n as f64 * quantum))
+        .map(|value| value.filter(|value| value.is_finite()))
         .collect()
 }
 

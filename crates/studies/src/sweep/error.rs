@@ -50,7 +50,7 @@ pub enum SweepError {
         most: usize,
     },
     /// A file cannot be read or written.
-    #[error("{}: {source}; check that there is room and that you may write there", path.display())]
+    #[error("{}: {}; check that there is room and that you may write there", path.display(), crate::output::reason(source))]
     Io {
         /// The file.
         path: PathBuf,

@@ -8,7 +8,7 @@ use pinwheel_engines::{Engine, EngineError, by_name};
 use crate::control::{Control, Progress};
 use crate::pool::{self, lock};
 use crate::sweep::journal::Journal;
-use crate::sweep::record::{Outcome, RunRecord, identity};
+use crate::sweep::record::{Outcome, RunRecord, identity, program};
 use crate::sweep::{Plan, PlannedRun, SweepError};
 
 /// What all threads share.
@@ -113,6 +113,7 @@ impl Shared<'_> {
             engine.name(),
             &engine.version(),
             version,
+            program(),
             planned.window_s,
             &scene,
         );

@@ -66,6 +66,9 @@ pub struct Sweep {
     pub text: String,
 }
 
+/// Keys that a sweep sets and varies at most.
+const MOST_KEYS: usize = 1000;
+
 const KEYS: [&str; 10] = [
     "name",
     "description",
@@ -240,6 +243,13 @@ impl Reader<'_> {
                 at,
                 format!("`{key}` is given twice"),
                 "keep it in one place",
+            ));
+        }
+        if known.len() == MOST_KEYS {
+            return Err(self.fault(
+                at,
+                format!("sets and varies more than {MOST_KEYS} keys"),
+                "leave some out: no scene has that many",
             ));
         }
         known.push(key.to_owned());

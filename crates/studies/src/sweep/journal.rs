@@ -12,6 +12,7 @@ use std::sync::Mutex;
 
 use pinwheel_courses::Courses;
 
+use crate::ownership::{MARKER, Owner, unlisted};
 use crate::sweep::file::KeepCourses;
 use crate::sweep::record::RunRecord;
 use crate::sweep::{Outcome, SweepError};
@@ -25,6 +26,8 @@ const UNFINISHED: &str = ".unfinished-";
 #[derive(Debug)]
 pub struct Journal {
     folder: PathBuf,
+    /// Keeps other processes from writing the same runs.
+    _owner: Owner,
     /// Where each identity's record and courses stand.
     known: Mutex<HashMap<String, (RunRecord, PathBuf)>>,
 }
@@ -35,13 +38,14 @@ impl Journal {
     /// Files that are no records, or of runs that failed, are passed over.
     ///
     /// # Errors
-    /// The folder cannot be made or read.
-    pub fn open(folder: &Path, earlier: Option<&Path>) -> Result<Self, SweepError> {
+    /// The folder cannot be made or read, is not a journal, or another process writes it.
+    pub fn open(folder: &Path, earlier: Option<&Path>, command: &str) -> Result<Self, SweepError> {
         let at = |path: &Path| {
             let path = path.to_owned();
             move |source| SweepError::Io { path, source }
         };
         fs::create_dir_all(folder).map_err(at(folder))?;
+        let owner = Owner::take(folder, command)?;
         let mut known = HashMap::new();
         for place in earlier
             .into_iter()
@@ -70,6 +74,7 @@ impl Journal {
         }
         Ok(Self {
             folder: folder.to_owned(),
+            _owner: owner,
             known: Mutex::new(known),
         })
     }
@@ -91,6 +96,41 @@ impl Journal {
     pub fn in_its_folder(&self) -> usize {
         let own = |(_, path): &&(RunRecord, PathBuf)| path.starts_with(&self.folder);
         self.lock().values().filter(own).count()
+    }
+
+    /// Forgets the runs in its own folder.
+    ///
+    /// # Errors
+    /// A file cannot be removed.
+    pub fn clear(&self) -> Result<(), SweepError> {
+        self.lock()
+            .retain(|_, (_, path)| !path.starts_with(&self.folder));
+        let io = |source| SweepError::Io {
+            path: self.folder.clone(),
+            source,
+        };
+        for entry in fs::read_dir(&self.folder).map_err(io)? {
+            let entry = entry.map_err(io)?;
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            if name.starts_with(PREFIX) || name.starts_with(UNFINISHED) {
+                fs::remove_file(entry.path()).map_err(io)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Removes its own folder with the runs in it; what else is in it stays, and the folder with it.
+    ///
+    /// # Errors
+    /// A run cannot be removed.
+    pub fn remove(self) -> Result<(), SweepError> {
+        self.clear()?;
+        if unlisted(&self.folder, &[]).is_ok_and(|others| others.is_empty()) {
+            let _ = fs::remove_file(self.folder.join(MARKER));
+            let _ = fs::remove_dir(&self.folder);
+        }
+        Ok(())
     }
 
     /// The record of an identity, if its courses are kept as wanted.
@@ -137,13 +177,11 @@ impl Journal {
         }
         let text = serde_json::to_string_pretty(record).unwrap_or_default();
         self.whole(&path, |sink| {
-            let written = sink
-                .write_all(text.as_bytes())
-                .and_then(|()| sink.as_file().sync_all());
-            written.map_err(|source| SweepError::Io {
-                path: path.clone(),
-                source,
-            })
+            sink.write_all(text.as_bytes())
+                .map_err(|source| SweepError::Io {
+                    path: path.clone(),
+                    source,
+                })
         })?;
         self.lock().insert(identity, (record.clone(), path));
         Ok(())
@@ -196,6 +234,8 @@ impl Journal {
             .tempfile_in(&self.folder)
             .map_err(io)?;
         write(&mut sink)?;
+        // On the disk before it has its name.
+        sink.as_file().sync_all().map_err(io)?;
         sink.persist(path).map_err(|error| io(error.error))?;
         Ok(())
     }

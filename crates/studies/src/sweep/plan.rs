@@ -1,5 +1,7 @@
 //! From a sweep to its runs: every combination as a checked scene, before anything is run.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use pinwheel_engines::by_name;
 use pinwheel_scene::{CheckedScene, Override, Scene, SceneError, did_you_mean};
 
@@ -39,6 +41,18 @@ impl Plan {
     /// # Errors
     /// A scene that is refused, an engine that does not exist, a window that no run reaches, too many runs.
     pub fn new(sweep: Sweep, overrides: &[Override]) -> Result<Self, SweepError> {
+        Self::within(sweep, overrides, &AtomicBool::new(false))
+    }
+
+    /// The same, stopped as soon as `cancel` is set: many runs are many scenes to check.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new), and [`SweepError::Stopped`].
+    pub fn within(
+        sweep: Sweep,
+        overrides: &[Override],
+        cancel: &AtomicBool,
+    ) -> Result<Self, SweepError> {
         let points = sweep
             .axes
             .iter()
@@ -55,6 +69,12 @@ impl Plan {
         })?;
         let mut runs = Vec::with_capacity(count);
         for point in 0..count / sweep.engines.len() {
+            if cancel.load(Ordering::Relaxed) {
+                return Err(SweepError::Stopped {
+                    finished: 0,
+                    runs: count,
+                });
+            }
             let values = values_at(&sweep, point);
             let number = runs.len() + 1;
             let scene =

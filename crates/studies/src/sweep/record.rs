@@ -1,6 +1,9 @@
 //! What is kept of a run.
 
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hasher as _};
+use std::path::Path;
+use std::sync::OnceLock;
 
 use pinwheel_compare::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, derive};
 use pinwheel_compare::statistics::{Statistics, View};
@@ -58,20 +61,38 @@ impl Outcome {
     }
 }
 
-/// Figures of one quantity over the window, all its channels together.
+/// Figures of one quantity over the window, all its channels together; NaN where one is not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// Mean.
+    #[serde(deserialize_with = "number")]
     pub mean: f64,
     /// Smallest value.
+    #[serde(deserialize_with = "number")]
     pub min: f64,
     /// Largest value.
+    #[serde(deserialize_with = "number")]
     pub max: f64,
     /// Root mean square.
+    #[serde(deserialize_with = "number")]
     pub rms: f64,
     /// Largest magnitude.
+    #[serde(deserialize_with = "number")]
     pub peak: f64,
 }
+
+/// A number, or nothing for one that is not finite: JSON has no others.
+fn number<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(source)?.unwrap_or(f64::NAN))
+}
+
+/// The number, or NaN for all that are none.
+fn finite(value: f64) -> f64 {
+    if value.is_finite() { value } else { f64::NAN }
+}
+
+/// Largest ratio of powers that is still an efficiency.
+const MOST_EFFICIENT: f64 = 2.0;
 
 /// What is kept of a run. All but the two times is the same whenever it is run again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -82,6 +103,9 @@ pub struct RunRecord {
     pub engine_version: String,
     /// This program's version.
     pub pinwheel_version: String,
+    /// Hash of the program that made it.
+    #[serde(default)]
+    pub program: String,
     /// The whole scene, TOML.
     pub scene: String,
     /// Window of the figures, s.
@@ -93,8 +117,11 @@ pub struct RunRecord {
     pub figures: BTreeMap<String, Spread>,
     /// Quantities in the order of the courses.
     pub quantities: Vec<String>,
-    /// Power out over power in, by means over the window; `None` without positive power in.
+    /// Power out over power in, by means over the window; `None` where that is no efficiency.
     pub efficiency: Option<f64>,
+    /// Figures that a finished run has no number for, each with the reason.
+    #[serde(default)]
+    pub undefined: Vec<String>,
     /// Energy that nothing accounts for in the run's second half, as a share of the larger work, where
     /// the engine keeps an account.
     pub energy_remainder_share: Option<f64>,
@@ -117,12 +144,14 @@ impl RunRecord {
             engine: engine.name().to_owned(),
             engine_version: engine.version(),
             pinwheel_version: env!("CARGO_PKG_VERSION").to_owned(),
+            program: program().to_owned(),
             scene: planned.scene.to_toml(),
             window_s: planned.window_s,
             outcome,
             figures: BTreeMap::new(),
             quantities: Vec::new(),
             efficiency: None,
+            undefined: Vec::new(),
             energy_remainder_share: None,
             steps: 0,
             rhs_calls: 0,
@@ -151,32 +180,70 @@ impl RunRecord {
             let view = View::of(&run.courses, &quantity, samples.clone());
             if let Some(of) = view.as_ref().and_then(Statistics::of) {
                 let spread = Spread {
-                    mean: of.mean,
-                    min: of.min,
-                    max: of.max,
-                    rms: of.rms,
-                    peak: of.peak,
+                    mean: finite(of.mean),
+                    min: finite(of.min),
+                    max: finite(of.max),
+                    rms: finite(of.rms),
+                    peak: finite(of.peak),
                 };
+                if !(of.mean + of.min + of.max + of.rms + of.peak).is_finite() {
+                    let reason = format!("{} is not finite", quantity.name);
+                    self.undefined.push(reason);
+                }
                 self.quantities.push(quantity.name.clone());
                 self.figures.insert(quantity.name, spread);
             }
         }
-        self.efficiency = self.efficiency_of(planned, &run.courses);
-        self.energy_remainder_share = run.stats.energy.last().map(|audit| audit.remainder_share);
+        match self.efficiency_of(planned, &run.courses) {
+            Ok(efficiency) => self.efficiency = Some(efficiency),
+            Err(reason) => self.undefined.push(format!("no efficiency: {reason}")),
+        }
+        let share = run.stats.energy.last().map(|audit| audit.remainder_share);
+        self.energy_remainder_share = share.filter(|share| share.is_finite());
+        if share != self.energy_remainder_share {
+            let reason = "no share of energy: no work is done in the run's second half";
+            self.undefined.push(reason.to_owned());
+        }
         self
     }
 
-    /// mean T_out * mean speed out / (mean T_in * speed in).
-    fn efficiency_of(&self, planned: &PlannedRun, courses: &Courses) -> Option<f64> {
+    /// mean T_out * mean speed out / (mean T_in * speed in), or why that is no efficiency.
+    fn efficiency_of(&self, planned: &PlannedRun, courses: &Courses) -> Result<f64, &'static str> {
+        let [power_in, power_out] = self
+            .powers(planned, courses)
+            .ok_or("a torque or the output's angle is missing")?;
+        if !(power_in > 0.0) {
+            return Err("no power goes in");
+        }
+        let efficiency = power_out / power_in;
+        // Far from it, what springs and masses store and give back is larger than what goes through.
+        if !(efficiency.abs() <= MOST_EFFICIENT) {
+            return Err("the output's power does not come from the input in this window");
+        }
+        Ok(efficiency)
+    }
+
+    /// Mean power in and out over the window, W; `None` if a channel is missing.
+    fn powers(&self, planned: &PlannedRun, courses: &Courses) -> Option<[f64; 2]> {
         let [from, to] = planned.window_s;
         let samples = courses.window(from, to);
         let time = courses.time_s().get(samples.clone())?;
         let angle = courses.channel(OUTPUT_ANGLE)?.get(samples)?;
         let speed = (angle.last()? - angle.first()?) / (time.last()? - time.first()?);
         let mean = |name: &str| self.figures.get(name).map(|spread| spread.mean);
-        let power_in = mean(INPUT_TORQUE)? * planned.scene.drive.input_speed_rad_s;
-        let efficiency = mean(OUTPUT_TORQUE)? * speed / power_in;
-        (power_in > 0.0 && efficiency.is_finite()).then_some(efficiency)
+        Some([
+            mean(INPUT_TORQUE)? * planned.scene.drive.input_speed_rad_s,
+            mean(OUTPUT_TORQUE)? * speed,
+        ])
+    }
+
+    /// Why cells of its row are empty; nothing if none is.
+    #[must_use]
+    pub fn reason(&self) -> String {
+        match &self.outcome {
+            Outcome::Finished => self.undefined.join("; "),
+            other => other.reason().to_owned(),
+        }
     }
 
     /// Everything that the figures depend on, as text.
@@ -185,10 +252,27 @@ impl RunRecord {
             &self.engine,
             &self.engine_version,
             &self.pinwheel_version,
+            &self.program,
             self.window_s,
             &self.scene,
         )
     }
+}
+
+/// This program, as a hash of its file: a rebuilt solver gives other numbers under the same version. Empty where the
+/// file cannot be read.
+pub(crate) fn program() -> &'static str {
+    static PROGRAM: OnceLock<String> = OnceLock::new();
+    PROGRAM.get_or_init(|| {
+        // Linux: the file that runs, even if another has its name by now.
+        let running = Path::new("/proc/self/exe");
+        let bytes = std::fs::read(running)
+            .or_else(|_| std::env::current_exe().and_then(std::fs::read))
+            .unwrap_or_default();
+        let mut hasher = DefaultHasher::new();
+        hasher.write(&bytes);
+        format!("{:016x}", hasher.finish())
+    })
 }
 
 /// Everything that the figures of a run depend on, as text.
@@ -196,8 +280,9 @@ pub(crate) fn identity(
     engine: &str,
     version: &str,
     pinwheel: &str,
+    program: &str,
     window_s: [f64; 2],
     scene: &str,
 ) -> String {
-    format!("{engine}\n{version}\n{pinwheel}\n{window_s:?}\n{scene}")
+    format!("{engine}\n{version}\n{pinwheel}\n{program}\n{window_s:?}\n{scene}")
 }

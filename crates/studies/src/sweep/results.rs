@@ -46,7 +46,9 @@ pub fn results(plan: &Plan, records: &[RunRecord]) -> Results {
         Column::Text(rows().map(|(run, record)| cell(of(run, record))).collect())
     };
     let number = |of: &dyn Fn(&RunRecord) -> Option<f64>| {
-        Column::Number(rows().map(|(_, record)| of(record)).collect())
+        // What is not finite is no number: its cell is empty, now and when the record is read again.
+        let cell = |record: &RunRecord| of(record).filter(|value| value.is_finite());
+        Column::Number(rows().map(|(_, record)| cell(record)).collect())
     };
     let whole = |of: &dyn Fn(&PlannedRun, &RunRecord) -> usize| {
         let cell = |value: usize| i64::try_from(value).ok();
@@ -82,10 +84,7 @@ pub fn results(plan: &Plan, records: &[RunRecord]) -> Results {
             push(&format!("{figure}_{quantity}"), number(&value));
         }
     }
-    push(
-        "reason",
-        text(&|_, record| record.outcome.reason().to_owned()),
-    );
+    push("reason", text(&|_, record| record.reason()));
     table
 }
 

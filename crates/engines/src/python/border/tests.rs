@@ -174,7 +174,46 @@ fn attach(published: &Published, places: &[Place], machine: &mut Machine, data: 
     let addresses = machine.addresses(data);
     let law = published.law.clone();
     let attached = Attached::new(published.number, addresses, places.to_vec(), law, every);
-    locked(&ATTACHED).push(attached);
+    super::super::mujoco::attach(attached);
+}
+
+#[test]
+fn a_law_that_is_gone_detaches_and_equal_data_are_evicted() {
+    let gearbox = gearbox("paper");
+    let (first, second) = (publish(&gearbox), publish(&gearbox));
+    let places = places(&gearbox);
+    let mut machines = [places.len(); 2].map(Machine::new);
+    attach(&first, &places, &mut machines[0], 0x6000, 1);
+    // The same address once more: its earlier owner is gone, and only the new one is called.
+    attach(&second, &places, &mut machines[1], 0x6000, 1);
+    step(0x6000);
+    assert_eq!((machines[0].counters[0], machines[1].counters[0]), (0, 1));
+    drop(second);
+    step(0x6000);
+    assert_eq!((machines[0].counters[0], machines[1].counters[0]), (0, 1));
+    assert!(
+        locked(&ATTACHED)
+            .iter()
+            .all(|run| run.addresses.data != 0x6000)
+    );
+}
+
+#[test]
+fn null_and_crooked_addresses_are_refused() {
+    let mut machine = Machine::new(2);
+    let sound = machine.addresses(0x7000);
+    assert!(sound.are_sound());
+    for spoil in [
+        |a: &mut Addresses| a.data = 0,
+        |a: &mut Addresses| a.qpos = 0,
+        |a: &mut Addresses| a.qvel += 1,
+        |a: &mut Addresses| a.qfrc_passive = 0,
+        |a: &mut Addresses| a.counters = 0,
+    ] {
+        let mut addresses = sound;
+        spoil(&mut addresses);
+        assert!(!addresses.are_sound(), "{addresses:?}");
+    }
 }
 
 #[test]

@@ -4,6 +4,8 @@ use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 
@@ -13,6 +15,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 const LAST_WORDS: usize = 400;
 /// Lines of a progress note that fit beside its title.
 const LINE: usize = 70;
+
+/// How long a call may say nothing before it is looked whether the user asked to stop.
+const PATIENCE: Duration = Duration::from_millis(50);
 
 /// A line on the terminal with what goes on and for how long; nothing when stderr is no terminal.
 pub(super) struct Note(ProgressBar);
@@ -40,13 +45,44 @@ impl Drop for Note {
     }
 }
 
-/// Runs to the end and returns standard output. The error is the call's own last words.
+/// Settings of pip that say how to reach packages; all others (`PIP_TARGET`, `PIP_DRY_RUN`, ...) would install
+/// something else, or elsewhere.
+const PIP_MAY: [&str; 15] = [
+    "PIP_CACHE_DIR",
+    "PIP_CERT",
+    "PIP_CLIENT_CERT",
+    "PIP_CONFIG_FILE",
+    "PIP_DEFAULT_TIMEOUT",
+    "PIP_EXTRA_INDEX_URL",
+    "PIP_FIND_LINKS",
+    "PIP_INDEX_URL",
+    "PIP_KEYRING_PROVIDER",
+    "PIP_NO_CACHE_DIR",
+    "PIP_NO_INDEX",
+    "PIP_PROXY",
+    "PIP_RETRIES",
+    "PIP_TIMEOUT",
+    "PIP_TRUSTED_HOST",
+];
+
+/// Whether a variable of the user's environment is kept from Python and pip.
+pub(super) fn kept_away(name: &str) -> bool {
+    name.starts_with("PIP_") && !PIP_MAY.contains(&name)
+}
+
+/// Runs to the end and returns standard output; ended as soon as `cancel` is set. The error is the call's own last words.
 pub(super) fn call<S: AsRef<OsStr>>(
     program: &Path,
     arguments: impl IntoIterator<Item = S>,
     note: Option<&Note>,
+    cancel: &AtomicBool,
 ) -> Result<String, String> {
-    let mut child = Command::new(program)
+    let away = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok());
+    let mut command = Command::new(program);
+    for name in away.filter(|name| kept_away(name)) {
+        command.env_remove(name);
+    }
+    let mut child = command
         .args(arguments)
         .env("PYTHONUTF8", "1")
         .stdin(Stdio::null())
@@ -62,20 +98,32 @@ pub(super) fn call<S: AsRef<OsStr>>(
         }
         String::from_utf8_lossy(&text).into_owned()
     });
+    let (sender, lines) = mpsc::channel();
+    let stdout = child.stdout.take().map(BufReader::new);
+    thread::spawn(move || {
+        let lines = stdout.into_iter().flat_map(BufRead::lines);
+        let _ = lines
+            .map_while(Result::ok)
+            .try_for_each(|line| sender.send(line));
+    });
     let mut output = String::new();
-    for line in child
-        .stdout
-        .take()
-        .map(BufReader::new)
-        .into_iter()
-        .flat_map(BufRead::lines)
-    {
-        let Ok(line) = line else { break };
-        if let Some(note) = note {
-            note.say(line.trim());
+    loop {
+        match lines.recv_timeout(PATIENCE) {
+            Ok(line) => {
+                if let Some(note) = note {
+                    note.say(line.trim());
+                }
+                output.push_str(&line);
+                output.push('\n');
+            }
+            Err(RecvTimeoutError::Disconnected) => break,
+            Err(RecvTimeoutError::Timeout) => {}
         }
-        output.push_str(&line);
-        output.push('\n');
+        if cancel.load(Ordering::Relaxed) {
+            let _ = child.kill();
+            let _ = child.wait();
+            return Err("stopped".to_owned());
+        }
     }
     let status = child.wait().map_err(|error| error.to_string())?;
     let complaints = complaints.join().unwrap_or_default();

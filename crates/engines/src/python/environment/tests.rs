@@ -52,12 +52,15 @@ fn two_at_once_make_one_and_leftovers_go() {
     );
     assert_eq!(names(&here), [name.clone(), format!("{name}.lock")]);
     // A named environment is used as it is.
-    assert_eq!(named(&made[0].folder, &interpreter()).unwrap(), made[0]);
+    assert_eq!(
+        named(&made[0].folder, &interpreter(), &GO).unwrap(),
+        made[0]
+    );
     let other = Interpreter {
         version: "3.99.0".to_owned(),
         candidates: Vec::new(),
     };
-    let refused = named(&made[0].folder, &other).unwrap_err().to_string();
+    let refused = named(&made[0].folder, &other, &GO).unwrap_err().to_string();
     assert!(
         refused.contains("embeds 3.99.0") && refused.contains(ENVIRONMENT),
         "{refused}"
@@ -93,6 +96,79 @@ fn packages_that_cannot_be_had_leave_nothing_behind() {
 }
 
 #[test]
+fn an_environment_without_its_packages_is_not_whole() {
+    let cache = tempfile::tempdir().unwrap();
+    let made = ensure(NOTHING, &interpreter(), cache.path(), None, &GO).unwrap();
+    assert!(whole(&made.folder, NOTHING, &GO).is_some());
+    let more = Requirements {
+        text: "# list\nno_such.package==1.0 --hash=sha256:00\n",
+        ..NOTHING
+    };
+    let marker = made.folder.join(MARKER);
+    fs::write(marker, more.text).unwrap();
+    assert!(
+        whole(&made.folder, more, &GO).is_none(),
+        "the marker alone decides nothing"
+    );
+    let info = made.packages.join("No_Such_Package-1.0.dist-info");
+    fs::create_dir(&info).unwrap();
+    fs::write(
+        info.join("METADATA"),
+        "Name: No.Such-Package\nVersion: 1.0\n",
+    )
+    .unwrap();
+    assert!(whole(&made.folder, more, &GO).is_some());
+}
+
+#[test]
+fn a_call_ends_with_the_users_stop() {
+    let python = interpreter().candidates.remove(0);
+    let cancel = AtomicBool::new(false);
+    let start = std::time::Instant::now();
+    let said = thread::scope(|scope| {
+        let sleep = ["-I", "-c", "import time; time.sleep(60)"];
+        let (python, cancel) = (&python, &cancel);
+        let called = scope.spawn(move || call(python, sleep, None, cancel));
+        thread::sleep(Duration::from_millis(300));
+        cancel.store(true, Ordering::Relaxed);
+        called.join().unwrap()
+    });
+    assert_eq!(said, Err("stopped".to_owned()));
+    assert!(start.elapsed() < Duration::from_secs(20));
+}
+
+#[test]
+fn pip_installs_where_it_is_told_to() {
+    for away in [
+        "PIP_TARGET",
+        "PIP_DRY_RUN",
+        "PIP_PREFIX",
+        "PIP_USER",
+        "PIP_REQUIRE_VIRTUALENV",
+    ] {
+        assert!(process::kept_away(away), "{away}");
+    }
+    for let_through in ["PIP_INDEX_URL", "PIP_PROXY", "PATH", "HOME"] {
+        assert!(!process::kept_away(let_through), "{let_through}");
+    }
+}
+
+#[test]
+fn an_environment_of_the_user_is_not_to_be_removed() {
+    let said = |named: bool| {
+        let (folder, reason) = (PathBuf::from("/home/me/env"), "why".to_owned());
+        let error = PythonError::Load {
+            reason,
+            folder,
+            named,
+        };
+        error.to_string()
+    };
+    assert!(said(false).contains("remove /home/me/env"));
+    assert!(!said(true).contains("remove") && said(true).contains("pip install"));
+}
+
+#[test]
 fn who_waits_for_the_lock_can_be_stopped() {
     let cache = tempfile::tempdir().unwrap();
     let path = cache.path().join("x.lock");
@@ -105,7 +181,7 @@ fn who_waits_for_the_lock_can_be_stopped() {
 
 #[test]
 fn faults_name_the_remedy() {
-    let nowhere = named(Path::new("/nowhere"), &interpreter()).unwrap_err();
+    let nowhere = named(Path::new("/nowhere"), &interpreter(), &GO).unwrap_err();
     assert!(nowhere.to_string().contains(ENVIRONMENT), "{nowhere}");
     let cache = tempfile::tempdir().unwrap();
     let none = Interpreter {

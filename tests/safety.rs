@@ -1,0 +1,583 @@
+//! Nothing of the user's is lost, and nothing passes unchecked: attacks on the program, each refused or harmless.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use pinwheel_tests::{Outcome, names_in, pinwheel, repository, run_in};
+
+const SHORT: [&str; 2] = ["--set", "solver.duration_s=0.002"];
+
+/// Seconds of work, written into the folder named after it.
+const LONG: [&str; 6] = [
+    "run",
+    "paper",
+    "--unchecked",
+    "--set",
+    "solver.duration_s=20",
+    "--out",
+];
+
+/// A sweep of eight runs, each of `duration` seconds.
+fn sweep_file(dir: &Path, duration: &str) {
+    let text = format!(
+        "name = \"s\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = {duration}\n\
+         [vary]\ngear.backlash_m = {{ from = 0.0, to = 3.0e-4, points = 8 }}\n"
+    );
+    fs::write(dir.join("s.toml"), text).unwrap();
+}
+
+/// Waits for the child to end by itself; ends it after `seconds`.
+fn within(mut child: Child, seconds: f64) -> Outcome {
+    let start = Instant::now();
+    while child.try_wait().unwrap().is_none() && start.elapsed().as_secs_f64() < seconds {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let _ = child.kill();
+    child.wait_with_output().unwrap().into()
+}
+
+fn start(dir: &Path, words: &[&str]) -> Child {
+    let mut command = pinwheel();
+    command.current_dir(dir).args(words).stdin(Stdio::null());
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.spawn().unwrap()
+}
+
+fn assert_refused(outcome: &Outcome, part: &str) {
+    assert_eq!(outcome.code, Some(2), "{part}: {outcome:?}");
+    assert!(outcome.stderr.contains(part), "{part}: {}", outcome.stderr);
+    assert_eq!(outcome.stderr.lines().count(), 1, "{}", outcome.stderr);
+}
+
+fn interrupt(child: &Child) {
+    let mut sent = Command::new("kill");
+    let sent = sent.args(["-INT", &child.id().to_string()]);
+    assert!(sent.status().unwrap().success());
+}
+
+/// Waits for `there`, at most a minute.
+fn until(there: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !there() {
+        assert!(start.elapsed() < Duration::from_secs(60), "nothing happens");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn regress_a_scenes_name_is_no_path() {
+    let dir = tempfile::tempdir().unwrap();
+    let place = dir.path().join("place");
+    fs::create_dir(&place).unwrap();
+    for name in [
+        "../../escaped",
+        "..",
+        &dir.path().join("abs").display().to_string(),
+    ] {
+        let text = format!("base = \"paper\"\nname = {name:?}\n[solver]\nduration_s = 0.002\n");
+        fs::write(place.join("mine.toml"), text).unwrap();
+        let words = [
+            "record",
+            "mine.toml",
+            "--engines",
+            "rapier-shared-law",
+            "--out",
+            "rec",
+        ];
+        let outcome = run_in(&place, words);
+        assert!(outcome.code.is_some(), "{outcome:?}");
+        let outcome = run_in(&place, ["run", "mine.toml", "--force"]);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        assert_eq!(names_in(dir.path()), ["place"], "{name}");
+        for below in names_in(&place.join("rec")) {
+            assert!(
+                !below.starts_with('.') && place.join("rec").join(&below).is_dir(),
+                "{below}"
+            );
+        }
+        assert!(
+            names_in(&place)
+                .iter()
+                .all(|n| ["mine.toml", "out", "rec"].contains(&n.as_str()))
+        );
+    }
+}
+
+#[test]
+fn regress_a_baselines_folder_keeps_foreign_files() {
+    let dir = tempfile::tempdir().unwrap();
+    let place = dir.path().join("bl/accepted");
+    fs::create_dir_all(&place).unwrap();
+    let accepted = repository("reference/baselines/accepted");
+    for name in names_in(&accepted) {
+        fs::copy(accepted.join(&name), place.join(&name)).unwrap();
+    }
+    fs::write(place.join("notes.txt"), "precious").unwrap();
+    let child = start(
+        dir.path(),
+        &["baseline", "record", "--dir", "bl", "--accept", "why"],
+    );
+    assert_refused(&within(child, 20.0), "notes.txt");
+    assert_eq!(
+        fs::read_to_string(place.join("notes.txt")).unwrap(),
+        "precious"
+    );
+}
+
+#[test]
+fn regress_a_foreign_folder_named_unfinished_stays() {
+    let dir = tempfile::tempdir().unwrap();
+    sweep_file(dir.path(), "0.002");
+    let place = dir.path().join("o.unfinished");
+    fs::create_dir(&place).unwrap();
+    fs::write(place.join("thesis.tex"), "precious").unwrap();
+    for flag in ["--force", "--resume"] {
+        let outcome = run_in(dir.path(), ["sweep", "s.toml", "--out", "o", flag]);
+        assert_refused(&outcome, "o.unfinished");
+        assert_eq!(
+            fs::read_to_string(place.join("thesis.tex")).unwrap(),
+            "precious"
+        );
+    }
+    assert_eq!(names_in(dir.path()), ["o.unfinished", "s.toml"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn regress_folders_of_the_user_are_never_replaced() {
+    let dir = tempfile::tempdir().unwrap();
+    let [real, link, work] = ["real", "link", "work"].map(|name| dir.path().join(name));
+    fs::create_dir(&real).unwrap();
+    fs::create_dir_all(work.join("data")).unwrap();
+    fs::write(real.join("letter"), "precious").unwrap();
+    std::os::unix::fs::symlink(&real, &link).unwrap();
+    fs::write(
+        work.join("data/mine.toml"),
+        "base = \"paper\"\n[solver]\nduration_s = 0.002\n",
+    )
+    .unwrap();
+    let run = |words: &[&str]| {
+        let mut command = pinwheel();
+        command.current_dir(&work).env("HOME", &link).args(words);
+        Outcome::from(command.stdin(Stdio::null()).output().unwrap())
+    };
+    let (at_real, at_link) = (real.display().to_string(), link.display().to_string());
+    for out in [at_real.as_str(), &at_link, "..", "/"] {
+        assert_refused(
+            &run(&["run", "paper", "--force", "--out", out]),
+            "working in",
+        );
+    }
+    let outcome = run(&["run", "data/mine.toml", "--force", "--out", "data"]);
+    assert_refused(&outcome, "data/mine.toml");
+    let outcome = run(&["run", "data/../data/mine.toml", "--force", "--out=data"]);
+    assert_refused(&outcome, "mine.toml");
+    assert_eq!(names_in(&real), ["letter"]);
+    assert_eq!(names_in(&work.join("data")), ["mine.toml"]);
+    // A link to nothing, and a name no file system takes: told before anything is computed.
+    std::os::unix::fs::symlink("nowhere", work.join("dangling")).unwrap();
+    assert_refused(
+        &run(&["run", "paper", "--out", "dangling"]),
+        "link to nothing",
+    );
+    let long = "x".repeat(300);
+    assert_refused(&run(&["run", "paper", "--out", &long]), "--out");
+}
+
+#[test]
+fn regress_file_names_make_no_output_ours() {
+    let dir = tempfile::tempdir().unwrap();
+    let other = dir.path().join("other");
+    fs::create_dir(&other).unwrap();
+    for name in ["summary.json", "index.html"] {
+        fs::write(other.join(name), "another tool's").unwrap();
+    }
+    let words = ["run", "paper", "--out", "other"];
+    assert_refused(&run_in(dir.path(), words.iter().chain(&SHORT)), "--force");
+    assert_eq!(
+        fs::read_to_string(other.join("index.html")).unwrap(),
+        "another tool's"
+    );
+
+    // Ours, with the data of a comparison in it: not replaced, with or without --force.
+    let words = ["run", "paper", "--out", "ours"];
+    assert_eq!(run_in(dir.path(), words.iter().chain(&SHORT)).code, Some(0));
+    fs::write(
+        dir.path().join("map.toml"),
+        "[columns]\ninput_torque_n_m = \"input_torque_n_m\"\n",
+    )
+    .unwrap();
+    for force in [&[][..], &["--force"]] {
+        let words = [
+            "compare",
+            "paper",
+            "--engines",
+            "native-reduced",
+            "--against",
+            "ours/courses.csv",
+        ];
+        let more = ["--map", "map.toml", "--out", "ours"];
+        let outcome = run_in(
+            dir.path(),
+            words.iter().chain(&more).chain(&SHORT).chain(force),
+        );
+        assert_refused(&outcome, "ours/courses.csv");
+    }
+    assert!(dir.path().join("ours/courses.csv").is_file());
+    // An output with a file added: named.
+    fs::write(dir.path().join("ours/notes.txt"), "precious").unwrap();
+    let words = ["run", "paper", "--out", "ours"];
+    assert_refused(
+        &run_in(dir.path(), words.iter().chain(&SHORT)),
+        "`notes.txt`",
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn regress_a_partial_measurement_replaces_no_complete_one() {
+    let dir = tempfile::tempdir().unwrap();
+    let words = [
+        "bench",
+        "paper",
+        "--engines",
+        "native-reduced",
+        "--parts",
+        "scene",
+        "--repeats",
+        "1",
+        "--out",
+        "b",
+    ];
+    let short = [&words[..], &["--methods", "rk4"], &SHORT].concat();
+    assert_eq!(run_in(dir.path(), &short).code, Some(0));
+    let before = fs::read_to_string(dir.path().join("b/summary.json")).unwrap();
+    let mut long = [&words[..], &["--set", "solver.duration_s=0.02"]].concat();
+    // Far longer than anybody waits.
+    let repeats = long.iter().position(|word| *word == "--repeats").unwrap() + 1;
+    long[repeats] = "1000";
+    // Stopped before anything is measured it writes nothing: then later, however slow the machine.
+    for wait_s in [4, 16, 64, 256] {
+        let child = start(dir.path(), &long);
+        std::thread::sleep(Duration::from_secs(wait_s));
+        interrupt(&child);
+        let outcome = within(child, 60.0);
+        assert_eq!(outcome.code, Some(130), "{outcome:?}");
+        let now = fs::read_to_string(dir.path().join("b/summary.json")).unwrap();
+        assert_eq!(now, before);
+        if dir.path().join("b.partial").exists() {
+            break;
+        }
+    }
+    let partial = fs::read_to_string(dir.path().join("b.partial/summary.json")).unwrap();
+    assert!(partial.contains("\"complete\": false"));
+}
+
+#[test]
+fn regress_reserved_names_are_refused_before_the_run() {
+    let dir = tempfile::tempdir().unwrap();
+    let map = "name = \"Index.html\"\n[columns]\ninput_torque_n_m = \"a\"\n";
+    fs::write(dir.path().join("map.toml"), map).unwrap();
+    let mut csv = "time_s,a\n".to_owned();
+    (0..20).for_each(|k| csv.push_str(&format!("{},1\n", 1e-4 * f64::from(k))));
+    fs::write(dir.path().join("d.csv"), csv).unwrap();
+    let words = [
+        "compare",
+        "paper",
+        "--against",
+        "d.csv",
+        "--map",
+        "map.toml",
+    ];
+    assert_refused(&run_in(dir.path(), words.iter().chain(&SHORT)), "`name`");
+}
+
+#[test]
+fn regress_what_a_kill_leaves_is_cleaned_up() {
+    let dir = tempfile::tempdir().unwrap();
+    let hidden = || {
+        names_in(dir.path())
+            .iter()
+            .filter(|n| n.starts_with(".pinwheel-"))
+            .count()
+    };
+    let mut child = start(dir.path(), &[&LONG[..], &["o"]].concat());
+    until(|| hidden() == 1);
+    std::thread::sleep(Duration::from_millis(200));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(hidden(), 1);
+    let left = names_in(dir.path()).remove(0);
+    // The folder of a program that still runs is left alone.
+    let alive = start(dir.path(), &[&LONG[..], &["p"]].concat());
+    until(|| hidden() == 1 && !dir.path().join(&left).exists());
+    std::thread::sleep(Duration::from_millis(500));
+    let words = ["run", "paper", "--out", "o"];
+    assert_eq!(run_in(dir.path(), words.iter().chain(&SHORT)).code, Some(0));
+    assert_eq!(hidden(), 1, "{:?}", names_in(dir.path()));
+    drop(within(alive, 0.0));
+}
+
+#[test]
+fn regress_two_sweeps_on_one_output() {
+    let dir = tempfile::tempdir().unwrap();
+    sweep_file(dir.path(), "0.2");
+    let first = start(
+        dir.path(),
+        &["sweep", "s.toml", "--jobs", "1", "--out", "o"],
+    );
+    until(|| !names_in(&dir.path().join("o.unfinished")).is_empty());
+    std::thread::sleep(Duration::from_millis(200));
+    for flag in ["--resume", "--force"] {
+        let second = start(dir.path(), &["sweep", "s.toml", "--out", "o", flag]);
+        let outcome = within(second, 20.0);
+        assert_refused(&outcome, &format!("process {}", first.id()));
+    }
+    drop(within(first, 0.0));
+}
+
+#[test]
+fn regress_undefined_numbers_are_empty_cells() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = "name = \"s\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.01\n\
+        drive.output_torque_n_m = 0.0\n[vary]\ndrive.input_speed_rad_s = [0.0, 1e-9, 157.0]\n";
+    fs::write(dir.path().join("s.toml"), text).unwrap();
+    let outcome = run_in(dir.path(), ["sweep", "s.toml", "--out", "o"]);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let csv = fs::read_to_string(dir.path().join("o/results.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    let column = |name: &str| rows[0].iter().position(|n| *n == name).unwrap();
+    for row in &rows[1..] {
+        assert!(
+            row.iter()
+                .all(|cell| !["inf", "-inf", "NaN"].contains(cell)),
+            "{row:?}"
+        );
+        let cell = row[column("efficiency")];
+        assert!(
+            cell.is_empty() || cell.parse::<f64>().unwrap().abs() <= 2.0,
+            "{cell}"
+        );
+        assert!(
+            !cell.is_empty() || row[column("reason")].contains("efficiency"),
+            "{row:?}"
+        );
+    }
+    let again = run_in(dir.path(), ["sweep", "s.toml", "--out", "o", "--resume"]);
+    assert_eq!(again.code, Some(0), "{again:?}");
+    assert_eq!(
+        fs::read_to_string(dir.path().join("o/results.csv")).unwrap(),
+        csv
+    );
+}
+
+#[test]
+fn regress_maps_are_bounded() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut csv = "time_s,a\n".to_owned();
+    (0..20).for_each(|k| csv.push_str(&format!("{},1e300\n", 1e-4 * f64::from(k))));
+    fs::write(dir.path().join("d.csv"), csv).unwrap();
+    for (map, part) in [
+        (
+            "[file]\nskip_lines = 9000000000000000000\n[columns]\ninput_torque_n_m = \"a\"\n",
+            "skip_lines",
+        ),
+        (
+            "[file]\nlines_after_header = 9000000000000000000\n[columns]\ninput_torque_n_m = \"a\"\n",
+            "lines_after_header",
+        ),
+        (
+            "[columns]\ninput_torque_n_m = { column = \"a\", factor = 1e10 }\n",
+            "too large",
+        ),
+        (
+            "[columns]\ninput_torque_n_m = { magnitude_of = [\"a\", \"a\"] }\n",
+            "too large",
+        ),
+    ] {
+        fs::write(dir.path().join("map.toml"), map).unwrap();
+        let words = [
+            "compare",
+            "paper",
+            "--engines",
+            "native-reduced",
+            "--against",
+            "d.csv",
+            "--map",
+            "map.toml",
+        ];
+        let outcome = within(start(dir.path(), &[&words[..], &SHORT].concat()), 20.0);
+        assert_refused(&outcome, part);
+    }
+}
+
+/// A repository may name programs that git starts; looking up the commit starts none.
+#[cfg(unix)]
+#[test]
+fn regress_a_repositorys_programs_are_not_run() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let dir = tempfile::tempdir().unwrap();
+    let (script, ran) = (dir.path().join("evil"), dir.path().join("ran"));
+    fs::write(&script, format!("#!/bin/sh\ntouch '{}'\n", ran.display())).unwrap();
+    fs::set_permissions(&script, fs::Permissions::from_mode(0o755)).unwrap();
+    let accepted = repository("reference/baselines/accepted");
+    fs::create_dir_all(dir.path().join("bl/accepted")).unwrap();
+    fs::create_dir_all(dir.path().join("crates")).unwrap();
+    fs::write(dir.path().join("crates/a"), "a").unwrap();
+    for name in names_in(&accepted) {
+        fs::copy(
+            accepted.join(&name),
+            dir.path().join("bl/accepted").join(&name),
+        )
+        .unwrap();
+    }
+    let git = |words: &[&str]| {
+        let mut command = Command::new("git");
+        command
+            .current_dir(dir.path())
+            .args(["-c", "user.name=a", "-c", "user.email=a@b"]);
+        assert!(
+            command.args(words).output().unwrap().status.success(),
+            "{words:?}"
+        );
+    };
+    git(&["init", "-q"]);
+    git(&["add", "crates"]);
+    git(&["commit", "-q", "-m", "a"]);
+    git(&["config", "core.fsmonitor", &script.display().to_string()]);
+    let child = start(
+        dir.path(),
+        &[
+            "baseline",
+            "check",
+            "--dir",
+            "bl",
+            "--out",
+            "o",
+            "--repeats",
+            "0",
+        ],
+    );
+    drop(within(child, 4.0));
+    assert!(!ran.exists(), "the repository's program was run");
+}
+
+#[test]
+fn regress_control_characters_never_reach_the_terminal() {
+    let dir = tempfile::tempdir().unwrap();
+    for words in [
+        &["run", "\u{1b}]0;owned\u{7}"][..],
+        &["run", "paper", "--set", "contact.law=a\u{1b}[2Jb"],
+        &["run", "paper", "--out", "a\u{1b}[2Jb/../x"],
+        &["baseline", "check", "--dir", "a\u{1b}[2Jb"],
+        &["run", "paper", "--set", "gear.\u{9b}2J=1"],
+        &["\u{1b}[2J"],
+    ] {
+        let mut command = pinwheel();
+        // As on a terminal: elsewhere colours, and with them such sequences, are left out anyway.
+        command.env("CLICOLOR_FORCE", "1").current_dir(dir.path());
+        let outcome = Outcome::from(command.args(words).stdin(Stdio::null()).output().unwrap());
+        assert_eq!(outcome.code, Some(2));
+        let colours = ["\u{1b}[1m", "\u{1b}[31m", "\u{1b}[0m", "\n"];
+        let line = colours
+            .iter()
+            .fold(outcome.stderr, |line, colour| line.replace(colour, ""));
+        assert!(!line.chars().any(char::is_control), "{line:?}");
+    }
+    let sweep = |keys: u32| {
+        let keys: String = (0..keys).map(|k| format!("k{k}=[1]\n")).collect();
+        fs::write(dir.path().join("s.toml"), format!("[vary]\n{keys}")).unwrap();
+        let begun = Instant::now();
+        let outcome = within(start(dir.path(), &["sweep", "s.toml"]), 20.0);
+        assert_eq!(outcome.code, Some(2), "{:.300}", outcome.stderr);
+        (outcome.stderr.len(), begun.elapsed())
+    };
+    let (bytes, _) = sweep(900);
+    assert!(bytes < 2000, "{bytes} bytes are no line of a screen");
+    let (bytes, time) = sweep(60_000);
+    assert!(
+        bytes < 2000 && time < Duration::from_secs(2),
+        "{bytes} {time:?}"
+    );
+}
+
+/// An output folder that holds what a named file names in turn is not replaced.
+#[test]
+fn regress_inputs_of_inputs_are_inputs() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::create_dir(dir.path().join("o")).unwrap();
+    fs::write(dir.path().join("o/base.toml"), "base = \"paper\"\n").unwrap();
+    fs::write(dir.path().join("mine.toml"), "base = \"o/base.toml\"\n").unwrap();
+    fs::write(dir.path().join("s.toml"), "scene = \"mine.toml\"\n").unwrap();
+    for words in [["run", "mine.toml"], ["sweep", "s.toml"]] {
+        let words = words.iter().chain(&["--force", "--out", "o"]).chain(&SHORT);
+        assert_refused(&run_in(dir.path(), words), "base.toml");
+    }
+    assert_eq!(names_in(&dir.path().join("o")), ["base.toml"]);
+}
+
+/// A plan of many runs is made of many scenes: the first Ctrl-C ends that, too.
+#[cfg(unix)]
+#[test]
+fn regress_planning_can_be_stopped() {
+    let dir = tempfile::tempdir().unwrap();
+    let axis = |key: &str, to: f64| format!("{key} = {{ from = 0.0, to = {to}, points = 300 }}\n");
+    let text = format!(
+        "[vary]\n{}{}",
+        axis("gear.backlash_m", 3e-4),
+        axis("drive.output_torque_n_m", 11.0)
+    );
+    fs::write(dir.path().join("s.toml"), text).unwrap();
+    let child = start(dir.path(), &["sweep", "s.toml", "--list"]);
+    std::thread::sleep(Duration::from_millis(300));
+    let asked = Instant::now();
+    interrupt(&child);
+    let outcome = within(child, 30.0);
+    assert_eq!(outcome.code, Some(130), "{:.300}", outcome.stderr);
+    assert!(
+        asked.elapsed() < Duration::from_secs(1),
+        "{:?}",
+        asked.elapsed()
+    );
+    assert_eq!(outcome.stdout, "");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn regress_a_full_disk_is_called_so() {
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = pinwheel().arg("laws").stdout(full).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.code() == Some(2) && said.contains("disk is full"),
+        "{said}"
+    );
+}
+
+/// Runs of another build of the program are run again.
+#[cfg(unix)]
+#[test]
+fn regress_a_rebuilt_program_reuses_no_runs() {
+    let dir = tempfile::tempdir().unwrap();
+    sweep_file(dir.path(), "0.002");
+    let words = ["sweep", "s.toml", "--out", "o", "--resume"];
+    let times = || fs::read_to_string(dir.path().join("o/costs.csv")).unwrap();
+    assert_eq!(run_in(dir.path(), words).code, Some(0));
+    let first = times();
+    assert_eq!(run_in(dir.path(), words).code, Some(0));
+    assert_eq!(times(), first, "the same program goes on");
+    let other = dir.path().join("other");
+    fs::copy(pinwheel().get_program(), &other).unwrap();
+    let mut bytes = fs::read(&other).unwrap();
+    bytes.push(0);
+    fs::write(&other, bytes).unwrap();
+    let mut command = Command::new(&other);
+    command
+        .current_dir(dir.path())
+        .args(words)
+        .stdin(Stdio::null());
+    assert_eq!(command.output().unwrap().status.code(), Some(0));
+    assert_ne!(times(), first);
+}
