@@ -66,12 +66,12 @@ def random_states(scene: Scene, count: int, seed: int) -> Floats:
     return states
 
 
-def compare(scene_toml: str, pointer: LawPointer, count: int, seed: int) -> Agreement:
-    """Evaluates the numpy law and a compiled one at the same random states.
+def compare(scene: str | Scene, pointer: LawPointer, count: int, seed: int) -> Agreement:
+    """Evaluates the numpy law and a compiled one at the same random states of a scene, itself or its TOML text.
 
     Raises Unsupported for a law that numpy does not know.
     """
-    scene = Scene.from_toml(scene_toml)
+    scene = Scene.of(scene)
     law, compiled = ContactLaw(scene), StageLaw(scene, pointer)
     states = random_states(scene, count, seed)
     ours = law.loads(states)

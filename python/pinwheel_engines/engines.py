@@ -76,27 +76,27 @@ ENGINES: dict[str, EngineInfo] = {
 }
 
 
-def check(scene_toml: str, engine: str) -> None:
+def check(scene: str | Scene, engine: str) -> None:
     """Raises SceneError or Unsupported when an engine cannot honour a scene; starts no run.
 
     A shared-law engine can do what its law can; what an own-contact engine can do is `bed.check_own_contact`'s.
     """
     if engine not in ENGINES:
         raise Unsupported(engine, f"there is no such engine; known are {', '.join(ENGINES)}")
-    scene = Scene.from_toml(scene_toml)
+    scene = Scene.of(scene)
     if not ENGINES[engine].takes_law:
         check_own_contact(engine, scene)
 
 
 def run(
-    scene_toml: str,
+    scene: str | Scene,
     engine: str,
     law: LawPointer | None = None,
     on_progress: Callable[[float], bool] | None = None,
     step_s: float | None = None,
     initial_states: npt.ArrayLike | None = None,
 ) -> Result:
-    """Runs a scene given as TOML text in a named engine.
+    """Runs a scene, itself or its TOML text, in a named engine.
 
     `law`: a compiled contact law for shared-law engines; without it the numpy law serves. Own-contact engines ignore it.
     `on_progress`: gets simulated seconds at every sample; True stops the run with Cancelled.
@@ -110,7 +110,7 @@ def run(
     if engine not in ENGINES:
         raise Unsupported(engine, f"there is no such engine; known are {', '.join(ENGINES)}")
     info = ENGINES[engine]
-    scene = Scene.from_toml(scene_toml)
+    scene = Scene.of(scene)
     try:
         module = importlib.import_module(info.module)
     except ImportError as error:

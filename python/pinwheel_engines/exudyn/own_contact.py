@@ -30,7 +30,7 @@ from pinwheel_engines.guards import Guard
 from pinwheel_engines.law import ContactLaw
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics, hole_centres, wheel_phases
 from pinwheel_engines.result import Recorder, Result, RunStats
-from pinwheel_engines.scene import BodyMass, Gear, Scene
+from pinwheel_engines.scene import Gear, Scene
 from pinwheel_engines.start import initial_angles
 from pinwheel_engines.stepping import actual_step_s, stretches
 
@@ -56,7 +56,7 @@ def wheel_damper(scene: Scene) -> float:
 
 def margin_rad(gear: Gear) -> float:
     """How far beyond the ideal mesh segments are kept: half a lobe and the wheel's free play."""
-    return math.pi / gear.lobes + gear.backlash_m / (gear.eccentricity_m * gear.lobes)
+    return math.pi / gear.lobes + float(gear.backlash_m / (gear.eccentricity_m * gear.lobes))
 
 
 def reachable(scene: Scene, wheel: int, sleeve: int, edge_polar: Floats) -> npt.NDArray[np.bool_]:
@@ -113,7 +113,7 @@ class _Machine:
                 numberOfODE2Coordinates=count,
             )
         )
-        own: list[BodyMass] = [parts[b] for b in bodies]
+        own = [parts[b] for b in bodies]
         moments = [p.moment_kg_m2 for p in own]
         moments[0] += rotor
         offsets = kinematics.offsets[bodies]
