@@ -70,6 +70,13 @@ class Masses(Table):
             + [self.internal_sleeve] * gear.internal_sleeves
         )
 
+    def driver_kg_m2(self, wheels: float) -> float:
+        """Rotor inertia that stands in for a driver: the power of ten next to so many times a wheel's moment.
+
+        The input's speed is then off by torque * time/(inertia * speed), and inertia * deceleration is the torque.
+        """
+        return float(10.0 ** round(math.log10(wheels * self.wheel.moment_kg_m2)))
+
 
 @dataclass(frozen=True)
 class LoadPiece:

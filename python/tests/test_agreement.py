@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pinwheel_engines import ContactLaw, Unsupported
-from pinwheel_engines.agreement import TIE_M, compare
+from pinwheel_engines.agreement import compare, tie_m
 from pinwheel_engines.layout import Kinematics
 from tests import scenes
 
@@ -45,5 +45,5 @@ def test_ties_between_points():
     gap = law.nearest_gap_m(state)
     assert 0.0 <= gap < 1e-4
     # Far from a tie for a state taken at random.
-    assert law.nearest_gap_m(scenes.random_states(scene, 1, seed=3)[0]) > TIE_M
+    assert law.nearest_gap_m(scenes.random_states(scene, 1, seed=3)[0]) > tie_m(scene)
     assert np.isfinite(gap)
