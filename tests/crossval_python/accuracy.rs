@@ -137,11 +137,19 @@ fn crossval_python_own_contact_live() {
     ];
     let scene = scene("paper", &settings);
     let reference = native(&scene, "rk4", 1e-5);
+    let mean = |courses: &Courses, quantity: &str| {
+        let window = courses.window(0.004, 0.02);
+        let channels = channels(courses, quantity);
+        let sum: f64 = channels
+            .iter()
+            .map(|c| c[window.clone()].iter().sum::<f64>())
+            .sum();
+        sum / (channels.len() * window.len()) as f64
+    };
     for engine in [MUJOCO_OWN, EXUDYN_OWN] {
         let courses = run(engine, &scene);
         for (quantity, limit) in QUANTITIES.iter().zip(OWN_MEANS) {
-            let error =
-                (late_mean(&courses, quantity) / late_mean(&reference, quantity) - 1.0).abs();
+            let error = (mean(&courses, quantity) / mean(&reference, quantity) - 1.0).abs();
             assert_within(&format!("{engine} mean {quantity}"), error, limit);
         }
     }
@@ -150,15 +158,3 @@ fn crossval_python_own_contact_live() {
 /// Limits of the means of driver torque, output torque, external and internal forces. Measured 9.8e-3 (what the
 /// paper's law creates in power), 3.2e-4, 1.5e-2 and 6.4e-4.
 const OWN_MEANS: [f64; 4] = [1.5e-2, 1e-3, 2.2e-2, 2e-3];
-
-/// Mean of a quantity over all its channels and the last four fifths of the run.
-pub(super) fn late_mean(courses: &Courses, quantity: &str) -> f64 {
-    let end_s = courses.time_s().last().copied().unwrap_or_default();
-    let window = courses.window(0.2 * end_s, end_s);
-    let channels = channels(courses, quantity);
-    let sum: f64 = channels
-        .iter()
-        .map(|c| c[window.clone()].iter().sum::<f64>())
-        .sum();
-    sum / (channels.len() * window.len()) as f64
-}

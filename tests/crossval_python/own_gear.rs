@@ -48,9 +48,11 @@ fn gear(text: &str, samples: f64, start: Start) -> Scene {
     scene
 }
 
+/// The start-up over 150 samples, some ten periods of the fastest mode. Measured 1.9e-5 and 1.7e-5 for Runge-Kutta 4 of both
+/// peers, 1.4e-2 and 4.8e-3 for the trapezoidal rule.
 #[test]
 fn crossval_python_own_gear_shared_law() {
-    for (text, explicit, constrained) in [(FORTY, 1e-4, 1e-2), (TINY, 1e-4, 1e-2)] {
+    for (text, explicit, constrained) in [(FORTY, 6e-5, 4e-2), (TINY, 6e-5, 1.5e-2)] {
         let scene = gear(text, 150.0, Start::Kinematic);
         let reference = native(&scene, "rk4", scene.solver.step_s / 5.0);
         for (engine, limit) in [
@@ -64,23 +66,18 @@ fn crossval_python_own_gear_shared_law() {
     }
 }
 
+/// Wave forms from equilibrium, both peers: springs conserve energy, as does the law that such a scene has by itself. Measured
+/// at most 3.9e-2 (driver torque: a ripple in the springs' own grid), 3.6e-3, 3.4e-2 and 3.8e-3.
 #[test]
 fn crossval_python_own_gear_own_contact() {
-    for (text, limits) in [(FORTY, [1.0; 4]), (TINY, [1.0; 4])] {
+    for text in [FORTY, TINY] {
         let scene = gear(text, 800.0, Start::Equilibrium);
         let reference = native(&scene, "rk4", scene.solver.step_s);
         for engine in [MUJOCO_OWN, EXUDYN_OWN] {
             let courses = run(engine, &scene);
-            for (quantity, limit) in QUANTITIES.iter().zip(limits) {
-                let error = (accuracy::late_mean(&courses, quantity)
-                    / accuracy::late_mean(&reference, quantity)
-                    - 1.0)
-                    .abs();
-                assert_within(
-                    &format!("{} {engine} mean {quantity}", scene.name),
-                    error,
-                    limit,
-                );
+            for (quantity, limit) in QUANTITIES.iter().zip([8e-2, 8e-3, 7e-2, 8e-3]) {
+                let error = relative(&courses, &reference, quantity, 0.0);
+                assert_within(&format!("{} {engine} {quantity}", scene.name), error, limit);
             }
         }
     }
