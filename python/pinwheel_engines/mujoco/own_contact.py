@@ -52,10 +52,10 @@ DRIVER_WHEELS = 1.0e10
 # Least beads along an edge, and within the nominal contact; their radius in sleeve radii and m, the lesser counts.
 BEADS, BEADS_IN_CONTACT = 4000, 8
 BEAD_SHARE, BEAD_RADIUS_M = 0.04, 1.0e-4
-# Impedance d, and about how many effective masses of a wheel at its edge the inverse mass W, which replaces MuJoCo's, is
-# above its own: R = W/d, so a1/R is a ten-millionth of the force that gives the wheel the acceleration a1.
+# Impedance d, and the inverse mass W, which replaces MuJoCo's, in those of a wheel: R = W/d, so a1/R is some 1e-8 of the
+# force that gives a wheel the acceleration a1.
 IMPEDANCE = 1.0e-4
-INVERSE_MASSES = 1.0e3
+INVERSE_MASSES = 4.0e3
 # Tendons a sleeve and hole, and how far, in nominal penetrations, their chords follow K delta^1.5.
 CHORDS = 32
 REACH = 4.0
@@ -63,8 +63,7 @@ REACH = 4.0
 
 def inverse_mass(scene: Scene) -> float:
     """W, 1/kg: a power of ten."""
-    lever = scene.gear.eccentricity_m * scene.gear.lobes
-    return float(10.0 ** round(math.log10(INVERSE_MASSES * lever**2 / scene.mass.wheel.moment_kg_m2)))
+    return float(10.0 ** round(math.log10(INVERSE_MASSES / scene.mass.wheel.mass_kg)))
 
 
 def bead_radius_m(scene: Scene) -> float:
