@@ -67,7 +67,7 @@ pub(crate) const CARDS: &[Card] = &[
         track: Track::OwnContact,
         summary: "MuJoCo alone: wheel edges as beds of 4000 small spheres or more, holes as limited tendons",
         differences: "MuJoCo finds the contacts and computes the forces; nothing of ours runs in its step. Each wheel's \
-            edge is a bed of 4000 spheres or more (eight in a loaded contact) with linear springs, which together give \
+            edge is a bed of 4000 spheres or more (seven in a loaded contact) with linear springs, which together give \
             K \u{3b4}^1.5 for a locally circular edge and conserve energy where the paper's law does not: that is most \
             of the difference in the driver torque. Holes are tendons of limited length with a chord approximation of K \u{3b4}^1.5. There is no ramp S \
             and no friction, and semi-implicit steps are some six a period of a wheel's vibration: steady courses are \

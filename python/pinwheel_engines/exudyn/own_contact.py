@@ -41,7 +41,7 @@ NAME = "exudyn-own-contact"
 # Rotor inertia of the driver in moments of inertia of a wheel.
 DRIVER_WHEELS = 1.0e16
 # Least springs along an edge, and within the nominal contact.
-SEGMENTS, SEGMENTS_IN_CONTACT = 8000, 16
+SEGMENTS, SEGMENTS_IN_CONTACT = 8000, 14
 
 
 def wheel_damper(scene: Scene) -> float:

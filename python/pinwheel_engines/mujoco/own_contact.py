@@ -50,7 +50,7 @@ NAME = "mujoco-own-contact"
 # Rotor inertia of the driver in moments of inertia of a wheel.
 DRIVER_WHEELS = 1.0e10
 # Least beads along an edge, and within the nominal contact; their radius in sleeve radii and m, the lesser counts.
-BEADS, BEADS_IN_CONTACT = 4000, 8
+BEADS, BEADS_IN_CONTACT = 4000, 7
 BEAD_SHARE, BEAD_RADIUS_M = 0.04, 1.0e-4
 # Impedance d, and the inverse mass W, which replaces MuJoCo's, in those of a wheel: R = W/d, so a1/R is some 1e-8 of the
 # force that gives a wheel the acceleration a1.
