@@ -67,7 +67,7 @@ fn crossval_python_own_gear_shared_law() {
 }
 
 /// Wave forms from equilibrium, both peers: springs conserve energy, as does the law that such a scene has by itself. Measured
-/// at most 3.9e-2 (driver torque: a ripple in the springs' own grid), 3.6e-3, 3.4e-2 and 3.8e-3.
+/// at most 4.0e-2, 3.8e-3, 3.7e-2 and 4.3e-3.
 #[test]
 fn crossval_python_own_gear_own_contact() {
     for text in [FORTY, TINY] {
