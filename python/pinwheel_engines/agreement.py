@@ -11,15 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from pinwheel_engines.bed import nominal_penetration_m, nominal_rate_rad_s
 from pinwheel_engines.border import LawPointer, StageLaw
 from pinwheel_engines.law import ContactLaw
 from pinwheel_engines.layout import Kinematics
 from pinwheel_engines.scene import Scene
 
 Floats = npt.NDArray[np.float64]
-
-# Two distances that differ by less are a tie, m: a hundred units in the last place of the pitch radius.
-TIE_M = 1e-15
 
 # Roundings that two correct implementations may be apart; more needs another reason.
 MOST_ROUNDINGS = 4.0
@@ -46,6 +44,11 @@ class Agreement:
     """Of a moment, over the largest force of its state times the largest radius of the mechanism."""
 
 
+def tie_m(scene: Scene) -> float:
+    """Two distances that differ by less are a tie, m: a hundred units in the last place of the pitch radius."""
+    return float(100.0 * np.spacing(scene.gear.pitch_radius_m))
+
+
 def random_states(scene: Scene, count: int, seed: int) -> Floats:
     """States near the mesh: any input angle, angles and rates off the ideal ones, sleeves that turn; within the backlash."""
     rng = np.random.default_rng(seed)
@@ -54,24 +57,25 @@ def random_states(scene: Scene, count: int, seed: int) -> Floats:
     states = np.empty((count, layout.bodies, 6))
     # One whole cycle of the mesh and more.
     span_s = 2.0 * np.pi * scene.gear.lobes / max(abs(scene.drive.input_speed_rad_s), 1e-3)
-    # Some ten nominal deformations of the paper's gear, at a tenth of a millimetre a radius of 5 cm.
-    spread_rad = 2e-4
+    # About an eighth of a wheel's turn under its nominal force: contacts come and go, and forces are of their own size.
+    spread_rad = 0.12 * nominal_penetration_m(scene) / (scene.gear.eccentricity_m * scene.gear.lobes)
+    spread_rad_s = 0.03 * nominal_rate_rad_s(scene) * spread_rad / 0.12
     play_rad = scene.gear.backlash_m / (scene.gear.eccentricity_m * scene.gear.lobes)
     for i in range(count):
         angles, rates = kinematics.ideal(scene, rng.uniform(0.0, span_s))
         angles[1:] += rng.uniform(-1.0, 1.0) * play_rad
         angles[1 : layout.wheel_bodies.stop] += rng.normal(size=1 + layout.wheels) * spread_rad
-        rates[1:] += rng.normal(size=layout.bodies - 1) * 0.5
+        rates[1:] += rng.normal(size=layout.bodies - 1) * spread_rad_s
         states[i] = kinematics.states(angles, rates)
     return states
 
 
-def compare(scene_toml: str, pointer: LawPointer, count: int, seed: int) -> Agreement:
-    """Evaluates the numpy law and a compiled one at the same random states.
+def compare(scene: str | Scene, pointer: LawPointer, count: int, seed: int) -> Agreement:
+    """Evaluates the numpy law and a compiled one at the same random states of a scene, itself or its TOML text.
 
     Raises Unsupported for a law that numpy does not know.
     """
-    scene = Scene.from_toml(scene_toml)
+    scene = Scene.of(scene)
     law, compiled = ContactLaw(scene), StageLaw(scene, pointer)
     states = random_states(scene, count, seed)
     ours = law.loads(states)
@@ -86,7 +90,7 @@ def compare(scene_toml: str, pointer: LawPointer, count: int, seed: int) -> Agre
     if law.points:
         # A tie is the only other reason that counts, and it is looked for only where one is needed.
         for row in np.nonzero(force > MOST_ROUNDINGS * rounding)[0]:
-            clear[row] = law.nearest_gap_m(states[row]) > TIE_M
+            clear[row] = law.nearest_gap_m(states[row]) > tie_m(scene)
     size = np.abs(ours[..., :2]).max(axis=(1, 2))
     moment = np.abs(difference[..., 2]).max(axis=1)
     loaded = clear & (size > 0.0)

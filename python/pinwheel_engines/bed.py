@@ -29,11 +29,20 @@ Points = npt.NDArray[np.complex128]
 LEAST_RAMPS = 3.0
 
 
+# Springs follow the first law's forces and, like the second, come from an energy.
+LAWS = ("paper", "paper-conservative")
+
+
+def hertz(scene: Scene) -> ContactLaw:
+    """The stiffnesses after Hertz, which a scene has under whatever law."""
+    return ContactLaw(scene.with_keys("contact", law="paper", friction_law="regularised", detection="exact"))
+
+
 def check_own_contact(engine: str, scene: Scene) -> None:
     """Raises Unsupported for what a spring bed cannot honour."""
     contact = scene.contact
-    if contact.law != "paper":
-        raise Unsupported(engine, f'contact.law = "{contact.law}": its own contact can imitate only "paper"')
+    if contact.law not in LAWS:
+        raise Unsupported(engine, f'contact.law = "{contact.law}": its own contact can imitate only {", ".join(LAWS)}')
     if contact.friction_coefficient != 0.0:
         raise Unsupported(
             engine, f"contact.friction_coefficient = {contact.friction_coefficient}: its own contact has none here"
@@ -52,14 +61,27 @@ def check_own_contact(engine: str, scene: Scene) -> None:
 
 def bed_stiffness(scene: Scene) -> float:
     """k', N/m^2."""
-    return 3.0 / (4.0 * math.sqrt(2.0)) * ContactLaw(scene).stiffness_factor
+    return 3.0 / (4.0 * math.sqrt(2.0)) * hertz(scene).stiffness_factor
+
+
+def edge_stiffness(scene: Scene) -> float:
+    """K of an external sleeve where the profile is straight (R = q), N/m^1.5."""
+    return hertz(scene).stiffness_factor * math.sqrt(scene.gear.external_sleeve_radius_m)
+
+
+def nominal_torque_n_m(scene: Scene) -> float:
+    """Largest load on one wheel; of a scene without load what presses a sleeve in by a millionth of R."""
+    gear, load = scene.gear, float(scene.drive.largest_load_n_m / scene.gear.wheels)
+    if load > 0.0:
+        return load
+    force = edge_stiffness(scene) * (1e-6 * gear.pitch_radius_m) ** 1.5
+    return float(0.25 * force * gear.eccentricity_m * gear.lobes * gear.external_sleeves)
 
 
 def nominal_force_n(scene: Scene) -> float:
-    """Greatest external sleeve force at zero clearance with linear springs, 4 T/(n e zs zk); at least 1 N."""
+    """Greatest external sleeve force at zero clearance with linear springs, 4 T/(n e zs zk)."""
     gear = scene.gear
-    torque = scene.drive.largest_load_n_m / gear.wheels
-    return max(1.0, 4.0 * torque / (gear.eccentricity_m * gear.lobes * gear.external_sleeves))
+    return float(4.0 * nominal_torque_n_m(scene) / (gear.eccentricity_m * gear.lobes * gear.external_sleeves))
 
 
 def nominal_rate_rad_s(scene: Scene) -> float:
@@ -68,16 +90,11 @@ def nominal_rate_rad_s(scene: Scene) -> float:
     Half of the sleeves are loaded, each with the tangent stiffness 1.5 K^(2/3) F^(1/3) at its nominal force and with a
     lever whose mean square is half the square of its greatest.
     """
-    gear, law = scene.gear, ContactLaw(scene)
-    torque = max(1.0, scene.drive.largest_load_n_m) / gear.wheels
+    gear, torque = scene.gear, nominal_torque_n_m(scene)
     stiffness = 0.0
     for sleeves, lever, k in (
-        (
-            gear.external_sleeves,
-            gear.eccentricity_m * gear.lobes,
-            law.stiffness_factor * math.sqrt(scene.gear.external_sleeve_radius_m),
-        ),
-        (gear.internal_sleeves, gear.internal_circle_radius_m, law.hole_stiffness),
+        (gear.external_sleeves, gear.eccentricity_m * gear.lobes, edge_stiffness(scene)),
+        (gear.internal_sleeves, gear.internal_circle_radius_m, hertz(scene).hole_stiffness),
     ):
         force = 4.0 * torque / (sleeves * lever)
         stiffness += 0.25 * max(2, sleeves) * 1.5 * k ** (2.0 / 3.0) * force ** (1.0 / 3.0) * lever**2
@@ -85,26 +102,37 @@ def nominal_rate_rad_s(scene: Scene) -> float:
 
 
 def nominal_step_s(scene: Scene) -> float:
-    """The own-contact engines' step, s: 1e-4, or what the wheel's springs (1.1 radians) or dampers (half a time constant)
-    ask for if that is less. The explicit methods used are stable to about twice as much.
+    """The own-contact engines' step, s: what the wheel's springs (1.1 radians) or dampers (half a time constant) ask for.
+
+    The explicit methods used are stable to about twice as much.
     """
     gear = scene.gear
     levers = gear.external_sleeves * (gear.eccentricity_m * gear.lobes) ** 2
     levers += gear.internal_sleeves * gear.internal_circle_radius_m**2
     decay = 0.25 * scene.contact.damping_n_s_m * levers / scene.mass.wheel.moment_kg_m2
-    return min(1.0e-4, 1.1 / nominal_rate_rad_s(scene), 0.5 / max(decay, 1.0))
+    rate = nominal_rate_rad_s(scene)
+    return float(min(1.1 / rate, 0.5 / max(decay, 0.01 * rate)))
 
 
 def nominal_penetration_m(scene: Scene) -> float:
     """Penetration of an external sleeve under its nominal force where the profile is straight (R = q), m."""
-    stiffness = ContactLaw(scene).stiffness_factor * math.sqrt(scene.gear.external_sleeve_radius_m)
-    return float((nominal_force_n(scene) / stiffness) ** (2.0 / 3.0))
+    return float((nominal_force_n(scene) / edge_stiffness(scene)) ** (2.0 / 3.0))
+
+
+def nominal_width_m(scene: Scene) -> float:
+    """Width of that contact, m."""
+    return 2.0 * math.sqrt(2.0 * scene.gear.external_sleeve_radius_m * nominal_penetration_m(scene))
 
 
 def bed_damping(scene: Scene) -> float:
     """c', N s/m^2: together as C at the nominal force where the profile is straight (R = q)."""
-    width = 2.0 * math.sqrt(2.0 * scene.gear.external_sleeve_radius_m * nominal_penetration_m(scene))
-    return scene.contact.damping_n_s_m / width
+    return float(scene.contact.damping_n_s_m / nominal_width_m(scene))
+
+
+def springs(scene: Scene, least: int, in_contact: int) -> int:
+    """How many springs an edge needs: `least`, or so many that `in_contact` of them bear a sleeve's nominal force."""
+    _, spacing = equal_arcs(scene, least)
+    return max(least, math.ceil(least * in_contact * spacing / nominal_width_m(scene)))
 
 
 def equal_arcs(scene: Scene, count: int) -> tuple[Floats, float]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -26,11 +27,8 @@ def main(family: str, arguments: Sequence[str] | None = None) -> int:
     try:
         scene = Scene.load(wanted.scene)
         changes = {"duration_s": wanted.duration, "sample_s": wanted.sample}
-        # Read back, so that a value given here is checked like one in the file.
-        scene = Scene.from_toml(
-            scene.with_solver(**{key: value for key, value in changes.items() if value is not None}).to_toml()
-        )
-        result = run(scene.to_toml(), engine, on_progress=_progress(scene.solver.duration_s), step_s=wanted.step)
+        scene = scene.with_keys("solver", **{key: value for key, value in changes.items() if value is not None})
+        result = run(scene, engine, on_progress=_progress(scene.solver.duration_s), step_s=wanted.step)
     except Diverged as error:
         print(f"error: {error}", file=sys.stderr)
         if error.partial is not None and wanted.out is not None:
@@ -61,7 +59,7 @@ def _parser(family: str) -> argparse.ArgumentParser:
         "numpy implementation, which is slow (about 1 ms a call): shorten the run with --duration.",
         epilog="engines: " + "; ".join(f"{name}: {ENGINES[name].summary}" for name in names),
     )
-    parser.add_argument("scene", type=Path, help="scene file (TOML); keys left out have the paper's values")
+    parser.add_argument("scene", type=Path, help="scene file (TOML) with every key, like reference/scenes/paper.toml")
     parser.add_argument(
         "--track",
         choices=["shared-law", "own-contact"],
@@ -75,14 +73,22 @@ def _parser(family: str) -> argparse.ArgumentParser:
             default="explicit",
             help="shared-law only: kinematic tree with Runge-Kutta 4 (default), or bodies and joints with multipliers",
         )
-    parser.add_argument("--duration", type=float, metavar="S", help="end time, s (default: the scene's)")
-    parser.add_argument("--sample", type=float, metavar="S", help="sampling step, s (default: the scene's)")
+    parser.add_argument("--duration", type=_seconds, metavar="S", help="end time, s (default: the scene's)")
+    parser.add_argument("--sample", type=_seconds, metavar="S", help="sampling step, s (default: the scene's)")
     parser.add_argument(
-        "--step", type=float, metavar="S", help="the engine's step, s (default: the scene's or the engine's own)"
+        "--step", type=_seconds, metavar="S", help="the engine's step, s (default: the scene's or the engine's own)"
     )
     parser.add_argument("--out", type=Path, metavar="FILE", help="CSV file for the courses (default: standard output)")
     parser.add_argument("--stats", action="store_true", help="print time, steps and settings as JSON on standard error")
     return parser
+
+
+def _seconds(text: str) -> float:
+    """A time that can pass, s."""
+    value = float(text)
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} is no time above 0")
+    return value
 
 
 def _engine(family: str, track: str, form: str | None) -> str:

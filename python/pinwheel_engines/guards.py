@@ -12,6 +12,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from pinwheel_engines.bed import nominal_penetration_m, nominal_rate_rad_s
 from pinwheel_engines.errors import Diverged
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
 from pinwheel_engines.scene import Scene
@@ -35,6 +36,10 @@ class Guard:
         free_play = gear.backlash_m * math.sqrt(1.0 - gear.shortening**2) / (gear.eccentricity_m * gear.lobes)
         lobe = 2.0 * math.pi / gear.lobes
         self.wheel_limit_rad = lobe + free_play
+        # The drivers used here hold the speed to 1e-9 and better; a thousandth of it, or of the speed of a wheel that
+        # swings by its nominal deformation, is no longer a driver.
+        swing_rad_s = nominal_rate_rad_s(scene) * nominal_penetration_m(scene) / (gear.eccentricity_m * gear.lobes)
+        self.slip_limit_rad_s = 1e-3 * max(abs(scene.drive.input_speed_rad_s), swing_rad_s)
         self.output_limit_rad = lobe + free_play + 2.0 * clearance / gear.internal_circle_radius_m
 
     def diverged(self, time_s: float, quantity: str) -> Diverged:
@@ -49,8 +54,7 @@ class Guard:
                 raise self.diverged(time_s, f"{name} of body {bad[0]} is {values[bad[0]]}")
         omega = self.scene.drive.input_speed_rad_s
         slip = abs(rates[INPUT] - omega)
-        # The drivers used here hold the speed to 1e-9 and better; a thousandth is no longer a driver.
-        if slip > 1e-3 * max(abs(omega), 1.0):
+        if slip > self.slip_limit_rad_s:
             raise self.diverged(time_s, f"the input runs at {rates[INPUT]:.6g} rad/s instead of {omega:.6g}")
         ideal, _ = self.kinematics.ideal(self.scene, time_s)
         layout = self.kinematics.layout

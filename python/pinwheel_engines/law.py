@@ -78,9 +78,9 @@ class ContactLaw:
         self.curve = Epitrochoid.of(gear)
         # Eq. 23 and 24 with equal materials: pi (h_c + h_p) = 2 (1 - nu^2)/E.
         compliance = 2.0 * (1.0 - contact.poisson**2) / (math.pi * contact.young_pa)
-        self.stiffness_factor = 4.0 * contact.stiffness_multiplier / (3.0 * math.pi * compliance)
+        self.stiffness_factor: float = 4.0 * contact.stiffness_multiplier / (3.0 * math.pi * compliance)
         r_c, r_p = -gear.hole_radius_m, gear.internal_sleeve_radius_m
-        self.hole_stiffness = self.stiffness_factor * math.sqrt(r_c * r_p / (r_c + r_p))
+        self.hole_stiffness: float = self.stiffness_factor * math.sqrt(r_c * r_p / (r_c + r_p))
         self._holes = hole_centres(gear)
         layout = self.layout
         wheels = np.arange(layout.wheel_bodies.start, layout.wheel_bodies.stop)

@@ -1,7 +1,8 @@
 """The scene: everything a run depends on, as the TOML file names it.
 
-Every key but `name` has a default (the published gearbox), every unit is in the key's name. Unknown keys, wrong types,
-values out of range and non-finite numbers are errors that name the key and the remedy.
+The file is complete and checked: the Pinwheel program resolves what a scene leaves to its base and checks every value. So
+nothing here has a default. A key is an attribute of its table, under the file's own name; only what is computed from keys
+is written out. A key that an engine asks for and the file lacks is an error that names it, other keys are left alone.
 """
 
 from __future__ import annotations
@@ -9,88 +10,58 @@ from __future__ import annotations
 import dataclasses
 import math
 import tomllib
-import typing
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from pinwheel_engines.errors import SceneError
 
-# Least distance of two changes of the load, s: more than the rounding of times.
+# Times nearer to each other than this are one, s: more than the rounding of times.
 APART_S = 1e-9
-
-Check = typing.Callable[[float], bool]
-
-
-def _limited(default: Any, test: Check, wanted: str) -> Any:
-    """A field whose value must pass `test`; `wanted` completes the sentence 'must be ...'."""
-    return field(default=default, metadata={"test": test, "wanted": wanted})
-
-
-def _positive(default: float) -> Any:
-    return _limited(default, lambda x: x > 0, "greater than 0")
-
-
-def _not_negative(default: float) -> Any:
-    return _limited(default, lambda x: x >= 0, "0 or greater")
-
-
-def _at_least(default: int, least: int) -> Any:
-    return _limited(default, lambda n: n >= least, f"{least} or more")
-
-
-def _one_of(default: str, *names: str) -> Any:
-    return field(default=default, metadata={"names": names})
 
 
 @dataclass(frozen=True)
-class Gear:
-    """Geometry (Tab. 1 and Fig. 3 of the paper)."""
+class Table:
+    """A table of the file; its keys are read-only attributes, tables within it are tables."""
 
-    eccentricity_m: float = _positive(0.0028)
-    external_sleeves: int = _at_least(16, 3)
-    shortening: float = _limited(0.7, lambda m: 0 < m < 1, "between 0 and 1, both excluded")
-    external_sleeve_radius_m: float = _positive(0.006)
-    internal_sleeves: int = _at_least(8, 1)
-    internal_sleeve_radius_m: float = _positive(0.006)
-    internal_circle_radius_m: float = _positive(0.038)
-    hole_radius_m: float = _positive(0.0088)
-    wheels: int = _at_least(2, 1)
-    backlash_m: float = _not_negative(0.0)
+    _keys: dict[str, Any]
+    _where: str
+    """Name of the table with a dot at its end, for messages."""
+
+    def __getattr__(self, key: str) -> Any:
+        if key.startswith("__"):  # Python asks for these of any object, as in a copy
+            raise AttributeError(key)
+        if key not in self._keys:
+            raise SceneError(
+                f"key `{self._where}{key}` is missing; these engines take complete scenes, like reference/scenes/paper.toml"
+            )
+        value = self._keys[key]
+        return Table(value, f"{self._where}{key}.") if isinstance(value, dict) else value
+
+
+@dataclass(frozen=True)
+class Gear(Table):
+    """Geometry (Tab. 1 and Fig. 3 of the paper)."""
 
     @property
     def lobes(self) -> int:
         """zs, lobes of a wheel."""
-        return self.external_sleeves - 1
+        return int(self.external_sleeves) - 1
 
     @property
     def pitch_radius_m(self) -> float:
         """R = e zk/m: radius of the circle the external sleeves sit on without backlash."""
-        return self.eccentricity_m * self.external_sleeves / self.shortening
+        return float(self.eccentricity_m * self.external_sleeves / self.shortening)
 
 
 @dataclass(frozen=True)
-class BodyMass:
-    """Mass and moment of inertia about the centre of mass of one rigid body."""
+class Masses(Table):
+    """Mass and moment of inertia about the centre of mass of each kind of body (Tab. 2)."""
 
-    mass_kg: float = field(metadata={"test": lambda x: x > 0, "wanted": "greater than 0"})
-    moment_kg_m2: float = field(metadata={"test": lambda x: x > 0, "wanted": "greater than 0"})
-
-
-@dataclass(frozen=True)
-class Masses:
-    """Tab. 2 of the paper."""
-
-    input_shaft: BodyMass = BodyMass(0.2341, 1.846e-6)
-    output_shaft: BodyMass = BodyMass(1.6345, 1.373e-4)
-    wheel: BodyMass = BodyMass(0.5998, 1.57538e-4)
-    internal_sleeve: BodyMass = BodyMass(0.048, 1.1013e-5)
-    external_sleeve: BodyMass = BodyMass(0.048, 1.1013e-5)
-
-    def of_bodies(self, gear: Gear) -> list[BodyMass]:
+    def of_bodies(self, gear: Gear) -> list[Table]:
         """One entry a body, in the order of `layout`."""
         return (
             [self.input_shaft, self.output_shaft]
@@ -99,14 +70,12 @@ class Masses:
             + [self.internal_sleeve] * gear.internal_sleeves
         )
 
+    def driver_kg_m2(self, wheels: float) -> float:
+        """Rotor inertia that stands in for a driver: the power of ten next to so many times a wheel's moment.
 
-@dataclass(frozen=True)
-class LoadChange:
-    """What the load becomes during a run: at once, or linearly over `ramp_s`."""
-
-    time_s: float = field(metadata={"test": lambda t: t >= APART_S, "wanted": f"{APART_S:g} s or later"})
-    output_torque_n_m: float
-    ramp_s: float = _limited(0.0, lambda t: t == 0 or t >= APART_S, f"0 or at least {APART_S:g} s")
+        The input's speed is then off by torque * time/(inertia * speed), and inertia * deceleration is the torque.
+        """
+        return float(10.0 ** round(math.log10(wheels * self.wheel.moment_kg_m2)))
 
 
 @dataclass(frozen=True)
@@ -131,23 +100,22 @@ class LoadPiece:
 
 
 @dataclass(frozen=True)
-class Drive:
+class Drive(Table):
     """Motion of the input and load of the output (Tab. 3).
 
     A positive load is a torque of that size on the output shaft, which opposes the motion of a positive input speed.
     """
 
-    input_speed_rad_s: float = 52.34
-    output_torque_n_m: float = 22.0
-    start: str = _one_of("kinematic", "kinematic", "equilibrium")
-    load_ramp_s: float = _not_negative(0.0)
-
-    load_changes: tuple[LoadChange, ...] = ()
+    @property
+    def load_changes(self) -> list[dict[str, float]]:
+        """What the load becomes during the run; a load that stays has no such key."""
+        return list(self._keys.get("load_changes", ()))
 
     def load_pieces(self) -> list[LoadPiece]:
         """The load from change to change, the first piece from 0 on."""
         pieces = [LoadPiece(0.0, 0.0, self.output_torque_n_m, self.load_ramp_s)]
-        for change in self.load_changes:
+        for entry in self.load_changes:
+            change = Table(entry, "drive.load_changes.")
             pieces.append(LoadPiece(change.time_s, pieces[-1].after_n_m, change.output_torque_n_m, change.ramp_s))
         return pieces
 
@@ -177,7 +145,7 @@ class Drive:
     @property
     def load_varies(self) -> bool:
         """Whether the load is not the same from the start to the end."""
-        return self.load_ramp_s > 0.0 or bool(self.load_changes)
+        return bool(self.load_ramp_s > 0.0 or self.load_changes)
 
     @property
     def largest_load_n_m(self) -> float:
@@ -186,43 +154,8 @@ class Drive:
 
 
 @dataclass(frozen=True)
-class Contact:
-    """Contact law (Eq. 20-24) and detection.
-
-    The keys from `friction_law` to `line_length_m` belong to laws other than the paper's, which only the compiled law knows.
-    """
-
-    law: str = "paper"
-    young_pa: float = _positive(2.0e11)
-    poisson: float = _limited(0.3, lambda nu: -1 < nu <= 0.5, "above -1 and at most 0.5")
-    stiffness_multiplier: float = _positive(0.01)
-    damping_n_s_m: float = _not_negative(8.0)
-    ramp_m: float = _positive(1.0e-5)
-    friction_coefficient: float = _not_negative(0.0)
-    friction_ramp_m_s: float = _positive(5.0e-5)
-    friction_law: str = _one_of("regularised", "regularised", "adams")
-    friction_dynamic_coefficient: float = _not_negative(0.0)
-    friction_dynamic_speed_m_s: float = _positive(1.0e-3)
-    constant_stiffness_n_m15: float = _positive(1.0e8)
-    restitution: float = _limited(0.9, lambda c: 0 < c <= 1, "above 0 and at most 1")
-    impact_speed_m_s: float = _positive(0.01)
-    line_length_m: float = _positive(0.01)
-    detection: str = _one_of("exact", "exact", "points")
-    wheel_points: int = _at_least(4000, 3)
-    hole_points: int = _at_least(100, 3)
-
-
-@dataclass(frozen=True)
-class Solver:
+class Solver(Table):
     """Formulation, integrator, sampling. Foreign engines take the step, the duration and the sampling."""
-
-    formulation: str = _one_of("reduced", "reduced", "lagrange")
-    integrator: str = "rk2"
-    step_s: float = _positive(1.0e-5)
-    tolerance: float = _positive(1.0e-6)
-    duration_s: float = _positive(0.6)
-    sample_s: float = _positive(1.0e-4)
-    stabilisation: str = _one_of("projection", "none", "baumgarte", "projection")
 
     def sample_times_s(self) -> npt.NDArray[np.float64]:
         """0, sample_s, 2 sample_s, ... and the end itself, which need not be a multiple of the sampling step."""
@@ -232,41 +165,47 @@ class Solver:
             times.append(self.duration_s)
         else:
             times[-1] = self.duration_s
-        return np.array(times)
+        return np.array(times, dtype=np.float64)
 
 
 @dataclass(frozen=True)
 class Scene:
     """A complete scene. SI units; angles counter-clockwise."""
 
-    name: str = "unnamed"
-    description: str = ""
-    gear: Gear = Gear()
-    mass: Masses = Masses()
-    drive: Drive = Drive()
-    contact: Contact = Contact()
-    solver: Solver = Solver()
+    name: str
+    gear: Gear
+    mass: Masses
+    drive: Drive
+    contact: Table
+    solver: Solver
 
-    # Tables of the file, for messages only.
-    TABLES: ClassVar[tuple[str, ...]] = ("gear", "mass", "drive", "contact", "solver")
+    @staticmethod
+    def of(scene: str | Scene) -> Scene:
+        """A scene from itself or from its TOML text."""
+        return scene if isinstance(scene, Scene) else Scene.from_toml(scene)
 
     @staticmethod
     def from_toml(text: str) -> Scene:
-        """Reads and checks a scene.
-
-        Raises SceneError on malformed TOML, unknown keys, wrong types, values out of range, inconsistent geometry.
-        """
+        """Reads a complete scene; raises SceneError on malformed TOML. Its values are taken as they are."""
         try:
             data = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"the scene is not valid TOML: {error}") from error
-        # Channels beyond the contract's columns, which these engines do not record: no physics in it.
-        data.pop("output", None)
-        scene = _read(Scene, data, "")
-        assert isinstance(scene, Scene)
-        _check_geometry(scene.gear)
-        _check_changes(scene.drive)
-        return scene
+
+        def keys(table: str) -> tuple[dict[str, Any], str]:
+            found = data.get(table, {})
+            if not isinstance(found, dict):
+                raise SceneError(f"`{table}` must be a table, not {found!r}")
+            return found, f"{table}."
+
+        return Scene(
+            str(data.get("name", "unnamed")),
+            Gear(*keys("gear")),
+            Masses(*keys("mass")),
+            Drive(*keys("drive")),
+            Table(*keys("contact")),
+            Solver(*keys("solver")),
+        )
 
     @staticmethod
     def load(path: Path) -> Scene:
@@ -277,121 +216,8 @@ class Scene:
             raise SceneError(f"cannot read the scene file {path}: {error}") from error
         return Scene.from_toml(text)
 
-    def with_solver(self, **changes: float) -> Scene:
-        """The same scene with other solver keys (`duration_s`, `step_s`, `sample_s`, ...)."""
-        return dataclasses.replace(self, solver=dataclasses.replace(self.solver, **changes))  # type: ignore[arg-type]
-
-    def to_toml(self) -> str:
-        """The whole scene as TOML text, every key present; `from_toml` reads it back unchanged."""
-        lines = [f"name = {_quoted(self.name)}", f"description = {_quoted(self.description)}"]
-        for table in self.TABLES:
-            lines.append(f"[{table}]")
-            part = getattr(self, table)
-            lines += [f"{f.name} = {_toml_value(getattr(part, f.name))}" for f in dataclasses.fields(part)]
-        return "\n".join(lines) + "\n"
-
-
-def _quoted(text: str) -> str:
-    escaped = "".join(
-        f"\\u{ord(c):04x}" if ord(c) < 32 or ord(c) == 127 else {'"': '\\"', "\\": "\\\\"}.get(c, c) for c in text
-    )
-    return f'"{escaped}"'
-
-
-def _toml_value(value: Any) -> str:
-    if dataclasses.is_dataclass(value):
-        inner = ", ".join(f"{f.name} = {_toml_value(getattr(value, f.name))}" for f in dataclasses.fields(value))
-        return f"{{ {inner} }}"
-    if isinstance(value, tuple):
-        return f"[{', '.join(_toml_value(entry) for entry in value)}]"
-    return _quoted(value) if isinstance(value, str) else repr(value)
-
-
-def _read(kind: type[Any], data: dict[str, Any], where: str) -> Any:
-    """Fills the dataclass `kind` from a TOML table; `where` is the table's dotted name."""
-    types = typing.get_type_hints(kind)
-    fields = {f.name: f for f in dataclasses.fields(kind)}
-    for key in data:
-        if key not in fields:
-            known = ", ".join(fields)
-            raise SceneError(f"unknown key `{where}{key}`; remove it or use one of: {known}")
-    values: dict[str, Any] = {}
-    for name, description in fields.items():
-        if name in data:
-            values[name] = _value(types[name], data[name], f"{where}{name}", description.metadata)
-        elif description.default is dataclasses.MISSING:
-            raise SceneError(f"key `{where}{name}` is missing; give it a value")
-    return kind(**values)
-
-
-def _value(kind: type[Any], raw: Any, key: str, rules: typing.Mapping[str, Any]) -> Any:
-    """One value, converted and checked."""
-    if dataclasses.is_dataclass(kind):
-        if not isinstance(raw, dict):
-            raise SceneError(f"`{key}` must be a table, not {raw!r}")
-        return _read(kind, raw, f"{key}.")
-    if typing.get_origin(kind) is tuple:
-        if not isinstance(raw, list):
-            raise SceneError(f"`{key}` must be a list of tables, not {raw!r}")
-        entry = typing.get_args(kind)[0]
-        return tuple(_value(entry, one, f"{key}[{number}]", {}) for number, one in enumerate(raw))
-    if kind is str:
-        if not isinstance(raw, str):
-            raise SceneError(f"`{key}` must be a text in quotes, not {raw!r}")
-        names = rules.get("names")
-        if names is not None and raw not in names:
-            raise SceneError(f"`{key}` = {raw!r} is not known; use one of: {', '.join(names)}")
-        return raw
-    if isinstance(raw, bool) or not isinstance(raw, int | float):
-        raise SceneError(f"`{key}` must be a number, not {raw!r}")
-    if kind is int:
-        if not isinstance(raw, int):
-            raise SceneError(f"`{key}` must be a whole number, not {raw!r}")
-    else:
-        raw = float(raw)
-    if not math.isfinite(raw):
-        raise SceneError(f"`{key}` = {raw!r} is not finite; give a finite number")
-    test: Check | None = rules.get("test")
-    if test is not None and not test(raw):
-        raise SceneError(f"`{key}` = {raw!r} must be {rules['wanted']}")
-    return raw
-
-
-def smallest_convex_radius_m(gear: Gear) -> float:
-    """Smallest radius of curvature of the epitrochoid where it is convex, m; a larger sleeve undercuts the wheel.
-
-    With u = |C'|^2/R^2 = 1 + m^2 + 2 m cos(zs a) the curvature is (A + B u)/(R u^1.5), greatest at u = -3 A/B or at the
-    nearer end of u's range (1 -+ m)^2.
-    """
-    m, zk = gear.shortening, gear.external_sleeves
-    a, b = -0.5 * (zk - 1) * (1.0 - m * m), 0.5 * (zk + 1)
-    u = min(max(-3.0 * a / b, (1.0 - m) ** 2), (1.0 + m) ** 2)
-    return float(gear.pitch_radius_m * u**1.5 / (a + b * u))
-
-
-def _check_changes(drive: Drive) -> None:
-    """The changes of the load must come in order, each after the ramp before it."""
-    over_s = drive.load_ramp_s
-    for number, piece in enumerate(drive.load_pieces()[1:]):
-        earlier = drive.load_pieces()[number]
-        if (number > 0 and piece.from_s - earlier.from_s < APART_S) or over_s > piece.from_s + 0.5 * APART_S:
-            raise SceneError(
-                f"`drive.load_changes[{number}].time_s` = {piece.from_s!r} must come after the change before it and its "
-                f"ramp, {over_s!r} s; list the changes in the order in which they come"
-            )
-        over_s = piece.from_s + piece.ramp_s
-
-
-def _check_geometry(gear: Gear) -> None:
-    """What no single key can tell: the profile must not be undercut and the sleeves must fit their holes."""
-    q, limit = gear.external_sleeve_radius_m, smallest_convex_radius_m(gear)
-    if q >= limit:
-        raise SceneError(
-            f"`gear.external_sleeve_radius_m` = {q!r} undercuts the wheel profile; it must be below {limit:.6g} m, "
-            "or take a larger eccentricity or a smaller shortening"
-        )
-    if gear.hole_radius_m <= gear.internal_sleeve_radius_m:
-        raise SceneError(
-            f"`gear.hole_radius_m` = {gear.hole_radius_m!r} must be larger than "
-            f"`gear.internal_sleeve_radius_m` = {gear.internal_sleeve_radius_m!r}"
-        )
+    def with_keys(self, table: str, **changes: Any) -> Scene:
+        """The same scene with other values of keys of a table: `with_keys("solver", duration_s=0.1)`."""
+        old = getattr(self, table)
+        new = dataclasses.replace(old, _keys={**old._keys, **changes})
+        return dataclasses.replace(self, **{table: new})

@@ -7,7 +7,6 @@ rates of all bodies (see `layout`).
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 
 import numpy as np
@@ -44,8 +43,7 @@ def _load(scene: Scene, kinematics: Kinematics, angles: Floats, rates: Floats) -
     load = scene.drive.load_n_m(0.0)
     if load == 0.0:
         return
-    plain = dataclasses.replace(scene.contact, friction_coefficient=0.0, damping_n_s_m=0.0)
-    law = ContactLaw(dataclasses.replace(scene, contact=plain))
+    law = ContactLaw(scene.with_keys("contact", friction_coefficient=0.0, damping_n_s_m=0.0))
     layout = kinematics.layout
     wheels = np.arange(layout.wheel_bodies.start, layout.wheel_bodies.stop)
     ideal = angles.copy()

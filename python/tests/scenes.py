@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import re
+import tomllib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +17,9 @@ from pinwheel_engines.layout import Kinematics
 from pinwheel_engines.scene import Scene
 
 Floats = npt.NDArray[np.float64]
+
+PAPER_FILE = Path(__file__).parents[2] / "reference/scenes/paper.toml"
+PAPER = Scene.load(PAPER_FILE)
 
 FRICTION = "[contact]\nfriction_coefficient = 0.1\n"
 BACKLASH = "[gear]\nbacklash_m = 0.0006\n"
@@ -32,8 +38,20 @@ ALL = {
 
 
 def scene(text: str = "", duration_s: float = 2e-3, **solver: float) -> Scene:
-    """A short scene."""
-    return Scene.from_toml(text).with_solver(duration_s=duration_s, **solver)
+    """The paper's gear in a short run, with the keys of `text` in place of its own."""
+    scene = PAPER
+    for table, keys in tomllib.loads(text).items():
+        scene = scene.with_keys(table, **keys)
+    return scene.with_keys("solver", duration_s=duration_s, **solver)
+
+
+def paper_text(**keys: object) -> str:
+    """The text of the paper's scene with other values of keys; each is on one line of its own."""
+    text = PAPER_FILE.read_text(encoding="utf-8")
+    for key, value in keys.items():
+        text, found = re.subn(rf"^{key} = .*", f"{key} = {value}", text, flags=re.MULTILINE)
+        assert found == 1, key
+    return text
 
 
 def random_states(scene: Scene, count: int, seed: int = 1, spread_rad: float = 2e-4) -> Floats:

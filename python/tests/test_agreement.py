@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pinwheel_engines import ContactLaw, Unsupported
-from pinwheel_engines.agreement import TIE_M, compare
+from pinwheel_engines.agreement import compare, tie_m
 from pinwheel_engines.layout import Kinematics
 from tests import scenes
 
@@ -13,7 +13,7 @@ from tests import scenes
 def test_one_law_agrees_with_itself(name):
     scene = scenes.scene(scenes.ALL[name])
     plain = scenes.PlainLaw(scene)
-    found = compare(scene.to_toml(), plain.pointer, 50, seed=1)
+    found = compare(scene, plain.pointer, 50, seed=1)
     assert found.states == 50
     assert found.loaded > 30
     assert found.largest_n > 10.0
@@ -24,7 +24,7 @@ def test_one_law_agrees_with_itself(name):
 def test_a_law_that_is_off_is_seen():
     scene = scenes.scene()
     stiffer = scenes.PlainLaw(scenes.scene("[contact]\nstiffness_multiplier = 0.0100000001"))
-    found = compare(scene.to_toml(), stiffer.pointer, 50, seed=1)
+    found = compare(scene, stiffer.pointer, 50, seed=1)
     assert found.worst_over_rounding > 100.0
     assert 1e-9 < found.worst_relative < 1e-7
 
@@ -32,7 +32,7 @@ def test_a_law_that_is_off_is_seen():
 def test_a_law_that_numpy_does_not_know_is_refused():
     pointer = scenes.PlainLaw(scenes.scene()).pointer
     with pytest.raises(Unsupported):
-        compare('[contact]\nlaw = "constant"', pointer, 5, seed=1)
+        compare(scenes.scene('[contact]\nlaw = "constant"'), pointer, 5, seed=1)
 
 
 def test_ties_between_points():
@@ -45,5 +45,5 @@ def test_ties_between_points():
     gap = law.nearest_gap_m(state)
     assert 0.0 <= gap < 1e-4
     # Far from a tie for a state taken at random.
-    assert law.nearest_gap_m(scenes.random_states(scene, 1, seed=3)[0]) > TIE_M
+    assert law.nearest_gap_m(scenes.random_states(scene, 1, seed=3)[0]) > tie_m(scene)
     assert np.isfinite(gap)

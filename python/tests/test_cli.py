@@ -11,7 +11,7 @@ from tests import scenes
 @pytest.fixture
 def scene_file(tmp_path):
     path = tmp_path / "scene.toml"
-    path.write_text(scenes.scene().to_toml())
+    path.write_text(scenes.paper_text())
     return path
 
 
@@ -47,22 +47,25 @@ def test_standard_output(scene_file, capsys):
 def test_bad_input_is_2(tmp_path, capsys):
     assert cli.main("mujoco", [str(tmp_path / "nowhere.toml")]) == 2
     bad = tmp_path / "bad.toml"
-    bad.write_text("[gear]\nwheels = 0")
+    bad.write_text(scenes.paper_text().replace("wheels = 2", ""))
     assert cli.main("exudyn", [str(bad)]) == 2
-    assert "gear.wheels" in capsys.readouterr().err
+    assert "`gear.wheels`" in capsys.readouterr().err
     with pytest.raises(SystemExit) as caught:
         cli.main("mujoco", ["--track", "both", "x"])
     assert caught.value.code == 2
 
 
-def test_bad_duration_is_checked(scene_file):
-    assert cli.main("mujoco", [str(scene_file), "--duration", "-1"]) == 2
+@pytest.mark.parametrize("time", ["-1", "0", "nan", "inf", "soon"])
+def test_bad_times_are_2(time, scene_file):
+    with pytest.raises(SystemExit) as caught:
+        cli.main("mujoco", [str(scene_file), f"--duration={time}"])
+    assert caught.value.code == 2
 
 
 def test_divergence_is_3_and_keeps_the_courses(tmp_path, capsys):
     out = tmp_path / "courses.csv"
     steel = tmp_path / "steel.toml"
-    steel.write_text("[contact]\nstiffness_multiplier = 1.0\n[solver]\nsample_s = 1e-3\nduration_s = 0.05")
+    steel.write_text(scenes.paper_text(stiffness_multiplier=1.0, sample_s=1e-3, duration_s=0.05))
     assert cli.main("mujoco", [str(steel), "--step", "1e-3", "--out", str(out)]) == 3
     assert "diverged" in capsys.readouterr().err
     assert len(out.read_text().splitlines()) >= 2
@@ -70,7 +73,7 @@ def test_divergence_is_3_and_keeps_the_courses(tmp_path, capsys):
 
 def test_unsupported_is_3(tmp_path):
     path = tmp_path / "friction.toml"
-    path.write_text(scenes.FRICTION)
+    path.write_text(scenes.paper_text(friction_coefficient=0.1))
     assert cli.main("exudyn", [str(path), "--track", "own-contact"]) == 3
 
 

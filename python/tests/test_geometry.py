@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from pinwheel_engines import Scene
 from pinwheel_engines.geometry import Epitrochoid, circle_curvature, nearest_vertex, root_between
 from pinwheel_engines.law import ContactLaw
+from tests import scenes
 
 CURVES = {
     "paper": Epitrochoid(0.064, 0.7, 16),
@@ -73,7 +73,7 @@ def test_curvature_of_the_papers_profile():
 
 
 def test_three_point_curvature_converges_to_the_profiles():
-    scene = Scene.from_toml('[contact]\ndetection = "points"\nwheel_points = 60000')
+    scene = scenes.scene('[contact]\ndetection = "points"\nwheel_points = 60000')
     law = ContactLaw(scene)
     a = 2.0 * np.pi * np.arange(60000) / 60000
     np.testing.assert_allclose(law._profile_stiffness, law.profile_stiffness(a), rtol=3e-5)

@@ -1,12 +1,11 @@
 """The contact law against its own definitions: rates by finite differences, balance, hand calculations, convergence."""
 
-import dataclasses
 import math
 
 import numpy as np
 import pytest
 
-from pinwheel_engines import ContactLaw, Scene, SceneError, Unsupported, evaluate
+from pinwheel_engines import ContactLaw, SceneError, Unsupported, evaluate
 from pinwheel_engines.layout import Kinematics
 from tests import scenes
 
@@ -152,8 +151,8 @@ def test_points_converge_to_the_exact_contact():
     wanted = evaluate(exact, states)[..., :2]
     errors = []
     for count in (500, 2000, 8000):
-        contact = dataclasses.replace(exact.contact, detection="points", wheel_points=count, hole_points=count)
-        found = evaluate(dataclasses.replace(exact, contact=contact), states)[..., :2]
+        points = exact.with_keys("contact", detection="points", wheel_points=count, hole_points=count)
+        found = evaluate(points, states)[..., :2]
         errors.append(np.sqrt(np.mean((found - wanted) ** 2) / np.mean(wanted**2)))
     # The normal's direction is off by up to half a spacing over the sleeve's radius: first order.
     assert errors[0] > 2.5 * errors[1] > 6.0 * errors[2]
@@ -173,4 +172,4 @@ def test_points_without_a_stiffness_are_refused(monkeypatch):
 )
 def test_other_laws_are_refused(text):
     with pytest.raises(Unsupported, match="knows only"):
-        ContactLaw(Scene.from_toml(text))
+        ContactLaw(scenes.scene(text))

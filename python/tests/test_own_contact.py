@@ -95,7 +95,7 @@ def test_reachable_segments_cover_the_contact():
 def test_loaded_start_agrees_with_the_law(engine, name):
     # From the law's own equilibrium the engine's contact must carry the load with nearly the same forces.
     scene = scenes.scene(scenes.ALL[name] + '[drive]\nstart = "equilibrium"\n', 4e-3)
-    result = run(scene.to_toml(), engine)
+    result = run(scene, engine)
     columns = result.columns
     wanted = scenes.runge_kutta(scene, 5e-5)
     settled = slice(20, None)
@@ -110,7 +110,7 @@ def test_loaded_start_agrees_with_the_law(engine, name):
 @pytest.mark.parametrize("engine", OWN)
 def test_forces_are_there_at_the_first_sample(engine):
     scene = scenes.scene('[drive]\nstart = "equilibrium"\n', 1e-4)
-    columns = run(scene.to_toml(), engine).columns
+    columns = run(scene, engine).columns
     assert max(c[0] for n, c in columns.items() if n.startswith("external")) > 40.0
     assert columns["output_torque_n_m"][0] == pytest.approx(-22.0, rel=0.05)
 
@@ -126,14 +126,14 @@ def test_forces_are_there_at_the_first_sample(engine):
 )
 def test_what_a_bed_cannot_do_is_refused(engine, text, words):
     with pytest.raises(Unsupported, match=words):
-        run(scenes.scene(text).to_toml(), engine)
+        run(scenes.scene(text), engine)
 
 
 @pytest.mark.parametrize("engine", OWN)
 def test_blow_up_is_an_error_with_the_courses_until_then(engine):
     scene = scenes.scene("", 0.2, sample_s=1e-3)
     with pytest.raises(Diverged) as caught:
-        run(scene.to_toml(), engine, step_s=1e-3)
+        run(scene, engine, step_s=1e-3)
     assert caught.value.partial is not None
     assert caught.value.partial.columns["time_s"].size >= 1
 
@@ -141,15 +141,15 @@ def test_blow_up_is_an_error_with_the_courses_until_then(engine):
 @pytest.mark.parametrize("engine", OWN)
 def test_cancel_and_repeat(engine):
     with pytest.raises(Cancelled):
-        run(scenes.scene("", 1e-3).to_toml(), engine, on_progress=lambda t: t > 2e-4)
-    first, second = (run(scenes.scene(scenes.BACKLASH, 5e-4).to_toml(), engine) for _ in range(2))
+        run(scenes.scene("", 1e-3), engine, on_progress=lambda t: t > 2e-4)
+    first, second = (run(scenes.scene(scenes.BACKLASH, 5e-4), engine) for _ in range(2))
     assert all(np.array_equal(first.columns[n], second.columns[n]) for n in first.columns)
 
 
 @pytest.mark.parametrize("engine", OWN)
 def test_load_ramp(engine):
     scene = scenes.scene("[drive]\nload_ramp_s = 0.004\n", 3e-3)
-    columns = run(scene.to_toml(), engine).columns
+    columns = run(scene, engine).columns
     wanted = scenes.runge_kutta(scene, 5e-5)
     assert columns["output_angle_rad"][-1] == pytest.approx(wanted["output_angle_rad"][-1], rel=3e-2)
     assert np.abs(columns["output_torque_n_m"]).max() < 22.0
@@ -157,8 +157,8 @@ def test_load_ramp(engine):
 
 @pytest.mark.parametrize("engine", OWN)
 def test_load_that_changes(engine):
-    text = '[drive]\nstart = "equilibrium"\nload_changes = [{ time_s = 0.00103, output_torque_n_m = 0.0 }]\n'
-    columns = run(scenes.scene(text, 3e-3).to_toml(), engine).columns
+    text = '[drive]\nstart = "equilibrium"\nload_changes = [{ time_s = 0.00103, output_torque_n_m = 0.0, ramp_s = 0.0 }]\n'
+    columns = run(scenes.scene(text, 3e-3), engine).columns
     before = columns["time_s"] <= 1e-3
     assert columns["output_torque_n_m"][before] == pytest.approx(-22.0, rel=0.2)
     # Without the load the springs throw the output forward: the torque swings through 0.

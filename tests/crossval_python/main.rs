@@ -8,6 +8,7 @@ mod accuracy;
 mod cycloidgen;
 mod guards;
 mod law;
+mod own_gear;
 mod package;
 mod program;
 mod recordings;

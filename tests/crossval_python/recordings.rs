@@ -22,6 +22,7 @@ fn crossval_python_recordings_hold_the_limits() {
         }
         let context = Context {
             scene: preset.to_owned(),
+            guarded: Some(preset.to_owned()),
             duration_s: scene.solver.duration_s,
             load_n_m: Some(scene.drive.output_torque_n_m),
             input_speed_rad_s: Some(scene.drive.input_speed_rad_s),

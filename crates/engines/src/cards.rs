@@ -32,8 +32,8 @@ pub(crate) const CARDS: &[Card] = &[
         differences: "Joints are not constraints but coordinates: every body turns on a hinge relative to its carrier, \
             and MuJoCo's articulated-body equations give the mass matrix. Time integration is its own Runge-Kutta 4 at \
             the scene's step, with our contact law in every stage through a compiled callback; friction is therefore \
-            explicit. The input speed is held by a rotor inertia of 1e12 kg m\u{b2} instead of a constraint (one part \
-            in 1e14), and the driver torque is that inertia times its deceleration. Contact points and contact law are \
+            explicit. The input speed is held by a rotor inertia 1e16 times a wheel's instead of a constraint (some \
+            parts in 1e15), and the driver torque is that inertia times its deceleration. Contact points and contact law are \
             the native solver's own: this comparison cannot find an error in them.",
     },
     Card {
@@ -44,7 +44,7 @@ pub(crate) const CARDS: &[Card] = &[
         summary: "exudyn: one kinematic tree, Runge-Kutta 4; contact forces from Pinwheel's law",
         differences: "Joints are coordinates, as in MuJoCo, but in exudyn's kinematic tree with exudyn's Runge-Kutta 4 \
             at the scene's step, and our contact law in every stage; friction is therefore explicit. The input speed is \
-            held by a rotor inertia of 1e12 kg m\u{b2} instead of a constraint (one part in 1e14). Contact points and \
+            held by a rotor inertia 1e16 times a wheel's instead of a constraint (some parts in 1e15). Contact points and \
             contact law are the native solver's own: this comparison cannot find an error in them.",
     },
     Card {
@@ -65,22 +65,22 @@ pub(crate) const CARDS: &[Card] = &[
         explicit_friction: false,
         package: "mujoco-core",
         track: Track::OwnContact,
-        summary: "MuJoCo alone: wheel edges as beds of 4000 small spheres, holes as limited tendons",
+        summary: "MuJoCo alone: wheel edges as beds of 4000 small spheres or more, holes as limited tendons",
         differences: "MuJoCo finds the contacts and computes the forces; nothing of ours runs in its step. Each wheel's \
-            edge is a bed of 4000 spheres with linear springs, which together give K \u{3b4}^1.5 for a locally circular \
-            edge and conserve energy where the paper's law does not: that is most of the difference in the driver \
-            torque. Holes are tendons of limited length with a chord approximation of K \u{3b4}^1.5. There is no ramp S \
-            and no friction, and steps are semi-implicit and of 1e-4 s: steady courses are comparable, the start-up \
-            transient is not.",
+            edge is a bed of 4000 spheres or more (seven in a loaded contact) with linear springs, which together give \
+            K \u{3b4}^1.5 for a locally circular edge and conserve energy where the paper's law does not: that is most \
+            of the difference in the driver torque. Holes are tendons of limited length with a chord approximation of K \u{3b4}^1.5. There is no ramp S \
+            and no friction, and semi-implicit steps are some six a period of a wheel's vibration: steady courses are \
+            comparable, the start-up transient is not.",
     },
     Card {
         name: "exudyn-own-contact",
         explicit_friction: false,
         package: "exudyn",
         track: Track::OwnContact,
-        summary: "exudyn alone: circles on a polygon of 8000 spring segments, spheres in hollow spheres",
+        summary: "exudyn alone: circles on a polygon of 8000 spring segments or more, spheres in hollow spheres",
         differences: "exudyn finds the contacts and computes the forces; nothing of ours runs in its step. Each wheel's \
-            edge is a polygon of 8000 spring segments, which conserve energy where the paper's law does not; holes are \
+            edge is a polygon of 8000 spring segments or more, which conserve energy where the paper's law does not; holes are \
             hollow spheres with exponent 1.5, the law itself but for the ramp S. Damping of the external contacts acts \
             as a rotational damper on the wheels, because exudyn's own ignores how a body turns. There is no friction: \
             steady courses are comparable, the start-up transient is not.",

@@ -11,7 +11,6 @@ The driver's multiplier is minus the torque it exerts on the input shaft.
 
 from __future__ import annotations
 
-import dataclasses
 import time
 from collections.abc import Callable
 from typing import Any
@@ -206,8 +205,8 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
         nothing = np.zeros((size, size))
         return lambda *_arguments: nothing
     # Any law's friction has this form; the exact paper law is near enough for a Newton matrix.
-    contact = dataclasses.replace(scene.contact, law="paper", friction_law="regularised", detection="exact")
-    law = ContactLaw(dataclasses.replace(scene, contact=contact))
+    law = ContactLaw(scene.with_keys("contact", law="paper", friction_law="regularised", detection="exact"))
+    contact = scene.contact
 
     def friction(
         _system: Any, _time: float, _item: int, q: Floats, q_t: Floats, _f_position: float, f_velocity: float

@@ -1,7 +1,7 @@
 """exudyn, shared law, explicit: one kinematic tree of revolute joints, classical Runge-Kutta of order 4.
 
 exudyn supplies the tree's mass matrix and the integration; contact torques enter through the tree's force user function,
-which runs in every stage. Explicit solvers of exudyn ignore constraints, so the driver is a rotor inertia of 1e12 kg m^2
+which runs in every stage. Explicit solvers of exudyn ignore constraints, so the driver is a rotor inertia of 1e16 wheels
 on the input link and its torque is -inertia * acceleration, from the acceleration at the end of the step.
 The user function's coordinates include the reference coordinates, which are 0 here.
 """
@@ -31,8 +31,8 @@ Floats = npt.NDArray[np.float64]
 
 NAME = "exudyn-shared-law-explicit"
 
-# Rotor inertia of the driver, kg m^2: the speed's relative error is torque * time/(inertia * speed), 1e-14 here.
-ROTOR_KG_M2 = 1.0e12
+# Rotor inertia of the driver in moments of inertia of a wheel.
+DRIVER_WHEELS = 1.0e16
 
 
 def run(
@@ -52,7 +52,7 @@ def run(
     guard = Guard(NAME, scene)
     recorder = Recorder(scene, kinematics)
     kept = Kept()
-    load = Load(scene.drive)
+    load, driver_kg_m2 = Load(scene.drive), scene.mass.driver_kg_m2(DRIVER_WHEELS)
     wall, cpu = time.perf_counter(), time.thread_time()
     progress = {"steps": 0}
 
@@ -86,7 +86,7 @@ def run(
             kinematics.states(angles, rates, out=stage_law.states)
             loads = stage_law.evaluate_at(time_s)
             guard.check_forces(time_s, loads[:, :2])
-            torque = -ROTOR_KG_M2 * float(data.GetODE2Coordinates_tt()[INPUT])
+            torque = -driver_kg_m2 * float(data.GetODE2Coordinates_tt()[INPUT])
             if time_s == 0.0:
                 # exudyn has no accelerations before its first step: the torque that holds the input's speed.
                 torque = -float(kinematics.torques(angles, loads)[INPUT])
@@ -103,7 +103,7 @@ def run(
                 degrees_of_freedom=count,
                 bodies=count,
                 step_s=actual_step_s(recorder.times_s, wanted),
-                settings=f"KinematicTree, RK44, {stage_law.name}, driver as rotor inertia {ROTOR_KG_M2:g} kg m^2",
+                settings=f"KinematicTree, RK44, {stage_law.name}, driver as rotor inertia {driver_kg_m2:g} kg m^2",
                 versions={"exudyn": VERSION, "numpy": np.__version__},
             )
             return Result(NAME, recorder.columns(), stats)
@@ -127,7 +127,7 @@ def _add_tree(system: Any, scene: Scene, kinematics: Kinematics, node: Any, forc
     parts = scene.mass.of_bodies(scene.gear)
     unit = np.eye(3)
     inertias = [np.diag([0.0, 0.0, part.moment_kg_m2]) for part in parts]
-    inertias[INPUT] = np.diag([0.0, 0.0, ROTOR_KG_M2 + parts[INPUT].moment_kg_m2])
+    inertias[INPUT] = np.diag([0.0, 0.0, scene.mass.driver_kg_m2(DRIVER_WHEELS) + parts[INPUT].moment_kg_m2])
     count = layout.bodies
     system.AddObject(
         items.ObjectKinematicTree(

@@ -8,7 +8,7 @@ exudyn finds the contacts and computes their forces; no code of ours runs in the
   it acts: with the edge's normal rate v_n = l_j (wheel rate - ideal rate) and C v_n at every loaded sleeve, the wheel feels
   a rotational damper of C times the mean sum of l_j^2 about the ideal speed (l_j: lever of the normal).
 Kinematic trees (input with wheels, output with its sleeves, every external sleeve by itself: a short tree makes cheap
-markers, and a curve contact fails on a ground marker), Runge-Kutta 4; the driver is a rotor inertia of 1e12 kg m^2.
+markers, and a curve contact fails on a ground marker), Runge-Kutta 4; the driver is a rotor inertia of 1e16 wheels.
 """
 
 from __future__ import annotations
@@ -23,14 +23,13 @@ import exudyn.itemInterface as items
 import numpy as np
 import numpy.typing as npt
 
-from pinwheel_engines.bed import bed_stiffness, check_own_contact, edge, equal_arcs, nominal_step_s
+from pinwheel_engines.bed import bed_stiffness, check_own_contact, edge, equal_arcs, hertz, nominal_step_s, springs
 from pinwheel_engines.errors import Cancelled, Diverged
 from pinwheel_engines.exudyn.session import VERSION, Kept, Load, quiet_session, solve
 from pinwheel_engines.guards import Guard
-from pinwheel_engines.law import ContactLaw
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics, hole_centres, wheel_phases
 from pinwheel_engines.result import Recorder, Result, RunStats
-from pinwheel_engines.scene import BodyMass, Gear, Scene
+from pinwheel_engines.scene import Gear, Scene
 from pinwheel_engines.start import initial_angles
 from pinwheel_engines.stepping import actual_step_s, stretches
 
@@ -39,7 +38,10 @@ Complexes = npt.NDArray[np.complex128]
 
 NAME = "exudyn-own-contact"
 
-ROTOR_KG_M2 = 1.0e12
+# Rotor inertia of the driver in moments of inertia of a wheel.
+DRIVER_WHEELS = 1.0e16
+# Least springs along an edge, and within the nominal contact.
+SEGMENTS, SEGMENTS_IN_CONTACT = 8000, 14
 
 
 def wheel_damper(scene: Scene) -> float:
@@ -56,7 +58,7 @@ def wheel_damper(scene: Scene) -> float:
 
 def margin_rad(gear: Gear) -> float:
     """How far beyond the ideal mesh segments are kept: half a lobe and the wheel's free play."""
-    return math.pi / gear.lobes + gear.backlash_m / (gear.eccentricity_m * gear.lobes)
+    return math.pi / gear.lobes + float(gear.backlash_m / (gear.eccentricity_m * gear.lobes))
 
 
 def reachable(scene: Scene, wheel: int, sleeve: int, edge_polar: Floats) -> npt.NDArray[np.bool_]:
@@ -81,7 +83,7 @@ class _Machine:
     def __init__(self, scene: Scene, segments: int, initial: Floats | None) -> None:
         gear = scene.gear
         self.scene = scene
-        self.load = Load(scene.drive)
+        self.load, self.driver_kg_m2 = Load(scene.drive), scene.mass.driver_kg_m2(DRIVER_WHEELS)
         self.kinematics = Kinematics(gear)
         self.layout = self.kinematics.layout
         self.container = exu.SystemContainer()
@@ -92,7 +94,7 @@ class _Machine:
         layout = self.layout
         self.drive_side = [INPUT, *range(layout.wheel_bodies.start, layout.wheel_bodies.stop)]
         self.load_side = [OUTPUT, *range(layout.internal_bodies.start, layout.internal_bodies.stop)]
-        self.drive_tree = self._add_tree(self.drive_side, angles, rates, ROTOR_KG_M2)
+        self.drive_tree = self._add_tree(self.drive_side, angles, rates, self.driver_kg_m2)
         self.load_tree = self._add_tree(self.load_side, angles, rates, 0.0)
         self.housing_side = list(range(layout.external_bodies.start, layout.external_bodies.stop))
         self.housing_trees = [self._add_tree([body], angles, rates, 0.0) for body in self.housing_side]
@@ -113,7 +115,7 @@ class _Machine:
                 numberOfODE2Coordinates=count,
             )
         )
-        own: list[BodyMass] = [parts[b] for b in bodies]
+        own = [parts[b] for b in bodies]
         moments = [p.moment_kg_m2 for p in own]
         moments[0] += rotor
         offsets = kinematics.offsets[bodies]
@@ -209,7 +211,7 @@ class _Machine:
         """Hollow-sphere contacts, one list of wheels for every internal sleeve."""
         scene, gear = self.scene, self.scene.gear
         holes, seats = hole_centres(gear), self.kinematics.offsets[self.layout.internal_bodies]
-        stiffness, layout = ContactLaw(scene).hole_stiffness, self.layout
+        stiffness, layout = hertz(scene).hole_stiffness, self.layout
         contacts: list[list[Any]] = []
         for sleeve in range(gear.internal_sleeves):
             seat = self._link_marker(self.load_tree, 0, seats[sleeve])
@@ -268,7 +270,7 @@ class _Machine:
 
     def driver_torque(self) -> float:
         """Torque of the driver on the input shaft, N m."""
-        return -ROTOR_KG_M2 * float(self.system.systemData.GetODE2Coordinates_tt()[0])
+        return -self.driver_kg_m2 * float(self.system.systemData.GetODE2Coordinates_tt()[0])
 
 
 def run(
@@ -276,14 +278,15 @@ def run(
     on_progress: Callable[[float], bool] | None = None,
     step_s: float | None = None,
     initial: Floats | None = None,
-    segments: int = 8000,
+    segments: int | None = None,
 ) -> Result:
-    """Runs a scene without friction. `segments`: springs along each wheel's edge.
+    """Runs a scene without friction. `segments`: springs along each wheel's edge, by default as many as it needs.
 
     `step_s`: by default `bed.nominal_step_s`.
     Raises Diverged with the courses until then, Cancelled, EngineFailed, Unsupported.
     """
     check_own_contact(NAME, scene)
+    segments = segments or springs(scene, SEGMENTS, SEGMENTS_IN_CONTACT)
     guard = Guard(NAME, scene)
     # Beyond half of the margin a wheel would run out of the segments that were kept for it.
     guard.wheel_limit_rad = min(guard.wheel_limit_rad, 0.5 * margin_rad(scene.gear))

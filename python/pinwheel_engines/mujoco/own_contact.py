@@ -5,14 +5,15 @@ MuJoCo finds the contacts and computes their forces; no code of ours runs in the
 with the constraint's acceleration a1, impedance d and inverse mass W. With W set to a large number after compiling, a1/R
 vanishes and solref = -(K, C)(1 - d) W makes it a spring K and a damper C in newtons: MuJoCo's usual scaling with the
 touching bodies' masses is out.
-- External sleeves: spheres of 0.1 mm along the edge at equal distances, each a spring of the bed (see `bed`).
+- External sleeves: spheres of 0.1 mm or less along the edge at equal distances, each a spring of the bed (see `bed`).
 - Internal sleeves: the distance of sleeve and hole centre is a tendon limited to their difference in radius. Several
   tendons a pair, each limited a little further out, add up to a chord approximation of K delta^1.5.
-The driver is a rotor inertia of 1e6 kg m^2 on the input hinge (1e12 would drown the rest in the solver's tolerance).
+The driver is a rotor inertia of 1e10 wheels on the input hinge (1e16 would drown the rest in the solver's tolerance).
 """
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 
@@ -26,12 +27,14 @@ from pinwheel_engines.bed import (
     check_own_contact,
     edge,
     equal_arcs,
+    hertz,
     nominal_force_n,
     nominal_step_s,
+    nominal_torque_n_m,
+    springs,
 )
 from pinwheel_engines.errors import Cancelled, Diverged
 from pinwheel_engines.guards import Guard
-from pinwheel_engines.law import ContactLaw
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics, hole_centres
 from pinwheel_engines.mujoco.model import coordinates, tree_xml
 from pinwheel_engines.mujoco.session import VERSION, check_data, quiet_session
@@ -44,28 +47,34 @@ Floats = npt.NDArray[np.float64]
 
 NAME = "mujoco-own-contact"
 
-ARMATURE_KG_M2 = 1.0e6
-BEAD_RADIUS_M = 1.0e-4
-# Inverse mass W that replaces MuJoCo's, 1/kg, and the impedance d: R = 1e8/kg, so a1/R is 1e-5 N at 1000 m/s^2.
-INVERSE_MASS = 1.0e4
+# Rotor inertia of the driver in moments of inertia of a wheel.
+DRIVER_WHEELS = 1.0e10
+# Least beads along an edge, and within the nominal contact; their radius in sleeve radii and m, the lesser counts.
+BEADS, BEADS_IN_CONTACT = 4000, 7
+BEAD_SHARE, BEAD_RADIUS_M = 0.04, 1.0e-4
+# Impedance d, and the inverse mass W, which replaces MuJoCo's, in those of a wheel: R = W/d, so a1/R is some 1e-8 of the
+# force that gives a wheel the acceleration a1.
 IMPEDANCE = 1.0e-4
+INVERSE_MASSES = 4.0e3
 # Tendons a sleeve and hole, and how far, in nominal penetrations, their chords follow K delta^1.5.
 CHORDS = 32
 REACH = 4.0
 
 
-def _soft(stiffness: float, damping: float) -> str:
-    """MuJoCo's solref for a spring and damper in N/m and N s/m (see the module's text)."""
-    scale = (1.0 - IMPEDANCE) * INVERSE_MASS
-    return f"{-stiffness * scale!r} {-damping * scale!r}"
+def inverse_mass(scene: Scene) -> float:
+    """W, 1/kg: a power of ten."""
+    return float(10.0 ** round(math.log10(INVERSE_MASSES / scene.mass.wheel.mass_kg)))
+
+
+def bead_radius_m(scene: Scene) -> float:
+    """Radius of the beads, m."""
+    return float(min(BEAD_RADIUS_M, BEAD_SHARE * scene.gear.external_sleeve_radius_m))
 
 
 def chords(scene: Scene) -> list[tuple[float, float]]:
     """Onset (m) and stiffness (N/m) of the springs whose sum follows K delta^1.5 between equal-square-root knots."""
-    stiffness = ContactLaw(scene).hole_stiffness
-    gear = scene.gear
-    force = max(1.0, 4.0 * scene.drive.largest_load_n_m / gear.wheels)
-    force /= gear.internal_sleeves * gear.internal_circle_radius_m
+    stiffness, gear = hertz(scene).hole_stiffness, scene.gear
+    force = 4.0 * nominal_torque_n_m(scene) / (gear.internal_sleeves * gear.internal_circle_radius_m)
     far = REACH * (max(force, nominal_force_n(scene)) / stiffness) ** (2.0 / 3.0)
     knots = far * (np.arange(CHORDS + 1) / CHORDS) ** 2
     slopes = np.diff(stiffness * knots**1.5) / np.diff(knots)
@@ -77,8 +86,13 @@ def model_xml(scene: Scene, step_s: float, beads: int) -> str:
     gear, kinematics = scene.gear, Kinematics(scene.gear)
     layout = kinematics.layout
     a, spacing = equal_arcs(scene, beads)
-    centres = edge(scene, a, BEAD_RADIUS_M)
+    radius_m, scale = bead_radius_m(scene), (1.0 - IMPEDANCE) * inverse_mass(scene)
+    centres = edge(scene, a, radius_m)
     holes = hole_centres(gear)
+
+    def soft(stiffness: float, damping: float) -> str:
+        """MuJoCo's solref for a spring and damper in N/m and N s/m (see the module's text)."""
+        return f"{-stiffness * scale!r} {-damping * scale!r}"
 
     def content(body: int) -> str:
         if layout.wheel_bodies.start <= body < layout.wheel_bodies.stop:
@@ -102,20 +116,20 @@ def model_xml(scene: Scene, step_s: float, beads: int) -> str:
                 damping = scene.contact.damping_n_s_m if i == 0 else 0.0
                 tendons.append(
                     f'<spatial name="t{wheel}_{k}_{i}" limited="true" range="0 {play + onset!r}" '
-                    f'solreflimit="{_soft(stiffness, damping)}" solimplimit="{IMPEDANCE} {IMPEDANCE} 1 0.5 1">'
+                    f'solreflimit="{soft(stiffness, damping)}" solimplimit="{IMPEDANCE} {IMPEDANCE} 1 0.5 1">'
                     f'<site site="h{wheel}_{k}"/><site site="s{k}"/></spatial>'
                 )
-    bead = _soft(bed_stiffness(scene) * spacing, bed_damping(scene) * spacing)
+    bead = soft(bed_stiffness(scene) * spacing, bed_damping(scene) * spacing)
     impedance = f'solimp="{IMPEDANCE} {IMPEDANCE} 1 0.5 1"'
     return (
         f'<mujoco><option integrator="implicit" timestep="{step_s!r}" gravity="0 0 0" solver="Newton" iterations="100" '
         'tolerance="1e-12"><flag autoreset="disable"/></option>'
         "<default>"
-        f'<default class="bead"><geom type="sphere" size="{BEAD_RADIUS_M!r}" contype="1" conaffinity="0" condim="1" '
+        f'<default class="bead"><geom type="sphere" size="{radius_m!r}" contype="1" conaffinity="0" condim="1" '
         f'priority="1" mass="0" solref="{bead}" {impedance}/></default>'
         f'<default class="sleeve"><geom type="sphere" size="{gear.external_sleeve_radius_m!r}" contype="0" '
         f'conaffinity="1" condim="1" mass="0"/></default></default>'
-        f"<worldbody>{tree_xml(scene, ARMATURE_KG_M2, content)}</worldbody>"
+        f"<worldbody>{tree_xml(scene, scene.mass.driver_kg_m2(DRIVER_WHEELS), content)}</worldbody>"
         f"<tendon>{''.join(tendons)}</tendon></mujoco>"
     )
 
@@ -124,12 +138,12 @@ class _Machine:
     """Model and data of one run, and how to read its forces."""
 
     def __init__(self, scene: Scene, step_s: float, beads: int, initial: Floats | None) -> None:
-        self.scene = scene
+        self.scene, self.driver_kg_m2 = scene, scene.mass.driver_kg_m2(DRIVER_WHEELS)
         self.kinematics = Kinematics(scene.gear)
         self.model = mujoco.MjModel.from_xml_string(model_xml(scene, step_s, beads))
         # Before the data exist: every constraint takes its inverse mass from these.
-        self.model.body_invweight0[:] = 0.5 * INVERSE_MASS
-        self.model.tendon_invweight0[:] = INVERSE_MASS
+        self.model.body_invweight0[:] = 0.5 * inverse_mass(scene)
+        self.model.tendon_invweight0[:] = inverse_mass(scene)
         self.data = mujoco.MjData(self.model)
         self.load = scene.drive.load_piece(0.0)
         self.coordinate = coordinates(self.kinematics, self.model)
@@ -188,15 +202,16 @@ def run(
     on_progress: Callable[[float], bool] | None = None,
     step_s: float | None = None,
     initial: Floats | None = None,
-    beads: int = 4000,
+    beads: int | None = None,
 ) -> Result:
-    """Runs a scene without friction. `beads`: springs along each wheel's edge.
+    """Runs a scene without friction. `beads`: springs along each wheel's edge, by default as many as it needs.
 
     `step_s`: by default `bed.nominal_step_s`; MuJoCo's step is explicit in springs and dampers.
 
     Raises Diverged with the courses until then, Cancelled, EngineFailed, Unsupported.
     """
     check_own_contact(NAME, scene)
+    beads = beads or springs(scene, BEADS, BEADS_IN_CONTACT)
     guard = Guard(NAME, scene)
     wanted = nominal_step_s(scene) if step_s is None else step_s
     wall, cpu = time.perf_counter(), time.thread_time()
@@ -218,7 +233,7 @@ def run(
                 bodies=machine.kinematics.layout.bodies,
                 step_s=actual_step_s(recorder.times_s, wanted),
                 settings=f"implicit, {beads} beads an edge, {CHORDS} tendons a hole, "
-                f"driver as armature {ARMATURE_KG_M2:g} kg m^2",
+                f"driver as armature {machine.driver_kg_m2:g} kg m^2",
                 versions={"mujoco": VERSION, "numpy": np.__version__},
                 notes=["the ramp S of the contact law and contact.detection have no counterpart in a bed of springs"],
             )
@@ -243,7 +258,7 @@ def run(
                 guard.check_forces(time_s, np.concatenate([np.abs(outer), np.abs(inner)]))
                 seat = machine.kinematics.offsets[machine.kinematics.layout.internal_bodies] * np.exp(1j * angles[OUTPUT])
                 recorder.record_forces(
-                    -ARMATURE_KG_M2 * float(data.qacc[machine.coordinate[INPUT]]),
+                    -machine.driver_kg_m2 * float(data.qacc[machine.coordinate[INPUT]]),
                     float(np.sum(np.imag(np.conj(seat) * inner))),
                     float(angles[OUTPUT]),
                     np.abs(outer),

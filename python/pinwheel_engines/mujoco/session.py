@@ -81,7 +81,7 @@ def check_data(guard: Guard, data: mujoco.MjData, expected_time_s: float) -> Non
     for kind in (mujoco.mjtWarning.mjWARN_INERTIA, mujoco.mjtWarning.mjWARN_CONTACTFULL, mujoco.mjtWarning.mjWARN_CNSTRFULL):
         if data.warning[int(kind)].number > 0:
             raise guard.diverged(expected_time_s, f"MuJoCo warns: {kind.name.removeprefix('mjWARN_').lower()}")
-    if abs(data.time - expected_time_s) > 1e-9 * max(1.0, expected_time_s):
+    if abs(data.time - expected_time_s) > 1e-9 * expected_time_s:
         raise guard.diverged(
             expected_time_s, f"MuJoCo's clock stands at {data.time:.6g} s instead: it reset its state without a word"
         )

@@ -1,8 +1,8 @@
 """MuJoCo, shared law: 28 hinges as a tree, RK4, contact torques in every stage through `mjcb_passive`.
 
 MuJoCo supplies bodies, joints, the mass matrix and the integration; its own contact is off. Joint angles are relative to
-the carrier. The driver is a rotor inertia (armature) of 1e12 kg m^2 on the input hinge: it holds the speed to one part in
-1e12 and its own deceleration tells the driver's torque, -armature * acceleration. After an RK4 step MuJoCo's
+the carrier. The driver is a rotor inertia (armature) of 1e16 wheels on the input hinge: it holds the speed to some parts in
+1e15 and its own deceleration tells the driver's torque, -armature * acceleration. After an RK4 step MuJoCo's
 accelerations belong to the fourth stage, so each sample is taken from a forward evaluation at the sample's own state.
 """
 
@@ -31,8 +31,8 @@ Floats = npt.NDArray[np.float64]
 
 NAME = "mujoco-shared-law"
 
-# Rotor inertia of the driver, kg m^2. The speed's relative error is torque * time/(armature * speed), 1e-14 here.
-ARMATURE_KG_M2 = 1.0e12
+# Rotor inertia of the driver in moments of inertia of a wheel.
+DRIVER_WHEELS = 1.0e16
 
 
 def model_xml(scene: Scene, step_s: float) -> str:
@@ -40,7 +40,7 @@ def model_xml(scene: Scene, step_s: float) -> str:
     return (
         f'<mujoco><option integrator="RK4" timestep="{step_s!r}" gravity="0 0 0">'
         '<flag contact="disable" constraint="disable" autoreset="disable"/></option>'
-        f"<worldbody>{tree_xml(scene, ARMATURE_KG_M2)}</worldbody></mujoco>"
+        f"<worldbody>{tree_xml(scene, scene.mass.driver_kg_m2(DRIVER_WHEELS))}</worldbody></mujoco>"
     )
 
 
@@ -77,7 +77,7 @@ class _Machine:
     """Model, data and the contact torques of one run."""
 
     def __init__(self, scene: Scene, step_s: float, law: StageLaw, initial: Floats | None) -> None:
-        self.scene, self.law = scene, law
+        self.scene, self.law, self.driver_kg_m2 = scene, law, scene.mass.driver_kg_m2(DRIVER_WHEELS)
         self.kinematics = Kinematics(scene.gear)
         self.model = mujoco.MjModel.from_xml_string(model_xml(scene, step_s))
         self.data = mujoco.MjData(self.model)
@@ -109,13 +109,13 @@ class _Machine:
 
     def driver_torque(self) -> float:
         """Torque of the driver on the input shaft at the state of the last forward evaluation, N m."""
-        return -ARMATURE_KG_M2 * float(self.data.qacc[self.coordinate[INPUT]])
+        return -self.driver_kg_m2 * float(self.data.qacc[self.coordinate[INPUT]])
 
     def check_kinematics(self, states: Floats) -> None:
         """Raises EngineFailed unless MuJoCo's own body positions agree with the states that the law is given."""
         apart = np.max(np.abs(self.data.xipos[self.body, :2] - states[:, :2]))
-        # Positions are of order 0.1 m and come from products of a few rotations: some units in the last place.
-        if not apart < 1e-12:
+        # Positions are products of a few rotations: some units in the last place of the gear's size.
+        if not apart < 2e-11 * self.scene.gear.pitch_radius_m:
             raise EngineFailed(NAME, f"MuJoCo's body positions differ by {apart:.3g} m from those given to the law")
 
 
@@ -166,7 +166,7 @@ def run(
                 bodies=machine.kinematics.layout.bodies,
                 step_s=actual_step_s(recorder.times_s, wanted),
                 settings=f"RK4, {stage_law.name}{'' if address is None else ' called directly'}, "
-                f"driver as armature {ARMATURE_KG_M2:g} kg m^2",
+                f"driver as armature {machine.driver_kg_m2:g} kg m^2",
                 versions={"mujoco": VERSION, "numpy": np.__version__},
             )
             return Result(NAME, recorder.columns(), stats)

@@ -1,0 +1,84 @@
+//! Gears that nobody tuned anything for: what a user's scene leaves out is filled in, and the peers follow.
+
+use pinwheel_scene::Start;
+
+use super::*;
+
+/// The gear of a catalogue's size, after Hertz with the full stiffness of steel.
+const FORTY: &str = r#"
+name = "forty pins of 4 mm"
+[gear]
+external_sleeves = 40
+eccentricity_m = 0.00075
+pin_circle_radius_m = 0.052
+external_sleeve_radius_m = 0.002
+internal_sleeves = 10
+internal_sleeve_radius_m = 0.004
+internal_circle_radius_m = 0.032
+wheels = 2
+[drive]
+input_speed_rad_s = 100.0
+output_torque_n_m = 200.0
+"#;
+
+/// A gear of a few millimetres that carries a thousandth of a newton metre.
+const TINY: &str = r#"
+name = "twelve pins of 0.6 mm"
+[gear]
+external_sleeves = 12
+eccentricity_m = 0.00015
+pin_circle_radius_m = 0.003
+external_sleeve_radius_m = 0.0003
+internal_sleeves = 6
+internal_sleeve_radius_m = 0.0002
+internal_circle_radius_m = 0.0016
+wheels = 2
+[drive]
+input_speed_rad_s = 300.0
+output_torque_n_m = 0.001
+"#;
+
+/// The scene as far as some of its own samples.
+fn gear(text: &str, samples: f64, start: Start) -> Scene {
+    let mut scene = Scene::from_toml(text, "gear.toml", &[])
+        .unwrap()
+        .into_scene();
+    scene.solver.duration_s = samples * scene.solver.sample_s;
+    scene.drive.start = start;
+    scene
+}
+
+/// The start-up over 150 samples, some ten periods of the fastest mode. Measured 1.9e-5 and 1.7e-5 for Runge-Kutta 4 of both
+/// peers, 1.4e-2 and 4.8e-3 for the trapezoidal rule.
+#[test]
+fn crossval_python_own_gear_shared_law() {
+    for (text, explicit, constrained) in [(FORTY, 6e-5, 4e-2), (TINY, 6e-5, 1.5e-2)] {
+        let scene = gear(text, 150.0, Start::Kinematic);
+        let reference = native(&scene, "rk4", scene.solver.step_s / 5.0);
+        for (engine, limit) in [
+            (MUJOCO, explicit),
+            (EXPLICIT, explicit),
+            (CONSTRAINED, constrained),
+        ] {
+            let error = worst(&run(engine, &scene), &reference, 0.0);
+            assert_within(&format!("{} {engine}", scene.name), error, limit);
+        }
+    }
+}
+
+/// Wave forms from equilibrium, both peers: springs conserve energy, as does the law that such a scene has by itself. Measured
+/// at most 4.0e-2, 3.8e-3, 3.7e-2 and 4.3e-3.
+#[test]
+fn crossval_python_own_gear_own_contact() {
+    for text in [FORTY, TINY] {
+        let scene = gear(text, 800.0, Start::Equilibrium);
+        let reference = native(&scene, "rk4", scene.solver.step_s);
+        for engine in [MUJOCO_OWN, EXUDYN_OWN] {
+            let courses = run(engine, &scene);
+            for (quantity, limit) in QUANTITIES.iter().zip([8e-2, 8e-3, 7e-2, 8e-3]) {
+                let error = relative(&courses, &reference, quantity, 0.0);
+                assert_within(&format!("{} {engine} {quantity}", scene.name), error, limit);
+            }
+        }
+    }
+}
