@@ -8,7 +8,8 @@ use serde_json::Value;
 /// Two scenes of 2 ms: a frictionless gear and one whose stiffness Heun's step does not stand.
 fn scenes(dir: &Path) {
     let file = |name: &str, keys: &str| {
-        let text = format!("name = \"{name}\"\nbase = \"paper\"\n{keys}\n[solver]\nduration_s = 0.002\n");
+        let text =
+            format!("name = \"{name}\"\nbase = \"paper\"\n{keys}\n[solver]\nduration_s = 0.002\n");
         std::fs::write(dir.join(format!("{name}.toml")), text).unwrap();
     };
     file("soft", "");

@@ -136,8 +136,9 @@ impl Judge<'_> {
                     self.rules.resolution
                 ),
                 remedy: format!("refine {}", engine.name),
+                stated: false,
             };
-            return Some((Vec::new(), verdict));
+            return Some((Vec::new(), self.excused(verdict)));
         }
         let limit = row.limit + share;
         let checks = vec![check(row, value, limit, row.reason.to_owned())];

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use pinwheel_courses::Courses;
 
-use crate::comparison::{EngineEntry, EngineSummary, Figures};
+use crate::comparison::{EngineEntry, EngineSummary, Figures, LadderSummary};
 use crate::judge::Judge;
 use crate::model;
 use crate::participant::{Context, Participant, track};
@@ -149,6 +149,12 @@ pub(crate) fn engine_summary(
         figures: all_figures,
         judged,
         uncertainty: uncertainties,
+        ladder: judge
+            .rules
+            .evidence
+            .iter()
+            .find(|e| e.engine == participant.name)
+            .and_then(|e| LadderSummary::of(e, participant.cost.wall_s)),
     }
 }
 
