@@ -255,6 +255,9 @@ pub struct Cell {
     pub worst_quantity: Option<String>,
     /// The metric it is of.
     pub worst_metric: Option<Metric>,
+    /// U of it, where it was held against one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worst_uncertainty: Option<f64>,
     /// Largest relative L2 over forces (N).
     pub force: Option<f64>,
     /// Largest relative L2 over torques (N m).

@@ -160,8 +160,9 @@ impl Judge<'_> {
         };
         for judgement in &mut judgements {
             judgement.verdict = self.excused(judgement.verdict.clone());
-            // Where the guard's table speaks, what a recording cannot say takes nothing from it.
-            judgement.counts &= checks.is_empty() || judgement.verdict.outcome() != Outcome::Stated;
+            // Where the guard's table speaks, what a ladder cannot say takes nothing from it.
+            let silent = [Outcome::Stated, Outcome::NotResolved];
+            judgement.counts &= checks.is_empty() || !silent.contains(&judgement.verdict.outcome());
         }
         let of_checks: Vec<Verdict> = checks.iter().map(Check::verdict).collect();
         let counting = judgements.iter().filter(|j| j.counts).map(|j| &j.verdict);

@@ -118,7 +118,7 @@ pub(crate) fn engine_summary(
             let u = found
                 .iter()
                 .find(|u| u.quantity == OUTPUT_TORQUE)
-                .and_then(|u| u.mean.u());
+                .map(|u| &u.mean);
             let found = judge.load(participant, quantity, window.kind, mean, load_n_m, u);
             let found = found.map(|(checks, verdict)| {
                 if participant.cost.recorded.is_none() {

@@ -8,6 +8,7 @@ mod energy;
 mod figures;
 mod matrices;
 mod pairs;
+mod statements;
 mod tracks;
 
 use askama::Template;

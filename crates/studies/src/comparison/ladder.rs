@@ -6,8 +6,8 @@
 
 use std::time::Duration;
 
-use pinwheel_compare::uncertainty::Method;
 use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION};
+use pinwheel_compare::uncertainty::{Method, Unresolved};
 use pinwheel_compare::{
     Context, Evidence, Ladder, Participant, RESOLUTION, Rules, Rung, Status, Uncertainty,
     compare_with, track,
@@ -98,21 +98,16 @@ impl<'a> Engines<'a> {
         };
         match own.name() {
             "native-resolved" => Self::resolved(own, gearbox),
-            name if name.starts_with("native") => Self::native(own, gearbox),
-            "rapier-shared-law" | "rapier-contact-hook" => Some(foreign(2.0)),
+            name if name.starts_with("native") => Self::native(own, gearbox.clone()),
+            "rapier-shared-law" | "rapier-own-contact-hook" => Some(foreign(2.0)),
             "exudyn-shared-law-constrained" => Some(foreign(2.0)),
             "exudyn-shared-law-explicit" | "mujoco-shared-law" => Some(foreign(4.0)),
             _ => None,
         }
     }
 
-    fn native(own: &'a dyn Engine, gearbox: &Gearbox) -> Option<Self> {
-        let mut gearbox = gearbox.clone();
-        if gearbox.scene.solver.integrator == auto::AUTO {
-            gearbox = auto::plan(&gearbox.scene, auto::PROMISE)
-                .applied(&gearbox)
-                .ok()?;
-        }
+    /// A native engine with the method that the scene names.
+    fn native(own: &'a dyn Engine, gearbox: Gearbox) -> Option<Self> {
         let solver = &gearbox.scene.solver;
         let method = METHODS.iter().find(|m| m.name == solver.integrator)?;
         let (knob, value) = if method.adaptive {
@@ -157,6 +152,18 @@ impl<'a> Engines<'a> {
             },
             excuse: None,
         })
+    }
+
+    /// The ways to run a scene, the best first: one, but for native engines whose method is left to us.
+    fn ways(own: &'a dyn Engine, gearbox: &Gearbox) -> Vec<Self> {
+        let automatic = gearbox.scene.solver.integrator == auto::AUTO;
+        if !automatic || !matches!(own.name(), "native-reduced" | "native-lagrange") {
+            return Self::of(own, gearbox).into_iter().collect();
+        }
+        auto::chain(&gearbox.scene, auto::PROMISE)
+            .iter()
+            .filter_map(|plan| Self::native(own, plan.applied(gearbox).ok()?))
+            .collect()
     }
 
     fn method(&self) -> Method {
@@ -239,7 +246,8 @@ pub(super) fn climb(
     control: &Control<'_>,
 ) -> Result<(Participant, Evidence), StudyError> {
     let name = engine.name();
-    let Some(engines) = Engines::of(engine, gearbox) else {
+    let mut ways = Engines::ways(engine, gearbox).into_iter();
+    let Some(mut engines) = ways.next() else {
         let participant = take_part(engine, gearbox, at, control)?;
         let excuse = if participant.cost.recorded.is_some() {
             RECORDED
@@ -248,10 +256,16 @@ pub(super) fn climb(
         };
         return Ok((participant, unknown(name, excuse)));
     };
-    let mut spent = 0.0;
     let mut value = engines.value;
     let mut finest = engines.run(value, at, control)?;
-    spent += finest.cost.wall_s;
+    let mut spent = finest.cost.wall_s;
+    while matches!(finest.status, Status::Diverged { .. }) {
+        let Some(next) = ways.next() else { break };
+        engines = next;
+        value = engines.value;
+        finest = engines.run(value, at, control)?;
+        spent += finest.cost.wall_s;
+    }
     if finest.cost.recorded.is_some() {
         return Ok((finest, unknown(name, RECORDED)));
     }
@@ -279,12 +293,9 @@ pub(super) fn climb(
     let mut excuse = engines.excuse.filter(|_| effort.obey).map(str::to_owned);
     loop {
         let evidence = evidence(&engines, value, &rungs);
-        let needed = match refinement(context, &finest, &evidence)? {
-            Some(factor) if free => factor,
-            _ => {
-                let evidence = Evidence { excuse, ..evidence };
-                return Ok((finest, evidence));
-            }
+        let found = refinement(context, &finest, &evidence)?;
+        let Some(needed) = found.factor.filter(|_| free) else {
+            return Ok((finest, excused(evidence, excuse, found.stuck)));
         };
         let factor = match engines.knob {
             Knob::Step(_) => 2_f64.powf(needed.log2().ceil()).clamp(2.0, MOST),
@@ -306,7 +317,7 @@ pub(super) fn climb(
                     "refined as far as {longest} s allow; the next run would take {next:.0} s (--longest)"
                 ));
             }
-            return Ok((finest, Evidence { excuse, ..evidence }));
+            return Ok((finest, excused(evidence, excuse, found.stuck)));
         };
         let before = std::mem::replace(&mut finest, finer);
         let wall_s = before.cost.wall_s;
@@ -366,12 +377,33 @@ fn evidence(engines: &Engines<'_>, value: f64, rungs: &[At]) -> Evidence {
     )
 }
 
-/// How many times finer the engine must run to be resolved; `None` where it is.
+/// The evidence with its excuse. An engine that did its best and does not converge in one quantity is outside of the range in
+/// which its ladder shows errors: then it shows none.
+fn excused(evidence: Evidence, excuse: Option<String>, stuck: Option<Unresolved>) -> Evidence {
+    let source = match (&excuse, stuck) {
+        (Some(_), Some(stuck)) => Evidence::unknown("", stuck.reason, stuck.remedy).source,
+        _ => evidence.source,
+    };
+    Evidence {
+        engine: evidence.engine,
+        source,
+        excuse,
+    }
+}
+
+/// What is still to be done for an engine.
+struct Needed {
+    /// How many times finer it must run to be resolved; `None` where it is.
+    factor: Option<f64>,
+    /// Why a quantity does not converge.
+    stuck: Option<Unresolved>,
+}
+
 fn refinement(
     context: &Context,
     participant: &Participant,
     evidence: &Evidence,
-) -> Result<Option<f64>, StudyError> {
+) -> Result<Needed, StudyError> {
     let rules = Rules {
         evidence: std::slice::from_ref(evidence),
         ..Rules::default()
@@ -381,17 +413,23 @@ fn refinement(
         let mut windows = found.windows.iter();
         windows.any(|w| w.kind == kind && context.is_pointwise(w.to_s))
     };
-    let mut most: Option<f64> = None;
+    let (mut most, mut stuck) = (1.0_f64, None);
     let all = found.engines.iter().flat_map(|e| &e.uncertainty);
     for one in all.filter(|u| pointwise(u.window)) {
-        let factor = match (&one.l2, one.relative_l2) {
+        match (&one.l2, one.relative_l2) {
             (Uncertainty::Resolved(estimate), Some(share)) if share > TARGET => {
-                estimate.refinement_for(estimate.u * TARGET / share)
+                let factor = estimate.refinement_for(estimate.u * TARGET / share);
+                most = most.max(factor.unwrap_or(1.0));
             }
-            (Uncertainty::NotResolved(_), _) => Some(MOST),
-            _ => None,
-        };
-        most = factor.map_or(most, |f| Some(most.map_or(f, |m: f64| m.max(f))));
+            (Uncertainty::NotResolved(missing), _) => {
+                most = most.max(MOST);
+                stuck = stuck.or_else(|| Some(missing.clone()));
+            }
+            _ => {}
+        }
     }
-    Ok(most.filter(|factor| *factor > 1.0))
+    Ok(Needed {
+        factor: (most > 1.0).then_some(most),
+        stuck,
+    })
 }

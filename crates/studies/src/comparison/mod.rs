@@ -94,11 +94,6 @@ pub fn run_with(
     if several {
         context.divergence = divergence(scene, at, control)?;
     }
-    // A guarded preset is held against what was measured of it as it is.
-    let effort = Effort {
-        obey: effort.obey || context.guarded.is_some(),
-        ..effort
-    };
     let (mut participants, mut evidence) = (Vec::new(), Vec::new());
     for (done, engine) in input.engines.iter().enumerate() {
         let at = Progress::new(done + 1, total, engine.name());
@@ -233,7 +228,8 @@ fn context(scene: &Scene) -> Context {
     // The table of limits was measured in windows of its own.
     let settles = scales
         .settling_s(scene.contact.damping_n_s_m)
-        .filter(|_| guarded.is_none());
+        .filter(|_| guarded.is_none())
+        .map(|time| format!("{time:.1e}").parse().unwrap_or(time));
     Context {
         scene: scene.name.clone(),
         description: scene.description.clone(),
