@@ -7,7 +7,7 @@
 use std::time::Duration;
 
 use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION};
-use pinwheel_compare::uncertainty::{Method, Unresolved};
+use pinwheel_compare::uncertainty::{Method, Source, Unresolved};
 use pinwheel_compare::{
     Context, Evidence, Ladder, Participant, RESOLUTION, Rules, Rung, Status, Uncertainty,
     compare_with, track,
@@ -160,7 +160,12 @@ impl<'a> Engines<'a> {
         if !automatic || !matches!(own.name(), "native-reduced" | "native-lagrange") {
             return Self::of(own, gearbox).into_iter().collect();
         }
-        auto::chain(&gearbox.scene, auto::PROMISE)
+        let mut plans = auto::chain(&gearbox.scene, auto::PROMISE);
+        if let Some((_, others)) = plans.split_first_mut() {
+            // Where friction was too stiff for one method, explicit steps get through and chatter.
+            others.sort_by_key(|plan| !plan.integrator.starts_with("imex"));
+        }
+        plans
             .iter()
             .filter_map(|plan| Self::native(own, plan.applied(gearbox).ok()?))
             .collect()
@@ -377,12 +382,13 @@ fn evidence(engines: &Engines<'_>, value: f64, rungs: &[At]) -> Evidence {
     )
 }
 
-/// The evidence with its excuse. An engine that did its best and does not converge in one quantity is outside of the range in
-/// which its ladder shows errors: then it shows none.
+/// The evidence with its excuse. An engine that rubs, or did its best, and does not converge in one quantity is outside of the
+/// range in which its ladder shows errors: then it shows none.
 fn excused(evidence: Evidence, excuse: Option<String>, stuck: Option<Unresolved>) -> Evidence {
-    let source = match (&excuse, stuck) {
-        (Some(_), Some(stuck)) => Evidence::unknown("", stuck.reason, stuck.remedy).source,
-        _ => evidence.source,
+    let rubs = matches!(&evidence.source, Source::Ladder(ladder) if ladder.method.allowed_order() <= FRICTION);
+    let source = match stuck.filter(|_| rubs || excuse.is_some()) {
+        Some(stuck) => Evidence::unknown("", stuck.reason, stuck.remedy).source,
+        None => evidence.source,
     };
     Evidence {
         engine: evidence.engine,

@@ -108,9 +108,10 @@ pub fn run_with(
         participants.push(participant);
         evidence.push(shown);
     }
-    let mut stated = Vec::new();
+    let (mut stated, mut measured) = (Vec::new(), Vec::new());
     for data in input.data {
         let (participant, limits) = data.take_part(scene, &participants)?;
+        measured.extend(data.uncertainties(&participant.courses));
         participants.push(participant);
         stated.extend(limits);
     }
@@ -118,6 +119,7 @@ pub fn run_with(
         limits: limits::TABLE,
         stated: &stated,
         evidence: &evidence,
+        data: &measured,
         ..Rules::default()
     };
     let comparison = compare_with(&context, &participants, &rules)?;
