@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use pinwheel_courses::Courses;
 use pinwheel_scene::Scene;
-use pinwheel_tests::{Outcome, names_in, pinwheel, run_in};
+use pinwheel_tests::{Outcome, names_in, pinwheel, repository, run_in};
 use serde_json::Value;
 
 /// A run short enough for tests: 5 ms, 51 samples.
@@ -242,12 +242,37 @@ fn program_statements_are_sharp_where_nobody_calibrated() {
     }
 }
 
+/// Gears that nobody tuned to, from a dozen lines without a solver: every statement is sharp on the first try.
+#[test]
+fn program_own_gears_need_no_settings() {
+    for (gear, duration_s) in [
+        ("forty-pins-own", 0.004),
+        ("rv-39-lobes", 0.006),
+        ("single-wheel", 0.006),
+        ("three-wheels", 0.004),
+        ("sixty-pins-3000-rpm", 0.002),
+    ] {
+        let file = repository(&format!("tests/data/gears/{gear}.toml"));
+        let lines = std::fs::read_to_string(&file).unwrap().lines().count();
+        assert!(lines <= 15, "{gear}: {lines} lines");
+        let (file, duration) = (
+            file.to_str().unwrap(),
+            format!("solver.duration_s={duration_s}"),
+        );
+        let engines = "native-reduced,native-resolved,rapier-shared-law";
+        let (code, text, summary) = compared(&[file, "--engines", engines, "--set", &duration]);
+        assert_eq!(code, Some(0), "{gear}: {text}");
+        assert_eq!(summary["counts"]["stated"], 0, "{gear}: {text}");
+        let blunt = bluntest(&summary);
+        assert!(blunt > 0.0 && blunt <= 0.01, "{gear}: {blunt:e}\n{text}");
+        let dir = tempfile::tempdir().unwrap();
+        done(run_in(dir.path(), ["run", file, "--set", &duration]));
+    }
+}
+
 /// An engine whose time is spent says so; that is no failure of the scene.
 #[test]
 fn program_a_spent_budget_is_stated() {
-    if !cfg!(feature = "rapier") {
-        return;
-    }
     let (code, text, summary) = compared(&[
         "backlash-0.6",
         "--engines",

@@ -302,13 +302,17 @@ pub(super) fn climb(
         let Some(needed) = found.factor.filter(|_| free) else {
             return Ok((finest, excused(evidence, excuse, found.stuck)));
         };
-        let factor = match engines.knob {
-            Knob::Step(_) => 2_f64.powf(needed.log2().ceil()).clamp(2.0, MOST),
-            Knob::Tolerance => 10_f64.powf(needed.log10().ceil()).clamp(10.0, 100.0),
+        let (mut factor, least) = match engines.knob {
+            Knob::Step(_) => (2_f64.powf(needed.log2().ceil()).clamp(2.0, MOST), 2.0),
+            Knob::Tolerance => (10_f64.powf(needed.log10().ceil()).clamp(10.0, 100.0), 10.0),
         };
-        let next = finest.cost.wall_s * engines.dearer(factor);
-        let too_long = spent + next > longest;
-        let finer = if too_long || value / factor < 1e-13 {
+        let next = |factor: f64| finest.cost.wall_s * engines.dearer(factor);
+        // What would take too long at once may go in smaller steps.
+        while spent + next(factor) > longest && factor > least {
+            factor /= least;
+        }
+        let next = next(factor);
+        let finer = if spent + next > longest || value / factor < 1e-13 {
             None
         } else {
             let finer = engines.run(value / factor, at, control)?;
