@@ -7,13 +7,16 @@ use pinwheel_courses::Courses;
 use pinwheel_tests::{Outcome, run_in};
 use serde_json::Value;
 
-const COMPARE: [&str; 7] = [
+const COMPARE: [&str; 9] = [
     "compare",
     "paper",
     "--engines",
     "native-reduced",
     "--set",
     "solver.duration_s=0.02",
+    // Stated, so that the comparison takes it as the run does.
+    "--set",
+    "solver.step_s=1e-5",
     "--force",
 ];
 
@@ -311,4 +314,45 @@ fn bad_input_is_named() {
         alone.code == Some(2) && alone.stderr.contains("--map"),
         "{alone:?}"
     );
+}
+
+/// With the uncertainty of its cells a rig's data are held against the model by ASME V&V 20, and the budget is told.
+#[test]
+fn stated_uncertainties_give_validation_verdicts() {
+    let (dir, _) = folder(1);
+    let map = |torque: &str| {
+        let wanted = format!("factor = -1.0, {torque} }}");
+        MAP.replace("factor = -1.0 }", &wanted)
+    };
+    let torque = |text: String| {
+        std::fs::write(dir.path().join("rig.toml"), text).unwrap();
+        let outcome = compare(dir.path());
+        let found = summary(dir.path());
+        let entries = found["pairs"][0]["entries"].as_array().unwrap().clone();
+        let entry = entries
+            .into_iter()
+            .find(|e| e["quantity"] == "input_torque_n_m");
+        (outcome, entry.unwrap())
+    };
+    let (outcome, entry) = torque(map("uncertainty = { of_reading = 0.005 }"));
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    assert_eq!(entry["verdict"], "not-distinguishable", "{entry}");
+    let budget = &entry["judgements"][0]["budget"];
+    assert!(
+        (budget["data"].as_f64().unwrap() - 0.005).abs() < 1e-9,
+        "{budget}"
+    );
+    assert!(budget["numerical"].as_f64().unwrap() > 0.0, "{budget}");
+    // Off by 10 %: far beyond it.
+    let off = map("uncertainty = { absolute = 1e-3 }").replace("factor = -1.0", "factor = -1.1");
+    let (outcome, entry) = torque(off);
+    assert_eq!(entry["verdict"], "model-error", "{entry}");
+    assert_eq!(
+        outcome.code,
+        Some(0),
+        "an error of a model is a result: {outcome:?}"
+    );
+    let (outcome, _) = torque(map("uncertainty = { of_range = 0.01 }"));
+    assert_eq!(outcome.code, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.contains("range"), "{}", outcome.stderr);
 }

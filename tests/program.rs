@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use pinwheel_courses::Courses;
 use pinwheel_scene::Scene;
-use pinwheel_tests::{Outcome, names_in, pinwheel, run_in};
+use pinwheel_tests::{Outcome, names_in, pinwheel, repository, run_in};
 use serde_json::Value;
 
 /// A run short enough for tests: 5 ms, 51 samples.
@@ -74,8 +74,9 @@ fn program_compare_writes_report_summary_and_courses() {
     ];
     let shown = done(run_in(dir.path(), args.iter().chain(&SHORT)));
     for part in [
-        "native-reduced / native-lagrange",
-        "within limits",
+        "reduced / lagrange",
+        "agree to ",
+        "every statement holds",
         "report: r/index.html",
     ] {
         assert!(shown.contains(part), "{part} is not in:\n{shown}");
@@ -97,6 +98,18 @@ fn program_compare_writes_report_summary_and_courses() {
     assert_eq!(summary["passed"], true);
     assert_eq!(summary["engines"].as_array().unwrap().len(), 2);
     assert_eq!(summary["counts"]["exceeded"], 0);
+    let entry = &summary["pairs"][0]["entries"][0];
+    assert_eq!(entry["verdict"], "agree", "{entry}");
+    for key in ["distance", "u_a", "u_b"] {
+        assert!(entry["judgements"][0][key].is_number(), "{key}: {entry}");
+    }
+    let engine = &summary["engines"][0];
+    assert_eq!(
+        engine["ladder"]["rungs"].as_array().unwrap().len(),
+        2,
+        "{engine}"
+    );
+    assert!(engine["uncertainty"][0]["relative_l2"].as_f64().unwrap() < 0.005);
     assert!(!summary["assumptions"].as_array().unwrap().is_empty());
     let page = std::fs::read_to_string(out.join("index.html")).unwrap();
     assert!(
@@ -143,7 +156,13 @@ fn program_compare_goes_on_when_engines_diverge() {
     ];
     let outcome = run_in(
         dir.path(),
-        args.iter().chain(&["--set", "solver.duration_s=0.05"]),
+        args.iter().chain(&[
+            "--set",
+            "solver.duration_s=0.05",
+            // Asked for, so that it is not refined.
+            "--set",
+            "solver.step_s=1e-5",
+        ]),
     );
     assert_eq!(outcome.code, Some(3), "{outcome:?}");
     assert!(
@@ -162,37 +181,114 @@ fn program_compare_goes_on_when_engines_diverge() {
     assert!(out.join("index.html").is_file());
 }
 
-/// Unstabilised, the Lagrange form drifts off the reduced one far beyond the limit for the pair.
-#[test]
-fn program_exceeded_limit_ends_with_1() {
+/// What `compare` says of a scene and how it ends: status, the last line but the place of the page, `summary.json`.
+fn compared(args: &[&str]) -> (Option<i32>, String, Value) {
     let dir = tempfile::tempdir().unwrap();
-    let args = [
-        "compare",
-        "paper",
+    let outcome = run_in(
+        dir.path(),
+        ["compare"].iter().chain(args).chain(&["--out", "r"]),
+    );
+    let summary = json(dir.path().join("r/summary.json"));
+    (outcome.code, outcome.stdout, summary)
+}
+
+/// The largest U of what agrees, over all pairs.
+fn bluntest(summary: &Value) -> f64 {
+    let pairs = summary["pairs"].as_array().unwrap();
+    let entries = pairs.iter().flat_map(|p| p["entries"].as_array().unwrap());
+    entries.filter_map(|e| e["to"].as_f64()).fold(0.0, f64::max)
+}
+
+/// A step that is asked for and too coarse: no pass by being blunt.
+#[test]
+fn program_what_is_not_resolved_ends_with_1() {
+    let (code, text, summary) = compared(&[
+        "backlash-0.6",
         "--engines",
         "native-reduced,native-lagrange",
-        "--out",
-        "r",
-    ];
-    let more = [
         "--set",
-        "solver.stabilisation=none",
+        "solver.step_s=4e-5",
         "--set",
-        "solver.duration_s=0.02",
-    ];
-    let outcome = run_in(dir.path(), args.iter().chain(&more));
-    assert_eq!(
-        (outcome.code, outcome.stderr.as_str()),
-        (Some(1), ""),
-        "{}",
-        outcome.stdout
-    );
+        "solver.duration_s=0.03",
+    ]);
+    assert_eq!(code, Some(1), "{text}");
     assert!(
-        outcome.stdout.contains("LIMIT EXCEEDED"),
-        "{}",
-        outcome.stdout
+        text.contains("NOT RESOLVED") || text.contains("DIFFER"),
+        "{text}"
     );
-    assert_eq!(json(dir.path().join("r/summary.json"))["passed"], false);
+    assert_eq!(summary["counts"]["within"], 0, "{text}");
+    assert_eq!(summary["passed"], false);
+}
+
+/// Scenes that nobody measured limits on, and settings that nobody tuned: statements are sharp, and none is a false alarm.
+#[test]
+fn program_statements_are_sharp_where_nobody_calibrated() {
+    let engines = [
+        "--engines",
+        "native-reduced,native-lagrange,native-resolved",
+    ];
+    for scene in [
+        &["one-wheel"][..],
+        &["paper", "--set", "gear.backlash_m=0.0006"],
+        &["paper", "--set", "solver.integrator=dopri5"],
+    ] {
+        let args = [scene, &engines, &["--set", "solver.duration_s=0.02"]].concat();
+        let (code, text, summary) = compared(&args);
+        assert_eq!(code, Some(0), "{text}");
+        assert!(summary["counts"]["agree"].as_u64().unwrap() >= 15, "{text}");
+        assert_eq!(summary["counts"]["stated"], 0, "{text}");
+        let blunt = bluntest(&summary);
+        assert!(blunt > 0.0 && blunt <= 0.01, "{blunt:e}\n{text}");
+    }
+}
+
+/// Gears that nobody tuned to, from a dozen lines without a solver: every statement is sharp on the first try.
+#[test]
+fn program_own_gears_need_no_settings() {
+    for (gear, duration_s) in [
+        ("forty-pins-own", 0.004),
+        ("rv-39-lobes", 0.006),
+        ("single-wheel", 0.006),
+        ("three-wheels", 0.004),
+        ("sixty-pins-3000-rpm", 0.002),
+    ] {
+        let file = repository(&format!("tests/data/gears/{gear}.toml"));
+        let lines = std::fs::read_to_string(&file).unwrap().lines().count();
+        assert!(lines <= 15, "{gear}: {lines} lines");
+        let (file, duration) = (
+            file.to_str().unwrap(),
+            format!("solver.duration_s={duration_s}"),
+        );
+        let engines = "native-reduced,native-resolved,rapier-shared-law";
+        let (code, text, summary) = compared(&[file, "--engines", engines, "--set", &duration]);
+        assert_eq!(code, Some(0), "{gear}: {text}");
+        assert_eq!(summary["counts"]["stated"], 0, "{gear}: {text}");
+        let blunt = bluntest(&summary);
+        assert!(blunt > 0.0 && blunt <= 0.01, "{gear}: {blunt:e}\n{text}");
+        let dir = tempfile::tempdir().unwrap();
+        done(run_in(dir.path(), ["run", file, "--set", &duration]));
+    }
+}
+
+/// An engine whose time is spent says so; that is no failure of the scene.
+#[test]
+fn program_a_spent_budget_is_stated() {
+    let (code, text, summary) = compared(&[
+        "backlash-0.6",
+        "--engines",
+        "native-resolved,rapier-shared-law",
+        "--longest",
+        "0",
+        "--set",
+        "solver.duration_s=0.05",
+        "--set",
+        "name=own",
+        "--set",
+        "gear.backlash_m=0.00061",
+    ]);
+    assert_eq!(code, Some(0), "{text}");
+    assert!(summary["counts"]["stated"].as_u64().unwrap() > 0, "{text}");
+    assert!(text.contains("--longest"), "{text}");
 }
 
 #[test]

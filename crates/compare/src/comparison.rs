@@ -11,7 +11,7 @@ use crate::metrics::{Metric, PairMetrics};
 use crate::participant::{Context, Cost, Status};
 use crate::quantities::Quantity;
 use crate::statistics::Statistics;
-use crate::uncertainty::QuantityUncertainty;
+use crate::uncertainty::{Evidence, Method, QuantityUncertainty, Source};
 use crate::validation::Budget;
 use crate::verdict::{Check, Counts, Outcome, Verdict};
 use crate::windows::{AbsentWindow, Window, WindowKind};
@@ -69,6 +69,59 @@ pub struct EngineSummary {
     /// Its numerical uncertainty per window and quantity; empty where no evidence was given.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub uncertainty: Vec<QuantityUncertainty>,
+    /// The runs that these rest on; `None` where there is no ladder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ladder: Option<LadderSummary>,
+}
+
+/// What a ladder was and what it cost.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LadderSummary {
+    /// What is refined, and the order stated for it.
+    #[serde(flatten)]
+    pub method: Method,
+    /// The finest run's step (s) or tolerance.
+    pub finest: f64,
+    /// The coarser runs.
+    pub rungs: Vec<RungSummary>,
+    /// Wall time of all runs over that of the finest; `None` where times are not known.
+    pub cost: Option<f64>,
+    /// Why it was not refined further, where it was not sharp enough.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub excuse: Option<String>,
+}
+
+/// One coarser run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RungSummary {
+    /// Its setting over the finest run's.
+    pub refinement: f64,
+    /// Wall time, s.
+    pub wall_s: f64,
+    /// Why it has no time series.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub failed: Option<String>,
+}
+
+impl LadderSummary {
+    pub(crate) fn of(evidence: &Evidence, finest_wall_s: f64) -> Option<Self> {
+        let Source::Ladder(ladder) = &evidence.source else {
+            return None;
+        };
+        let rungs = ladder.coarser.iter().map(|rung| RungSummary {
+            refinement: rung.refinement,
+            wall_s: rung.wall_s,
+            failed: rung.run.as_ref().err().cloned(),
+        });
+        let coarser: f64 = ladder.coarser.iter().map(|rung| rung.wall_s).sum();
+        Some(Self {
+            method: ladder.method,
+            finest: ladder.finest,
+            rungs: rungs.collect(),
+            cost: (finest_wall_s > 0.0).then(|| 1.0 + coarser / finest_wall_s),
+            excuse: evidence.excuse.clone(),
+        })
+    }
 }
 
 /// One engine's figures in one window.
@@ -202,6 +255,9 @@ pub struct Cell {
     pub worst_quantity: Option<String>,
     /// The metric it is of.
     pub worst_metric: Option<Metric>,
+    /// U of it, where it was held against one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worst_uncertainty: Option<f64>,
     /// Largest relative L2 over forces (N).
     pub force: Option<f64>,
     /// Largest relative L2 over torques (N m).

@@ -5,6 +5,7 @@ use crate::limits::{Friction, Limit, fits};
 use crate::metrics::{Metric, PairMetrics};
 use crate::participant::{Participant, track};
 use crate::quantities::Quantity;
+use crate::uncertainty::Uncertainty;
 use crate::verdict::{Check, Verdict};
 use crate::windows::{Window, WindowKind};
 
@@ -102,7 +103,7 @@ impl Judge<'_> {
     }
 
     /// Judges the mean output torque of one engine against the load, on any scene: this is mechanics. `u`: the
-    /// uncertainty of that mean, N m, which widens the limit.
+    /// uncertainty of that mean, N m, which widens the limit; where it is not known, a mean beyond the limit is not resolved.
     pub(crate) fn load(
         &self,
         engine: &Participant,
@@ -110,7 +111,7 @@ impl Judge<'_> {
         window: WindowKind,
         mean: Option<f64>,
         load_n_m: f64,
-        u: Option<f64>,
+        u: Option<&Uncertainty>,
     ) -> Option<(Vec<Check>, Verdict)> {
         let row = self.rules.limits.iter().find(|row| {
             row.metric == Metric::MeanAgainstLoad
@@ -126,7 +127,11 @@ impl Judge<'_> {
             return Some((Vec::new(), Verdict::NotJudged { reason }));
         }
         let value = mean.map(|mean| (mean + load_n_m).abs() / load_n_m.abs());
-        let share = u.unwrap_or(0.0) / load_n_m.abs();
+        let share = u.and_then(Uncertainty::u).unwrap_or(0.0) / load_n_m.abs();
+        let unknown = match u {
+            Some(Uncertainty::NotResolved(missing)) => Some(missing),
+            _ => None,
+        };
         if !(share <= self.rules.resolution) {
             let verdict = Verdict::NotResolved {
                 participant: engine.name.clone(),
@@ -136,10 +141,21 @@ impl Judge<'_> {
                     self.rules.resolution
                 ),
                 remedy: format!("refine {}", engine.name),
+                stated: false,
             };
-            return Some((Vec::new(), verdict));
+            return Some((Vec::new(), self.excused(verdict)));
         }
         let limit = row.limit + share;
+        if let Some(missing) = unknown.filter(|_| value.is_some_and(|value| value > limit)) {
+            let verdict = Verdict::NotResolved {
+                participant: engine.name.clone(),
+                u: None,
+                reason: missing.reason.clone(),
+                remedy: missing.remedy.clone(),
+                stated: false,
+            };
+            return Some((Vec::new(), self.excused(verdict)));
+        }
         let checks = vec![check(row, value, limit, row.reason.to_owned())];
         let verdict = checks[0].verdict();
         Some((checks, verdict))

@@ -9,7 +9,7 @@ use crate::quantities::Quantity;
 use crate::rules::Rules;
 use crate::uncertainty::{Estimate, QuantityUncertainty, Uncertainty, Unresolved};
 use crate::validation::Budget;
-use crate::verdict::{self, Check, Side, Verdict};
+use crate::verdict::{self, Check, Outcome, Side, Verdict};
 use crate::windows::{Window, WindowKind};
 
 /// What a verdict depends on besides the numbers.
@@ -103,6 +103,25 @@ pub(crate) struct Sides<'a> {
 }
 
 impl Judge<'_> {
+    /// What is not resolved, marked as stated where its participant says why it has to be so.
+    pub(crate) fn excused(&self, mut verdict: Verdict) -> Verdict {
+        if let Verdict::NotResolved {
+            participant,
+            reason,
+            stated,
+            ..
+        } = &mut verdict
+        {
+            let mut evidence = self.rules.evidence.iter();
+            let own = evidence.find(|e| e.engine == *participant);
+            if let Some(excuse) = own.and_then(|e| e.excuse.as_ref()) {
+                *reason = format!("{reason}; {excuse}");
+                *stated = true;
+            }
+        }
+        verdict
+    }
+
     /// Judges one quantity of a pair in one window.
     pub(crate) fn pair(
         &self,
@@ -130,7 +149,7 @@ impl Judge<'_> {
         } else {
             self.guard(sides, quantity, window, metrics)
         };
-        let judgements = if measured {
+        let mut judgements = if measured {
             self.validation(sides, quantity, metrics, uncertainties)
         } else if self.rules.evidence.is_empty() {
             Vec::new()
@@ -139,6 +158,12 @@ impl Judge<'_> {
         } else {
             self.models(sides, quantity, window, metrics, uncertainties)
         };
+        for judgement in &mut judgements {
+            judgement.verdict = self.excused(judgement.verdict.clone());
+            // Where the guard's table speaks, what a ladder cannot say takes nothing from it.
+            let silent = [Outcome::Stated, Outcome::NotResolved];
+            judgement.counts &= checks.is_empty() || !silent.contains(&judgement.verdict.outcome());
+        }
         let of_checks: Vec<Verdict> = checks.iter().map(Check::verdict).collect();
         let counting = judgements.iter().filter(|j| j.counts).map(|j| &j.verdict);
         let verdict = Verdict::worst(counting.chain(&of_checks))
@@ -449,5 +474,6 @@ fn not_finite(a: &Participant, b: &Participant) -> Verdict {
         u: None,
         reason: "a value is not finite".to_owned(),
         remedy: format!("look at the time series of {}", who.name),
+        stated: false,
     }
 }

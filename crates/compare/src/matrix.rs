@@ -114,6 +114,7 @@ fn cell(
             value: Some(value),
             quantity,
             metric: Metric::RelativeL2,
+            combined: None,
         })
     });
     let verdict = Verdict::worst(entries.iter().map(|e| &e.verdict));
@@ -124,6 +125,7 @@ fn cell(
         worst: worst.as_ref().and_then(|w| w.value),
         worst_quantity: worst.as_ref().map(|w| w.quantity.to_owned()),
         worst_metric: worst.as_ref().map(|w| w.metric),
+        worst_uncertainty: worst.as_ref().and_then(|w| w.combined),
         force: largest(Quantity::is_force).map(|(value, _)| value),
         torque: largest(Quantity::is_torque).map(|(value, _)| value),
         verdict: verdict.cloned().unwrap_or_else(|| Verdict::NotJudged {
@@ -140,6 +142,8 @@ struct Figure<'a> {
     value: Option<f64>,
     quantity: &'a str,
     metric: Metric,
+    /// U.
+    combined: Option<f64>,
 }
 
 /// The figure that decided: of the gravest outcome the one that uses most of its limit or uncertainty.
@@ -151,6 +155,7 @@ fn decisive<'a>(entries: &[&'a PairEntry]) -> Option<Figure<'a>> {
             value: check.value,
             quantity: &entry.quantity,
             metric: check.metric,
+            combined: None,
         })
     });
     let judgements = entries.iter().flat_map(|entry| {
@@ -161,6 +166,7 @@ fn decisive<'a>(entries: &[&'a PairEntry]) -> Option<Figure<'a>> {
             value: judgement.distance.map(f64::abs),
             quantity: &entry.quantity,
             metric: judgement.metric,
+            combined: judgement.combined(),
         })
     });
     judgements.chain(checks).max_by(|a, b| {

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use pinwheel_courses::Courses;
 
-use crate::comparison::{EngineEntry, EngineSummary, Figures};
+use crate::comparison::{EngineEntry, EngineSummary, Figures, LadderSummary};
 use crate::judge::Judge;
 use crate::model;
 use crate::participant::{Context, Participant, track};
@@ -118,7 +118,7 @@ pub(crate) fn engine_summary(
             let u = found
                 .iter()
                 .find(|u| u.quantity == OUTPUT_TORQUE)
-                .and_then(|u| u.mean.u());
+                .map(|u| &u.mean);
             let found = judge.load(participant, quantity, window.kind, mean, load_n_m, u);
             let found = found.map(|(checks, verdict)| {
                 if participant.cost.recorded.is_none() {
@@ -149,6 +149,12 @@ pub(crate) fn engine_summary(
         figures: all_figures,
         judged,
         uncertainty: uncertainties,
+        ladder: judge
+            .rules
+            .evidence
+            .iter()
+            .find(|e| e.engine == participant.name)
+            .and_then(|e| LadderSummary::of(e, participant.cost.wall_s)),
     }
 }
 

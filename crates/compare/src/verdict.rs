@@ -30,6 +30,9 @@ pub enum Verdict {
         reason: String,
         /// What would do.
         remedy: String,
+        /// Whether this is how it has to be: the participant says why it brings no sharper number
+        /// ([`Evidence::excuse`](crate::Evidence::excuse)). A statement then, and no failure.
+        stated: bool,
     },
     /// The two differ in their model on purpose, by something in this interval.
     ModelDifference {
@@ -98,6 +101,7 @@ impl Verdict {
                 within: Some(false),
                 ..
             } => Outcome::Finding,
+            Self::NotResolved { stated: true, .. } => Outcome::Stated,
             Self::NotResolved { .. } => Outcome::NotResolved,
             Self::NotJudged { .. } => Outcome::Nothing,
             // A model difference without a tolerance is a result; nothing was checked.
@@ -110,7 +114,8 @@ impl Verdict {
         }
     }
 
-    /// The worst of several: a finding before what is not resolved before what passed before what was not judged.
+    /// The worst of several: a finding before what is not resolved before what passed before what was not judged; among
+    /// what is not resolved what a user could change first.
     /// Of equals the first.
     pub fn worst<'a>(verdicts: impl IntoIterator<Item = &'a Self>) -> Option<&'a Self> {
         let mut worst: Option<&Self> = None;
@@ -131,6 +136,8 @@ pub enum Outcome {
     Nothing,
     /// Everything judged holds.
     Passed,
+    /// Not resolved, for a stated reason that no setting of the user's would change.
+    Stated,
     /// Something could not be shown either way.
     NotResolved,
     /// Something differs, or is beyond its limit.
@@ -189,6 +196,8 @@ pub struct Counts {
     pub differ: usize,
     /// Not resolved.
     pub not_resolved: usize,
+    /// Not resolved for a stated reason that lies in an engine, a recording or the time allowed.
+    pub stated: usize,
     /// Differences and errors of a model, stated as such.
     pub model: usize,
     /// Of these, beyond the tolerance stated for the model.
@@ -207,6 +216,7 @@ impl Counts {
         match verdict {
             Verdict::Agree { .. } => self.agree += 1,
             Verdict::Differ { .. } => self.differ += 1,
+            Verdict::NotResolved { stated: true, .. } => self.stated += 1,
             Verdict::NotResolved { .. } => self.not_resolved += 1,
             Verdict::ModelDifference { within, .. } => {
                 self.model += 1;
@@ -228,6 +238,8 @@ impl Counts {
             Outcome::NotResolved
         } else if self.agree + self.within + self.model > 0 {
             Outcome::Passed
+        } else if self.stated > 0 {
+            Outcome::Stated
         } else {
             Outcome::Nothing
         }
@@ -273,15 +285,20 @@ pub fn combined(a: &Side<'_>, b: &Side<'_>) -> Result<f64, Verdict> {
                 u: None,
                 reason: missing.reason.clone(),
                 remedy: missing.remedy.clone(),
+                stated: false,
             });
         }
     }
     Ok(a.u().unwrap_or(0.0) + b.u().unwrap_or(0.0))
 }
 
+/// How much of U a difference must exceed where an order was not confirmed.
+pub const UNCONFIRMED: f64 = 2.0;
+
 /// Two participants of one law at the relative distance D.
 ///
-/// D <= U: agree to U. D > U: differ by at least D - U. Where U is above `resolution`, agreement would say nothing,
+/// D <= U: agree to U. D > U: differ by at least D - U; where an uncertainty rests on no confirmed order, 2 U takes the place
+/// of U for distances above U. Where U is above `resolution`, agreement would say nothing,
 /// and a difference is told only if both uncertainties rest on confirmed orders: otherwise not resolved.
 #[must_use]
 pub fn pair(distance: f64, a: &Side<'_>, b: &Side<'_>, resolution: f64) -> Verdict {
@@ -297,11 +314,16 @@ pub fn pair(distance: f64, a: &Side<'_>, b: &Side<'_>, resolution: f64) -> Verdi
     if !(sharp || shown) {
         return too_blunt(sum, a, b, resolution);
     }
+    // Of a size that no order confirms only twice as much is a bound: such estimates miss one error in a hundred by as
+    // much, and a comparison makes hundreds of them.
+    let bound = if confirmed { sum } else { UNCONFIRMED * sum };
     if distance <= sum {
         Verdict::Agree { to: sum }
+    } else if distance <= bound {
+        Verdict::Agree { to: bound }
     } else {
         Verdict::Differ {
-            at_least: distance - sum,
+            at_least: distance - bound,
         }
     }
 }
@@ -327,6 +349,7 @@ pub(crate) fn too_blunt(sum: f64, a: &Side<'_>, b: &Side<'_>, resolution: f64) -
             ),
             None => format!("refine {}", blunt.name),
         },
+        stated: false,
     }
 }
 

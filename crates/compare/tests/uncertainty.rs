@@ -334,6 +334,7 @@ fn a_participant_without_evidence_is_named() {
         evidence.extend(peer.map(|source| Evidence {
             engine: "peer".to_owned(),
             source,
+            excuse: None,
         }));
         let rules = Rules {
             evidence: &evidence,
@@ -970,6 +971,7 @@ fn crossval_series_and_figures_are_covered() {
             Evidence {
                 engine: "truth".to_owned(),
                 source: Source::Exact(0.0),
+                excuse: None,
             },
         ];
         let rules = Rules {

@@ -134,13 +134,22 @@ Examples:
   pinwheel compare paper --against rig.csv --map rig.toml     a foreign CSV beside the engines
 
 Writes DIR/index.html (open it in a browser), DIR/summary.json and DIR/<engine>/courses.csv.
-Engines that cannot honour the scene are left out, with the reason in the report.")]
+Engines that cannot honour the scene are left out, with the reason in the report.
+
+Every engine also runs at coarser settings, which show how far its numbers may be off (docs/verdicts.md). Steps and
+tolerances that your file or --set states are obeyed; others are refined until a pair is known to 1 %, or until an engine
+has taken --longest.
+Status 0: every statement holds, or is not resolved for a reason that no setting changes (a recording, an engine that
+has spent its time). 1: engines differ, a limit is exceeded, or a pair is not resolved that a finer setting would resolve.")]
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     /// Engines to compare, separated by commas [default: all that can run the scene].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) engines: Vec<String>,
+    /// Seconds that the runs of one engine may take before it is refined no further.
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
+    pub(crate) longest: f64,
     #[command(flatten)]
     pub(crate) foreign: ForeignArgs,
     #[command(flatten)]

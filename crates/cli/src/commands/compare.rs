@@ -1,15 +1,17 @@
 //! `pinwheel compare`: one scene, several engines, one report.
 
 use std::path::Path;
+use std::time::Duration;
 
 use pinwheel::compare::Status;
 use pinwheel::pages;
-use pinwheel::studies::comparison::{self, Input, foreign};
+use pinwheel::scene::{CheckedScene, PRESETS};
+use pinwheel::studies::comparison::{self, Effort, Input, foreign};
 use pinwheel::studies::output::write_text;
 use pinwheel::studies::{Provenance, choice};
 
 use crate::args::{self, CompareArgs, ForeignArgs};
-use crate::failure::{ENGINE, EXCEEDED, Failure};
+use crate::failure::{ENGINE, Failure};
 use crate::folder::Folder;
 use crate::progress::watched;
 use crate::{interrupt, screen};
@@ -28,7 +30,10 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         engines: &engines,
         data: &data,
     };
-    let found = watched("compare", |control| comparison::run(&input, control))?;
+    let effort = effort(args, scene)?;
+    let found = watched("compare", |control| {
+        comparison::run_with(&input, effort, control)
+    })?;
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
     let page = pages::comparison::page(&found, &made, interrupt::flag())?;
@@ -61,11 +66,21 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         ));
         return Ok(ENGINE);
     }
-    Ok(if found.comparison.counts.exceeded > 0 {
-        EXCEEDED
-    } else {
-        0
-    })
+    Ok(found.comparison.outcome.exit_status())
+}
+
+/// Settings that the user states are obeyed; those of a preset, a base or a formula are a beginning.
+fn effort(args: &CompareArgs, scene: &CheckedScene) -> Result<Effort, Failure> {
+    let longest = Duration::try_from_secs_f64(args.longest)
+        .map_err(|_| Failure::input("--longest: give seconds, 0 or more"))?;
+    let asked = |set: &String| {
+        ["solver.step_s", "solver.tolerance", "solver.integrator"]
+            .iter()
+            .any(|key| set.trim_start().starts_with(key))
+    };
+    let preset = PRESETS.iter().any(|p| p.name == args.scene.scene);
+    let obey = args.scene.set.iter().any(asked) || !preset && Effort::of(scene).obey;
+    Ok(Effort { longest, obey })
 }
 
 /// Reads the maps and files, before anything long is run.

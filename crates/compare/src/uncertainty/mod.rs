@@ -118,6 +118,9 @@ pub struct Evidence {
     pub engine: String,
     /// Where its uncertainty comes from.
     pub source: Source,
+    /// Why a number that is not sharp enough has to be accepted: a recording has no ladder, a time limit is spent.
+    /// What is then not resolved is stated and no failure. `None` where a setting would do.
+    pub excuse: Option<String>,
 }
 
 /// Where an uncertainty comes from.
@@ -141,6 +144,32 @@ impl Evidence {
         Self {
             engine: engine.into(),
             source: Source::Ladder(ladder),
+            excuse: None,
+        }
+    }
+
+    /// No evidence, and why.
+    pub fn unknown(
+        engine: impl Into<String>,
+        reason: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Self {
+            engine: engine.into(),
+            source: Source::Unknown(Unresolved {
+                reason: reason.into(),
+                remedy: remedy.into(),
+            }),
+            excuse: None,
+        }
+    }
+
+    /// The same with an excuse.
+    #[must_use]
+    pub fn excused(self, why: impl Into<String>) -> Self {
+        Self {
+            excuse: Some(why.into()),
+            ..self
         }
     }
 }

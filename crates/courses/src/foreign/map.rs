@@ -163,6 +163,40 @@ pub struct FullSource {
     /// Number of the file that is our 0.
     #[serde(default)]
     pub first: usize,
+    /// How uncertain the values are.
+    #[serde(default)]
+    pub uncertainty: Option<ColumnUncertainty>,
+}
+
+/// How uncertain the values of a column are: one standard deviation (half of a bound that holds in 95 of 100 cases). The parts
+/// are independent and add as squares.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ColumnUncertainty {
+    /// In our unit.
+    pub absolute: f64,
+    /// Share of the value.
+    pub of_reading: f64,
+    /// Share of [`range`](Self::range), as data sheets of cells state it.
+    pub of_range: f64,
+    /// The full range of the cell, in our unit.
+    pub range: f64,
+}
+
+impl ColumnUncertainty {
+    /// Standard uncertainty of values whose root mean square is `rms`, in our unit.
+    #[must_use]
+    pub fn of(&self, rms: f64) -> f64 {
+        self.absolute
+            .hypot(self.of_reading * rms)
+            .hypot(self.of_range * self.range)
+    }
+
+    fn is_sound(&self) -> bool {
+        let parts = [self.absolute, self.of_reading, self.of_range, self.range];
+        let range = self.of_range == 0.0 || self.range > 0.0;
+        range && parts.iter().all(|part| part.is_finite() && *part >= 0.0) && self.of(1.0) > 0.0
+    }
 }
 
 fn one() -> f64 {
@@ -246,6 +280,24 @@ pub struct StatedLimit {
 }
 
 impl Map {
+    /// The uncertainty stated for a channel of ours.
+    #[must_use]
+    pub fn uncertainty_of(&self, channel: &str) -> Option<ColumnUncertainty> {
+        let fits = |name: &str| match name.split_once('*') {
+            None => name == channel,
+            Some((head, tail)) => channel
+                .strip_prefix(head)
+                .and_then(|rest| rest.strip_suffix(tail))
+                .is_some_and(|number| number.parse::<usize>().is_ok()),
+        };
+        let mut sources = self.columns.iter();
+        let (_, source) = sources.find(|(name, _)| fits(name))?;
+        match source {
+            Source::Plain(_) => None,
+            Source::Full(full) => full.uncertainty,
+        }
+    }
+
     /// Reads a map.
     ///
     /// # Errors
@@ -418,6 +470,17 @@ impl Map {
                 "write limit = 0.05 for 5 %",
             );
         }
+        for (name, source) in &self.columns {
+            if let Source::Full(full) = source
+                && full.uncertainty.is_some_and(|u| !u.is_sound())
+            {
+                return wrong(
+                    &format!("columns.{name}.uncertainty"),
+                    "has no part above 0, a negative one, or a share of a range that is not given",
+                    "write { of_reading = 0.005 }, { absolute = 0.02 } or { of_range = 0.001, range = 50.0 }",
+                );
+            }
+        }
         Ok(())
     }
 }
@@ -453,6 +516,7 @@ impl Source {
                 factor: 1.0,
                 offset: 0.0,
                 first: 0,
+                uncertainty: None,
             },
         }
     }

@@ -12,7 +12,8 @@ mod units;
 
 pub use error::ForeignError;
 pub use map::{
-    BadRows, ColumnRef, FileFormat, Map, Method, Resampling, Source, StatedLimit, TimeColumn,
+    BadRows, ColumnRef, ColumnUncertainty, FileFormat, Map, Method, Resampling, Source,
+    StatedLimit, TimeColumn,
 };
 pub use read::{BadRow, Foreign, read};
 pub use resample::{Resampled, resample};

@@ -1,5 +1,6 @@
 //! What `pinwheel compare` says on stdout: figures of every engine, verdicts of every pair.
 
+use pinwheel_compare::comparison::PairEntry;
 use pinwheel_compare::quantities::INPUT_TORQUE;
 use pinwheel_compare::{Check, Comparison, Outcome, Verdict, WindowKind};
 use pinwheel_report::terminal::{BAD, Cell, GOOD, QUIET, TITLE, lines, styled};
@@ -25,20 +26,45 @@ pub fn text(scene: &Scene, comparison: &Comparison) -> String {
             absent.reason
         ));
     }
+    for reason in unresolved(comparison) {
+        text.push_str(&format!("\n{reason}"));
+    }
+    format!("{text}\n{}", total(comparison))
+}
+
+/// The last line: what all verdicts amount to.
+fn total(comparison: &Comparison) -> String {
     let counts = comparison.counts;
-    let verdict = match (counts.within, counts.exceeded) {
-        (0, 0) => styled(QUIET, "nothing judged: no limit applies"),
-        (within, 0) => styled(GOOD, &format!("within limits: {within} of {within}")),
-        (within, exceeded) => styled(
-            BAD,
-            &format!("LIMIT EXCEEDED: {exceeded} of {}", within + exceeded),
-        ),
+    let mut parts = Vec::new();
+    let mut say = |n: usize, words: &str| {
+        if n > 0 {
+            parts.push(format!("{n} {words}"));
+        }
+    };
+    say(counts.differ, "differ");
+    say(counts.exceeded, "exceed a limit");
+    say(counts.model_beyond, "beyond a model's tolerance");
+    say(counts.not_resolved, "not resolved");
+    say(counts.agree, "agree");
+    say(counts.within, "within limits");
+    say(counts.model - counts.model_beyond, "of models");
+    say(counts.stated, "not resolved for a stated reason");
+    let parts = parts.join(", ");
+    let verdict = match comparison.outcome {
+        Outcome::Finding if counts.differ + counts.model_beyond == 0 => {
+            styled(BAD, &format!("LIMIT EXCEEDED: {parts}"))
+        }
+        Outcome::Finding => styled(BAD, &format!("ENGINES DIFFER: {parts}")),
+        Outcome::NotResolved => styled(BAD, &format!("NOT RESOLVED: {parts}")),
+        Outcome::Passed => styled(GOOD, &format!("every statement holds: {parts}")),
+        Outcome::Stated => styled(QUIET, &parts),
+        Outcome::Nothing => styled(QUIET, "nothing judged: no limit and no uncertainty applies"),
     };
     let quiet = match counts.not_judged {
         0 => String::new(),
-        n => styled(QUIET, &format!(" ({n} not judged, reasons in the report)")),
+        n => styled(QUIET, &format!(" ({n} not judged, see the report)")),
     };
-    format!("{text}\n{verdict}{quiet}")
+    format!("{verdict}{quiet}")
 }
 
 /// The window figures are shown for: the steady one, or the whole run.
@@ -110,76 +136,156 @@ fn own_verdict<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Cell {
         match verdict.outcome() {
             Outcome::Finding => return Cell::text("load balance exceeded").styled(BAD),
             Outcome::Passed => word = Cell::text("load balance within").styled(GOOD),
-            Outcome::NotResolved | Outcome::Nothing => {}
+            Outcome::NotResolved | Outcome::Stated | Outcome::Nothing => {}
         }
     }
     word
 }
 
-/// One row for each pair and window in which something was judged, with the check nearest to its limit.
+/// One row for each pair: the gravest statement on it, and where it was made.
 fn pairs(comparison: &Comparison) -> Vec<Vec<Cell>> {
     let title = |text: &str| Cell::text(text).styled(TITLE);
-    let heading = |text: &str| Cell::figure(text).styled(TITLE);
-    let mut rows = vec![vec![
-        title("pair"),
-        title("window"),
-        title("nearest to its limit"),
-        heading("value"),
-        heading("limit"),
-        title("verdict"),
-    ]];
+    let mut rows = vec![vec![title("pair"), title("at worst"), title("of")]];
     for pair in &comparison.pairs {
-        for window in &comparison.windows {
-            let mut counts = pinwheel_compare::Counts::default();
-            let mut nearest: Option<(&str, &Check)> = None;
-            for entry in pair
-                .entries
-                .iter()
-                .filter(|entry| entry.window == window.kind)
-            {
-                counts.add(&entry.verdict);
-                for check in &entry.checks {
-                    if nearest.is_none_or(|(_, least)| share(check) > share(least)) {
-                        nearest = Some((&entry.quantity, check));
-                    }
-                }
-            }
-            let Some((quantity, check)) = nearest else {
-                continue;
-            };
-            let verdict = if counts.exceeded > 0 {
-                Cell::text(format!("{} exceeded", counts.exceeded)).styled(BAD)
-            } else {
-                Cell::text(format!("{} within", counts.within)).styled(GOOD)
-            };
-            rows.push(vec![
-                Cell::text(format!("{} / {}", pair.a, pair.b)),
-                Cell::text(window.kind.word()),
-                Cell::text(format!("{quantity}, {}", metric(check))),
-                Cell::figure(
-                    check
-                        .value
-                        .map_or_else(|| "nan".to_owned(), |v| format!("{v:.1e}")),
-                ),
-                Cell::figure(format!("{:.1e}", check.limit)),
-                verdict,
-            ]);
-        }
+        let judged = pair
+            .entries
+            .iter()
+            .filter(|entry| entry.verdict.outcome() != Outcome::Nothing || states(&entry.verdict));
+        let worst = judged.max_by(|a, b| gravity(a).total_cmp(&gravity(b)));
+        // What engines and recordings cannot say is told once, below.
+        let Some(worst) = worst.filter(|w| w.verdict.outcome() != Outcome::Stated) else {
+            continue;
+        };
+        let style = match worst.verdict.outcome() {
+            Outcome::Finding | Outcome::NotResolved => BAD,
+            Outcome::Passed => GOOD,
+            Outcome::Stated | Outcome::Nothing => QUIET,
+        };
+        rows.push(vec![
+            Cell::text(format!("{} / {}", short(&pair.a), short(&pair.b))),
+            Cell::text(statement(worst)).styled(style),
+            Cell::text(format!(
+                "{}, {}",
+                brief(&worst.quantity),
+                worst.window.word()
+            )),
+        ]);
     }
     rows
 }
 
-/// The metric's name as `summary.json` writes it.
-fn metric(check: &Check) -> String {
-    serde_json::to_value(check.metric)
-        .ok()
-        .and_then(|value| value.as_str().map(str::to_owned))
-        .unwrap_or_default()
+/// Room for a pair, its statement and its place on a line.
+fn short(engine: &str) -> String {
+    let mut name = engine.to_owned();
+    for (long, brief) in [
+        ("native-", ""),
+        ("-shared-law", ""),
+        ("own-contact-hook", "hook"),
+        ("own-contact-colliders", "colliders"),
+        ("own-contact", "own"),
+    ] {
+        name = name.replace(long, brief);
+    }
+    name
 }
 
-/// Value over limit; what is not a number is beyond every limit.
-fn share(check: &Check) -> f64 {
-    check
-        .value
-        .map_or(f64::INFINITY, |value| value / check.limit)
+/// `external_sleeve_force_n` as `external sleeve force`.
+fn brief(quantity: &str) -> String {
+    let units = ["_n_m", "_n", "_rad_s", "_rad"];
+    let bare = units.iter().find_map(|unit| quantity.strip_suffix(unit));
+    bare.unwrap_or(quantity)
+        .replace("external_sleeve", "ext")
+        .replace("internal_sleeve", "int")
+        .replace('_', " ")
+}
+
+/// Whether a verdict says something although it judges nothing.
+fn states(verdict: &Verdict) -> bool {
+    matches!(verdict, Verdict::ModelDifference { .. })
+}
+
+/// Orders statements: by outcome, and among equals by their number, which is below 1e3.
+fn gravity(entry: &PairEntry) -> f64 {
+    let number = match &entry.verdict {
+        Verdict::Agree { to } => *to,
+        Verdict::Differ { at_least } => *at_least,
+        Verdict::NotResolved { u, .. } => u.unwrap_or(1.0),
+        Verdict::ModelDifference { low, high, .. } => low.abs().max(high.abs()),
+        Verdict::NotDistinguishable { level } => *level,
+        Verdict::ModelError { high, .. } => *high,
+        Verdict::Within | Verdict::Exceeded => {
+            entry.checks.iter().map(Check::share).fold(0.0, f64::max)
+        }
+        Verdict::NotJudged { .. } => 0.0,
+    };
+    1e3 * f64::from(entry.verdict.outcome() as u8) + number.min(999.0)
+}
+
+fn statement(entry: &PairEntry) -> String {
+    match &entry.verdict {
+        Verdict::Agree { to } => format!("agree to {to:.0e}"),
+        Verdict::Differ { at_least } => format!("DIFFER by at least {at_least:.0e}"),
+        Verdict::NotResolved { u: Some(u), .. } => format!("not resolved, u = {u:.0e}"),
+        Verdict::NotResolved { .. } => "not resolved".to_owned(),
+        Verdict::ModelDifference {
+            low,
+            high,
+            predicted,
+            tolerance,
+            ..
+        } => {
+            let interval = format!("model {low:.1e} to {high:.1e}");
+            match tolerance {
+                Some(t) if *predicted != 0.0 => {
+                    format!("{interval}, predicted {predicted:.1e} +- {t:.0e}")
+                }
+                Some(t) => format!("{interval} (+- {t:.0e})"),
+                None => interval,
+            }
+        }
+        Verdict::NotDistinguishable { level } => format!("no model error above {level:.0e}"),
+        Verdict::ModelError { low, high } => format!("model error {low:.0e} to {high:.0e}"),
+        Verdict::Within | Verdict::Exceeded => {
+            let nearest = entry
+                .checks
+                .iter()
+                .max_by(|a, b| a.share().total_cmp(&b.share()));
+            let share = nearest.map_or(0.0, Check::share);
+            let word = entry.verdict.word();
+            format!("{word}, {:.0} % of its limit", 100.0 * share)
+        }
+        Verdict::NotJudged { .. } => "not judged".to_owned(),
+    }
+}
+
+/// Who is not resolved, why, and what would do: once for each reason.
+fn unresolved(comparison: &Comparison) -> Vec<String> {
+    let mut told: Vec<String> = Vec::new();
+    let mut seen: Vec<&str> = Vec::new();
+    let pairs = comparison.pairs.iter().flat_map(|pair| &pair.entries);
+    let alone = comparison.engines.iter().flat_map(|engine| &engine.judged);
+    let all = pairs.map(|e| &e.verdict).chain(alone.map(|e| &e.verdict));
+    for verdict in all {
+        let Verdict::NotResolved {
+            participant,
+            reason,
+            remedy,
+            stated,
+            ..
+        } = verdict
+        else {
+            continue;
+        };
+        if seen.contains(&participant.as_str()) {
+            continue;
+        }
+        seen.push(participant);
+        let remedy = if *stated {
+            String::new()
+        } else {
+            format!("; {remedy}")
+        };
+        told.push(format!("not resolved: {participant}: {reason}{remedy}"));
+    }
+    told
 }

@@ -12,9 +12,8 @@ pub(super) struct Banner {
     pub(super) class: &'static str,
     pub(super) sign: &'static str,
     pub(super) headline: String,
-    pub(super) within: usize,
-    pub(super) exceeded: usize,
-    pub(super) not_judged: usize,
+    /// How many statements of each kind there are.
+    pub(super) counts: Vec<(usize, &'static str)>,
     pub(super) finished: usize,
     /// The check that uses most of its limit, in words.
     pub(super) closest: Option<String>,
@@ -42,7 +41,16 @@ pub(super) fn banner(comparison: &Comparison) -> Banner {
             format!("{n} limits")
         }
     };
-    let (class, sign, headline) = if counts.exceeded > 0 {
+    let differing = counts.differ + counts.model_beyond;
+    let (class, sign, headline) = if differing > 0 {
+        let all = differing + counts.exceeded;
+        let verb = if all == 1 {
+            "statement differs"
+        } else {
+            "statements differ"
+        };
+        ("fail", "\u{2715}", format!("{all} {verb}"))
+    } else if counts.exceeded > 0 {
         let checked = limits(counts.within + counts.exceeded);
         (
             "fail",
@@ -55,6 +63,19 @@ pub(super) fn banner(comparison: &Comparison) -> Banner {
             n => (n.to_string(), "engines"),
         };
         ("fail", "!", format!("{count} {runs} did not finish"))
+    } else if counts.not_resolved > 0 {
+        let n = counts.not_resolved;
+        let verb = if n == 1 {
+            "comparison is"
+        } else {
+            "comparisons are"
+        };
+        ("open", "\u{25cb}", format!("{n} {verb} not resolved"))
+    } else if counts.agree + counts.model > 0 {
+        ("pass", "\u{2713}", "Every statement holds".to_owned())
+    } else if counts.stated > 0 && counts.within == 0 {
+        let headline = "Not resolved, for stated reasons".to_owned();
+        ("open", "\u{25cb}", headline)
     } else if counts.within > 0 {
         let all = if counts.within == 1 {
             "The one limit holds"
@@ -73,9 +94,20 @@ pub(super) fn banner(comparison: &Comparison) -> Banner {
         class,
         sign,
         headline,
-        within: counts.within,
-        exceeded: counts.exceeded,
-        not_judged: counts.not_judged,
+        counts: [
+            (counts.differ, "differ"),
+            (counts.exceeded, "exceeded"),
+            (counts.model_beyond, "beyond a model's tolerance"),
+            (counts.not_resolved, "not resolved"),
+            (counts.agree, "agree"),
+            (counts.model - counts.model_beyond, "model differences"),
+            (counts.within, "within"),
+            (counts.stated, "not resolved for a stated reason"),
+            (counts.not_judged, "not judged"),
+        ]
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .collect(),
         closest: checks::closest(comparison),
         finished: comparison
             .engines
@@ -123,12 +155,28 @@ pub(super) fn tiles(comparison: &Comparison) -> Vec<Tile> {
         .filter(|f| f.window == window)
         .filter_map(|f| f.efficiency)
         .collect();
+    // Only where the law's own energy is seen.
+    let accounted: Vec<f64> = engines
+        .iter()
+        .flat_map(|e| &e.figures)
+        .filter(|f| f.window == window)
+        .filter_map(|f| f.efficiency.zip(f.efficiency_accounted))
+        .filter(|(plain, own)| (plain - own).abs() > VISIBLE_SHARE)
+        .map(|(_, own)| own)
+        .collect();
     if let Some(value) = median(&efficiencies) {
         tiles.push(Tile {
             label: "Efficiency".to_owned(),
             value: format::significant(100.0 * value, 5),
             unit: "%".to_owned(),
-            detail: window_label(comparison, window),
+            detail: match median(&accounted) {
+                Some(own) => format!(
+                    "{}; {}\u{202f}% with the energy taken out that the contact law creates",
+                    window_label(comparison, window),
+                    format::significant(100.0 * own, 5)
+                ),
+                None => window_label(comparison, window),
+            },
             spread: spread(&efficiencies),
         });
     }
@@ -164,14 +212,32 @@ fn quantity_tile(
         }
         _ => String::new(),
     };
+    let of_all: Vec<f64> = engines
+        .iter()
+        .flat_map(|e| &e.uncertainty)
+        .filter(|u| u.window == window && u.quantity == quantity.name)
+        .filter_map(|u| {
+            if quantity.is_torque() {
+                u.mean.u()
+            } else {
+                u.peak.u()
+            }
+        })
+        .collect();
+    let known = median(&of_all).map_or_else(String::new, |u| {
+        format!(" \u{b1} {}", format::significant(u, 1))
+    });
     Some(Tile {
         label: format!("{}, {kind}", quantity.label),
-        value: format::figure(median(&main)?),
+        value: format!("{}{known}", format::figure(median(&main)?)),
         unit: quantity.unit.clone(),
         detail: format!("{detail}{load}"),
         spread: spread(&main),
     })
 }
+
+/// Difference of two efficiencies that a reader sees.
+pub(super) const VISIBLE_SHARE: f64 = 1e-6;
 
 /// The middle value; of an even number the smaller of the two middle ones, so that it is always
 /// some engine's figure.

@@ -218,7 +218,7 @@ fn share_label(share: f64) -> String {
     }
 }
 
-fn metric_label(metric: Metric) -> &'static str {
+pub(super) fn metric_label(metric: Metric) -> &'static str {
     match metric {
         Metric::RelativeL2 => "relative L2",
         Metric::RelativeLinf => "relative L\u{221e}",

@@ -4,6 +4,7 @@ use pinwheel_compare::comparison::EngineSummary;
 use pinwheel_compare::statistics::Statistics;
 use pinwheel_compare::{Comparison, Quantity, quantities, track};
 
+use super::banner::VISIBLE_SHARE;
 use super::window_label;
 use crate::format;
 
@@ -97,16 +98,38 @@ fn row(
         .iter()
         .flat_map(|q| {
             let statistics = figures.quantities.get(&q.name);
-            columns(q)
+            let known = engine
+                .uncertainty
                 .iter()
-                .map(move |(_, of)| cell(statistics.map(of)))
+                .find(|u| u.window == window && u.quantity == q.name);
+            columns(q).iter().map(move |(name, of)| {
+                let (text, key) = cell(statistics.map(of));
+                let u = known.and_then(|known| match *name {
+                    "mean" => known.mean.u(),
+                    "rms" => known.rms.u(),
+                    "max" if !q.is_torque() => known.peak.u(),
+                    _ => None,
+                });
+                match u {
+                    Some(u) => (format!("{text} \u{b1} {}", format::significant(u, 1)), key),
+                    None => (text, key),
+                }
+            })
         })
         .collect();
     let percent = figures.efficiency.map(|e| 100.0 * e);
+    let mut efficiency = cell(percent);
+    let own = figures.efficiency.zip(figures.efficiency_accounted);
+    if let Some((_, own)) = own.filter(|(plain, own)| (plain - own).abs() > VISIBLE_SHARE) {
+        let own = format::figure(100.0 * own);
+        efficiency
+            .0
+            .push_str(&format!(" ({own} without the law's own energy)"));
+    }
     Some(FigureRow {
         engine: engine.name.clone(),
         style,
         cells,
-        efficiency: cell(percent),
+        efficiency,
     })
 }

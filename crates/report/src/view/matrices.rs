@@ -28,6 +28,8 @@ pub(super) struct MatrixRow {
 /// One pair.
 pub(super) struct CellView {
     pub(super) text: String,
+    /// The uncertainty of that number, `± 3·10⁻⁷`; empty where it is not known.
+    pub(super) u: String,
     /// 0 to 1 on the colour scale, for the style sheet.
     pub(super) heat: String,
     pub(super) mark: Mark,
@@ -89,6 +91,9 @@ fn cell_view(comparison: &Comparison, matrix: &Matrix, cell: &Cell) -> CellView 
             matrix.engines[cell.column], matrix.engines[cell.row], mark.word
         ),
         text,
+        u: cell.worst_uncertainty.map_or_else(String::new, |u| {
+            format!("\u{b1}\u{202f}{}", format::relative(u))
+        }),
         heat: format!("{:.3}", cell.worst.map_or(0.0, heat)),
         mark,
         target: pair_id(&matrix.track, cell.pair),

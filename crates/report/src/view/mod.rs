@@ -8,6 +8,7 @@ mod energy;
 mod figures;
 mod matrices;
 mod pairs;
+mod statements;
 mod tracks;
 
 use askama::Template;
@@ -169,7 +170,7 @@ fn mark(verdict: &Verdict) -> Mark {
     let (class, sign) = match verdict.outcome() {
         Outcome::Passed => ("within", "\u{2713}"),
         Outcome::Finding => ("exceeded", "\u{2715}"),
-        Outcome::NotResolved | Outcome::Nothing => ("unjudged", "\u{25cb}"),
+        Outcome::NotResolved | Outcome::Stated | Outcome::Nothing => ("unjudged", "\u{25cb}"),
     };
     Mark {
         class,

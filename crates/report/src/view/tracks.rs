@@ -6,6 +6,7 @@ use super::checks::{self, Checks};
 use super::figures::{self, FigureTable};
 use super::matrices::{self, MatrixView};
 use super::pairs::{self, PairView};
+use super::statements::{self, Statement};
 
 /// A track's part of the page.
 pub(super) struct TrackSection {
@@ -15,6 +16,7 @@ pub(super) struct TrackSection {
     pub(super) about: &'static str,
     pub(super) figures: Vec<FigureTable>,
     pub(super) matrices: Vec<MatrixView>,
+    pub(super) statements: Vec<Statement>,
     pub(super) checks: Checks,
     pub(super) pairs: Vec<PairView>,
     pub(super) within: usize,
@@ -67,7 +69,7 @@ fn section(comparison: &Comparison, name: &str, place: usize, alone: bool) -> Tr
             "Measured".to_owned(),
             "Data from elsewhere, another program's export or a test rig, by a map of its columns. \
              Model, parameters, units and sampling may differ; what was done to put it beside the \
-             others stands in its notes. Only limits that the map states are checked.",
+             others stands in its notes. Only limits and uncertainties that the map states are used.",
         ),
         other => (
             other.to_owned(),
@@ -75,6 +77,11 @@ fn section(comparison: &Comparison, name: &str, place: usize, alone: bool) -> Tr
         ),
     };
     let checks = checks::of_track(comparison, name);
+    let statements = statements::of_track(comparison, name);
+    let marks = || {
+        let checks = checks.rows.iter().map(|row| row.mark.class);
+        checks.chain(statements.iter().map(|row| row.mark.class))
+    };
     // Native figures stand beside those of every other track; repeat them only if there is none.
     let figures = if name == track::NATIVE && !alone {
         Vec::new()
@@ -87,16 +94,9 @@ fn section(comparison: &Comparison, name: &str, place: usize, alone: bool) -> Tr
         about,
         figures,
         matrices: matrices::of_track(comparison, name),
-        within: checks
-            .rows
-            .iter()
-            .filter(|row| row.mark.class == "within")
-            .count(),
-        exceeded: checks
-            .rows
-            .iter()
-            .filter(|row| row.mark.class == "exceeded")
-            .count(),
+        within: marks().filter(|class| *class == "within").count(),
+        exceeded: marks().filter(|class| *class == "exceeded").count(),
+        statements,
         checks,
         pairs: pairs::of_track(comparison, name),
     }

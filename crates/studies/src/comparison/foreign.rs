@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use pinwheel_compare::limits::fits;
 use pinwheel_compare::{
-    Cost, Metric, Participant, StatedLimit, Status, WindowKind, quantities, track,
+    Cost, DataUncertainty, Metric, Participant, StatedLimit, Status, WindowKind, quantities, track,
 };
 use pinwheel_courses::foreign::{self, ForeignError, Map, Resampled};
+use pinwheel_courses::{Courses, group_of};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{Scene, did_you_mean};
@@ -318,6 +319,35 @@ impl Data {
             notes.push(format!("It has no {}.", missing.join(", ")));
         }
         notes
+    }
+
+    /// The uncertainties of the map, relative to what was measured: of a group of columns the root mean square.
+    pub(super) fn uncertainties(&self, measured: &Courses) -> Vec<DataUncertainty> {
+        let mut groups: Vec<(&str, f64, f64)> = Vec::new();
+        for channel in measured.channels() {
+            let Some(stated) = self.map.uncertainty_of(&channel.name) else {
+                continue;
+            };
+            let known = channel.values.iter().filter(|v| v.is_finite());
+            let (count, squares) = known.fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v * v));
+            let u = stated.of((squares / f64::max(count, 1.0)).sqrt());
+            let name = group_of(&channel.name).0;
+            match groups.iter_mut().find(|(known, ..)| *known == name) {
+                Some((_, of_all, all)) => {
+                    *of_all += u * u * count;
+                    *all += squares;
+                }
+                None => groups.push((name, u * u * count, squares)),
+            }
+        }
+        let relative = |(name, u, squares): (&str, f64, f64)| DataUncertainty {
+            engine: self.name.clone(),
+            quantity: name.to_owned(),
+            data: (u / squares).sqrt(),
+            input: 0.0,
+        };
+        let found = groups.into_iter().map(relative);
+        found.filter(|one| one.data.is_finite()).collect()
     }
 
     /// The limits of the map.

@@ -3,11 +3,13 @@
 //! [`run`] gives an [`Outcome`]: data only. [`Outcome::write`] keeps it as files.
 
 pub mod foreign;
+mod ladder;
 
 use std::path::Path;
 
 use pinwheel_compare::{
-    Comparison, Context, Divergence, Participant, Status, compare_stated, limits, track,
+    Comparison, Context, Divergence, Participant, Rules, Scales, Status, compare_with, limits,
+    track,
 };
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, RunStats, recorded};
@@ -22,6 +24,7 @@ use crate::provenance::{Provenance, Summary};
 use crate::single::RunRecord;
 use crate::{StudyError, divergence};
 use foreign::Data;
+pub use ladder::Effort;
 
 /// What is compared.
 #[derive(Clone, Copy)]
@@ -60,11 +63,24 @@ struct Found<'a> {
     scene: &'a Scene,
 }
 
-/// Runs every engine and compares. What an engine does wrong stands in its [`Status`].
+/// Runs every engine and compares, each with its numerical uncertainty. What an engine does wrong stands in its
+/// [`Status`].
 ///
 /// # Errors
 /// Cancelled; a scene that cannot be modelled; data that do not fit it.
 pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyError> {
+    run_with(input, Effort::of(&input.gearbox.scene), control)
+}
+
+/// [`run`] with as much effort as is asked for.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_with(
+    input: &Input<'_>,
+    effort: Effort,
+    control: &Control<'_>,
+) -> Result<Outcome, StudyError> {
     let scene = &input.gearbox.scene;
     let of_scene = |source: GearboxError| StudyError::Scene {
         scene: scene.name.clone(),
@@ -72,23 +88,41 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyErr
     };
     let model = pinwheel_gearbox::explain(input.gearbox).map_err(of_scene)?;
     let total = input.engines.len() + 1;
-    let mut participants = Vec::new();
-    for (done, engine) in input.engines.iter().enumerate() {
-        let at = Progress::new(done, total, engine.name());
-        participants.push(take_part(engine.as_ref(), input.gearbox, at, control)?);
+    let at = Progress::new(0, total, "divergence of a rounding");
+    let several = input.engines.len() + input.data.len() > 1;
+    let mut context = context(scene);
+    if several {
+        context.divergence = divergence(scene, at, control)?;
     }
-    let mut stated = Vec::new();
+    let (mut participants, mut evidence) = (Vec::new(), Vec::new());
+    for (done, engine) in input.engines.iter().enumerate() {
+        let at = Progress::new(done + 1, total, engine.name());
+        let (participant, shown) = ladder::climb(
+            engine.as_ref(),
+            input.gearbox,
+            &context,
+            effort,
+            at,
+            control,
+        )?;
+        participants.push(participant);
+        evidence.push(shown);
+    }
+    let (mut stated, mut measured) = (Vec::new(), Vec::new());
     for data in input.data {
         let (participant, limits) = data.take_part(scene, &participants)?;
+        measured.extend(data.uncertainties(&participant.courses));
         participants.push(participant);
         stated.extend(limits);
     }
-    let at = Progress::new(total - 1, total, "divergence of a rounding");
-    let context = Context {
-        divergence: divergence(scene, &participants, at, control)?,
-        ..context(scene)
+    let rules = Rules {
+        limits: limits::TABLE,
+        stated: &stated,
+        evidence: &evidence,
+        data: &measured,
+        ..Rules::default()
     };
-    let comparison = compare_stated(&context, &participants, limits::TABLE, &stated)?;
+    let comparison = compare_with(&context, &participants, &rules)?;
     Ok(Outcome {
         scene: scene.clone(),
         comparison,
@@ -191,6 +225,13 @@ fn take_part(
 }
 
 fn context(scene: &Scene) -> Context {
+    let guarded = guarded(scene);
+    let scales = pinwheel_scene::Scales::of(scene);
+    // The table of limits was measured in windows of its own.
+    let settles = scales
+        .settling_s(scene.contact.damping_n_s_m)
+        .filter(|_| guarded.is_none())
+        .map(|time| format!("{time:.1e}").parse().unwrap_or(time));
     Context {
         scene: scene.name.clone(),
         description: scene.description.clone(),
@@ -199,8 +240,15 @@ fn context(scene: &Scene) -> Context {
         load_changes_s: load_course::breaks(&scene.drive),
         input_speed_rad_s: Some(scene.drive.input_speed_rad_s),
         friction_coefficient: scene.contact.friction_coefficient,
-        settling_s: (scene.drive.start == Start::Equilibrium).then_some(0.0),
-        guarded: guarded(scene),
+        settling_s: match scene.drive.start {
+            Start::Equilibrium => Some(0.0),
+            _ => settles,
+        },
+        guarded,
+        scales: Scales {
+            force_n: Some(scales.external_force_n),
+            torque_n_m: Some(scales.wheel_torque_n_m),
+        },
         ..Context::default()
     }
 }
@@ -232,18 +280,9 @@ const DIVERGENCE_STEP: f64 = 5e-6;
 /// What a rounding does to the scene; `None` where nothing is compared or it cannot be measured.
 fn divergence(
     scene: &Scene,
-    participants: &[Participant],
     at: Progress<'_>,
     control: &Control<'_>,
 ) -> Result<Option<Divergence>, StudyError> {
-    if participants
-        .iter()
-        .filter(|p| p.status.is_finished())
-        .count()
-        < 2
-    {
-        return Ok(None);
-    }
     control.check()?;
     let mut watch = control.watch(scene, at);
     match divergence::horizon(scene, DIVERGENCE_STEP, &mut watch) {

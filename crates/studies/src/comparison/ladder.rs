@@ -1,0 +1,445 @@
+//! Every engine on a ladder of settings: what its numbers are uncertain by, refined while time allows.
+//!
+//! The finest run is the one that is shown and compared; two coarser ones (2 and 4 times the step, 10 and 100 times the
+//! tolerance) say how far it may be off. Where a setting is free, and not stated by whoever asks, an engine whose
+//! uncertainty is too large is run finer: the finest run so far becomes a rung, so each refinement costs one run.
+
+use std::time::Duration;
+
+use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION};
+use pinwheel_compare::uncertainty::{Method, Source, Unresolved};
+use pinwheel_compare::{
+    Context, Evidence, Ladder, Participant, RESOLUTION, Rules, Rung, Status, Uncertainty,
+    compare_with, track,
+};
+use pinwheel_courses::Courses;
+use pinwheel_engines::{Engine, by_name};
+use pinwheel_gearbox::{Gearbox, auto};
+use pinwheel_mbs::integrators::METHODS;
+use pinwheel_scene::{CheckedScene, Detection};
+
+use super::take_part;
+use crate::StudyError;
+use crate::control::{Control, Progress};
+
+/// How much is done for sharp statements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Effort {
+    /// Wall time that one engine's runs may take before it is refined no further.
+    pub longest: Duration,
+    /// Whether step, tolerance and integrator of the scene are obeyed as they stand. Otherwise they are where
+    /// refinement begins.
+    pub obey: bool,
+}
+
+impl Effort {
+    /// Half a minute an engine.
+    pub const LONGEST: Duration = Duration::from_secs(30);
+
+    /// What suits a scene: settings that its file states are obeyed, those that follow from formulas or come with a
+    /// base are a beginning.
+    #[must_use]
+    pub fn of(scene: &CheckedScene) -> Self {
+        let origins = scene.origins();
+        let follows = |key: &str| origins.iter().any(|origin| origin.key == key);
+        Self {
+            longest: Self::LONGEST,
+            obey: !follows("solver.step_s"),
+        }
+    }
+}
+
+/// Uncertainty of one engine that leaves room for the other within the resolution.
+const TARGET: f64 = 0.45 * RESOLUTION;
+/// Most that one refinement makes finer.
+const MOST: f64 = 8.0;
+/// How much dearer a run at a tenth of the tolerance is.
+const DECADE: f64 = 1.8;
+
+/// What sets the error of an engine.
+enum Knob {
+    /// A fixed step of a method of this order.
+    Step(f64),
+    /// The tolerance of an adaptive method.
+    Tolerance,
+}
+
+/// An engine, and how its error is set.
+struct Engines<'a> {
+    /// For the finest run as the scene has it.
+    own: &'a dyn Engine,
+    /// For all runs at settings given here, where the engine itself does not take them.
+    rungs: Option<Box<dyn Engine>>,
+    /// The gearbox with a named method.
+    gearbox: Gearbox,
+    knob: Knob,
+    /// Step (s) or tolerance of the finest run.
+    value: f64,
+    /// Why more may not be asked of it.
+    excuse: Option<&'static str>,
+}
+
+const OF_ITS_OWN: &str = "its step and its contacts are its own";
+const EXPLICIT: &str = "its friction is not ours or explicit, and takes steps of about 2e-7 s";
+const RECORDED: &str = "a recording brings no ladder";
+
+impl<'a> Engines<'a> {
+    /// `None` where no setting of the scene is the engine's.
+    fn of(own: &'a dyn Engine, gearbox: &Gearbox) -> Option<Self> {
+        let scene = &gearbox.scene;
+        let friction = scene.contact.friction_coefficient > 0.0;
+        let foreign = |order: f64| Self {
+            own,
+            rungs: None,
+            gearbox: gearbox.clone(),
+            knob: Knob::Step(order),
+            value: scene.solver.step_s,
+            excuse: friction.then_some(EXPLICIT),
+        };
+        match own.name() {
+            "native-resolved" => Self::resolved(own, gearbox),
+            name if name.starts_with("native") => Self::native(own, gearbox.clone()),
+            "rapier-shared-law" | "rapier-own-contact-hook" => Some(foreign(2.0)),
+            "exudyn-shared-law-constrained" => Some(foreign(2.0)),
+            "exudyn-shared-law-explicit" | "mujoco-shared-law" => Some(foreign(4.0)),
+            _ => None,
+        }
+    }
+
+    /// A native engine with the method that the scene names.
+    fn native(own: &'a dyn Engine, gearbox: Gearbox) -> Option<Self> {
+        let solver = &gearbox.scene.solver;
+        let method = METHODS.iter().find(|m| m.name == solver.integrator)?;
+        let (knob, value) = if method.adaptive {
+            (Knob::Tolerance, solver.tolerance)
+        } else {
+            (Knob::Step(f64::from(method.order)), solver.step_s)
+        };
+        Some(Self {
+            own,
+            rungs: None,
+            gearbox,
+            knob,
+            value,
+            excuse: None,
+        })
+    }
+
+    /// The resolved form chooses its own settings: its rungs are runs of the reduced form at coarser ones.
+    fn resolved(own: &'a dyn Engine, gearbox: &Gearbox) -> Option<Self> {
+        let contact = &gearbox.scene.contact;
+        let friction = contact.friction_coefficient > 0.0;
+        let smooth = !friction && contact.detection == Detection::Exact;
+        let name = match (smooth, friction) {
+            (true, _) => "dopri5",
+            (false, true) => "imex2",
+            (false, false) => "rk2",
+        };
+        let changed = gearbox.with_solver(|solver| name.clone_into(&mut solver.integrator));
+        Some(Self {
+            own,
+            rungs: Some(by_name("native-reduced", &gearbox.scene)?),
+            gearbox: changed.ok()?,
+            knob: if smooth {
+                Knob::Tolerance
+            } else {
+                Knob::Step(2.0)
+            },
+            value: if smooth {
+                1e-10
+            } else {
+                gearbox.scene.solver.step_s / 10.0
+            },
+            excuse: None,
+        })
+    }
+
+    /// The ways to run a scene, the best first: one, but for native engines whose method is left to us.
+    fn ways(own: &'a dyn Engine, gearbox: &Gearbox) -> Vec<Self> {
+        let automatic = gearbox.scene.solver.integrator == auto::AUTO;
+        if !automatic || !matches!(own.name(), "native-reduced" | "native-lagrange") {
+            return Self::of(own, gearbox).into_iter().collect();
+        }
+        let mut plans = auto::chain(&gearbox.scene, auto::PROMISE);
+        if let Some((_, others)) = plans.split_first_mut() {
+            // Where friction was too stiff for one method, explicit steps get through and chatter.
+            others.sort_by_key(|plan| !plan.integrator.starts_with("imex"));
+        }
+        plans
+            .iter()
+            .filter_map(|plan| Self::native(own, plan.applied(gearbox).ok()?))
+            .collect()
+    }
+
+    fn method(&self) -> Method {
+        let friction = self.gearbox.scene.contact.friction_coefficient > 0.0;
+        match self.knob {
+            Knob::Step(order) => Method::Step {
+                order,
+                limit: Some(if friction { FRICTION } else { CONTACTS }),
+            },
+            Knob::Tolerance => Method::Tolerance { smooth: false },
+        }
+    }
+
+    /// Two coarser settings than `value`.
+    fn coarser(&self, value: f64) -> Vec<f64> {
+        let (Knob::Step(_), solver) = (&self.knob, &self.gearbox.scene.solver) else {
+            // The resolved form is dear, and its error small: its rungs are further apart.
+            let decades = if self.rungs.is_some() { 100.0 } else { 10.0 };
+            return vec![value * decades, value * decades * decades];
+        };
+        let steps = solver.sample_s / value;
+        let whole = (steps - steps.round()).abs() < 1e-6 && steps > 2.5;
+        if !whole {
+            return vec![2.0 * value, 4.0 * value];
+        }
+        // Samples stay on steps.
+        let steps = steps.round();
+        let mut found = vec![(steps / 2.0).ceil(), (steps / 4.0).ceil()];
+        found.dedup();
+        found.into_iter().map(|n| solver.sample_s / n).collect()
+    }
+
+    /// Runs at one setting.
+    fn run(
+        &self,
+        value: f64,
+        at: Progress<'_>,
+        control: &Control<'_>,
+    ) -> Result<Participant, StudyError> {
+        let engine = match &self.rungs {
+            Some(_) if value == self.value => self.own,
+            Some(rungs) => rungs.as_ref(),
+            None => self.own,
+        };
+        let set = self.gearbox.with_solver(|solver| match self.knob {
+            Knob::Step(_) => solver.step_s = value.min(solver.duration_s),
+            Knob::Tolerance => solver.tolerance = value.min(1e-2),
+        });
+        // The resolved form takes its settings from the scene as it is.
+        let gearbox = match set {
+            Ok(gearbox) if self.rungs.is_none() || value != self.value => gearbox,
+            _ => self.gearbox.clone(),
+        };
+        take_part(engine, &gearbox, at, control)
+    }
+
+    /// How much dearer a run is whose setting is `factor` times finer.
+    fn dearer(&self, factor: f64) -> f64 {
+        match self.knob {
+            Knob::Step(_) => factor,
+            Knob::Tolerance => DECADE.powf(factor.log10()),
+        }
+    }
+}
+
+/// A run at one setting.
+struct At {
+    value: f64,
+    run: Result<Courses, String>,
+    wall_s: f64,
+}
+
+/// Runs an engine on its ladder.
+pub(super) fn climb(
+    engine: &dyn Engine,
+    gearbox: &Gearbox,
+    context: &Context,
+    effort: Effort,
+    at: Progress<'_>,
+    control: &Control<'_>,
+) -> Result<(Participant, Evidence), StudyError> {
+    let name = engine.name();
+    let mut ways = Engines::ways(engine, gearbox).into_iter();
+    let Some(mut engines) = ways.next() else {
+        let participant = take_part(engine, gearbox, at, control)?;
+        let excuse = if participant.cost.recorded.is_some() {
+            RECORDED
+        } else {
+            OF_ITS_OWN
+        };
+        return Ok((participant, unknown(name, excuse)));
+    };
+    let mut value = engines.value;
+    let mut finest = engines.run(value, at, control)?;
+    let mut spent = finest.cost.wall_s;
+    while matches!(finest.status, Status::Diverged { .. }) {
+        let Some(next) = ways.next() else { break };
+        engines = next;
+        value = engines.value;
+        finest = engines.run(value, at, control)?;
+        spent += finest.cost.wall_s;
+    }
+    if finest.cost.recorded.is_some() {
+        return Ok((finest, unknown(name, RECORDED)));
+    }
+    let longest = effort.longest.as_secs_f64();
+    let free = !effort.obey && engines.rungs.is_none();
+    // A derived setting may be too coarse to get through at all.
+    for _ in 0..3 {
+        let diverged = matches!(finest.status, Status::Diverged { .. });
+        if !(diverged && free) || spent > longest {
+            break;
+        }
+        value /= 4.0;
+        finest = engines.run(value, at, control)?;
+        spent += finest.cost.wall_s;
+    }
+    if !finest.status.is_finished() {
+        let nothing = Evidence::unknown(name, "its run did not finish", "see its reason");
+        return Ok((finest, nothing));
+    }
+    let mut rungs = Vec::new();
+    for value in engines.coarser(value) {
+        rungs.push(rung(&engines, value, at, control)?);
+    }
+    spent += rungs.iter().map(|rung| rung.wall_s).sum::<f64>();
+    let mut excuse = engines.excuse.filter(|_| effort.obey).map(str::to_owned);
+    loop {
+        let evidence = evidence(&engines, value, &rungs);
+        let found = refinement(context, &finest, &evidence)?;
+        let Some(needed) = found.factor.filter(|_| free) else {
+            return Ok((finest, excused(evidence, excuse, found.stuck)));
+        };
+        let (mut factor, least) = match engines.knob {
+            Knob::Step(_) => (2_f64.powf(needed.log2().ceil()).clamp(2.0, MOST), 2.0),
+            Knob::Tolerance => (10_f64.powf(needed.log10().ceil()).clamp(10.0, 100.0), 10.0),
+        };
+        let next = |factor: f64| finest.cost.wall_s * engines.dearer(factor);
+        // What would take too long at once may go in smaller steps.
+        while spent + next(factor) > longest && factor > least {
+            factor /= least;
+        }
+        let next = next(factor);
+        let finer = if spent + next > longest || value / factor < 1e-13 {
+            None
+        } else {
+            let finer = engines.run(value / factor, at, control)?;
+            spent += finer.cost.wall_s;
+            finer.status.is_finished().then_some(finer)
+        };
+        let Some(finer) = finer else {
+            // Foreign engines do what they can in the time they have; ours must do.
+            if finest.track != track::NATIVE {
+                excuse = Some(format!(
+                    "refined as far as {longest} s allow; the next run would take {next:.0} s (--longest)"
+                ));
+            }
+            return Ok((finest, excused(evidence, excuse, found.stuck)));
+        };
+        let before = std::mem::replace(&mut finest, finer);
+        let wall_s = before.cost.wall_s;
+        rungs.insert(
+            0,
+            At {
+                value,
+                run: Ok(before.courses),
+                wall_s,
+            },
+        );
+        rungs.truncate(2);
+        value /= factor;
+    }
+}
+
+fn unknown(name: &str, excuse: &str) -> Evidence {
+    Evidence::unknown(
+        name,
+        excuse,
+        "compare it by the guard's table or by its means",
+    )
+    .excused("its numerical uncertainty cannot be had by refining")
+}
+
+fn rung(
+    engines: &Engines<'_>,
+    value: f64,
+    at: Progress<'_>,
+    control: &Control<'_>,
+) -> Result<At, StudyError> {
+    let ran = engines.run(value, at, control)?;
+    let reason = ran.status.reason();
+    Ok(At {
+        value,
+        wall_s: ran.cost.wall_s,
+        run: match reason {
+            None => Ok(ran.courses),
+            Some(reason) => Err(reason),
+        },
+    })
+}
+
+fn evidence(engines: &Engines<'_>, value: f64, rungs: &[At]) -> Evidence {
+    let coarser = rungs.iter().map(|at| Rung {
+        refinement: at.value / value,
+        run: at.run.clone(),
+        wall_s: at.wall_s,
+    });
+    Evidence::ladder(
+        engines.own.name(),
+        Ladder {
+            method: engines.method(),
+            finest: value,
+            coarser: coarser.collect(),
+        },
+    )
+}
+
+/// The evidence with its excuse. An engine that rubs, or did its best, and does not converge in one quantity is outside of the
+/// range in which its ladder shows errors: then it shows none.
+fn excused(evidence: Evidence, excuse: Option<String>, stuck: Option<Unresolved>) -> Evidence {
+    let rubs = matches!(&evidence.source, Source::Ladder(ladder) if ladder.method.allowed_order() <= FRICTION);
+    let source = match stuck.filter(|_| rubs || excuse.is_some()) {
+        Some(stuck) => Evidence::unknown("", stuck.reason, stuck.remedy).source,
+        None => evidence.source,
+    };
+    Evidence {
+        engine: evidence.engine,
+        source,
+        excuse,
+    }
+}
+
+/// What is still to be done for an engine.
+struct Needed {
+    /// How many times finer it must run to be resolved; `None` where it is.
+    factor: Option<f64>,
+    /// Why a quantity does not converge.
+    stuck: Option<Unresolved>,
+}
+
+fn refinement(
+    context: &Context,
+    participant: &Participant,
+    evidence: &Evidence,
+) -> Result<Needed, StudyError> {
+    let rules = Rules {
+        evidence: std::slice::from_ref(evidence),
+        ..Rules::default()
+    };
+    let found = compare_with(context, std::slice::from_ref(participant), &rules)?;
+    let pointwise = |kind| {
+        let mut windows = found.windows.iter();
+        windows.any(|w| w.kind == kind && context.is_pointwise(w.to_s))
+    };
+    let (mut most, mut stuck) = (1.0_f64, None);
+    let all = found.engines.iter().flat_map(|e| &e.uncertainty);
+    for one in all.filter(|u| pointwise(u.window)) {
+        match (&one.l2, one.relative_l2) {
+            (Uncertainty::Resolved(estimate), Some(share)) if share > TARGET => {
+                let factor = estimate.refinement_for(estimate.u * TARGET / share);
+                most = most.max(factor.unwrap_or(1.0));
+            }
+            (Uncertainty::NotResolved(missing), _) => {
+                most = most.max(MOST);
+                stuck = stuck.or_else(|| Some(missing.clone()));
+            }
+            _ => {}
+        }
+    }
+    Ok(Needed {
+        factor: (most > 1.0).then_some(most),
+        stuck,
+    })
+}
