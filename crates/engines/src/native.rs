@@ -67,13 +67,21 @@ impl Native {
         })
     }
 
+    /// What the resolved form promises: relative L2 of the forces and of the driver's torque.
+    #[must_use]
+    pub fn resolved_promise(scene: &Scene) -> f64 {
+        let contact = &scene.contact;
+        if contact.friction_coefficient == 0.0 && contact.detection == Detection::Exact {
+            RESOLVED
+        } else {
+            RESOLVED_ROUGH
+        }
+    }
+
     /// What its run promises; `None` where the scene names its method.
     fn promise(&self, scene: &Scene) -> Option<f64> {
-        let contact = &scene.contact;
         if self.form == Form::Resolved {
-            let smooth =
-                contact.friction_coefficient == 0.0 && contact.detection == Detection::Exact;
-            return Some(if smooth { RESOLVED } else { RESOLVED_ROUGH });
+            return Some(Self::resolved_promise(scene));
         }
         (scene.solver.integrator == auto::AUTO).then_some(auto::PROMISE)
     }

@@ -6,6 +6,16 @@ use pinwheel_gearbox::Efficiency;
 use pinwheel_report::terminal::{Cell, TITLE, lines, styled};
 use pinwheel_studies::single::Outcome;
 
+/// Five significant digits, and no negative zero.
+fn digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
+    if rounded.abs() < 1e-9 {
+        "0".to_owned()
+    } else {
+        rounded.to_string()
+    }
+}
+
 /// What one runs it for: torque, forces and efficiency after the start-up, as far as the run goes beyond it.
 fn results(found: &Outcome) -> Vec<(&'static str, String)> {
     let courses = &found.run.courses;
@@ -36,11 +46,12 @@ fn results(found: &Outcome) -> Vec<(&'static str, String)> {
         rows.push((
             "driver torque",
             format!(
-                "mean {:.5} {} N m, {:.5} to {:.5}, from {from} s on",
-                torque.mean,
+                "mean {} {} N m, {} to {}, from {:.4} s on",
+                digits(torque.mean),
                 give(torque.rms, share),
-                torque.min,
-                torque.max
+                digits(torque.min),
+                digits(torque.max),
+                from
             ),
         ));
     }
@@ -53,10 +64,10 @@ fn results(found: &Outcome) -> Vec<(&'static str, String)> {
             rows.push((
                 label,
                 format!(
-                    "peak {:.5} {} N, mean {:.5} N",
-                    force.peak,
+                    "peak {} {} N, mean {} N",
+                    digits(force.peak),
                     give(force.peak, share),
-                    force.mean
+                    digits(force.mean)
                 ),
             ));
         }

@@ -13,10 +13,10 @@ use pinwheel_compare::{
     compare_with, track,
 };
 use pinwheel_courses::Courses;
-use pinwheel_engines::{Engine, by_name};
+use pinwheel_engines::{Engine, Native, by_name};
 use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_mbs::integrators::METHODS;
-use pinwheel_scene::{CheckedScene, Detection};
+use pinwheel_scene::CheckedScene;
 
 use super::take_part;
 use crate::StudyError;
@@ -125,31 +125,21 @@ impl<'a> Engines<'a> {
         })
     }
 
-    /// The resolved form chooses its own settings: its rungs are runs of the reduced form at coarser ones.
+    /// The resolved form plans and refines by itself: its rungs are runs of the reduced form by the method that its plan
+    /// begins with, at coarser settings than the plan's.
     fn resolved(own: &'a dyn Engine, gearbox: &Gearbox) -> Option<Self> {
-        let contact = &gearbox.scene.contact;
-        let friction = contact.friction_coefficient > 0.0;
-        let smooth = !friction && contact.detection == Detection::Exact;
-        let name = match (smooth, friction) {
-            (true, _) => "dopri5",
-            (false, true) => "imex2",
-            (false, false) => "rk2",
+        let plan = auto::plan(&gearbox.scene, Native::resolved_promise(&gearbox.scene));
+        let (knob, value) = if plan.adaptive() {
+            (Knob::Tolerance, plan.tolerance)
+        } else {
+            (Knob::Step(2.0), plan.step_s)
         };
-        let changed = gearbox.with_solver(|solver| name.clone_into(&mut solver.integrator));
         Some(Self {
             own,
             rungs: Some(by_name("native-reduced", &gearbox.scene)?),
-            gearbox: changed.ok()?,
-            knob: if smooth {
-                Knob::Tolerance
-            } else {
-                Knob::Step(2.0)
-            },
-            value: if smooth {
-                1e-10
-            } else {
-                gearbox.scene.solver.step_s / 10.0
-            },
+            gearbox: plan.applied(gearbox).ok()?,
+            knob,
+            value,
             excuse: None,
         })
     }
@@ -163,7 +153,7 @@ impl<'a> Engines<'a> {
         let mut plans = auto::chain(&gearbox.scene, auto::PROMISE);
         if let Some((_, others)) = plans.split_first_mut() {
             // Where friction was too stiff for one method, explicit steps get through and chatter.
-            others.sort_by_key(|plan| !plan.integrator.starts_with("imex"));
+            others.sort_by_key(|plan| matches!(plan.integrator, "dopri5" | "rk4"));
         }
         plans
             .iter()
@@ -186,7 +176,12 @@ impl<'a> Engines<'a> {
     fn coarser(&self, value: f64) -> Vec<f64> {
         let (Knob::Step(_), solver) = (&self.knob, &self.gearbox.scene.solver) else {
             // The resolved form is dear, and its error small: its rungs are further apart.
-            let decades = if self.rungs.is_some() { 100.0 } else { 10.0 };
+            let smooth = solver_of(&self.gearbox) == "dopri5";
+            let decades = if self.rungs.is_some() && smooth {
+                100.0
+            } else {
+                10.0
+            };
             return vec![value * decades, value * decades * decades];
         };
         let steps = solver.sample_s / value;
@@ -232,6 +227,10 @@ impl<'a> Engines<'a> {
             Knob::Tolerance => DECADE.powf(factor.log10()),
         }
     }
+}
+
+fn solver_of(gearbox: &Gearbox) -> &str {
+    &gearbox.scene.solver.integrator
 }
 
 /// A run at one setting.
@@ -300,7 +299,7 @@ pub(super) fn climb(
         let evidence = evidence(&engines, value, &rungs);
         let found = refinement(context, &finest, &evidence)?;
         let Some(needed) = found.factor.filter(|_| free) else {
-            return Ok((finest, excused(evidence, excuse, found.stuck)));
+            return Ok((finest, excused(evidence, excuse, found)));
         };
         let (mut factor, least) = match engines.knob {
             Knob::Step(_) => (2_f64.powf(needed.log2().ceil()).clamp(2.0, MOST), 2.0),
@@ -326,7 +325,7 @@ pub(super) fn climb(
                     "refined as far as {longest} s allow; the next run would take {next:.0} s (--longest)"
                 ));
             }
-            return Ok((finest, excused(evidence, excuse, found.stuck)));
+            return Ok((finest, excused(evidence, excuse, found)));
         };
         let before = std::mem::replace(&mut finest, finer);
         let wall_s = before.cost.wall_s;
@@ -387,10 +386,20 @@ fn evidence(engines: &Engines<'_>, value: f64, rungs: &[At]) -> Evidence {
 }
 
 /// The evidence with its excuse. An engine that rubs, or did its best, and does not converge in one quantity is outside of the
-/// range in which its ladder shows errors: then it shows none.
-fn excused(evidence: Evidence, excuse: Option<String>, stuck: Option<Unresolved>) -> Evidence {
+/// range in which its ladder shows errors: then it shows none. So is an engine with an excuse whose friction is
+/// still above the resolution anywhere: what it cannot follow shows in every quantity sooner or later.
+fn excused(evidence: Evidence, excuse: Option<String>, found: Needed) -> Evidence {
     let rubs = matches!(&evidence.source, Source::Ladder(ladder) if ladder.method.allowed_order() <= FRICTION);
-    let source = match stuck.filter(|_| rubs || excuse.is_some()) {
+    let blunt = || Unresolved {
+        reason: "its steps do not follow the friction: it is not resolved in every quantity"
+            .to_owned(),
+        remedy: "give it more time (--longest) or a smaller solver.step_s".to_owned(),
+    };
+    let stuck = found
+        .stuck
+        .filter(|_| rubs || excuse.is_some())
+        .or_else(|| (rubs && excuse.is_some() && found.factor.is_some()).then(blunt));
+    let source = match stuck {
         Some(stuck) => Evidence::unknown("", stuck.reason, stuck.remedy).source,
         None => evidence.source,
     };
