@@ -2,7 +2,7 @@
 //!
 //! The solver's crates call [`armed`] and [`factor`] where such a fault would be made. Without the feature
 //! `inject` both are constants and nothing of them is left in the program. With it (tests only) a fault acts
-//! in the thread that holds an [`Armed`], for as long as it is held.
+//! in the thread that holds an `Armed`, for as long as it is held.
 
 /// A fault somebody could make.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

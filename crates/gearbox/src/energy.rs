@@ -9,7 +9,7 @@
 //!
 //! Works are integrals of powers over equally spaced states of the run by the rule that is exact for cubics
 //! (each interval from the cubic through its neighbours), so they converge with order 4 and the state
-//! itself brings the integrator's order. States are at most [`STEPS`] steps apart, whatever is sampled.
+//! itself brings the integrator's order. States are at most `STEPS` steps apart, whatever is sampled.
 //! Where the load jumps its power does: there are two states at that time, one with each load, and no interval's
 //! cubic reaches over it. Entries between samples are folded into the works at once: what a run keeps of its energy
 //! grows with its samples, not with its steps.

@@ -82,7 +82,7 @@ impl Limits {
 }
 
 /// Runs the scene; `watch` receives the simulated time at every sample and every 1000 steps and returns true to stop.
-/// With the integrator `auto` this is one run as [`auto::plan`] has it; [`resolve::run`](crate::resolve::run) verifies it.
+/// With the integrator `auto` this is one run as [`auto::plan`] has it; [`resolve::run_resolved`](crate::resolve::run_resolved) verifies it.
 ///
 /// # Errors
 /// See [`NativeError`].

@@ -219,7 +219,7 @@ impl SaddlePoint {
         Ok(())
     }
 
-    /// Solves for the right-hand side written through [`SaddlePoint::rhs_body`] and `rhs_constraint`.
+    /// Solves for the right-hand side written through `rhs_body` and `rhs_constraint`.
     pub fn solve(&mut self) {
         for pivot in &self.pivots {
             let value = self.unknowns[pivot.node];

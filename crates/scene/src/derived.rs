@@ -66,7 +66,7 @@ fn hole_clearance(gear: &Gear) -> f64 {
     }
 }
 
-/// Derives the closed-form figures of a scene that passed [`check`](super::check).
+/// Derives the closed-form figures of a scene that passed [`Scene::check`].
 #[must_use]
 pub fn derived(scene: &Scene) -> Derived {
     let gear = &scene.gear;

@@ -30,7 +30,7 @@ pub struct Baseline {
 /// What made a baseline, and its history.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Head {
-    /// [`FORMAT`].
+    /// `FORMAT`.
     pub format: u32,
     /// Names of the scenes, whose files stand beside this one.
     pub scenes: Vec<String>,
