@@ -1,5 +1,23 @@
 //! Courses: named channels over time, the one result type of every engine.
 //!
+//! ```text
+//!  time_s | input_torque_n_m | output_torque_n_m | output_angle_rad | external_sleeve_force_n_0 .. | channels asked for
+//!  -------+------------------+-------------------+------------------+------------------------------+-------------------
+//!  0      | ...              |                   |                  | a group: one column a sleeve |
+//! ```
+//!
+//! ```
+//! use pinwheel_courses::{Courses, columns};
+//!
+//! let mut courses = Courses::new(vec![0.0, 1e-4, 2e-4])?;
+//! courses.push(columns::INPUT_TORQUE, vec![1.44, 1.45, 1.46])?;
+//! assert_eq!(courses.channel("input_torque_n_m").map(|torque| torque[2]), Some(1.46));
+//! # Ok::<(), pinwheel_courses::CoursesError>(())
+//! ```
+//!
+//! Beside them: how a run ended, what it cost and where its energy went ([`Ending`], [`RunStats`], [`EnergyAudit`]), and
+//! [`foreign`] data by a map of their columns.
+//!
 //! A channel's name carries its unit as a suffix (`input_torque_n_m`, see [`columns`]); numbered
 //! channels of one kind end in `_<index>` (`external_sleeve_force_n_3`) and form a
 //! *group*. All values are SI and finite unless a run diverged.

@@ -1,4 +1,26 @@
 //! Engines behind one trait: the native solver and the peers it is checked against.
+//!
+//! ```text
+//!             prepare                    run
+//!  Gearbox ──────────> dyn Prepared ──────────> Run { courses, stats, uncertainty }
+//!             or Unsupported, with the reason    or Diverged, with what there is until then
+//!
+//!  native-reduced, native-lagrange, native-resolved        our solver
+//!  rapier-*, mujoco-*, exudyn-*                            bodies and time integration of others,
+//!     ...-shared-law: our contact forces                   their contact too: ...-own-contact
+//!  recorded                                                what a live engine gave earlier
+//! ```
+//!
+//! ```
+//! use pinwheel_engines::{Control, by_name};
+//! use pinwheel_scene::Scene;
+//!
+//! let paper = Scene::load("paper", &["solver.duration_s=0.002".parse()?])?;
+//! let engine = by_name("native-lagrange", &paper).ok_or("no such engine")?;
+//! let run = engine.run(&paper, &Control::quiet())?;
+//! assert_eq!((run.courses.len(), run.stats.bodies), (21, 28));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod cards;
 mod engine;

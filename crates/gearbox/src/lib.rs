@@ -1,4 +1,27 @@
-//! Cycloidal gearboxes: scene, mechanism, contacts and the native run.
+//! A checked scene as bodies, joints and contacts, and the native solver that runs it.
+//!
+//! ```text
+//!  CheckedScene ─> Gearbox ─┬─> mechanism   bodies, revolutes, driver
+//!                           ├─> contacts    every wheel against every sleeve: points, law, friction
+//!                           ├─> statics     the loaded gear at rest, also as a start
+//!                           └─> native::run ─> time series, energy account
+//!                               resolve::run_resolved: the same, verified and refined until it keeps a promise
+//! ```
+//!
+//! ```
+//! use pinwheel_gearbox::resolve::{Budget, run_resolved};
+//! use pinwheel_gearbox::{Gearbox, native};
+//! use pinwheel_scene::Scene;
+//!
+//! let paper = Scene::load("paper", &["solver.duration_s=0.005".parse()?])?;
+//! let gearbox = Gearbox::new(&paper)?;
+//! let run = native::run(&gearbox, &mut |_time_s| false)?;
+//! assert_eq!(run.courses.len(), 51);
+//!
+//! let (run, known) = run_resolved(&gearbox, 1e-3, Budget::default(), &mut |_| false)?;
+//! assert!(known.is_resolved() && run.counts.evaluations > 0, "{}", known.sentence());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod auto;
 mod balance;

@@ -1,6 +1,12 @@
 //! Planar multibody systems: bodies, revolutes, drivers, the saddle-point system and
 //! integrators. Knows nothing of gears.
 //!
+//! ```text
+//!                        ┌─> Lagrange  all coordinates, multipliers (saddle point) ─┐
+//!  Mechanism + Forces ───┤                                                          ├─> OdeSystem ─> integrators
+//!                        └─> Reduced   centre-pinned bodies eliminated exactly ─────┘   f, Jacobian    steps, legs
+//! ```
+//!
 //! A [`Mechanism`] is data. [`Lagrange`] and [`Reduced`] turn it into an [`OdeSystem`] under
 //! applied [`Forces`]; the [`integrators`] advance any such system.
 

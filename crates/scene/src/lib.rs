@@ -1,4 +1,34 @@
-//! Scenes: the TOML file, its presets and its checks.
+//! Scenes: everything a run depends on, from a TOML file to values that are sound.
+//!
+//! ```text
+//!  preset or file ──┐
+//!  its base ────────┼─> read, key by key ─> filled in ─> checked ──> CheckedScene ─> built and run
+//!  --set key=value ─┘      (keys)            (formulas)   (ranges,     reads like a Scene, and cannot be changed
+//!                                                          geometry)   but by being checked again
+//! ```
+//!
+//! * [`keys`]: one row a key: what it may hold, what it means, what stands for it where it is left out.
+//! * [`CheckedScene`]: the only door to building and running; [`CheckedScene::origins`] says which values nobody wrote.
+//! * [`Scales`]: sizes and frequencies that follow from a scene, by which steps and tolerances are chosen.
+//! * [`load_course`], [`channels`], [`schema`]: the load over time, columns on request, the JSON schema for editors.
+//!
+//! # A gear in ten lines
+//!
+//! ```
+//! use pinwheel_scene::{Scene, Source};
+//!
+//! let text = r#"
+//! gear = { eccentricity_m = 0.00075, external_sleeves = 40, pin_circle_radius_m = 0.052, wheels = 2,
+//!          external_sleeve_radius_m = 0.002, internal_sleeves = 10, internal_sleeve_radius_m = 0.004,
+//!          internal_circle_radius_m = 0.032 }
+//! drive = { input_speed_rad_s = 100.0, output_torque_n_m = 200.0 }
+//! "#;
+//! let scene = Scene::from_toml(text, "mine.toml", &[])?;
+//! assert!((scene.gear.hole_radius_m - 0.00475).abs() < 1e-12, "sleeve + eccentricity");
+//! let derived = scene.origins().into_iter().filter(|o| matches!(o.source, Source::Formula(_)));
+//! assert!(derived.count() > 10);
+//! # Ok::<(), pinwheel_scene::SceneError>(())
+//! ```
 
 mod assumptions;
 mod body;

@@ -13,6 +13,7 @@ mod error;
 mod host;
 mod law;
 mod mujoco;
+#[cfg(feature = "provoke")]
 pub mod provoke;
 mod watch;
 

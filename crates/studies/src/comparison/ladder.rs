@@ -293,6 +293,18 @@ pub(super) fn climb(
     for value in engines.coarser(value) {
         rungs.push(rung(&engines, value, at, control)?);
     }
+    if engines.rungs.is_some() && rungs.iter().any(|rung| rung.run.is_err()) {
+        // The resolved form got through by refining, or by another method: coarser runs of the first one do not.
+        let own = Evidence::unknown(
+            name,
+            "coarser runs of its method do not get through, so its statements here have no ladder",
+            "see its notes for what it verified itself",
+        );
+        return Ok((
+            finest,
+            own.excused("its own ladder verified it, see its notes"),
+        ));
+    }
     spent += rungs.iter().map(|rung| rung.wall_s).sum::<f64>();
     let mut excuse = engines.excuse.filter(|_| effort.obey).map(str::to_owned);
     loop {
