@@ -1,5 +1,10 @@
 //! What studies found, for readers: `page` gives a self-contained HTML page, `text` what a terminal shows.
 //!
+//! ```text
+//!  comparison::Outcome ─> comparison::page   a sweep's, a bench's, a baseline's, ... likewise
+//!                      └> comparison::text
+//! ```
+//!
 //! One file or folder a study, each a function of the study's outcome: nothing is read, written or printed here, and
 //! only the motion that pages show is computed. Text holds escape sequences for styles
 //! ([`pinwheel_report::terminal`]).

@@ -1,5 +1,11 @@
 //! The report: one self-contained HTML page.
 //!
+//! ```text
+//!  Comparison, courses ─> view (tiles, statements, tracks, matrices) ─┐
+//!  any study's tables  ─> study (cards, charts, tables) ──────────────┼─> shell ─> one HTML file, nothing outside it
+//!  angles, forces      ─> animation ──────────────────────────────────┘
+//! ```
+//!
 //! [`render`] fills in the page of a comparison, [`study::render`] that of any other study. A page opens without a network, reads without a script (every table
 //! is plain HTML), and draws its courses with an embedded plotting library.
 

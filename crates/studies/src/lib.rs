@@ -1,5 +1,11 @@
 //! Studies: each takes data, gives data, and prints nothing.
 //!
+//! ```text
+//!  scene, engines, files ──> run(input, control) ──> Outcome ──> write(folder)   CSV, JSON
+//!                                  │                    └──────> pages           HTML, terminal
+//!                       progress, Ctrl-C, threads
+//! ```
+//!
 //! [`single::run`] runs one scene on one engine, [`comparison::run`] on several and compares them, [`sweep`] runs a
 //! scene with lists and ranges of its keys, [`paper::run`] computes the paper's figures again, [`baseline::check`]
 //! says what a change of the solver moved, [`bench::run`] what accuracy costs. A [`Control`] stops them and sees
