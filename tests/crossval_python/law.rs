@@ -8,7 +8,7 @@ use super::*;
 /// The law in Rust and the one in numpy, written from the paper's equations alone, at 10 000 random states.
 ///
 /// A penetration is a difference of lengths of 64 mm, known to 1.4e-17 m whatever its size, so a force is known to
-/// its slope times that. Measured over that bound: at most 1.45; over the largest force of a state: 1.2e-11 (steel), and
+/// its slope times that. Measured over that bound: at most 1.45; over the largest force of the preset: 9.4e-13, and
 /// 1.2e-11 for steel, whose penetrations are a twentieth and below the ramp; 1.3e-12 for eleven pins. With
 /// 12 000 points stiffness comes from a circle through three that are 36 um apart, which costs a digit: 7.6e-12.
 /// Over the largest force of the *same* state the worst is 2e-9, in states where next to nothing touches.
