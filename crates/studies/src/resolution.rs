@@ -6,12 +6,10 @@
 //! that this does not show would have to be the same at both steps. Where the coarser run fails it shows nothing, and the
 //! run is repeated at half its step (a tenth of its tolerance) instead, whose distance is the error itself.
 //!
-//! A run by `auto` or by `native-resolved` brings its own verification ([`resolve`]); this is for named methods.
+//! A run by `auto` or by `native-resolved` brings its own verification ([`pinwheel_gearbox::resolve`]); this is for named methods.
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::native::NativeError;
-use pinwheel_gearbox::resolve::{self, Budget};
-use pinwheel_gearbox::{Distance, Gearbox, auto};
+use pinwheel_gearbox::Distance;
 use pinwheel_mbs::integrators::METHODS;
 use pinwheel_scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -68,7 +66,7 @@ impl Resolution {
 }
 
 /// Repeats the native run of `scene` that gave `courses`; `watch` receives the simulated time and returns
-/// true to stop. For `auto` the whole verified run is made again.
+/// true to stop. For named methods: a run by `auto` brings its own verification.
 ///
 /// # Errors
 /// Cancelled, or a scene that cannot be modelled.
@@ -78,9 +76,6 @@ pub fn check(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Resolution, StudyError> {
     let gearbox = compile(scene)?;
-    if scene.solver.integrator == auto::AUTO {
-        return of_auto(&gearbox, courses, watch);
-    }
     let (coarse, other) = refined(scene, 0.5);
     match run(&coarse, watch)? {
         Ended::Whole(coarser) => Ok(Resolution {
@@ -120,38 +115,4 @@ fn refined(scene: &Scene, factor: f64) -> (Scene, String) {
         format!("a step of {:e} s", solver.step_s)
     };
     (other, words)
-}
-
-/// What the verified run of a scene says of its courses.
-fn of_auto(
-    gearbox: &Gearbox,
-    courses: &Courses,
-    watch: &mut dyn FnMut(f64) -> bool,
-) -> Result<Resolution, StudyError> {
-    let most = auto::PROMISE;
-    let found = resolve::run_resolved(gearbox, most, Budget::default(), watch);
-    match found {
-        Ok((run, uncertainty)) => {
-            let off = Distance::between(gearbox, courses, &run.courses);
-            let sum = uncertainty.error.map(|error| Distance {
-                forces: off.forces + error.forces,
-                driver_torque: off.driver_torque + error.driver_torque,
-            });
-            Ok(Resolution {
-                other: uncertainty
-                    .chosen()
-                    .map_or_else(String::new, |rung| rung.setting.clone()),
-                moved: sum,
-                most,
-                failure: None,
-            })
-        }
-        Err(NativeError::Stopped) => Err(StudyError::Cancelled),
-        Err(error) => Ok(Resolution {
-            other: "any setting".to_owned(),
-            moved: None,
-            most,
-            failure: Some(error.to_string()),
-        }),
-    }
 }
