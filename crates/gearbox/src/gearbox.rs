@@ -4,12 +4,12 @@ use pinwheel_mbs::{Body, BodyState, Driver, ErrorScales, Mechanism, Motion, Revo
 
 use crate::Layout;
 use crate::contacts::{self, ContactField, Kernel};
-use crate::frequencies::{hertz, least_depth};
 use crate::geometry::Geometry;
 use crate::load_course;
 use crate::scene::{BodyMass, CheckedScene, Fault, Solver, Start};
 use crate::statics::Statics;
 use pinwheel_scene::channels::Channels;
+use pinwheel_scene::scales::{hertz, least_depth};
 
 /// Why a checked scene still cannot be modelled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -146,7 +146,7 @@ impl Gearbox {
         let torque = (load_course::largest(&self.scene.drive) / gear.wheels as f64)
             .max(self.least_force_n() * per_force);
         let force = 4.0 * torque / (lever * gear.external_sleeves as f64);
-        let stiffness = hertz(&self.scene).of_radius(gear.external_sleeve_radius_m);
+        let stiffness = hertz(&self.scene.contact).of_radius(gear.external_sleeve_radius_m);
         let penetration = (force / stiffness).powf(2.0 / 3.0);
         let angle = penetration / lever;
         // Torsional stiffness of the loaded half of the sleeves against the wheel's inertia.
@@ -163,7 +163,7 @@ impl Gearbox {
     #[must_use]
     pub fn least_force_n(&self) -> f64 {
         let radius = self.scene.gear.external_sleeve_radius_m;
-        hertz(&self.scene).of_radius(radius) * least_depth(&self.scene).powf(1.5)
+        hertz(&self.scene.contact).of_radius(radius) * least_depth(&self.scene).powf(1.5)
     }
 
     /// Input angle and rate at time `t`.

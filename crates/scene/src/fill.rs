@@ -2,8 +2,6 @@
 
 use toml::{Table, Value};
 
-use pinwheel_contact::HertzStiffness;
-
 use crate::body::{Shape, bore_radius_m};
 use crate::check;
 use crate::checked::{Origin, Source};
@@ -11,7 +9,7 @@ use crate::error::Fault;
 use crate::keys::{KEYS, Kind, Otherwise};
 use crate::model::{Gear, Scene};
 use crate::parse::{insert, usual};
-use crate::scales::Scales;
+use crate::scales::{Scales, hertz};
 
 /// The values there are so far: given, or filled in by rows above.
 pub struct Given<'a> {
@@ -162,11 +160,7 @@ pub(crate) fn friction_dynamic_speed(given: &Given<'_>) -> Option<f64> {
 
 pub(crate) fn constant_stiffness(given: &Given<'_>) -> Option<f64> {
     let contact = &given.scene.contact;
-    let hertz = HertzStiffness::new(
-        contact.young_pa,
-        contact.poisson,
-        contact.stiffness_multiplier,
-    );
+    let hertz = hertz(contact);
     Some(short(
         hertz.of_radius(given.gear()?.external_sleeve_radius_m),
     ))

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pinwheel_compare::limits::fits;
 use pinwheel_compare::{
-    Cost, DataUncertainty, Metric, Participant, StatedLimit, Status, WindowKind, quantities, track,
+    Cost, DataUncertainty, Metric, Participant, StatedLimit, Status, Track, WindowKind, quantities,
 };
 use pinwheel_courses::foreign::{self, ForeignError, Map, Resampled};
 use pinwheel_courses::{Courses, group_of};
@@ -212,7 +212,7 @@ impl Data {
         };
         let participant = Participant {
             name: self.name.clone(),
-            track: track::MEASURED.to_owned(),
+            track: Track::Measured,
             version: or(&self.map.version, "unknown"),
             summary: or(&self.map.summary, "data from elsewhere"),
             differences: or(

@@ -8,8 +8,8 @@ mod ladder;
 use std::path::Path;
 
 use pinwheel_compare::{
-    Comparison, Context, Divergence, Participant, Rules, Scales, Status, compare_with, limits,
-    track,
+    Comparison, Context, Divergence, Participant, Rules, Scales, Status, Track, compare_with,
+    limits,
 };
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, RunStats, recorded};
@@ -148,7 +148,7 @@ impl Outcome {
                 continue;
             }
             let place = output::folder(dir, &participant.name)?;
-            if participant.track == track::MEASURED {
+            if participant.track == Track::Measured {
                 // As they are compared.
                 participant
                     .courses
@@ -213,7 +213,7 @@ fn take_part(
     };
     let participant = Participant {
         name: engine.name().to_owned(),
-        track: engine.track().as_str().to_owned(),
+        track: engine.track(),
         version: engine.version(),
         summary: engine.summary().to_owned(),
         differences: engine.differences().to_owned(),
