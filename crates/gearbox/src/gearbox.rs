@@ -4,52 +4,12 @@ use pinwheel_mbs::{Body, BodyState, Driver, ErrorScales, Mechanism, Motion, Revo
 
 use crate::Layout;
 use crate::contacts::{self, ContactField, Kernel};
+use crate::error::GearboxError;
 use crate::geometry::Geometry;
 use crate::load_course;
-use crate::scene::{BodyMass, CheckedScene, Fault, Solver, Start};
-use crate::statics::Statics;
+use crate::scene::{BodyMass, CheckedScene, Fault, Solver};
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::scales::{hertz, least_depth};
-
-/// Why a checked scene still cannot be modelled.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum GearboxError {
-    /// No such curve.
-    #[error("{0}")]
-    Geometry(String),
-    /// No such law.
-    #[error("no contact law `{0}`")]
-    UnknownLaw(String),
-    /// Too few points for the pits.
-    #[error(
-        "contact.wheel_points = {wheel_points} is too coarse for the pits of this profile: the circle through three \
-         neighbouring points is smaller than the sleeve; use more points"
-    )]
-    TooFewPoints {
-        /// The scene's value.
-        wheel_points: usize,
-    },
-    /// The mechanism cannot be solved.
-    #[error(transparent)]
-    Mechanism(#[from] pinwheel_mbs::MechanismError),
-    /// No angle of the output balances the load.
-    #[error(
-        "the load of {load_n_m} N m is more than the teeth carry before they jump; use less load or a stiffer contact"
-    )]
-    NoEquilibrium {
-        /// The load, N m.
-        load_n_m: f64,
-    },
-    /// No such channel.
-    #[error("{0}")]
-    Channel(String),
-    /// A change that the scene's checks refuse.
-    #[error(transparent)]
-    Refused(#[from] Fault),
-    /// No such integrator.
-    #[error("no integrator `{0}`")]
-    UnknownIntegrator(String),
-}
 
 /// A scene turned into bodies, joints and contacts. Body order: [`Layout`].
 #[derive(Debug, Clone)]
@@ -65,32 +25,10 @@ pub struct Gearbox {
     /// Which contact loop is used.
     pub kernel: Kernel,
     /// Initial states other than the ideal mesh's.
-    start: Option<Vec<BodyState>>,
+    pub(crate) start: Option<Vec<BodyState>>,
 }
 
 impl Gearbox {
-    /// Compiles a checked scene.
-    ///
-    /// # Errors
-    /// Parameters that only fail once the model is built (see [`GearboxError`]).
-    pub fn new(scene: &CheckedScene) -> Result<Self, GearboxError> {
-        let geometry = Geometry::new(&scene.gear)?;
-        let mut gearbox = Self {
-            scene: scene.clone(),
-            layout: Layout::of(&scene.gear),
-            geometry,
-            channels: Channels::of(scene).map_err(GearboxError::Channel)?,
-            kernel: Kernel::default(),
-            start: None,
-        };
-        gearbox.contact_field()?;
-        if scene.drive.start == Start::Equilibrium {
-            let start = Statics::new(&gearbox)?.moving()?;
-            gearbox.start = Some(start);
-        }
-        Ok(gearbox)
-    }
-
     /// The same gearbox under other settings of the solver. What the gear, its masses, loads and contacts give (the
     /// equilibrium it starts from is the dear part) is not computed again.
     ///

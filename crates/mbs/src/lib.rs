@@ -11,7 +11,9 @@
 //! applied [`Forces`]; the [`integrators`] advance any such system.
 
 pub mod benchmarks;
+mod differences;
 pub mod elements;
+mod forces;
 pub mod integrators;
 mod jacobian;
 mod lagrange;
@@ -24,10 +26,11 @@ pub mod sliding;
 mod state;
 mod tree;
 
+pub use forces::Forces;
 pub use jacobian::{Arrow, Jacobian, Structure};
 pub use lagrange::{Lagrange, Stabilisation};
-pub use mechanism::{Body, BodyId, Driver, Forces, Mechanism, MechanismError, Motion, Revolute};
+pub use mechanism::{Body, Driver, Mechanism, MechanismError, Motion, Revolute};
 pub use ode::{ErrorScales, Formulation, Observation, OdeSystem};
 pub use reduced::Reduced;
 pub use saddle::SaddlePoint;
-pub use state::{BodyState, ContactEnergy, Wrench};
+pub use state::{BodyId, BodyState, ContactEnergy, Wrench};

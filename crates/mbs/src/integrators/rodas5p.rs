@@ -16,7 +16,8 @@
 use super::rodas5p_coefficients::{A, C, D, GAMMA, H, STAGES, TIMES};
 use super::{MethodInfo, StepCounts, StepError, Stepper, short_step};
 use crate::OdeSystem;
-use crate::jacobian::{Differences, Jacobian};
+use crate::differences::Differences;
+use crate::jacobian::Jacobian;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
     name: "rodas5p",

@@ -8,13 +8,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::error::BaselineError;
+use super::error::{BaselineError, FORMAT};
 use super::quantity::{self, SKETCH};
 use super::runner::Costs;
 use crate::output::file_name;
 
-/// Version of the layout.
-pub(super) const FORMAT: u32 = 1;
 /// Name of the file that makes a folder a baseline.
 pub const HEAD: &str = "baseline.toml";
 
