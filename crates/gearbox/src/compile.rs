@@ -14,6 +14,7 @@ impl Gearbox {
     /// # Errors
     /// Parameters that only fail once the model is built (see [`GearboxError`]).
     pub fn new(scene: &CheckedScene) -> Result<Self, GearboxError> {
+        pinwheel_faults::compiled();
         let geometry = Geometry::new(&scene.gear)?;
         let mut gearbox = Self {
             scene: scene.clone(),

@@ -41,6 +41,21 @@ impl Gearbox {
         })
     }
 
+    /// The same gearbox recording these channels, by names or patterns; nothing else is computed again.
+    ///
+    /// # Errors
+    /// No such channel, or more than the checks allow.
+    pub fn with_channels(&self, patterns: Vec<String>) -> Result<Self, GearboxError> {
+        let scene = self
+            .scene
+            .changed(|scene| scene.output.channels = patterns)?;
+        Ok(Self {
+            channels: Channels::of(&scene).map_err(GearboxError::Channel)?,
+            scene,
+            ..self.clone()
+        })
+    }
+
     /// A fresh contact field for this scene.
     ///
     /// # Errors

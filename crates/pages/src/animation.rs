@@ -6,42 +6,44 @@ use pinwheel_courses::Courses;
 use pinwheel_gearbox::native::{self, NativeError};
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_report::animation::{Animation, CHANNELS, sampling};
-use pinwheel_scene as scene;
-use pinwheel_scene::Scene;
+use pinwheel_scene::Formulation;
 
 use crate::PageError;
 
-/// The scene's motion over as long as a page holds, and the time to begin at, s: its second half, where the
+/// A gearbox' motion over as long as a page holds, and the time to begin at, s: its second half, where the
 /// start-up transient has died down. `None` where there is nothing to show, as when the run diverges at once.
 ///
 /// # Errors
 /// `cancel` was set.
-pub fn of(scene: &Scene, cancel: &AtomicBool) -> Result<Option<(Animation, f64)>, PageError> {
+pub fn of(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<(Animation, f64)>, PageError> {
+    let scene = &gearbox.scene;
     let (_, stretch) = sampling(scene);
     let duration = scene.solver.duration_s.min(stretch);
     let title = format!("{}, native solver", scene.name);
-    let found = window(scene, &title, (0.0, duration), cancel)?;
+    let found = window(gearbox, &title, (0.0, duration), cancel)?;
     Ok(found.map(|animation| (animation, 0.5 * duration)))
 }
 
-/// The scene's motion from `from_s` to `to_s`, recorded anew with the channels that a picture needs.
+/// A gearbox' motion from `from_s` to `to_s`, recorded anew with the channels that a picture needs.
 ///
 /// # Errors
 /// `cancel` was set.
 pub fn window(
-    scene: &Scene,
+    gearbox: &Gearbox,
     title: &str,
     (from_s, to_s): (f64, f64),
     cancel: &AtomicBool,
 ) -> Result<Option<Animation>, PageError> {
-    let mut scene = scene.clone();
-    scene.solver.formulation = scene::Formulation::Reduced;
-    // No denser than the scene's own samples on short runs, which would only be straight lines.
-    scene.solver.sample_s = sampling(&scene).0.min(to_s);
-    scene.solver.duration_s = to_s;
-    scene.output.channels = CHANNELS.map(str::to_owned).to_vec();
-    let built = scene.check().map_err(GearboxError::from);
-    let Ok(gearbox) = built.and_then(|scene| Gearbox::new(&scene)) else {
+    let step = sampling(&gearbox.scene).0;
+    let recording = gearbox.with_solver(|solver| {
+        solver.formulation = Formulation::Reduced;
+        // No denser than the scene's own samples on short runs, which would only be straight lines.
+        solver.sample_s = step.min(to_s);
+        solver.duration_s = to_s;
+    });
+    let channels = CHANNELS.map(str::to_owned).to_vec();
+    let recording = recording.map_err(GearboxError::from);
+    let Ok(gearbox) = recording.and_then(|gearbox| gearbox.with_channels(channels)) else {
         return Ok(None);
     };
     let courses: Courses = match native::run(&gearbox, &mut |_| cancel.load(Ordering::Relaxed)) {
