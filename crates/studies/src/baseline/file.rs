@@ -179,6 +179,15 @@ impl Baseline {
 
     /// Reads the baseline `name` in `dir`, the folder of all.
     ///
+    /// ```
+    /// use pinwheel_studies::baseline::Baseline;
+    ///
+    /// let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../reference/baselines");
+    /// let accepted = Baseline::open(folder.as_ref(), "accepted")?;
+    /// assert!(accepted.scenes.iter().any(|scene| scene.name == "paper"));
+    /// # Ok::<(), pinwheel_studies::baseline::BaselineError>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`folder`](Self::folder) and [`read`](Self::read); where there is none, the error names those that there are.
     pub fn open(dir: &Path, name: &str) -> Result<Self, BaselineError> {
