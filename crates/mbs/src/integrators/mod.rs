@@ -31,6 +31,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod clock;
 mod dop853;
 mod dop853_coefficients;
 mod dopri5;
