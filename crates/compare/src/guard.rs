@@ -79,7 +79,7 @@ impl Judge<'_> {
         let leg = |engine: &Participant, metric: Metric| {
             rows.iter().copied().find(|row| {
                 row.metric == metric
-                    && fits(row.against, Track::Native)
+                    && fits(row.against, Track::Native.as_str())
                     && fits(row.engine, &engine.name)
                     && row.against_step_at_most_s.is_none()
                     && self.suits(row.friction)

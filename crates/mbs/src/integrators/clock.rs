@@ -51,18 +51,18 @@ impl Clock {
 }
 
 /// A method whose steps follow from a tolerance.
-pub(super) trait Adaptive<S: OdeSystem> {
+pub(super) trait Adaptive {
     fn clock(&self) -> &Clock;
     fn clock_mut(&mut self) -> &mut Clock;
     /// State at the end of the last accepted step.
     fn state(&self) -> &[f64];
     /// One accepted step, see [`Stepper::step`].
-    fn advance(&mut self, system: &mut S) -> Result<(), StepError>;
+    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError>;
     /// Writes the state at `t`, which lies inside the last accepted step and is not its end.
-    fn inside(&mut self, system: &mut S, t: f64, y: &mut [f64]);
+    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]);
 }
 
-impl<S: OdeSystem, A: Adaptive<S>> Stepper<S> for A {
+impl<S: OdeSystem, A: Adaptive> Stepper<S> for A {
     fn step(&mut self, system: &mut S) -> Result<(), StepError> {
         self.advance(system)
     }
@@ -72,7 +72,7 @@ impl<S: OdeSystem, A: Adaptive<S>> Stepper<S> for A {
     }
 
     fn state(&self) -> &[f64] {
-        <A as Adaptive<S>>::state(self)
+        Adaptive::state(self)
     }
 
     fn next_step(&self) -> f64 {
@@ -87,7 +87,7 @@ impl<S: OdeSystem, A: Adaptive<S>> Stepper<S> for A {
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         let clock = self.clock();
         if clock.counts.steps == 0 || (clock.time - t).abs() < 1e-9 * clock.taken {
-            y.copy_from_slice(<A as Adaptive<S>>::state(self));
+            y.copy_from_slice(Adaptive::state(self));
             return;
         }
         self.inside(system, t, y);

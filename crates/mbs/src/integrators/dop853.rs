@@ -150,8 +150,8 @@ fn combine(y: &[f64], h: f64, row: Row, k: &[Vec<f64>], out: &mut [f64]) {
     }
 }
 
-impl<S: OdeSystem> Adaptive<S> for Dop853 {
-    fn advance(&mut self, system: &mut S) -> Result<(), StepError> {
+impl Adaptive for Dop853 {
+    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
         self.refresh(system);
         self.trial[0].copy_from_slice(&self.k[STAGES]);
         if !self.trial[0].iter().all(|x| x.is_finite()) {
@@ -196,7 +196,7 @@ impl<S: OdeSystem> Adaptive<S> for Dop853 {
         &self.y
     }
 
-    fn inside(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         if !self.extended {
             self.extend(system);
         }

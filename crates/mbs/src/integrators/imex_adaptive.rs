@@ -91,8 +91,8 @@ impl ImexAdaptive {
     }
 }
 
-impl<S: OdeSystem> Adaptive<S> for ImexAdaptive {
-    fn advance(&mut self, system: &mut S) -> Result<(), StepError> {
+impl Adaptive for ImexAdaptive {
+    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
         if !self.fresh {
             self.now.evaluate(system, self.clock.time);
             self.clock.counts.evaluations += 1;
@@ -143,7 +143,7 @@ impl<S: OdeSystem> Adaptive<S> for ImexAdaptive {
         &self.now.y
     }
 
-    fn inside(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         advance(
             system,
             self.time_before,

@@ -178,8 +178,8 @@ fn add(row: &[f64], factor: f64, u: &[Vec<f64>], sum: &mut [f64]) {
     }
 }
 
-impl<S: OdeSystem> Adaptive<S> for Rodas5p {
-    fn advance(&mut self, system: &mut S) -> Result<(), StepError> {
+impl Adaptive for Rodas5p {
+    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
         self.linearise(system)?;
         let mut limit = GROW;
         loop {
@@ -215,7 +215,7 @@ impl<S: OdeSystem> Adaptive<S> for Rodas5p {
         &self.y
     }
 
-    fn inside(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         if !self.extended {
             self.extend();
         }

@@ -6,7 +6,8 @@
 use super::contact::{Contact, Row};
 use super::rates::RateStage;
 use super::stage::SlidingStage;
-use crate::mechanism::{BodyId, Forces};
+use crate::forces::Forces;
+use crate::state::BodyId;
 use crate::state::BodyState;
 
 /// What moves a body's angle.
