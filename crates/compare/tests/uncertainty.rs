@@ -43,7 +43,7 @@ fn off(base: &Courses, error: f64) -> Courses {
 /// An engine whose error at H times its step is `error * H^order`, and its ladder at the refinements.
 fn engine(
     name: &str,
-    on: &str,
+    on: Track,
     base: &Courses,
     error: f64,
     order: f64,

@@ -7,10 +7,9 @@ use pinwheel_contact::{Law, NormalLaw};
 use pinwheel_mbs::integrators::METHODS;
 
 use crate::frequencies::Frequencies;
-use crate::load_course;
 use crate::pace::Limits;
 use crate::scene::{Detection, Formulation, FrictionLaw, Scene};
-use crate::{Gearbox, GearboxError, contacts, scene};
+use crate::{Gearbox, GearboxError, contacts};
 
 pub use pinwheel_scene::names::AUTO;
 

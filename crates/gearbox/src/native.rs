@@ -11,7 +11,7 @@ use crate::due::Due;
 use crate::energy::EnergyAccount;
 use crate::friction::GearForces;
 use crate::load_course;
-use crate::pace::Pace;
+use crate::pace::{Limits, Pace};
 use crate::scene;
 use crate::{Gearbox, GearboxError, Recorder, auto, guard};
 

@@ -12,7 +12,7 @@
 //! whose two modes are in closed form. Impacts press deeper than the load does and are a little stiffer (by the cube root
 //! of the depth's square root for a point contact), which is what the verification of a run is for.
 
-use pinwheel_contact::{HertzStiffness, LineContact};
+use pinwheel_contact::{HertzStiffness, LineContact, NormalLaw as _};
 use serde::Serialize;
 
 use crate::load_course;

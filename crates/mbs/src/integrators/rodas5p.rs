@@ -215,7 +215,7 @@ impl Adaptive for Rodas5p {
         &self.y
     }
 
-    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+    fn inside<S: OdeSystem>(&mut self, _system: &mut S, t: f64, y: &mut [f64]) {
         if !self.extended {
             self.extend();
         }
