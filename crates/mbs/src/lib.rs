@@ -27,7 +27,7 @@
 //! let settings = StepSettings { step: 1e-3, tolerance: 1e-9 };
 //! let mut stepper = start("dopri5", settings, 0.0, &system.initial()).ok_or("no such method")?;
 //! let mut fastest = 0.0_f64;
-//! while stepper.time() < 1.0 {
+//! for _ in 0..200 {
 //!     stepper.step(&mut system)?;
 //!     fastest = fastest.max(system.observe(stepper.time(), stepper.state()).bodies[0].rate.abs());
 //! }

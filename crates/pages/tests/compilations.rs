@@ -14,8 +14,8 @@ fn regress_a_comparison_compiles_its_gearbox_once() {
     let sets: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
     let scene = Scene::load("paper", &sets).unwrap();
     let names: [&str; 0] = [];
-    let engines = choice::engines(&names, &scene).unwrap();
-    assert!(engines.len() > 3, "{}", engines.len());
+    let engines = choice::engines(&names[..], &scene).unwrap();
+    assert!(engines.len() >= 3, "{}", engines.len());
     let gearbox = Gearbox::new(&scene).unwrap();
     let input = Input {
         gearbox: &gearbox,

@@ -22,8 +22,11 @@
 //!
 //! let settings = StepSettings { step: 1e-2, tolerance: 1e-8 };
 //! let mut stepper = start("dop853", settings, 0.0, &[1.0]).ok_or("no such method")?;
-//! while stepper.time() < 1.0 {
+//! loop {
 //!     stepper.step(&mut Decay)?;
+//!     if stepper.time() > 1.0 {
+//!         break;
+//!     }
 //! }
 //! let mut y = [0.0];
 //! stepper.interpolate(&mut Decay, 1.0, &mut y);
