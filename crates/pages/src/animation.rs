@@ -10,7 +10,7 @@ use pinwheel_scene::Formulation;
 
 use crate::PageError;
 
-/// A gearbox' motion over as long as a page holds, and the time to begin at, s: its second half, where the
+/// A gearbox's motion over as long as a page holds, and the time to begin at, s: its second half, where the
 /// start-up transient has died down. `None` where there is nothing to show, as when the run diverges at once.
 ///
 /// # Errors
@@ -24,7 +24,7 @@ pub fn of(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<(Animation, f
     Ok(found.map(|animation| (animation, 0.5 * duration)))
 }
 
-/// A gearbox' motion from `from_s` to `to_s`, recorded anew with the channels that a picture needs.
+/// A gearbox's motion from `from_s` to `to_s`, recorded anew with the channels that a picture needs.
 ///
 /// # Errors
 /// `cancel` was set.

@@ -1,4 +1,4 @@
-//! What is dear is done once: how often a comparison compiles its gearbox. The count is the process': one test only.
+//! What is dear is done once: how often a comparison compiles its gearbox. The process counts, so this is its only test.
 
 use std::sync::atomic::AtomicBool;
 

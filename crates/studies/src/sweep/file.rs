@@ -236,7 +236,6 @@ impl Reader<'_> {
                 .string(root, "name")?
                 .unwrap_or_else(|| stem.into_owned()),
             description: self.string(root, "description")?.unwrap_or_default(),
-            scene: scene_beside(path, &self.scene(root)?),
             engines: self
                 .strings(root, "engines")?
                 .unwrap_or_else(|| vec!["native".to_owned()]),
@@ -247,6 +246,8 @@ impl Reader<'_> {
                 .strings(root, "measure")?
                 .unwrap_or_else(|| vec!["*".to_owned()]),
             courses: self.courses(root)?,
+            // Last: a mistyped key is named before a missing one.
+            scene: scene_beside(path, &self.scene(root)?),
             text: self.text.to_owned(),
         })
     }
