@@ -24,7 +24,6 @@
 
 mod cards;
 mod engine;
-mod native;
 #[cfg(feature = "crossval")]
 pub mod python;
 #[cfg(feature = "rapier")]
@@ -34,6 +33,5 @@ mod registry;
 mod stopping;
 
 pub use engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
-pub use native::Native;
-pub use registry::{by_name, registry};
+pub use registry::{Native, by_name, registry};
 pub use stopping::stop_preparing;
