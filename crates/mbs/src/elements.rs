@@ -5,8 +5,7 @@
 
 use crate::forces::Forces;
 use crate::mechanism::Mechanism;
-use crate::state::BodyId;
-use crate::state::{BodyState, Wrench};
+use crate::state::{BodyId, BodyState, Wrench};
 use crate::tree::turned;
 
 /// A point of a body, or of the ground.
