@@ -20,8 +20,7 @@ use crate::jacobian::{Jacobian, Structure};
 use crate::mechanism::{Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
 use crate::sliding::{Angle, PinnedContacts, RateStage};
-use crate::state::BodyId;
-use crate::state::{BodyState, Wrench};
+use crate::state::{BodyId, BodyState, Wrench};
 
 /// A body carried by another.
 #[derive(Debug, Clone, Copy)]

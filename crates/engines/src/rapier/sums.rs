@@ -7,7 +7,7 @@ use pinwheel_scene::{Layout, Sleeve};
 pub(super) struct Sums {
     layout: Layout,
     /// On each sleeve, external then internal.
-    sleeves: Vec<[f64; 2]>,
+    pub(super) sleeves: Vec<[f64; 2]>,
     /// On each wheel.
     wheels: Vec<[f64; 2]>,
 }

@@ -7,8 +7,7 @@ use super::contact::{Contact, Row};
 use super::rates::RateStage;
 use super::stage::SlidingStage;
 use crate::forces::Forces;
-use crate::state::BodyId;
-use crate::state::BodyState;
+use crate::state::{BodyId, BodyState};
 
 /// What moves a body's angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
