@@ -151,11 +151,11 @@ fn nothing_breaks_out() {
     participants[1].summary = HOSTILE.to_owned();
     participants[1].cost.settings = HOSTILE.to_owned();
     participants[1].cost.notes = vec![HOSTILE.to_owned()];
-    let mut lost = participant("lost", HOSTILE, 1.0);
+    let mut lost = participant("lost", Track::SharedLaw, 1.0);
     lost.status = Status::Failed {
         reason: HOSTILE.to_owned(),
     };
-    let mut other = participant("other", HOSTILE, 1.0);
+    let mut other = participant("other", Track::OwnContact, 1.0);
     other.courses.push(HOSTILE, vec![1.0; 601]).unwrap();
     let participants = [participants.to_vec(), vec![lost, other]].concat();
     let mut context = context(HOSTILE);
