@@ -4,7 +4,7 @@ use crate::comparison::Judgement;
 use crate::limits::{NEGLIGIBLE_SHARE, fits};
 use crate::metrics::{Metric, PairMetrics};
 use crate::model::{self, ModelTolerance, Prediction};
-use crate::participant::{Context, Participant, track};
+use crate::participant::{Context, Participant, Track};
 use crate::quantities::Quantity;
 use crate::rules::Rules;
 use crate::uncertainty::{Estimate, QuantityUncertainty, Uncertainty, Unresolved};
@@ -97,7 +97,7 @@ pub(crate) type Uncertainties<'a> = [Option<&'a QuantityUncertainty>; 2];
 /// Two engines and the track they are compared on.
 #[derive(Clone, Copy)]
 pub(crate) struct Sides<'a> {
-    pub(crate) track: &'a str,
+    pub(crate) track: Track,
     pub(crate) a: &'a Participant,
     pub(crate) b: &'a Participant,
 }
@@ -143,7 +143,7 @@ impl Judge<'_> {
                 quantity.unit
             ));
         }
-        let measured = [a, b].iter().any(|p| p.track == track::MEASURED);
+        let measured = [a, b].iter().any(|p| p.track == Track::Measured);
         let (checks, reason) = if measured {
             self.stated(&[&a.name, &b.name], quantity, window.kind, metrics)
         } else {
@@ -153,7 +153,7 @@ impl Judge<'_> {
             self.validation(sides, quantity, metrics, uncertainties)
         } else if self.rules.evidence.is_empty() {
             Vec::new()
-        } else if [track::NATIVE, track::SHARED_LAW].contains(&sides.track) {
+        } else if [Track::Native, Track::SharedLaw].contains(&sides.track) {
             self.one_law(sides, window, metrics, uncertainties)
         } else {
             self.models(sides, quantity, window, metrics, uncertainties)
@@ -268,7 +268,7 @@ impl Judge<'_> {
         for metric in Metric::of_pairs().filter(|m| pointwise || !m.is_pointwise()) {
             let own: Vec<&Participant> = [a, b]
                 .into_iter()
-                .filter(|p| p.track != track::NATIVE)
+                .filter(|p| p.track != Track::Native)
                 .collect();
             let Some(statements) = own
                 .iter()
@@ -340,9 +340,9 @@ impl Judge<'_> {
         metrics: &PairMetrics,
         [of_a, of_b]: Uncertainties<'_>,
     ) -> Vec<Judgement> {
-        let (data, simulation, of_simulation) = match (a.track.as_str(), b.track.as_str()) {
-            (track::MEASURED, track::MEASURED) => return Vec::new(),
-            (track::MEASURED, _) => (a, b, of_b),
+        let (data, simulation, of_simulation) = match (a.track, b.track) {
+            (Track::Measured, Track::Measured) => return Vec::new(),
+            (Track::Measured, _) => (a, b, of_b),
             _ => (b, a, of_a),
         };
         let Some(stated) = self

@@ -8,7 +8,7 @@ use pinwheel_courses::Courses;
 use crate::comparison::{EngineEntry, EngineSummary, Figures, LadderSummary};
 use crate::judge::Judge;
 use crate::model;
-use crate::participant::{Context, Participant, track};
+use crate::participant::{Context, Participant, Track};
 use crate::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, Quantity};
 use crate::statistics::{Statistics, View};
 use crate::uncertainty::{
@@ -109,7 +109,7 @@ pub(crate) fn engine_summary(
             .filter_map(|q| uncertainty(participant, q, window, samples.clone(), judge))
             .collect();
         let output = quantities.iter().find(|q| q.name == OUTPUT_TORQUE);
-        let judged_alone = participant.track != track::MEASURED;
+        let judged_alone = participant.track != Track::Measured;
         if let Some((quantity, load_n_m)) = output.zip(context.load_n_m).filter(|_| judged_alone) {
             let mean = figures
                 .quantities
@@ -140,7 +140,7 @@ pub(crate) fn engine_summary(
     }
     EngineSummary {
         name: participant.name.clone(),
-        track: participant.track.clone(),
+        track: participant.track,
         version: participant.version.clone(),
         summary: participant.summary.clone(),
         differences: participant.differences.clone(),
@@ -238,7 +238,7 @@ fn efficiency(
 /// sixteen sleeves. Engines have all channels of a quantity or none.
 pub(crate) fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quantity {
     let mut quantity = quantity.clone();
-    if participants.iter().any(|p| p.track == track::MEASURED) {
+    if participants.iter().any(|p| p.track == Track::Measured) {
         quantity.channels.retain(|name| {
             let has = |p: &&Participant| p.courses.channel(name).is_some();
             participants.iter().all(has)
@@ -252,7 +252,7 @@ pub(crate) fn covered(
     participants: &[(&Participant, &Courses)],
     mut samples: Range<usize>,
 ) -> Range<usize> {
-    let measured = |p: &&(&Participant, &Courses)| p.0.track == track::MEASURED;
+    let measured = |p: &&(&Participant, &Courses)| p.0.track == Track::Measured;
     for (_, courses) in participants.iter().filter(measured) {
         let channels = courses.channels();
         let there = |k: usize| {

@@ -5,13 +5,11 @@
 
 use pinwheel_contact::{Law, NormalLaw};
 use pinwheel_mbs::integrators::METHODS;
-use pinwheel_scene::scales;
 
 use crate::frequencies::Frequencies;
-use crate::load_course;
-use crate::native::Limits;
+use crate::pace::Limits;
 use crate::scene::{Detection, Formulation, FrictionLaw, Scene};
-use crate::{Gearbox, GearboxError, contacts, scene};
+use crate::{Gearbox, GearboxError, contacts};
 
 pub use pinwheel_scene::names::AUTO;
 
@@ -302,30 +300,6 @@ impl<'a> Planner<'a> {
     }
 }
 
-/// Rate mu F q^2/(v_s J) of the faster kind of sleeve under the largest static force
-/// (4 T/(e zs zk) a wheel, and 4 T/(zi R_w)), 1/s: how fast friction relaxes a spin.
-#[must_use]
-pub fn friction_rate(scene: &Scene) -> f64 {
-    let (gear, contact, mass) = (&scene.gear, &scene.contact, &scene.mass);
-    let torque = load_course::largest(&scene.drive) / gear.wheels as f64;
-    let external = scales::external_force(gear, torque);
-    let internal = scales::internal_force(gear, torque);
-    let rate = |force: f64, radius: f64, body: scene::BodyMass| {
-        contact.friction_coefficient * force * radius * radius
-            / (contact.friction_ramp_m_s * body.moment_kg_m2)
-    };
-    rate(
-        external,
-        gear.external_sleeve_radius_m,
-        mass.external_sleeve,
-    )
-    .max(rate(
-        internal,
-        gear.internal_sleeve_radius_m,
-        mass.internal_sleeve,
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -372,14 +346,5 @@ mod tests {
         scene.solver.step_s = 1e-3;
         let stiff = plan(&scene, PROMISE);
         assert!((paper.step_s / stiff.step_s / 10.0_f64.cbrt() - 1.0).abs() < 1e-9);
-    }
-
-    /// By hand: 6.5e5 1/s for a sleeve of the paper at 100 N; the static 65 N give two thirds of it.
-    #[test]
-    fn friction_rate_of_the_paper() {
-        let mut scene = Scene::paper();
-        scene.contact.friction_coefficient = 0.1;
-        let rate = friction_rate(&scene);
-        assert!((rate / 6.5e5 - 1.0).abs() < 0.5, "{rate}");
     }
 }

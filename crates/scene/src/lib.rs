@@ -38,6 +38,7 @@ mod checked;
 mod derived;
 mod error;
 mod fill;
+mod formulas;
 mod json;
 pub mod keys;
 mod layout;
@@ -45,12 +46,14 @@ mod load;
 pub mod load_course;
 mod model;
 pub mod names;
+mod number;
 mod parse;
 mod presets;
 mod profile;
 pub mod scales;
 pub mod schema;
 mod suggest;
+mod table;
 #[cfg(test)]
 mod tests;
 
@@ -61,11 +64,12 @@ pub use error::{Fault, Place, SceneError};
 pub use json::JOB_PROTOCOL;
 pub use keys::{KEYS, Key};
 pub use layout::{Layout, Sleeve};
+pub use load::MOST_BYTES;
 pub use model::{
     BodyMass, Contact, Detection, Drive, Formulation, FrictionLaw, Gear, LoadChange, Masses,
     Output, Scene, Solver, Stabilisation, Start,
 };
-pub use parse::{MOST_BYTES, Override};
+pub use parse::Override;
 pub use presets::{PRESETS, Preset, preset};
 pub use scales::{Scales, free_play};
 pub use suggest::{did_you_mean, nearest};

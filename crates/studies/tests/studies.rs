@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::stability::{self, Failure, Options};
 use pinwheel_studies::survey::{Plan, Survey};
@@ -147,7 +148,8 @@ fn studies_stop_when_asked() {
 #[test]
 fn a_rounding_stays_one_on_the_paper() {
     let scene = scene("paper", &["solver.duration_s=0.1"]);
-    let found = divergence::horizon(&scene, divergence::STEP, &mut |_| false).unwrap();
+    let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+    let found = divergence::horizon(&gearbox, divergence::STEP, &mut |_| false).unwrap();
     assert_eq!(found.horizon_s, None, "{}", found.sentence());
     assert!(
         found.largest_share > 0.0,

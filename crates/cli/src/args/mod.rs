@@ -57,13 +57,13 @@ struct Program {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run a scene on one engine and keep its courses.
+    /// Run a scene on one engine and keep its time series.
     Run(RunArgs),
     /// Run a scene on several engines, compare them and write a report.
     Compare(CompareArgs),
     /// Measure what accuracy costs: error against time of every engine, integrator and step.
     Bench(BenchArgs),
-    /// Keep courses of the Python engines for builds and machines without them.
+    /// Keep time series of the Python engines for builds and machines without them.
     Record(RecordArgs),
     /// Say what a scene models, what it leaves out and what to expect of it.
     Explain(ExplainArgs),

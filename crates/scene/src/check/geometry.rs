@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use super::super::error::Fault;
 use super::super::model::Gear;
 use super::super::profile::Profile;
-use super::number::{above, below, short};
+use crate::number::{above, below, short};
 
 /// Relative slack for values that meet exactly in decimal but not in binary (6 + 2.8 = 8.8 mm).
 const ROUNDING: f64 = 1e-12;

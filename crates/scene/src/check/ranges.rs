@@ -4,11 +4,11 @@ use std::borrow::Cow;
 
 use toml::{Table, Value};
 
-use super::number::short;
 use crate::error::{Fault, one_line, quoted};
-use crate::fill::lookup;
 use crate::keys::{KEYS, Key, Kind, Range};
+use crate::number::short;
 use crate::suggest::did_you_mean;
+use crate::table::lookup;
 
 /// Checks the values there are; what is missing is none of its business.
 pub(crate) fn check(table: &Table) -> Result<(), Fault> {

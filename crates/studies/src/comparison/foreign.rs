@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pinwheel_compare::limits::fits;
 use pinwheel_compare::{
-    Cost, DataUncertainty, Metric, Participant, StatedLimit, Status, WindowKind, quantities, track,
+    Cost, DataUncertainty, Metric, Participant, StatedLimit, Status, Track, WindowKind, quantities,
 };
 use pinwheel_courses::foreign::{self, ForeignError, Map, Resampled};
 use pinwheel_courses::{Courses, group_of};
@@ -154,10 +154,8 @@ pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyEr
         return Ok(gearbox);
     }
     // Hundreds of single names make one pattern a family: the scene's own limit is on patterns.
-    let asking = |scene: &mut Scene| scene.output.channels = patterns(&channels);
-    let refuse = |error: &dyn std::fmt::Display| StudyError::Input(error.to_string());
-    let scene = gearbox.scene.changed(asking).map_err(|e| refuse(&e))?;
-    Gearbox::new(&scene).map_err(|e| refuse(&e))
+    let recording = gearbox.with_channels(patterns(&channels));
+    recording.map_err(|error| StudyError::Input(error.to_string()))
 }
 
 /// The names without those that a few patterns cover: where more than 50 are asked for, whole families.
@@ -212,7 +210,7 @@ impl Data {
         };
         let participant = Participant {
             name: self.name.clone(),
-            track: track::MEASURED.to_owned(),
+            track: Track::Measured,
             version: or(&self.map.version, "unknown"),
             summary: or(&self.map.summary, "data from elsewhere"),
             differences: or(

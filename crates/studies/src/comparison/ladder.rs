@@ -9,8 +9,8 @@ use std::time::Duration;
 use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION};
 use pinwheel_compare::uncertainty::{Method, Source, Unresolved};
 use pinwheel_compare::{
-    Context, Evidence, Ladder, Participant, RESOLUTION, Rules, Rung, Status, Uncertainty,
-    compare_with, track,
+    Context, Evidence, Ladder, Participant, RESOLUTION, Rules, Rung, Status, Track, Uncertainty,
+    compare_with,
 };
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, Native, by_name};
@@ -342,7 +342,7 @@ pub(super) fn climb(
         };
         let Some(finer) = finer else {
             // Foreign engines do what they can in the time they have; ours must do.
-            if finest.track != track::NATIVE {
+            if finest.track != Track::Native {
                 excuse = Some(format!(
                     "refined as far as {longest} s allow; the next run would take {next:.0} s (--longest)"
                 ));

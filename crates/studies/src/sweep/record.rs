@@ -7,59 +7,11 @@ use std::sync::OnceLock;
 
 use pinwheel_compare::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, derive};
 use pinwheel_compare::statistics::{Statistics, View};
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, Ending};
 use pinwheel_engines::{Engine, Run};
 use serde::{Deserialize, Serialize};
 
 use crate::sweep::PlannedRun;
-
-/// How a run ended.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "status", rename_all = "lowercase")]
-pub enum Outcome {
-    /// Complete.
-    Finished,
-    /// The numbers ran away: a result, but one without figures.
-    Diverged {
-        /// When, s.
-        time_s: f64,
-        /// Which quantity.
-        quantity: String,
-    },
-    /// The engine cannot honour the scene.
-    Unsupported {
-        /// Why.
-        reason: String,
-    },
-    /// The engine broke; not kept for another attempt.
-    Failed {
-        /// Its own words.
-        reason: String,
-    },
-}
-
-impl Outcome {
-    /// One word.
-    #[must_use]
-    pub fn word(&self) -> &'static str {
-        match self {
-            Self::Finished => "finished",
-            Self::Diverged { .. } => "diverged",
-            Self::Unsupported { .. } => "unsupported",
-            Self::Failed { .. } => "failed",
-        }
-    }
-
-    /// Why there are no figures; empty when finished.
-    #[must_use]
-    pub fn reason(&self) -> &str {
-        match self {
-            Self::Finished => "",
-            Self::Diverged { quantity, .. } => quantity,
-            Self::Unsupported { reason } | Self::Failed { reason } => reason,
-        }
-    }
-}
 
 /// Figures of one quantity over the window, all its channels together; NaN where one is not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -112,7 +64,7 @@ pub struct RunRecord {
     pub window_s: [f64; 2],
     /// How it ended.
     #[serde(flatten)]
-    pub outcome: Outcome,
+    pub ending: Ending,
     /// Figures by quantity; empty unless finished.
     pub figures: BTreeMap<String, Spread>,
     /// Quantities in the order of the courses.
@@ -139,7 +91,7 @@ pub struct RunRecord {
 
 impl RunRecord {
     /// A record without figures.
-    pub(crate) fn empty(planned: &PlannedRun, engine: &dyn Engine, outcome: Outcome) -> Self {
+    pub(crate) fn empty(planned: &PlannedRun, engine: &dyn Engine, ending: Ending) -> Self {
         Self {
             engine: engine.name().to_owned(),
             engine_version: engine.version(),
@@ -147,7 +99,7 @@ impl RunRecord {
             program: program().to_owned(),
             scene: planned.scene.to_toml(),
             window_s: planned.window_s,
-            outcome,
+            ending,
             figures: BTreeMap::new(),
             quantities: Vec::new(),
             efficiency: None,
@@ -240,9 +192,9 @@ impl RunRecord {
     /// Why cells of its row are empty; nothing if none is.
     #[must_use]
     pub fn reason(&self) -> String {
-        match &self.outcome {
-            Outcome::Finished => self.undefined.join("; "),
-            other => other.reason().to_owned(),
+        match &self.ending {
+            Ending::Finished => self.undefined.join("; "),
+            ending => ending.reason().unwrap_or_default(),
         }
     }
 
