@@ -13,7 +13,10 @@ fn run(preset: &str, kernel: Kernel, sets: &[(&str, &str)]) -> NativeRun {
 }
 
 fn by(preset: &str, method: &str, tolerance: &str, sets: &[(&str, &str)]) -> NativeRun {
-    let solver = [("solver.integrator", method), ("solver.tolerance", tolerance)];
+    let solver = [
+        ("solver.integrator", method),
+        ("solver.tolerance", tolerance),
+    ];
     run(preset, Kernel::Lanes, &[&solver, sets].concat())
 }
 
@@ -44,8 +47,17 @@ fn gears_are_resolved_in_fewer_passes() {
         ("forty-pins", &[("solver.duration_s", "0.05")]),
         ("backlash-0.6", &[("solver.duration_s", "0.1")]),
         ("steel", &[("solver.duration_s", "0.03")]),
-        ("paper", &[("solver.duration_s", "0.05"), ("solver.sample_s", "1.03e-4")]),
-        ("paper", &[("solver.duration_s", "0.05"), ("solver.sample_s", "7e-4")]),
+        (
+            "paper",
+            &[
+                ("solver.duration_s", "0.05"),
+                ("solver.sample_s", "1.03e-4"),
+            ],
+        ),
+        (
+            "paper",
+            &[("solver.duration_s", "0.05"), ("solver.sample_s", "7e-4")],
+        ),
         ("hard-load-step", &[]),
         ("hard-load-reversal", &[("solver.duration_s", "0.1")]),
     ] {
@@ -55,7 +67,11 @@ fn gears_are_resolved_in_fewer_passes() {
             let plain = by(preset, "dopri5", tolerance, sets);
             println!(
                 "{preset} {sets:?} {tolerance}: {:.1e} {:?}; dopri5 {:.1e} {} and {} samples",
-                distance(&etd, &exact), etd.counts, distance(&plain, &exact), passes(&plain), exact.courses.len()
+                distance(&etd, &exact),
+                etd.counts,
+                distance(&plain, &exact),
+                passes(&plain),
+                exact.courses.len()
             );
         }
     }
@@ -74,7 +90,10 @@ fn regress_the_steps_do_not_depend_on_the_processor() {
         for kernel in [Kernel::Avx2, Kernel::Portable] {
             let there = run(preset, kernel, &sets);
             let error = distance(&there, &here);
-            println!("{preset} {kernel:?}: {error:.1e} {:?} {:?}", there.counts, here.counts);
+            println!(
+                "{preset} {kernel:?}: {error:.1e} {:?} {:?}",
+                there.counts, here.counts
+            );
             assert_eq!(there.counts, here.counts, "{preset}, {kernel:?}");
         }
     }

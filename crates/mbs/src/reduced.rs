@@ -249,7 +249,9 @@ impl<F: Forces> Reduced<F> {
 
     /// Everything at (t, y) that an observation tells of the forces, unless it is at hand.
     fn evaluate_whole(&mut self, t: f64, y: &[f64]) {
-        let Evaluated { valid, time, y: of, .. } = &self.evaluated;
+        let Evaluated {
+            valid, time, y: of, ..
+        } = &self.evaluated;
         if *valid && *time == t && of.as_slice() == y {
             return;
         }

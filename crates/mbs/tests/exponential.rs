@@ -43,8 +43,9 @@ impl OdeSystem for Masses {
         let between = CUBIC * (y[0] - y[1]).powi(3);
         dydt[..2].copy_from_slice(&y[2..]);
         dydt[2] = 800.0 * (3.0 * t).sin() - STIFFNESS[0] * y[0] - DAMPING[0] * y[2] - between;
-        dydt[3] = 900.0 * (2.0 * t).cos() - self.second(y[1]) * STIFFNESS[1] * y[1] - DAMPING[1] * y[3]
-            + between;
+        dydt[3] =
+            900.0 * (2.0 * t).cos() - self.second(y[1]) * STIFFNESS[1] * y[1] - DAMPING[1] * y[3]
+                + between;
     }
 
     fn structure(&self) -> Structure {
@@ -59,7 +60,10 @@ impl OdeSystem for Masses {
             return false;
         };
         let slope = 3.0 * CUBIC * (y[0] - y[1]).powi(2);
-        for (k, own) in [STIFFNESS[0], self.second(y[1]) * STIFFNESS[1]].into_iter().enumerate() {
+        for (k, own) in [STIFFNESS[0], self.second(y[1]) * STIFFNESS[1]]
+            .into_iter()
+            .enumerate()
+        {
             position.add(k, k, -own - slope);
             position.add(k, 1 - k, slope);
             rate.add(k, k, -DAMPING[k]);
@@ -75,7 +79,11 @@ impl OdeSystem for Masses {
 }
 
 /// States at the times asked for, and what they took.
-fn run(stepper: &mut dyn Stepper<Masses>, system: &mut Masses, times: &[f64]) -> (Vec<[f64; 4]>, StepCounts) {
+fn run(
+    stepper: &mut dyn Stepper<Masses>,
+    system: &mut Masses,
+    times: &[f64],
+) -> (Vec<[f64; 4]>, StepCounts) {
     let states = times.iter().map(|&t| {
         stepper.aim(t);
         while stepper.time() < t {
@@ -106,18 +114,29 @@ fn explicit(tolerance: f64, one_sided: bool, times: &[f64]) -> (Vec<[f64; 4]>, S
 fn distance(a: &[[f64; 4]], b: &[[f64; 4]]) -> f64 {
     let scale = [0.02, 0.02, 4.0, 4.0];
     let pairs = a.iter().flatten().zip(b.iter().flatten());
-    pairs.zip(scale.iter().cycle()).fold(0.0, |m: f64, ((a, b), s)| m.max((a - b).abs() / s))
+    pairs
+        .zip(scale.iter().cycle())
+        .fold(0.0, |m: f64, ((a, b), s)| m.max((a - b).abs() / s))
 }
 
 fn grid(step: f64) -> Vec<f64> {
-    (1..=(END / step) as usize).map(|k| k as f64 * step).collect()
+    (1..=(END / step) as usize)
+        .map(|k| k as f64 * step)
+        .collect()
 }
 
 /// Samples as a user would have them, none but the last, and at times that fit nothing.
 #[test]
 fn errors_follow_the_tolerance_whatever_is_sampled() {
-    let uneven: Vec<f64> = (1..1500).map(|k| END * (f64::from(k) / 1500.0).powf(1.3)).collect();
-    for (name, times) in [("grid", grid(2e-3)), ("coarse grid", grid(0.05)), ("end", vec![END]), ("uneven", uneven)] {
+    let uneven: Vec<f64> = (1..1500)
+        .map(|k| END * (f64::from(k) / 1500.0).powf(1.3))
+        .collect();
+    for (name, times) in [
+        ("grid", grid(2e-3)),
+        ("coarse grid", grid(0.05)),
+        ("end", vec![END]),
+        ("uneven", uneven),
+    ] {
         let exact = explicit(1e-12, false, &times).0;
         let mut last = f64::INFINITY;
         for tolerance in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
@@ -145,7 +164,15 @@ fn contacts_that_open_and_close_keep_the_tolerance() {
         let (states, counts) = exponential(tolerance, true, &times);
         let plain = explicit(tolerance, true, &times);
         let (error, of_plain) = (distance(&states, &exact), distance(&plain.0, &exact));
-        println!("{tolerance:e}: {error:.1e} {counts:?}, dopri5 {of_plain:.1e} {}", plain.1.evaluations);
-        holds("etd-adams", &format!("error at {tolerance:e}"), error, ..2000.0 * tolerance);
+        println!(
+            "{tolerance:e}: {error:.1e} {counts:?}, dopri5 {of_plain:.1e} {}",
+            plain.1.evaluations
+        );
+        holds(
+            "etd-adams",
+            &format!("error at {tolerance:e}"),
+            error,
+            ..2000.0 * tolerance,
+        );
     }
 }

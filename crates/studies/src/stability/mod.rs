@@ -62,7 +62,7 @@ impl Default for Options {
             formulation,
             integrator: integrator.to_owned(),
             tolerance: match integrator {
-                "dopri5" => Some(1e-6),
+                "dopri5" | "etd-adams" => Some(1e-6),
                 "imex2-adaptive" => Some(1e-3),
                 _ => None,
             },
@@ -74,6 +74,7 @@ impl Default for Options {
                 method(reduced, "rk2"),
                 method(reduced, "rk4"),
                 method(reduced, "dopri5"),
+                method(reduced, "etd-adams"),
                 method(reduced, "imex2"),
                 method(reduced, "imex2-adaptive"),
                 method(lagrange, "rk2"),

@@ -92,6 +92,8 @@ pub(super) struct History {
     pub(super) known: usize,
     /// Backward differences of the remainder at the newest point, of rising order.
     pub(super) differences: Vec<Vec<f64>>,
+    /// How many of them are those of the points.
+    differed: usize,
 }
 
 impl History {
@@ -106,11 +108,18 @@ impl History {
             points: vec![point; points],
             known: 0,
             differences: vec![vec![0.0; count]; differences],
+            differed: 0,
         }
+    }
+
+    /// The points are others than they were.
+    pub(super) fn change(&mut self) {
+        self.differed = 0;
     }
 
     /// Room for a new point before the others; the oldest is forgotten.
     pub(super) fn push(&mut self) -> &mut Point {
+        self.change();
         self.points.rotate_right(1);
         self.known = (self.known + 1).min(self.points.len());
         &mut self.points[0]
@@ -118,12 +127,14 @@ impl History {
 
     /// Forgets the newest point.
     pub(super) fn pop(&mut self) {
+        self.change();
         self.points.rotate_left(1);
         self.known -= 1;
     }
 
     /// Every other point: the step doubles.
     pub(super) fn thin(&mut self) {
+        self.change();
         self.known = self.known.div_ceil(2);
         for k in 1..self.known {
             self.points.swap(k, 2 * k);
@@ -133,6 +144,10 @@ impl History {
     /// Differences of orders below `count`, which so many points give.
     #[inline]
     pub(super) fn differ(&mut self, count: usize) {
+        if self.differed >= count {
+            return;
+        }
+        self.differed = count;
         let Self {
             points,
             differences,

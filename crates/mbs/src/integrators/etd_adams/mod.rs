@@ -37,44 +37,32 @@ pub(super) const INFO: MethodInfo = MethodInfo {
     adaptive: true,
 };
 
-fn env(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(default)
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Control {
-    order: usize,
-    reject: f64,
-    halve: f64,
-    grow: f64,
-    give_up: f64,
-    shown: f64,
-    check: u64,
-    stiffer: f64,
-    turns: f64,
-    least: f64,
-    wait: u64,
-    trace: bool,
-}
-
-impl Control {
-    fn new() -> Self {
-        Self {
-            order: env("ETD_K", 3.0) as usize,
-            reject: env("ETD_REJECT", 3.0),
-            halve: env("ETD_HALVE", 1.0),
-            grow: env("ETD_GROW", 0.5),
-            give_up: env("ETD_GIVEUP", 30.0),
-            shown: env("ETD_SHOWN", 10.0),
-            check: env("ETD_CHECK", 8.0) as u64,
-            stiffer: env("ETD_STIFFER", 0.1),
-            turns: env("ETD_TURNS", 3.0),
-            least: env("ETD_LEAST", 1.0 / 6.0),
-            wait: env("ETD_WAIT", 4.0) as u64,
-            trace: env("ETD_TRACE", 0.0) > 0.0,
-        }
-    }
-}
+/// K: the lower where contacts come and go, the higher on what is smooth; each step takes the one with the smaller error.
+const ORDERS: [usize; 2] = [3, 5];
+const HIGHEST: usize = ORDERS[1];
+/// Coefficients of polynomials through the points of the highest order and one more.
+const TERMS: usize = HIGHEST + 2;
+/// Errors, in tolerances, above which a step is not taken, and above which the next is half as long; and what the error of a
+/// step twice as long must be expected below.
+const REJECT: f64 = 3.0;
+const HALVE: f64 = 1.0;
+const GROW: f64 = 0.5;
+/// Predicted states as near to the corrected ones as this, in tolerances, stand for samples.
+const SHOWN: f64 = 10.0;
+/// Steps from one look at the Jacobian to the next, and the share by which it must have moved to be taken: a linear part
+/// that is renewed at every step makes the method unstable at the higher order.
+const LOOK: u64 = 16;
+const MOVED: f64 = 0.1;
+/// Longest step, as |h| |L| with the size of [`Linear`]; half as much again where a new Jacobian is stiffer.
+const TURNS: f64 = 3.0;
+/// Shortest step, of those that Dormand-Prince took: a contact that begins takes few of them, which are cheaper than to begin
+/// anew.
+const LEAST: f64 = 0.02;
+/// Steps of Dormand-Prince before the method is tried; after a failure twice as many, up to the second.
+const WAIT: u64 = 4;
+const LONGEST_WAIT: u64 = 64;
+/// Steps that make a trial no failure.
+const SUCCESS: u64 = 16;
 
 /// Steps of Dormand-Prince that are remembered.
 const PIECES: usize = 8;
@@ -87,9 +75,9 @@ const SAME: f64 = 1e-9;
 #[derive(Debug, Clone)]
 struct Step {
     propagator: Propagator,
-    /// h Gamma_K and h (Gamma_K+1 - Gamma_K): states by remainders.
-    correction: Vec<f64>,
-    error: Vec<f64>,
+    /// By order: h Gamma_K and h (Gamma_K+1 - Gamma_K), states by remainders.
+    corrections: [Vec<f64>; 2],
+    errors: [Vec<f64>; 2],
 }
 
 /// What exists once the system has told its Jacobian.
@@ -112,25 +100,25 @@ struct Multistep {
 }
 
 impl Multistep {
-    fn new<S: OdeSystem>(system: &S, order: usize) -> Self {
+    fn new<S: OdeSystem>(system: &S) -> Self {
         let (structure, n) = (system.structure(), system.dimension());
         let linear = Linear::new(&structure, n);
         let count = linear.remainders();
         let matrix = vec![0.0; n * count];
         let step = Step {
-            propagator: Propagator::new(&linear, order + 2),
-            correction: matrix.clone(),
-            error: matrix,
+            propagator: Propagator::new(&linear, TERMS),
+            corrections: [matrix.clone(), matrix.clone()],
+            errors: [matrix.clone(), matrix],
         };
         Self {
             jacobian: Jacobian::new(&structure, n),
             newer: linear.clone(),
             line: Line::new(n),
-            history: History::new(&linear, 2 * order + 3, order + 2),
+            history: History::new(&linear, 2 * HIGHEST + 3, TERMS),
             steps: vec![step; KEPT],
             last_built: 0,
-            between: Propagator::new(&linear, order + 2),
-            known: vec![0.0; n + (order + 2) * count],
+            between: Propagator::new(&linear, TERMS),
+            known: vec![0.0; n + TERMS * count],
             x: vec![0.0; n],
             linear,
         }
@@ -144,6 +132,7 @@ impl Multistep {
     }
 
     fn set_remainder(&mut self, k: usize, time: f64) {
+        self.history.change();
         let point = &mut self.history.points[k];
         self.line.measure(time, &point.y, &mut self.x);
         for (i, (g, f)) in point.g.iter_mut().zip(&point.f).enumerate() {
@@ -162,20 +151,31 @@ impl Multistep {
     }
 
     /// The matrices of a step `h`, made if they are not kept.
-    fn matrices(&mut self, h: f64, order: usize) -> usize {
-        if let Some(k) = self.steps.iter().position(|s| (s.propagator.tau - h).abs() <= SAME * h) {
+    fn matrices(&mut self, h: f64) -> usize {
+        if let Some(k) = self
+            .steps
+            .iter()
+            .position(|s| (s.propagator.tau - h).abs() <= SAME * h)
+        {
             return k;
         }
         self.last_built = (self.last_built + 1) % KEPT;
         let step = &mut self.steps[self.last_built];
         step.propagator.build(&self.linear, h, h);
-        step.correction.fill(0.0);
-        step.error.fill(0.0);
-        for k in 0..order + 2 {
-            let (this, next) = (POWERS[order][k], POWERS[order + 1][k]);
-            let propagator = &step.propagator;
-            propagator.add_term(&self.linear, k, this, &mut step.correction);
-            propagator.add_term(&self.linear, k, next - this, &mut step.error);
+        for (which, &order) in ORDERS.iter().enumerate() {
+            let (correction, error) = (&mut step.corrections[which], &mut step.errors[which]);
+            correction.fill(0.0);
+            error.fill(0.0);
+            for (k, (this, next)) in POWERS[order]
+                .iter()
+                .zip(&POWERS[order + 1])
+                .enumerate()
+                .take(order + 2)
+            {
+                step.propagator.add_term(&self.linear, k, *this, correction);
+                step.propagator
+                    .add_term(&self.linear, k, next - this, error);
+            }
         }
         self.last_built
     }
@@ -189,8 +189,8 @@ impl Multistep {
     }
 
     /// The state a time `tau` from `time`, where it is `y`, by the remainder of the points that are known.
-    fn state_at(&mut self, time: f64, y: &[f64], h: f64, tau: f64, order: usize, out: &mut [f64]) {
-        let count = self.history.known.min(order + 2);
+    fn state_at(&mut self, time: f64, y: &[f64], h: f64, tau: f64, out: &mut [f64]) {
+        let count = self.history.known.min(TERMS);
         self.history.differ(count);
         self.know(time, y, count);
         self.between.build(&self.linear, tau, h);
@@ -200,13 +200,13 @@ impl Multistep {
 
     /// Moves the points from the distance `h` to the shorter `to`, without evaluations: the remainder is interpolated, and
     /// the states are those that it leads to, back from `y` at `time`.
-    fn respace(&mut self, time: f64, y: &[f64], h: f64, to: f64, order: usize) {
+    fn respace(&mut self, time: f64, y: &[f64], h: f64, to: f64) {
         let (n, width) = (self.linear.dimension, self.linear.remainders());
-        let count = self.history.known.min(order + 2);
+        let count = self.history.known.min(TERMS);
         self.history.differ(count);
         self.know(time, y, count);
         self.between.build(&self.linear, -to, h);
-        for k in 1..=order {
+        for k in 1..count.min(HIGHEST + 1) {
             self.between.advance(&self.linear, &self.known, &mut self.x);
             self.known[..n].copy_from_slice(&self.x);
             shift(&mut self.known[n..], width, -to / h);
@@ -218,7 +218,8 @@ impl Multistep {
             point.y.copy_from_slice(&self.x);
             self.line.restore(time - k as f64 * to, &mut point.y);
         }
-        self.history.known = order + 1;
+        self.history.change();
+        self.history.known = count.min(HIGHEST + 1);
     }
 }
 
@@ -232,7 +233,6 @@ fn transform(matrix: &[f64], d: &[f64], out: &mut [f64]) {
 /// A run with steps from a tolerance.
 #[derive(Debug, Clone)]
 pub struct EtdAdams {
-    control: Control,
     tolerance: f64,
     time: f64,
     y: Vec<f64>,
@@ -263,6 +263,8 @@ pub struct EtdAdams {
     /// Steps since the multistep method took over, and since the last look at the Jacobian.
     taken: u64,
     since_look: u64,
+    /// Of the orders, the one of the next step.
+    which: usize,
     /// Predicted state, at which f was evaluated, and whether it stands for the sample.
     seen: Vec<f64>,
     shown: bool,
@@ -276,9 +278,7 @@ impl EtdAdams {
     #[must_use]
     pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
         let zeros = vec![0.0; y.len()];
-        let control = Control::new();
         Self {
-            control,
             tolerance,
             time: t,
             y: y.to_vec(),
@@ -289,7 +289,7 @@ impl EtdAdams {
             pieces: vec![Dense::new(y.len()); PIECES],
             known_pieces: 0,
             begun: 0,
-            wait: control.wait,
+            wait: WAIT,
             runs: false,
             refused: false,
             multistep: None,
@@ -299,6 +299,7 @@ impl EtdAdams {
             at_aim: false,
             taken: 0,
             since_look: 0,
+            which: 0,
             seen: zeros.clone(),
             shown: false,
             f: zeros.clone(),
@@ -323,14 +324,14 @@ impl EtdAdams {
 
     /// Takes over from Dormand-Prince if its last steps reach back far enough and the system has a Jacobian.
     fn take_over<S: OdeSystem>(&mut self, system: &mut S) -> bool {
-        let order = self.control.order;
+        let order = ORDERS[0];
         let begins = self.at_aim || self.aim.is_infinite();
         if !self.is_due() || self.known_pieces < 2 || !begins {
             return false;
         }
         let multistep = self
             .multistep
-            .get_or_insert_with(|| Box::new(Multistep::new(system, order)));
+            .get_or_insert_with(|| Box::new(Multistep::new(system)));
         multistep.jacobian.clear();
         if !system.jacobian(self.time, &self.y, &mut multistep.jacobian) {
             self.refused = true;
@@ -340,15 +341,17 @@ impl EtdAdams {
         multistep.newer.read(&multistep.jacobian);
         let oldest = &self.pieces[self.known_pieces - 1];
         let span = self.time - (oldest.end - oldest.taken);
-        let steps = self.pieces[..self.known_pieces].iter().map(|piece| piece.taken);
+        let steps = self.pieces[..self.known_pieces]
+            .iter()
+            .map(|piece| piece.taken);
         let explicit = steps.fold(0.0, f64::max);
         let most = self
             .wanted
             .min(self.longest)
             .min(explicit)
             .min(span / order as f64)
-            .min(self.control.turns / multistep.newer.size);
-        if !(most > self.control.least * explicit) {
+            .min(TURNS / multistep.newer.size);
+        if !(most > LEAST * explicit) {
             self.wait += self.begun;
             return false;
         }
@@ -382,24 +385,36 @@ impl EtdAdams {
         multistep.history.known = order + 1;
         multistep.renew(self.time, h, &self.y);
         (self.h, self.wanted, self.explicit) = (h, h, explicit);
-        (self.taken, self.since_look) = (0, 0);
+        (self.taken, self.since_look, self.which) = (0, 0, 0);
         self.runs = true;
         true
     }
 
     /// The step to take, s: the wanted one, or what divides the way to the next time asked for.
     fn fitting(&self, multistep: &Multistep) -> f64 {
-        let room = multistep.history.known > 2 * self.control.order;
-        let largest = if self.wanted > self.h && !room { self.h } else { self.wanted };
+        let room = multistep.history.known > 2 * ORDERS[self.which];
+        let largest = if self.wanted > self.h && !room {
+            self.h
+        } else {
+            self.wanted
+        };
         let fit = |most: f64| {
             let count = self.count_to_aim(most);
-            if count > 0.0 { (self.aim - self.time) / count } else { most }
+            if count > 0.0 {
+                (self.aim - self.time) / count
+            } else {
+                most
+            }
         };
         let h = fit(largest.min(self.longest));
         let alike = |a: f64, b: f64| (a - b).abs() <= 10.0 * SAME * b;
         let doubled = alike(h, 2.0 * self.h);
         // Between once and twice the step there is no history.
-        let h = if h > self.h && !doubled { fit(self.h.min(self.longest)) } else { h };
+        let h = if h > self.h && !doubled {
+            fit(self.h.min(self.longest))
+        } else {
+            h
+        };
         if alike(h, self.h) { self.h } else { h }
     }
 
@@ -409,7 +424,7 @@ impl EtdAdams {
         let Some(multistep) = &mut self.multistep else {
             return;
         };
-        if self.since_look < self.control.check {
+        if self.since_look < LOOK {
             return;
         }
         self.since_look = 0;
@@ -417,7 +432,7 @@ impl EtdAdams {
         self.counts.jacobians += 1;
         if system.jacobian(self.time, &self.y, &mut multistep.jacobian) {
             multistep.newer.read(&multistep.jacobian);
-            if multistep.newer.distance(&multistep.linear) > self.control.stiffer {
+            if multistep.newer.distance(&multistep.linear) > MOVED {
                 multistep.renew(self.time, self.h, &self.y);
             }
         }
@@ -428,7 +443,11 @@ impl EtdAdams {
         let square = |(e, s): (&f64, &f64)| (e / (self.tolerance * s)) * (e / (self.tolerance * s));
         let sum: f64 = self.f.iter().zip(&self.scale).map(square).sum();
         let norm = (sum / self.f.len() as f64).sqrt();
-        if norm.is_finite() { norm } else { f64::INFINITY }
+        if norm.is_finite() {
+            norm
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// One step of the multistep method. False: Dormand-Prince must go on from here.
@@ -439,10 +458,10 @@ impl EtdAdams {
         };
         let done = loop {
             let h = self.fitting(&multistep);
-            if h < self.control.least * self.explicit {
+            if h < LEAST * self.explicit {
                 break false;
             }
-            if h * multistep.linear.size > 1.5 * self.control.turns {
+            if h * multistep.linear.size > 1.5 * TURNS {
                 self.wanted = 0.5 * h;
                 continue;
             }
@@ -460,7 +479,10 @@ impl EtdAdams {
         if h > self.h {
             multistep.history.thin();
         } else if h < self.h {
-            multistep.respace(self.time, &self.y, self.h, h, self.control.order);
+            multistep.respace(self.time, &self.y, self.h, h);
+        }
+        if multistep.history.known <= ORDERS[self.which] {
+            self.which = 0;
         }
         self.h = h;
     }
@@ -468,14 +490,16 @@ impl EtdAdams {
     /// Tries a step of the points' distance: true if it was taken, false if the method should give up, `None` if a shorter one
     /// should be tried.
     fn attempt<S: OdeSystem>(&mut self, multistep: &mut Multistep, system: &mut S) -> Option<bool> {
-        let (order, h) = (self.control.order, self.h);
+        let (which, h) = (self.which, self.h);
+        let order = ORDERS[which];
         let lands = ((self.aim - self.time) / h - 1.0).abs() < 1e-3;
         let end = if lands { self.aim } else { self.time + h };
-        let which = multistep.matrices(h, order);
+        let matrices = multistep.matrices(h);
         multistep.history.differ(order);
         multistep.know(self.time, &self.y, order);
-        let (linear, step) = (&multistep.linear, &multistep.steps[which]);
-        step.propagator.advance(linear, &multistep.known, &mut self.seen);
+        let (linear, step) = (&multistep.linear, &multistep.steps[matrices]);
+        step.propagator
+            .advance(linear, &multistep.known, &mut self.seen);
         multistep.line.restore(end, &mut self.seen);
         if lands {
             system.derivative_to_observe(end, &self.seen, &mut self.f);
@@ -487,34 +511,42 @@ impl EtdAdams {
         point.y.copy_from_slice(&self.seen);
         point.f.copy_from_slice(&self.f[linear.first..]);
         multistep.set_remainder(0, end);
-        multistep.history.differ(order + 2);
-        let (step, differences) = (&multistep.steps[which], &multistep.history.differences);
+        let known = multistep.history.known;
+        multistep.history.differ(known.min(TERMS));
+        let (step, differences) = (&multistep.steps[matrices], &multistep.history.differences);
         system.scale(&self.seen, &mut self.scale);
-        transform(&step.error, &differences[order + 1], &mut self.f);
-        let error = self.norm();
-        if self.control.trace {
-            eprintln!("{end:e} h {h:e} error {error:.2e} turns {:.3e}", multistep.linear.size * h);
-        }
-        if error > self.control.reject {
+        let errors: [f64; 2] = std::array::from_fn(|k| {
+            let order = ORDERS[k];
+            if order + 1 < known {
+                transform(&step.errors[k], &differences[order + 1], &mut self.f);
+                self.norm()
+            } else {
+                f64::INFINITY
+            }
+        });
+        let error = errors[which];
+        if error > REJECT {
             self.counts.rejected += 1;
             multistep.history.pop();
-            self.wanted = 0.5 * h;
-            return (error > self.control.give_up).then_some(false);
+            (self.wanted, self.which) = (0.5 * h, 0);
+            return error.is_infinite().then_some(false);
         }
-        transform(&step.correction, &differences[order], &mut self.f);
+        transform(&step.corrections[which], &differences[order], &mut self.f);
         for ((y, seen), change) in self.y.iter_mut().zip(&self.seen).zip(&self.f) {
             *y = seen + change;
         }
-        self.shown = self.norm() <= self.control.shown;
+        self.shown = self.norm() <= SHOWN;
         self.time = end;
         self.taken += 1;
         self.counts.steps += 1;
         system.settle(self.time, &mut self.y);
-        let gain = 2.0_f64.powi(order as i32 + 2);
-        let may_grow = 2.0 * h * multistep.linear.size <= self.control.turns;
-        self.wanted = if error > self.control.halve {
+        self.which = usize::from(errors[1] < errors[0]);
+        let error = errors[self.which];
+        let gain = 2.0_f64.powi(ORDERS[self.which] as i32 + 2);
+        let may_grow = 2.0 * h * multistep.linear.size <= TURNS;
+        self.wanted = if error > HALVE {
             0.5 * h
-        } else if may_grow && error * gain < self.control.grow {
+        } else if may_grow && error * gain < GROW {
             2.0 * h
         } else {
             h
@@ -555,7 +587,11 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
             }
             self.runs = false;
             // What was short-lived is tried again later.
-            self.wait = if self.taken < 16 { (2 * self.wait).min(64) } else { self.control.wait };
+            self.wait = if self.taken < SUCCESS {
+                (2 * self.wait).min(LONGEST_WAIT)
+            } else {
+                WAIT
+            };
             self.begun = 0;
             self.known_pieces = 0;
             self.wanted = f64::INFINITY;
@@ -595,8 +631,7 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
                 if is_here {
                     y.copy_from_slice(if self.shown { &self.seen } else { &self.y });
                 } else {
-                    let order = self.control.order;
-                    multistep.state_at(self.time, &self.y, self.h, t - self.time, order, y);
+                    multistep.state_at(self.time, &self.y, self.h, t - self.time, y);
                     system.settle(t, y);
                 }
             }

@@ -201,7 +201,11 @@ impl Propagator {
     pub(super) fn add_term(&self, linear: &Linear, k: usize, factor: f64, out: &mut [f64]) {
         let (width, count) = (self.width(linear), linear.remainders());
         let at = linear.dimension + k * count;
-        for (row, out) in self.rows.chunks_exact(width).zip(out.chunks_exact_mut(count)) {
+        for (row, out) in self
+            .rows
+            .chunks_exact(width)
+            .zip(out.chunks_exact_mut(count))
+        {
             for (out, x) in out.iter_mut().zip(&row[at..at + count]) {
                 *out += factor * x;
             }
