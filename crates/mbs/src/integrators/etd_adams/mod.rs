@@ -100,7 +100,7 @@ struct Multistep {
 }
 
 impl Multistep {
-    fn new<S: OdeSystem>(system: &S) -> Self {
+    fn new<S: OdeSystem>(system: &S, jacobian: Jacobian) -> Self {
         let (structure, n) = (system.structure(), system.dimension());
         let linear = Linear::new(&structure, n);
         let count = linear.remainders();
@@ -111,7 +111,7 @@ impl Multistep {
             errors: [matrix.clone(), matrix],
         };
         Self {
-            jacobian: Jacobian::new(&structure, n),
+            jacobian,
             newer: linear.clone(),
             line: Line::new(n),
             history: History::new(&linear, 2 * HIGHEST + 3, TERMS),
@@ -324,21 +324,35 @@ impl EtdAdams {
 
     /// Takes over from Dormand-Prince if its last steps reach back far enough and the system has a Jacobian.
     fn take_over<S: OdeSystem>(&mut self, system: &mut S) -> bool {
-        let order = ORDERS[0];
         let begins = self.at_aim || self.aim.is_infinite();
         if !self.is_due() || self.known_pieces < 2 || !begins {
             return false;
         }
-        let multistep = self
-            .multistep
-            .get_or_insert_with(|| Box::new(Multistep::new(system)));
-        multistep.jacobian.clear();
-        if !system.jacobian(self.time, &self.y, &mut multistep.jacobian) {
-            self.refused = true;
-            return false;
-        }
+        let mut multistep = match self.multistep.take() {
+            Some(mut multistep) => {
+                multistep.jacobian.clear();
+                system.jacobian(self.time, &self.y, &mut multistep.jacobian);
+                multistep
+            }
+            None => {
+                let mut jacobian = Jacobian::new(&system.structure(), self.y.len());
+                if !system.jacobian(self.time, &self.y, &mut jacobian) {
+                    self.refused = true;
+                    return false;
+                }
+                Box::new(Multistep::new(system, jacobian))
+            }
+        };
         self.counts.jacobians += 1;
         multistep.newer.read(&multistep.jacobian);
+        self.runs = self.begin(&mut multistep, system);
+        self.multistep = Some(multistep);
+        self.runs
+    }
+
+    /// Makes the history from the last steps of Dormand-Prince, at whose end the newest Jacobian was taken.
+    fn begin<S: OdeSystem>(&mut self, multistep: &mut Multistep, system: &mut S) -> bool {
+        let order = ORDERS[0];
         let oldest = &self.pieces[self.known_pieces - 1];
         let span = self.time - (oldest.end - oldest.taken);
         let steps = self.pieces[..self.known_pieces]
@@ -360,9 +374,6 @@ impl EtdAdams {
             (self.aim - self.time) / (count as u64).next_power_of_two() as f64
         } else {
             short_step(most)
-        };
-        let Some(multistep) = self.multistep.as_mut() else {
-            return false;
         };
         let first = multistep.linear.first;
         for k in 0..=order {
@@ -386,7 +397,6 @@ impl EtdAdams {
         multistep.renew(self.time, h, &self.y);
         (self.h, self.wanted, self.explicit) = (h, h, explicit);
         (self.taken, self.since_look, self.which) = (0, 0, 0);
-        self.runs = true;
         true
     }
 
