@@ -10,8 +10,8 @@
 
 use crate::jacobian::{Jacobian, Structure};
 
-/// Taylor sums end where the next term is below this.
-const ROUNDING: f64 = 1e-18;
+/// Taylor sums end where the next term is below this share of the first.
+const ROUNDING: f64 = 1e-17;
 /// And after so many terms at the latest.
 const MOST_TERMS: usize = 60;
 
@@ -149,13 +149,13 @@ impl Propagator {
     pub(super) fn build(&mut self, linear: &Linear, tau: f64, unit: f64) {
         let (n, first, count) = (linear.dimension, linear.first, linear.remainders());
         let width = self.width(linear);
-        // 1/(i + terms)!, until |tau L|^i of them is nothing.
+        // 1/(i + terms)!, until |tau L|^i of them is nothing beside the first.
         let mut inverse = [0.0; MOST_TERMS];
         inverse[0] = (1..=self.terms).fold(1.0, |f, k| f / k as f64);
         let (mut size, mut used) = (1.0, 1);
         while used < MOST_TERMS && size > ROUNDING {
             inverse[used] = inverse[used - 1] / (used + self.terms) as f64;
-            size *= linear.size * tau.abs() / used as f64;
+            size *= linear.size * tau.abs() / (used + self.terms) as f64;
             used += 1;
         }
         self.above.fill(0.0);
