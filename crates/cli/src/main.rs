@@ -41,6 +41,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Schema => screen::show_json(&pinwheel::scene::schema::schema()).map(|()| 0),
         Command::Paper(args) => commands::paper::paper(args),
         Command::Baseline(args) => commands::baseline::baseline(args),
+        Command::Calibrate(args) => commands::calibrate::calibrate(args),
         Command::Stability(args) => commands::stability::stability(args),
         Command::Record(args) => commands::record::record(args),
     }

@@ -4,12 +4,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::native::{self, NativeError};
-use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_gearbox::resolve::{self, Budget};
+use pinwheel_gearbox::{Gearbox, GearboxError, auto};
 use pinwheel_report::animation::{Animation, CHANNELS, Gear};
 use pinwheel_scene as scene;
 use pinwheel_scene::Scene;
 
 use crate::PageError;
+
+/// What a picture may cost where the scene's own method fails: a few seconds.
+const BUDGET: Budget = Budget {
+    evaluations: 3_000_000,
+};
 
 /// What is drawn of a gear.
 fn gear(scene: &Scene) -> Gear {
@@ -63,7 +69,21 @@ pub fn window(
     let Ok(gearbox) = built.and_then(|scene| Gearbox::new(&scene)) else {
         return Ok(None);
     };
-    let courses: Courses = match native::run(&gearbox, &mut |_| cancel.load(Ordering::Relaxed)) {
+    let watch = &mut |_| cancel.load(Ordering::Relaxed);
+    let mut ran = native::run(&gearbox, watch);
+    let mut title = title.to_owned();
+    if matches!(ran, Err(NativeError::Diverged { .. })) {
+        // Forces that run away are no picture of the gear where another method gets through.
+        match resolve::run_resolved(&gearbox, auto::PROMISE, BUDGET, watch) {
+            Ok((run, _)) => {
+                title.push_str(", by a method that gets through");
+                ran = Ok(run);
+            }
+            Err(NativeError::Stopped) => return Err(PageError::Cancelled),
+            Err(_) => title.push_str(", until it diverges"),
+        }
+    }
+    let courses: Courses = match ran {
         Ok(run) => run.courses,
         // What there is until then is worth seeing.
         Err(NativeError::Diverged { partial, .. }) => partial.courses,

@@ -12,6 +12,7 @@
 pub mod animation;
 pub mod baseline;
 pub mod bench;
+pub mod calibration;
 pub mod comparison;
 mod error;
 pub mod explain;

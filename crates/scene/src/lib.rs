@@ -50,6 +50,7 @@ mod profile;
 pub mod scales;
 pub mod schema;
 mod suggest;
+mod uncertain;
 #[cfg(test)]
 mod tests;
 
@@ -67,3 +68,4 @@ pub use parse::{MOST_BYTES, Override};
 pub use presets::{PRESETS, Preset, preset};
 pub use scales::{Scales, free_play};
 pub use suggest::{did_you_mean, nearest};
+pub use uncertain::PlusMinus;

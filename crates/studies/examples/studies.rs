@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             for name in names {
                 match divergence::horizon(
                     &Scene::load(name, &[])?.into_scene(),
-                    divergence::STEP,
+                    divergence::STEP_RAD,
                     &mut |_| false,
                 ) {
                     Ok(found) => println!(

@@ -23,13 +23,15 @@ use crate::StudyError;
 use crate::control::{Control, Progress};
 
 /// How much is done for sharp statements.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
     /// Wall time that one engine's runs may take before it is refined no further.
     pub longest: Duration,
     /// Whether step, tolerance and integrator of the scene are obeyed as they stand. Otherwise they are where
     /// refinement begins.
     pub obey: bool,
+    /// The largest U of a pair that still counts as resolved, relative.
+    pub resolution: f64,
 }
 
 impl Effort {
@@ -45,12 +47,13 @@ impl Effort {
         Self {
             longest: Self::LONGEST,
             obey: !follows("solver.step_s"),
+            resolution: RESOLUTION,
         }
     }
 }
 
-/// Uncertainty of one engine that leaves room for the other within the resolution.
-const TARGET: f64 = 0.45 * RESOLUTION;
+/// Share of the resolution that one engine's uncertainty may take: it leaves room for the other's.
+const TARGET: f64 = 0.45;
 /// Most that one refinement makes finer.
 const MOST: f64 = 8.0;
 /// How much dearer a run at a tenth of the tolerance is.
@@ -241,7 +244,7 @@ struct At {
 }
 
 /// Runs an engine on its ladder.
-pub(super) fn climb(
+pub(crate) fn climb(
     engine: &dyn Engine,
     gearbox: &Gearbox,
     context: &Context,
@@ -309,7 +312,7 @@ pub(super) fn climb(
     let mut excuse = engines.excuse.filter(|_| effort.obey).map(str::to_owned);
     loop {
         let evidence = evidence(&engines, value, &rungs);
-        let found = refinement(context, &finest, &evidence)?;
+        let found = refinement(context, &finest, &evidence, TARGET * effort.resolution)?;
         let Some(needed) = found.factor.filter(|_| free) else {
             return Ok((finest, excused(evidence, excuse, found)));
         };
@@ -434,6 +437,7 @@ fn refinement(
     context: &Context,
     participant: &Participant,
     evidence: &Evidence,
+    target: f64,
 ) -> Result<Needed, StudyError> {
     let rules = Rules {
         evidence: std::slice::from_ref(evidence),
@@ -448,8 +452,8 @@ fn refinement(
     let all = found.engines.iter().flat_map(|e| &e.uncertainty);
     for one in all.filter(|u| pointwise(u.window)) {
         match (&one.l2, one.relative_l2) {
-            (Uncertainty::Resolved(estimate), Some(share)) if share > TARGET => {
-                let factor = estimate.refinement_for(estimate.u * TARGET / share);
+            (Uncertainty::Resolved(estimate), Some(share)) if share > target => {
+                let factor = estimate.refinement_for(estimate.u * target / share);
                 most = most.max(factor.unwrap_or(1.0));
             }
             (Uncertainty::NotResolved(missing), _) => {
