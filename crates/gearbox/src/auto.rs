@@ -3,7 +3,6 @@
 //! What is planned here is a good first try, from [`Frequencies`]; [`resolve`](crate::resolve) verifies it on the run
 //! itself, refines it, and falls back on the next plan of the [`chain`] where it fails.
 
-use pinwheel_contact::{Law, NormalLaw};
 use pinwheel_mbs::integrators::METHODS;
 use pinwheel_scene::scales;
 
@@ -11,7 +10,7 @@ use crate::frequencies::Frequencies;
 use crate::load_course;
 use crate::native::Limits;
 use crate::scene::{Detection, Formulation, FrictionLaw, Scene};
-use crate::{Gearbox, GearboxError, contacts, scene};
+use crate::{Gearbox, GearboxError, scene};
 
 pub use pinwheel_scene::names::AUTO;
 
@@ -261,12 +260,9 @@ impl<'a> Planner<'a> {
         self.plan("dopri5", share * twist, reason)
     }
 
-    /// Whether the contacts know their Jacobian in closed form, without which a Rosenbrock step costs ten times as much:
-    /// laws without a force along the profile, in vector lanes.
+    /// Whether the equations know their Jacobian in closed form, without which a Rosenbrock step costs ten times as much.
     fn has_slopes(&self) -> bool {
-        let normal_only = |law: Law| law.along(1e-6).is_none();
-        contacts::law_of(self.scene).is_some_and(normal_only)
-            && self.scene.solver.formulation == Formulation::Reduced
+        self.scene.solver.formulation == Formulation::Reduced
     }
 
     fn rosenbrock(&self, reason: &str) -> Plan {
@@ -343,8 +339,11 @@ mod tests {
         scene.contact.detection = Detection::Exact;
         assert_eq!(integrator(&scene).integrator, "rodas5p");
         // Without a Jacobian in closed form a Rosenbrock step is dear.
-        scene.contact.law = "paper-conservative".to_owned();
+        scene.solver.formulation = Formulation::Lagrange;
         assert_eq!(integrator(&scene).integrator, "imex2-adaptive");
+        scene.solver.formulation = Formulation::Reduced;
+        scene.contact.law = "paper-conservative".to_owned();
+        assert_eq!(integrator(&scene).integrator, "rodas5p");
         // Slow friction, and digits that an implicit method of order two would pay for.
         assert_eq!(plan(&scene, 1e-7).integrator, "dopri5");
         scene.contact.friction_ramp_m_s = 1e-3;

@@ -127,21 +127,16 @@ impl LawVisitor for Build<'_> {
         } = self;
         let in_lanes =
             kernel != Kernel::Scalar && scene.contact.friction_law == FrictionLaw::Regularised;
-        // A force along the profile needs the slope of K, which lanes do not have and points cannot.
-        let along = law.along(0.0).is_some();
         Ok(match scene.contact.detection {
-            Detection::Exact if along => {
-                let exact = Exact::with_slope(scene, geometry);
-                Box::new(Pairs::new(scene, geometry, law, exact))
-            }
             Detection::Exact if in_lanes => {
                 Box::new(LaneField::new(scene, geometry, any, kernel.arch()))
             }
             Detection::Exact => {
-                let exact = Exact::new(scene, geometry);
+                let exact = Exact::new(scene, geometry, &law);
                 Box::new(Pairs::new(scene, geometry, law, exact))
             }
-            Detection::Points if along => {
+            // A force along the profile needs the slope of K, which points do not have.
+            Detection::Points if law.along(0.0).is_some() => {
                 return Err(GearboxError::Geometry(format!(
                     "contact.detection = \"points\" has no slope of the stiffness, which the law `{}` needs; \
                      use contact.detection = \"exact\"",
