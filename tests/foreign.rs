@@ -362,7 +362,10 @@ fn stated_uncertainties_give_validation_verdicts() {
 #[test]
 fn uncertain_inputs_are_part_of_the_budget() {
     let (dir, _) = folder(1);
-    let map = MAP.replace("factor = -1.0 }", "factor = -1.0, uncertainty = { of_reading = 0.001 } }");
+    let map = MAP.replace(
+        "factor = -1.0 }",
+        "factor = -1.0, uncertainty = { of_reading = 0.001 } }",
+    );
     std::fs::write(dir.path().join("rig.toml"), map).unwrap();
     let foreign = ["--against", "rig.csv", "--map", "rig.toml", "--out", "out"];
     let budget = |sets: &[&str]| {
@@ -370,15 +373,23 @@ fn uncertain_inputs_are_part_of_the_budget() {
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
         let found = summary(dir.path());
         let entries = found["pairs"][0]["entries"].as_array().unwrap().clone();
-        let entry = entries.into_iter().find(|e| e["quantity"] == "input_torque_n_m");
-        (outcome.stdout, entry.unwrap()["judgements"][0]["budget"].clone())
+        let entry = entries
+            .into_iter()
+            .find(|e| e["quantity"] == "input_torque_n_m");
+        (
+            outcome.stdout,
+            entry.unwrap()["judgements"][0]["budget"].clone(),
+        )
     };
     let (_, before) = budget(&[]);
     assert_eq!(before["input"], 0.0, "{before}");
     let (text, after) = budget(&["--set", "uncertain.drive.output_torque_n_m.plus_minus=0.11"]);
     let input = after["input"].as_f64().unwrap();
     assert!((input / 0.00289 - 1.0).abs() < 0.2, "{after}");
-    assert!(text.contains("inputs 8") || text.contains("inputs 9"), "{text}");
+    assert!(
+        text.contains("inputs 8") || text.contains("inputs 9"),
+        "{text}"
+    );
     // Nine keys and more are moved all at once: the others hardly count here.
     let many: Vec<String> = [
         ("drive.output_torque_n_m", "0.11"),
@@ -392,7 +403,12 @@ fn uncertain_inputs_are_part_of_the_budget() {
         ("gear.hole_radius_m", "1e-12"),
     ]
     .iter()
-    .flat_map(|(key, half)| ["--set".to_owned(), format!("uncertain.{key}.plus_minus={half}")])
+    .flat_map(|(key, half)| {
+        [
+            "--set".to_owned(),
+            format!("uncertain.{key}.plus_minus={half}"),
+        ]
+    })
     .collect();
     let many: Vec<&str> = many.iter().map(String::as_str).collect();
     let (_, hypercube) = budget(&many);

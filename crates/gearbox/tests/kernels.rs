@@ -40,11 +40,7 @@ fn pairs(
 }
 
 /// Loads and energies of the loop in lanes from one walk.
-fn both(
-    gearbox: &Gearbox,
-    kernel: Kernel,
-    bodies: &[BodyState],
-) -> (Vec<Wrench>, ContactEnergy) {
+fn both(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> (Vec<Wrench>, ContactEnergy) {
     let mut gearbox = gearbox.clone();
     gearbox.kernel = kernel;
     let mut loads = vec![Wrench::default(); bodies.len()];

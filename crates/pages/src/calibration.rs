@@ -7,10 +7,7 @@ use pinwheel_studies::calibration::{COVERAGE, Outcome, Row, SHARPNESS, power};
 #[must_use]
 pub fn text(found: &Outcome) -> String {
     let mut text = format!("{} gears\n", found.gears);
-    for (figures, title) in [
-        (false, "time series"),
-        (true, "their means, peaks and RMS"),
-    ] {
+    for (figures, title) in [(false, "time series"), (true, "their means, peaks and RMS")] {
         let heading = |text: &str| Cell::figure(text).styled(TITLE);
         let mut rows = vec![vec![
             Cell::text(title).styled(TITLE),

@@ -61,7 +61,9 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
         let unit = crate::keys::key(key).map_or("", Key::unit);
         add(
             key,
-            format!("+- {} {unit}", short(half.plus_minus)).trim_end().to_owned(),
+            format!("+- {} {unit}", short(half.plus_minus))
+                .trim_end()
+                .to_owned(),
             "stated as uncertain: counts where the scene is compared with measured data",
         );
     }

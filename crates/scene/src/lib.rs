@@ -50,9 +50,9 @@ mod profile;
 pub mod scales;
 pub mod schema;
 mod suggest;
-mod uncertain;
 #[cfg(test)]
 mod tests;
+mod uncertain;
 
 pub use assumptions::{Assumption, assumptions};
 pub use checked::{CheckedScene, Origin, Source};

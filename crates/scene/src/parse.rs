@@ -312,12 +312,20 @@ impl<'a> Layers<'a> {
                 }
                 let known: Vec<&str> = KEYS.iter().map(|row| row.name).collect();
                 let remedy = crate::did_you_mean(&key, &known);
-                return Err(fault(&key, &place, "is no key of a scene".to_owned(), &remedy));
+                return Err(fault(
+                    &key,
+                    &place,
+                    "is no key of a scene".to_owned(),
+                    &remedy,
+                ));
             }
             let stated = item.as_table_like().filter(|inner| inner.len() == 1);
-            let number = stated.and_then(|inner| inner.get("plus_minus")).and_then(|half| {
-                half.as_float().or_else(|| half.as_integer().map(|whole| whole as f64))
-            });
+            let number = stated
+                .and_then(|inner| inner.get("plus_minus"))
+                .and_then(|half| {
+                    half.as_float()
+                        .or_else(|| half.as_integer().map(|whole| whole as f64))
+                });
             let Some(number) = number else {
                 let what = "says not by how much".to_owned();
                 return Err(fault(&key, &place, what, EXAMPLE));

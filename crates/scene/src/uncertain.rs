@@ -54,8 +54,13 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
             what,
             remedy: remedy.to_owned(),
         };
-        let Some((Key { kind: Kind::Number(range), .. }, value)) =
-            keys::key(key).zip(lookup(&table, key).and_then(Value::as_float))
+        let Some((
+            Key {
+                kind: Kind::Number(range),
+                ..
+            },
+            value,
+        )) = keys::key(key).zip(lookup(&table, key).and_then(Value::as_float))
         else {
             return Err(fault(
                 "is no number of this scene".to_owned(),
@@ -116,9 +121,9 @@ impl CheckedScene {
         }
         let path: Vec<&str> = key.split('.').collect();
         insert(&mut table, &path, Value::Float(value));
-        let changed: Scene = table.try_into().map_err(|error: toml::de::Error| {
-            fault(error.message().to_owned())
-        })?;
+        let changed: Scene = table
+            .try_into()
+            .map_err(|error: toml::de::Error| fault(error.message().to_owned()))?;
         self.changed(|scene| *scene = changed)
     }
 }

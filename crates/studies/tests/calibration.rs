@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Layout, Override, Scene, Sleeve};
+use pinwheel_studies::Control;
 use pinwheel_studies::calibration::{self, gears, power};
 use pinwheel_studies::comparison::Effort;
-use pinwheel_studies::Control;
 
 fn effort(resolution: f64) -> Effort {
     Effort {
@@ -27,7 +27,9 @@ fn crossval_stated_uncertainties_cover_true_errors() {
     scenes.extend((2000..2006).map(|seed| gears::gear(seed).check().unwrap()));
     let input = calibration::Input {
         scenes,
-        engines: ["native-reduced", "native-lagrange"].map(str::to_owned).to_vec(),
+        engines: ["native-reduced", "native-lagrange"]
+            .map(str::to_owned)
+            .to_vec(),
         effort: effort(0.01),
     };
     let found = calibration::run(&input, &Control::quiet()).unwrap();
@@ -65,7 +67,7 @@ fn a_small_sleeve_is_pressed_in_less() {
     let mut gearbox = Gearbox::new(&Scene::paper().check().unwrap()).unwrap();
     let mut states = gearbox.kinematic_states();
     for wheel in Layout::of(&gearbox.scene.gear).wheel_bodies() {
-        states[wheel].angle += 1e-4;
+        states[wheel].angle += 1e-3;
     }
     let pressed = |gearbox: &Gearbox| {
         let mut found = Vec::new();
@@ -76,14 +78,22 @@ fn a_small_sleeve_is_pressed_in_less() {
         found
     };
     let before = pressed(&gearbox);
-    let of_external = |(_, sleeve, _): &&(usize, Sleeve, f64)| matches!(sleeve, Sleeve::External(_));
+    let of_external =
+        |(_, sleeve, _): &&(usize, Sleeve, f64)| matches!(sleeve, Sleeve::External(_));
     let &(_, Sleeve::External(number), _) = before.iter().find(of_external).unwrap() else {
         panic!();
     };
     let less = 1e-7;
     gearbox.geometry.small_sleeve = Some((number, less));
     for ((wheel, sleeve, one), (_, _, other)) in before.iter().zip(&pressed(&gearbox)) {
-        let wanted = if *sleeve == Sleeve::External(number) { less } else { 0.0 };
-        assert!((one - other - wanted).abs() < 1e-3 * less, "{wheel} {sleeve:?}: {one} {other}");
+        let wanted = if *sleeve == Sleeve::External(number) {
+            less
+        } else {
+            0.0
+        };
+        assert!(
+            (one - other - wanted).abs() < 1e-3 * less,
+            "{wheel} {sleeve:?}: {one} {other}"
+        );
     }
 }

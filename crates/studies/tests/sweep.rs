@@ -116,8 +116,15 @@ fn regress_efficiencies_above_one_are_told() {
         let plain = record.efficiency.unwrap();
         let accounted = record.efficiency_accounted.unwrap();
         assert!(accounted <= 1.0 + 1e-9, "{accounted}");
-        assert_eq!(plain > 1.0, record.reason().contains("efficiency above 1"), "{record:?}");
-        assert!(plain <= 1.0 || (plain - accounted) > 0.0, "{plain} {accounted}");
+        assert_eq!(
+            plain > 1.0,
+            record.reason().contains("efficiency above 1"),
+            "{record:?}"
+        );
+        assert!(
+            plain <= 1.0 || (plain - accounted) > 0.0,
+            "{plain} {accounted}"
+        );
     }
     assert!(records[0].efficiency.unwrap() > 1.005, "{records:?}");
 }

@@ -5,10 +5,10 @@ use std::time::Duration;
 
 use pinwheel::pages;
 use pinwheel::scene::{CheckedScene, Override, Scene};
+use pinwheel::studies::Provenance;
 use pinwheel::studies::calibration::{self, gears, power};
 use pinwheel::studies::choice;
 use pinwheel::studies::comparison::Effort;
-use pinwheel::studies::Provenance;
 
 use crate::args::{self, CalibrateArgs};
 use crate::failure::{EXCEEDED, Failure};
@@ -34,7 +34,10 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<u8, Failure> {
         presets.iter().map(load).collect::<Result<Vec<_>, _>>()?
     } else {
         let load = |name: &String| Scene::load(name, &[]).map_err(Failure::from);
-        args.scenes.iter().map(load).collect::<Result<Vec<_>, _>>()?
+        args.scenes
+            .iter()
+            .map(load)
+            .collect::<Result<Vec<_>, _>>()?
     };
     let folder = Folder::prepare(&args.out.folder("verdicts", "calibrate"), args.out.force)?;
     let made = Provenance::here(args::typed());
@@ -79,10 +82,7 @@ fn preset(name: &str, duration_s: f64) -> Result<CheckedScene, Failure> {
 }
 
 /// The engines asked for, or those of this build that `wanted` takes.
-fn engines(
-    args: &CalibrateArgs,
-    wanted: impl Fn(&str) -> bool,
-) -> Result<Vec<String>, Failure> {
+fn engines(args: &CalibrateArgs, wanted: impl Fn(&str) -> bool) -> Result<Vec<String>, Failure> {
     let known: Vec<&str> = choice::listed().iter().map(|engine| engine.name).collect();
     if args.engines.is_empty() {
         let of_study = calibration::ENGINES.iter().copied();
@@ -96,8 +96,7 @@ fn engines(
                 calibration::ENGINES.join(", ")
             )));
         }
-        choice::find(name, &Scene::paper())
-            .map_err(|error| Failure::input(error.to_string()))?;
+        choice::find(name, &Scene::paper()).map_err(|error| Failure::input(error.to_string()))?;
     }
     Ok(args.engines.clone())
 }

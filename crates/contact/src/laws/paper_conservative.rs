@@ -11,9 +11,7 @@
 
 use pulp::Simd;
 
-use super::{
-    LawInfo, LawParameters, NormalLaw, PaperLaw, ramped_integral, ramped_integral_lanes,
-};
+use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, ramped_integral, ramped_integral_lanes};
 use crate::lanes::Lanes;
 
 /// Eq. 20 with the missing part of the gradient.

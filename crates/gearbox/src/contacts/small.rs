@@ -21,7 +21,12 @@ pub(super) struct Small {
 }
 
 impl Small {
-    pub(super) fn new(field: Box<dyn ContactField>, scene: &Scene, number: usize, less: f64) -> Self {
+    pub(super) fn new(
+        field: Box<dyn ContactField>,
+        scene: &Scene,
+        number: usize,
+        less: f64,
+    ) -> Self {
         let sleeve = Sleeve::External(number);
         Self {
             field,

@@ -31,17 +31,35 @@ fn every_form_is_the_same() {
 #[test]
 fn bad_input_what_makes_no_sense_is_refused() {
     for (line, parts) in [
-        ("gear.wheels = { plus_minus = 1 }", &["line 3", "no number"][..]),
+        (
+            "gear.wheels = { plus_minus = 1 }",
+            &["line 3", "no number"][..],
+        ),
         ("contact.law = { plus_minus = 1 }", &["no number"]),
-        ("solver.step_s = { plus_minus = 1e-6 }", &["setting", "leave it out"]),
-        ("gear.backlash = { plus_minus = 1e-6 }", &["did you mean `gear.backlash_m`"]),
+        (
+            "solver.step_s = { plus_minus = 1e-6 }",
+            &["setting", "leave it out"],
+        ),
+        (
+            "gear.backlash = { plus_minus = 1e-6 }",
+            &["did you mean `gear.backlash_m`"],
+        ),
         ("gear.backlash_m = 5e-6", &["by how much", "plus_minus"]),
-        ("gear.backlash_m = { plus = 5e-6 }", &["by how much", "plus_minus"]),
+        (
+            "gear.backlash_m = { plus = 5e-6 }",
+            &["by how much", "plus_minus"],
+        ),
         ("gear.hole_radius_m = { plus_minus = 0.0 }", &["above 0"]),
         ("gear.hole_radius_m = { plus_minus = nan }", &["above 0"]),
-        ("gear.backlash_m = { plus_minus = 5e-6 }", &["line 3", "reaches -", "middle of the interval"]),
+        (
+            "gear.backlash_m = { plus_minus = 5e-6 }",
+            &["line 3", "reaches -", "middle of the interval"],
+        ),
         ("gear = 1", &["must be a table"]),
-        ("gear.pin_circle_radius_m = { plus_minus = 1e-6 }", &["no number of this scene"]),
+        (
+            "gear.pin_circle_radius_m = { plus_minus = 1e-6 }",
+            &["no number of this scene"],
+        ),
     ] {
         let told = read(&format!("[uncertain]\n{line}")).expect_err(line);
         assert!(!told.contains('\n') && told.contains("; "), "{told}");

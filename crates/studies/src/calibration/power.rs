@@ -255,7 +255,10 @@ fn smallest(
         _ => 100.0 * kind.asked(),
     };
     let (told, uncertainties) = tell(kind.asked())?;
-    let (mut seen, mut unseen) = (told.then_some(kind.asked()), (!told).then_some(kind.asked()));
+    let (mut seen, mut unseen) = (
+        told.then_some(kind.asked()),
+        (!told).then_some(kind.asked()),
+    );
     let (mut size, mut ratio) = (kind.asked(), uncertainties);
     for _ in 1..MOST_RUNS {
         let near = seen.zip(unseen).is_some_and(|(s, u)| s <= CLOSE * u);

@@ -1,7 +1,7 @@
 //! Every engine on a ladder of settings: what its numbers are uncertain by, refined while time allows.
 //!
 //! The finest run is the one that is shown and compared; two coarser ones (2 and 4 times the step, 10 and 100 times the
-//! tolerance) say how far it may be off. Where a setting is free, and not stated by whoever asks, an engine whose
+//! tolerance; less for RODAS5P) say how far it may be off. Where a setting is free, and not stated by whoever asks, an engine whose
 //! uncertainty is too large is run finer: the finest run so far becomes a rung, so each refinement costs one run.
 
 use std::time::Duration;
@@ -14,7 +14,8 @@ use pinwheel_compare::{
 };
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, Native, by_name};
-use pinwheel_gearbox::{Gearbox, auto};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::auto::{self, Plan};
 use pinwheel_mbs::integrators::METHODS;
 use pinwheel_scene::CheckedScene;
 
@@ -80,7 +81,17 @@ struct Engines<'a> {
     value: f64,
     /// Why more may not be asked of it.
     excuse: Option<&'static str>,
+    /// What its iterations leave, whatever its step.
+    floor: f64,
 }
+
+/// Share of a tolerance below which no error is believed: near rest steps are bounded by stability, whatever the tolerance, and
+/// all runs of a ladder err alike (5e-10 at 5e-7 where their differences said 1.5e-10).
+const STABLE: f64 = 2e-3;
+/// Tolerance of RODAS5P where a comparison begins: ten times looser is as loose as it may be.
+const ROSENBROCK: f64 = 1e-6;
+/// Relative tolerance of exudyn's Newton iterations, which sets what the implicit form leaves.
+const NEWTON: f64 = 1e-8;
 
 const OF_ITS_OWN: &str = "its step and its contacts are its own";
 const EXPLICIT: &str = "its friction is not ours or explicit, and takes steps of about 2e-7 s";
@@ -98,12 +109,16 @@ impl<'a> Engines<'a> {
             knob: Knob::Step(order),
             value: scene.solver.step_s,
             excuse: friction.then_some(EXPLICIT),
+            floor: 0.0,
         };
         match own.name() {
             "native-resolved" => Self::resolved(own, gearbox),
             name if name.starts_with("native") => Self::native(own, gearbox.clone()),
             "rapier-shared-law" | "rapier-own-contact-hook" => Some(foreign(2.0)),
-            "exudyn-shared-law-constrained" => Some(foreign(2.0)),
+            "exudyn-shared-law-constrained" => Some(Self {
+                floor: NEWTON,
+                ..foreign(2.0)
+            }),
             "exudyn-shared-law-explicit" | "mujoco-shared-law" => Some(foreign(4.0)),
             _ => None,
         }
@@ -125,6 +140,7 @@ impl<'a> Engines<'a> {
             knob,
             value,
             excuse: None,
+            floor: 0.0,
         })
     }
 
@@ -144,6 +160,7 @@ impl<'a> Engines<'a> {
             knob,
             value,
             excuse: None,
+            floor: 0.0,
         })
     }
 
@@ -158,10 +175,14 @@ impl<'a> Engines<'a> {
             // Where friction was too stiff for one method, explicit steps get through and chatter.
             others.sort_by_key(|plan| matches!(plan.integrator, "dopri5" | "rk4"));
         }
-        plans
-            .iter()
-            .filter_map(|plan| Self::native(own, plan.applied(gearbox).ok()?))
-            .collect()
+        let way = |plan: &Plan| {
+            let mut way = Self::native(own, plan.applied(gearbox).ok()?)?;
+            if plan.integrator == "rodas5p" {
+                way.value = way.value.min(ROSENBROCK);
+            }
+            Some(way)
+        };
+        plans.iter().filter_map(way).collect()
     }
 
     fn method(&self) -> Method {
@@ -180,12 +201,13 @@ impl<'a> Engines<'a> {
         let (Knob::Step(_), solver) = (&self.knob, &self.gearbox.scene.solver) else {
             // The resolved form is dear, and its error small: its rungs are further apart.
             let smooth = solver_of(&self.gearbox) == "dopri5";
-            let decades = if self.rungs.is_some() && smooth {
-                100.0
-            } else {
-                10.0
+            let factor = match solver_of(&self.gearbox) {
+                // Looser than 1e-5 it does not land on the friction's ramp.
+                "rodas5p" => 10_f64.sqrt(),
+                _ if self.rungs.is_some() && smooth => 100.0,
+                _ => 10.0,
             };
-            return vec![value * decades, value * decades * decades];
+            return vec![value * factor, value * factor * factor];
         };
         let steps = solver.sample_s / value;
         let whole = (steps - steps.round()).abs() < 1e-6 && steps > 2.5;
@@ -221,6 +243,14 @@ impl<'a> Engines<'a> {
             _ => self.gearbox.clone(),
         };
         take_part(engine, &gearbox, at, control)
+    }
+
+    /// What no run of its ladder shows, as a share of a quantity, where the finest has this setting.
+    fn left(&self, value: f64) -> f64 {
+        match self.knob {
+            Knob::Step(_) => self.floor,
+            Knob::Tolerance => self.floor.max(STABLE * value),
+        }
     }
 
     /// How much dearer a run is whose setting is `factor` times finer.
@@ -398,6 +428,7 @@ fn evidence(engines: &Engines<'_>, value: f64, rungs: &[At]) -> Evidence {
             coarser: coarser.collect(),
         },
     )
+    .with_floor(engines.left(value))
 }
 
 /// The evidence with its excuse. An engine that rubs, or did its best, and does not converge in one quantity is outside of the
@@ -419,9 +450,9 @@ fn excused(evidence: Evidence, excuse: Option<String>, found: Needed) -> Evidenc
         None => evidence.source,
     };
     Evidence {
-        engine: evidence.engine,
         source,
         excuse,
+        ..evidence
     }
 }
 

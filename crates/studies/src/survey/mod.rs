@@ -284,7 +284,11 @@ fn study(piece: Piece, plan: &Plan, control: &Control<'_>) -> Result<Found, Stud
             solver.duration_s = solver.duration_s.min(plan.divergence_longest_s);
             solver.sample_s = solver.sample_s.min(solver.duration_s);
             let mut watch = |_| control.cancel.load(Ordering::Relaxed);
-            Found::Horizon(divergence::horizon(&scene, divergence::STEP_RAD, &mut watch)?)
+            Found::Horizon(divergence::horizon(
+                &scene,
+                divergence::STEP_RAD,
+                &mut watch,
+            )?)
         }
         Piece::Drift => {
             let mut scene = preset("paper", plan.drift_s.unwrap_or_default())?;
