@@ -47,6 +47,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Solver(args) => commands::solver::solver(args),
         Command::Paper(args) => commands::paper::paper(args),
         Command::Baseline(args) => commands::baseline::baseline(args),
+        Command::Calibrate(args) => commands::calibrate::calibrate(args),
         Command::Stability(args) => commands::stability::stability(args),
         Command::Record(args) => commands::record::record(args),
     }

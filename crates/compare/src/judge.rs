@@ -103,8 +103,9 @@ pub(crate) struct Sides<'a> {
 }
 
 impl Judge<'_> {
-    /// What is not resolved, marked as stated where its participant says why it has to be so.
-    pub(crate) fn excused(&self, mut verdict: Verdict) -> Verdict {
+    /// What is not resolved, marked as stated where its participant says why it has to be so, or where the scene itself
+    /// parts runs by their roundings.
+    pub(crate) fn excused(&self, mut verdict: Verdict, pointwise: bool) -> Verdict {
         if let Verdict::NotResolved {
             participant,
             reason,
@@ -116,6 +117,11 @@ impl Judge<'_> {
             let own = evidence.find(|e| e.engine == *participant);
             if let Some(excuse) = own.and_then(|e| e.excuse.as_ref()) {
                 *reason = format!("{reason}; {excuse}");
+                *stated = true;
+            } else if !pointwise {
+                *reason = format!(
+                    "{reason}; a rounding parts two runs here, so figures are samples: only a longer run makes them sharper"
+                );
                 *stated = true;
             }
         }
@@ -159,7 +165,8 @@ impl Judge<'_> {
             self.models(sides, quantity, window, metrics, uncertainties)
         };
         for judgement in &mut judgements {
-            judgement.verdict = self.excused(judgement.verdict.clone());
+            let pointwise = self.context.is_pointwise(window.to_s);
+            judgement.verdict = self.excused(judgement.verdict.clone(), pointwise);
             // Where the guard's table speaks, what a ladder cannot say takes nothing from it.
             let silent = [Outcome::Stated, Outcome::NotResolved];
             judgement.counts &= checks.is_empty() || !silent.contains(&judgement.verdict.outcome());

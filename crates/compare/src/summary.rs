@@ -12,13 +12,14 @@ use crate::participant::{Context, Participant, Track};
 use crate::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, Quantity};
 use crate::statistics::{Statistics, View};
 use crate::uncertainty::{
-    Estimate, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved, rounding_floor,
+    Estimate, Evidence, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved,
+    rounding_floor,
 };
 use crate::verdict::Verdict;
 use crate::windows::{Window, WindowKind};
 
 /// What rounding alone makes of a run, as a share.
-pub(crate) fn floor(participant: &Participant, context: &Context) -> f64 {
+pub(crate) fn floor(participant: &Participant, evidence: &Evidence, context: &Context) -> f64 {
     let walk = rounding_floor(participant.cost.steps);
     // What a rounding did to the scene where that was measured, unless it parts the runs altogether.
     let grown = context
@@ -26,7 +27,7 @@ pub(crate) fn floor(participant: &Participant, context: &Context) -> f64 {
         .as_ref()
         .filter(|d| d.horizon_s.is_none())
         .map_or(0.0, |d| d.largest_share);
-    walk.max(grown)
+    walk.max(grown).max(evidence.floor)
 }
 
 /// The uncertainty of one quantity of a participant in the samples of a window; `None` without evidence.
@@ -54,7 +55,7 @@ pub(crate) fn uncertainty(
                 window.kind,
                 samples,
                 Settings {
-                    floor: floor(participant, judge.context),
+                    floor: floor(participant, evidence, judge.context),
                     pointwise: judge.context.is_pointwise(window.to_s),
                 },
             ),
@@ -177,12 +178,15 @@ fn figures(
             Some((quantity.name.clone(), Statistics::of(&view)?))
         })
         .collect();
+    let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
     let (efficiency, efficiency_reason) =
         match efficiency(participant, context, window, samples, &statistics) {
+            Ok(efficiency) if efficiency > 1.0 && created.is_none() => {
+                (Some(efficiency), Some(ABOVE_ONE.to_owned()))
+            }
             Ok(efficiency) => (Some(efficiency), None),
             Err(reason) => (None, reason.map(str::to_owned)),
         };
-    let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
     Figures {
         window: window.kind,
         efficiency,
@@ -194,6 +198,10 @@ fn figures(
         quantities: statistics,
     }
 }
+
+/// What is said of an efficiency above 1 by an engine without an energy account.
+const ABOVE_ONE: &str =
+    "above 1: what the contact law creates is in it, and this engine keeps no account of that";
 
 /// Power out over power in; or why there is none, where a reader would look for it.
 fn efficiency(

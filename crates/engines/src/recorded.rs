@@ -149,6 +149,7 @@ impl Recording {
         let bare = |scene: &Scene| Scene {
             name: String::new(),
             description: String::new(),
+            uncertain: Default::default(),
             solver: Solver {
                 step_s: scene.solver.step_s,
                 ..Scene::paper().solver

@@ -19,6 +19,7 @@
 pub mod animation;
 pub mod baseline;
 pub mod bench;
+pub mod calibration;
 pub mod comparison;
 pub mod conformance;
 pub mod engines;

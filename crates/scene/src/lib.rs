@@ -56,6 +56,7 @@ mod suggest;
 mod table;
 #[cfg(test)]
 mod tests;
+mod uncertain;
 
 pub use assumptions::{Assumption, assumptions};
 pub use checked::{CheckedScene, Origin, Source};
@@ -73,3 +74,4 @@ pub use parse::Override;
 pub use presets::{PRESETS, Preset, preset};
 pub use scales::{Scales, free_play};
 pub use suggest::{did_you_mean, nearest};
+pub use uncertain::PlusMinus;

@@ -32,6 +32,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     combinations::check(scene)?;
     load::check(scene)?;
     gear(&scene.gear)?;
+    crate::uncertain::check(scene)?;
     budget::check(scene)
 }
 

@@ -320,7 +320,12 @@ impl Data {
     }
 
     /// The uncertainties of the map, relative to what was measured: of a group of columns the root mean square.
-    pub(super) fn uncertainties(&self, measured: &Courses) -> Vec<DataUncertainty> {
+    /// `inputs`: what the scene's uncertain values make of each quantity, as a share of its RMS.
+    pub(super) fn uncertainties(
+        &self,
+        measured: &Courses,
+        inputs: &[(String, f64)],
+    ) -> Vec<DataUncertainty> {
         let mut groups: Vec<(&str, f64, f64)> = Vec::new();
         for channel in measured.channels() {
             let Some(stated) = self.map.uncertainty_of(&channel.name) else {
@@ -342,7 +347,10 @@ impl Data {
             engine: self.name.clone(),
             quantity: name.to_owned(),
             data: (u / squares).sqrt(),
-            input: 0.0,
+            input: inputs
+                .iter()
+                .find(|(quantity, _)| quantity == name)
+                .map_or(0.0, |(_, share)| *share),
         };
         let found = groups.into_iter().map(relative);
         found.filter(|one| one.data.is_finite()).collect()

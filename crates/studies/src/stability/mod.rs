@@ -9,7 +9,7 @@ mod verdict;
 
 use pinwheel_engines::{Knob, by_name};
 use pinwheel_gearbox::auto;
-use pinwheel_scene::{Formulation, PRESETS, Scene};
+use pinwheel_scene::{Formulation, PRESETS, Scales, Scene};
 use serde::{Deserialize, Serialize};
 
 pub use reference::Reference;
@@ -222,6 +222,7 @@ pub fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<Row, 
         let judge = verdict::Judge {
             reference: &courses,
             level: reference.level,
+            scales: Scales::of(&scene),
         };
         row.cells
             .push(cell(&scene, method, options, &judge, control)?);

@@ -71,7 +71,11 @@ pub struct RunRecord {
     pub quantities: Vec<String>,
     /// Power out over power in, by means over the window; `None` where that is no efficiency.
     pub efficiency: Option<f64>,
-    /// Figures that a finished run has no number for, each with the reason.
+    /// The same with the energy taken out that nothing accounts for, such as what the contact law creates; `None` without an
+    /// account of most of the window.
+    #[serde(default)]
+    pub efficiency_accounted: Option<f64>,
+    /// Figures that a finished run has no number for, or none to be taken at its word, each with the reason.
     #[serde(default)]
     pub undefined: Vec<String>,
     /// Energy that nothing accounts for in the run's second half, as a share of the larger work, where
@@ -103,6 +107,7 @@ impl RunRecord {
             figures: BTreeMap::new(),
             quantities: Vec::new(),
             efficiency: None,
+            efficiency_accounted: None,
             undefined: Vec::new(),
             energy_remainder_share: None,
             steps: 0,
@@ -147,7 +152,23 @@ impl RunRecord {
             }
         }
         match self.efficiency_of(planned, &run.courses) {
-            Ok(efficiency) => self.efficiency = Some(efficiency),
+            Ok(efficiency) => {
+                self.efficiency = Some(efficiency);
+                let created = created(run, planned.window_s);
+                self.efficiency_accounted = created.map(|share| efficiency / (1.0 + share));
+                if efficiency > 1.0 {
+                    self.undefined.push(match created {
+                        Some(share) => format!(
+                            "efficiency above 1: {:.2} % of the work comes from nowhere, as the contact law creates it; \
+                             efficiency_accounted is without",
+                            100.0 * share
+                        ),
+                        None => "efficiency above 1: what the contact law creates is in it, and this engine keeps no \
+                                 account of that"
+                            .to_owned(),
+                    });
+                }
+            }
             Err(reason) => self.undefined.push(format!("no efficiency: {reason}")),
         }
         let share = run.stats.energy.last().map(|audit| audit.remainder_share);
@@ -209,6 +230,19 @@ impl RunRecord {
             &self.scene,
         )
     }
+}
+
+/// Energy that nothing accounts for as a share of the driver's work, from the account that shares most of the window.
+fn created(run: &Run, [from, to]: [f64; 2]) -> Option<f64> {
+    let shared = |from_s: f64, to_s: f64| {
+        (to.min(to_s) - from.max(from_s)) / (to.max(to_s) - from.min(from_s))
+    };
+    let accounts = run.stats.energy.iter();
+    let nearest = accounts
+        .filter(|audit| shared(audit.from_s, audit.to_s) > 0.5)
+        .max_by(|a, b| shared(a.from_s, a.to_s).total_cmp(&shared(b.from_s, b.to_s)))?;
+    let share = nearest.remainder_j / nearest.driver_j;
+    (nearest.driver_j > 0.0 && share.is_finite()).then_some(share)
 }
 
 /// This program, as a hash of its file: a rebuilt solver gives other numbers under the same version. Empty where the
