@@ -97,14 +97,25 @@ impl Folder {
 
     /// The same although the user asked to stop, for studies whose results say how far they got.
     ///
-    /// An earlier output that is complete stays: the part goes beside it, `out/bench.partial` for `out/bench`.
+    /// An earlier output that is complete stays: the part goes beside it, `out/bench.partial` for `out/bench`, or where
+    /// that is taken `out/bench.partial-2` and so on.
     pub(crate) fn publish_partial(mut self) -> Result<PathBuf, Failure> {
         let target = &self.place.target;
         let replaceable = Mark::of(target).is_some_and(|mark| !mark.complete);
         let empty = fs::read_dir(target).map_or(true, |mut entries| entries.next().is_none());
         if !replaceable && !empty {
-            self.place.target = beside(target, ".partial");
-            self.place.shown = beside(&self.place.shown, ".partial");
+            // Beside what others have put in its place: a part is not lost either.
+            let endings = std::iter::once(".partial".to_owned())
+                .chain((2..100).map(|number| format!(".partial-{number}")));
+            let free = |ending: &String| {
+                let place = beside(target, ending);
+                fs::symlink_metadata(&place).is_err()
+                    || Mark::of(&place).is_some_and(|mark| !mark.complete)
+                        && stranger(&place).is_ok_and(|name| name.is_none())
+            };
+            let ending = endings.into_iter().find(free).unwrap_or_default();
+            self.place.target = beside(target, &ending);
+            self.place.shown = beside(&self.place.shown, &ending);
         }
         self.finish(false)
     }

@@ -15,8 +15,8 @@ use crate::model::Scene;
 /// See the module. SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Scales {
-    /// Load torque on one wheel, N m: the largest of the run, or where there is none what makes a penetration of a
-    /// millionth of R.
+    /// Load torque on one wheel, N m: the largest of the run, at least what makes a penetration of a millionth
+    /// of R.
     pub wheel_torque_n_m: f64,
     /// Largest static force of an external sleeve on a wheel, N.
     pub external_force_n: f64,
@@ -34,7 +34,7 @@ pub struct Scales {
     pub modes_rad_s: [f64; 2],
 }
 
-/// Share of R that is the penetration of a gear without load.
+/// Share of R that is the least penetration: that of a gear without load.
 const UNLOADED: f64 = 1e-6;
 
 /// 4 T/(e zs zk): the largest force of an external sleeve on a wheel under the torque T, N.
@@ -69,12 +69,8 @@ impl Scales {
         let stiffness = hertz.of_radius(gear.external_sleeve_radius_m);
         let lever = gear.lever_m();
         let load = load_course::largest(&scene.drive) / gear.wheels as f64;
-        let torque = if load > 0.0 {
-            load
-        } else {
-            let force = stiffness * (UNLOADED * gear.pitch_radius_m()).powf(1.5);
-            force * lever * gear.external_sleeves as f64 / 4.0
-        };
+        let least = stiffness * (UNLOADED * gear.pitch_radius_m()).powf(1.5);
+        let torque = load.max(least * lever * gear.external_sleeves as f64 / 4.0);
         let force = external_force(gear, torque);
         let penetration = (force / stiffness).powf(2.0 / 3.0);
         let twist = penetration / lever;

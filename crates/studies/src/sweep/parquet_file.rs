@@ -164,8 +164,16 @@ pub fn save_courses(courses: &Courses, path: &Path) -> Result<(), ParquetFault> 
 /// # Errors
 /// The file cannot be opened, is no Parquet file, has no time or time that does not increase.
 pub fn load_courses(path: &Path) -> Result<Courses, ParquetFault> {
+    read_courses(std::fs::File::open(path)?)
+}
+
+/// The same from an open file, or from memory.
+///
+/// # Errors
+/// See [`load_courses`].
+pub fn read_courses(source: impl ChunkReader + 'static) -> Result<Courses, ParquetFault> {
     let (mut time, mut channels) = (None, Vec::new());
-    for (name, cells) in read_table(std::fs::File::open(path)?)? {
+    for (name, cells) in read_table(source)? {
         if let Cells::Number(values) = cells {
             let values: Vec<f64> = values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect();
             if name == "time_s" {
