@@ -286,7 +286,7 @@ fn kill(writer: &Writer, kills: usize, random: &mut Random) -> usize {
         let earlier = fresh.then(BTreeMap::new).unwrap_or_else(|| content(&out));
         let signal = SIGNALS[number % 3];
         let mut words = writer.words.to_vec();
-        if writer.resume.is_some() && number % 2 == 1 {
+        if number % 2 == 1 && writer.goes_on(&out) {
             words.extend(writer.resume);
         }
         if writer.out == "out/new" && !earlier.is_empty() {
@@ -337,7 +337,9 @@ fn kill(writer: &Writer, kills: usize, random: &mut Random) -> usize {
     }
     // Once more to its end: the same results, and nothing left of all that was killed.
     let mut words = writer.words.to_vec();
-    words.extend(writer.resume);
+    if writer.goes_on(&out) {
+        words.extend(writer.resume);
+    }
     if writer.out == "out/new" && out.exists() {
         words.extend(["--accept", "killed"]);
     }
@@ -378,6 +380,11 @@ fn kill(writer: &Writer, kills: usize, random: &mut Random) -> usize {
 }
 
 impl Writer {
+    /// Whether it goes on: a sweep with its journal beside the output, others with what they wrote when they were stopped.
+    fn goes_on(&self, out: &Path) -> bool {
+        self.resume.is_some() && (self.words[0] == "sweep" || out.exists())
+    }
+
     /// The folder that `--out` or `--dir` names.
     fn words_out(&self) -> &str {
         self.out.split('/').next().unwrap_or(self.out)

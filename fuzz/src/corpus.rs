@@ -149,7 +149,7 @@ pub fn baselines() -> Vec<Vec<u8>> {
         None => head,
     };
     let scenes = strings(files(folder, ".toml"));
-    let short = scenes.iter().filter(|text| text.contains("[[cases]]"));
+    let short = scenes.iter().filter(|text| text.contains("[[case]]"));
     let mut seeds: Vec<Vec<u8>> = short.map(|text| joined(&head, text)).collect();
     seeds.sort_by_key(Vec::len);
     seeds.truncate(8);

@@ -440,6 +440,15 @@ mod tests {
         assert_eq!(one("d", false), part);
         assert_eq!((at(&out), at(&part)), ("c".to_owned(), "d".to_owned()));
         assert_eq!(names(base.path()), ["x", "x.partial"]);
+        // What others put in its place stays, and costs nothing.
+        fs::write(part.join("notes.txt"), "precious").unwrap();
+        let next = base.path().join("x.partial-2");
+        #[cfg(unix)]
+        std::os::unix::fs::symlink("nowhere", &next).unwrap();
+        #[cfg(unix)]
+        let next = base.path().join("x.partial-3");
+        assert_eq!(one("e", false), next);
+        assert_eq!((at(&part), at(&next)), ("d".to_owned(), "e".to_owned()));
     }
 
     #[test]
