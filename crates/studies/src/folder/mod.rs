@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use crate::output::OutputError;
-use crate::ownership::{MARKER, Mark, Owner, abandoned, sync};
+use crate::ownership::{MARKER, Mark, Owner, abandoned, stranger, sync};
 
 mod place;
 
