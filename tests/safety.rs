@@ -292,6 +292,22 @@ fn regress_reserved_names_are_refused_before_the_run() {
         "map.toml",
     ];
     assert_refused(&run_in(dir.path(), words.iter().chain(&SHORT)), "`name`");
+    // The same by the file's own name, where the map gives none.
+    fs::write(dir.path().join("map.toml"), &map[map.find('[').unwrap()..]).unwrap();
+    fs::rename(
+        dir.path().join("d.csv"),
+        dir.path().join("Summary.JSON.csv"),
+    )
+    .unwrap();
+    let words = words.map(|word| {
+        if word == "d.csv" {
+            "Summary.JSON.csv"
+        } else {
+            word
+        }
+    });
+    assert_refused(&run_in(dir.path(), words.iter().chain(&SHORT)), "`name`");
+    assert!(!dir.path().join("out").exists());
 }
 
 #[test]
@@ -371,6 +387,52 @@ fn regress_undefined_numbers_are_empty_cells() {
         fs::read_to_string(dir.path().join("o/results.csv")).unwrap(),
         csv
     );
+}
+
+/// What is asked for and fits nothing is an error that lists what there is; nothing passes without a number.
+#[test]
+fn regress_what_matches_nothing_does_not_pass() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = "engines = [\"native-reduced\"]\nmeasure = [\"*_torque_n_m\", \"nonsense*\"]\n[set]\n\
+        solver.duration_s = 0.002\n[vary]\ngear.backlash_m = [0.0]\n";
+    fs::write(dir.path().join("s.toml"), text).unwrap();
+    let outcome = run_in(dir.path(), ["sweep", "s.toml", "--out", "o"]);
+    assert_refused(&outcome, "`nonsense*` fits no quantity");
+    assert!(
+        outcome.stderr.contains("external_sleeve_force_n"),
+        "{outcome:?}"
+    );
+    let accepted = repository("reference/baselines/accepted/baseline.toml");
+    let head = fs::read_to_string(accepted).unwrap();
+    let (from, to) = (head.find("scenes = [").unwrap(), head.find(']').unwrap());
+    fs::create_dir_all(dir.path().join("bl/empty")).unwrap();
+    let head = format!("{}scenes = [{}", &head[..from], &head[to..]);
+    fs::write(dir.path().join("bl/empty/baseline.toml"), head).unwrap();
+    let words = [
+        "baseline",
+        "check",
+        "empty",
+        "--dir",
+        "bl",
+        "--repeats",
+        "0",
+    ];
+    assert_refused(&run_in(dir.path(), words), "lists no scenes");
+}
+
+/// A scene from a pipe that nobody writes to: the first Ctrl-C ends the wait.
+#[cfg(unix)]
+#[test]
+fn regress_a_pipe_that_never_comes_can_be_stopped() {
+    let dir = tempfile::tempdir().unwrap();
+    let made = Command::new("mkfifo").arg(dir.path().join("pipe")).status();
+    assert!(made.unwrap().success());
+    let child = start(dir.path(), &["run", "pipe"]);
+    std::thread::sleep(Duration::from_millis(300));
+    interrupt(&child);
+    let outcome = within(child, 20.0);
+    assert_eq!(outcome.code, Some(130), "{outcome:?}");
+    assert_eq!(names_in(dir.path()), ["pipe"]);
 }
 
 #[test]
