@@ -402,6 +402,23 @@ fn regress_what_matches_nothing_does_not_pass() {
         outcome.stderr.contains("external_sleeve_force_n"),
         "{outcome:?}"
     );
+    let mut rows = "time_s,a\n".to_owned();
+    (0..21).for_each(|k| rows.push_str(&format!("{},1\n", 1e-4 * f64::from(k))));
+    fs::write(dir.path().join("d.csv"), rows).unwrap();
+    let map = "[columns]\ninput_torque_n_m = \"a\"\n[[limits]]\nquantity = \"nothing_n\"\nwindow = \"transient\"\n\
+        metric = \"mean\"\nlimit = 0.1\nreason = \"x\"\n";
+    fs::write(dir.path().join("m.toml"), map).unwrap();
+    let words = [
+        "compare",
+        "paper",
+        "--engines",
+        "native-reduced",
+        "--longest",
+        "1",
+    ];
+    let against = ["--against", "d.csv", "--map", "m.toml"];
+    let outcome = run_in(dir.path(), words.iter().chain(&against).chain(&SHORT));
+    assert_refused(&outcome, "matches nothing");
     let accepted = repository("reference/baselines/accepted/baseline.toml");
     let head = fs::read_to_string(accepted).unwrap();
     let (from, to) = (head.find("scenes = [").unwrap(), head.find(']').unwrap());
@@ -578,6 +595,26 @@ fn regress_inputs_of_inputs_are_inputs() {
         assert_refused(&run_in(dir.path(), words), "base.toml");
     }
     assert_eq!(names_in(&dir.path().join("o")), ["base.toml"]);
+}
+
+/// A megabyte is read, or refused, within two seconds: nothing is done once a value for all values.
+#[test]
+fn regress_a_megabyte_is_read_at_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let change = |k: u32| format!("{{ time_s = {k}e-3, output_torque_n_m = 1.0 }},\n");
+    let changes: String = (1..22_000).map(change).collect();
+    let text = format!("base = \"paper\"\ndrive.load_changes = [\n{changes}]\n");
+    assert!((900_000..1 << 20).contains(&text.len()), "{}", text.len());
+    fs::write(dir.path().join("m.toml"), text).unwrap();
+    let begun = Instant::now();
+    let outcome = within(start(dir.path(), &["explain", "m.toml"]), 20.0);
+    assert_refused(&outcome, "more than 1000");
+    // 0.1 s; 22 s with lines counted anew for every value.
+    assert!(
+        begun.elapsed() < Duration::from_secs(4),
+        "{:?}",
+        begun.elapsed()
+    );
 }
 
 /// A plan of many runs is made of many scenes: the first Ctrl-C ends that, too.
