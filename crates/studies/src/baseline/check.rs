@@ -108,7 +108,7 @@ pub fn check(
         after: here,
         time,
         time_is_judged: options.judge_time,
-        verdict: verdict.unwrap_or(Verdict::Same),
+        verdict: verdict.unwrap_or(Verdict::New),
         cases,
     })
 }
