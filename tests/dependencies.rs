@@ -23,6 +23,7 @@ fn packages() -> Vec<Value> {
         .find_map(|line| line.strip_prefix("host: "))
         .expect("a host")
         .to_owned();
+    let mut said = String::new();
     for features in [&["--all-features"][..], &["--offline"]] {
         let mut command = Command::new(&cargo);
         command.current_dir(repository(".")).args([
@@ -40,9 +41,9 @@ fn packages() -> Vec<Value> {
             let all: Value = serde_json::from_slice(&output.stdout).expect("JSON");
             return all["packages"].as_array().expect("packages").clone();
         }
-        eprintln!("{}", String::from_utf8_lossy(&output.stderr));
+        said = String::from_utf8_lossy(&output.stderr).into_owned();
     }
-    panic!("cargo metadata fails");
+    panic!("cargo metadata fails: {said}");
 }
 
 /// Whether an SPDX expression (or the older `A/B`) can be satisfied by licences that are allowed.

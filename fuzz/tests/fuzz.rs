@@ -33,8 +33,14 @@ fn keep(target: &Target, number: u64, bytes: &[u8]) -> PathBuf {
 /// What a target does at present, for the watch.
 type Now = Mutex<Option<(Instant, u64)>>;
 
-/// Runs a target; findings.
-fn fuzz(target: &Target, from: u64, count: u64, time: Duration, now: &Now) -> Vec<String> {
+/// Runs a target; what it did, and findings.
+fn fuzz(
+    target: &Target,
+    from: u64,
+    count: u64,
+    time: Duration,
+    now: &Now,
+) -> (String, Vec<String>) {
     let seeds = (target.seeds)();
     assert!(!seeds.is_empty(), "{} has no seeds", target.name);
     for seed in &seeds {
@@ -62,14 +68,14 @@ fn fuzz(target: &Target, from: u64, count: u64, time: Duration, now: &Now) -> Ve
         number += 1;
     }
     *now.lock().unwrap() = None;
-    println!(
+    let did = format!(
         "{:<12} {:>8} inputs from {from}, {accepted} accepted, slowest {:.3} s (input {})",
         target.name,
         number - from,
         slowest.0.as_secs_f64(),
         slowest.1
     );
-    findings
+    (did, findings)
 }
 
 #[test]
@@ -117,7 +123,8 @@ fn bad_input_any_bytes_end_in_a_result_or_a_message() {
                 scope.spawn(|| {
                     while let Some(&target) = targets.get(next.fetch_add(1, Ordering::Relaxed)) {
                         let place = targets.iter().position(|t| t.name == target.name).unwrap();
-                        let found = fuzz(target, from, count, share, &now[place]);
+                        let (did, found) = fuzz(target, from, count, share, &now[place]);
+                        println!("{did}");
                         findings.lock().unwrap().extend(found);
                     }
                 })
