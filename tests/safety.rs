@@ -389,6 +389,91 @@ fn regress_undefined_numbers_are_empty_cells() {
     );
 }
 
+/// Gears that stand still, carry nothing or touch nothing: no figure of any page, table or file is infinite, none or
+/// larger than all that there is.
+#[test]
+fn regress_no_number_where_there_is_none() {
+    let dir = tempfile::tempdir().unwrap();
+    let still = ["drive.output_torque_n_m=0", "drive.input_speed_rad_s=0"];
+    let loose = ["drive.output_torque_n_m=0", "gear.backlash_m=0.0006"];
+    let compare = [
+        "compare",
+        "paper",
+        "--engines",
+        "native,rapier-shared-law",
+        "--longest",
+        "1",
+    ];
+    let bench = [
+        "bench",
+        "paper",
+        "--parts",
+        "scene",
+        "--engines",
+        "native-reduced,rapier-shared-law",
+        "--methods",
+        "rk4",
+        "--repeats",
+        "1",
+    ];
+    for (words, sets) in [
+        (&["run", "paper"][..], still),
+        (&["run", "paper"], loose),
+        (&compare, still),
+        (&bench, loose),
+    ] {
+        let sets = sets.iter().flat_map(|set| ["--set", *set]);
+        let out = ["--set", "solver.duration_s=0.004", "--out", "o", "--force"];
+        let outcome = run_in(dir.path(), words.iter().copied().chain(sets).chain(out));
+        assert!(
+            outcome.code.is_some_and(|code| code < 2),
+            "{words:?}: {outcome:?}"
+        );
+        let mut shown = vec![outcome.stdout];
+        let mut open = vec![dir.path().join("o")];
+        while let Some(place) = open.pop() {
+            for path in names_in(&place).iter().map(|name| place.join(name)) {
+                if path.is_dir() {
+                    open.push(path);
+                } else {
+                    shown.push(visible(&fs::read_to_string(path).unwrap()));
+                }
+            }
+        }
+        let words = |text: &str| {
+            let cut = |c: char| !(c.is_alphanumeric() || "+-.".contains(c));
+            text.split(cut).map(str::to_owned).collect::<Vec<_>>()
+        };
+        for word in shown.iter().flat_map(|text| words(text)) {
+            let number = word.parse::<f64>().unwrap_or(0.0);
+            assert!(number.abs() < 1e13, "{word}");
+        }
+    }
+}
+
+/// What a reader sees of a page: its text without scripts and styles; other files as they are.
+fn visible(text: &str) -> String {
+    if !text.trim_start().to_lowercase().starts_with("<!doctype") {
+        return text.to_owned();
+    }
+    let mut text = text.to_owned();
+    for (from, to) in [("<script", "</script>"), ("<style", "</style>"), ("<", ">")] {
+        let mut kept = String::new();
+        let mut rest = text.as_str();
+        while let Some(start) = rest.find(from) {
+            kept.push_str(&rest[..start]);
+            kept.push(' ');
+            let end = rest[start..]
+                .find(to)
+                .map_or(rest.len(), |end| start + end + to.len());
+            rest = &rest[end..];
+        }
+        kept.push_str(rest);
+        text = kept;
+    }
+    text
+}
+
 /// What is asked for and fits nothing is an error that lists what there is; nothing passes without a number.
 #[test]
 fn regress_what_matches_nothing_does_not_pass() {
