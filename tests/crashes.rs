@@ -286,7 +286,9 @@ fn kill(writer: &Writer, kills: usize, random: &mut Random) -> usize {
         let earlier = fresh.then(BTreeMap::new).unwrap_or_else(|| content(&out));
         let signal = SIGNALS[number % 3];
         let mut words = writer.words.to_vec();
-        if number % 2 == 1 && writer.goes_on(&out) {
+        // An interrupted sweep wants to be told.
+        let begun = dir.join("out.unfinished").exists();
+        if writer.goes_on(&out) && (begun || number % 2 == 1) {
             words.extend(writer.resume);
         }
         if writer.out == "out/new" && !earlier.is_empty() {

@@ -78,7 +78,9 @@ fn bad_input_every_number_at_its_ends() {
                     Err(error) => {
                         let said = error.to_string();
                         let name = key.name.rsplit('.').next().unwrap_or(key.name);
-                        assert!(said.contains(name), "{text}{said}");
+                        // An end of its own range may clash with another key, which is named then.
+                        let clash = own.iter().any(|end| end == value) && said.contains('`');
+                        assert!(clash || said.contains(name), "{text}{said}");
                         assert!(said.len() < 1000, "{said}");
                         refused += 1;
                     }

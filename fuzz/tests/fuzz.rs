@@ -103,6 +103,10 @@ fn bad_input_any_bytes_end_in_a_result_or_a_message() {
     let (next, done) = (AtomicUsize::new(0), AtomicBool::new(false));
     let now: Vec<Now> = targets.iter().map(|_| Mutex::new(None)).collect();
     let findings = Mutex::new(Vec::new());
+    if one.is_none() {
+        // A finding is told below by its number; a library's panic that is caught on purpose is none.
+        std::panic::set_hook(Box::new(|_| {}));
+    }
     std::thread::scope(|scope| {
         scope.spawn(|| {
             while !done.load(Ordering::Relaxed) {
@@ -132,8 +136,13 @@ fn bad_input_any_bytes_end_in_a_result_or_a_message() {
             .collect();
         let ended = workers.into_iter().all(|worker| worker.join().is_ok());
         done.store(true, Ordering::Relaxed);
-        assert!(ended, "a target's own file makes it panic");
+        if !ended {
+            let told =
+                "a seed makes its target panic; PINWHEEL_FUZZ_ONLY=TARGET:0 shows where".to_owned();
+            findings.lock().unwrap().push(told);
+        }
     });
+    let _ = std::panic::take_hook();
     let findings = findings.into_inner().unwrap();
     assert!(findings.is_empty(), "{}", findings.join("\n"));
 }
