@@ -27,6 +27,9 @@ pub(crate) struct Judge<'a> {
     pub(crate) negligible: Negligible,
 }
 
+/// Angles below this are roundings of a radian.
+const ROUNDED_RAD: f64 = 1e-15;
+
 /// Loads below these are rounding.
 #[derive(Clone, Copy)]
 pub(crate) struct Negligible {
@@ -64,12 +67,15 @@ impl Negligible {
         }
     }
 
-    /// Of one quantity; `None` for what is no load.
+    /// Of one quantity; `None` for what is neither a load nor an angle.
     fn below(&self, quantity: &Quantity) -> Option<f64> {
         if quantity.is_force() {
             Some(self.force_n)
         } else {
-            quantity.is_torque().then_some(self.torque_n_m)
+            quantity.is_torque().then_some(self.torque_n_m).or_else(|| {
+                // An angle has no size to scale with: a gear that stands still turns by roundings of a radian.
+                (quantity.unit == "rad").then_some(ROUNDED_RAD)
+            })
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, efficiency as ratio};
 
 use crate::comparison::{EngineEntry, EngineSummary, Figures, LadderSummary};
 use crate::judge::Judge;
@@ -101,7 +101,7 @@ pub(crate) fn engine_summary(
         &[]
     };
     for window in windows {
-        let figures = figures(participant, context, window, quantities);
+        let figures = figures(participant, context, window, quantities, judge);
         let samples = participant.courses.window(window.from_s, window.to_s);
         let there = quantities
             .iter()
@@ -164,6 +164,7 @@ fn figures(
     context: &Context,
     window: &Window,
     quantities: &[Quantity],
+    judge: Judge<'_>,
 ) -> Figures {
     let courses = &participant.courses;
     let samples = covered(
@@ -180,7 +181,7 @@ fn figures(
         .collect();
     let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
     let (efficiency, efficiency_reason) =
-        match efficiency(participant, context, window, samples, &statistics) {
+        match efficiency(participant, context, window, samples, &statistics, judge) {
             Ok(efficiency) if efficiency > 1.0 && created.is_none() => {
                 (Some(efficiency), Some(ABOVE_ONE.to_owned()))
             }
@@ -210,6 +211,7 @@ fn efficiency(
     window: &Window,
     samples: Range<usize>,
     statistics: &BTreeMap<String, Statistics>,
+    judge: Judge<'_>,
 ) -> Result<f64, Option<&'static str>> {
     if window.kind == WindowKind::Transient {
         return Err(Some("a start-up stores and returns energy"));
@@ -227,19 +229,13 @@ fn efficiency(
     if speed_in == 0.0 {
         return Err(Some("the driver stands still"));
     }
-    if context.load_n_m == Some(0.0) {
+    if context
+        .load_n_m
+        .is_some_and(|load| load.abs() <= judge.negligible.torque_n_m)
+    {
         return Err(Some("the scene has no load, so no power is delivered"));
     }
-    let power_in = torque_in * speed_in;
-    if !(power_in > 0.0) {
-        return Err(Some("the driver gives no power"));
-    }
-    let efficiency = torque_out * turned / lasted / power_in;
-    if efficiency.is_finite() {
-        Ok(efficiency)
-    } else {
-        Err(Some("a value is not finite"))
-    }
+    ratio(torque_in * speed_in, torque_out * turned / lasted).map_err(Some)
 }
 
 /// The quantity without channels that a measured participant lacks: a rig has force cells on three of

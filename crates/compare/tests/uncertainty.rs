@@ -668,7 +668,7 @@ fn account(remainder_share: f64) -> Energy {
         damping_j: 0.0,
         friction_j: 0.0,
         remainder_j: 20.0 * remainder_share,
-        remainder_share,
+        remainder_share: Some(remainder_share),
     }
 }
 
@@ -928,7 +928,22 @@ fn undefined_efficiencies_have_a_reason() {
         input_speed_rad_s: Some(-52.34),
         ..context()
     };
-    assert_eq!(of(&back), (None, "the driver gives no power".to_owned()));
+    assert_eq!(of(&back), (None, "no power goes in".to_owned()));
+    // Rounding is no load, and a power far above what goes in comes from what was stored.
+    let next_to_nothing = Context {
+        load_n_m: Some(2e-10),
+        ..context()
+    };
+    assert_eq!(of(&next_to_nothing), of(&unloaded));
+    let creeping = Context {
+        input_speed_rad_s: Some(1e-9),
+        ..context()
+    };
+    let (none, reason) = of(&creeping);
+    assert!(
+        none.is_none() && reason.contains("does not come from the input"),
+        "{reason}"
+    );
     // With an account the energy that the law creates is taken out.
     let mut run = native(0.0).0;
     run.cost.energy = vec![account(0.0095)];

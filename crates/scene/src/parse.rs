@@ -173,6 +173,8 @@ impl<'a> Layers<'a> {
             syntax(line, "TOML", error.message())
         })?;
         let mut root = document.as_table().clone();
+        // Counted once: a file may have many values on many lines.
+        let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
         let place_at = |offset: usize| {
             let source = source.to_owned();
             if is_json {
@@ -181,7 +183,7 @@ impl<'a> Layers<'a> {
             }
             Place::Line {
                 source,
-                line: line_of(text, offset),
+                line: 1 + ends.partition_point(|&end| end < offset),
             }
         };
         let base = root.remove(BASE);

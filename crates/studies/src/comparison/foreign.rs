@@ -101,10 +101,21 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
         .name
         .clone()
         .unwrap_or_else(|| stem.chars().map(plain).collect());
+    let name = match name.trim_start_matches('.') {
+        "" => "data",
+        name => name,
+    };
+    if foreign::is_reserved(name) {
+        let what = format!(
+            "`{name}` is the name of a file of the report; give the data another `name` in {}",
+            map_path.display()
+        );
+        return Err(fail(path, &what));
+    }
     Ok(Data {
         path: path.to_owned(),
         map_path: map_path.to_owned(),
-        name: name.trim_start_matches('.').to_owned(),
+        name: name.to_owned(),
         map,
         foreign,
     })

@@ -277,7 +277,7 @@ fn cell(
     if let Ended::Whole(run) = &ended {
         cell.error = judge.error(&run.courses);
         cell.level = Some(level(&run.courses));
-        cell.energy_remainder_share = run.energy.total().map(|audit| audit.remainder_share);
+        cell.energy_remainder_share = run.energy.total().and_then(|audit| audit.remainder_share);
         cell.joint_drift_m = run.joint_drift_m;
         cell.evaluations = run.counts.evaluations;
     }

@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use pinwheel_compare::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, derive};
 use pinwheel_compare::statistics::{Statistics, View};
-use pinwheel_courses::{Courses, Ending};
+use pinwheel_courses::{Courses, Ending, efficiency};
 use pinwheel_engines::{Engine, Run};
 use serde::{Deserialize, Serialize};
 
@@ -42,9 +42,6 @@ fn number<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f64, D::Error> 
 fn finite(value: f64) -> f64 {
     if value.is_finite() { value } else { f64::NAN }
 }
-
-/// Largest ratio of powers that is still an efficiency.
-const MOST_EFFICIENT: f64 = 2.0;
 
 /// What is kept of a run. All but the two times is the same whenever it is run again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -151,7 +148,17 @@ impl RunRecord {
                 self.figures.insert(quantity.name, spread);
             }
         }
+        let share = run.stats.energy.last().map(|audit| audit.remainder_share);
+        self.energy_remainder_share = share.flatten().filter(|share| share.is_finite());
+        if share.is_some() && self.energy_remainder_share.is_none() {
+            let reason = "no share of energy: no work is done in the run's second half";
+            self.undefined.push(reason.to_owned());
+        }
         match self.efficiency_of(planned, &run.courses) {
+            // Powers of rounding have a ratio too.
+            Ok(_) if share == Some(None) => self
+                .undefined
+                .push("no efficiency: no work is done".to_owned()),
             Ok(efficiency) => {
                 self.efficiency = Some(efficiency);
                 let created = created(run, planned.window_s);
@@ -171,12 +178,6 @@ impl RunRecord {
             }
             Err(reason) => self.undefined.push(format!("no efficiency: {reason}")),
         }
-        let share = run.stats.energy.last().map(|audit| audit.remainder_share);
-        self.energy_remainder_share = share.filter(|share| share.is_finite());
-        if share != self.energy_remainder_share {
-            let reason = "no share of energy: no work is done in the run's second half";
-            self.undefined.push(reason.to_owned());
-        }
         self
     }
 
@@ -185,15 +186,7 @@ impl RunRecord {
         let [power_in, power_out] = self
             .powers(planned, courses)
             .ok_or("a torque or the output's angle is missing")?;
-        if !(power_in > 0.0) {
-            return Err("no power goes in");
-        }
-        let efficiency = power_out / power_in;
-        // Far from it, what springs and masses store and give back is larger than what goes through.
-        if !(efficiency.abs() <= MOST_EFFICIENT) {
-            return Err("the output's power does not come from the input in this window");
-        }
-        Ok(efficiency)
+        efficiency(power_in, power_out)
     }
 
     /// Mean power in and out over the window, W; `None` if a channel is missing.
