@@ -22,6 +22,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "crossval")]
+mod cache;
 mod cards;
 mod engine;
 mod native;
@@ -31,6 +33,7 @@ pub mod python;
 mod rapier;
 pub mod recorded;
 mod registry;
+mod solvers;
 mod stopping;
 
 pub use engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};

@@ -1,4 +1,4 @@
-//! Recorded courses: what a Python engine gave for a scene, for builds and machines without it.
+//! Recorded courses: what an engine gave for a scene, for builds and machines without it.
 //!
 //! `reference/recorded/SCENE/ENGINE.toml` says what was recorded, how and when, `ENGINE.csv` beside
 //! it holds the courses, thinned and rounded: both are embedded in the program. A recording stands
@@ -261,11 +261,16 @@ pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>
 /// Recordings for a scene of all engines that this build lacks.
 #[must_use]
 pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
-    crate::cards::CARDS
-        .iter()
+    crate::cards::all()
         .filter(|_| !cfg!(feature = "crossval"))
         .filter_map(|card| instead(card.name, scene, NOT_BUILT))
         .collect()
+}
+
+/// Whether an engine may be missing in a build or on a machine, so that recordings of it are of use.
+#[must_use]
+pub fn may_be_missing(engine: &str) -> bool {
+    card(engine).is_some()
 }
 
 /// Why a build without Python engines shows recordings.

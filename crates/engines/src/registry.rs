@@ -17,7 +17,9 @@ pub fn registry() -> Vec<Box<dyn Engine>> {
     #[cfg(feature = "rapier")]
     let engines = engines.chain(crate::rapier::engines());
     #[cfg(feature = "crossval")]
-    let engines = engines.chain(crate::python::engines());
+    let engines = engines
+        .chain(crate::python::engines())
+        .chain(crate::solvers::engines());
     engines.collect()
 }
 
