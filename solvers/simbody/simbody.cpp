@@ -47,8 +47,8 @@ public:
         double seat[2], mass, moment;
     };
 
-    Law(const char* library, const char* job) : library(dlopen(library, RTLD_NOW | RTLD_LOCAL)) {
-        if (!this->library) throw std::runtime_error(dlerror());
+    Law(const char* path, const char* job) : library(dlopen(path, RTLD_NOW | RTLD_LOCAL)) {
+        if (!library) throw std::runtime_error(dlerror());
         if (find<decltype(&pinwheel_law_abi)>("pinwheel_law_abi")() != PINWHEEL_LAW_ABI)
             throw std::runtime_error("the law's library is of another version than this program");
         call_loads = find<decltype(&pinwheel_law_loads)>("pinwheel_law_loads");
@@ -262,7 +262,7 @@ void run(const std::string& job, const char* library, const std::string& method)
     std::ofstream result(job + "/result.json");
     result << "{\"steps\": " << integrator->getNumStepsTaken()
            << ", \"rejected_steps\": " << integrator->getNumStepsAttempted() - integrator->getNumStepsTaken()
-           << ", \"rhs_calls\": " << law.calls << ", \"degrees_of_freedom\": " << law.bodies.size()
+           << ", \"right_hand_sides\": " << law.calls << ", \"degrees_of_freedom\": " << law.bodies.size()
            << ", \"settings\": \"" << (explicit_method ? "Runge-Kutta-Merson" : "CPodes BDF") << ", accuracy " << accuracy
            << "\"}\n";
 }

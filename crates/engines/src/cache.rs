@@ -61,7 +61,10 @@ pub(crate) fn folder() -> Result<PathBuf, CacheError> {
 }
 
 /// A folder with these files (name, text), kept under a name that depends on them.
-pub(crate) fn laid_out<N: AsRef<str>>(name: &str, files: &[(N, &str)]) -> Result<PathBuf, CacheError> {
+pub(crate) fn laid_out<N: AsRef<str>>(
+    name: &str,
+    files: &[(N, &str)],
+) -> Result<PathBuf, CacheError> {
     let texts = files.iter().flat_map(|(name, text)| [name.as_ref(), *text]);
     let texts: Vec<&str> = texts.collect();
     let folder = folder()?.join(format!("{name}-{:016x}", fingerprint(&texts)));

@@ -183,6 +183,7 @@ fn digits(engine: &str) -> usize {
     match card(engine).map(|card| card.track) {
         Some(Track::OwnContact) => 6,
         _ if engine.ends_with("constrained") => 7,
+        _ if engine.starts_with("ida") => 8,
         _ => 9,
     }
 }
@@ -274,7 +275,7 @@ pub fn may_be_missing(engine: &str) -> bool {
 }
 
 /// Why a build without Python engines shows recordings.
-pub const NOT_BUILT: &str = "this build has no Python engines (feature crossval)";
+pub const NOT_BUILT: &str = "this build has no engines of its kind (feature crossval)";
 
 /// A recording in the place of an engine.
 struct Recorded {

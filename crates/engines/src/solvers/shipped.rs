@@ -10,9 +10,7 @@ use super::cards::{CARDS, IDA, SIMBODY};
 use super::{ida, simbody};
 use crate::cache::CacheError;
 use crate::cards::Card;
-use crate::engine::{
-    Control, Engine, EngineError, Knob, Prepared, Refinement, Run, Track,
-};
+use crate::engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, Track};
 use crate::external::Solver;
 
 /// Why a solver cannot be used here.
@@ -119,7 +117,9 @@ impl Shipped {
             Missing::Stopped => EngineError::Cancelled,
             Missing::Because(reason) => self.failed(reason),
         })?;
-        let manifest = ready.here.join(self.manifests[usize::from(gearbox.has_friction())]);
+        let manifest = ready
+            .here
+            .join(self.manifests[usize::from(gearbox.has_friction())]);
         Solver::open(&manifest)
             .map(|solver| solver.known_as(self.card.name, ready.python))
             .map_err(|error| self.failed(error.to_string()))

@@ -102,12 +102,16 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Missing> {
         }
         let (program, source) = (draft.join("simbody"), draft.join("simbody.cpp"));
         let own = ["-std=c++17", "-O2", "-w", "-o"].map(AsRef::as_ref);
-        let arguments = own.into_iter().chain([program.as_os_str(), source.as_os_str()]);
+        let arguments = own
+            .into_iter()
+            .chain([program.as_os_str(), source.as_os_str()]);
         let arguments = arguments.chain(installed.flags.iter().map(AsRef::as_ref));
         let done = call(&compiler, arguments.chain(["-ldl".as_ref()]), None, cancel);
         done.map(|_| ()).map_err(|reason| {
             Missing::of(cancel, || {
-                format!("its program cannot be compiled ({reason}); install Simbody whole ({REMEDY})")
+                format!(
+                    "its program cannot be compiled ({reason}); install Simbody whole ({REMEDY})"
+                )
             })
         })
     };
