@@ -20,6 +20,7 @@ import json
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
 # Matrices of 282 rows: threads would wait for each other longer than they compute.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -84,7 +85,7 @@ class Law:
 class Mechanism:
     """Bodies, joints and driver of a job as a stabilised DAE."""
 
-    def __init__(self, job: dict, law: Law) -> None:
+    def __init__(self, job: dict[str, Any], law: Law) -> None:
         self.law = law
         bodies = job["bodies"]
         self.count = n = len(bodies)
@@ -230,7 +231,7 @@ class Courses:
         print(*(repr(float(value)) for value in values), sep=",", file=self.file)
 
 
-def legs(drive: dict, samples: list[float]) -> list[tuple[float, float]]:
+def legs(drive: dict[str, Any], samples: list[float]) -> list[tuple[float, float]]:
     """Where the run is cut: at jumps and kinks of the load and at its end, each as the load's time and the solver's.
 
     A sample there is the same moment but for rounding.

@@ -20,6 +20,7 @@ mod watch;
 pub use agreement::{Agreement, law_agreement};
 pub use environment::{Environment, Requirements, environment};
 pub use error::PythonError;
+pub use crate::cache::CacheError;
 
 use crate::cards::CARDS;
 use crate::engine::Engine;

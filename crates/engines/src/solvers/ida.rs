@@ -10,7 +10,7 @@ use crate::python::{PythonError, Requirements, environment};
 pub(super) const MANIFEST: &str = "ida.toml";
 
 /// What its folder holds.
-const FILES: [(&str, &str); 2] = [
+static FILES: [(&str, &str); 2] = [
     ("ida.py", include_str!("../../../../solvers/ida/ida.py")),
     (MANIFEST, include_str!("../../../../solvers/ida/ida.toml")),
 ];

@@ -1,5 +1,6 @@
 //! Simbody: a C++ program, compiled by the system's compiler at the first use and kept in the cache folder.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::{env, fs};
@@ -11,7 +12,7 @@ use crate::cache::{self, CacheError, Made, Note, call, fingerprint};
 pub(super) const MANIFESTS: [&str; 2] = ["merson.toml", "cpodes.toml"];
 
 /// What its folder holds besides the program.
-const FILES: [(&str, &str); 4] = [
+static FILES: [(&str, &str); 4] = [
     (
         "simbody.cpp",
         include_str!("../../../../solvers/simbody/simbody.cpp"),
@@ -93,20 +94,20 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Missing> {
     let texts = FILES.iter().map(|&(_, text)| text);
     let flags = installed.flags.join(" ");
     let version = installed.version.unwrap_or_default();
-    let key: Vec<&str> = texts.chain([&*described, &flags, &version]).collect();
+    let key: Vec<&str> = texts.chain([described.as_str(), flags.as_str(), version.as_str()]).collect();
     let compile = |draft: &Path, note: &Note| -> Result<(), Missing> {
         note.say("compiling");
-        for (name, text) in FILES {
+        for (name, text) in &FILES {
             let path = draft.join(name);
             fs::write(&path, text).map_err(|error| CacheError::storage(&path, error))?;
         }
         let (program, source) = (draft.join("simbody"), draft.join("simbody.cpp"));
-        let own = ["-std=c++17", "-O2", "-w", "-o"].map(AsRef::as_ref);
-        let arguments = own
-            .into_iter()
-            .chain([program.as_os_str(), source.as_os_str()]);
-        let arguments = arguments.chain(installed.flags.iter().map(AsRef::as_ref));
-        let done = call(&compiler, arguments.chain(["-ldl".as_ref()]), None, cancel);
+        let own = ["-std=c++17", "-O2", "-w", "-o"].map(OsStr::new);
+        let files = [program.as_os_str(), source.as_os_str()];
+        let libraries = installed.flags.iter().map(OsStr::new);
+        let arguments = own.into_iter().chain(files).chain(libraries);
+        let arguments = arguments.chain([OsStr::new("-ldl")]);
+        let done = call(&compiler, arguments, None, cancel);
         done.map(|_| ()).map_err(|reason| {
             Missing::of(cancel, || {
                 format!(

@@ -1,6 +1,8 @@
 //! Environments that are cut off, refused, wanted twice at once, or impossible.
 
 use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
 
 use super::*;
 use crate::cache::{CACHE, CacheError, lock, process};
