@@ -9,6 +9,7 @@
 //!  rapier-*, mujoco-*, exudyn-*                            bodies and time integration of others,
 //!     ...-shared-law: our contact forces                   their contact too: ...-own-contact
 //!  recorded                                                what a live engine gave earlier
+//!  external                                                solvers that the user names by a manifest
 //! ```
 //!
 //! ```
@@ -26,6 +27,7 @@
 mod cache;
 mod cards;
 mod engine;
+pub mod external;
 mod native;
 #[cfg(feature = "crossval")]
 pub mod python;
@@ -36,7 +38,7 @@ mod registry;
 mod solvers;
 mod stopping;
 
-pub use engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
+pub use engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, RunStats, Track};
 pub use native::Native;
 pub use registry::{by_name, registry};
 pub use stopping::stop_preparing;

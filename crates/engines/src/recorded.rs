@@ -146,13 +146,20 @@ impl Recording {
     /// Whether a run of `scene` would be this recording, or its beginning: all keys agree but those that
     /// name the scene, belong to the native solver, or choose samples.
     fn is_of(&self, scene: &Scene) -> bool {
+        let by_tolerance = crate::solvers::CARDS.iter().any(|card| card.name == self.engine);
+        let setting = |own: &Solver| {
+            let mut solver = Scene::paper().solver;
+            if by_tolerance {
+                solver.tolerance = own.tolerance;
+            } else {
+                solver.step_s = own.step_s;
+            }
+            solver
+        };
         let bare = |scene: &Scene| Scene {
             name: String::new(),
             description: String::new(),
-            solver: Solver {
-                step_s: scene.solver.step_s,
-                ..Scene::paper().solver
-            },
+            solver: setting(&scene.solver),
             ..scene.clone()
         };
         bare(scene) == bare(&self.scene)
@@ -406,6 +413,14 @@ mod tests {
         scene.gear.backlash_m = 1e-5;
         assert!(!recording.is_of(&scene));
         scene.gear.backlash_m = 0.0;
+        // Each kind of engine has its own setting.
+        let by_tolerance = Recording {
+            engine: "ida-shared-law".to_owned(),
+            ..recording.clone()
+        };
+        assert!(by_tolerance.is_of(&scene));
+        scene.solver.tolerance *= 0.1;
+        assert!(recording.is_of(&scene) && !by_tolerance.is_of(&scene));
         scene.solver.duration_s = 1.0;
         assert!(!recording.is_of(&scene), "too long");
     }

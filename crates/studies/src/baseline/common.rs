@@ -133,7 +133,7 @@ mod tests {
         let equilibrium: Vec<&str> = SCENES
             .iter()
             .filter(|case| {
-                case.scene(None)
+                case.scene(&[])
                     .is_ok_and(|scene| scene.drive.start == pinwheel_scene::Start::Equilibrium)
             })
             .map(|case| case.name)

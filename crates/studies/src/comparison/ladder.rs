@@ -102,7 +102,16 @@ impl<'a> Engines<'a> {
             "rapier-shared-law" | "rapier-own-contact-hook" => Some(foreign(2.0)),
             "exudyn-shared-law-constrained" => Some(foreign(2.0)),
             "exudyn-shared-law-explicit" | "mujoco-shared-law" => Some(foreign(4.0)),
-            _ => None,
+            _ => own.refinement().map(|refinement| match refinement.knob {
+                pinwheel_engines::Knob::Step => foreign(refinement.order),
+                // Error control follows the friction.
+                pinwheel_engines::Knob::Tolerance => Self {
+                    knob: Knob::Tolerance,
+                    value: scene.solver.tolerance,
+                    excuse: None,
+                    ..foreign(refinement.order)
+                },
+            }),
         }
     }
 
