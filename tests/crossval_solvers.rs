@@ -70,7 +70,10 @@ fn paper(engine: &str, transient: [f64; 2], steady: [f64; 2], gain: std::ops::Ra
     finer.solver.tolerance *= 0.1;
     let fine = errors(engine, &finer, window, &resolved);
     let found = coarse[0] / fine[0];
-    assert!(gain.contains(&found), "{found} for a tenth of the tolerance");
+    assert!(
+        gain.contains(&found),
+        "{found} for a tenth of the tolerance"
+    );
 
     let long = scene("paper", &[("solver.duration_s", "0.32")]);
     let resolved = run("native-resolved", &long);
@@ -180,7 +183,10 @@ fn crossval_solvers_missing_fall_back_on_recordings() {
             .env_remove("PIP_FIND_LINKS");
         command.output().unwrap().into()
     };
-    for (engine, remedy) in [(SIMBODY, "apt install libsimbody-dev g++"), (IDA, "pip download")] {
+    for (engine, remedy) in [
+        (SIMBODY, "apt install libsimbody-dev g++"),
+        (IDA, "pip download"),
+    ] {
         let alone = ran(&["run", "paper", "--engine", engine, "--out", "run"]);
         assert_eq!(alone.code, Some(3), "{alone:?}");
         assert!(alone.stderr.contains(remedy), "{}", alone.stderr);
@@ -201,14 +207,19 @@ fn crossval_solvers_recordings_are_of_these_programs() {
         if engine != IDA && !(engine == SIMBODY && simbody) {
             continue;
         }
-        let recording = pinwheel_engines::recorded::find(preset, engine).unwrap().unwrap();
+        let recording = pinwheel_engines::recorded::find(preset, engine)
+            .unwrap()
+            .unwrap();
         let mut scene = recording.scene.clone();
         scene.solver.duration_s = 0.008;
         scene.solver.sample_s = 1e-3;
         let live = run(engine, &scene);
         let found = by_name(engine, &scene).unwrap().version();
         if found != recording.version {
-            println!("skipped: {preset} was recorded with {}, here is {found}", recording.version);
+            println!(
+                "skipped: {preset} was recorded with {}, here is {found}",
+                recording.version
+            );
             continue;
         }
         let rows: Vec<usize> = (0..live.len()).collect();

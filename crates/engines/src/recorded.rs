@@ -146,7 +146,9 @@ impl Recording {
     /// Whether a run of `scene` would be this recording, or its beginning: all keys agree but those that
     /// name the scene, belong to the native solver, or choose samples.
     fn is_of(&self, scene: &Scene) -> bool {
-        let by_tolerance = crate::solvers::CARDS.iter().any(|card| card.name == self.engine);
+        let by_tolerance = crate::solvers::CARDS
+            .iter()
+            .any(|card| card.name == self.engine);
         let setting = |own: &Solver| {
             let mut solver = Scene::paper().solver;
             if by_tolerance {

@@ -13,7 +13,13 @@ pub fn registry() -> Vec<Box<dyn Engine>> {
 
 /// Whether an engine of this project is called so, in this build or another.
 pub(crate) fn built_in(name: &str) -> bool {
-    let kin = ["rapier-", "mujoco-", "exudyn-", "simbody-shared", "ida-shared"];
+    let kin = [
+        "rapier-",
+        "mujoco-",
+        "exudyn-",
+        "simbody-shared",
+        "ida-shared",
+    ];
     kin.iter().any(|prefix| name.starts_with(prefix))
         || of_build().any(|engine| engine.name() == name)
 }

@@ -17,10 +17,10 @@ mod mujoco;
 pub mod provoke;
 mod watch;
 
+pub use crate::cache::CacheError;
 pub use agreement::{Agreement, law_agreement};
 pub use environment::{Environment, Requirements, environment};
 pub use error::PythonError;
-pub use crate::cache::CacheError;
 
 use crate::cards::CARDS;
 use crate::engine::Engine;

@@ -91,10 +91,10 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Missing> {
             )
         })
     })?;
-    let texts = FILES.iter().map(|&(_, text)| text);
     let flags = installed.flags.join(" ");
     let version = installed.version.unwrap_or_default();
-    let key: Vec<&str> = texts.chain([described.as_str(), flags.as_str(), version.as_str()]).collect();
+    let mut key: Vec<&str> = FILES.iter().map(|&(_, text)| text).collect();
+    key.extend([described.as_str(), flags.as_str(), version.as_str()]);
     let compile = |draft: &Path, note: &Note| -> Result<(), Missing> {
         note.say("compiling");
         for (name, text) in &FILES {
