@@ -36,6 +36,8 @@ const DIVERGED: i32 = 3;
 const UNSUPPORTED: i32 = 4;
 /// Longest piece of a foreign text in a message.
 const WORDS: usize = 300;
+/// Longest message.
+const MESSAGE: usize = 700;
 /// What a run may write.
 const FOLDER_BYTES: u64 = 1 << 30;
 const LOG_BYTES: u64 = 64 << 20;
@@ -103,7 +105,7 @@ impl Solver {
     fn failed(&self, reason: impl Into<String>) -> EngineError {
         EngineError::Failed {
             engine: self.manifest.name.clone(),
-            reason: reason.into(),
+            reason: plain(&reason.into(), MESSAGE),
         }
     }
 
@@ -354,7 +356,7 @@ fn killer(status: std::process::ExitStatus) -> String {
 /// Solvers that the user named: engines of this process as those of the build are, for as long as it lives.
 static ADMITTED: RwLock<Vec<&'static Solver>> = RwLock::new(Vec::new());
 
-/// Reads a manifest and lets its solver join the [`registry`](crate::registry). Returns its name.
+/// Reads a manifest and lets its solver join the [`registry`](fn@crate::registry). Returns its name.
 ///
 /// # Errors
 /// What is wrong with the manifest, or another solver of that name.

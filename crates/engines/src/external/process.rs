@@ -185,8 +185,8 @@ pub(super) fn run(
         wall_s,
         cpu_s,
         reached_s: heard.reached_s,
-        notes: heard.notes,
         log: heard.log(),
+        notes: heard.notes,
     })
 }
 
@@ -430,7 +430,7 @@ impl Heard {
         }
     }
 
-    fn log(mut self) -> String {
+    fn log(&mut self) -> String {
         if !self.line.is_empty() {
             self.understand();
         }

@@ -1,6 +1,6 @@
 //! Programs that do what a solver may do wrong. Each ends in one clear line and leaves nothing running.
 
-use std::os::unix::fs::PermissionsExt as _;
+use std::os::unix::fs::PermissionsExt;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -135,7 +135,7 @@ fn hard_what_it_does_wrong_is_one_line() {
         ),
         (
             "cut -d, -f1-20 \"$2/good.csv\" > \"$1/courses.csv\"",
-            "has no column `external_sleeve_force_n_16` and",
+            "has no column `internal_sleeve_force_n_0` and 7 more",
         ),
         (
             "head -n 100 \"$2/good.csv\" > \"$1/courses.csv\"",
@@ -167,11 +167,11 @@ fn hard_what_it_does_wrong_is_one_line() {
         ),
         ("exit 3", "diverged at t = 0.000000 s: it says so itself"),
         (
-            &format!("{COPY}; echo '{{' > \"$1/result.json\""),
+            &*format!("{COPY}; echo '{{' > \"$1/result.json\""),
             "result.json is not as documented",
         ),
         (
-            &format!("{COPY}; ln -s /etc/passwd \"$1/result.json\""),
+            &*format!("{COPY}; ln -s /etc/passwd \"$1/result.json\""),
             "result.json is a link",
         ),
     ] {
@@ -227,7 +227,7 @@ fn hard_the_user_stops_it() {
     let stop = AtomicBool::new(false);
     let own = script.folder.path().join("own");
     // As soon as it runs.
-    let progress = |_| {
+    let progress = |_: f64| {
         if std::fs::read_to_string(&own).is_ok_and(|pid| !pid.trim().is_empty()) {
             stop.store(true, Ordering::Relaxed);
         }
