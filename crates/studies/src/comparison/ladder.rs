@@ -120,16 +120,15 @@ impl<'a> Engines<'a> {
                 ..foreign(2.0)
             }),
             "exudyn-shared-law-explicit" | "mujoco-shared-law" => Some(foreign(4.0)),
-            _ => own.refinement().map(|refinement| Self {
-                knob: match refinement.knob {
-                    pinwheel_engines::Knob::Step => Knob::Step(refinement.order),
-                    pinwheel_engines::Knob::Tolerance => Knob::Tolerance,
+            _ => own.refinement().map(|refinement| match refinement.knob {
+                pinwheel_engines::Knob::Step => foreign(refinement.order),
+                // Error control follows the friction.
+                pinwheel_engines::Knob::Tolerance => Self {
+                    knob: Knob::Tolerance,
+                    value: scene.solver.tolerance,
+                    excuse: None,
+                    ..foreign(refinement.order)
                 },
-                value: match refinement.knob {
-                    pinwheel_engines::Knob::Step => scene.solver.step_s,
-                    pinwheel_engines::Knob::Tolerance => scene.solver.tolerance,
-                },
-                ..foreign(refinement.order)
             }),
         }
     }
