@@ -8,7 +8,7 @@ use pinwheel_mbs::integrators::METHODS;
 use crate::frequencies::Frequencies;
 use crate::pace::Limits;
 use crate::scene::{Detection, Formulation, FrictionLaw, Scene};
-use crate::{Gearbox, GearboxError, contacts, scene};
+use crate::{Gearbox, GearboxError};
 
 pub use pinwheel_scene::names::AUTO;
 
