@@ -40,6 +40,7 @@ mod checked;
 mod derived;
 mod error;
 mod fill;
+mod json;
 pub mod keys;
 mod layout;
 mod load;
@@ -60,6 +61,7 @@ pub use checked::{CheckedScene, Origin, Source};
 pub use catalogue::Catalogue;
 pub use derived::{Derived, Frequency, Walls, derived};
 pub use error::{Fault, Place, SceneError};
+pub use json::JOB_PROTOCOL;
 pub use keys::{KEYS, Key};
 pub use layout::{Layout, Sleeve};
 pub use model::{
