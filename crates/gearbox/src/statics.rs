@@ -7,21 +7,14 @@
 //! ```text
 //! M_i(theta_i, psi) = 0 for every wheel i,    sum over wheels of M_out,i(theta_i, psi) + M_load = 0
 //! ```
-//! Newton's method finds them all together, from the pose before or from the elastic twist to be expected. Every wheel
-//! meets the others through the output alone, so the slopes are an arrow: with D_i = dM_i/dtheta_i and b_i = dM_i/dpsi (which is
-//! dM_out/dtheta_i for forces of a potential, and near it for others)
-//!
-//! ```text
-//! (dM_out/dpsi - sum b_i^2/D_i) dpsi = -(M_out + M_load - sum b_i M_i/D_i),    dtheta_i = -(M_i + b_i dpsi)/D_i
-//! ```
-//! so that a step takes three evaluations, whatever the number of wheels. Where that fails, two nested brackets stand in:
-//! contacts restore, so M_i falls with theta_i, and with the wheels in balance M_out falls with psi. They need no good
-//! start and cope with backlash, where everything is 0 over the free play.
+//! Contacts restore, so M_i falls with theta_i, and with the wheels in balance M_out falls with psi: two nested
+//! roots of falling functions, each bracketed. That needs no good start and copes with backlash,
+//! where everything is 0 over the free play.
 
 mod closed_forms;
 
 pub use closed_forms::{LinearMesh, LinearOutput, smallest_convex_radius};
-use pinwheel_scene::{Scales, free_play};
+use pinwheel_scene::free_play;
 
 use pinwheel_mbs::{BodyState, Wrench};
 
@@ -33,14 +26,6 @@ use crate::{Gearbox, GearboxError};
 const PITCHES: f64 = 0.2;
 /// Angles are found to this, rad: 1e-14 rad on a radius of 64 mm is 1e-11 of a penetration.
 const ANGLE: f64 = 2e-15;
-/// Angles by which Newton's slopes are taken, rad.
-const BESIDE: f64 = 1e-9;
-/// Steps of Newton's method before the brackets take over.
-const NEWTON: usize = 40;
-/// Where it starts beside contact, the twist grows by this until every wheel touches.
-const WIDER: f64 = 1.4;
-/// Moments left over, as a share of the load, that are taken for rounding.
-const BALANCED: f64 = 1e-9;
 
 /// Angles in balance.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,17 +50,6 @@ pub struct Statics<'a> {
     loads: Vec<Wrench>,
     /// Wheel rates about which moments are taken; see [`Statics::moving`].
     motion: Option<Motion>,
-    /// The last balance, near which the next one is.
-    last: Option<Last>,
-    evaluations: usize,
-}
-
-/// A balance: input angle and load, angles of wheels and output.
-struct Last {
-    phi: f64,
-    load: f64,
-    wheels: Vec<f64>,
-    output: f64,
 }
 
 /// Rates and angular accelerations of a slow motion along the equilibria.
@@ -99,15 +73,7 @@ impl<'a> Statics<'a> {
             loads: vec![Wrench::default(); gearbox.layout.bodies()],
             gearbox,
             motion: None,
-            last: None,
-            evaluations: 0,
         })
-    }
-
-    /// Evaluations of all contacts so far: what it cost.
-    #[must_use]
-    pub fn evaluations(&self) -> usize {
-        self.evaluations
     }
 
     /// Puts all bodies at the input angle `phi` and the given angles.
@@ -155,7 +121,6 @@ impl<'a> Statics<'a> {
         self.place(phi, wheels, psi);
         self.loads.fill(Wrench::default());
         self.field.add_loads(&self.bodies, &mut self.loads);
-        self.evaluations += 1;
         let layout = self.gearbox.layout;
         let mass = &self.gearbox.scene.mass;
         for (i, body) in layout.wheel_bodies().enumerate() {
@@ -250,145 +215,6 @@ impl<'a> Statics<'a> {
     /// # Errors
     /// [`GearboxError::NoEquilibrium`]: the load is more than the teeth carry before they jump.
     pub fn solve(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
-        match self.newton(phi, load) {
-            Some(found) => Ok(found),
-            None => self.solve_by_brackets(phi, load),
-        }
-    }
-
-    /// Where Newton's method starts: the last balance turned on to `phi`, else the free play and `wider` times the elastic
-    /// twist to be expected. From beyond the balance Hertz's forces lead back to it without overshooting.
-    fn guess(&self, phi: f64, load: f64, wider: f64) -> (Vec<f64>, f64) {
-        let (geometry, scene) = (&self.gearbox.geometry, &self.gearbox.scene);
-        let ideal =
-            |phi: f64| (0..scene.gear.wheels).map(move |i| geometry.ideal_wheel_angle(i, phi));
-        let ideal_output = |phi: f64| geometry.ideal_output_angle(phi);
-        match &self.last {
-            Some(last) if last.load * load > 0.0 && wider == 1.0 => {
-                let turned = last.wheels.iter().zip(ideal(last.phi)).zip(ideal(phi));
-                let turned = turned.map(|((at, from), to)| at - from + to);
-                let output = last.output - ideal_output(last.phi) + ideal_output(phi);
-                (turned.collect(), output)
-            }
-            _ => {
-                let gear = &scene.gear;
-                let largest = pinwheel_scene::load_course::largest(&scene.drive);
-                let share = if largest > 0.0 {
-                    (load.abs() / largest).powf(2.0 / 3.0)
-                } else {
-                    1.0
-                };
-                let twist = 1.5 * wider * share * Scales::of(scene).twist_rad;
-                let clearance =
-                    gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
-                let play = clearance.max(0.0) / gear.internal_circle_radius_m;
-                let wheel = load.signum() * (free_play(gear) + twist);
-                let output = wheel + load.signum() * (twist + play);
-                let wheels = ideal(phi).map(|angle| angle + wheel);
-                (wheels.collect(), ideal_output(phi) + output)
-            }
-        }
-    }
-
-    /// The equilibrium by Newton's method; `None` where it does not get there.
-    fn newton(&mut self, phi: f64, load: f64) -> Option<Equilibrium> {
-        let n = self.gearbox.layout.wheels;
-        let (wheel_half, output_half) = self.brackets();
-        let mut wider = 1.0;
-        let (mut wheels, mut psi) = self.guess(phi, load, wider);
-        let mut here = vec![0.0; n];
-        let mut output = self.moments(phi, &wheels, psi, &mut here) + load;
-        let left = |moments: &[f64], output: f64| {
-            let sum: f64 = moments.iter().map(|m| m * m).sum();
-            (sum + output * output).sqrt()
-        };
-        let (mut turned, mut turned_output) = (vec![0.0; n], vec![0.0; n]);
-        let mut beside = vec![0.0; n];
-        let mut next = vec![0.0; n];
-        for _ in 0..NEWTON {
-            for (to, from) in beside.iter_mut().zip(&wheels) {
-                *to = from + BESIDE;
-            }
-            self.moments(phi, &beside, psi, &mut turned);
-            let with_output = self.moments(phi, &wheels, psi + BESIDE, &mut turned_output) + load;
-            let mut slope = (with_output - output) / BESIDE;
-            let mut rest = output;
-            for i in 0..n {
-                // Both are kept as slopes from here on.
-                turned[i] = (turned[i] - here[i]) / BESIDE;
-                turned_output[i] = (turned_output[i] - here[i]) / BESIDE;
-                slope -= turned_output[i] * turned_output[i] / turned[i];
-                rest -= turned_output[i] * here[i] / turned[i];
-            }
-            // A wheel that touches nothing has no slope: begin further in.
-            if !(slope < 0.0 && turned.iter().all(|&d| d < 0.0)) {
-                wider *= WIDER;
-                (wheels, psi) = self.guess(phi, load, wider);
-                output = self.moments(phi, &wheels, psi, &mut here) + load;
-                continue;
-            }
-            let by = -rest / slope;
-            let before = left(&here, output);
-            let mut moved = f64::INFINITY;
-            // Half the step where the whole one does not help.
-            for share in [1.0, 0.5, 0.25, 0.125, 0.0625] {
-                moved = share * by.abs();
-                for i in 0..n {
-                    let step = -share * (here[i] + turned_output[i] * by) / turned[i];
-                    next[i] = wheels[i] + step;
-                    moved = moved.max(step.abs());
-                }
-                let output_there = self.moments(phi, &next, psi + share * by, &mut beside) + load;
-                if left(&beside, output_there) < before {
-                    std::mem::swap(&mut wheels, &mut next);
-                    std::mem::swap(&mut here, &mut beside);
-                    (psi, output) = (psi + share * by, output_there);
-                    break;
-                }
-                if moved < ANGLE * (1.0 + phi.abs()) {
-                    break;
-                }
-            }
-            let geometry = &self.gearbox.geometry;
-            let outside = (0..n)
-                .any(|i| (wheels[i] - geometry.ideal_wheel_angle(i, phi)).abs() > wheel_half)
-                || (psi - geometry.ideal_output_angle(phi)).abs() > output_half;
-            if outside || !moved.is_finite() {
-                return None;
-            }
-            let now = left(&here, output);
-            if now == 0.0 || now >= before || moved < ANGLE * (1.0 + phi.abs()) {
-                let balanced = now <= BALANCED * load.abs();
-                return balanced.then(|| self.found(phi, wheels, psi, load));
-            }
-        }
-        None
-    }
-
-    /// The balance at these angles.
-    fn found(&mut self, phi: f64, wheels: Vec<f64>, psi: f64, load: f64) -> Equilibrium {
-        let mut left = vec![0.0; wheels.len()];
-        let output = self.moments(phi, &wheels, psi, &mut left) + load;
-        self.last = Some(Last {
-            phi,
-            load,
-            wheels: wheels.clone(),
-            output: psi,
-        });
-        Equilibrium {
-            input: phi,
-            wheels,
-            output: psi,
-            bodies: self.bodies.clone(),
-            residual: left.iter().map(|m| m.abs()).fold(output.abs(), f64::max),
-        }
-    }
-
-    /// The equilibrium by nested brackets: slow, and right from any start. [`solve`](Self::solve) falls back to it.
-    ///
-    /// # Errors
-    /// As [`solve`](Self::solve).
-    pub fn solve_by_brackets(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let n = self.gearbox.layout.wheels;
         let ideal = self.gearbox.geometry.ideal_output_angle(phi);
         let half = self.brackets().1;
@@ -427,8 +253,17 @@ impl<'a> Statics<'a> {
                 break;
             }
         }
-        self.balance_wheels(phi, psi, &mut wheels);
-        Ok(self.found(phi, wheels, psi, load))
+        let output = self.balance_wheels(phi, psi, &mut wheels) + load;
+        let mut left = vec![0.0; n];
+        self.moments(phi, &wheels, psi, &mut left);
+        let residual = left.iter().map(|m| m.abs()).fold(output.abs(), f64::max);
+        Ok(Equilibrium {
+            input: phi,
+            wheels,
+            output: psi,
+            bodies: self.bodies.clone(),
+            residual,
+        })
     }
 
     /// Touching pairs of an equilibrium.

@@ -29,12 +29,7 @@ pub struct Material {
     pub density_kg_m3: f64,
 }
 
-const fn material(
-    name: &'static str,
-    young_pa: f64,
-    poisson: f64,
-    density_kg_m3: f64,
-) -> Material {
+const fn material(name: &'static str, young_pa: f64, poisson: f64, density_kg_m3: f64) -> Material {
     Material {
         name,
         young_pa,
@@ -183,7 +178,9 @@ impl Catalogue {
             };
             let tried = (0..=12).map(|k| most - (most - least) * f64::from(k) / 12.0);
             let mut tried = tried.map(|m| rounded_down(eccentricity(m)));
-            tried.find(fits).unwrap_or(rounded_down(eccentricity(least)))
+            tried
+                .find(fits)
+                .unwrap_or(rounded_down(eccentricity(least)))
         });
         gear.shortening = gear.eccentricity_m * pins as f64 / radius;
         if gear.shortening >= 1.0 {
@@ -198,10 +195,14 @@ impl Catalogue {
                 "make it smaller, or leave it out to have one suggested",
             ));
         }
-        let pin = take(self.pin_diameter_m, "gear.external_sleeve_radius_m", &|| {
-            let most = (PIN[0] * half_pitch).min(PIN[1] * undercut(gear.eccentricity_m, &gear));
-            rounded_down(2.0 * most)
-        });
+        let pin = take(
+            self.pin_diameter_m,
+            "gear.external_sleeve_radius_m",
+            &|| {
+                let most = (PIN[0] * half_pitch).min(PIN[1] * undercut(gear.eccentricity_m, &gear));
+                rounded_down(2.0 * most)
+            },
+        );
         gear.external_sleeve_radius_m = 0.5 * pin;
         self.output_stage(&mut gear, &mut suggested)?;
         gear.face_width_m = self.face_width_m.or_else(|| {
@@ -226,7 +227,9 @@ impl Catalogue {
             Some(diameter) => vec![0.5 * diameter],
             // From the usual one outwards on both sides.
             None => (0..=20)
-                .map(|k| CIRCLE + 0.01 * f64::from((k + 1) / 2) * if k % 2 == 0 { 1.0 } else { -1.0 })
+                .map(|k| {
+                    CIRCLE + 0.01 * f64::from((k + 1) / 2) * if k % 2 == 0 { 1.0 } else { -1.0 }
+                })
                 .map(|share| 0.5 * rounded_down(2.0 * share * pit))
                 .collect(),
         };
@@ -500,7 +503,12 @@ mod tests {
 
     #[test]
     fn lengths_are_rounded_as_on_a_drawing() {
-        for (from, to) in [(0.006_51, 0.0065), (0.0065, 0.0065), (0.01, 0.01), (0.123, 0.12)] {
+        for (from, to) in [
+            (0.006_51, 0.0065),
+            (0.0065, 0.0065),
+            (0.01, 0.01),
+            (0.123, 0.12),
+        ] {
             assert_eq!(rounded_down(from), to);
         }
     }

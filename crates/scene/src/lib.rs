@@ -57,8 +57,8 @@ mod suggest;
 mod tests;
 
 pub use assumptions::{Assumption, assumptions};
-pub use checked::{CheckedScene, Origin, Source};
 pub use catalogue::Catalogue;
+pub use checked::{CheckedScene, Origin, Source};
 pub use derived::{Derived, Frequency, Walls, derived};
 pub use error::{Fault, Place, SceneError};
 pub use json::JOB_PROTOCOL;

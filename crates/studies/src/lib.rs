@@ -23,6 +23,7 @@ pub mod bench;
 pub mod choice;
 pub mod comparison;
 mod control;
+pub mod design;
 pub mod divergence;
 pub mod drift;
 mod error;

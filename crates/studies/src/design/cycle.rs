@@ -76,10 +76,12 @@ pub(super) fn run(
         scene.output.channels.clear();
     });
     let slow = changed.map_err(GearboxError::from);
-    let slow = slow.and_then(|scene| Gearbox::new(&scene)).map_err(of_scene)?;
+    let slow = slow
+        .and_then(|scene| Gearbox::new(&scene))
+        .map_err(of_scene)?;
     let found = single::run(&slow, &Native::REDUCED, false, control)?;
     let courses = &found.run.courses;
-    let time_s = courses.times().to_vec();
+    let time_s = courses.time_s().to_vec();
     let angle = courses.channel(columns::OUTPUT_ANGLE).unwrap_or_default();
     let torque_n_m: Vec<f64> = time_s.iter().map(|&t| slow.load_torque(t)).collect();
     let angle_arcmin: Vec<f64> = angle.iter().map(|angle| ARCMIN * angle).collect();

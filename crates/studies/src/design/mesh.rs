@@ -2,8 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
+use pinwheel_gearbox::contacts::PairContact;
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_gearbox::{Gearbox, GearboxError, PairContact};
+use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_scene::{Gear, Sleeve};
 use serde::Serialize;
 
@@ -133,9 +134,7 @@ impl Pose {
     }
 
     fn of(&self, stage: Stage) -> impl Iterator<Item = &Pair> {
-        self.pairs
-            .iter()
-            .filter(move |pair| stage.has(pair.sleeve))
+        self.pairs.iter().filter(move |pair| stage.has(pair.sleeve))
     }
 }
 

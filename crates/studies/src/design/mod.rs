@@ -32,7 +32,7 @@ use pinwheel_scene::{CheckedScene, Derived, derived, load_course};
 use serde::Serialize;
 
 use crate::output::{OutputError, write_with};
-use crate::provenance::{Provenance, write_summary};
+use crate::provenance::{Provenance, Summary};
 use crate::{Control, Progress, StudyError, single};
 
 pub use cycle::Cycle;
@@ -170,7 +170,11 @@ pub fn run(gearbox: &Gearbox, runs: bool, control: &Control<'_>) -> Result<Outco
         scene: scene.name.clone(),
         source,
     };
-    let total = 3 + if runs { 1 + SPEEDS.len() * TORQUES.len() } else { 0 };
+    let total = 3 + if runs {
+        1 + SPEEDS.len() * TORQUES.len()
+    } else {
+        0
+    };
     let step = |done: usize, what: &str| -> Result<(), StudyError> {
         (control.progress)(Progress::new(done, total, what));
         control.check()
@@ -314,9 +318,14 @@ impl Outcome {
     /// # Errors
     /// A file cannot be written.
     pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
-        write_summary(dir, made, self)?;
+        Summary::new(made, self).write(dir)?;
         let torsion = [&self.torsion.torque_n_m, &self.torsion.twist_arcmin];
-        table(dir, "torsion.csv", &["torque_n_m", "twist_arcmin"], &torsion)?;
+        table(
+            dir,
+            "torsion.csv",
+            &["torque_n_m", "twist_arcmin"],
+            &torsion,
+        )?;
         let mut names = vec![
             "input_angle_rad".to_owned(),
             "transmission_error_arcmin".to_owned(),
@@ -343,12 +352,7 @@ impl Outcome {
     }
 }
 
-fn table(
-    dir: &Path,
-    name: &str,
-    names: &[&str],
-    columns: &[&Vec<f64>],
-) -> Result<(), OutputError> {
+fn table(dir: &Path, name: &str, names: &[&str], columns: &[&Vec<f64>]) -> Result<(), OutputError> {
     write_with(dir, name, |sink| {
         let mut table = csv::Writer::from_writer(sink);
         table.write_record(names)?;
