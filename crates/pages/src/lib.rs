@@ -22,6 +22,7 @@ pub mod bench;
 pub mod calibration;
 pub mod comparison;
 pub mod conformance;
+pub mod design;
 pub mod engines;
 mod error;
 pub mod explain;

@@ -52,6 +52,7 @@ pub mod choice;
 pub mod comparison;
 pub mod conformance;
 mod control;
+pub mod design;
 pub mod divergence;
 pub mod drift;
 mod error;

@@ -41,4 +41,5 @@ pub(crate) fn gear(gear: &Gear) -> Result<(), Fault> {
     geometry::check(gear).map_err(|fault| units::guess(gear, fault))
 }
 
+pub(crate) use geometry::hole_to_profile_m;
 pub(crate) use ranges::check as ranges;
