@@ -301,7 +301,7 @@ fn hard_chaos_is_stated() {
     let peer = || {
         engine(
             "native-lagrange",
-            track::NATIVE,
+            Track::Native,
             &courses(1.0),
             0.3,
             2.0,
@@ -330,7 +330,7 @@ fn regress_iterations_leave_a_floor() {
     let offset = |floor: f64| {
         let base = off(&courses(1.0), 1e-9);
         let steps = [2.0, 4.0];
-        let (peer, evidence) = engine("implicit", track::NATIVE, &base, 1e-12, 2.0, &steps);
+        let (peer, evidence) = engine("implicit", Track::Native, &base, 1e-12, 2.0, &steps);
         compared(
             &anywhere(),
             vec![native(1e-12), (peer, evidence.with_floor(floor))],

@@ -466,8 +466,8 @@ fn regress_a_gear_that_stands_still_is_not_compared() {
             ..limit("foreign", 0.1)
         };
         let pair = [
-            participant("native", track::NATIVE, turned(by)),
-            participant("foreign", track::SHARED_LAW, turned(-by)),
+            participant("native", Track::Native, turned(by)),
+            participant("foreign", Track::SharedLaw, turned(-by)),
         ];
         let comparison = compare(&context(), &pair, &[limit]).unwrap();
         let steady = |e: &&pinwheel_compare::comparison::PairEntry| e.window == WindowKind::Steady;

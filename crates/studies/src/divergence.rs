@@ -114,7 +114,7 @@ pub fn horizon(
         }
     }
     let size = level(&both[0]).peak_force_n;
-    if size < compile(&scene)?.least_force_n() {
+    if size < still.least_force_n() {
         found.refused = Some("there are no forces to speak of".to_owned());
         return Ok(found);
     }
