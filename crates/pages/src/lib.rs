@@ -14,6 +14,8 @@ pub mod baseline;
 pub mod bench;
 pub mod calibration;
 pub mod comparison;
+pub mod conformance;
+pub mod engines;
 mod error;
 pub mod explain;
 pub mod laws;

@@ -15,6 +15,7 @@ mod baseline;
 mod bench;
 mod calibrate;
 mod paper;
+mod solver;
 mod stability;
 mod sweep;
 
@@ -22,6 +23,7 @@ pub(crate) use baseline::{Action, BaselineArgs, CheckArgs, ListArgs, RecordBasel
 pub(crate) use bench::BenchArgs;
 pub(crate) use calibrate::CalibrateArgs;
 pub(crate) use paper::PaperArgs;
+pub(crate) use solver::{SolverAction, SolverArgs, Solvers};
 pub(crate) use stability::StabilityArgs;
 pub(crate) use sweep::SweepArgs;
 
@@ -36,6 +38,7 @@ Examples:
   pinwheel stability --quick                     which method survives which hard scene
   pinwheel calibrate                             what verdicts are worth: uncertainty against true error
   pinwheel engines                               what there is to compare with
+  pinwheel compare paper --solver mine/solver.toml   your own solver beside them (docs/solvers.md)
   pinwheel laws                                  contact laws that a scene can name
 
 A SCENE is the path of a TOML file or the name of a preset: paper, paper-2019, paper-friction,
@@ -76,9 +79,15 @@ pub(crate) enum Command {
     /// List the contact laws with their source, domain and behaviour at slow impacts.
     Laws(LawsArgs),
     /// Print the JSON schema of scene files, by which editors complete and check them.
-    Schema,
+    Schema {
+        /// The schema of job files (scene.json), which solvers from outside read.
+        #[arg(long)]
+        job: bool,
+    },
     /// Compute every figure and claim of the paper again, on one page.
     Paper(PaperArgs),
+    /// Write, check and serve a solver of your own (docs/solvers.md).
+    Solver(SolverArgs),
     /// Keep accepted results, and say what a change of the solver moved.
     Baseline(BaselineArgs),
     /// Hold stated uncertainties against true errors, and see which faults a comparison tells.
@@ -120,8 +129,15 @@ pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     /// Engine, see `pinwheel engines`; `native` takes the formulation that the scene asks for.
-    #[arg(long, value_name = "NAME", default_value = "native")]
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "native",
+        conflicts_with = "solver"
+    )]
     pub(crate) engine: String,
+    #[command(flatten)]
+    pub(crate) solvers: Solvers,
     /// Do not repeat the run at twice its step to see whether the step resolves the scene (native engines).
     #[arg(long)]
     pub(crate) unchecked: bool,
@@ -158,6 +174,11 @@ pub(crate) struct CompareArgs {
     /// How sharp statements are to be: the largest U of a pair that counts as resolved, relative.
     #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
     pub(crate) resolution: f64,
+    #[command(flatten)]
+    pub(crate) solvers: Solvers,
+    /// Write the verdicts as a JUnit file, too, for CI systems.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) junit: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) foreign: ForeignArgs,
     #[command(flatten)]
