@@ -47,6 +47,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<u8, Failure> {
             right: "native-reduced".to_owned(),
             engines: engines(args, |name| !name.starts_with("native"))?,
             effort,
+            smallest: true,
         };
         let found = watched("calibrate", |control| power::run(&input, control))?;
         found.write(folder.path(), &made)?;

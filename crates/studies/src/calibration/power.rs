@@ -133,6 +133,8 @@ pub struct Input {
     pub engines: Vec<String>,
     /// How sharp the statements are to be: what `pinwheel compare --resolution` sets.
     pub effort: Effort,
+    /// Whether the smallest fault that is told is looked for, or only those of the size asked for.
+    pub smallest: bool,
 }
 
 /// The gears of the study, each with the duration that is enough of it, s.
@@ -230,7 +232,8 @@ pub fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> 
                     let (told, ratio) = study.judge(&right, &wrong)?;
                     Ok((told.is_some(), ratio))
                 };
-                let (told, uncertainties, smallest) = smallest(kind, tell)?;
+                let most = if input.smallest { MOST_RUNS } else { 1 };
+                let (told, uncertainties, smallest) = smallest(kind, most, tell)?;
                 outcome.found.push(Found {
                     scene: scene.name.clone(),
                     engine: name.clone(),
@@ -248,6 +251,7 @@ pub fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> 
 /// The smallest fault that is told, from the one asked for: each run's D/U says where D would be U.
 fn smallest(
     kind: Kind,
+    most_runs: usize,
     mut tell: impl FnMut(f64) -> Result<(bool, f64), StudyError>,
 ) -> Result<(bool, f64, Option<f64>), StudyError> {
     let most = match kind {
@@ -260,7 +264,7 @@ fn smallest(
         (!told).then_some(kind.asked()),
     );
     let (mut size, mut ratio) = (kind.asked(), uncertainties);
-    for _ in 1..MOST_RUNS {
+    for _ in 1..most_runs {
         let near = seen.zip(unseen).is_some_and(|(s, u)| s <= CLOSE * u);
         if near {
             break;
