@@ -56,6 +56,7 @@ pub(crate) fn install() -> Result<(), Failure> {
                 return;
             }
         }
+        pinwheel::engines::external::end_all();
         if let Ok(place) = UNFINISHED.lock()
             && let Some(folder) = place.as_deref()
         {
