@@ -67,7 +67,7 @@ fn participant(engine: &dyn Engine, scene: &Scene) -> Participant {
         .unwrap();
     Participant {
         name: engine.name().to_owned(),
-        track: engine.track().as_str().to_owned(),
+        track: engine.track(),
         version: engine.version(),
         summary: engine.summary().to_owned(),
         differences: engine.differences().to_owned(),

@@ -28,7 +28,7 @@ pub enum Friction {
 /// One row of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Limit {
-    /// Track of the pair (see [`track`](crate::track)), a pattern.
+    /// Track of the pair ([`Track`](crate::Track)), a pattern.
     pub track: &'static str,
     /// One engine, a pattern.
     pub engine: &'static str,

@@ -28,7 +28,6 @@ mod cache;
 mod cards;
 mod engine;
 pub mod external;
-mod native;
 #[cfg(feature = "crossval")]
 pub mod python;
 #[cfg(feature = "rapier")]
@@ -39,6 +38,5 @@ mod solvers;
 mod stopping;
 
 pub use engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, RunStats, Track};
-pub use native::Native;
-pub use registry::{by_name, registry};
+pub use registry::{Native, by_name, registry};
 pub use stopping::stop_preparing;

@@ -161,6 +161,7 @@ impl Recording {
         let bare = |scene: &Scene| Scene {
             name: String::new(),
             description: String::new(),
+            uncertain: Default::default(),
             solver: setting(&scene.solver),
             ..scene.clone()
         };

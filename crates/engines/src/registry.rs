@@ -1,9 +1,11 @@
-//! The list of engines. A new engine is a new file and one line here.
+//! The list of engines. A new engine is a file in `registry/`, its `mod`, and one line here.
+
+mod native;
 
 use pinwheel_scene::Scene;
 
 use crate::engine::Engine;
-use crate::native::Native;
+pub use native::Native;
 
 /// All engines of this build, native first, then the solvers that joined ([`admit`](crate::external::admit)).
 #[must_use]

@@ -6,8 +6,8 @@ use pinwheel_scene::Scene;
 use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
 
-use super::law::Published;
 use super::mujoco::{Addresses, Attached, Place, attach, detach};
+use super::published::Published;
 use super::watch::{Watch, watched};
 use super::{PythonError, border, convert, host};
 use crate::cards::Card;

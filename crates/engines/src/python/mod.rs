@@ -15,6 +15,7 @@ mod law;
 mod mujoco;
 #[cfg(feature = "provoke")]
 pub mod provoke;
+mod published;
 mod watch;
 
 pub use crate::cache::CacheError;
