@@ -130,6 +130,11 @@ pub trait Engine: Send + Sync {
     fn summary(&self) -> &str;
     /// How it differs from the native solver, in plain words, for the report.
     fn differences(&self) -> &str;
+    /// Order of convergence in `solver.step_s` of a foreign engine that takes its step from the scene; `None`: it does not,
+    /// and coarser runs would say nothing.
+    fn order(&self) -> Option<f64> {
+        None
+    }
     /// Says whether it honours the scene of `gearbox`, and makes everything ready that a run needs. A caller that runs
     /// a scene on several engines compiles it once.
     ///

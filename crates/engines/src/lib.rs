@@ -25,7 +25,7 @@
 mod cards;
 mod engine;
 mod native;
-#[cfg(feature = "crossval")]
+#[cfg(feature = "python")]
 pub mod python;
 #[cfg(feature = "rapier")]
 mod rapier;

@@ -16,7 +16,7 @@ pub fn registry() -> Vec<Box<dyn Engine>> {
     let engines = native.into_iter();
     #[cfg(feature = "rapier")]
     let engines = engines.chain(crate::rapier::engines());
-    #[cfg(feature = "crossval")]
+    #[cfg(feature = "python")]
     let engines = engines.chain(crate::python::engines());
     engines.collect()
 }

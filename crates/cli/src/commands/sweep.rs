@@ -1,17 +1,19 @@
 //! `pinwheel sweep`: a study as data.
 
 use std::fs;
+use std::path::Path;
 
 use pinwheel::pages;
 use pinwheel::studies::Provenance;
 use pinwheel::studies::output::write_text;
 use pinwheel::studies::sweep::{
-    self, Journal, MOST_BYTES, Outcome, Plan, Sweep, SweepError, execute,
+    self, Guests, Journal, MOST_BYTES, Outcome, Plan, RunRecord, Shard, Sweep, SweepError, execute,
+    execute_some, gather,
 };
 
 use crate::args::{self, SweepArgs};
 use crate::failure::{ENGINE, Failure};
-use crate::folder::{self, Folder};
+use crate::folder::Folder;
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -24,13 +26,21 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let out = args.out.folder(&plan.sweep.name, "sweep");
     // Checked before anything long is run; what is written comes at the end.
     drop(Folder::prepare(&out, args.out.force)?);
-    // `out/backlash.unfinished` for `out/backlash`.
-    let place = folder::beside(&out, ".unfinished");
+    let place = Plan::unfinished(&out);
+    if let Some(part) = args.shard {
+        return shard(args, &plan, &place, part);
+    }
     let there = place.exists();
+    if args.gather && !there {
+        return Err(Failure::input(format!(
+            "{} is not there: no shard of this sweep has begun; run them with --shard and the same --out",
+            place.display()
+        )));
+    }
     let earlier = out.join("runs");
     let earlier = args.resume.then_some(earlier.as_path());
     let journal = Journal::open(&place, earlier, &args::typed())?;
-    if there && !args.resume {
+    if there && !args.resume && !args.gather {
         if !args.out.force {
             return Err(Failure::input(format!(
                 "{} holds runs of an earlier attempt; go on with --resume, or start over with --force",
@@ -39,8 +49,13 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
         }
         journal.clear()?;
     }
-    let jobs = args.jobs.map_or_else(args::cores, usize::from);
-    let records = watched("sweep", |control| execute(&plan, &journal, jobs, control));
+    let records = if args.gather {
+        gather(&plan, &journal)
+    } else {
+        watched("sweep", |control| {
+            execute(&plan, &journal, jobs(args), control)
+        })
+    };
     let records = match records {
         Err(SweepError::Stopped { .. }) if journal.in_its_folder() == 0 => {
             journal.remove()?;
@@ -62,24 +77,49 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let files = [("results", "results.csv"), ("report", "index.html")]
         .map(|(word, name)| (word, out.join(name).display().to_string()));
     screen::show(&pages::sweep::text(&plan, &records, &files))?;
-    let broken = records
-        .iter()
-        .find(|record| record.outcome != Outcome::Finished);
-    if let Some(record) = broken {
-        let count = records
-            .iter()
-            .filter(|record| record.outcome != Outcome::Finished)
-            .count();
-        screen::complain(&format!(
-            "{count} of {} runs did not finish, the first on {}: {}; see {}",
-            records.len(),
-            record.engine,
-            record.outcome.reason(),
-            out.join("results.csv").display()
-        ));
-        return Ok(ENGINE);
-    }
-    Ok(0)
+    Ok(ended(
+        &records,
+        &format!("see {}", out.join("results.csv").display()),
+    ))
+}
+
+fn jobs(args: &SweepArgs) -> usize {
+    args.jobs.map_or_else(args::cores, usize::from)
+}
+
+/// Runs one shard; its records stay in the journal until they are gathered.
+fn shard(args: &SweepArgs, plan: &Plan, place: &Path, shard: Shard) -> Result<u8, Failure> {
+    let picks = shard.picks(plan.runs.len());
+    let journal = Journal::shard(place, None, shard, &args::typed())?;
+    let records = watched("sweep", |control| {
+        execute_some(plan, &picks, &journal, jobs(args), control)
+    })?;
+    screen::show(&format!(
+        "shard {shard}: {} of {} runs are in {}; when all shards are done, the same command with --gather writes the results",
+        records.len(),
+        plan.runs.len(),
+        place.display()
+    ))?;
+    Ok(ended(
+        &records,
+        "the results say which; one that failed runs again when its shard does",
+    ))
+}
+
+/// 3 if a run did not finish.
+fn ended(records: &[RunRecord], see: &str) -> u8 {
+    let broken = |record: &&RunRecord| record.outcome != Outcome::Finished;
+    let Some(first) = records.iter().find(broken) else {
+        return 0;
+    };
+    screen::complain(&format!(
+        "{} of {} runs did not finish, the first on {}: {}; {see}",
+        records.iter().filter(broken).count(),
+        records.len(),
+        first.engine,
+        first.outcome.reason(),
+    ));
+    ENGINE
 }
 
 fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
@@ -108,6 +148,7 @@ fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
     Ok(Plan::within(
         sweep,
         &args::overrides(&args.set)?,
+        Guests::default(),
         interrupt::flag(),
     )?)
 }

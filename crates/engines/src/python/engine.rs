@@ -9,7 +9,8 @@ use pyo3::types::{PyCFunction, PyDict};
 use super::law::Published;
 use super::mujoco::{Addresses, Attached, Place, attach, detach};
 use super::watch::{Watch, watched};
-use super::{PythonError, border, convert, host};
+use super::host::NotReady;
+use super::{border, convert, host};
 use crate::cards::Card;
 use crate::engine::{Control, Engine, EngineError, Prepared, Run, Track};
 
@@ -25,10 +26,10 @@ impl PythonEngine {
         }
     }
 
-    fn not_ready(&self, error: &PythonError) -> EngineError {
+    fn not_ready(&self, error: NotReady) -> EngineError {
         match error {
-            PythonError::Stopped => EngineError::Cancelled,
-            other => self.failed(other),
+            NotReady::Stopped => EngineError::Cancelled,
+            NotReady::Because(reason) => self.failed(reason),
         }
     }
 
@@ -50,7 +51,7 @@ impl PythonEngine {
         every: u64,
     ) -> Result<Run, EngineError> {
         let field = self.field(gearbox)?;
-        host::ready(control.cancel).map_err(|error| self.not_ready(&error))?;
+        host::ready(control.cancel).map_err(|error| self.not_ready(error))?;
         let law =
             (self.0.track == Track::SharedLaw).then(|| Published::new(gearbox, disguise(field)));
         let scene_toml = gearbox.scene.to_toml();
@@ -203,7 +204,7 @@ impl Engine for PythonEngine {
 impl PythonEngine {
     /// Whether the package's engine honours the scene.
     fn check(&self, scene: &Scene) -> Result<(), EngineError> {
-        host::ready(crate::stopping::flag()).map_err(|error| self.not_ready(&error))?;
+        host::ready(crate::stopping::flag()).map_err(|error| self.not_ready(error))?;
         let scene_toml = scene.to_toml();
         Python::attach(|py| {
             host::package(py)

@@ -13,7 +13,7 @@ use std::thread;
 use std::time::Duration;
 
 use super::error::PythonError;
-use super::host;
+use super::embedded;
 
 mod process;
 
@@ -90,7 +90,7 @@ pub fn environment(
     requirements: Requirements,
     cancel: &AtomicBool,
 ) -> Result<Environment, PythonError> {
-    let interpreter = host::interpreter()?;
+    let interpreter = embedded::interpreter()?;
     if let Some(folder) = name() {
         return named(Path::new(&folder), &interpreter, cancel);
     }

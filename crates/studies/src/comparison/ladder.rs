@@ -102,7 +102,7 @@ impl<'a> Engines<'a> {
             "rapier-shared-law" | "rapier-own-contact-hook" => Some(foreign(2.0)),
             "exudyn-shared-law-constrained" => Some(foreign(2.0)),
             "exudyn-shared-law-explicit" | "mujoco-shared-law" => Some(foreign(4.0)),
-            _ => None,
+            _ => own.order().map(foreign),
         }
     }
 
