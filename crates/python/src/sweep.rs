@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pinwheel::pages;
 use pinwheel::scene::Override;
-use pinwheel::studies::folder::{Folder, FolderError, Request};
+use pinwheel::studies::folder::{Folder, FolderError, Request, beside};
 use pinwheel::studies::output::write_text;
 use pinwheel::studies::sweep::{
     self as sweeps, Column, Guests, Journal, KeepCourses, Outcome, Plan, PlannedRun, RunRecord,
@@ -84,7 +84,7 @@ impl Sweep {
         let plan = plan.map_err(wrong)?;
         let out = out.unwrap_or_else(|| Path::new("out").join(format!("{}-sweep", plan.sweep.name)));
         drop(Folder::prepare(&out, request(force)).map_err(|error| folder(&error))?);
-        let place = Plan::unfinished(&out);
+        let place = beside(&out, ".unfinished");
         let there = place.exists();
         let earlier = out.join("runs");
         let earlier = resume.then_some(earlier.as_path());
@@ -211,8 +211,8 @@ impl Sweep {
         sweeps::write(target.path(), &self.plan, &records, &table, held, &made).map_err(wrong)?;
         let page = pages::sweep::page(&self.plan, &records, &table, &made);
         let page = page.map_err(|error| errors::page(&error))?;
-        write_text(&target.path().join("index.html"), &page)
-            .map_err(|error| PyOSError::new_err(error.to_string()))?;
+        let index = target.path().join("index.html");
+        write_text(&index, &page).map_err(|error| PyOSError::new_err(error.to_string()))?;
         target.publish().map_err(|error| folder(&error))?;
         match journal.take() {
             Some(journal) => journal.remove().map_err(wrong),

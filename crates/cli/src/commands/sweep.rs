@@ -1,14 +1,13 @@
 //! `pinwheel sweep`: a study as data.
 
-use std::fs;
 use std::path::Path;
 
 use pinwheel::pages;
 use pinwheel::studies::Provenance;
-use pinwheel::studies::output::write_text;
+use pinwheel::studies::folder::beside;
 use pinwheel::studies::sweep::{
-    self, Guests, Journal, MOST_BYTES, Outcome, Plan, RunRecord, Shard, Sweep, SweepError, execute,
-    execute_some, gather,
+    self, Guests, Journal, Outcome, Plan, RunRecord, Shard, Sweep, SweepError, execute, execute_some,
+    gather,
 };
 
 use crate::args::{self, SweepArgs};
@@ -26,7 +25,8 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let out = args.out.folder(&plan.sweep.name, "sweep");
     // Checked before anything long is run; what is written comes at the end.
     drop(Folder::prepare(&out, args.out.force)?);
-    let place = Plan::unfinished(&out);
+    // `out/backlash.unfinished` for `out/backlash`.
+    let place = beside(&out, ".unfinished");
     if let Some(part) = args.shard {
         return shard(args, &plan, &place, part);
     }
@@ -70,7 +70,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     );
     sweep::write(folder.path(), &plan, &records, &table, &journal, &made)?;
     let page = pages::sweep::page(&plan, &records, &table, &made)?;
-    write_text(&folder.path().join("index.html"), &page)?;
+    folder.write_page(&page)?;
     let out = folder.publish()?;
     // Only now: had it failed, --resume would still find every run.
     journal.remove()?;
@@ -123,21 +123,7 @@ fn ended(records: &[RunRecord], see: &str) -> u8 {
 }
 
 fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
-    let path = &args.file;
-    let unreadable = |what: &str| {
-        Failure::input(format!(
-            "{}: {what}; give a sweep file (TOML), see docs/sweeps.md",
-            path.display()
-        ))
-    };
-    let size =
-        fs::metadata(path).map_err(|error| unreadable(&format!("cannot be read: {error}")))?;
-    if !size.is_file() || size.len() > MOST_BYTES as u64 {
-        return Err(unreadable("is no sweep file"));
-    }
-    let text = fs::read_to_string(path)
-        .map_err(|error| unreadable(&format!("cannot be read: {error}")))?;
-    let mut sweep = Sweep::from_toml(&text, path)?;
+    let mut sweep = Sweep::read(&args.file)?;
     if !args.engines.is_empty() {
         sweep.engines = args
             .engines

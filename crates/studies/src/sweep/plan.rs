@@ -1,7 +1,6 @@
 //! From a sweep to its runs: every combination as a checked scene, before anything is run.
 
 use std::fmt;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -184,14 +183,6 @@ impl Plan {
             values: in_words(&planned.values),
             what: format!("engine `{}` is gone", planned.engine),
         })
-    }
-
-    /// Where runs are kept until all are done: `out/backlash.unfinished` for `out/backlash`.
-    #[must_use]
-    pub fn unfinished(out: &std::path::Path) -> PathBuf {
-        let mut name = out.file_name().unwrap_or_default().to_owned();
-        name.push(".unfinished");
-        out.with_file_name(name)
     }
 
     /// Names of the keys that are varied, in the order of the axes.
