@@ -13,7 +13,10 @@ const SHOWN: [&str; 6] = ["benches", "cli", "pages", "pinwheel", "python", "repo
 
 fn main() -> io::Result<()> {
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");
-    let mut places = vec![root.join("Cargo.lock"), root.join("python/pinwheel_engines")];
+    let mut places = vec![
+        root.join("Cargo.lock"),
+        root.join("python/pinwheel_engines"),
+    ];
     for entry in fs::read_dir(root.join("crates"))? {
         let entry = entry?;
         if !SHOWN.iter().any(|name| entry.file_name() == *name) {

@@ -13,7 +13,11 @@ pub(crate) struct Columns(pub(crate) Courses);
 impl Columns {
     /// Names of the columns after the time, each ending in its unit, and in a number where there are several.
     fn names(&self) -> Vec<&str> {
-        self.0.channels().iter().map(|channel| channel.name.as_str()).collect()
+        self.0
+            .channels()
+            .iter()
+            .map(|channel| channel.name.as_str())
+            .collect()
     }
 
     /// Sample times, s: doubles of this machine.
@@ -25,7 +29,11 @@ impl Columns {
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let channels = self.0.channels();
         let count = channels.len() * self.0.len();
-        bytes(py, channels.iter().map(|channel| channel.values.as_slice()), count)
+        bytes(
+            py,
+            channels.iter().map(|channel| channel.values.as_slice()),
+            count,
+        )
     }
 
     /// Writes the file that the program calls `courses.csv`.

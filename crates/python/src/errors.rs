@@ -47,7 +47,11 @@ pub(crate) fn scene(py: Python<'_>, error: &SceneError) -> PyErr {
                 }
                 _ => String::new(),
             };
-            (format!("{at}`{key}` {what}; {remedy}"), Some(key.as_str()), remedy.as_str())
+            (
+                format!("{at}`{key}` {what}; {remedy}"),
+                Some(key.as_str()),
+                remedy.as_str(),
+            )
         }
         SceneError::Missing { keys, .. } => (error.to_string(), keys.first().copied(), ""),
         _ => (error.to_string(), None, ""),
@@ -153,7 +157,9 @@ pub(crate) fn sweep(py: Python<'_>, error: &SweepError) -> PyErr {
         } => {
             let inner = scene(py, source);
             let value = inner.value(py);
-            let key = value.getattr("key").map_or_else(|_| py.None(), Bound::unbind);
+            let key = value
+                .getattr("key")
+                .map_or_else(|_| py.None(), Bound::unbind);
             let text = format!("run {number} ({values}): {value}");
             raise(py, "SceneError", &text, &[("key", key)])
         }

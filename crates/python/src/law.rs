@@ -1,6 +1,6 @@
 //! Contact laws on arrays.
 
-use pinwheel::contact::laws::{LAWS, Law as Normal, LawParameters};
+use pinwheel::contact::laws::{LAWS, Law as Normal, LawParameters, NormalLaw as _};
 use pinwheel::scene::did_you_mean;
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::PyValueError;
@@ -63,8 +63,22 @@ impl Law {
 /// All laws: (name, summary, formula, source, keys).
 #[pyfunction]
 #[allow(clippy::type_complexity)]
-pub(crate) fn laws() -> Vec<(&'static str, &'static str, &'static str, &'static str, Vec<&'static str>)> {
+pub(crate) fn laws() -> Vec<(
+    &'static str,
+    &'static str,
+    &'static str,
+    &'static str,
+    Vec<&'static str>,
+)> {
     LAWS.iter()
-        .map(|law| (law.name, law.summary, law.formula, law.source, law.keys.to_vec()))
+        .map(|law| {
+            (
+                law.name,
+                law.summary,
+                law.formula,
+                law.source,
+                law.keys.to_vec(),
+            )
+        })
         .collect()
 }

@@ -36,23 +36,20 @@ pub(crate) struct Ran {
 
 impl Ran {
     fn of(py: Python<'_>, found: single::Outcome) -> PyResult<Self> {
-        let text = |value: serde_json::Result<String>| value.map_err(|error| errors::json(&error));
-        let json = serde_json::to_string;
         Ok(Self {
             engine: found.engine,
             version: found.version,
             track: found.track.as_str(),
-            stats: text(json(&found.run.stats))?,
-            resolution: found.resolution.as_ref().map(|r| text(json(r))).transpose()?,
-            uncertainty: found
-                .run
-                .uncertainty
-                .as_ref()
-                .map(|u| text(json(u)))
-                .transpose()?,
+            stats: json(&found.run.stats)?,
+            resolution: found.resolution.as_ref().map(json).transpose()?,
+            uncertainty: found.run.uncertainty.as_ref().map(json).transpose()?,
             columns: Py::new(py, Columns(found.run.courses))?,
         })
     }
+}
+
+fn json(value: &impl serde::Serialize) -> PyResult<String> {
+    serde_json::to_string(value).map_err(|error| errors::json(&error))
 }
 
 /// Runs a scene; `check`: a native run is repeated at twice its step.

@@ -49,12 +49,16 @@ impl Core {
         // Faults of finding and reading are told as they are; overrides come with the text.
         match std::fs::read_to_string(&spec) {
             Ok(text) => {
-                let path = std::path::absolute(&spec).map_or(spec, |path| path.display().to_string());
+                let path =
+                    std::path::absolute(&spec).map_or(spec, |path| path.display().to_string());
                 Self::of(path, text, sets)
             }
             Err(_) => match Scene::load(&spec, &overrides(&sets)) {
                 Err(error) => Err(errors::scene(py, &error)),
-                Ok(_) => Err(errors::input(py, &format!("{spec}: cannot be read as text"))),
+                Ok(_) => Err(errors::input(
+                    py,
+                    &format!("{spec}: cannot be read as text"),
+                )),
             },
         }
     }
@@ -78,7 +82,9 @@ impl Core {
     /// Keys that nobody wrote: (key, value as TOML, where it comes from).
     fn origins(&self) -> Vec<(&'static str, String, String)> {
         let origins = self.checked.origins();
-        let each = origins.iter().map(|o| (o.key, o.value.to_string(), o.source.words()));
+        let each = origins
+            .iter()
+            .map(|o| (o.key, o.value.to_string(), o.source.words()));
         each.collect()
     }
 }
@@ -90,7 +96,11 @@ pub(crate) fn key(py: Python<'_>, name: &str) -> PyResult<String> {
         return Ok(name.to_owned());
     }
     let last = |full: &'static str| full.rsplit('.').next().unwrap_or(full);
-    let found: Vec<&str> = KEYS.iter().map(|key| key.name).filter(|full| last(full) == name).collect();
+    let found: Vec<&str> = KEYS
+        .iter()
+        .map(|key| key.name)
+        .filter(|full| last(full) == name)
+        .collect();
     let wrong = |what: String| {
         let fault = pinwheel::scene::SceneError::Key {
             place: pinwheel::scene::Place::Set(String::new()),
@@ -112,7 +122,10 @@ pub(crate) fn key(py: Python<'_>, name: &str) -> PyResult<String> {
         }
         several => {
             let list: Vec<String> = several.iter().map(|full| format!("`{full}`")).collect();
-            wrong(format!("it stands for several; write one of {} in full", list.join(", ")))
+            wrong(format!(
+                "it stands for several; write one of {} in full",
+                list.join(", ")
+            ))
         }
     }
 }

@@ -1,8 +1,10 @@
 //! Comparison, bench, explanation, and the list of engines.
 
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use pinwheel::pages;
+use pinwheel::studies::comparison::foreign;
 use pinwheel::studies::precision::{self, Options};
 use pinwheel::studies::{Provenance, bench as benches, choice, comparison, explained};
 use pyo3::prelude::*;
@@ -57,19 +59,25 @@ pub(crate) fn compare(
     py: Python<'_>,
     scene: &Core,
     engines: Vec<Bound<'_, PyAny>>,
+    against: Vec<(PathBuf, PathBuf)>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Compared> {
     let checked = &scene.checked;
     let engines = guests::engines(py, Asked::each(&engines)?, checked)?;
+    let pairs = against.iter().map(|(file, map)| (&**file, &**map));
+    let data = foreign::open(pairs).map_err(|error| errors::study(py, &error))?;
     let found = supervised(py, progress.as_ref(), |control| {
+        let gearbox = foreign::with_channels(&data, pinwheel::compile(checked)?)?;
         let input = comparison::Input {
-            gearbox: &pinwheel::compile(checked)?,
+            gearbox: &gearbox,
             engines: &engines,
-            data: &[],
+            data: &data,
         };
         comparison::run(&input, control)
     })?;
-    found.map(Compared).map_err(|error| errors::study(py, &error))
+    found
+        .map(Compared)
+        .map_err(|error| errors::study(py, &error))
 }
 
 /// What accuracy costs.
@@ -103,23 +111,33 @@ pub(crate) fn bench(
     py: Python<'_>,
     scene: &Core,
     engines: Vec<Bound<'_, PyAny>>,
-    (target, repeats, longest_s): (f64, usize, f64),
+    options: (f64, usize, f64),
     methods: Vec<String>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Benched> {
     let checked = &scene.checked;
+    let (target, repeats, longest_s) = options;
     for (name, value) in [("target", target), ("longest_s", longest_s)] {
         if !(value > 0.0 && value.is_finite()) {
-            return Err(errors::input(py, &format!("{name} = {value}: give a positive number")));
+            return Err(errors::input(
+                py,
+                &format!("{name} = {value}: give a positive number"),
+            ));
         }
     }
     if repeats == 0 {
-        return Err(errors::input(py, "repeats = 0 measures nothing; use 1 or more"));
+        return Err(errors::input(
+            py,
+            "repeats = 0 measures nothing; use 1 or more",
+        ));
     }
     let known = precision::method_names();
     if let Some(name) = methods.iter().find(|name| !known.contains(&name.as_str())) {
         let remedy = pinwheel::scene::did_you_mean(name, &known);
-        return Err(errors::input(py, &format!("there is no integrator `{name}`; {remedy}")));
+        return Err(errors::input(
+            py,
+            &format!("there is no integrator `{name}`; {remedy}"),
+        ));
     }
     let (mut names, mut own) = (Vec::new(), Vec::new());
     for engine in Asked::each(&engines)? {
@@ -145,9 +163,17 @@ pub(crate) fn bench(
         ..Options::default()
     };
     let found = supervised(py, progress.as_ref(), |control| {
-        benches::run(checked, &engines, &options, &[benches::Part::Scene], control)
+        benches::run(
+            checked,
+            &engines,
+            &options,
+            &[benches::Part::Scene],
+            control,
+        )
     })?;
-    found.map(Benched).map_err(|error| errors::study(py, &error))
+    found
+        .map(Benched)
+        .map_err(|error| errors::study(py, &error))
 }
 
 /// What a scene models and assumes: (for programs, JSON; for people, text).

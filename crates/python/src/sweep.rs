@@ -82,7 +82,8 @@ impl Sweep {
         let never = AtomicBool::new(false);
         let plan = py.detach(|| Plan::within(sweep, &sets, Guests(own), &never));
         let plan = plan.map_err(wrong)?;
-        let out = out.unwrap_or_else(|| Path::new("out").join(format!("{}-sweep", plan.sweep.name)));
+        let out =
+            out.unwrap_or_else(|| Path::new("out").join(format!("{}-sweep", plan.sweep.name)));
         drop(Folder::prepare(&out, request(force)).map_err(|error| folder(&error))?);
         let place = beside(&out, ".unfinished");
         let there = place.exists();
@@ -163,7 +164,12 @@ impl Sweep {
     fn task(&self, k: usize) -> PyResult<(usize, String, String, [f64; 2])> {
         let planned = self.plan.runs.get(k).ok_or_else(over)?;
         let scene = planned.scene.to_toml();
-        Ok((planned.number, planned.engine.clone(), scene, planned.window_s))
+        Ok((
+            planned.number,
+            planned.engine.clone(),
+            scene,
+            planned.window_s,
+        ))
     }
 
     /// Where workers write courses, and how; `None` where none are kept.
@@ -184,7 +190,8 @@ impl Sweep {
             serde_json::from_str(record).map_err(|error| errors::json(&error))?;
         let planned = self.plan.runs.get(k).ok_or_else(over)?;
         record.scene = planned.scene.to_toml();
-        let ours = sweeps::wanted_of(&self.plan, planned).map_err(|error| errors::sweep(py, &error))?;
+        let ours =
+            sweeps::wanted_of(&self.plan, planned).map_err(|error| errors::sweep(py, &error))?;
         if record.identity() != ours {
             return Err(errors::input(
                 py,
@@ -227,7 +234,9 @@ impl Sweep {
         };
         let kept = journal.in_its_folder();
         if kept == 0 {
-            journal.remove().map_err(|error| errors::sweep(py, &error))?;
+            journal
+                .remove()
+                .map_err(|error| errors::sweep(py, &error))?;
         }
         Ok(kept)
     }

@@ -6,8 +6,8 @@ use pinwheel::pages;
 use pinwheel::studies::Provenance;
 use pinwheel::studies::folder::beside;
 use pinwheel::studies::sweep::{
-    self, Guests, Journal, Outcome, Plan, RunRecord, Shard, Sweep, SweepError, execute, execute_some,
-    gather,
+    self, Guests, Journal, Outcome, Plan, RunRecord, Shard, Sweep, SweepError, execute,
+    execute_some, gather,
 };
 
 use crate::args::{self, SweepArgs};

@@ -6,10 +6,10 @@ use pinwheel_scene::Scene;
 use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
 
+use super::host::NotReady;
 use super::law::Published;
 use super::mujoco::{Addresses, Attached, Place, attach, detach};
 use super::watch::{Watch, watched};
-use super::host::NotReady;
 use super::{border, convert, host};
 use crate::cards::Card;
 use crate::engine::{Control, Engine, EngineError, Prepared, Run, Track};

@@ -12,8 +12,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use super::error::PythonError;
 use super::embedded;
+use super::error::PythonError;
 
 mod process;
 

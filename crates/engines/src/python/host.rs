@@ -1,5 +1,6 @@
 //! The interpreter that engines run in, with the package `pinwheel_engines` loaded.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pyo3::prelude::*;
@@ -63,16 +64,29 @@ pub(super) fn package(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
 }
 
 /// Whether the engine of a card can be had: an embedded interpreter gets what it lacks, another has it or not. Recorded
-/// courses and limits belong to one version, so another one does not count.
+/// courses and limits belong to one version, so another one does not count. Asked once: it takes a millisecond.
 pub(crate) fn has(card: &Card) -> bool {
-    let wanted = crate::cards::pins().find(|pin| pin.package == card.package);
-    !is_here()
-        || Python::attach(|py| -> PyResult<bool> {
+    static FOUND: OnceLock<Vec<&'static str>> = OnceLock::new();
+    if !is_here() {
+        return true;
+    }
+    if let Some(found) = FOUND.get() {
+        return found.contains(&card.package);
+    }
+    let there = |pin: &crate::cards::Pin| {
+        Python::attach(|py| -> PyResult<bool> {
             let found: String = py
                 .import("importlib.metadata")?
-                .call_method1("version", (card.package,))?
+                .call_method1("version", (pin.package,))?
                 .extract()?;
-            Ok(wanted.is_none_or(|pin| pin.version == found))
+            Ok(pin.version == found)
         })
         .unwrap_or(false)
+    };
+    let found = crate::cards::pins().filter(there).map(|pin| pin.package);
+    let found: Vec<&'static str> = found.collect();
+    let has = found.contains(&card.package);
+    // Two threads may both ask; waiting for one another with the interpreter's lock they might wait for ever.
+    let _ = FOUND.set(found);
+    has
 }

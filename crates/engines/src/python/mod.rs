@@ -8,9 +8,9 @@
 mod agreement;
 mod border;
 mod convert;
-mod engine;
 #[cfg(feature = "crossval")]
 mod embedded;
+mod engine;
 #[cfg(feature = "crossval")]
 mod environment;
 #[cfg(feature = "crossval")]

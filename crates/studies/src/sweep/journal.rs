@@ -101,7 +101,9 @@ impl Journal {
         for shard in &shards {
             owners.push(Owner::take(shard, command)?);
         }
-        let places = earlier.into_iter().chain(shards.iter().map(PathBuf::as_path));
+        let places = earlier
+            .into_iter()
+            .chain(shards.iter().map(PathBuf::as_path));
         let known = Self::read(folder, places)?;
         Ok(Self {
             folder: folder.to_owned(),

@@ -88,12 +88,7 @@ impl Plan {
     /// # Errors
     /// A scene that is refused, an engine that does not exist, a window that no run reaches, too many runs.
     pub fn new(sweep: Sweep, overrides: &[Override]) -> Result<Self, SweepError> {
-        Self::within(
-            sweep,
-            overrides,
-            Guests::default(),
-            &AtomicBool::new(false),
-        )
+        Self::within(sweep, overrides, Guests::default(), &AtomicBool::new(false))
     }
 
     /// The same with engines of the caller's, stopped as soon as `cancel` is set: many runs are many scenes to check.
