@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
 /// Crates that show or drive and compute nothing.
-const SHOWN: [&str; 6] = ["benches", "cli", "pages", "pinwheel", "python", "report"];
+const SHOWN: [&str; 7] = [
+    "benches", "cli", "law", "pages", "pinwheel", "python", "report",
+];
 
 fn main() -> io::Result<()> {
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");

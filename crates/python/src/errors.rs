@@ -42,6 +42,7 @@ pub(crate) fn scene(py: Python<'_>, error: &SceneError) -> PyErr {
             remedy,
         } => {
             let at = match place {
+                Place::File { source } if source != NO_FILE => format!("{source}: "),
                 Place::Line { source, line } if source != NO_FILE => {
                     format!("{source}, line {line}: ")
                 }

@@ -46,19 +46,21 @@ impl Core {
         if let Some(text) = preset(&spec) {
             return Self::of(spec, text.to_owned(), sets);
         }
-        // Faults of finding and reading are told as they are; overrides come with the text.
-        match std::fs::read_to_string(&spec) {
-            Ok(text) => {
-                let path =
-                    std::path::absolute(&spec).map_or(spec, |path| path.display().to_string());
-                Self::of(path, text, sets)
+        // Small plain files are read here; what cannot be read is told as the program does.
+        let small = std::fs::metadata(&spec)
+            .is_ok_and(|file| file.is_file() && file.len() <= pinwheel::scene::MOST_BYTES as u64);
+        match small.then(|| std::fs::read_to_string(&spec)) {
+            Some(Ok(text)) => {
+                let path = std::path::absolute(&spec);
+                Self::of(
+                    path.map_or(spec, |path| path.display().to_string()),
+                    text,
+                    sets,
+                )
             }
-            Err(_) => match Scene::load(&spec, &overrides(&sets)) {
+            _ => match Scene::load(&spec, &overrides(&sets)) {
                 Err(error) => Err(errors::scene(py, &error)),
-                Ok(_) => Err(errors::input(
-                    py,
-                    &format!("{spec}: cannot be read as text"),
-                )),
+                Ok(_) => Err(errors::input(py, &format!("{spec}: is no plain file"))),
             },
         }
     }
