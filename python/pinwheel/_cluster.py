@@ -35,7 +35,7 @@ MOST = 256
 def run_batch(tasks: Sequence[Task], engines: Sequence[Engine], courses: tuple[str, str] | None) -> tuple[float, list[str]]:
     """On a worker: makes the runs; wall time, s, and records."""
     begun = time.perf_counter()
-    records = [_core.perform(task, list(engines), courses) for task in tasks]
+    records = [_core.perform(tuple(task), list(engines), courses) for task in tasks]
     return time.perf_counter() - begun, records
 
 

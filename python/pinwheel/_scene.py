@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 TABLES = ("gear", "mass", "drive", "contact", "solver", "output")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
-# How messages know a scene that stands in no file.
-_NO_FILE = "<scene>"
+# The name of a scene that stands in no file; files come with their whole path.
+_NO_FILE = "scene"
 
 
 def toml_value(value: Any) -> str:

@@ -114,10 +114,18 @@ def _text(
         lines.append(f"measure = {toml_value(list(measure))}")
     if window_s is not None:
         lines.append(f"window_s = {toml_value([float(x) for x in window_s])}")
-    varied = settings({key: values if isinstance(values, Mapping) else _values(key, values) for key, values in vary.items()})
+    varied = [
+        (_core.key(key), toml_value(values if isinstance(values, Mapping) else _values(key, values)))
+        for key, values in vary.items()
+    ]
     names = {key for key, _ in varied}
     lines += ["[set]", *(f"{key} = {value}" for key, value in dict(sets).items() if key not in names)]
     return "\n".join([*lines, "[vary]", *(f"{key} = {value}" for key, value in varied), ""])
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _values(key: str, values: Any) -> list[Any]:
@@ -175,7 +183,7 @@ def sweep(
         try:
             with telling(progress, core.name()) as told:
                 if client is None:
-                    core.execute(max(1, jobs if jobs is not None else len(os.sched_getaffinity(0))), told)
+                    core.execute(max(1, jobs if jobs is not None else _cores()), told)
                 else:
                     from pinwheel._cluster import execute
 

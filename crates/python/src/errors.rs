@@ -10,8 +10,8 @@ use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What stands for a source that is no file.
-pub(crate) const NO_FILE: &str = "<scene>";
+/// The name of a scene that stands in no file; files come with their whole path.
+pub(crate) const NO_FILE: &str = "scene";
 
 /// An exception of the package with attributes.
 fn raise(py: Python<'_>, class: &str, message: &str, attributes: &[(&str, Py<PyAny>)]) -> PyErr {
