@@ -7,6 +7,7 @@ all machines share. Dask gives batches of a lost worker to others; nothing else 
 
 from __future__ import annotations
 
+import pickle
 import time
 import uuid
 from asyncio import CancelledError
@@ -21,8 +22,6 @@ from pinwheel.errors import ClusterError
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-Task = tuple[int, str, str, tuple[float, float]]
-
 # A batch takes about this long, s: far more than the scheduler's milliseconds, little enough to lose with a worker.
 BATCH_S = 0.5
 # Batches that wait for a thread while one is worked on: it never idles, and little is sent in vain.
@@ -32,15 +31,17 @@ FIRST = 4
 MOST = 256
 
 
-def run_batch(tasks: Sequence[Task], engines: Sequence[Engine], courses: tuple[str, str] | None) -> tuple[float, list[str]]:
+def run_batch(batch: bytes) -> tuple[float, list[str]]:
     """On a worker: makes the runs; wall time, s, and records."""
+    tasks, engines, courses = pickle.loads(batch)
     begun = time.perf_counter()
-    records = [_core.perform(tuple(task), list(engines), courses) for task in tasks]
+    records = [_core.perform(task, engines, courses) for task in tasks]
     return time.perf_counter() - begun, records
 
 
 def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch: int | None, told: Told | None) -> None:
     """Makes every run that the journal lacks."""
+    import cloudpickle
     from distributed import FIRST_COMPLETED, wait
     from distributed.comm import CommClosedError
     from distributed.scheduler import KilledWorker
@@ -58,8 +59,9 @@ def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch:
                 # At the end all threads have something to do.
                 share = max(1, len(pending) // (2 * threads)) if batch is None else size
                 places = [pending.pop() for _ in range(min(size, share, len(pending)))]
-                tasks = [core.task(k) for k in places]
-                future = client.submit(run_batch, tasks, engines, courses, key=f"{name}-{count}", pure=False, retries=0)
+                # One piece of bytes: Dask would look into lists for tasks of its own.
+                data = cloudpickle.dumps(([core.task(k) for k in places], list(engines), courses))
+                future = client.submit(run_batch, data, key=f"{name}-{count}", pure=False, retries=0)
                 flying[future] = places
                 count += 1
             try:
