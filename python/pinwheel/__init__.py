@@ -15,16 +15,11 @@ names of keys and columns end in their unit.
 True
 """
 
-from pinwheel._bench import Bench, bench
-from pinwheel._columns import Columns
-from pinwheel._compare import Comparison, Verdict, compare
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from pinwheel._core import __version__
-from pinwheel._engine import Engine, EngineInfo, Job, engine, engines
-from pinwheel._explain import Explanation, explain
-from pinwheel._law import Law, LawInfo, laws
-from pinwheel._run import Run, run
 from pinwheel._scene import Scene
-from pinwheel._sweep import Sweep, sweep
 from pinwheel.errors import (
     Cancelled,
     ClusterError,
@@ -36,6 +31,39 @@ from pinwheel.errors import (
     SceneError,
     Unsupported,
 )
+
+if TYPE_CHECKING:
+    from pinwheel._bench import Bench, bench
+    from pinwheel._columns import Columns
+    from pinwheel._compare import Comparison, Verdict, compare
+    from pinwheel._engine import Engine, EngineInfo, Job, engine, engines
+    from pinwheel._explain import Explanation, explain
+    from pinwheel._law import Law, LawInfo, laws
+    from pinwheel._run import Run, run
+    from pinwheel._sweep import Sweep, sweep
+else:
+    # numpy takes a tenth of a second to import: what needs it comes when it is asked for.
+    _LATER = {
+        "_bench": ("Bench", "bench"),
+        "_columns": ("Columns",),
+        "_compare": ("Comparison", "Verdict", "compare"),
+        "_engine": ("Engine", "EngineInfo", "Job", "engine", "engines"),
+        "_explain": ("Explanation", "explain"),
+        "_law": ("Law", "LawInfo", "laws"),
+        "_run": ("Run", "run"),
+        "_sweep": ("Sweep", "sweep"),
+    }
+
+    def __getattr__(name):
+        for module, names in _LATER.items():
+            if name in names:
+                globals()[name] = getattr(import_module(f"pinwheel.{module}"), name)
+                return globals()[name]
+        raise AttributeError(f"module 'pinwheel' has no attribute {name!r}")
+
+    def __dir__():
+        return [*globals(), *__all__]
+
 
 __all__ = [
     "Bench",
