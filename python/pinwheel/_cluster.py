@@ -65,7 +65,8 @@ def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch:
                 flying[future] = places
                 count += 1
             try:
-                ready = wait(list(flying), timeout=0.2, return_when="FIRST_COMPLETED").done
+                with client.as_current():
+                    ready = wait(list(flying), timeout=0.2, return_when="FIRST_COMPLETED").done
             except TimeoutError:
                 ready = {future for future in flying if future.status in ("cancelled", "lost")}
             if client.status not in ("running", "connecting"):
