@@ -78,8 +78,8 @@ pub enum SweepError {
     },
     /// Runs that were to be gathered and are not there.
     #[error(
-        "{missing} of {runs} runs are not there, the first of them run {first}; run the shards that did not end, or leave --gather out \
-         to run what is missing here"
+        "{missing} of {runs} runs are not there, the first of them run {first}; run the shards that did not end, or run what is missing \
+         here with --resume in place of --gather"
     )]
     Missing {
         /// Runs that are not there.
