@@ -19,7 +19,7 @@ use pyo3::types::{PyCFunction, PyDict};
 use super::convert;
 use super::law::{Published, SharedLaw, locked};
 use super::watch::watched;
-use crate::engine::{Control, Engine, EngineError, Prepared, Run, Track};
+use crate::engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, Track};
 
 /// A solver of the user's.
 #[derive(Debug)]
@@ -126,8 +126,11 @@ impl Engine for Guest {
         &self.differences
     }
 
-    fn order(&self) -> Option<f64> {
-        self.order
+    fn refinement(&self) -> Option<Refinement> {
+        self.order.map(|order| Refinement {
+            knob: Knob::Step,
+            order,
+        })
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
