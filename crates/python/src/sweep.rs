@@ -9,7 +9,7 @@ use pinwheel::scene::Override;
 use pinwheel::studies::folder::{Folder, FolderError, Request, beside};
 use pinwheel::studies::output::write_text;
 use pinwheel::studies::sweep::{
-    self as sweeps, Column, Guests, Journal, KeepCourses, Outcome, Plan, PlannedRun, RunRecord,
+    self as sweeps, Column, Guests, Journal, KeepCourses, Plan, PlannedRun, RunRecord,
 };
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
@@ -258,9 +258,9 @@ impl Sweep {
     /// Runs that did not finish, and why the first did not: engine and reason.
     fn broken(&self) -> PyResult<(usize, Option<(String, String)>)> {
         let records = self.records()?;
-        let broken = records.iter().filter(|r| r.outcome != Outcome::Finished);
+        let broken = records.iter().filter(|r| !r.ending.is_finished());
         let first = broken.clone().next();
-        let first = first.map(|r| (r.engine.clone(), r.outcome.reason().to_owned()));
+        let first = first.map(|r| (r.engine.clone(), r.reason()));
         Ok((broken.count(), first))
     }
 

@@ -6,8 +6,7 @@ use pinwheel::pages;
 use pinwheel::studies::Provenance;
 use pinwheel::studies::folder::beside;
 use pinwheel::studies::sweep::{
-    self, Guests, Journal, Outcome, Plan, RunRecord, Shard, Sweep, SweepError, execute,
-    execute_some, gather,
+    self, Guests, Journal, Plan, RunRecord, Shard, Sweep, SweepError, execute, execute_some, gather,
 };
 
 use crate::args::{self, SweepArgs};
@@ -108,7 +107,7 @@ fn shard(args: &SweepArgs, plan: &Plan, place: &Path, shard: Shard) -> Result<u8
 
 /// 3 if a run did not finish.
 fn ended(records: &[RunRecord], see: &str) -> u8 {
-    let broken = |record: &&RunRecord| record.outcome != Outcome::Finished;
+    let broken = |record: &&RunRecord| !record.ending.is_finished();
     let Some(first) = records.iter().find(broken) else {
         return 0;
     };
@@ -117,7 +116,7 @@ fn ended(records: &[RunRecord], see: &str) -> u8 {
         records.iter().filter(broken).count(),
         records.len(),
         first.engine,
-        first.outcome.reason(),
+        first.reason(),
     ));
     ENGINE
 }

@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
 
 use super::host::NotReady;
-use super::law::Published;
 use super::mujoco::{Addresses, Attached, Place, attach, detach};
+use super::published::Published;
 use super::watch::{Watch, watched};
 use super::{border, convert, host};
 use crate::cards::Card;

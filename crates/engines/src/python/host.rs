@@ -47,9 +47,12 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<(), NotReady> {
         });
     }
     #[cfg(feature = "crossval")]
-    return super::embedded::ready(cancel).map_err(|error| match error {
-        super::PythonError::Stopped => NotReady::Stopped,
-        other => NotReady::Because(other.to_string()),
+    return super::embedded::ready(cancel).map_err(|error| {
+        if error.is_stop() {
+            NotReady::Stopped
+        } else {
+            NotReady::Because(error.to_string())
+        }
     });
     #[cfg(not(feature = "crossval"))]
     {

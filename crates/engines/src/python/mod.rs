@@ -21,8 +21,11 @@ mod law;
 mod mujoco;
 #[cfg(feature = "provoke")]
 pub mod provoke;
+mod published;
 mod watch;
 
+#[cfg(feature = "crossval")]
+pub use crate::cache::CacheError;
 pub use agreement::{Agreement, law_agreement};
 #[cfg(feature = "crossval")]
 pub use environment::{Environment, Requirements, environment};

@@ -4,14 +4,14 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, Ending};
 use pinwheel_engines::{Engine, EngineError};
 
 use crate::control::{Control, Progress};
 use crate::pool::{self, lock};
 use crate::sweep::file::KeepCourses;
 use crate::sweep::journal::{Journal, keep_courses};
-use crate::sweep::record::{Outcome, RunRecord, wanted};
+use crate::sweep::record::{RunRecord, wanted};
 use crate::sweep::{Plan, PlannedRun, SweepError};
 
 /// What all threads share.
@@ -155,7 +155,7 @@ fn perform_as(
     let Some((record, run)) = judged(planned, engine, scene, ran) else {
         return Ok(None);
     };
-    if record.outcome == Outcome::Finished {
+    if record.ending.is_finished() {
         let nothing = Courses::default();
         let courses = run.as_ref().map_or(&nothing, |run| &run.courses);
         keep_courses(folder, &record.identity(), courses, keep)?;
@@ -234,11 +234,11 @@ fn judged(
     scene: &str,
     ran: Result<pinwheel_engines::Run, EngineError>,
 ) -> Option<(RunRecord, Option<pinwheel_engines::Run>)> {
-    let empty = |outcome: Outcome| RunRecord::empty(planned, engine, scene, outcome);
+    let empty = |ending: Ending| RunRecord::empty(planned, engine, scene, ending);
     Some(match ran {
         Ok(mut run) => {
             run.note_missing_channels(&planned.scene);
-            let record = empty(Outcome::Finished)
+            let record = empty(Ending::Finished)
                 .with_cost(&run)
                 .with_figures(planned, &run);
             (record, Some(run))
@@ -249,13 +249,13 @@ fn judged(
             partial,
             ..
         }) => (
-            empty(Outcome::Diverged { time_s, quantity }).with_cost(&partial),
+            empty(Ending::Diverged { time_s, quantity }).with_cost(&partial),
             None,
         ),
         Err(EngineError::Unsupported { reason, .. }) => {
-            (empty(Outcome::Unsupported { reason }), None)
+            (empty(Ending::Unsupported { reason }), None)
         }
-        Err(EngineError::Failed { reason, .. }) => (empty(Outcome::Failed { reason }), None),
+        Err(EngineError::Failed { reason, .. }) => (empty(Ending::Failed { reason }), None),
         Err(EngineError::Cancelled) => return None,
     })
 }

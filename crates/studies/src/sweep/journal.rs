@@ -21,12 +21,12 @@ use std::str::FromStr;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, Ending};
 
 use crate::ownership::{MARKER, Owner, unlisted};
+use crate::sweep::SweepError;
 use crate::sweep::file::KeepCourses;
 use crate::sweep::record::RunRecord;
-use crate::sweep::{Outcome, SweepError};
 
 /// How files of runs begin.
 const PREFIX: &str = "run-";
@@ -171,7 +171,7 @@ impl Journal {
                     let bytes = fs::read(&path).map_err(at(&path))?;
                     let record: Option<RunRecord> = serde_json::from_slice(&bytes).ok();
                     if let Some(record) =
-                        record.filter(|r| !matches!(r.outcome, Outcome::Failed { .. }))
+                        record.filter(|r| !matches!(r.ending, Ending::Failed { .. }))
                     {
                         known.insert(record.identity(), (record, path));
                     }
@@ -254,7 +254,7 @@ impl Journal {
         let known = self.lock();
         let (record, path) = known.get(identity)?;
         let file = extension(courses).map(|extension| path.with_extension(extension));
-        let there = record.outcome != Outcome::Finished || file.is_none_or(|file| file.is_file());
+        let there = !record.ending.is_finished() || file.is_none_or(|file| file.is_file());
         there.then(|| record.clone())
     }
 
@@ -263,7 +263,7 @@ impl Journal {
     /// # Errors
     /// A file cannot be written.
     pub fn keep(&self, record: &RunRecord) -> Result<(), SweepError> {
-        if matches!(record.outcome, Outcome::Failed { .. }) {
+        if matches!(record.ending, Ending::Failed { .. }) {
             return Ok(());
         }
         let identity = record.identity();
