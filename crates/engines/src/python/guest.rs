@@ -17,7 +17,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
 
 use super::convert;
-use super::law::{Published, SharedLaw, locked};
+use super::law::{SharedLaw, locked};
+use super::published::Published;
 use super::watch::watched;
 use crate::engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, Track};
 
