@@ -22,7 +22,7 @@ const LONG: [&str; 6] = [
 /// A sweep of eight runs, each of `duration` seconds.
 fn sweep_file(dir: &Path, duration: &str) {
     let text = format!(
-        "name = \"s\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = {duration}\n\
+        "name = \"s\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = {duration}\n\
          [vary]\ngear.backlash_m = {{ from = 0.0, to = 3.0e-4, points = 8 }}\n"
     );
     fs::write(dir.join("s.toml"), text).unwrap();
@@ -357,7 +357,7 @@ fn regress_two_sweeps_on_one_output() {
 #[test]
 fn regress_undefined_numbers_are_empty_cells() {
     let dir = tempfile::tempdir().unwrap();
-    let text = "name = \"s\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.01\n\
+    let text = "name = \"s\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.01\n\
         drive.output_torque_n_m = 0.0\n[vary]\ndrive.input_speed_rad_s = [0.0, 1e-9, 157.0]\n";
     fs::write(dir.path().join("s.toml"), text).unwrap();
     let outcome = run_in(dir.path(), ["sweep", "s.toml", "--out", "o"]);
@@ -652,7 +652,11 @@ fn regress_control_characters_never_reach_the_terminal() {
     }
     let sweep = |keys: u32| {
         let keys: String = (0..keys).map(|k| format!("k{k}=[1]\n")).collect();
-        fs::write(dir.path().join("s.toml"), format!("[vary]\n{keys}")).unwrap();
+        fs::write(
+            dir.path().join("s.toml"),
+            format!("scene = \"paper\"\n[vary]\n{keys}"),
+        )
+        .unwrap();
         let begun = Instant::now();
         let outcome = within(start(dir.path(), &["sweep", "s.toml"]), 20.0);
         assert_eq!(outcome.code, Some(2), "{:.300}", outcome.stderr);
@@ -709,7 +713,7 @@ fn regress_planning_can_be_stopped() {
     let dir = tempfile::tempdir().unwrap();
     let axis = |key: &str, to: f64| format!("{key} = {{ from = 0.0, to = {to}, points = 300 }}\n");
     let text = format!(
-        "[vary]\n{}{}",
+        "scene = \"paper\"\n[vary]\n{}{}",
         axis("gear.backlash_m", 3e-4),
         axis("drive.output_torque_n_m", 11.0)
     );

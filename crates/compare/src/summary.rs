@@ -8,17 +8,18 @@ use pinwheel_courses::{Courses, efficiency as ratio};
 use crate::comparison::{EngineEntry, EngineSummary, Figures, LadderSummary};
 use crate::judge::Judge;
 use crate::model;
-use crate::participant::{Context, Participant, track};
+use crate::participant::{Context, Participant, Track};
 use crate::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, Quantity};
 use crate::statistics::{Statistics, View};
 use crate::uncertainty::{
-    Estimate, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved, rounding_floor,
+    Estimate, Evidence, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved,
+    rounding_floor,
 };
 use crate::verdict::Verdict;
 use crate::windows::{Window, WindowKind};
 
 /// What rounding alone makes of a run, as a share.
-pub(crate) fn floor(participant: &Participant, context: &Context) -> f64 {
+pub(crate) fn floor(participant: &Participant, evidence: &Evidence, context: &Context) -> f64 {
     let walk = rounding_floor(participant.cost.steps);
     // What a rounding did to the scene where that was measured, unless it parts the runs altogether.
     let grown = context
@@ -26,7 +27,7 @@ pub(crate) fn floor(participant: &Participant, context: &Context) -> f64 {
         .as_ref()
         .filter(|d| d.horizon_s.is_none())
         .map_or(0.0, |d| d.largest_share);
-    walk.max(grown)
+    walk.max(grown).max(evidence.floor)
 }
 
 /// The uncertainty of one quantity of a participant in the samples of a window; `None` without evidence.
@@ -54,7 +55,7 @@ pub(crate) fn uncertainty(
                 window.kind,
                 samples,
                 Settings {
-                    floor: floor(participant, judge.context),
+                    floor: floor(participant, evidence, judge.context),
                     pointwise: judge.context.is_pointwise(window.to_s),
                 },
             ),
@@ -109,7 +110,7 @@ pub(crate) fn engine_summary(
             .filter_map(|q| uncertainty(participant, q, window, samples.clone(), judge))
             .collect();
         let output = quantities.iter().find(|q| q.name == OUTPUT_TORQUE);
-        let judged_alone = participant.track != track::MEASURED;
+        let judged_alone = participant.track != Track::Measured;
         if let Some((quantity, load_n_m)) = output.zip(context.load_n_m).filter(|_| judged_alone) {
             let mean = figures
                 .quantities
@@ -140,7 +141,7 @@ pub(crate) fn engine_summary(
     }
     EngineSummary {
         name: participant.name.clone(),
-        track: participant.track.clone(),
+        track: participant.track,
         version: participant.version.clone(),
         summary: participant.summary.clone(),
         differences: participant.differences.clone(),
@@ -178,12 +179,15 @@ fn figures(
             Some((quantity.name.clone(), Statistics::of(&view)?))
         })
         .collect();
+    let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
     let (efficiency, efficiency_reason) =
         match efficiency(participant, context, window, samples, &statistics, judge) {
+            Ok(efficiency) if efficiency > 1.0 && created.is_none() => {
+                (Some(efficiency), Some(ABOVE_ONE.to_owned()))
+            }
             Ok(efficiency) => (Some(efficiency), None),
             Err(reason) => (None, reason.map(str::to_owned)),
         };
-    let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
     Figures {
         window: window.kind,
         efficiency,
@@ -195,6 +199,10 @@ fn figures(
         quantities: statistics,
     }
 }
+
+/// What is said of an efficiency above 1 by an engine without an energy account.
+const ABOVE_ONE: &str =
+    "above 1: what the contact law creates is in it, and this engine keeps no account of that";
 
 /// Power out over power in; or why there is none, where a reader would look for it.
 fn efficiency(
@@ -234,7 +242,7 @@ fn efficiency(
 /// sixteen sleeves. Engines have all channels of a quantity or none.
 pub(crate) fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quantity {
     let mut quantity = quantity.clone();
-    if participants.iter().any(|p| p.track == track::MEASURED) {
+    if participants.iter().any(|p| p.track == Track::Measured) {
         quantity.channels.retain(|name| {
             let has = |p: &&Participant| p.courses.channel(name).is_some();
             participants.iter().all(has)
@@ -248,7 +256,7 @@ pub(crate) fn covered(
     participants: &[(&Participant, &Courses)],
     mut samples: Range<usize>,
 ) -> Range<usize> {
-    let measured = |p: &&(&Participant, &Courses)| p.0.track == track::MEASURED;
+    let measured = |p: &&(&Participant, &Courses)| p.0.track == Track::Measured;
     for (_, courses) in participants.iter().filter(measured) {
         let channels = courses.channels();
         let there = |k: usize| {

@@ -13,7 +13,8 @@ pub enum Track {
     SharedLaw,
     /// The engine detects or resolves contact itself.
     OwnContact,
-    /// Data from elsewhere: another program's export, a test rig.
+    /// Data from elsewhere: another program's export, a test rig. Samples may be missing (NaN) before
+    /// and after what it covers, and only limits that its owner states apply.
     Measured,
 }
 
@@ -27,6 +28,12 @@ impl Track {
             Self::OwnContact => "own-contact",
             Self::Measured => "measured",
         }
+    }
+}
+
+impl std::fmt::Display for Track {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.as_str())
     }
 }
 

@@ -1,7 +1,7 @@
 //! The page as a whole: it says what was compared, loads nothing, and no scene can break out of it.
 
 use pinwheel_compare::limits::TABLE;
-use pinwheel_compare::{Comparison, Context, Cost, Participant, Status, compare, track};
+use pinwheel_compare::{Comparison, Context, Cost, Participant, Status, Track, compare};
 use pinwheel_courses::Courses;
 use pinwheel_report::{Fact, ReportError, ReportInput, render};
 
@@ -27,10 +27,10 @@ fn courses(scale: f64, channels: usize, samples: u32) -> Courses {
     courses
 }
 
-fn participant(name: &str, track: &str, scale: f64) -> Participant {
+fn participant(name: &str, track: Track, scale: f64) -> Participant {
     Participant {
         name: name.to_owned(),
-        track: track.to_owned(),
+        track,
         version: "1.2.3".to_owned(),
         summary: "A summary.".to_owned(),
         differences: "A difference.".to_owned(),
@@ -79,8 +79,8 @@ fn page(participants: &[Participant]) -> String {
 
 fn two(scale: f64) -> [Participant; 2] {
     [
-        participant("native-reduced", track::NATIVE, 1.0),
-        participant("rapier-shared-law", track::SHARED_LAW, scale),
+        participant("native-reduced", Track::Native, 1.0),
+        participant("rapier-shared-law", Track::SharedLaw, scale),
     ]
 }
 
@@ -179,11 +179,11 @@ fn nothing_breaks_out() {
     participants[1].summary = HOSTILE.to_owned();
     participants[1].cost.settings = HOSTILE.to_owned();
     participants[1].cost.notes = vec![HOSTILE.to_owned()];
-    let mut lost = participant("lost", HOSTILE, 1.0);
+    let mut lost = participant("lost", Track::SharedLaw, 1.0);
     lost.status = Status::Failed {
         reason: HOSTILE.to_owned(),
     };
-    let mut other = participant("other", HOSTILE, 1.0);
+    let mut other = participant("other", Track::OwnContact, 1.0);
     other.courses.push(HOSTILE, vec![1.0; 601]).unwrap();
     let participants = [participants.to_vec(), vec![lost, other]].concat();
     let mut context = context(HOSTILE);
@@ -248,7 +248,7 @@ fn many_sleeves_stay_below_six_megabytes() {
 
 #[test]
 fn nobody_finished() {
-    let mut lost = participant("lost", track::NATIVE, 1.0);
+    let mut lost = participant("lost", Track::Native, 1.0);
     lost.status = Status::Unsupported {
         reason: "no friction".to_owned(),
     };

@@ -27,6 +27,10 @@ pub fn schema() -> Value {
         }
         at["properties"][*name] = of(row);
     }
+    root["properties"][crate::uncertain::UNCERTAIN] = json!({
+        "type": "object",
+        "description": "how well values are known, by key: gear.backlash_m = { plus_minus = 5e-6 }",
+    });
     root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
     root["title"] = json!("A scene of pinwheel");
     root["properties"]["base"] = json!({

@@ -4,11 +4,11 @@ use std::borrow::Cow;
 
 use toml::{Table, Value};
 
-use super::number::short;
 use crate::error::{Fault, one_line, quoted};
-use crate::fill::lookup;
 use crate::keys::{KEYS, Key, Kind, Range};
+use crate::number::short;
 use crate::suggest::did_you_mean;
+use crate::table::lookup;
 
 /// Smaller numbers are no quantities of a gear; powers and quotients of them are zero or infinite.
 const SMALLEST: f64 = 1e-30;

@@ -218,7 +218,13 @@ mod tests {
     use super::*;
 
     fn plan(text: &str) -> Result<Plan, String> {
-        let sweep = Sweep::from_toml(text, Path::new("mine.toml")).unwrap();
+        let scene = if text.contains("scene") {
+            ""
+        } else {
+            "scene = \"paper\"\n"
+        };
+        let text = format!("{scene}{text}");
+        let sweep = Sweep::from_toml(&text, Path::new("mine.toml")).unwrap();
         Plan::new(sweep, &[]).map_err(|error| error.to_string())
     }
 
