@@ -9,6 +9,7 @@
 //!  rapier-*, mujoco-*, exudyn-*                            bodies and time integration of others,
 //!     ...-shared-law: our contact forces                   their contact too: ...-own-contact
 //!  recorded                                                what a live engine gave earlier
+//!  external                                                solvers that the user names by a manifest
 //! ```
 //!
 //! ```
@@ -22,18 +23,20 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "crossval")]
+mod cache;
 mod cards;
 mod engine;
-mod native;
+pub mod external;
 #[cfg(feature = "crossval")]
 pub mod python;
 #[cfg(feature = "rapier")]
 mod rapier;
 pub mod recorded;
 mod registry;
+mod solvers;
 mod stopping;
 
-pub use engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
-pub use native::Native;
-pub use registry::{by_name, registry};
+pub use engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, RunStats, Track};
+pub use registry::{Native, by_name, registry};
 pub use stopping::stop_preparing;

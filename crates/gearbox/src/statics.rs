@@ -45,6 +45,18 @@ pub struct Equilibrium {
 }
 
 /// The quasi-static solver of a gearbox.
+///
+/// ```
+/// use pinwheel_gearbox::Gearbox;
+/// use pinwheel_gearbox::statics::Statics;
+/// use pinwheel_scene::Scene;
+///
+/// let gearbox = Gearbox::new(&Scene::load("paper", &[])?)?;
+/// let mut statics = Statics::new(&gearbox)?;
+/// let (light, full) = (statics.solve(0.0, 11.0)?, statics.solve(0.0, 22.0)?);
+/// assert!(full.output.abs() > light.output.abs(), "the load twists the gear: {} rad", full.output);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Statics<'a> {
     gearbox: &'a Gearbox,
     field: Box<dyn ContactField>,

@@ -15,11 +15,12 @@
 //! Friction may be treated implicitly ([`OdeSystem::split_stage`]): a contact's sliding speed is
 //! linear in the free rates, `u = offset + J v`, and `-J' F_t` is what its friction does to them.
 
+use crate::forces::Forces;
 use crate::jacobian::{Jacobian, Structure};
-use crate::mechanism::{BodyId, Forces, Mechanism, MechanismError};
+use crate::mechanism::{Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
 use crate::sliding::{Angle, PinnedContacts, RateStage};
-use crate::state::{BodyState, ContactEnergy, Wrench};
+use crate::state::{BodyId, BodyState, ContactEnergy, Wrench};
 
 /// A body carried by another.
 #[derive(Debug, Clone, Copy)]

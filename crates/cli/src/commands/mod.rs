@@ -2,12 +2,15 @@
 
 pub(crate) mod baseline;
 pub(crate) mod bench;
+pub(crate) mod calibrate;
 pub(crate) mod compare;
+pub(crate) mod design;
 pub(crate) mod engines;
 pub(crate) mod explain;
 pub(crate) mod laws;
 pub(crate) mod paper;
 pub(crate) mod record;
 pub(crate) mod run;
+pub(crate) mod solver;
 pub(crate) mod stability;
 pub(crate) mod sweep;

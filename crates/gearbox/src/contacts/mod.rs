@@ -4,6 +4,7 @@ mod detection;
 mod field;
 mod lanes;
 mod pairs;
+mod small;
 
 use pinwheel_contact::{Law, LawParameters, LawVisitor, NormalLaw};
 
@@ -88,11 +89,15 @@ pub(crate) fn field(
     kernel: Kernel,
 ) -> Result<Box<dyn ContactField>, GearboxError> {
     let law = law_of(scene).ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
-    law.visit(Build {
+    let field = law.visit(Build {
         scene,
         geometry,
         kernel,
         any: law,
+    })?;
+    Ok(match geometry.small_sleeve {
+        Some((sleeve, less)) => Box::new(small::Small::new(field, scene, sleeve, less)),
+        None => field,
     })
 }
 

@@ -4,7 +4,38 @@
 //! All methods hand out the state at any time inside the last step, so that samples never cut
 //! steps: a run takes the same steps whatever is recorded. Multistep methods, whose steps cost no more than a sample, end
 //! steps at samples instead ([`Stepper::aim`]).
+//!
+//! Any y' = f(t, y) can be integrated. Here y' = -y, to 1e-8 a step:
+//!
+//! ```
+//! use pinwheel_mbs::OdeSystem;
+//! use pinwheel_mbs::integrators::{StepSettings, start};
+//!
+//! struct Decay;
+//! impl OdeSystem for Decay {
+//!     fn dimension(&self) -> usize {
+//!         1
+//!     }
+//!     fn derivative(&mut self, _t: f64, y: &[f64], dydt: &mut [f64]) {
+//!         dydt[0] = -y[0];
+//!     }
+//! }
+//!
+//! let settings = StepSettings { step: 1e-2, tolerance: 1e-8 };
+//! let mut stepper = start("dop853", settings, 0.0, &[1.0]).ok_or("no such method")?;
+//! loop {
+//!     stepper.step(&mut Decay)?;
+//!     if stepper.time() > 1.0 {
+//!         break;
+//!     }
+//! }
+//! let mut y = [0.0];
+//! stepper.interpolate(&mut Decay, 1.0, &mut y);
+//! assert!((y[0] - (-1.0_f64).exp()).abs() < 1e-7);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod clock;
 mod dop853;
 mod dop853_coefficients;
 mod dopri5;

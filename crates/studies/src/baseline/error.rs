@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use crate::StudyError;
 
+/// Version of the layout.
+pub(super) const FORMAT: u32 = 1;
+
 /// Why there is no baseline, or no check of it.
 #[derive(Debug, thiserror::Error)]
 pub enum BaselineError {
@@ -32,12 +35,18 @@ pub enum BaselineError {
         what: String,
     },
     /// A layout of another time.
-    #[error("{}: format {found} is not the one this program writes ({}); record it anew", path.display(), super::file::FORMAT)]
+    #[error("{}: format {found} is not the one this program writes ({}); record it anew", path.display(), FORMAT)]
     Format {
         /// Which file.
         path: PathBuf,
         /// Its format.
         found: u32,
+    },
+    /// Made by other solvers than those that are to be checked.
+    #[error("{}", other_solvers(recorded))]
+    OtherSolvers {
+        /// Those that made it.
+        recorded: Vec<String>,
     },
     /// A name that is no folder's.
     #[error("`{0}` is no name for a baseline; use letters, digits, `-`, `_` and `.`")]
@@ -68,4 +77,15 @@ pub enum BaselineError {
     /// A run failed.
     #[error(transparent)]
     Study(#[from] StudyError),
+}
+
+fn other_solvers(recorded: &[String]) -> String {
+    if recorded.is_empty() {
+        return "this baseline was made by Pinwheel's own solver; leave out --solver, or record one under another name"
+            .to_owned();
+    }
+    format!(
+        "this baseline was made by {}; name the same by --solver, in this order",
+        recorded.join(", ")
+    )
 }
