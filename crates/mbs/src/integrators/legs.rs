@@ -106,11 +106,12 @@ impl<S: OdeSystem> Stepper<S> for Legs<S> {
         self.enter(system);
         self.stepper.shorten(self.longest);
         // The end of a leg is asked for, too.
-        self.stepper.aim(self.aim.min(self.end()));
+        let aim = self.aim.min(self.end());
+        self.stepper.aim(aim);
         let (time, step, end) = (self.stepper.time(), self.stepper.next_step(), self.end());
         if time + step > end + THERE * step {
             self.restart(time, end - time);
-            self.stepper.aim(self.aim.min(self.end()));
+            self.stepper.aim(aim);
         }
         self.stepper.step(system)
     }
