@@ -35,6 +35,8 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Compare(args) => commands::compare::compare(args),
         Command::Bench(args) => commands::bench::bench(args),
         Command::Explain(args) => commands::explain::explain(args),
+        Command::Init(args) => commands::design::init(args),
+        Command::Design(args) => commands::design::design(args),
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, efficiency as ratio};
 
 use crate::comparison::{EngineEntry, EngineSummary, Figures, LadderSummary};
 use crate::judge::Judge;
 use crate::model;
-use crate::participant::{Context, Participant, track};
+use crate::participant::{Context, Participant, Track};
 use crate::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, Quantity};
 use crate::statistics::{Statistics, View};
 use crate::uncertainty::{
@@ -101,7 +101,7 @@ pub(crate) fn engine_summary(
         &[]
     };
     for window in windows {
-        let figures = figures(participant, context, window, quantities);
+        let figures = figures(participant, context, window, quantities, judge);
         let samples = participant.courses.window(window.from_s, window.to_s);
         let there = quantities
             .iter()
@@ -110,7 +110,7 @@ pub(crate) fn engine_summary(
             .filter_map(|q| uncertainty(participant, q, window, samples.clone(), judge))
             .collect();
         let output = quantities.iter().find(|q| q.name == OUTPUT_TORQUE);
-        let judged_alone = participant.track != track::MEASURED;
+        let judged_alone = participant.track != Track::Measured;
         if let Some((quantity, load_n_m)) = output.zip(context.load_n_m).filter(|_| judged_alone) {
             let mean = figures
                 .quantities
@@ -141,7 +141,7 @@ pub(crate) fn engine_summary(
     }
     EngineSummary {
         name: participant.name.clone(),
-        track: participant.track.clone(),
+        track: participant.track,
         version: participant.version.clone(),
         summary: participant.summary.clone(),
         differences: participant.differences.clone(),
@@ -164,6 +164,7 @@ fn figures(
     context: &Context,
     window: &Window,
     quantities: &[Quantity],
+    judge: Judge<'_>,
 ) -> Figures {
     let courses = &participant.courses;
     let samples = covered(
@@ -180,7 +181,7 @@ fn figures(
         .collect();
     let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
     let (efficiency, efficiency_reason) =
-        match efficiency(participant, context, window, samples, &statistics) {
+        match efficiency(participant, context, window, samples, &statistics, judge) {
             Ok(efficiency) if efficiency > 1.0 && created.is_none() => {
                 (Some(efficiency), Some(ABOVE_ONE.to_owned()))
             }
@@ -210,6 +211,7 @@ fn efficiency(
     window: &Window,
     samples: Range<usize>,
     statistics: &BTreeMap<String, Statistics>,
+    judge: Judge<'_>,
 ) -> Result<f64, Option<&'static str>> {
     if window.kind == WindowKind::Transient {
         return Err(Some("a start-up stores and returns energy"));
@@ -227,26 +229,20 @@ fn efficiency(
     if speed_in == 0.0 {
         return Err(Some("the driver stands still"));
     }
-    if context.load_n_m == Some(0.0) {
+    if context
+        .load_n_m
+        .is_some_and(|load| load.abs() <= judge.negligible.torque_n_m)
+    {
         return Err(Some("the scene has no load, so no power is delivered"));
     }
-    let power_in = torque_in * speed_in;
-    if !(power_in > 0.0) {
-        return Err(Some("the driver gives no power"));
-    }
-    let efficiency = torque_out * turned / lasted / power_in;
-    if efficiency.is_finite() {
-        Ok(efficiency)
-    } else {
-        Err(Some("a value is not finite"))
-    }
+    ratio(torque_in * speed_in, torque_out * turned / lasted).map_err(Some)
 }
 
 /// The quantity without channels that a measured participant lacks: a rig has force cells on three of
 /// sixteen sleeves. Engines have all channels of a quantity or none.
 pub(crate) fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quantity {
     let mut quantity = quantity.clone();
-    if participants.iter().any(|p| p.track == track::MEASURED) {
+    if participants.iter().any(|p| p.track == Track::Measured) {
         quantity.channels.retain(|name| {
             let has = |p: &&Participant| p.courses.channel(name).is_some();
             participants.iter().all(has)
@@ -260,7 +256,7 @@ pub(crate) fn covered(
     participants: &[(&Participant, &Courses)],
     mut samples: Range<usize>,
 ) -> Range<usize> {
-    let measured = |p: &&(&Participant, &Courses)| p.0.track == track::MEASURED;
+    let measured = |p: &&(&Participant, &Courses)| p.0.track == Track::Measured;
     for (_, courses) in participants.iter().filter(measured) {
         let channels = courses.channels();
         let there = |k: usize| {

@@ -23,7 +23,8 @@ pub use uncertainty::{Rung, Uncertainty, Verdict};
 use std::rc::Rc;
 
 use crate::auto::{self, COARSER_ROSENBROCK, Plan};
-use crate::native::{self, Limits, NativeError, NativeRun};
+use crate::native::{self, NativeError, NativeRun};
+use crate::pace::Limits;
 use crate::{Distance, Gearbox};
 
 /// Safety of an estimate.

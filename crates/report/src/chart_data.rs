@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use pinwheel_compare::{Participant, Quantity, Window, WindowKind, quantities, track};
+use pinwheel_compare::{Participant, Quantity, Track, Window, WindowKind, quantities};
 use pinwheel_courses::Courses;
 use serde::Serialize;
 
@@ -39,7 +39,7 @@ enum Time {
 #[derive(Debug, Serialize)]
 struct Line {
     name: String,
-    track: String,
+    track: Track,
     /// Position among all participants: colour and dash of its line.
     style: usize,
     /// Samples lie apart with gaps between them, over which the line is drawn.
@@ -96,7 +96,7 @@ impl ChartData {
                 .iter()
                 .map(|&(style, p)| Line {
                     name: p.name.clone(),
-                    track: p.track.clone(),
+                    track: p.track,
                     style,
                     sparse: p.cost.recorded.is_some(),
                 })
@@ -165,7 +165,7 @@ fn drawn<'a>(
         let finished = p.status.is_finished();
         (
             !finished,
-            p.track != track::NATIVE,
+            p.track != Track::Native,
             if finished {
                 *place
             } else {

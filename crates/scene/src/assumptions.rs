@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 use pinwheel_contact::laws::{LAWS, LawInfo};
 use toml::Value;
 
-use crate::check::short;
 use crate::checked::{CheckedScene, Origin, Source};
 use crate::keys::{Key, key};
 use crate::model::{Detection, Formulation, FrictionLaw, Gear, Scene};
+use crate::number::short;
 
 /// A value that had to be assumed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -87,9 +87,6 @@ fn of(row: &Key) -> Value {
 
 fn number(range: Range) -> Value {
     match range {
-        Range::Above(low, high) => {
-            json!({ "type": "number", "exclusiveMinimum": low, "maximum": high })
-        }
         Range::From(low, high) => json!({ "type": "number", "minimum": low, "maximum": high }),
         Range::Between(low, high) => {
             json!({ "type": "number", "exclusiveMinimum": low, "exclusiveMaximum": high })

@@ -11,13 +11,12 @@
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
-use crate::check::short;
 use crate::checked::CheckedScene;
 use crate::error::Fault;
-use crate::fill::lookup;
 use crate::keys::{self, Key, Kind};
 use crate::model::Scene;
-use crate::parse::insert;
+use crate::number::short;
+use crate::table::{insert, lookup};
 
 /// The table's name.
 pub(crate) const UNCERTAIN: &str = "uncertain";

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::stability::{self, Failure, Options};
 use pinwheel_studies::survey::{Plan, Survey};
@@ -147,7 +148,8 @@ fn studies_stop_when_asked() {
 #[test]
 fn a_rounding_stays_one_on_the_paper() {
     let scene = scene("paper", &["solver.duration_s=0.1"]);
-    let found = divergence::horizon(&scene, divergence::STEP_RAD, &mut |_| false).unwrap();
+    let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+    let found = divergence::horizon(&gearbox, divergence::STEP_RAD, &mut |_| false).unwrap();
     assert_eq!(found.horizon_s, None, "{}", found.sentence());
     assert!(
         found.largest_share > 0.0,
@@ -160,8 +162,8 @@ fn a_rounding_stays_one_on_the_paper() {
 #[test]
 fn regress_horizons_do_not_depend_on_the_size() {
     let sets = ["solver.duration_s=0.005", "drive.output_torque_n_m=0.0022"];
-    let scene = scene("paper", &sets);
-    let found = divergence::horizon(&scene, divergence::STEP_RAD, &mut |_| false).unwrap();
+    let gearbox = Gearbox::new(&scene("paper", &sets).check().unwrap()).unwrap();
+    let found = divergence::horizon(&gearbox, divergence::STEP_RAD, &mut |_| false).unwrap();
     assert_eq!(found.refused, None, "{}", found.sentence());
     assert!(found.largest_share < 1e-9, "{found:?}");
 }

@@ -14,6 +14,7 @@ use crate::screen;
 mod baseline;
 mod bench;
 mod calibrate;
+mod design;
 mod paper;
 mod solver;
 mod stability;
@@ -22,6 +23,7 @@ mod sweep;
 pub(crate) use baseline::{Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
 pub(crate) use bench::BenchArgs;
 pub(crate) use calibrate::CalibrateArgs;
+pub(crate) use design::{DesignArgs, InitArgs, flag};
 pub(crate) use paper::PaperArgs;
 pub(crate) use solver::{SolverAction, SolverArgs, Solvers};
 pub(crate) use stability::StabilityArgs;
@@ -34,6 +36,8 @@ Examples:
   pinwheel compare paper --set gear.backlash_m=0.0006 --out out/backlash
   pinwheel bench paper                           what accuracy costs, native and peers
   pinwheel explain my-gear.toml                  what is modelled, assumed and to be expected
+  pinwheel init mine.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500
+  pinwheel design mine.toml                      lost motion, stiffness, transmission error, stress
   pinwheel sweep reference/sweeps/backlash.toml  lists and ranges of keys over all cores
   pinwheel stability --quick                     which method survives which hard scene
   pinwheel calibrate                             what verdicts are worth: uncertainty against true error
@@ -60,16 +64,20 @@ struct Program {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run a scene on one engine and keep its courses.
+    /// Run a scene on one engine and keep its time series.
     Run(RunArgs),
     /// Run a scene on several engines, compare them and write a report.
     Compare(CompareArgs),
     /// Measure what accuracy costs: error against time of every engine, integrator and step.
     Bench(BenchArgs),
-    /// Keep courses of the Python engines for builds and machines without them.
+    /// Keep time series of the Python engines for builds and machines without them.
     Record(RecordArgs),
     /// Say what a scene models, what it leaves out and what to expect of it.
     Explain(ExplainArgs),
+    /// Make a scene of a catalogue's data: ratio, pin circle, torque, speed, and what else is known.
+    Init(InitArgs),
+    /// Answer a designer: lost motion, stiffness, transmission error, pressure, bearing forces, efficiency.
+    Design(DesignArgs),
     /// Run a scene with lists or ranges of keys over all cores and tabulate the figures.
     Sweep(SweepArgs),
     /// List the engines of this build.

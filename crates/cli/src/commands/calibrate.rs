@@ -84,10 +84,11 @@ fn preset(name: &str, duration_s: f64) -> Result<CheckedScene, Failure> {
 
 /// The engines asked for, or those of this build that `wanted` takes.
 fn engines(args: &CalibrateArgs, wanted: impl Fn(&str) -> bool) -> Result<Vec<String>, Failure> {
-    let known: Vec<&str> = choice::listed().iter().map(|engine| engine.name).collect();
+    let listed = choice::listed();
+    let is_known = |name: &str| listed.iter().any(|engine| engine.name == name);
     if args.engines.is_empty() {
         let of_study = calibration::ENGINES.iter().copied();
-        let built = of_study.filter(|name| known.contains(name) && wanted(name));
+        let built = of_study.filter(|name| is_known(name) && wanted(name));
         return Ok(built.map(str::to_owned).collect());
     }
     for name in &args.engines {

@@ -10,9 +10,10 @@ use pinwheel_scene::{Detection, Gear, Scene, Start};
 use rapier2d_f64::parry::query::PointQuery;
 use rapier2d_f64::prelude::*;
 
-use super::march::{Contacts, Grid, Sums, friction_refusal, march};
+use super::march::{Contacts, Grid, friction_refusal, march};
 use super::outlines::{closed, hole_edge, wheel_edge};
 use super::spring::{contact_frequency, spring_load};
+use super::sums::Sums;
 use super::unsupported;
 use super::world::World;
 use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};

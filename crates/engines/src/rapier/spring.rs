@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn refuses_contacts_that_carry_nothing() {
-        let refusal = frequency(|scene| scene.contact.stiffness_multiplier = 1e-12).unwrap_err();
+        let refusal = frequency(|scene| scene.contact.stiffness_multiplier = 1e-9).unwrap_err();
         assert!(
             refusal.contains("contact.stiffness_multiplier"),
             "{refusal}"

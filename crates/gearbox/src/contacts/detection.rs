@@ -4,6 +4,8 @@ use pinwheel_contact::{
     Complex, Epitrochoid, Foot, HertzStiffness, Hole, HolePoints, NormalLaw, ProfilePoints,
 };
 
+use pinwheel_scene::scales::hertz;
+
 use crate::GearboxError;
 use crate::geometry::Geometry;
 use crate::scene::{self, Scene};
@@ -49,11 +51,7 @@ struct Shapes {
 impl Shapes {
     fn new(scene: &Scene, geometry: &Geometry) -> Self {
         let (gear, contact) = (&scene.gear, &scene.contact);
-        let hertz = HertzStiffness::new(
-            contact.young_pa,
-            contact.poisson,
-            contact.stiffness_multiplier,
-        );
+        let hertz = hertz(contact);
         let radius = gear.hole_radius_m;
         Self {
             curve: geometry.curve.clone(),

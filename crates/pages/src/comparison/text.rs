@@ -92,7 +92,7 @@ fn engines(comparison: &Comparison) -> Vec<Vec<Cell>> {
         title(&window.map_or_else(String::new, |kind| format!("({} window)", kind.word()))),
     ]];
     for engine in &comparison.engines {
-        let mut row = vec![Cell::text(&engine.name), Cell::text(&engine.track)];
+        let mut row = vec![Cell::text(&engine.name), Cell::text(engine.track.as_str())];
         let figures = engine
             .figures
             .iter()

@@ -6,7 +6,7 @@ use pinwheel_report::study::{
     Axis, Block, Cell, Chart, Column as Heading, Mark, Section, Series, Study, Style, Table, Tile,
     Verdict, render,
 };
-use pinwheel_studies::sweep::{Column, Outcome, Plan, Results, RunRecord};
+use pinwheel_studies::sweep::{Column, Plan, Results, RunRecord};
 
 use pinwheel_studies::Provenance;
 
@@ -37,7 +37,7 @@ pub fn page(
 ) -> Result<String, PageError> {
     let unfinished = records
         .iter()
-        .filter(|record| record.outcome != Outcome::Finished)
+        .filter(|record| !record.ending.is_finished())
         .count();
     let cpu: f64 = records.iter().map(|record| record.cpu_s).sum();
     let tile = |label: &str, value: String, detail: String| Tile {

@@ -1,7 +1,7 @@
 //! The top of the page: the verdict in one sentence, and the figures people come for.
 
 use pinwheel_compare::comparison::EngineSummary;
-use pinwheel_compare::{Comparison, Quantity, WindowKind, quantities, track};
+use pinwheel_compare::{Comparison, Quantity, Track, WindowKind, quantities};
 
 use super::{checks, window_label};
 use crate::format;
@@ -136,7 +136,7 @@ pub(super) fn tiles(comparison: &Comparison) -> Vec<Tile> {
     let one_law: Vec<&EngineSummary> = finished
         .iter()
         .copied()
-        .filter(|e| e.track == track::NATIVE || e.track == track::SHARED_LAW)
+        .filter(|e| e.track == Track::Native || e.track == Track::SharedLaw)
         .collect();
     let engines = if one_law.is_empty() {
         &finished

@@ -1,7 +1,7 @@
 //! Everything that was held against a limit on one track, and everything that was not.
 
 use pinwheel_compare::comparison::{EngineEntry, PairEntry};
-use pinwheel_compare::{Check, Comparison, Metric, Verdict, WindowKind};
+use pinwheel_compare::{Check, Comparison, Metric, Track, Verdict, WindowKind};
 
 use super::{Mark, mark, quantity_label};
 use crate::format;
@@ -46,7 +46,7 @@ pub(super) struct Checks {
 }
 
 /// Everything judged and not judged on one track.
-pub(super) fn of_track(comparison: &Comparison, track: &str) -> Checks {
+pub(super) fn of_track(comparison: &Comparison, track: Track) -> Checks {
     let (mut judged, mut unjudged) = (Vec::new(), Vec::new());
     let mut take = |subject: &str, quantity: &str, window, checks: &[Check], verdict: &Verdict| {
         let label = quantity_label(comparison, quantity);

@@ -12,7 +12,7 @@ mod statements;
 mod tracks;
 
 use askama::Template;
-use pinwheel_compare::{Comparison, Outcome, Verdict, WindowKind};
+use pinwheel_compare::{Comparison, Outcome, Track, Verdict, WindowKind};
 
 use crate::assets::{ASSETS, Assets};
 use crate::chart_data::{ChartData, json_for_script};
@@ -54,7 +54,7 @@ pub(crate) struct Page<'a> {
 struct EngineCard {
     name: String,
     version: String,
-    track: String,
+    track: Track,
     summary: String,
     differences: String,
     /// Place in the list, which is its colour and dash.
@@ -119,7 +119,7 @@ fn engine_cards(comparison: &Comparison) -> Vec<EngineCard> {
         .map(|(style, engine)| EngineCard {
             name: engine.name.clone(),
             version: engine.version.clone(),
-            track: engine.track.clone(),
+            track: engine.track,
             summary: engine.summary.clone(),
             differences: engine.differences.clone(),
             style,

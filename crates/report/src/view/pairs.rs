@@ -2,7 +2,7 @@
 
 use pinwheel_compare::comparison::PairEntry;
 use pinwheel_compare::metrics::PairMetrics;
-use pinwheel_compare::{Comparison, Quantity, Verdict};
+use pinwheel_compare::{Comparison, Quantity, Track, Verdict};
 
 use super::{Mark, mark};
 use crate::format::{self, relative_or_none, significant};
@@ -53,17 +53,12 @@ pub(super) const COLUMNS: [(&str, &str); 13] = [
 ];
 
 /// The anchor of a pair's details; a native pair may stand in several tracks.
-pub(super) fn pair_id(track: &str, pair: usize) -> String {
-    // Tracks are free words, so only what an anchor may hold is kept.
-    let track: String = track
-        .chars()
-        .filter(|c| c.is_ascii_alphanumeric() || *c == '-')
-        .collect();
+pub(super) fn pair_id(track: Track, pair: usize) -> String {
     format!("pair-{track}-{pair}")
 }
 
 /// The pairs that stand in a track's matrices or belong to the track.
-pub(super) fn of_track(comparison: &Comparison, track: &str) -> Vec<PairView> {
+pub(super) fn of_track(comparison: &Comparison, track: Track) -> Vec<PairView> {
     let in_matrix = |k: usize| {
         comparison
             .matrices

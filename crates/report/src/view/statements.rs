@@ -1,6 +1,6 @@
 //! Every statement of a track that rests on numerical uncertainty: D, U and what follows.
 
-use pinwheel_compare::{Comparison, Outcome, Verdict};
+use pinwheel_compare::{Comparison, Outcome, Track, Verdict};
 
 use super::checks::metric_label;
 use super::{Mark, mark, quantity_label};
@@ -20,7 +20,7 @@ pub(super) struct Statement {
 }
 
 /// The gravest first, then the least sharp.
-pub(super) fn of_track(comparison: &Comparison, track: &str) -> Vec<Statement> {
+pub(super) fn of_track(comparison: &Comparison, track: Track) -> Vec<Statement> {
     let mut found: Vec<(Outcome, f64, Statement)> = Vec::new();
     for pair in comparison.pairs.iter().filter(|p| p.track == track) {
         for entry in &pair.entries {

@@ -14,8 +14,8 @@ use std::path::Path;
 
 use pinwheel_compare::uncertainty::Source;
 use pinwheel_compare::{
-    Comparison, Context, Cost, Evidence, Metric, Participant, Rules, Status, WindowKind,
-    compare_with, track,
+    Comparison, Context, Cost, Evidence, Metric, Participant, Rules, Status, Track, WindowKind,
+    compare_with,
 };
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::Gearbox;
@@ -329,7 +329,7 @@ fn against(
 fn as_run(name: &str, courses: Courses) -> Participant {
     Participant {
         name: name.to_owned(),
-        track: track::NATIVE.to_owned(),
+        track: Track::Native,
         version: String::new(),
         summary: String::new(),
         differences: String::new(),

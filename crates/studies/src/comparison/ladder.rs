@@ -9,8 +9,8 @@ use std::time::Duration;
 use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION};
 use pinwheel_compare::uncertainty::{Method, Source, Unresolved};
 use pinwheel_compare::{
-    Context, Evidence, Ladder, Participant, RESOLUTION, Rules, Rung, Status, Uncertainty,
-    compare_with, track,
+    Context, Evidence, Ladder, Participant, RESOLUTION, Rules, Rung, Status, Track, Uncertainty,
+    compare_with,
 };
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, Native, by_name};
@@ -120,16 +120,15 @@ impl<'a> Engines<'a> {
                 ..foreign(2.0)
             }),
             "exudyn-shared-law-explicit" | "mujoco-shared-law" => Some(foreign(4.0)),
-            _ => own.refinement().map(|refinement| Self {
-                knob: match refinement.knob {
-                    pinwheel_engines::Knob::Step => Knob::Step(refinement.order),
-                    pinwheel_engines::Knob::Tolerance => Knob::Tolerance,
+            _ => own.refinement().map(|refinement| match refinement.knob {
+                pinwheel_engines::Knob::Step => foreign(refinement.order),
+                // Error control follows the friction.
+                pinwheel_engines::Knob::Tolerance => Self {
+                    knob: Knob::Tolerance,
+                    value: scene.solver.tolerance,
+                    excuse: None,
+                    ..foreign(refinement.order)
                 },
-                value: match refinement.knob {
-                    pinwheel_engines::Knob::Step => scene.solver.step_s,
-                    pinwheel_engines::Knob::Tolerance => scene.solver.tolerance,
-                },
-                ..foreign(refinement.order)
             }),
         }
     }
@@ -375,7 +374,7 @@ pub(crate) fn climb(
         };
         let Some(finer) = finer else {
             // Foreign engines do what they can in the time they have; ours must do.
-            if finest.track != track::NATIVE {
+            if finest.track != Track::Native {
                 excuse = Some(format!(
                     "refined as far as {longest} s allow; the next run would take {next:.0} s (--longest)"
                 ));

@@ -11,14 +11,14 @@ use std::path::Path;
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction, TOLERANCES};
 use pinwheel_compare::{
-    Comparison, Context, Divergence, Metric, Participant, Rules, Scales, Status, WindowKind,
-    compare_with, limits, track,
+    Comparison, Context, Divergence, Metric, Participant, Rules, Scales, Status, Track, WindowKind,
+    compare_with, limits,
 };
 use pinwheel_courses::{Courses, columns};
 use pinwheel_engines::{Engine, EngineError, RunStats, external, recorded};
 use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, Statement};
 use pinwheel_scene::load_course;
-use pinwheel_scene::{Assumption, CheckedScene, Scene, Start, assumptions};
+use pinwheel_scene::{Assumption, Scene, Start, assumptions};
 use serde::Serialize;
 
 use crate::control::{Control, Progress};
@@ -44,8 +44,8 @@ pub struct Input<'a> {
 /// A comparison with everything it rests on.
 #[derive(Debug, Clone)]
 pub struct Outcome {
-    /// The scene as run.
-    pub scene: CheckedScene,
+    /// The scene as run, compiled.
+    pub gearbox: Gearbox,
     /// Figures, distances, limits and verdicts.
     pub comparison: Comparison,
     /// The runs behind it: those of the engines in their order, then the data from elsewhere.
@@ -96,7 +96,7 @@ pub fn run_with(
     let several = input.engines.len() + input.data.len() > 1;
     let mut context = context(scene);
     if several {
-        context.divergence = divergence(scene, at, control)?;
+        context.divergence = divergence(input.gearbox, at, control)?;
     }
     let (mut participants, mut evidence) = (Vec::new(), Vec::new());
     for (done, engine) in input.engines.iter().enumerate() {
@@ -137,7 +137,7 @@ pub fn run_with(
     };
     let comparison = compare_with(&context, &participants, &rules)?;
     Ok(Outcome {
-        scene: scene.clone(),
+        gearbox: input.gearbox.clone(),
         comparison,
         participants,
         model,
@@ -161,7 +161,7 @@ impl Outcome {
                 continue;
             }
             let place = output::folder(dir, &participant.name)?;
-            if participant.track == track::MEASURED {
+            if participant.track == Track::Measured {
                 // As they are compared.
                 participant
                     .courses
@@ -176,7 +176,7 @@ impl Outcome {
             );
             RunRecord::new(
                 named,
-                &self.scene,
+                &self.gearbox.scene,
                 &participant.status,
                 &participant.cost,
                 made,
@@ -188,7 +188,7 @@ impl Outcome {
             modelled: &self.model.modelled,
             left_out: &self.model.left_out,
             assumptions: &self.assumptions,
-            scene: &self.scene,
+            scene: &self.gearbox.scene,
         };
         Summary::new(made, found).write(dir)
     }
@@ -249,7 +249,7 @@ fn take_part(
     };
     let participant = Participant {
         name: engine.name().to_owned(),
-        track: engine.track().as_str().to_owned(),
+        track: engine.track(),
         version: engine.version(),
         summary: engine.summary().to_owned(),
         differences: engine.differences().to_owned(),
@@ -317,13 +317,13 @@ const DIVERGENCE_STEP: f64 = 0.05;
 
 /// What a rounding does to the scene; `None` where nothing is compared or it cannot be measured.
 fn divergence(
-    scene: &Scene,
+    gearbox: &Gearbox,
     at: Progress<'_>,
     control: &Control<'_>,
 ) -> Result<Option<Divergence>, StudyError> {
     control.check()?;
-    let mut watch = control.watch(scene, at);
-    match divergence::horizon(scene, DIVERGENCE_STEP, &mut watch) {
+    let mut watch = control.watch(&gearbox.scene, at);
+    match divergence::horizon(gearbox, DIVERGENCE_STEP, &mut watch) {
         Ok(horizon) => Ok(Some(Divergence {
             horizon_s: horizon.horizon_s,
             largest_share: horizon.largest_share,

@@ -7,59 +7,11 @@ use std::sync::OnceLock;
 
 use pinwheel_compare::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, derive};
 use pinwheel_compare::statistics::{Statistics, View};
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, Ending, efficiency};
 use pinwheel_engines::{Engine, Run};
 use serde::{Deserialize, Serialize};
 
 use crate::sweep::PlannedRun;
-
-/// How a run ended.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "status", rename_all = "lowercase")]
-pub enum Outcome {
-    /// Complete.
-    Finished,
-    /// The numbers ran away: a result, but one without figures.
-    Diverged {
-        /// When, s.
-        time_s: f64,
-        /// Which quantity.
-        quantity: String,
-    },
-    /// The engine cannot honour the scene.
-    Unsupported {
-        /// Why.
-        reason: String,
-    },
-    /// The engine broke; not kept for another attempt.
-    Failed {
-        /// Its own words.
-        reason: String,
-    },
-}
-
-impl Outcome {
-    /// One word.
-    #[must_use]
-    pub fn word(&self) -> &'static str {
-        match self {
-            Self::Finished => "finished",
-            Self::Diverged { .. } => "diverged",
-            Self::Unsupported { .. } => "unsupported",
-            Self::Failed { .. } => "failed",
-        }
-    }
-
-    /// Why there are no figures; empty when finished.
-    #[must_use]
-    pub fn reason(&self) -> &str {
-        match self {
-            Self::Finished => "",
-            Self::Diverged { quantity, .. } => quantity,
-            Self::Unsupported { reason } | Self::Failed { reason } => reason,
-        }
-    }
-}
 
 /// Figures of one quantity over the window, all its channels together; NaN where one is not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -91,9 +43,6 @@ fn finite(value: f64) -> f64 {
     if value.is_finite() { value } else { f64::NAN }
 }
 
-/// Largest ratio of powers that is still an efficiency.
-const MOST_EFFICIENT: f64 = 2.0;
-
 /// What is kept of a run. All but the two times is the same whenever it is run again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
@@ -112,7 +61,7 @@ pub struct RunRecord {
     pub window_s: [f64; 2],
     /// How it ended.
     #[serde(flatten)]
-    pub outcome: Outcome,
+    pub ending: Ending,
     /// Figures by quantity; empty unless finished.
     pub figures: BTreeMap<String, Spread>,
     /// Quantities in the order of the courses.
@@ -143,7 +92,7 @@ pub struct RunRecord {
 
 impl RunRecord {
     /// A record without figures.
-    pub(crate) fn empty(planned: &PlannedRun, engine: &dyn Engine, outcome: Outcome) -> Self {
+    pub(crate) fn empty(planned: &PlannedRun, engine: &dyn Engine, ending: Ending) -> Self {
         Self {
             engine: engine.name().to_owned(),
             engine_version: engine.version(),
@@ -151,7 +100,7 @@ impl RunRecord {
             program: program().to_owned(),
             scene: planned.scene.to_toml(),
             window_s: planned.window_s,
-            outcome,
+            ending,
             figures: BTreeMap::new(),
             quantities: Vec::new(),
             efficiency: None,
@@ -199,7 +148,17 @@ impl RunRecord {
                 self.figures.insert(quantity.name, spread);
             }
         }
+        let share = run.stats.energy.last().map(|audit| audit.remainder_share);
+        self.energy_remainder_share = share.flatten().filter(|share| share.is_finite());
+        if share.is_some() && self.energy_remainder_share.is_none() {
+            let reason = "no share of energy: no work is done in the run's second half";
+            self.undefined.push(reason.to_owned());
+        }
         match self.efficiency_of(planned, &run.courses) {
+            // Powers of rounding have a ratio too.
+            Ok(_) if share == Some(None) => self
+                .undefined
+                .push("no efficiency: no work is done".to_owned()),
             Ok(efficiency) => {
                 self.efficiency = Some(efficiency);
                 let created = created(run, planned.window_s);
@@ -219,12 +178,6 @@ impl RunRecord {
             }
             Err(reason) => self.undefined.push(format!("no efficiency: {reason}")),
         }
-        let share = run.stats.energy.last().map(|audit| audit.remainder_share);
-        self.energy_remainder_share = share.filter(|share| share.is_finite());
-        if share != self.energy_remainder_share {
-            let reason = "no share of energy: no work is done in the run's second half";
-            self.undefined.push(reason.to_owned());
-        }
         self
     }
 
@@ -233,15 +186,7 @@ impl RunRecord {
         let [power_in, power_out] = self
             .powers(planned, courses)
             .ok_or("a torque or the output's angle is missing")?;
-        if !(power_in > 0.0) {
-            return Err("no power goes in");
-        }
-        let efficiency = power_out / power_in;
-        // Far from it, what springs and masses store and give back is larger than what goes through.
-        if !(efficiency.abs() <= MOST_EFFICIENT) {
-            return Err("the output's power does not come from the input in this window");
-        }
-        Ok(efficiency)
+        efficiency(power_in, power_out)
     }
 
     /// Mean power in and out over the window, W; `None` if a channel is missing.
@@ -261,9 +206,9 @@ impl RunRecord {
     /// Why cells of its row are empty; nothing if none is.
     #[must_use]
     pub fn reason(&self) -> String {
-        match &self.outcome {
-            Outcome::Finished => self.undefined.join("; "),
-            other => other.reason().to_owned(),
+        match &self.ending {
+            Ending::Finished => self.undefined.join("; "),
+            ending => ending.reason().unwrap_or_default(),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Where sleeves touch, several at a time, in the wheel's frame.
 
-use pinwheel_contact::{ComplexLanes, Epitrochoid, HertzStiffness, Lanes, Mask};
+use pinwheel_contact::{ComplexLanes, Epitrochoid, Lanes, Mask};
+use pinwheel_scene::scales::hertz;
 use pulp::Simd;
 
 use super::columns::Column;
@@ -48,11 +49,7 @@ pub(super) struct Shapes {
 impl Shapes {
     pub(super) fn new(scene: &Scene, geometry: &Geometry) -> Self {
         let (gear, contact) = (&scene.gear, &scene.contact);
-        let hertz = HertzStiffness::new(
-            contact.young_pa,
-            contact.poisson,
-            contact.stiffness_multiplier,
-        );
+        let hertz = hertz(contact);
         let q = gear.external_sleeve_radius_m;
         let holes = geometry.hole_centres.iter();
         Self {
