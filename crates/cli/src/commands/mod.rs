@@ -9,5 +9,6 @@ pub(crate) mod laws;
 pub(crate) mod paper;
 pub(crate) mod record;
 pub(crate) mod run;
+pub(crate) mod solver;
 pub(crate) mod stability;
 pub(crate) mod sweep;
