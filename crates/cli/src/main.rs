@@ -35,6 +35,8 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Compare(args) => commands::compare::compare(args),
         Command::Bench(args) => commands::bench::bench(args),
         Command::Explain(args) => commands::explain::explain(args),
+        Command::Init(args) => commands::design::init(args),
+        Command::Design(args) => commands::design::design(args),
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),
@@ -47,6 +49,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Solver(args) => commands::solver::solver(args),
         Command::Paper(args) => commands::paper::paper(args),
         Command::Baseline(args) => commands::baseline::baseline(args),
+        Command::Calibrate(args) => commands::calibrate::calibrate(args),
         Command::Stability(args) => commands::stability::stability(args),
         Command::Record(args) => commands::record::record(args),
     }

@@ -135,7 +135,7 @@ pub struct Figures {
     /// (mean `input_torque_n_m` * input speed). `None` without these channels or without positive
     /// input power, and in the transient window, where energy is stored and returned.
     pub efficiency: Option<f64>,
-    /// Why there is no efficiency.
+    /// Why there is no efficiency, or why it is above 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub efficiency_reason: Option<String>,
     /// The efficiency with the energy that nothing accounts for added to the power in: efficiency / (1 + remainder /

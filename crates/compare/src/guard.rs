@@ -143,7 +143,10 @@ impl Judge<'_> {
                 remedy: format!("refine {}", engine.name),
                 stated: false,
             };
-            return Some((Vec::new(), self.excused(verdict)));
+            return Some((
+                Vec::new(),
+                self.excused(verdict, self.context.is_pointwise(f64::INFINITY)),
+            ));
         }
         let limit = row.limit + share;
         if let Some(missing) = unknown.filter(|_| value.is_some_and(|value| value > limit)) {
@@ -154,7 +157,10 @@ impl Judge<'_> {
                 remedy: missing.remedy.clone(),
                 stated: false,
             };
-            return Some((Vec::new(), self.excused(verdict)));
+            return Some((
+                Vec::new(),
+                self.excused(verdict, self.context.is_pointwise(f64::INFINITY)),
+            ));
         }
         let checks = vec![check(row, value, limit, row.reason.to_owned())];
         let verdict = checks[0].verdict();

@@ -27,6 +27,9 @@ pub(crate) struct Judge<'a> {
     pub(crate) negligible: Negligible,
 }
 
+/// Angles below this are roundings of a radian.
+const ROUNDED_RAD: f64 = 1e-15;
+
 /// Loads below these are rounding.
 #[derive(Clone, Copy)]
 pub(crate) struct Negligible {
@@ -64,12 +67,15 @@ impl Negligible {
         }
     }
 
-    /// Of one quantity; `None` for what is no load.
+    /// Of one quantity; `None` for what is neither a load nor an angle.
     fn below(&self, quantity: &Quantity) -> Option<f64> {
         if quantity.is_force() {
             Some(self.force_n)
         } else {
-            quantity.is_torque().then_some(self.torque_n_m)
+            quantity.is_torque().then_some(self.torque_n_m).or_else(|| {
+                // An angle has no size to scale with: a gear that stands still turns by roundings of a radian.
+                (quantity.unit == "rad").then_some(ROUNDED_RAD)
+            })
         }
     }
 }
@@ -103,8 +109,9 @@ pub(crate) struct Sides<'a> {
 }
 
 impl Judge<'_> {
-    /// What is not resolved, marked as stated where its participant says why it has to be so.
-    pub(crate) fn excused(&self, mut verdict: Verdict) -> Verdict {
+    /// What is not resolved, marked as stated where its participant says why it has to be so, or where the scene itself
+    /// parts runs by their roundings.
+    pub(crate) fn excused(&self, mut verdict: Verdict, pointwise: bool) -> Verdict {
         if let Verdict::NotResolved {
             participant,
             reason,
@@ -116,6 +123,11 @@ impl Judge<'_> {
             let own = evidence.find(|e| e.engine == *participant);
             if let Some(excuse) = own.and_then(|e| e.excuse.as_ref()) {
                 *reason = format!("{reason}; {excuse}");
+                *stated = true;
+            } else if !pointwise {
+                *reason = format!(
+                    "{reason}; a rounding parts two runs here, so figures are samples: only a longer run makes them sharper"
+                );
                 *stated = true;
             }
         }
@@ -159,7 +171,8 @@ impl Judge<'_> {
             self.models(sides, quantity, window, metrics, uncertainties)
         };
         for judgement in &mut judgements {
-            judgement.verdict = self.excused(judgement.verdict.clone());
+            let pointwise = self.context.is_pointwise(window.to_s);
+            judgement.verdict = self.excused(judgement.verdict.clone(), pointwise);
             // Where the guard's table speaks, what a ladder cannot say takes nothing from it.
             let silent = [Outcome::Stated, Outcome::NotResolved];
             judgement.counts &= checks.is_empty() || !silent.contains(&judgement.verdict.outcome());

@@ -139,7 +139,7 @@ fn extrapolated(
         let Source::Ladder(ladder) = &evidence.source else {
             return None;
         };
-        let floor = floor(p, judge.context);
+        let floor = floor(p, evidence, judge.context);
         ladder.extrapolated(&p.courses, quantity, samples.clone(), &of?.l2, floor)
     };
     let (new_a, new_b) = (sharper(a, of_a), sharper(b, of_b));

@@ -7,8 +7,9 @@ use pinwheel_compare::comparison::{Comparison, PairEntry};
 use pinwheel_compare::model::TOLERANCES;
 use pinwheel_compare::uncertainty::{Basis, Method, Norm, Source, Unresolved};
 use pinwheel_compare::{
-    CompareError, Context, DataUncertainty, Energy, Evidence, Ladder, Metric, Outcome, Participant,
-    Rules, Rung, Scales, StatedLimit, Track, Verdict, WindowKind, compare, compare_with, limits,
+    CompareError, Context, DataUncertainty, Divergence, Energy, Evidence, Ladder, Metric, Outcome,
+    Participant, Rules, Rung, Scales, StatedLimit, Track, Verdict, WindowKind, compare,
+    compare_with, limits,
 };
 use pinwheel_courses::Courses;
 
@@ -286,6 +287,65 @@ fn regress_a_fault_under_friction_is_seen() {
     );
 }
 
+/// A scene that amplifies roundings decides by itself how sharp its figures are: stated and no failure, and no pass.
+#[test]
+fn hard_chaos_is_stated() {
+    let chaotic = Context {
+        divergence: Some(Divergence {
+            horizon_s: Some(0.0),
+            largest_share: 1.0,
+            told: String::new(),
+        }),
+        ..anywhere()
+    };
+    let peer = || {
+        engine(
+            "native-lagrange",
+            Track::Native,
+            &courses(1.0),
+            0.3,
+            2.0,
+            &[2.0, 4.0],
+        )
+    };
+    let found = compared(&chaotic, vec![native(0.3), peer()]);
+    assert!(
+        found.counts.stated > 0 && found.counts.not_resolved == 0,
+        "{:?}",
+        found.counts
+    );
+    assert_eq!(found.outcome.exit_status(), 0);
+    // The same before the horizon is a failure.
+    let found = compared(&anywhere(), vec![native(0.3), peer()]);
+    assert!(
+        found.counts.stated == 0 && found.counts.not_resolved > 0,
+        "{:?}",
+        found.counts
+    );
+}
+
+/// What an engine's own iterations leave no step takes off: it bounds how sharp a statement may be.
+#[test]
+fn regress_iterations_leave_a_floor() {
+    let offset = |floor: f64| {
+        let base = off(&courses(1.0), 1e-9);
+        let steps = [2.0, 4.0];
+        let (peer, evidence) = engine("implicit", Track::Native, &base, 1e-12, 2.0, &steps);
+        compared(
+            &anywhere(),
+            vec![native(1e-12), (peer, evidence.with_floor(floor))],
+        )
+    };
+    assert!(matches!(
+        entry(&offset(0.0), FORCE).verdict,
+        Verdict::Differ { .. }
+    ));
+    assert!(matches!(
+        entry(&offset(1e-8), FORCE).verdict,
+        Verdict::Agree { .. }
+    ));
+}
+
 /// The table guards the scenes it was measured on and no other; where it does, a finding of it stands.
 #[test]
 fn the_table_guards_its_own_scenes() {
@@ -335,6 +395,7 @@ fn a_participant_without_evidence_is_named() {
             engine: "peer".to_owned(),
             source,
             excuse: None,
+            floor: 0.0,
         }));
         let rules = Rules {
             evidence: &evidence,
@@ -607,7 +668,7 @@ fn account(remainder_share: f64) -> Energy {
         damping_j: 0.0,
         friction_j: 0.0,
         remainder_j: 20.0 * remainder_share,
-        remainder_share,
+        remainder_share: Some(remainder_share),
     }
 }
 
@@ -867,7 +928,22 @@ fn undefined_efficiencies_have_a_reason() {
         input_speed_rad_s: Some(-52.34),
         ..context()
     };
-    assert_eq!(of(&back), (None, "the driver gives no power".to_owned()));
+    assert_eq!(of(&back), (None, "no power goes in".to_owned()));
+    // Rounding is no load, and a power far above what goes in comes from what was stored.
+    let next_to_nothing = Context {
+        load_n_m: Some(2e-10),
+        ..context()
+    };
+    assert_eq!(of(&next_to_nothing), of(&unloaded));
+    let creeping = Context {
+        input_speed_rad_s: Some(1e-9),
+        ..context()
+    };
+    let (none, reason) = of(&creeping);
+    assert!(
+        none.is_none() && reason.contains("does not come from the input"),
+        "{reason}"
+    );
     // With an account the energy that the law creates is taken out.
     let mut run = native(0.0).0;
     run.cost.energy = vec![account(0.0095)];
@@ -972,6 +1048,7 @@ fn crossval_series_and_figures_are_covered() {
                 engine: "truth".to_owned(),
                 source: Source::Exact(0.0),
                 excuse: None,
+                floor: 0.0,
             },
         ];
         let rules = Rules {

@@ -449,3 +449,32 @@ fn regress_small_loads_are_judged() {
     assert!(matches!(at(0.9e-11), Verdict::NotJudged { .. }));
     assert_eq!(at(1.2e-11), Verdict::Exceeded);
 }
+
+/// A gear that stands still turns by roundings, which nobody compares; what turns by more is judged.
+#[test]
+fn regress_a_gear_that_stands_still_is_not_compared() {
+    let turned = |by: f64| {
+        let base = courses(1.0);
+        let mut courses = Courses::new(base.time_s().to_vec()).unwrap();
+        let angle = base.time_s().iter().map(|t| by * t).collect();
+        courses.push("output_angle_rad", angle).unwrap();
+        courses
+    };
+    let of = |by: f64| {
+        let limit = Limit {
+            quantity: "output_angle_rad",
+            ..limit("foreign", 0.1)
+        };
+        let pair = [
+            participant("native", Track::Native, turned(by)),
+            participant("foreign", Track::SharedLaw, turned(-by)),
+        ];
+        let comparison = compare(&context(), &pair, &[limit]).unwrap();
+        let steady = |e: &&pinwheel_compare::comparison::PairEntry| e.window == WindowKind::Steady;
+        let entry = comparison.pairs[0].entries.iter().find(steady).unwrap();
+        entry.verdict.clone()
+    };
+    // Peaks at 0.6 s.
+    assert!(matches!(of(1.6e-15), Verdict::NotJudged { .. }));
+    assert_eq!(of(1.8e-15), Verdict::Exceeded);
+}

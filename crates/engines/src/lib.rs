@@ -23,6 +23,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "crossval")]
+mod cache;
 mod cards;
 mod engine;
 pub mod external;
@@ -32,6 +34,7 @@ pub mod python;
 mod rapier;
 pub mod recorded;
 mod registry;
+mod solvers;
 mod stopping;
 
 pub use engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, RunStats, Track};

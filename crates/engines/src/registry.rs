@@ -15,7 +15,13 @@ pub fn registry() -> Vec<Box<dyn Engine>> {
 
 /// Whether an engine of this project is called so, in this build or another.
 pub(crate) fn built_in(name: &str) -> bool {
-    let kin = ["rapier-", "mujoco-", "exudyn-"];
+    let kin = [
+        "rapier-",
+        "mujoco-",
+        "exudyn-",
+        "simbody-shared",
+        "ida-shared",
+    ];
     kin.iter().any(|prefix| name.starts_with(prefix))
         || of_build().any(|engine| engine.name() == name)
 }
@@ -30,7 +36,9 @@ fn of_build() -> impl Iterator<Item = Box<dyn Engine>> {
     #[cfg(feature = "rapier")]
     let engines = engines.chain(crate::rapier::engines());
     #[cfg(feature = "crossval")]
-    let engines = engines.chain(crate::python::engines());
+    let engines = engines
+        .chain(crate::python::engines())
+        .chain(crate::solvers::engines());
     engines
 }
 

@@ -87,6 +87,8 @@ pub fn friction_rate(scene: &Scene) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use pinwheel_scene::scales;
+
     use super::*;
 
     /// Modes of the paper's gear are 1740, 1660 and 530 Hz, from the eigenvalues of its Jacobian at the load.
@@ -106,5 +108,30 @@ mod tests {
         scene.contact.friction_coefficient = 0.1;
         let rate = friction_rate(&scene);
         assert!((rate / 6.5e5 - 1.0).abs() < 0.5, "{rate}");
+        // Sleeves that weigh next to nothing set it, whichever they are.
+        for kind in [true, false] {
+            let mut scene = scene.clone();
+            let (gear, mass) = (&scene.gear, &mut scene.mass);
+            let (body, radius, force) = if kind {
+                let force = scales::external_force(gear, 11.0);
+                (
+                    &mut mass.external_sleeve,
+                    gear.external_sleeve_radius_m,
+                    force,
+                )
+            } else {
+                let force = scales::internal_force(gear, 11.0);
+                (
+                    &mut mass.internal_sleeve,
+                    gear.internal_sleeve_radius_m,
+                    force,
+                )
+            };
+            body.moment_kg_m2 *= 1e-3;
+            let wanted = 0.1 * force * radius * radius
+                / (scene.contact.friction_ramp_m_s * body.moment_kg_m2);
+            let rate = friction_rate(&scene);
+            assert!((rate / wanted - 1.0).abs() < 1e-12, "{rate} {wanted}");
+        }
     }
 }

@@ -257,6 +257,7 @@ fn reach<F: Formulation>(
     pace: &mut Pace,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), Stop> {
+    stepper.aim(t);
     while stepper.time() < t - 1e-9 * gearbox.scene.solver.step_s {
         let (time, counts) = (stepper.time(), stepper.counts());
         let steps = counts.steps;

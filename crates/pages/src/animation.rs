@@ -4,11 +4,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::native::{self, NativeError};
-use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_gearbox::resolve::{self, Budget};
+use pinwheel_gearbox::{Gearbox, GearboxError, auto};
 use pinwheel_report::animation::{Animation, CHANNELS, sampling};
 use pinwheel_scene::Formulation;
 
 use crate::PageError;
+
+/// What a picture may cost where the scene's own method fails: a few seconds.
+const BUDGET: Budget = Budget {
+    evaluations: 3_000_000,
+};
 
 /// A gearbox's motion over as long as a page holds, and the time to begin at, s: its second half, where the
 /// start-up transient has died down. `None` where there is nothing to show, as when the run diverges at once.
@@ -46,7 +52,21 @@ pub fn window(
     let Ok(gearbox) = recording.and_then(|gearbox| gearbox.with_channels(channels)) else {
         return Ok(None);
     };
-    let courses: Courses = match native::run(&gearbox, &mut |_| cancel.load(Ordering::Relaxed)) {
+    let watch = &mut |_| cancel.load(Ordering::Relaxed);
+    let mut ran = native::run(&gearbox, watch);
+    let mut title = title.to_owned();
+    if matches!(ran, Err(NativeError::Diverged { .. })) {
+        // Forces that run away are no picture of the gear where another method gets through.
+        match resolve::run_resolved(&gearbox, auto::PROMISE, BUDGET, watch) {
+            Ok((run, _)) => {
+                title.push_str(", by a method that gets through");
+                ran = Ok(run);
+            }
+            Err(NativeError::Stopped) => return Err(PageError::Cancelled),
+            Err(_) => title.push_str(", until it diverges"),
+        }
+    }
+    let courses: Courses = match ran {
         Ok(run) => run.courses,
         // What there is until then is worth seeing.
         Err(NativeError::Diverged { partial, .. }) => partial.courses,

@@ -19,8 +19,10 @@
 pub mod animation;
 pub mod baseline;
 pub mod bench;
+pub mod calibration;
 pub mod comparison;
 pub mod conformance;
+pub mod design;
 pub mod engines;
 mod error;
 pub mod explain;

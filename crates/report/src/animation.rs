@@ -152,7 +152,7 @@ impl Animation {
             .iter()
             .flat_map(|c| &c[later..])
             .copied()
-            .filter(|f| *f > 1e-6)
+            .filter(|f| *f > 0.0)
             .collect();
         loads.sort_by(f64::total_cmp);
         let full = loads.get(loads.len() * 99 / 100).copied().unwrap_or(1.0);

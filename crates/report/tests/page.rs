@@ -117,6 +117,34 @@ fn banner_follows_the_verdict() {
     assert!(page.contains("diverged at t = 0.250000 s: wheel angle"));
 }
 
+/// What an engine gave before it diverged feeds no headline, whatever numbers it left.
+#[test]
+fn a_diverged_engine_feeds_no_headline() {
+    let mut broken = two(1.0);
+    broken[1].status = Status::Diverged {
+        time_s: 0.25,
+        quantity: "wheel angle".to_owned(),
+    };
+    let mut comparison = compare(&context("paper"), &broken, TABLE).unwrap();
+    let mut figures = comparison.engines[0].figures.clone();
+    figures[0].efficiency = Some(-3.5e12);
+    for statistics in figures[0].quantities.values_mut() {
+        statistics.mean = -7.125e9;
+        statistics.max = -7.125e9;
+    }
+    comparison.engines[0].figures[0].efficiency = Some(0.925);
+    comparison.engines[1].figures = figures;
+    let page = page_of(&comparison, &broken).unwrap();
+    let start = page.find("<div class=\"tiles\">").unwrap();
+    let tiles = &page[start..start + page[start..].find("</section>").unwrap()];
+    assert!(tiles.contains("92.500"), "{tiles}");
+    assert!(
+        !tiles.contains("3.5") && !tiles.contains("7.125"),
+        "{tiles}"
+    );
+    assert!(tiles.contains("one engine"), "{tiles}");
+}
+
 #[test]
 fn loads_nothing() {
     let page = page(&two(1.0));

@@ -57,6 +57,16 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
             "the paper's Eq. 21 has a friction coefficient but no value for it; 0 leaves the sleeves' spin out of play, 0.1 is usual for oiled steel",
         );
     }
+    for (key, half) in &scene.uncertain {
+        let unit = crate::keys::key(key).map_or("", Key::unit);
+        add(
+            key,
+            format!("+- {} {unit}", short(half.plus_minus))
+                .trim_end()
+                .to_owned(),
+            "stated as uncertain: counts where the scene is compared with measured data",
+        );
+    }
     let default = Scene::paper().mass;
     let papers_moments = scene.mass.wheel.moment_kg_m2 == default.wheel.moment_kg_m2
         || scene.mass.external_sleeve.moment_kg_m2 == default.external_sleeve.moment_kg_m2

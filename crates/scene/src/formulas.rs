@@ -136,7 +136,9 @@ pub(crate) fn ramp(given: &Given<'_>) -> Option<f64> {
 pub(crate) fn friction_ramp(given: &Given<'_>) -> Option<f64> {
     let speed = given.number("drive.input_speed_rad_s")?.abs();
     let speed = if speed > 0.0 { speed } else { 1.0 };
-    Some(short(1e-3 * speed * given.number("gear.eccentricity_m")?))
+    let ramp = 1e-3 * speed * given.number("gear.eccentricity_m")?;
+    // The least that the key may have.
+    Some(short(ramp.max(1e-18)))
 }
 
 pub(crate) fn friction_dynamic_speed(given: &Given<'_>) -> Option<f64> {

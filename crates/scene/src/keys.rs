@@ -27,8 +27,6 @@ pub enum Kind {
 /// The allowed interval of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
-    /// low < x <= high
-    Above(f64, f64),
     /// low <= x <= high
     From(f64, f64),
     /// low < x < high
@@ -67,7 +65,6 @@ impl Range {
     // Negated comparisons would let NaN pass; these do not.
     pub(crate) fn holds(self, x: f64) -> bool {
         match self {
-            Self::Above(low, high) => x > low && x <= high,
             Self::From(low, high) => x >= low && x <= high,
             Self::Between(low, high) => x > low && x < high,
         }
@@ -76,7 +73,6 @@ impl Range {
     pub(crate) fn words(self) -> String {
         use crate::number::short;
         match self {
-            Self::Above(low, high) => format!("above {} and at most {}", short(low), short(high)),
             Self::From(low, high) => format!("from {} to {}", short(low), short(high)),
             Self::Between(low, high) => format!("between {} and {}", short(low), short(high)),
         }
@@ -119,7 +115,7 @@ pub fn key(name: &str) -> Option<&'static Key> {
 
 use Kind::{Choice, Count, Number, Tables, Text, Texts};
 use Otherwise::{Follows, Nothing, Required, Usual};
-use Range::{Above, Between, From};
+use Range::{Between, From};
 
 const METRES: &str = "lengths are in metres: 6 mm is 0.006";
 const KILOGRAMS: &str = "masses are in kilograms: 48 g is 0.048";
@@ -156,7 +152,7 @@ pub const KEYS: &[Key] = keys! {
     "gear.eccentricity_m" Number(From(1e-7, 1.0)), Required, "e", METRES;
     "gear.external_sleeves" Count(3, 1000), Required, "zk: sleeves on the housing; a wheel has one lobe less", "a wheel has one lobe less and needs at least two; above 1000 no real gear exists and memory would grow without use";
     "gear.pin_circle_radius_m" LENGTH, Nothing, "R: circle of the external sleeves without backlash; instead of gear.shortening", METRES;
-    "gear.shortening" Number(Between(0.0, 1.0)), Follows(formulas::shortening, "e zk/R with R = gear.pin_circle_radius_m"), "m: shortening coefficient e zk/R", "it is e zk/R, usually 0.5 to 0.9; at 1 and above the wheel's profile crosses itself";
+    "gear.shortening" Number(Between(1e-3, 1.0)), Follows(formulas::shortening, "e zk/R with R = gear.pin_circle_radius_m"), "m: shortening coefficient e zk/R", "it is e zk/R, usually 0.5 to 0.9; at 1 and above the wheel's profile crosses itself";
     "gear.external_sleeve_radius_m" LENGTH, Required, "q: radius of an external sleeve", METRES;
     "gear.internal_sleeves" Count(3, 1000), Required, "zi: sleeves on the output shaft", "fewer than three cannot hold the output shaft, more than 1000 no real gear has";
     "gear.internal_sleeve_radius_m" LENGTH, Required, "radius of an internal sleeve", METRES;
@@ -175,7 +171,7 @@ pub const KEYS: &[Key] = keys! {
     "contact.law" Choice("contact law", names::laws), Usual("\"paper-conservative\"", "Hertz with its part along the profile, which creates no energy"), "normal law", "see `pinwheel laws`";
     "contact.young_pa" Number(From(1e5, 1e13)), Usual("2.1e11", "steel"), "E of both bodies", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
     "contact.poisson" Number(Between(-1.0, 0.5)), Usual("0.3", "steel"), "Poisson's ratio of both bodies", "steel has 0.3; outside these bounds no isotropic material is stable";
-    "contact.stiffness_multiplier" Number(Above(0.0, 1e6)), Usual("1.0", "the full stiffness after Hertz"), "H: factor on the stiffness after Hertz", "1 is the Hertzian stiffness, the paper uses 0.01";
+    "contact.stiffness_multiplier" Number(From(1e-9, 1e6)), Usual("1.0", "the full stiffness after Hertz"), "H: factor on the stiffness after Hertz", "1 is the Hertzian stiffness, the paper uses 0.01";
 
     "mass.density_kg_m3" Number(From(1.0, 1e5)), Nothing, "density of all bodies; for masses that are left out", "densities are in kg/m^3: steel has 7850";
     "mass.input_shaft.mass_kg" MASS, Follows(formulas::input_shaft_mass, "a cylinder through the bores, as long as all wheels, bores of 0.6 (internal circle - hole radius)"), "mass of the driven shaft with its eccentrics", KILOGRAMS;
@@ -190,14 +186,14 @@ pub const KEYS: &[Key] = keys! {
     "mass.external_sleeve.moment_kg_m2" MOMENT, Follows(formulas::external_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a sleeve on the housing", MOMENTS;
 
     "contact.damping_n_s_m" Number(From(0.0, 1e9)), Follows(formulas::damping, "5 % of critical damping of the fastest mode under the largest static load; gear meshes have 3 to 17 %"), "C: damping of a contact", "the paper uses 8; negative damping would feed energy in";
-    "contact.ramp_m" Number(Above(0.0, 1e-2)), Follows(formulas::ramp, "a tenth of the penetration under the largest static load"), "penetration at which S reaches 1", "the paper uses 1e-5, the penetration at which the force is fully on";
+    "contact.ramp_m" Number(From(1e-15, 1e-2)), Follows(formulas::ramp, "a tenth of the penetration under the largest static load"), "penetration at which S reaches 1", "the paper uses 1e-5, the penetration at which the force is fully on";
     "contact.friction_coefficient" Number(From(0.0, 10.0)), Usual("0.0", "no friction"), "mu; 0: no friction", "0 switches friction off; dry steel has 0.1 to 0.2";
-    "contact.friction_ramp_m_s" Number(Above(0.0, 1e3)), Follows(formulas::friction_ramp, "a thousandth of omega e"), "sliding speed at which friction reaches mu F_n", "the paper uses 5e-5, the sliding speed at which friction is fully on";
+    "contact.friction_ramp_m_s" Number(From(1e-18, 1e3)), Follows(formulas::friction_ramp, "a thousandth of omega e"), "sliding speed at which friction reaches mu F_n", "the paper uses 5e-5, the sliding speed at which friction is fully on";
     "contact.friction_law" Choice("friction law", names::friction_laws), Usual("\"regularised\"", "Coulomb with a linear ramp"), "form of the friction", "\"regularised\" or \"adams\"";
     "contact.friction_dynamic_coefficient" Number(From(0.0, 10.0)), Usual("0.0", "used by the friction law adams only"), "mu_d of the friction law adams", "the coefficient of fast sliding, at most contact.friction_coefficient";
-    "contact.friction_dynamic_speed_m_s" Number(Above(0.0, 1e3)), Follows(formulas::friction_dynamic_speed, "20 times contact.friction_ramp_m_s; used by the friction law adams only"), "sliding speed from which mu_d holds", "the sliding speed from which the dynamic coefficient holds";
-    "contact.constant_stiffness_n_m15" Number(Above(0.0, 1e15)), Follows(formulas::constant_stiffness, "after Hertz, of an external sleeve on a flat; used by laws of one stiffness only"), "K of laws with one stiffness for all contacts", "the paper's contacts have 5e7 to 2e8 N/m^1.5";
-    "contact.restitution" Number(Above(0.0, 1.0)), Usual("0.9", "used by the hysteresis laws only"), "c of the hysteresis laws", "the share of the impact speed that is left after an impact, 1 without loss";
+    "contact.friction_dynamic_speed_m_s" Number(From(1e-18, 1e3)), Follows(formulas::friction_dynamic_speed, "20 times contact.friction_ramp_m_s; used by the friction law adams only"), "sliding speed from which mu_d holds", "the sliding speed from which the dynamic coefficient holds";
+    "contact.constant_stiffness_n_m15" Number(From(1e-6, 1e15)), Follows(formulas::constant_stiffness, "after Hertz, of an external sleeve on a flat; used by laws of one stiffness only"), "K of laws with one stiffness for all contacts", "the paper's contacts have 5e7 to 2e8 N/m^1.5";
+    "contact.restitution" Number(From(1e-3, 1.0)), Usual("0.9", "used by the hysteresis laws only"), "c of the hysteresis laws", "the share of the impact speed that is left after an impact, 1 without loss";
     "contact.impact_speed_m_s" Number(From(1e-9, 1e3)), Usual("0.01", "used by the hysteresis laws only"), "speed of an impact with that restitution", "the impact speed at which the restitution holds; 0.01 is usual in a gearbox";
     "contact.line_length_m" Number(From(1e-6, 10.0)), Follows(formulas::face_width, "the face width, or 0.15 R; used by the law line-contact only"), "length of a line contact", METRES;
     "contact.detection" Choice("detection", names::detections), Usual("\"exact\"", "the closest point of the curve"), "how the contact point is found", "\"exact\" or \"points\"";

@@ -22,6 +22,7 @@ use crate::model::Scene;
 use crate::presets::preset;
 use crate::suggest::nearest;
 use crate::table::{insert, lookup, usual};
+use crate::uncertain::{EXAMPLE, UNCERTAIN};
 
 /// One `--set key=value`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -172,6 +173,8 @@ impl<'a> Layers<'a> {
             syntax(line, "TOML", error.message())
         })?;
         let mut root = document.as_table().clone();
+        // Counted once: a file may have many values on many lines.
+        let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
         let place_at = |offset: usize| {
             let source = source.to_owned();
             if is_json {
@@ -180,7 +183,7 @@ impl<'a> Layers<'a> {
             }
             Place::Line {
                 source,
-                line: line_of(text, offset),
+                line: 1 + ends.partition_point(|&end| end < offset),
             }
         };
         let base = root.remove(BASE);
@@ -287,6 +290,10 @@ impl<'a> Layers<'a> {
         for (name, item) in from.iter() {
             let key = format!("{prefix}{name}");
             let place = place_at(start(from, name, item));
+            if key == UNCERTAIN {
+                self.uncertain("", item, &place, place_at)?;
+                continue;
+            }
             if let Some(row) = crate::keys::key(&key) {
                 let value = self.value(row, &key, item, &place, place_at)?;
                 insert(&mut self.table, &row.path(), value);
@@ -308,6 +315,63 @@ impl<'a> Layers<'a> {
                 });
             };
             self.overlay(&inner, table, place_at)?;
+        }
+        Ok(())
+    }
+
+    /// Half-widths of intervals, each in a table at the place of its key below `[uncertain]`.
+    fn uncertain(
+        &mut self,
+        prefix: &str,
+        item: &Item,
+        place: &Place,
+        place_at: &dyn Fn(usize) -> Place,
+    ) -> Result<(), SceneError> {
+        let fault = |key: &str, place: &Place, what: String, remedy: &str| SceneError::Key {
+            place: place.clone(),
+            key: format!("{UNCERTAIN}{}{key}", if key.is_empty() { "" } else { "." }),
+            what,
+            remedy: remedy.to_owned(),
+        };
+        let Some(table) = item.as_table_like() else {
+            let what = format!("is {}, but must be a table", kind(item));
+            return Err(fault(prefix.trim_end_matches('.'), place, what, EXAMPLE));
+        };
+        for (name, item) in table.iter() {
+            let key = format!("{prefix}{name}");
+            let place = place_at(start(table, name, item));
+            if crate::keys::key(&key).is_none() {
+                let inner = format!("{key}.");
+                if KEYS.iter().any(|row| row.name.starts_with(&inner)) {
+                    self.uncertain(&inner, item, &place, place_at)?;
+                    continue;
+                }
+                let known: Vec<&str> = KEYS.iter().map(|row| row.name).collect();
+                let remedy = crate::did_you_mean(&key, &known);
+                return Err(fault(
+                    &key,
+                    &place,
+                    "is no key of a scene".to_owned(),
+                    &remedy,
+                ));
+            }
+            let stated = item.as_table_like().filter(|inner| inner.len() == 1);
+            let number = stated
+                .and_then(|inner| inner.get("plus_minus"))
+                .and_then(|half| {
+                    half.as_float()
+                        .or_else(|| half.as_integer().map(|whole| whole as f64))
+                });
+            let Some(number) = number else {
+                let what = "says not by how much".to_owned();
+                return Err(fault(&key, &place, what, EXAMPLE));
+            };
+            insert(
+                &mut self.table,
+                &[UNCERTAIN, &key, "plus_minus"],
+                Value::Float(number),
+            );
+            self.places.insert(format!("{UNCERTAIN}.{key}"), place);
         }
         Ok(())
     }

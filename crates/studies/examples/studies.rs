@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             for name in names {
                 match divergence::horizon(
                     &Gearbox::new(&Scene::load(name, &[])?)?,
-                    divergence::STEP,
+                    divergence::STEP_RAD,
                     &mut |_| false,
                 ) {
                     Ok(found) => println!(

@@ -8,7 +8,7 @@
 //! and then measures its own tolerance.
 
 use pinwheel_courses::{Courses, columns};
-use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::{Frequencies, Gearbox};
 use pinwheel_scene::{Fault, FrictionLaw, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -59,13 +59,11 @@ impl Horizon {
     }
 }
 
-/// Step of both runs in a study, s.
-pub const STEP: f64 = 2e-6;
+/// Step of both runs in a study, in radians of the fastest oscillation on the contacts: 2e-6 s for the paper's gear.
+pub const STEP_RAD: f64 = 0.02;
 
-/// Largest force below which there is nothing to compare, N.
-const FORCE_FLOOR: f64 = 1.0;
-
-/// Runs a scene twice, with RK4 or, under friction, with `imex2`, and steps of `step_s` (or the scene's, if shorter);
+/// Runs a scene twice, with RK4 or, under friction, with `imex2`, and steps of `step_rad` radians of its fastest oscillation
+/// on the contacts (or the scene's, if shorter);
 /// `watch` receives the simulated time and returns true to stop.
 ///
 /// A run that does not reach its end, or has no forces to speak of, is an answer with the reason.
@@ -74,7 +72,7 @@ const FORCE_FLOOR: f64 = 1.0;
 /// Cancelled, or a scene that cannot be modelled.
 pub fn horizon(
     gearbox: &Gearbox,
-    step_s: f64,
+    step_rad: f64,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Horizon, StudyError> {
     let scene = &gearbox.scene;
@@ -82,6 +80,7 @@ pub fn horizon(
     let convex = scene.contact.friction_law == FrictionLaw::Regularised;
     let method = if rubs && convex { "imex2" } else { "rk4" };
     let refused = |fault: Fault| of_scene(scene, fault.into());
+    let step_s = step_rad / Frequencies::of(scene).contact_rad_s;
     let still = gearbox
         .with_solver(|solver| {
             method.clone_into(&mut solver.integrator);
@@ -115,7 +114,7 @@ pub fn horizon(
         }
     }
     let size = level(&both[0]).peak_force_n;
-    if size < FORCE_FLOOR {
+    if size < still.least_force_n() {
         found.refused = Some("there are no forces to speak of".to_owned());
         return Ok(found);
     }

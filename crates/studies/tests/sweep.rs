@@ -104,6 +104,31 @@ fn figures_are_the_courses() {
     }
 }
 
+/// The paper's law creates 0.95 % of the work: the efficiency by means is above 1, said so, and given without.
+#[test]
+fn regress_efficiencies_above_one_are_told() {
+    let text = "scene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.1\n\
+                [vary]\ncontact.law = [\"paper\", \"paper-conservative\"]\n";
+    let (plan, folder) = (plan(text), tempfile::tempdir().unwrap());
+    let journal = Journal::open(folder.path(), None, "a test").unwrap();
+    let records = run(&plan, &journal, 2);
+    for record in &records {
+        let plain = record.efficiency.unwrap();
+        let accounted = record.efficiency_accounted.unwrap();
+        assert!(accounted <= 1.0 + 1e-9, "{accounted}");
+        assert_eq!(
+            plain > 1.0,
+            record.reason().contains("efficiency above 1"),
+            "{record:?}"
+        );
+        assert!(
+            plain <= 1.0 || (plain - accounted) > 0.0,
+            "{plain} {accounted}"
+        );
+    }
+    assert!(records[0].efficiency.unwrap() > 1.005, "{records:?}");
+}
+
 /// Stopped at any moment, a sweep goes on with the runs that are missing, and ends as if it had not been.
 #[test]
 fn goes_on_where_it_stopped() {

@@ -13,7 +13,7 @@ mod units;
 pub use error::{BadRow, ForeignError};
 pub use map::{
     BadRows, ColumnRef, ColumnUncertainty, FileFormat, Map, Method, Resampling, Source,
-    StatedLimit, TimeColumn,
+    StatedLimit, TimeColumn, is_reserved,
 };
 pub use read::{Foreign, read};
 pub use resample::{Resampled, resample};

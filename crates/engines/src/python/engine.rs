@@ -26,9 +26,10 @@ impl PythonEngine {
     }
 
     fn not_ready(&self, error: &PythonError) -> EngineError {
-        match error {
-            PythonError::Stopped => EngineError::Cancelled,
-            other => self.failed(other),
+        if error.is_stop() {
+            EngineError::Cancelled
+        } else {
+            self.failed(error)
         }
     }
 

@@ -18,6 +18,7 @@ pub mod provoke;
 mod published;
 mod watch;
 
+pub use crate::cache::CacheError;
 pub use agreement::{Agreement, law_agreement};
 pub use environment::{Environment, Requirements, environment};
 pub use error::PythonError;

@@ -1,7 +1,7 @@
 //! How the contact point is found: the exact curve, or discrete points as published.
 
 use pinwheel_contact::{
-    Complex, Epitrochoid, Foot, HertzStiffness, Hole, HolePoints, ProfilePoints,
+    Complex, Epitrochoid, Foot, HertzStiffness, Hole, HolePoints, NormalLaw, ProfilePoints,
 };
 
 use pinwheel_scene::scales::hertz;
@@ -91,13 +91,9 @@ impl Shapes {
 pub(super) struct Exact(Shapes, bool);
 
 impl Exact {
-    pub(super) fn new(scene: &Scene, geometry: &Geometry) -> Self {
-        Self(Shapes::new(scene, geometry), false)
-    }
-
-    /// With the slope of K, which only some laws need.
-    pub(super) fn with_slope(scene: &Scene, geometry: &Geometry) -> Self {
-        Self(Shapes::new(scene, geometry), true)
+    /// The slope of K is only found for laws with a force along the profile.
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: &impl NormalLaw) -> Self {
+        Self(Shapes::new(scene, geometry), law.along(0.0).is_some())
     }
 }
 

@@ -32,6 +32,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     combinations::check(scene)?;
     load::check(scene)?;
     gear(&scene.gear)?;
+    crate::uncertain::check(scene)?;
     budget::check(scene)
 }
 
@@ -40,4 +41,5 @@ pub(crate) fn gear(gear: &Gear) -> Result<(), Fault> {
     geometry::check(gear).map_err(|fault| units::guess(gear, fault))
 }
 
+pub(crate) use geometry::hole_to_profile_m;
 pub(crate) use ranges::check as ranges;

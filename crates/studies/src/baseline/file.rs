@@ -234,6 +234,12 @@ impl Baseline {
                 found: head.format,
             });
         }
+        if head.scenes.is_empty() {
+            return Err(BaselineError::Spoiled {
+                path: dir.join(HEAD),
+                what: "it lists no scenes, so that nothing could be compared".to_owned(),
+            });
+        }
         let mut scenes = Vec::new();
         for name in &head.scenes {
             if file_name(name) != *name {

@@ -101,10 +101,21 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
         .name
         .clone()
         .unwrap_or_else(|| stem.chars().map(plain).collect());
+    let name = match name.trim_start_matches('.') {
+        "" => "data",
+        name => name,
+    };
+    if foreign::is_reserved(name) {
+        let what = format!(
+            "`{name}` is the name of a file of the report; give the data another `name` in {}",
+            map_path.display()
+        );
+        return Err(fail(path, &what));
+    }
     Ok(Data {
         path: path.to_owned(),
         map_path: map_path.to_owned(),
-        name: name.trim_start_matches('.').to_owned(),
+        name: name.to_owned(),
         map,
         foreign,
     })
@@ -320,7 +331,12 @@ impl Data {
     }
 
     /// The uncertainties of the map, relative to what was measured: of a group of columns the root mean square.
-    pub(super) fn uncertainties(&self, measured: &Courses) -> Vec<DataUncertainty> {
+    /// `inputs`: what the scene's uncertain values make of each quantity, as a share of its RMS.
+    pub(super) fn uncertainties(
+        &self,
+        measured: &Courses,
+        inputs: &[(String, f64)],
+    ) -> Vec<DataUncertainty> {
         let mut groups: Vec<(&str, f64, f64)> = Vec::new();
         for channel in measured.channels() {
             let Some(stated) = self.map.uncertainty_of(&channel.name) else {
@@ -342,7 +358,10 @@ impl Data {
             engine: self.name.clone(),
             quantity: name.to_owned(),
             data: (u / squares).sqrt(),
-            input: 0.0,
+            input: inputs
+                .iter()
+                .find(|(quantity, _)| quantity == name)
+                .map_or(0.0, |(_, share)| *share),
         };
         let found = groups.into_iter().map(relative);
         found.filter(|one| one.data.is_finite()).collect()

@@ -301,7 +301,8 @@ fn study(piece: Piece, plan: &Plan, control: &Control<'_>) -> Result<Found, Stud
             solver.sample_s = solver.sample_s.min(solver.duration_s);
             let mut watch = |_| control.cancel.load(Ordering::Relaxed);
             let gearbox = control::compile(&scene)?;
-            Found::Horizon(divergence::horizon(&gearbox, divergence::STEP, &mut watch)?)
+            let step = divergence::STEP_RAD;
+            Found::Horizon(divergence::horizon(&gearbox, step, &mut watch)?)
         }
         Piece::Drift => {
             let mut scene = preset("paper", plan.drift_s.unwrap_or_default())?;

@@ -70,6 +70,10 @@ pub fn results(plan: &Plan, records: &[RunRecord]) -> Results {
     push("window_to_s", number(&|record| Some(record.window_s[1])));
     push("efficiency", number(&|record| record.efficiency));
     push(
+        "efficiency_accounted",
+        number(&|record| record.efficiency_accounted),
+    );
+    push(
         "energy_remainder_share",
         number(&|record| record.energy_remainder_share),
     );
