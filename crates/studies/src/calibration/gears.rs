@@ -307,6 +307,7 @@ fn solver(dice: &mut Dice, scene: &mut Scene) {
     solver.duration_s = duration;
     solver.sample_s = duration / SAMPLES;
     // What a scene says without having been tuned: its steps come from its frequencies.
-    solver.step_s = 0.02 * period;
+    // Of those engines whose samples lie on equal steps a whole number.
+    solver.step_s = solver.sample_s / (solver.sample_s / (0.02 * period)).ceil();
     solver.integrator = "auto".to_owned();
 }
