@@ -300,7 +300,7 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
     let _ = write!(
         html,
         "</div></div><div class=\"gearbox-key\"><span>0</span><span class=\"ramp\"></span><span>{full}\u{202f}N, a full arrow. Strip: largest force of a pair over time, \
-         <span style=\"color:var(--accent)\">external</span> and <span style=\"color:var(--force-middle)\">internal</span>. Point at a sleeve for its force.</span></div>\n\
+         <span style=\"color:var(--accent)\">external</span> and <span style=\"color:var(--force-middle-ink)\">internal</span>. Point at a sleeve for its force.</span></div>\n\
          <script type=\"application/json\">{}</script></div>\n<script>{}{}{}</script>",
         json_for_script(&block)?,
         include_str!("../assets/gearbox.js"),

@@ -1,8 +1,8 @@
 //! What `pinwheel compare` says on stdout: figures of every engine, verdicts of every pair.
 
-use pinwheel_compare::comparison::PairEntry;
 use pinwheel_compare::quantities::INPUT_TORQUE;
-use pinwheel_compare::{Check, Comparison, Outcome, Verdict, WindowKind};
+use pinwheel_compare::{Comparison, Outcome, Verdict, WindowKind};
+use pinwheel_report::statement;
 use pinwheel_report::terminal::{BAD, Cell, GOOD, QUIET, TITLE, lines, styled};
 use pinwheel_scene::Scene;
 
@@ -147,11 +147,7 @@ fn pairs(comparison: &Comparison) -> Vec<Vec<Cell>> {
     let title = |text: &str| Cell::text(text).styled(TITLE);
     let mut rows = vec![vec![title("pair"), title("at worst"), title("of")]];
     for pair in &comparison.pairs {
-        let judged = pair
-            .entries
-            .iter()
-            .filter(|entry| entry.verdict.outcome() != Outcome::Nothing || states(&entry.verdict));
-        let worst = judged.max_by(|a, b| gravity(a).total_cmp(&gravity(b)));
+        let worst = statement::gravest(pair);
         // What engines and recordings cannot say is told once, below.
         let Some(worst) = worst.filter(|w| w.verdict.outcome() != Outcome::Stated) else {
             continue;
@@ -162,8 +158,12 @@ fn pairs(comparison: &Comparison) -> Vec<Vec<Cell>> {
             Outcome::Stated | Outcome::Nothing => QUIET,
         };
         rows.push(vec![
-            Cell::text(format!("{} / {}", short(&pair.a), short(&pair.b))),
-            Cell::text(statement(worst)).styled(style),
+            Cell::text(format!(
+                "{} / {}",
+                statement::short(&pair.a),
+                statement::short(&pair.b)
+            )),
+            Cell::text(statement::entry(worst, |value| format!("{value:.0e}"))).styled(style),
             Cell::text(format!(
                 "{}, {}",
                 brief(&worst.quantity),
@@ -174,21 +174,6 @@ fn pairs(comparison: &Comparison) -> Vec<Vec<Cell>> {
     rows
 }
 
-/// Room for a pair, its statement and its place on a line.
-fn short(engine: &str) -> String {
-    let mut name = engine.to_owned();
-    for (long, brief) in [
-        ("native-", ""),
-        ("-shared-law", ""),
-        ("own-contact-hook", "hook"),
-        ("own-contact-colliders", "colliders"),
-        ("own-contact", "own"),
-    ] {
-        name = name.replace(long, brief);
-    }
-    name
-}
-
 /// `external_sleeve_force_n` as `external sleeve force`.
 fn brief(quantity: &str) -> String {
     let units = ["_n_m", "_n", "_rad_s", "_rad"];
@@ -197,65 +182,6 @@ fn brief(quantity: &str) -> String {
         .replace("external_sleeve", "ext")
         .replace("internal_sleeve", "int")
         .replace('_', " ")
-}
-
-/// Whether a verdict says something although it judges nothing.
-fn states(verdict: &Verdict) -> bool {
-    matches!(verdict, Verdict::ModelDifference { .. })
-}
-
-/// Orders statements: by outcome, and among equals by their number, which is below 1e3.
-fn gravity(entry: &PairEntry) -> f64 {
-    let number = match &entry.verdict {
-        Verdict::Agree { to } => *to,
-        Verdict::Differ { at_least } => *at_least,
-        Verdict::NotResolved { u, .. } => u.unwrap_or(1.0),
-        Verdict::ModelDifference { low, high, .. } => low.abs().max(high.abs()),
-        Verdict::NotDistinguishable { level } => *level,
-        Verdict::ModelError { high, .. } => *high,
-        Verdict::Within | Verdict::Exceeded => {
-            entry.checks.iter().map(Check::share).fold(0.0, f64::max)
-        }
-        Verdict::NotJudged { .. } => 0.0,
-    };
-    1e3 * f64::from(entry.verdict.outcome() as u8) + number.min(999.0)
-}
-
-fn statement(entry: &PairEntry) -> String {
-    match &entry.verdict {
-        Verdict::Agree { to } => format!("agree to {to:.0e}"),
-        Verdict::Differ { at_least } => format!("DIFFER by at least {at_least:.0e}"),
-        Verdict::NotResolved { u: Some(u), .. } => format!("not resolved, u = {u:.0e}"),
-        Verdict::NotResolved { .. } => "not resolved".to_owned(),
-        Verdict::ModelDifference {
-            low,
-            high,
-            predicted,
-            tolerance,
-            ..
-        } => {
-            let interval = format!("model {low:.1e} to {high:.1e}");
-            match tolerance {
-                Some(t) if *predicted != 0.0 => {
-                    format!("{interval}, predicted {predicted:.1e} +- {t:.0e}")
-                }
-                Some(t) => format!("{interval} (+- {t:.0e})"),
-                None => interval,
-            }
-        }
-        Verdict::NotDistinguishable { level } => format!("no model error above {level:.0e}"),
-        Verdict::ModelError { low, high } => format!("model error {low:.0e} to {high:.0e}"),
-        Verdict::Within | Verdict::Exceeded => {
-            let nearest = entry
-                .checks
-                .iter()
-                .max_by(|a, b| a.share().total_cmp(&b.share()));
-            let share = nearest.map_or(0.0, Check::share);
-            let word = entry.verdict.word();
-            format!("{word}, {:.0} % of its limit", 100.0 * share)
-        }
-        Verdict::NotJudged { .. } => "not judged".to_owned(),
-    }
 }
 
 /// Who is not resolved, why, and what would do: once for each reason.
