@@ -1,15 +1,13 @@
 //! Why the program ends early: an exit status and one line with the remedy.
 
-use std::fmt::Display;
-use std::path::Path;
-
 use pinwheel::engines::EngineError;
 use pinwheel::pages::PageError;
 use pinwheel::scene::SceneError;
 use pinwheel::studies::StudyError;
 use pinwheel::studies::baseline::{self, BaselineError};
 use pinwheel::studies::choice::ChoiceError;
-use pinwheel::studies::output::{OutputError, reason};
+use pinwheel::studies::folder::FolderError;
+use pinwheel::studies::output::OutputError;
 use pinwheel::studies::sweep::SweepError;
 
 /// Ran, but a limit was exceeded.
@@ -45,15 +43,6 @@ impl Failure {
         }
     }
 
-    /// A file or folder of the output cannot be written.
-    pub(crate) fn unwritable(path: &Path, error: &dyn Display) -> Self {
-        Self::input(format!(
-            "{}: cannot be written: {}; choose another --out",
-            path.display(),
-            reason(error)
-        ))
-    }
-
     pub(crate) fn stopped() -> Self {
         Self {
             code: STOPPED,
@@ -71,6 +60,19 @@ impl From<SceneError> for Failure {
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
         Self::input(format!("{error}; choose another --out"))
+    }
+}
+
+impl From<FolderError> for Failure {
+    fn from(error: FolderError) -> Self {
+        Self::input(match error {
+            FolderError::Empty => "--out is empty; name a folder".to_owned(),
+            FolderError::Refused { .. } => format!("--out {error}; choose another --out"),
+            FolderError::Stranger { .. } => format!(
+                "--out {error}; choose another --out, or --force to replace the whole folder"
+            ),
+            FolderError::Output(error) => return error.into(),
+        })
     }
 }
 
@@ -141,6 +143,9 @@ impl From<BaselineError> for Failure {
             BaselineError::NoScene(_) => {
                 let names: Vec<&str> = baseline::SCENES.iter().map(|case| case.name).collect();
                 Self::input(format!("{error}; there are {}", names.join(", ")))
+            }
+            BaselineError::Name(_) | BaselineError::Missing { .. } => {
+                Self::input(error.to_string())
             }
             BaselineError::Spoiled { .. } => Self::input(format!(
                 "{error}; restore the file or record the baseline anew"

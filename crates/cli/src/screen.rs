@@ -36,6 +36,19 @@ pub(crate) fn show_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     show(&text)
 }
 
+/// One or the other.
+pub(crate) fn show_or_json(
+    json: bool,
+    value: &impl serde::Serialize,
+    text: impl FnOnce() -> String,
+) -> Result<(), Failure> {
+    if json {
+        show_json(value)
+    } else {
+        show(&text())
+    }
+}
+
 /// Writes to stderr; if that fails there is nobody left to tell.
 pub(crate) fn show_on_stderr(text: &str) {
     let _ = writeln!(

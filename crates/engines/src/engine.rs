@@ -121,15 +121,15 @@ impl Control<'_> {
 /// A solver that turns a scene into courses.
 pub trait Engine: Send + Sync {
     /// Name as typed by users, kebab-case, with the track in foreign engines' names.
-    fn name(&self) -> &'static str;
+    fn name(&self) -> &str;
     /// Which comparison it belongs to.
     fn track(&self) -> Track;
     /// Version of the engine behind it.
     fn version(&self) -> String;
     /// One line for `pinwheel engines`.
-    fn summary(&self) -> &'static str;
+    fn summary(&self) -> &str;
     /// How it differs from the native solver, in plain words, for the report.
-    fn differences(&self) -> &'static str;
+    fn differences(&self) -> &str;
     /// Says whether it honours the scene of `gearbox`, and makes everything ready that a run needs. A caller that runs
     /// a scene on several engines compiles it once.
     ///

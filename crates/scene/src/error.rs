@@ -14,6 +14,11 @@ pub enum Place {
         /// Line number.
         line: usize,
     },
+    /// A scene file whose lines say nothing to its reader (JSON).
+    File {
+        /// File as the user named it.
+        source: String,
+    },
     /// An override on the command line, as typed: `gear.wheels=1`.
     Set(String),
     /// Neither: the key was left at its default.
@@ -27,6 +32,7 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line { source, line } => write!(f, "{}, line {line}", one_line(source)),
+            Self::File { source } => write!(f, "{}", one_line(source)),
             Self::Set(text) => write!(f, "--set {}", one_line(text)),
             Self::Default { source } => write!(f, "{} (not written there)", one_line(source)),
         }
@@ -68,13 +74,15 @@ pub enum SceneError {
         /// Line of the first bad byte.
         line: usize,
     },
-    /// Not TOML.
-    #[error("{}, line {line}: not valid TOML: {}; a scene consists of `key = value` lines under [gear], [mass], [drive], [contact] and [solver]", one_line(.source_name), one_line(.what))]
+    /// Not TOML, nor JSON.
+    #[error("{}, line {line}: not valid {language}: {}; a scene consists of `key = value` lines under [gear], [mass], [drive], [contact] and [solver]", one_line(.source_name), one_line(.what))]
     Syntax {
         /// File or preset.
         source_name: String,
         /// Line of the fault.
         line: usize,
+        /// What it was read as.
+        language: &'static str,
         /// The parser's words.
         what: String,
     },

@@ -38,6 +38,7 @@ mod checked;
 mod derived;
 mod error;
 mod fill;
+mod json;
 pub mod keys;
 mod layout;
 mod load;
@@ -57,6 +58,7 @@ pub use assumptions::{Assumption, assumptions};
 pub use checked::{CheckedScene, Origin, Source};
 pub use derived::{Derived, Frequency, derived};
 pub use error::{Fault, Place, SceneError};
+pub use json::JOB_PROTOCOL;
 pub use keys::{KEYS, Key};
 pub use layout::{Layout, Sleeve};
 pub use model::{

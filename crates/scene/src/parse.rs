@@ -15,6 +15,7 @@ use crate::check;
 use crate::checked::{CheckedScene, Origin, Source};
 use crate::error::{Fault, Place, SceneError, quoted};
 use crate::fill::lookup;
+use crate::json;
 use crate::keys::{KEYS, Key, Kind, Otherwise};
 use crate::load;
 use crate::model::Scene;
@@ -72,7 +73,7 @@ impl FromStr for Override {
 }
 
 impl Scene {
-    /// Reads a scene from TOML text, applies the overrides in their order, fills in what is left out, and checks the
+    /// Reads a scene from TOML text (or JSON, which begins with a brace: a scene, or a job file that holds one), applies the overrides in their order, fills in what is left out, and checks the
     /// result.
     ///
     /// `source_name` is the file's or preset's name for messages, and where a `base` is looked for beside it. A scene
@@ -139,15 +140,35 @@ impl<'a> Layers<'a> {
                 limit: MOST_BYTES,
             });
         }
-        let document = Document::parse(text).map_err(|error| SceneError::Syntax {
+        let syntax = |line: usize, language: &'static str, what: &str| SceneError::Syntax {
             source_name: source.to_owned(),
-            line: line_of(text, error.span().map_or(0, |span| span.start)),
-            what: error.message().trim().to_owned(),
+            line,
+            language,
+            what: what.trim().to_owned(),
+        };
+        let is_json = json::is_json(text);
+        let converted;
+        let text = if is_json {
+            converted = json::as_toml(text).map_err(|(line, what)| syntax(line, "JSON", &what))?;
+            &converted
+        } else {
+            text
+        };
+        let document = Document::parse(text).map_err(|error| {
+            let line = line_of(text, error.span().map_or(0, |span| span.start));
+            syntax(line, "TOML", error.message())
         })?;
         let mut root = document.as_table().clone();
-        let place_at = |offset: usize| Place::Line {
-            source: source.to_owned(),
-            line: line_of(text, offset),
+        let place_at = |offset: usize| {
+            let source = source.to_owned();
+            if is_json {
+                // Programs write JSON, and its lines are not the converted text's.
+                return Place::File { source };
+            }
+            Place::Line {
+                source,
+                line: line_of(text, offset),
+            }
         };
         let base = root.remove(BASE);
         let named = overrides.iter().rev().find(|set| set.key == BASE);
@@ -452,8 +473,8 @@ fn located(fault: Fault, places: &HashMap<String, Place>, source: &str) -> Scene
     let first = fault.keys.first().map_or("scene", AsRef::as_ref);
     let rank = |place: &&Place| match place {
         Place::Set(_) => 0,
-        Place::Line { source: file, .. } if file == source => 1,
-        Place::Line { .. } => 2,
+        Place::Line { source: file, .. } | Place::File { source: file } if file == source => 1,
+        Place::Line { .. } | Place::File { .. } => 2,
         Place::Default { .. } => 3,
     };
     let places = fault.keys.iter().filter_map(|key| places.get(key.as_ref()));

@@ -97,15 +97,15 @@ pub fn engines(
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Listed {
     /// As users type it.
-    pub name: &'static str,
+    pub name: String,
     /// Which comparison it belongs to.
     pub track: Track,
     /// Version of the engine behind it.
     pub version: String,
     /// One line.
-    pub summary: &'static str,
+    pub summary: String,
     /// How it differs from the native solver.
-    pub differences: &'static str,
+    pub differences: String,
 }
 
 /// The engines of this build.
@@ -114,11 +114,11 @@ pub fn listed() -> Vec<Listed> {
     registry()
         .iter()
         .map(|engine| Listed {
-            name: engine.name(),
+            name: engine.name().to_owned(),
             track: engine.track(),
             version: engine.version(),
-            summary: engine.summary(),
-            differences: engine.differences(),
+            summary: engine.summary().to_owned(),
+            differences: engine.differences().to_owned(),
         })
         .collect()
 }

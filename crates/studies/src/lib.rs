@@ -27,6 +27,7 @@ pub mod divergence;
 pub mod drift;
 mod error;
 pub mod explained;
+pub mod folder;
 mod measure;
 pub mod output;
 pub mod ownership;

@@ -58,7 +58,9 @@ fn hard_hopeless_runs_end_loudly() {
 /// A survey that was stopped goes on from the pieces it has, and gives what an undisturbed one gives.
 #[test]
 fn surveys_go_on_where_they_stopped() {
-    let mut plan = Plan::quick().only(&["paper".to_owned(), "eleven-pins".to_owned()]);
+    let mut plan = Plan::quick()
+        .of(&["paper".to_owned(), "eleven-pins".to_owned()])
+        .unwrap();
     plan.atlas.longest_s = 0.002;
     plan.atlas.methods.truncate(2);
     plan.divergence_longest_s = 0.002;

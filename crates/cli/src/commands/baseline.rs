@@ -4,13 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use pinwheel::pages;
-use pinwheel::report::terminal::{Cell, TITLE, lines, styled};
 use pinwheel::studies::Provenance;
-use pinwheel::studies::baseline::{
-    self, Acceptance, Baseline, HEAD, Head, Made, Options, Verdict, made,
-};
-use pinwheel::studies::output::write_text;
-use serde::Serialize;
+use pinwheel::studies::baseline::{self, Acceptance, Baseline, HEAD, Made, Options, Verdict, made};
 
 use crate::args::{self, Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
 use crate::failure::{EXCEEDED, Failure};
@@ -26,41 +21,9 @@ pub(crate) fn baseline(args: &BaselineArgs) -> Result<u8, Failure> {
     }
 }
 
-impl Which {
-    /// The baseline's folder.
-    fn folder(&self) -> Result<PathBuf, Failure> {
-        let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-        if self.name.is_empty() || self.name.starts_with('.') || !self.name.chars().all(plain) {
-            return Err(Failure::input(format!(
-                "`{}` is no name for a baseline; use letters, digits, `-`, `_` and `.`",
-                self.name
-            )));
-        }
-        Ok(self.dir.join(&self.name))
-    }
-
-    /// The baseline itself.
-    fn read(&self) -> Result<Baseline, Failure> {
-        let folder = self.folder()?;
-        if !folder.join(HEAD).is_file() {
-            let known = Baseline::names(&self.dir);
-            let remedy = if known.is_empty() {
-                "run in the project's folder, name --dir, or record one with `pinwheel baseline record`".to_owned()
-            } else {
-                format!("there are {}", known.join(", "))
-            };
-            return Err(Failure::input(format!(
-                "no baseline `{}` in {}; {remedy}",
-                self.name,
-                self.dir.display()
-            )));
-        }
-        Ok(Baseline::read(&folder)?)
-    }
-}
-
 fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
-    let target = args.which.folder()?;
+    let Which { dir, name } = &args.which;
+    let target = Baseline::folder(dir, name)?;
     let exists = target.join(HEAD).is_file();
     let reason = args.accept.as_deref().map(str::trim);
     if exists && reason.is_none_or(str::is_empty) {
@@ -69,12 +32,12 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
             target.display()
         )));
     }
-    let earlier = exists.then(|| args.which.read()).transpose()?;
+    let earlier = exists.then(|| Baseline::open(dir, name)).transpose()?;
     let known = earlier.as_ref().map_or_else(Vec::new, Baseline::files);
     let mut accepted = earlier.map_or_else(Vec::new, |earlier| earlier.head.accepted);
     interrupt::check()?;
     let folder = Folder::prepare_known(&target, known)?;
-    let here = made(&args.which.dir);
+    let here = made(dir);
     accepted.push(Acceptance {
         date: here.date.clone(),
         commit: here.commit.clone(),
@@ -113,14 +76,13 @@ fn size(folder: &Path) -> u64 {
 }
 
 fn check(args: &CheckArgs) -> Result<u8, Failure> {
-    let accepted = args.which.read()?;
-    let name = &args.which.name;
+    let Which { dir, name } = &args.which;
+    let accepted = Baseline::open(dir, name)?;
     let out = args
         .out
         .clone()
         .unwrap_or_else(|| PathBuf::from(format!("out/baseline-{name}")));
-    folder::protect(&out, &[&args.which.dir])?;
-    let folder = Folder::prepare(&out, args.force)?;
+    let folder = Folder::prepare_beside(&out, args.force, dir)?;
     let options = Options {
         kernel: args.kernel.into(),
         threads: args.running.threads.into(),
@@ -130,7 +92,7 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     };
     let here = Made {
         vectors: options.kernel.vectors().to_owned(),
-        ..made(&args.which.dir)
+        ..made(dir)
     };
     let found = watched("baseline", |control| {
         baseline::check(&accepted, here, &options, control)
@@ -139,12 +101,12 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     let made = Provenance::here(args::typed());
     baseline::write(&found, &accepted.head, folder.path(), &made)?;
     let page = pages::baseline::page(name, &accepted.head, &found, &made)?;
-    write_text(&folder.path().join("index.html"), &page)?;
+    folder.write_page(&page)?;
     let out = folder.publish()?;
     screen::show(&format!(
         "{}\n{}",
         pages::baseline::text(&found),
-        out.join("index.html").display()
+        folder::page(&out)
     ))?;
     Ok(if found.verdict == Verdict::Worse {
         EXCEEDED
@@ -153,64 +115,14 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     })
 }
 
-/// One baseline of a list.
-#[derive(Serialize)]
-struct Listed {
-    name: String,
-    #[serde(flatten)]
-    head: Head,
-}
-
 fn list(args: &ListArgs) -> Result<u8, Failure> {
-    let mut listed = Vec::new();
-    for name in Baseline::names(&args.dir) {
-        let which = Which {
-            name,
-            dir: args.dir.clone(),
-        };
-        let head = which.read()?.head;
-        listed.push(Listed {
-            name: which.name,
-            head,
-        });
-    }
-    if args.json {
-        screen::show_json(&listed)?;
-        return Ok(0);
-    }
-    if listed.is_empty() {
-        screen::show(&format!(
-            "no baselines in {}; `pinwheel baseline record` makes one",
-            args.dir.display()
-        ))?;
-        return Ok(0);
-    }
-    let mut text = String::new();
-    for Listed { name, head } in &listed {
-        let made = &head.made;
-        text.push_str(&format!(
-            "{}  {} scenes, made {} at commit {}, {} build, {}\n",
-            styled(TITLE, name),
-            head.scenes.len(),
-            made.date,
-            made.commit,
-            made.build,
-            made.vectors
-        ));
-        let rows: Vec<Vec<Cell>> = head
-            .accepted
-            .iter()
-            .map(|a| {
-                vec![
-                    Cell::text("  "),
-                    Cell::text(&a.date),
-                    Cell::text(&a.commit),
-                    Cell::text(&a.reason),
-                ]
-            })
-            .collect();
-        text.push_str(&lines(&rows));
-    }
-    screen::show(&text)?;
+    let listed = Baseline::list(&args.dir)?;
+    screen::show_or_json(args.json, &listed, || {
+        if listed.is_empty() {
+            let dir = args.dir.display();
+            return format!("no baselines in {dir}; `pinwheel baseline record` makes one");
+        }
+        pages::baseline::list(&listed)
+    })?;
     Ok(0)
 }

@@ -4,12 +4,11 @@ use pinwheel::pages;
 use pinwheel::scene::did_you_mean;
 use pinwheel::studies::Provenance;
 use pinwheel::studies::bench::{self, Outcome};
-use pinwheel::studies::output::write_text;
 use pinwheel::studies::precision::{self, Options};
 
 use crate::args::{self, BenchArgs};
 use crate::failure::{ENGINE, Failure, STOPPED};
-use crate::folder::Folder;
+use crate::folder::{self, Folder};
 use crate::progress::watched;
 use crate::screen;
 
@@ -26,7 +25,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
     let made = Provenance::here(args::typed());
     measured.write(folder.path(), &made)?;
     let page = pages::bench::page(&measured, &made)?;
-    write_text(&folder.path().join("index.html"), &page)?;
+    folder.write_page(&page)?;
     let out = if measured.complete {
         folder.publish()?
     } else {
@@ -35,7 +34,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
     screen::show(&format!(
         "{}report: {}",
         pages::bench::text(&measured),
-        out.join("index.html").display()
+        folder::page(&out)
     ))?;
     if !measured.complete {
         screen::complain(&format!(

@@ -7,12 +7,11 @@ use pinwheel::compare::Status;
 use pinwheel::pages;
 use pinwheel::scene::{CheckedScene, PRESETS};
 use pinwheel::studies::comparison::{self, Effort, Input, foreign};
-use pinwheel::studies::output::write_text;
 use pinwheel::studies::{Provenance, choice};
 
 use crate::args::{self, CompareArgs, ForeignArgs};
 use crate::failure::{ENGINE, Failure};
-use crate::folder::Folder;
+use crate::folder::{self, Folder};
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -37,12 +36,12 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
     let page = pages::comparison::page(&found, &made, interrupt::flag())?;
-    write_text(&folder.path().join("index.html"), &page)?;
+    folder.write_page(&page)?;
     let out = folder.publish()?;
     screen::show(&format!(
         "{}\nreport: {}",
         pages::comparison::text(scene, &found.comparison),
-        out.join("index.html").display()
+        folder::page(&out)
     ))?;
 
     let broken = found

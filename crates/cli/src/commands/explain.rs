@@ -11,10 +11,8 @@ pub(crate) fn explain(args: &ExplainArgs) -> Result<u8, Failure> {
     let gearbox = args.scene.load()?;
     let explanation =
         explained::explain(&gearbox).map_err(|error| Failure::input(error.to_string()))?;
-    if args.json {
-        screen::show_json(&explanation)?;
-    } else {
-        screen::show(&pages::explain::text(&explanation))?;
-    }
+    screen::show_or_json(args.json, &explanation, || {
+        pages::explain::text(&explanation)
+    })?;
     Ok(0)
 }

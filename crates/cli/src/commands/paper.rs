@@ -1,13 +1,12 @@
 //! `pinwheel paper`: every figure and every claim of the paper, computed again, on one page.
 
 use pinwheel::pages;
-use pinwheel::studies::output::write_text;
 use pinwheel::studies::paper::{self, Options};
 use pinwheel::studies::{Provenance, StudyError};
 
 use crate::args::{self, PaperArgs};
 use crate::failure::Failure;
-use crate::folder::Folder;
+use crate::folder::{self, Folder};
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -39,12 +38,12 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<u8, Failure> {
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &options, &made)?;
     let page = pages::paper::page(&found, &made, interrupt::flag())?;
-    write_text(&folder.path().join("index.html"), &page)?;
+    folder.write_page(&page)?;
     let out = folder.publish()?;
     screen::show(&format!(
         "{}; page: {}",
         pages::paper::text(&found),
-        out.join("index.html").display()
+        folder::page(&out)
     ))?;
     Ok(0)
 }

@@ -2,21 +2,23 @@
 
 use std::path::PathBuf;
 
-use pinwheel::gearbox::Gearbox;
 use pinwheel::pages;
-use pinwheel::scene::Scene;
-use pinwheel::studies::output::write_text;
 use pinwheel::studies::survey::{Plan, Survey, judged};
 use pinwheel::studies::{Provenance, StudyError};
 
 use crate::args::{self, StabilityArgs, quoted};
 use crate::failure::{EXCEEDED, Failure, STOPPED};
-use crate::folder::Folder;
+use crate::folder::{self, Folder};
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
 pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
-    let plan = plan(args)?;
+    let plan = if args.quick {
+        Plan::quick()
+    } else {
+        Plan::full()
+    };
+    let plan = plan.of(&args.scenes)?;
     let out = args
         .out
         .clone()
@@ -38,7 +40,7 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
     let made = Provenance::here(args::typed());
     survey.write(folder.path(), &made)?;
     let page = pages::stability::page(&survey, &made)?;
-    write_text(&folder.path().join("index.html"), &page)?;
+    folder.write_page(&page)?;
     if stopped {
         let place = folder.publish_partial()?;
         let (done, all) = survey.done();
@@ -58,7 +60,7 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
     screen::show(&format!(
         "{}\nreport  {}",
         pages::stability::text(&survey),
-        out.join("index.html").display()
+        folder::page(&out)
     ))?;
     let unserved = judged::unserved(&survey);
     if unserved.is_empty() {
@@ -70,26 +72,4 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
         100.0 * judged::SERVED
     ));
     Ok(EXCEEDED)
-}
-
-/// The plan, whose scenes can all be modelled.
-fn plan(args: &StabilityArgs) -> Result<Plan, Failure> {
-    let plan = if args.quick {
-        Plan::quick()
-    } else {
-        Plan::full()
-    };
-    if args.scenes.is_empty() {
-        return Ok(plan);
-    }
-    for (k, name) in args.scenes.iter().enumerate() {
-        if args.scenes[..k].contains(name) {
-            return Err(Failure::input(format!(
-                "{name} is named twice; name each scene once"
-            )));
-        }
-        let scene = Scene::load(name, &[])?;
-        Gearbox::new(&scene).map_err(|error| Failure::input(format!("{name}: {error}")))?;
-    }
-    Ok(plan.only(&args.scenes))
 }

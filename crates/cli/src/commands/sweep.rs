@@ -1,17 +1,13 @@
 //! `pinwheel sweep`: a study as data.
 
-use std::fs;
-
 use pinwheel::pages;
 use pinwheel::studies::Provenance;
-use pinwheel::studies::output::write_text;
-use pinwheel::studies::sweep::{
-    self, Journal, MOST_BYTES, Outcome, Plan, Sweep, SweepError, execute,
-};
+use pinwheel::studies::folder::beside;
+use pinwheel::studies::sweep::{self, Journal, Outcome, Plan, Sweep, SweepError, execute};
 
 use crate::args::{self, SweepArgs};
 use crate::failure::{ENGINE, Failure};
-use crate::folder::{self, Folder};
+use crate::folder::Folder;
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -25,7 +21,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     // Checked before anything long is run; what is written comes at the end.
     drop(Folder::prepare(&out, args.out.force)?);
     // `out/backlash.unfinished` for `out/backlash`.
-    let place = folder::beside(&out, ".unfinished");
+    let place = beside(&out, ".unfinished");
     let there = place.exists();
     let earlier = out.join("runs");
     let earlier = args.resume.then_some(earlier.as_path());
@@ -55,7 +51,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     );
     sweep::write(folder.path(), &plan, &records, &table, &journal, &made)?;
     let page = pages::sweep::page(&plan, &records, &table, &made)?;
-    write_text(&folder.path().join("index.html"), &page)?;
+    folder.write_page(&page)?;
     let out = folder.publish()?;
     // Only now: had it failed, --resume would still find every run.
     journal.remove()?;
@@ -83,21 +79,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
 }
 
 fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
-    let path = &args.file;
-    let unreadable = |what: &str| {
-        Failure::input(format!(
-            "{}: {what}; give a sweep file (TOML), see docs/sweeps.md",
-            path.display()
-        ))
-    };
-    let size =
-        fs::metadata(path).map_err(|error| unreadable(&format!("cannot be read: {error}")))?;
-    if !size.is_file() || size.len() > MOST_BYTES as u64 {
-        return Err(unreadable("is no sweep file"));
-    }
-    let text = fs::read_to_string(path)
-        .map_err(|error| unreadable(&format!("cannot be read: {error}")))?;
-    let mut sweep = Sweep::from_toml(&text, path)?;
+    let mut sweep = Sweep::read(&args.file)?;
     if !args.engines.is_empty() {
         sweep.engines = args
             .engines

@@ -13,7 +13,7 @@ use crate::PageError;
 
 mod text;
 
-pub use text::text;
+pub use text::{list, text};
 
 /// Quantities that get charts.
 const SHOWN: usize = 8;

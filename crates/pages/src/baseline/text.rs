@@ -1,7 +1,7 @@
 //! A check on a terminal: what moved, by solver, and what it has in common.
 
 use pinwheel_report::terminal::{BAD, Cell, GOOD, QUIET, TITLE, lines, styled};
-use pinwheel_studies::baseline::{Check, Verdict, in_common, table};
+use pinwheel_studies::baseline::{Acceptance, Check, Listed, Verdict, in_common, table};
 
 /// The whole text, without the place of the page.
 #[must_use]
@@ -50,6 +50,31 @@ pub fn text(found: &Check) -> String {
         text.push_str(&lines(&[vec![Cell::text(list).styled(QUIET)]]));
     }
     text.push_str(&table::sentence(found));
+    text
+}
+
+/// The baselines that there are, with the reasons for which they were accepted.
+#[must_use]
+pub fn list(listed: &[Listed]) -> String {
+    let mut text = String::new();
+    for Listed { name, head } in listed {
+        let made = &head.made;
+        text.push_str(&format!(
+            "{}  {} scenes, made {} at commit {}, {} build, {}\n",
+            styled(TITLE, name),
+            head.scenes.len(),
+            made.date,
+            made.commit,
+            made.build,
+            made.vectors
+        ));
+        let row = |a: &Acceptance| {
+            ["  ", &a.date, &a.commit, &a.reason]
+                .map(Cell::text)
+                .to_vec()
+        };
+        text.push_str(&lines(&head.accepted.iter().map(row).collect::<Vec<_>>()));
+    }
     text
 }
 

@@ -39,6 +39,19 @@ pub enum BaselineError {
         /// Its format.
         found: u32,
     },
+    /// A name that is no folder's.
+    #[error("`{0}` is no name for a baseline; use letters, digits, `-`, `_` and `.`")]
+    Name(String),
+    /// No baseline of that name.
+    #[error("no baseline `{name}` in {}; {remedy}", dir.display())]
+    Missing {
+        /// As it was asked for.
+        name: String,
+        /// Folder of the baselines.
+        dir: PathBuf,
+        /// Those that there are, or how to make one.
+        remedy: String,
+    },
     /// A choice of the set that does not come to its end cannot be a baseline.
     #[error("{scene}, {choice}: {reason}")]
     DoesNotHold {

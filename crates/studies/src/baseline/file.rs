@@ -151,10 +151,65 @@ pub struct CaseQuantity {
     pub differences: Vec<String>,
 }
 
+/// One baseline of a list.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Listed {
+    /// Its name.
+    pub name: String,
+    /// What it is.
+    #[serde(flatten)]
+    pub head: Head,
+}
+
 impl Baseline {
     /// The file of a scene.
     fn scene_file(name: &str) -> String {
         format!("{name}.toml")
+    }
+
+    /// The folder of the baseline `name`, below `dir`, the folder of all.
+    ///
+    /// # Errors
+    /// A name that cannot be a folder's everywhere.
+    pub fn folder(dir: &Path, name: &str) -> Result<PathBuf, BaselineError> {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+        if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
+            return Err(BaselineError::Name(name.to_owned()));
+        }
+        Ok(dir.join(name))
+    }
+
+    /// Reads the baseline `name` in `dir`, the folder of all.
+    ///
+    /// # Errors
+    /// As [`folder`](Self::folder) and [`read`](Self::read); where there is none, the error names those that there are.
+    pub fn open(dir: &Path, name: &str) -> Result<Self, BaselineError> {
+        let folder = Self::folder(dir, name)?;
+        if folder.join(HEAD).is_file() {
+            return Self::read(&folder);
+        }
+        let known = Self::names(dir);
+        Err(BaselineError::Missing {
+            name: name.to_owned(),
+            dir: dir.to_owned(),
+            remedy: if known.is_empty() {
+                "run in the project's folder, name --dir, or record one with `pinwheel baseline record`".to_owned()
+            } else {
+                format!("there are {}", known.join(", "))
+            },
+        })
+    }
+
+    /// The heads of all baselines in `dir`, by their names.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn list(dir: &Path) -> Result<Vec<Listed>, BaselineError> {
+        let read = |name: String| {
+            let head = Self::open(dir, &name)?.head;
+            Ok(Listed { name, head })
+        };
+        Self::names(dir).into_iter().map(read).collect()
     }
 
     /// Reads the baseline in the folder `dir`.

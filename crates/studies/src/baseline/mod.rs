@@ -30,7 +30,9 @@ pub use cases::{Choice, SCENES, SceneCase};
 pub use check::{CaseCheck, Check, check};
 pub use common::in_common;
 pub use error::BaselineError;
-pub use file::{Acceptance, Baseline, CaseQuantity, CaseRecord, HEAD, Head, Made, SceneRecord};
+pub use file::{
+    Acceptance, Baseline, CaseQuantity, CaseRecord, HEAD, Head, Listed, Made, SceneRecord,
+};
 pub use judge::{CostCheck, Overlay, QuantityCheck, Verdict};
 pub use record::record;
 pub use runner::Costs;

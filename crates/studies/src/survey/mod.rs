@@ -10,6 +10,7 @@ mod write;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -79,10 +80,25 @@ impl Plan {
         }
     }
 
-    /// Atlas and divergence of these scenes alone.
-    #[must_use]
-    pub fn only(self, scenes: &[String]) -> Self {
-        Self {
+    /// Atlas and divergence of these scenes alone; without names the plan as it is.
+    ///
+    /// # Errors
+    /// A scene that is named twice, that cannot be read, or that cannot be modelled.
+    pub fn of(self, scenes: &[String]) -> Result<Self, StudyError> {
+        if scenes.is_empty() {
+            return Ok(self);
+        }
+        for (k, name) in scenes.iter().enumerate() {
+            if scenes[..k].contains(name) {
+                let what = format!("{name} is named twice; name each scene once");
+                return Err(StudyError::Input(what));
+            }
+            Gearbox::new(&Scene::load(name, &[])?).map_err(|source| StudyError::Scene {
+                scene: name.clone(),
+                source,
+            })?;
+        }
+        Ok(Self {
             atlas: Options {
                 scenes: scenes.to_vec(),
                 ..self.atlas
@@ -92,7 +108,7 @@ impl Plan {
             dampings: Vec::new(),
             limits: Vec::new(),
             ..self
-        }
+        })
     }
 }
 

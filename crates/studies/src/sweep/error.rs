@@ -7,6 +7,14 @@ use pinwheel_scene::SceneError;
 /// Faults of reading, planning or running a sweep.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
+    /// The file cannot be read.
+    #[error("{}: {what}; give a sweep file (TOML), see docs/sweeps.md", path.display())]
+    NotRead {
+        /// The sweep file.
+        path: PathBuf,
+        /// Why.
+        what: String,
+    },
     /// The file does not say what to do.
     #[error("{source_name}, line {line}: {what}; {remedy}")]
     File {

@@ -16,6 +16,7 @@
 //! drive.output_torque_n_m = [11.0, 22.0]
 //! ```
 
+use std::fs;
 use std::path::Path;
 
 use pinwheel_scene::{Override, nearest};
@@ -26,7 +27,7 @@ use crate::sweep::SweepError;
 use crate::sweep::axis::{self, Axis};
 
 /// Bytes of a sweep file at most.
-pub const MOST_BYTES: usize = 1 << 20;
+const MOST_BYTES: usize = 1 << 20;
 
 /// Whether and how every run's courses are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -83,6 +84,24 @@ const KEYS: [&str; 10] = [
 ];
 
 impl Sweep {
+    /// Reads the sweep file `path`; a scene file is looked for beside it.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or as [`from_toml`](Self::from_toml).
+    pub fn read(path: &Path) -> Result<Self, SweepError> {
+        let unreadable = |what: String| SweepError::NotRead {
+            path: path.to_owned(),
+            what,
+        };
+        let failed = |error: std::io::Error| unreadable(format!("cannot be read: {error}"));
+        let size = fs::metadata(path).map_err(failed)?;
+        // Before it is read: a device has no end.
+        if !size.is_file() || size.len() > MOST_BYTES as u64 {
+            return Err(unreadable("is no sweep file".to_owned()));
+        }
+        Self::from_toml(&fs::read_to_string(path).map_err(failed)?, path)
+    }
+
     /// Reads a sweep from the text of the file `path`; a scene file is looked for beside it.
     ///
     /// # Errors

@@ -19,7 +19,7 @@ mod written;
 pub use axis::{Axis, Value};
 pub use error::SweepError;
 pub use execute::execute;
-pub use file::{KeepCourses, MOST_BYTES, Sweep};
+pub use file::{KeepCourses, Sweep};
 pub use journal::Journal;
 #[cfg(feature = "parquet")]
 pub use parquet_file::{Cells, ParquetFault, load_courses, read_table, save_courses, write_table};

@@ -1,0 +1,356 @@
+//! The border to C: the functions of `pinwheel_law.h`. All `unsafe` of this crate is in this file.
+//!
+//! What callers promise, and no code can check: texts end in a zero byte; arrays hold as many numbers as the header says,
+//! aligned, not overlapping, and used by nobody else during the call; nothing is kept of them afterwards. Everything else
+//! is checked:
+//! - a handle is a number that is never used twice, not an address: one that was closed or made up is refused, and
+//!   closing twice does nothing;
+//! - a handle's law stands behind a lock, so two threads that share one wait for each other;
+//! - null addresses are refused;
+//! - no panic gets out.
+//!
+//! A call that fails writes NaN where it would have written numbers, as far as it knows how many, and says why by
+//! `pinwheel_law_error`.
+
+#![allow(unsafe_code)]
+
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ptr;
+use std::slice;
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
+
+use crate::law::{Law, LawError};
+use crate::{ABI, LOAD, STATE};
+
+/// A null address, a handle that is none, an index out of range.
+const ARGUMENT: i32 = -1;
+/// The scene.
+const SCENE: i32 = -2;
+/// States or loads that are no numbers.
+const NOT_FINITE: i32 = -3;
+/// A fault of this library.
+const FAULT: i32 = -4;
+
+/// What C sees of a law: only ever a number in the shape of an address.
+#[repr(C)]
+pub struct PinwheelLaw {
+    _private: [u8; 0],
+}
+
+/// All laws ever opened, by number - 1; closed ones leave their place empty.
+static LAWS: RwLock<Vec<Option<Arc<Mutex<Law>>>>> = RwLock::new(Vec::new());
+
+thread_local! {
+    static ERROR: RefCell<CString> = RefCell::default();
+}
+
+/// Why a call failed: its status and words.
+struct Failure(i32, String);
+
+impl From<LawError> for Failure {
+    fn from(error: LawError) -> Self {
+        let status = match error {
+            LawError::Scene(_) | LawError::Gearbox(_) => SCENE,
+            LawError::Length { .. } => ARGUMENT,
+            LawError::NotFinite { .. } | LawError::Overflow { .. } => NOT_FINITE,
+        };
+        Self(status, error.to_string())
+    }
+}
+
+fn argument(what: impl Into<String>) -> Failure {
+    Failure(ARGUMENT, what.into())
+}
+
+/// Runs a call; a failure becomes what `failed` makes of its status.
+fn guarded<T>(failed: impl FnOnce(i32) -> T, call: impl FnOnce() -> Result<T, Failure>) -> T {
+    let outcome = catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|_| {
+        let what = "a fault in libpinwheel_law, not in your call; please report it with the scene";
+        Err(Failure(FAULT, what.to_owned()))
+    });
+    outcome.unwrap_or_else(|Failure(status, what)| {
+        let text = CString::new(what.replace('\0', " ")).unwrap_or_default();
+        // A thread that is ending has no place for it any more.
+        let _ = ERROR.try_with(|error| *error.borrow_mut() = text);
+        failed(status)
+    })
+}
+
+/// The law behind a handle.
+fn find(handle: *const PinwheelLaw) -> Result<Arc<Mutex<Law>>, Failure> {
+    let laws = LAWS.read().unwrap_or_else(PoisonError::into_inner);
+    let place = handle.addr().checked_sub(1);
+    let law = place.and_then(|place| laws.get(place)?.clone());
+    law.ok_or_else(|| argument("the handle is none that is open: null, closed, or made up"))
+}
+
+/// Runs a call on the law behind a handle.
+fn on<T>(
+    handle: *const PinwheelLaw,
+    failed: impl FnOnce(i32) -> T,
+    call: impl FnOnce(&mut Law) -> Result<T, Failure>,
+) -> T {
+    guarded(failed, || {
+        let law = find(handle)?;
+        // Valid after a panic, too: it keeps nothing from call to call.
+        let mut law = law.lock().unwrap_or_else(PoisonError::into_inner);
+        call(&mut law)
+    })
+}
+
+/// An array from C.
+///
+/// # Safety
+/// Null, or as the module says with `length` numbers.
+unsafe fn array<'a>(start: *const f64, length: usize) -> Option<&'a [f64]> {
+    // SAFETY: not null, and the caller promises its length.
+    (!start.is_null()).then(|| unsafe { slice::from_raw_parts(start, length) })
+}
+
+/// An array from C to write to.
+///
+/// # Safety
+/// Null, or as the module says with `length` numbers.
+unsafe fn array_mut<'a>(start: *mut f64, length: usize) -> Option<&'a mut [f64]> {
+    // SAFETY: not null, and the caller promises its length.
+    (!start.is_null()).then(|| unsafe { slice::from_raw_parts_mut(start, length) })
+}
+
+/// Version of this interface.
+#[unsafe(no_mangle)]
+pub extern "C" fn pinwheel_law_abi() -> u32 {
+    ABI
+}
+
+/// Opens a job folder, a scene file, the text of a scene, or a preset; `out` becomes its handle, or null.
+///
+/// # Safety
+/// `scene`: null or text that ends in a zero byte. `out`: null or the place of a pointer.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pinwheel_law_open(
+    scene: *const c_char,
+    out: *mut *mut PinwheelLaw,
+) -> i32 {
+    guarded(
+        |status| status,
+        || {
+            if out.is_null() {
+                return Err(argument("`out` is null; give the place of a handle"));
+            }
+            // SAFETY: not null, and the caller promises a place.
+            unsafe { out.write(ptr::null_mut()) };
+            if scene.is_null() {
+                return Err(argument("`scene` is null; name a scene or a job folder"));
+            }
+            // SAFETY: not null, and the caller promises its end.
+            let scene = unsafe { CStr::from_ptr(scene) }.to_str();
+            let scene = scene.map_err(|_| argument("`scene` is not UTF-8 text"))?;
+            let law = Arc::new(Mutex::new(Law::open(scene)?));
+            let mut laws = LAWS.write().unwrap_or_else(PoisonError::into_inner);
+            laws.push(Some(law));
+            // SAFETY: as above.
+            unsafe { out.write(ptr::without_provenance_mut(laws.len())) };
+            Ok(0)
+        },
+    )
+}
+
+/// Number of bodies.
+#[unsafe(no_mangle)]
+pub extern "C" fn pinwheel_law_bodies(law: *const PinwheelLaw) -> i32 {
+    on(
+        law,
+        |status| status,
+        |law| i32::try_from(law.bodies().len()).map_err(|_| argument("too many bodies")),
+    )
+}
+
+/// Carrier, seat, mass and moment of a body; each may be null where it is not wanted.
+///
+/// # Safety
+/// `carrier`, `mass_kg`, `moment_kg_m2`: null or the place of one number; `seat_m`: null or of two.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pinwheel_law_body(
+    law: *const PinwheelLaw,
+    body: i32,
+    carrier: *mut i32,
+    seat_m: *mut f64,
+    mass_kg: *mut f64,
+    moment_kg_m2: *mut f64,
+) -> i32 {
+    // SAFETY: the caller promises their lengths.
+    let (seat, mass, moment) = unsafe {
+        (
+            array_mut(seat_m, 2),
+            array_mut(mass_kg, 1),
+            array_mut(moment_kg_m2, 1),
+        )
+    };
+    let mut numbers = [seat, mass, moment];
+    for place in numbers.iter_mut().flatten() {
+        place.fill(f64::NAN);
+    }
+    on(
+        law,
+        |status| status,
+        |law| {
+            let found = usize::try_from(body).ok().and_then(|k| law.bodies().get(k));
+            let found = found.ok_or_else(|| {
+                argument(format!(
+                    "there is no body {body} among {}",
+                    law.bodies().len()
+                ))
+            })?;
+            let carried_by = found.carrier.and_then(|k| i32::try_from(k).ok());
+            if !carrier.is_null() {
+                // SAFETY: not null, and the caller promises a place.
+                unsafe { carrier.write(carried_by.unwrap_or(-1)) };
+            }
+            let values: [&[f64]; 3] = [&found.seat_m, &[found.mass_kg], &[found.moment_kg_m2]];
+            for (place, values) in numbers.iter_mut().zip(values) {
+                if let Some(place) = place {
+                    place.copy_from_slice(values);
+                }
+            }
+            Ok(0)
+        },
+    )
+}
+
+/// Rate of the input shaft, rad/s.
+#[unsafe(no_mangle)]
+pub extern "C" fn pinwheel_law_rate(law: *const PinwheelLaw) -> f64 {
+    on(law, |_| f64::NAN, |law| Ok(law.rate_rad_s()))
+}
+
+/// The scene's step, s.
+#[unsafe(no_mangle)]
+pub extern "C" fn pinwheel_law_step(law: *const PinwheelLaw) -> f64 {
+    on(law, |_| f64::NAN, |law| Ok(law.scene().solver.step_s))
+}
+
+/// How many samples the courses hold; as many of their times as there is room for are written.
+///
+/// # Safety
+/// `times_s`: null where `room` is 0, else the place of `room` numbers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pinwheel_law_samples(
+    law: *const PinwheelLaw,
+    times_s: *mut f64,
+    room: i64,
+) -> i64 {
+    on(law, i64::from, |law| {
+        let room = usize::try_from(room).map_err(|_| argument("`room` is below 0"))?;
+        let samples = law.samples_s();
+        let fit = room.min(samples.len());
+        if fit > 0 {
+            // SAFETY: the caller promises `room` numbers, and no more are touched.
+            let times = unsafe { array_mut(times_s, fit) };
+            let times = times.ok_or_else(|| argument("`times_s` is null, but `room` is not 0"))?;
+            times.copy_from_slice(&samples[..fit]);
+        }
+        i64::try_from(samples.len()).map_err(|_| argument("too many samples"))
+    })
+}
+
+/// The bodies' states at t = 0.
+///
+/// # Safety
+/// `states`: null or the place of six numbers a body.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pinwheel_law_start(law: *const PinwheelLaw, states: *mut f64) -> i32 {
+    on(
+        law,
+        |status| status,
+        |law| {
+            // SAFETY: the caller promises their length.
+            let states = unsafe { array_mut(states, law.start().len()) };
+            let states = states.ok_or_else(|| argument("`states` is null"))?;
+            states.copy_from_slice(law.start());
+            Ok(0)
+        },
+    )
+}
+
+/// Contact forces at these states.
+///
+/// # Safety
+/// `states`: null or six numbers a body. `loads`: null or the place of three a body.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pinwheel_law_loads(
+    law: *mut PinwheelLaw,
+    states: *const f64,
+    loads: *mut f64,
+) -> i32 {
+    on(
+        law,
+        |status| status,
+        |law| {
+            let bodies = law.bodies().len();
+            // SAFETY: the caller promises their lengths, and that they lie apart.
+            let (states, loads) = unsafe {
+                (
+                    array(states, STATE * bodies),
+                    array_mut(loads, LOAD * bodies),
+                )
+            };
+            let loads = loads.ok_or_else(|| argument("`loads` is null"))?;
+            // What a panic leaves behind.
+            loads.fill(f64::NAN);
+            let states = states.ok_or_else(|| argument("`states` is null"))?;
+            law.loads(states, loads)?;
+            Ok(0)
+        },
+    )
+}
+
+/// The load's torque on the output shaft, N m.
+#[unsafe(no_mangle)]
+pub extern "C" fn pinwheel_law_load_torque(law: *const PinwheelLaw, time_s: f64) -> f64 {
+    on(
+        law,
+        |_| f64::NAN,
+        |law| {
+            if time_s.is_finite() {
+                return Ok(law.load_torque_n_m(time_s));
+            }
+            Err(Failure(NOT_FINITE, "the time is not finite".to_owned()))
+        },
+    )
+}
+
+/// How often forces were asked for; 0 for a handle that is none.
+#[unsafe(no_mangle)]
+pub extern "C" fn pinwheel_law_calls(law: *const PinwheelLaw) -> u64 {
+    on(law, |_| 0, |law| Ok(law.calls()))
+}
+
+/// Why this thread's last failed call failed; empty if none did. Valid until its next call.
+#[unsafe(no_mangle)]
+pub extern "C" fn pinwheel_law_error() -> *const c_char {
+    ERROR
+        .try_with(|error| error.borrow().as_ptr())
+        .unwrap_or(c"".as_ptr())
+}
+
+/// Closes a handle; null, and one that is closed, are no fault.
+#[unsafe(no_mangle)]
+pub extern "C" fn pinwheel_law_close(law: *mut PinwheelLaw) {
+    guarded(
+        |_| (),
+        || {
+            let mut laws = LAWS.write().unwrap_or_else(PoisonError::into_inner);
+            let place = law.addr().checked_sub(1).and_then(|k| laws.get_mut(k));
+            let closed = place.and_then(Option::take);
+            // What closing does needs no lock.
+            drop(laws);
+            drop(closed);
+            Ok(())
+        },
+    );
+}
+
+#[cfg(test)]
+mod tests;

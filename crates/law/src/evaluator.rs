@@ -1,0 +1,54 @@
+//! The contact law on plain numbers: what a foreign solver has and wants.
+
+use pinwheel_gearbox::contacts::ContactField;
+use pinwheel_mbs::{BodyState, Wrench};
+
+/// Numbers of a state: x, y (m), angle (rad), vx, vy (m/s), rate (rad/s).
+pub const STATE: usize = 6;
+/// Numbers of a load: fx, fy (N), moment about the centre (N m).
+pub const LOAD: usize = 3;
+
+/// A contact field and the arrays it works on.
+pub struct Evaluator {
+    field: Box<dyn ContactField>,
+    bodies: Vec<BodyState>,
+    loads: Vec<Wrench>,
+}
+
+impl Evaluator {
+    /// For `bodies` bodies.
+    #[must_use]
+    pub fn new(field: Box<dyn ContactField>, bodies: usize) -> Self {
+        Self {
+            field,
+            bodies: vec![BodyState::default(); bodies],
+            loads: vec![Wrench::default(); bodies],
+        }
+    }
+
+    /// Reads [`STATE`] numbers a body and writes [`LOAD`] numbers a body; the same states give the same bits.
+    pub fn evaluate(&mut self, states: &[f64], loads: &mut [f64]) {
+        for (body, state) in self.bodies.iter_mut().zip(states.as_chunks::<STATE>().0) {
+            let &[x, y, angle, vx, vy, rate] = state;
+            *body = BodyState {
+                x,
+                y,
+                angle,
+                vx,
+                vy,
+                rate,
+            };
+        }
+        self.loads.fill(Wrench::default());
+        self.field.add_loads(&self.bodies, &mut self.loads);
+        for (out, load) in loads.as_chunks_mut::<LOAD>().0.iter_mut().zip(&self.loads) {
+            *out = [load.fx, load.fy, load.moment];
+        }
+    }
+}
+
+/// A state as the numbers of [`STATE`].
+#[must_use]
+pub fn numbers(body: &BodyState) -> [f64; STATE] {
+    [body.x, body.y, body.angle, body.vx, body.vy, body.rate]
+}

@@ -1,0 +1,223 @@
+//! A scene opened for a foreign solver.
+
+use std::fs::OpenOptions;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_scene::{CheckedScene, Scene, SceneError, preset};
+
+use crate::evaluator::{Evaluator, LOAD, STATE, numbers};
+
+/// The file of a job folder that holds the scene.
+pub const JOB_FILE: &str = "scene.json";
+/// The file of a job folder to which every closed law adds a line: how often it was called.
+pub const CALLS_FILE: &str = "law_calls.txt";
+
+/// Why there is no law, or no forces.
+#[derive(Debug, thiserror::Error)]
+pub enum LawError {
+    /// The scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A scene that cannot be modelled.
+    #[error("{0}")]
+    Gearbox(#[from] GearboxError),
+    /// An array of another length.
+    #[error("{what} must hold {wanted} numbers, not {given}")]
+    Length {
+        /// Which.
+        what: &'static str,
+        /// How many it must hold.
+        wanted: usize,
+        /// How many it holds.
+        given: usize,
+    },
+    /// A state that is no number.
+    #[error("the state of body {body} is not finite, so there are no forces")]
+    NotFinite {
+        /// Its index.
+        body: usize,
+    },
+    /// Forces that are no numbers.
+    #[error("the load on body {body} is not finite: the state is far from any a gearbox can be in")]
+    Overflow {
+        /// Its index.
+        body: usize,
+    },
+}
+
+/// One body and where it is pinned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// For messages: `wheel 0`.
+    pub name: String,
+    /// The body it turns on; `None`: the housing.
+    pub carrier: Option<usize>,
+    /// Its centre in the carrier's frame, whose origin is the carrier's centre, m. Constant.
+    pub seat_m: [f64; 2],
+    /// kg
+    pub mass_kg: f64,
+    /// About its centre, kg m^2.
+    pub moment_kg_m2: f64,
+}
+
+/// A scene's contact law, bodies, start and load.
+pub struct Law {
+    gearbox: Gearbox,
+    evaluator: Evaluator,
+    bodies: Vec<Body>,
+    start: Vec<f64>,
+    samples: Vec<f64>,
+    calls: u64,
+    job: Option<PathBuf>,
+}
+
+impl Law {
+    /// Opens a preset, a scene file (TOML or JSON), a job folder, or the text of a scene.
+    ///
+    /// # Errors
+    /// What is wrong with the scene, with the remedy.
+    pub fn open(spec: &str) -> Result<Self, LawError> {
+        let path = Path::new(spec);
+        let job = (preset(spec).is_none() && path.is_dir()).then(|| path.to_owned());
+        let scene = match &job {
+            Some(folder) => Scene::load(&folder.join(JOB_FILE).display().to_string(), &[])?,
+            None if is_text(spec) && !path.exists() => Scene::from_toml(spec, "scene", &[])?,
+            None => Scene::load(spec, &[])?,
+        };
+        let mut law = Self::of(&Gearbox::new(&scene)?)?;
+        law.job = job;
+        Ok(law)
+    }
+
+    /// The law of a compiled scene.
+    ///
+    /// # Errors
+    /// A scene without contacts that can be built.
+    pub fn of(gearbox: &Gearbox) -> Result<Self, LawError> {
+        let bodies = bodies(gearbox);
+        Ok(Self {
+            evaluator: Evaluator::new(gearbox.contact_field()?, bodies.len()),
+            start: gearbox.initial_states().iter().flat_map(numbers).collect(),
+            samples: gearbox.scene.solver.sample_times_s(),
+            gearbox: gearbox.clone(),
+            bodies,
+            calls: 0,
+            job: None,
+        })
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> &CheckedScene {
+        &self.gearbox.scene
+    }
+
+    /// Input, output, wheels, external sleeves, internal sleeves.
+    #[must_use]
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
+    }
+
+    /// [`STATE`] numbers a body at t = 0.
+    #[must_use]
+    pub fn start(&self) -> &[f64] {
+        &self.start
+    }
+
+    /// The times at which courses hold a sample, s.
+    #[must_use]
+    pub fn samples_s(&self) -> &[f64] {
+        &self.samples
+    }
+
+    /// Rate of the input shaft, rad/s: constant.
+    #[must_use]
+    pub fn rate_rad_s(&self) -> f64 {
+        self.gearbox.scene.drive.input_speed_rad_s
+    }
+
+    /// The load's torque on the output shaft, N m, counter-clockwise positive; at a jump what it jumps to.
+    #[must_use]
+    pub fn load_torque_n_m(&self, time_s: f64) -> f64 {
+        self.gearbox.load_torque(time_s)
+    }
+
+    /// Contact forces at these states, [`LOAD`] numbers a body; a function of the states alone.
+    ///
+    /// # Errors
+    /// Wrong lengths, or states that are no numbers; the loads are NaN then.
+    pub fn loads(&mut self, states: &[f64], loads: &mut [f64]) -> Result<(), LawError> {
+        let count = self.bodies.len();
+        for (what, given, wanted) in [
+            ("states", states.len(), STATE * count),
+            ("loads", loads.len(), LOAD * count),
+        ] {
+            if given != wanted {
+                loads.fill(f64::NAN);
+                return Err(LawError::Length {
+                    what,
+                    wanted,
+                    given,
+                });
+            }
+        }
+        self.calls += 1;
+        if let Some(at) = states.iter().position(|x| !x.is_finite()) {
+            loads.fill(f64::NAN);
+            return Err(LawError::NotFinite { body: at / STATE });
+        }
+        self.evaluator.evaluate(states, loads);
+        if let Some(at) = loads.iter().position(|x| !x.is_finite()) {
+            loads.fill(f64::NAN);
+            return Err(LawError::Overflow { body: at / LOAD });
+        }
+        Ok(())
+    }
+
+    /// How often [`loads`](Self::loads) was called.
+    #[must_use]
+    pub fn calls(&self) -> u64 {
+        self.calls
+    }
+}
+
+/// Who asked for a solver to be run may know how often it asked for forces, from whatever language.
+impl Drop for Law {
+    fn drop(&mut self) {
+        let Some(job) = &self.job else { return };
+        let file = OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(job.join(CALLS_FILE));
+        // A folder that cannot be written to is no reason to fail.
+        let _ = file.and_then(|mut file| writeln!(file, "{}", self.calls));
+    }
+}
+
+/// Whether this can only be the text of a scene.
+fn is_text(spec: &str) -> bool {
+    spec.contains(['\n', '=', '{'])
+}
+
+/// Every body pinned at its centre: shafts and external sleeves on the housing, wheels on the input shaft, internal
+/// sleeves on the output shaft.
+fn bodies(gearbox: &Gearbox) -> Vec<Body> {
+    let mechanism = gearbox.mechanism();
+    mechanism
+        .bodies
+        .into_iter()
+        .enumerate()
+        .map(|(index, body)| {
+            let pin = mechanism.revolutes.iter().find(|pin| pin.child == index);
+            Body {
+                name: body.name,
+                carrier: pin.and_then(|pin| pin.parent),
+                seat_m: pin.map_or([0.0; 2], |pin| pin.parent_point),
+                mass_kg: body.mass,
+                moment_kg_m2: body.moment,
+            }
+        })
+        .collect()
+}

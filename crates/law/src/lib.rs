@@ -1,0 +1,30 @@
+//! The contact law, geometry, start state and load course of a scene, for solvers in other languages.
+//!
+//! ```text
+//!  job folder, scene file, text, preset ──open──> Law ─┬─ bodies, carriers, seats, masses, start
+//!                                                      ├─ loads(states)      contact forces, without history
+//!                                                      └─ load_torque(time)
+//! ```
+//! Other languages call the same through C: `include/pinwheel_law.h` documents it, `libpinwheel_law` holds it
+//! (`cargo build --release -p pinwheel-law`). From Rust:
+//!
+//! ```
+//! use pinwheel_law::Law;
+//!
+//! let mut law = Law::open("paper")?;
+//! let mut loads = vec![0.0; 3 * law.bodies().len()];
+//! let states = law.start().to_vec();
+//! law.loads(&states, &mut loads)?;
+//! assert_eq!((law.bodies().len(), law.calls()), (28, 1));
+//! # Ok::<(), pinwheel_law::LawError>(())
+//! ```
+
+pub mod border;
+mod evaluator;
+mod law;
+
+pub use evaluator::{Evaluator, LOAD, STATE, numbers};
+pub use law::{Body, CALLS_FILE, JOB_FILE, Law, LawError};
+
+/// Version of the C interface; it changes when a program compiled against an older header would not work any more.
+pub const ABI: u32 = 1;

@@ -1,0 +1,23 @@
+//! The engines of a build, as a table.
+
+use pinwheel_report::terminal::{Cell, TITLE, lines};
+use pinwheel_studies::choice::Listed;
+
+/// One line an engine, and what their tracks mean.
+#[must_use]
+pub fn text(listed: &[Listed]) -> String {
+    let title = |text: &str| Cell::text(text).styled(TITLE);
+    let mut rows = vec![["engine", "track", "version", ""].map(title).to_vec()];
+    rows.extend(listed.iter().map(|engine| {
+        vec![
+            Cell::text(&engine.name),
+            Cell::text(engine.track.as_str()),
+            Cell::text(&engine.version),
+            Cell::text(&engine.summary),
+        ]
+    }));
+    format!(
+        "{}\n`native` stands for the native engine in the formulation that the scene asks for.\nshared-law engines share the contact law and check the multibody side to many digits;\nown-contact engines find contact themselves and check geometry and law to a few per cent.",
+        lines(&rows)
+    )
+}

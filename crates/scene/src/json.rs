@@ -1,0 +1,39 @@
+//! Scenes as JSON: the same tables and keys as in TOML, alone or as the `scene` of a job file.
+
+use serde_json::Value;
+
+/// The version of job files (`scene.json`) that this program writes and reads.
+pub const JOB_PROTOCOL: u64 = 1;
+
+/// Whether a text is JSON: no TOML begins with a brace.
+pub(crate) fn is_json(text: &str) -> bool {
+    text.trim_start().starts_with('{')
+}
+
+/// The scene of a JSON text as TOML; else line and fault.
+pub(crate) fn as_toml(text: &str) -> Result<String, (usize, String)> {
+    let mut value: Value =
+        serde_json::from_str(text).map_err(|error| (error.line(), error.to_string()))?;
+    if let Some(protocol) = value.get("protocol") {
+        if protocol.as_u64() != Some(JOB_PROTOCOL) {
+            return Err((
+                1,
+                format!("protocol {protocol} is none that is known here, which is {JOB_PROTOCOL}"),
+            ));
+        }
+        value = value["scene"].take();
+        if !value.is_object() {
+            return Err((1, "the job holds no `scene`".to_owned()));
+        }
+    }
+    without_nulls(&mut value);
+    toml::to_string(&value).map_err(|error| (1, error.to_string()))
+}
+
+/// TOML has no null: what is null is left out.
+fn without_nulls(value: &mut Value) {
+    if let Value::Object(table) = value {
+        table.retain(|_, inner| !inner.is_null());
+        table.values_mut().for_each(without_nulls);
+    }
+}

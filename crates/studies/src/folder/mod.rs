@@ -1,0 +1,413 @@
+//! Output folders: written whole or not at all, and never over somebody else's files.
+//!
+//! Everything is written into a hidden folder beside the target, which then takes the target's
+//! name in one step. An earlier output, known by its marker, is replaced as a whole; anything else in its place stays.
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let base = tempfile::tempdir()?;
+//! use pinwheel_studies::folder::{Folder, Request};
+//!
+//! let out = base.path().join("mine");
+//! let folder = Folder::prepare(&out, Request::default())?;
+//! std::fs::write(folder.path().join("notes.txt"), "1.4529 N m")?;
+//! assert!(!out.exists(), "nothing is there until all of it is");
+//! folder.publish()?;
+//! assert!(out.join("notes.txt").is_file());
+//! # Ok(())
+//! # }
+//! ```
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::output::OutputError;
+use crate::ownership::{MARKER, Mark, Owner, abandoned, sync};
+
+mod place;
+
+pub use place::named_files;
+use place::{Place, nearest_existing};
+
+/// Why a folder cannot take an output.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum FolderError {
+    /// No name.
+    #[error("the name of the output folder is empty")]
+    Empty,
+    /// A place where no output may go.
+    #[error("{}: {reason}", shown.display())]
+    Refused {
+        /// The folder as it was asked for.
+        shown: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// It holds a file that we did not write; [`Request::force`] replaces the folder all the same.
+    #[error("{}: holds `{name}`, which is not in its list of pinwheel's files ({MARKER})", shown.display())]
+    Stranger {
+        /// The folder as it was asked for.
+        shown: PathBuf,
+        /// The file, relative to it.
+        name: String,
+    },
+    /// It cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+/// How a folder is asked for.
+#[derive(Debug, Clone, Default)]
+pub struct Request {
+    /// What the marker names as its author: a command that one can type again.
+    pub command: String,
+    /// Replace a folder that holds files of other origin.
+    pub force: bool,
+    /// Files that are read: a folder that is or holds one of them is refused.
+    pub inputs: Vec<PathBuf>,
+    /// Files that are ours there without a marker; such a folder gets none.
+    pub known: Option<Vec<String>>,
+}
+
+/// How folders in the making begin.
+const STAGING: &str = ".pinwheel-";
+
+/// An output folder in the making. Dropped without [`publish`](Self::publish) it leaves nothing.
+#[derive(Debug)]
+pub struct Folder {
+    place: Place,
+    owner: Owner,
+    staging: TempDir,
+}
+
+impl Folder {
+    /// Checks that `out` may be written, before anything long is run.
+    ///
+    /// # Errors
+    /// A place where no output may go, or that cannot be written.
+    pub fn prepare(out: &Path, mut request: Request) -> Result<Self, FolderError> {
+        if let Some(known) = &mut request.known {
+            known.sort();
+        }
+        let place = Place::new(out, request)?;
+        place.inspect()?;
+        let beside = nearest_existing(place.target.parent().unwrap_or(&place.target));
+        remove_abandoned(&beside);
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(STAGING);
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt as _;
+            // As a plain mkdir would: the user's umask decides.
+            builder.permissions(fs::Permissions::from_mode(0o777));
+        }
+        let staging = builder
+            .tempdir_in(&beside)
+            .map_err(|error| OutputError::new(&beside, &error))?;
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::MetadataExt as _;
+            let owner = |path: &Path| fs::metadata(path).map(|data| data.uid());
+            // Whoever made the staging folder is us.
+            if let (Ok(ours), Ok(theirs)) = (owner(staging.path()), owner(&place.target))
+                && ours != theirs
+                && ours != 0
+            {
+                return Err(place.refuse("belongs to another user"));
+            }
+        }
+        let owner = Owner::take(staging.path(), &place.request.command)?;
+        Ok(Self {
+            place,
+            owner,
+            staging,
+        })
+    }
+
+    /// Where to write for now.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.staging.path()
+    }
+
+    /// Gives the folder its name; returns it as the user wrote it.
+    ///
+    /// # Errors
+    /// The folder cannot be written, or holds by now what must stay.
+    pub fn publish(self) -> Result<PathBuf, FolderError> {
+        self.finish(true)
+    }
+
+    /// The same although the user asked to stop, for studies whose results say how far they got.
+    ///
+    /// An earlier output that is complete stays: the part goes beside it, `out/bench.partial` for `out/bench`.
+    ///
+    /// # Errors
+    /// As [`publish`](Self::publish).
+    pub fn publish_partial(mut self) -> Result<PathBuf, FolderError> {
+        let target = &self.place.target;
+        let replaceable = Mark::of(target).is_some_and(|mark| !mark.complete);
+        let empty = fs::read_dir(target).map_or(true, |mut entries| entries.next().is_none());
+        if !replaceable && !empty {
+            self.place.target = beside(target, ".partial");
+            self.place.shown = beside(&self.place.shown, ".partial");
+        }
+        self.finish(false)
+    }
+
+    fn finish(mut self, complete: bool) -> Result<PathBuf, FolderError> {
+        let Place { target, shown, .. } = &self.place;
+        // Others may have written there while the engines ran.
+        self.place.inspect()?;
+        let failed = |error: io::Error| OutputError::new(shown, &error);
+        self.owner.seal(self.staging.path(), complete)?;
+        if self.place.request.known.is_some() {
+            fs::remove_file(self.staging.path().join(MARKER)).map_err(failed)?;
+        }
+        let parent = target.parent().unwrap_or(target);
+        fs::create_dir_all(parent).map_err(failed)?;
+        // Windows renames no folder with an open file in it.
+        let held = cfg!(unix).then_some(self.owner);
+        if target.exists() {
+            // Afterwards the staging folder holds the earlier output and goes with it.
+            swap(self.staging.path(), target).map_err(failed)?;
+        } else {
+            fs::rename(self.staging.path(), target).map_err(failed)?;
+        }
+        drop(held);
+        // The name is there; should this fail, only a loss of power could take it away.
+        let _ = sync(parent);
+        Ok(self.place.shown)
+    }
+}
+
+/// Folders of programs that were killed, in the folder `beside`.
+fn remove_abandoned(beside: &Path) {
+    for entry in fs::read_dir(beside).into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(STAGING) && abandoned(&entry.path()) {
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+/// `path` with something added to its name.
+#[must_use]
+pub fn beside(path: &Path, ending: &str) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(ending);
+    path.with_file_name(name)
+}
+
+/// Exchanges two folders.
+fn swap(new: &Path, old: &Path) -> io::Result<()> {
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::fs::{CWD, RenameFlags, renameat_with};
+        if renameat_with(CWD, new, CWD, old, RenameFlags::EXCHANGE).is_ok() {
+            return Ok(());
+        }
+        // Some file systems cannot exchange; two renames can.
+    }
+    // Not a name of staging folders: a kill between the two renames must leave the earlier output.
+    let aside = beside(old, &format!(".earlier-{}", std::process::id()));
+    fs::rename(old, &aside)?;
+    if let Err(error) = fs::rename(new, old) {
+        // Better the earlier output than none.
+        let _ = fs::rename(&aside, old);
+        return Err(error);
+    }
+    fs::rename(&aside, new)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::place::is_mount_point;
+    use super::*;
+
+    fn plain(out: &Path) -> Result<Folder, FolderError> {
+        Folder::prepare(out, Request::default())
+    }
+
+    fn forced(out: &Path) -> Result<Folder, FolderError> {
+        let request = Request::default();
+        Folder::prepare(
+            out,
+            Request {
+                force: true,
+                ..request
+            },
+        )
+    }
+
+    fn write(folder: &Folder, name: &str, text: &str) {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+
+    fn names(path: &Path) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(path)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_new_folder_appears_whole_and_nothing_beside_it() {
+        let base = tempfile::tempdir().unwrap();
+        let out = base.path().join("a/b");
+        let folder = plain(&out).unwrap();
+        write(&folder, "run.json", "{}");
+        assert!(
+            !base.path().join("a").exists(),
+            "parents come with the result"
+        );
+        assert_eq!(folder.publish().unwrap(), out);
+        assert_eq!(names(base.path()), ["a"]);
+        assert_eq!(names(&out), [".pinwheel", "run.json"]);
+        let mark = Mark::of(&out).unwrap();
+        assert!(mark.complete && mark.files == ["run.json"]);
+    }
+
+    #[test]
+    fn dropped_it_leaves_nothing() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = plain(&base.path().join("x")).unwrap();
+        write(&folder, "run.json", "{}");
+        drop(folder);
+        assert!(names(base.path()).is_empty());
+    }
+
+    #[test]
+    fn an_earlier_output_is_replaced_as_a_whole() {
+        let base = tempfile::tempdir().unwrap();
+        let out = base.path().join("x");
+        let folder = plain(&out).unwrap();
+        fs::create_dir(folder.path().join("native-reduced")).unwrap();
+        write(&folder, "native-reduced/courses.csv", "old");
+        write(&folder, "summary.json", "old");
+        folder.publish().unwrap();
+        let folder = plain(&out).unwrap();
+        write(&folder, "run.json", "new");
+        folder.publish().unwrap();
+        assert_eq!(names(&out), [".pinwheel", "run.json"]);
+        assert_eq!(names(base.path()), ["x"]);
+    }
+
+    #[test]
+    fn a_part_never_replaces_what_is_complete() {
+        let base = tempfile::tempdir().unwrap();
+        let (out, part) = (base.path().join("x"), base.path().join("x.partial"));
+        let one = |text: &str, whole: bool| {
+            let folder = plain(&out).unwrap();
+            write(&folder, "summary.json", text);
+            let place = if whole {
+                folder.publish()
+            } else {
+                folder.publish_partial()
+            };
+            place.unwrap()
+        };
+        let at = |place: &Path| fs::read_to_string(place.join("summary.json")).unwrap();
+        assert_eq!(one("a", false), out);
+        assert_eq!(one("b", false), out, "a part replaces a part");
+        assert_eq!(one("c", true), out);
+        assert_eq!(one("d", false), part);
+        assert_eq!((at(&out), at(&part)), ("c".to_owned(), "d".to_owned()));
+        assert_eq!(names(base.path()), ["x", "x.partial"]);
+    }
+
+    #[test]
+    fn a_known_folder_gets_no_marker() {
+        let base = tempfile::tempdir().unwrap();
+        let out = base.path().join("x");
+        let known = |out: &Path| {
+            let known = Some(vec!["b.toml".to_owned(), "a.toml".to_owned()]);
+            let request = Request::default();
+            Folder::prepare(out, Request { known, ..request })
+        };
+        for _ in 0..2 {
+            let folder = known(&out).unwrap();
+            write(&folder, "b.toml", "");
+            folder.publish().unwrap();
+            assert_eq!(names(&out), ["b.toml"]);
+        }
+        fs::write(out.join("notes.txt"), "precious").unwrap();
+        let failure = known(&out).unwrap_err();
+        assert!(failure.to_string().contains("`notes.txt`"), "{failure}");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn mount_points_are_seen() {
+        assert!(is_mount_point(Path::new("/proc")));
+        let base = tempfile::tempdir().unwrap();
+        assert!(!is_mount_point(&base.path().canonicalize().unwrap()));
+        let failure = forced(Path::new("/proc")).unwrap_err();
+        assert!(failure.to_string().contains("mount point"), "{failure}");
+    }
+
+    #[test]
+    fn the_fallback_swaps_too() {
+        let base = tempfile::tempdir().unwrap();
+        for (name, text) in [("new", "1"), ("old", "2")] {
+            fs::create_dir(base.path().join(name)).unwrap();
+            fs::write(base.path().join(name).join("f"), text).unwrap();
+        }
+        swap(&base.path().join("new"), &base.path().join("old")).unwrap();
+        assert_eq!(fs::read_to_string(base.path().join("old/f")).unwrap(), "1");
+        assert_eq!(fs::read_to_string(base.path().join("new/f")).unwrap(), "2");
+        assert_eq!(names(base.path()), ["new", "old"]);
+    }
+
+    #[test]
+    fn others_files_are_safe() {
+        let base = tempfile::tempdir().unwrap();
+        for (files, part) in [
+            (&["notes.txt"][..], "`notes.txt`"),
+            (&["run.json", "summary.json"], "`run.json`"),
+            (&["index.html"], "`index.html`"),
+            (&["sub/courses.csv"], "`sub/courses.csv`"),
+            (&[".pinwheel", "run.json"], "`.pinwheel`"),
+        ] {
+            let out = base.path().join("x");
+            for file in files {
+                let file = out.join(file);
+                fs::create_dir_all(file.parent().unwrap()).unwrap();
+                fs::write(file, "precious").unwrap();
+            }
+            let failure = plain(&out).unwrap_err();
+            assert!(failure.to_string().contains(part), "{failure}");
+            assert!(matches!(failure, FolderError::Stranger { .. }), "{failure}");
+            assert_eq!(names(base.path()), ["x"]);
+            forced(&out).unwrap();
+            fs::remove_dir_all(out).unwrap();
+        }
+    }
+
+    #[test]
+    fn files_links_and_the_working_folder_are_refused() {
+        let base = tempfile::tempdir().unwrap();
+        let file = base.path().join("file");
+        fs::write(&file, "").unwrap();
+        for (out, part) in [
+            (file.as_path(), "not a folder"),
+            (&file.join("below"), "cannot be written"),
+            (Path::new("."), "working in"),
+            (Path::new("/"), "working in"),
+            (&base.path().join("no/../x"), "does not exist"),
+            (Path::new(""), "empty"),
+        ] {
+            let failure = forced(out).unwrap_err();
+            assert!(
+                failure.to_string().contains(part),
+                "{}: {}",
+                out.display(),
+                failure
+            );
+        }
+    }
+}
