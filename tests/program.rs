@@ -77,7 +77,7 @@ fn program_compare_writes_report_summary_and_courses() {
         "reduced / lagrange",
         "agree to ",
         "every statement holds",
-        "report: r/index.html",
+        "page: r/index.html",
     ] {
         assert!(shown.contains(part), "{part} is not in:\n{shown}");
     }

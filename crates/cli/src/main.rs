@@ -43,5 +43,8 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Baseline(args) => commands::baseline::baseline(args),
         Command::Stability(args) => commands::stability::stability(args),
         Command::Record(args) => commands::record::record(args),
+        Command::Open(args) => commands::open::open(args),
+        Command::Completions(args) => commands::shell::completions(args),
+        Command::Man(args) => commands::shell::man(args),
     }
 }

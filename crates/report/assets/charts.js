@@ -4,7 +4,7 @@
 // spec = {
 //   x: { values, label, log, ticks, name },  values: numbers; log: logarithmic axis; ticks: the only places with a number;
 //                                           name(index): what stands above the values at the cursor
-//   y: { label, log, floor, zero },         floor: smallest value a log axis need show
+//   y: { label, log, floor, zero, span },   floor: smallest value a log axis need show; span: smallest height of a linear one
 //   series: [{ label, values, style, visible, points, markers, marks, thin, band, more }],
 //                                           style: number of colour and dash; points: dots, no line; marks: small ones;
 //                                           markers: dots on the line; thin: a thin dashed line;
@@ -113,6 +113,12 @@ const PinwheelCharts = (() => {
       }
       if (low === null || high === null || low === undefined) return [-1, 1];
       if (spec.y.zero) { low = Math.min(low, 0); high = Math.max(high, 0); }
+      for (const { band, values } of spec.series) {
+        if (band) values.forEach((v, k) => { if (v !== null && band[k] !== null) { low = Math.min(low, v - band[k]); high = Math.max(high, v + band[k]); } });
+      }
+      for (const strip of spec.bands || []) { low = Math.min(low, strip.low); high = Math.max(high, strip.high); }
+      const short = (spec.y.span || 0) - (high - low);
+      if (short > 0) { low -= short / 2; high += short / 2; }
       const breadth = high - low || Math.abs(high) * 0.01 || 1;
       return [low - 0.06 * breadth, high + 0.06 * breadth];
     };

@@ -63,8 +63,14 @@ struct Line {
 #[derive(Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 enum Places {
-    Even { from: usize, every: usize, count: usize },
-    Listed { at: Vec<usize> },
+    Even {
+        from: usize,
+        every: usize,
+        count: usize,
+    },
+    Listed {
+        at: Vec<usize>,
+    },
 }
 
 #[derive(Debug, Serialize)]
@@ -113,7 +119,12 @@ impl ChartData {
         plan.tell(&mut notes);
         let names: Vec<&str> = participants.iter().map(|p| p.name.as_str()).collect();
         let styles = colours::styles(&names);
-        let style = |name: &str| names.iter().position(|n| *n == name).map_or(0, |k| styles[k]);
+        let style = |name: &str| {
+            names
+                .iter()
+                .position(|n| *n == name)
+                .map_or(0, |k| styles[k])
+        };
         let engines: Vec<Line> = drawn
             .iter()
             .map(|d| Line {
@@ -166,7 +177,10 @@ fn drawn<'a>(participants: &'a [Participant], notes: &mut Vec<String>) -> Vec<Dr
     let mut drawn = Vec::new();
     for (_, participant) in list {
         match standing(participant.courses.time_s(), base.courses.time_s()) {
-            Some(places) => drawn.push(Drawn { participant, places }),
+            Some(places) => drawn.push(Drawn {
+                participant,
+                places,
+            }),
             None => notes.push(format!(
                 "{} is not drawn: its sample times differ.",
                 participant.name
@@ -484,7 +498,14 @@ mod tests {
         let whole: Vec<f64> = (0..=100).map(|k| f64::from(k) * 1e-4).collect();
         let every: Vec<f64> = (0..=10).map(|k| f64::from(k) * 1e-3).collect();
         let found = standing(&every, &whole).unwrap();
-        assert_eq!(places(&found), Places::Even { from: 0, every: 10, count: 11 });
+        assert_eq!(
+            places(&found),
+            Places::Even {
+                from: 0,
+                every: 10,
+                count: 11
+            }
+        );
         assert_eq!(standing(&whole[40..], &whole).unwrap()[0], 40);
         assert_eq!(standing(&[1.5e-4], &whole), None);
         assert_eq!(places(&[1, 5, 6]), Places::Listed { at: vec![1, 5, 6] });

@@ -130,6 +130,22 @@ pub fn bounded(value: f64, uncertainty: Option<f64>, scale: f64) -> (String, Str
 /// What sums of many terms keep of double precision.
 const ROUNDING: f64 = 1e-12;
 
+/// A unit that people use for values of that size, and the factor to it: micrometres, minutes of arc.
+pub fn humane(unit: &str, largest: f64) -> (String, f64) {
+    const ARCMIN: f64 = 60.0 * 180.0 / std::f64::consts::PI;
+    let steps: &[(f64, &str, f64)] = match unit {
+        "m" => &[(1e-3, "\u{b5}m", 1e6), (1.0, "mm", 1e3)],
+        "s" => &[(1e-3, "\u{b5}s", 1e6), (0.1, "ms", 1e3)],
+        "rad" => &[(0.02, "arcmin", ARCMIN)],
+        _ => &[],
+    };
+    let fits = |(most, ..): &&(f64, &str, f64)| largest < *most;
+    let found = steps.iter().find(fits).filter(|_| largest > 0.0);
+    found.map_or((unit.to_owned(), 1.0), |(_, unit, factor)| {
+        ((*unit).to_owned(), *factor)
+    })
+}
+
 /// A count in groups of three.
 pub fn count(value: u64) -> String {
     let digits = value.to_string();
@@ -234,10 +250,34 @@ mod tests {
         assert_eq!(plain(-0.000_25), "\u{2212}0.00025");
         assert_eq!(plain(0.0), "0");
         let zero = |text: &str| ("0".to_owned(), text.to_owned());
-        assert_eq!(bounded(-3.5867e-30, None, 0.0), ("\u{2212}3.5867\u{b7}10\u{207b}\u{b3}\u{2070}".to_owned(), String::new()));
-        assert_eq!(bounded(-3.5867e-30, None, 22.0), zero("\u{b1}\u{202f}2\u{b7}10\u{207b}\u{b9}\u{b9}"));
-        assert_eq!(bounded(0.003, Some(0.004), 1.0), zero("\u{b1}\u{202f}0.004"));
-        assert_eq!(bounded(1.5, Some(0.004), 1.0), ("1.5000".to_owned(), "\u{b1}\u{202f}0.004".to_owned()));
+        assert_eq!(
+            bounded(-3.5867e-30, None, 0.0),
+            (
+                "\u{2212}3.5867\u{b7}10\u{207b}\u{b3}\u{2070}".to_owned(),
+                String::new()
+            )
+        );
+        assert_eq!(
+            bounded(-3.5867e-30, None, 22.0),
+            zero("\u{b1}\u{202f}2\u{b7}10\u{207b}\u{b9}\u{b9}")
+        );
+        assert_eq!(
+            bounded(0.003, Some(0.004), 1.0),
+            zero("\u{b1}\u{202f}0.004")
+        );
+        assert_eq!(
+            bounded(1.5, Some(0.004), 1.0),
+            ("1.5000".to_owned(), "\u{b1}\u{202f}0.004".to_owned())
+        );
+    }
+
+    #[test]
+    fn units_that_people_use() {
+        assert_eq!(humane("m", 6e-4), ("\u{b5}m".to_owned(), 1e6));
+        assert_eq!(humane("m", 0.05), ("mm".to_owned(), 1e3));
+        assert_eq!(humane("N m", 1e-9), ("N m".to_owned(), 1.0));
+        assert_eq!(humane("rad", 1e-3).0, "arcmin");
+        assert_eq!(humane("s", 0.0), ("s".to_owned(), 1.0));
     }
 
     #[test]

@@ -211,8 +211,7 @@ pub(crate) mod tests {
                     continue;
                 }
                 let predicted = [0.0, one, 2.0 * one - two][order as usize];
-                let value =
-                    predicted + self.signed() as f64 * 2f64.powi(exponents[place / BLOCK]);
+                let value = predicted + self.signed() as f64 * 2f64.powi(exponents[place / BLOCK]);
                 (two, one) = (one, value);
                 place += 1;
                 values.push(value);
@@ -230,7 +229,9 @@ pub(crate) mod tests {
 
     #[test]
     fn curves_come_back_to_half_a_quantum() {
-        let wave: Vec<f64> = (0..6001).map(|k| 100.0 * (0.02 * f64::from(k)).sin()).collect();
+        let wave: Vec<f64> = (0..6001)
+            .map(|k| 100.0 * (0.02 * f64::from(k)).sin())
+            .collect();
         let (read, size) = back(&wave, Rounding::OfPeak(16));
         assert_eq!(read.len(), wave.len());
         for (a, b) in read.iter().zip(&wave) {
@@ -267,7 +268,8 @@ pub(crate) mod tests {
             let (read, _) = back(values, Rounding::OfBlock(6));
             assert_eq!(read.len(), values.len());
             for (a, b) in read.iter().zip(values) {
-                let close = (a - b).abs() <= 1e-2 * b.abs().max(if *b == 0.0 { 1e287 } else { 0.0 });
+                let close =
+                    (a - b).abs() <= 1e-2 * b.abs().max(if *b == 0.0 { 1e287 } else { 0.0 });
                 assert!(if b.is_finite() { close } else { a.is_nan() }, "{a} {b}");
             }
         }

@@ -88,8 +88,7 @@ pub fn verdict(verdict: &Verdict, number: fn(f64) -> String) -> String {
                 format!(", {} predicted", number(*predicted))
             };
             let stated = tolerance.filter(|t| *t > 0.0);
-            let stated =
-                stated.map_or_else(String::new, |t| format!(", {} stated", number(t)));
+            let stated = stated.map_or_else(String::new, |t| format!(", {} stated", number(t)));
             format!("models {} to {}{aim}{stated}", number(*low), number(*high))
         }
         Verdict::NotDistinguishable { level } => {

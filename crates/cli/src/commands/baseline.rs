@@ -103,11 +103,7 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     let page = pages::baseline::page(name, &accepted.head, &found, &made)?;
     folder.write_page(&page)?;
     let out = folder.publish()?;
-    screen::show(&format!(
-        "{}\n{}",
-        pages::baseline::text(&found),
-        folder::page(&out)
-    ))?;
+    screen::show_with_page(&pages::baseline::text(&found), &folder::page(&out))?;
     Ok(if found.verdict == Verdict::Worse {
         EXCEEDED
     } else {

@@ -38,11 +38,8 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let page = pages::comparison::page(&found, &made, interrupt::flag())?;
     folder.write_page(&page)?;
     let out = folder.publish()?;
-    screen::show(&format!(
-        "{}\nreport: {}",
-        pages::comparison::text(scene, &found.comparison),
-        folder::page(&out)
-    ))?;
+    let text = pages::comparison::text(scene, &found.comparison);
+    screen::show_with_page(&text, &folder::page(&out))?;
 
     let broken = found
         .participants

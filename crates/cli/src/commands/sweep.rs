@@ -7,7 +7,7 @@ use pinwheel::studies::sweep::{self, Journal, Outcome, Plan, Sweep, SweepError, 
 
 use crate::args::{self, SweepArgs};
 use crate::failure::{ENGINE, Failure};
-use crate::folder::Folder;
+use crate::folder::{self, Folder};
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -55,9 +55,9 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let out = folder.publish()?;
     // Only now: had it failed, --resume would still find every run.
     journal.remove()?;
-    let files = [("results", "results.csv"), ("report", "index.html")]
-        .map(|(word, name)| (word, out.join(name).display().to_string()));
-    screen::show(&pages::sweep::text(&plan, &records, &files))?;
+    let results = out.join("results.csv").display().to_string();
+    let text = pages::sweep::text(&plan, &records, &results);
+    screen::show_with_page(&text, &folder::page(&out))?;
     let broken = records
         .iter()
         .find(|record| record.outcome != Outcome::Finished);

@@ -1,9 +1,9 @@
 //! What `pinwheel compare` says on stdout: figures of every engine, verdicts of every pair.
 
 use pinwheel_compare::quantities::INPUT_TORQUE;
-use pinwheel_compare::{Comparison, Outcome, Verdict, WindowKind};
+use pinwheel_compare::{Comparison, Outcome, Verdict, WindowKind, track};
 use pinwheel_report::statement;
-use pinwheel_report::terminal::{BAD, Cell, GOOD, QUIET, TITLE, lines, styled};
+use pinwheel_report::terminal::{BAD, Cell, GOOD, QUIET, TITLE, lines, paragraph, styled};
 use pinwheel_scene::Scene;
 
 /// The whole text, without the place of the page.
@@ -11,23 +11,49 @@ use pinwheel_scene::Scene;
 pub fn text(scene: &Scene, comparison: &Comparison) -> String {
     let mut text = format!("{}\n\n", styled(TITLE, &crate::title(scene)));
     text.push_str(&lines(&engines(comparison)));
+    if let Some(window) = shown_window(comparison) {
+        text.push_str(&styled(
+            QUIET,
+            &paragraph(&format!(
+                "Mean driver torque and largest external and internal sleeve force in the {} window; load: the output \
+                 torque's balance with it.",
+                window.word()
+            )),
+        ));
+        text.push('\n');
+    }
+    let measured = measured(comparison);
+    if measured.len() > 1 {
+        text.push('\n');
+        text.push_str(&lines(&measured));
+        let rigs = comparison
+            .engines
+            .iter()
+            .filter(|e| e.track == track::MEASURED);
+        for (name, note) in rigs.flat_map(|e| e.cost.notes.iter().map(|note| (&e.name, note))) {
+            text.push_str(&format!("{}\n", paragraph(&format!("{name}: {note}"))));
+        }
+    }
     let judged = pairs(comparison);
     if judged.len() > 1 {
         text.push('\n');
         text.push_str(&lines(&judged));
     }
     for remark in comparison.windows.iter().filter_map(|w| w.remark()) {
-        text.push_str(&format!("\n{remark}"));
+        text.push_str(&format!("\n{}", paragraph(&remark)));
     }
     for absent in &comparison.absent_windows {
         text.push_str(&format!(
-            "\nNo {} window: {}.",
-            absent.kind.word(),
-            absent.reason
+            "\n{}",
+            paragraph(&format!(
+                "No {} window: {}.",
+                absent.kind.word(),
+                absent.reason
+            ))
         ));
     }
     for reason in unresolved(comparison) {
-        text.push_str(&format!("\n{reason}"));
+        text.push_str(&format!("\n{}", paragraph(&reason)));
     }
     format!("{text}\n{}", total(comparison))
 }
@@ -62,7 +88,7 @@ fn total(comparison: &Comparison) -> String {
     };
     let quiet = match counts.not_judged {
         0 => String::new(),
-        n => styled(QUIET, &format!(" ({n} not judged, see the report)")),
+        n => styled(QUIET, &format!(" ({n} not judged, see the page)")),
     };
     format!("{verdict}{quiet}")
 }
@@ -80,20 +106,19 @@ fn engines(comparison: &Comparison) -> Vec<Vec<Cell>> {
     let heading = |text: &str| Cell::figure(text).styled(TITLE);
     let mut rows = vec![vec![
         title("engine"),
-        title("track"),
-        heading("driver torque, mean"),
-        heading("ext peak"),
-        heading("int peak"),
-        heading("wall"),
-        title(&window.map_or_else(String::new, |kind| format!("({} window)", kind.word()))),
+        heading("torque N m"),
+        heading("ext N"),
+        heading("int N"),
+        heading("wall s"),
+        title("load"),
     ]];
     for engine in &comparison.engines {
-        let mut row = vec![Cell::text(&engine.name), Cell::text(&engine.track)];
+        let mut row = vec![Cell::text(&engine.name)];
         let figures = engine
             .figures
             .iter()
             .find(|figures| Some(figures.window) == window);
-        let figure = |quantity: &str, unit: &str, peak: bool| {
+        let figure = |quantity: &str, peak: bool| {
             let value = figures
                 .and_then(|figures| figures.quantities.get(quantity))
                 .map(|statistics| {
@@ -105,16 +130,16 @@ fn engines(comparison: &Comparison) -> Vec<Vec<Cell>> {
                 });
             Cell::figure(value.map_or_else(
                 || "-".to_owned(),
-                |value| format!("{value:.*} {unit}", if peak { 1 } else { 4 }),
+                |value| format!("{value:.*}", if peak { 1 } else { 4 }),
             ))
         };
-        row.push(figure(INPUT_TORQUE, "N m", false));
-        row.push(figure("external_sleeve_force_n", "N", true));
-        row.push(figure("internal_sleeve_force_n", "N", true));
+        row.push(figure(INPUT_TORQUE, false));
+        row.push(figure("external_sleeve_force_n", true));
+        row.push(figure("internal_sleeve_force_n", true));
         if engine.cost.recorded.is_some() {
             row.push(Cell::figure("recorded"));
         } else if engine.cost.wall_s > 0.0 {
-            row.push(Cell::figure(format!("{:.2} s", engine.cost.wall_s)));
+            row.push(Cell::figure(format!("{:.2}", engine.cost.wall_s)));
         } else {
             row.push(Cell::figure("-"));
         }
@@ -134,12 +159,57 @@ fn own_verdict<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Cell {
     let mut word = Cell::text("");
     for verdict in verdicts {
         match verdict.outcome() {
-            Outcome::Finding => return Cell::text("load balance exceeded").styled(BAD),
-            Outcome::Passed => word = Cell::text("load balance within").styled(GOOD),
+            Outcome::Finding => return Cell::text("exceeded").styled(BAD),
+            Outcome::Passed => word = Cell::text("within").styled(GOOD),
             Outcome::NotResolved | Outcome::Stated | Outcome::Nothing => {}
         }
     }
     word
+}
+
+/// How far measured data are from each engine, quantity by quantity.
+fn measured(comparison: &Comparison) -> Vec<Vec<Cell>> {
+    let title = |text: &str| Cell::text(text).styled(TITLE);
+    let heading = |text: &str| Cell::figure(text).styled(TITLE);
+    let mut rows = vec![vec![
+        title("measured"),
+        title("quantity"),
+        heading("L2"),
+        heading("mean"),
+        heading("peak"),
+        title("verdict"),
+    ]];
+    let percent = |value: Option<f64>| {
+        Cell::figure(value.map_or_else(|| "-".to_owned(), |v| format!("{:.2} %", 100.0 * v)))
+    };
+    let pairs = comparison
+        .pairs
+        .iter()
+        .filter(|p| p.track == track::MEASURED);
+    for pair in pairs {
+        for entry in &pair.entries {
+            let Some(metrics) = &entry.metrics else {
+                continue;
+            };
+            rows.push(vec![
+                Cell::text(format!(
+                    "{} / {}",
+                    statement::short(&pair.a),
+                    statement::short(&pair.b)
+                )),
+                Cell::text(format!(
+                    "{}, {}",
+                    brief(&entry.quantity),
+                    entry.window.word()
+                )),
+                percent(metrics.relative_l2),
+                percent(metrics.mean_difference),
+                percent(metrics.peak_difference),
+                Cell::text(statement::entry(entry, |value| format!("{value:.0e}"))),
+            ]);
+        }
+    }
+    rows
 }
 
 /// One row for each pair: the gravest statement on it, and where it was made.

@@ -5,9 +5,11 @@
 //! a script (but for the charts), and works on a phone, in the dark and on paper.
 
 mod chart;
+mod grid;
 mod page;
 
 pub use chart::{Axis, Chart, Series, Style};
+pub use grid::{Grid, GridAxis, GridFigure};
 
 use crate::ReportError;
 
@@ -84,6 +86,8 @@ pub enum Block {
     Table(Table),
     /// Charts, side by side where there is room.
     Charts(Vec<Chart>),
+    /// Figures over parameters, with a choice of axes.
+    Grid(Grid),
     /// Blocks behind a line that opens them.
     Details {
         /// The line.

@@ -62,7 +62,13 @@ pub(super) fn differences(comparison: &Comparison) -> Vec<Difference> {
             Some((entry.verdict.outcome(), size, (k, pair, entry, figure)))
         };
         // What is not resolved for a stated reason says less than what is.
-        let rank = |outcome: Outcome| if outcome == Outcome::Stated { 0 } else { 1 + outcome as u8 };
+        let rank = |outcome: Outcome| {
+            if outcome == Outcome::Stated {
+                0
+            } else {
+                1 + outcome as u8
+            }
+        };
         let most = entries.filter_map(size).max_by(|a, b| {
             let graver = rank(a.0).cmp(&rank(b.0));
             graver.then(a.1.total_cmp(&b.1))
@@ -90,7 +96,10 @@ pub(super) fn differences(comparison: &Comparison) -> Vec<Difference> {
         }
     }
     found.sort_by_key(|(finding, _)| !finding);
-    found.into_iter().map(|(_, difference)| difference).collect()
+    found
+        .into_iter()
+        .map(|(_, difference)| difference)
+        .collect()
 }
 
 pub(super) fn banner(comparison: &Comparison) -> Banner {

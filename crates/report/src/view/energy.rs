@@ -33,7 +33,11 @@ pub(super) fn rows(comparison: &Comparison, styles: &[usize]) -> Vec<EnergyRow> 
                 EnergyRow {
                     engine: engine.name.clone(),
                     style,
-                    window: format!("{}\u{2013}{} s", format::plain(e.from_s), format::plain(e.to_s)),
+                    window: format!(
+                        "{}\u{2013}{} s",
+                        format::plain(e.from_s),
+                        format::plain(e.to_s)
+                    ),
                     values,
                 }
             })

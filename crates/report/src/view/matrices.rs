@@ -83,7 +83,7 @@ fn cell_view(comparison: &Comparison, matrix: &Matrix, cell: &Cell) -> CellView 
     };
     CellView {
         spoken: format!(
-            "{} and {}, {window}: {text}, {of}; {}",
+            "{} and {}, {window}, {}, {of}",
             matrix.engines[cell.column], matrix.engines[cell.row], mark.word
         ),
         text,

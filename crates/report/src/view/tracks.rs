@@ -44,7 +44,13 @@ pub(super) fn sections(comparison: &Comparison, styles: &[usize]) -> Vec<TrackSe
         .collect()
 }
 
-fn section(comparison: &Comparison, name: &str, place: usize, alone: bool, styles: &[usize]) -> TrackSection {
+fn section(
+    comparison: &Comparison,
+    name: &str,
+    place: usize,
+    alone: bool,
+    styles: &[usize],
+) -> TrackSection {
     let (title, about) = match name {
         track::NATIVE => (
             "Native".to_owned(),
