@@ -29,7 +29,9 @@ pub(crate) fn show(text: &str) -> Result<(), Failure> {
 
 /// Writes results and where their page is; on terminals that know links, one to click.
 pub(crate) fn show_with_page(text: &str, page: &Path) -> Result<(), Failure> {
-    show(text)?;
+    if !text.is_empty() {
+        show(text)?;
+    }
     let place = page.display().to_string();
     let place = harmless(&place, false);
     let linked = supports_hyperlinks::on(supports_hyperlinks::Stream::Stdout);

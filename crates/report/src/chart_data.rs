@@ -526,6 +526,68 @@ mod tests {
         assert!(kept(&base, &none, 100_000).is_empty());
     }
 
+    fn engine(name: &str, track: &str, scale: f64, every: usize) -> Participant {
+        let time: Vec<f64> = (0..601).step_by(every).map(|k| k as f64 * 1e-3).collect();
+        let of = |k: usize| move |t: &f64| scale * (2.0 + (90.0 * t + k as f64).sin());
+        let mut courses = pinwheel_courses::Courses::new(time.clone()).unwrap();
+        for k in 0..3 {
+            let values = time.iter().map(of(k)).collect();
+            courses
+                .push(format!("external_sleeve_force_n_{k}"), values)
+                .unwrap();
+        }
+        Participant {
+            name: name.to_owned(),
+            track: track.to_owned(),
+            version: String::new(),
+            summary: String::new(),
+            differences: String::new(),
+            courses,
+            cost: pinwheel_compare::Cost::default(),
+            status: pinwheel_compare::Status::Finished,
+        }
+    }
+
+    #[test]
+    fn courses_can_be_read_back() {
+        let participants = [
+            engine("rig", track::MEASURED, 1.02, 10),
+            engine("native-reduced", track::NATIVE, 1.0, 1),
+            engine("rapier-shared-law", track::SHARED_LAW, 1.0 + 1e-6, 1),
+        ];
+        let context = pinwheel_compare::Context {
+            duration_s: 0.6,
+            ..pinwheel_compare::Context::default()
+        };
+        let comparison = pinwheel_compare::compare(&context, &participants, &[]).unwrap();
+        let data = ChartData::of(&comparison, &participants).unwrap();
+        assert_eq!(
+            data.engines[0].name, "native-reduced",
+            "it has most samples"
+        );
+        assert_eq!(data.first, [0, 0, 1], "what was measured comes first");
+        let marks: Vec<bool> = data.engines.iter().map(|e| e.marks).collect();
+        assert_eq!(marks, [false, true, false]);
+        let channel = &data.quantities[0].channels[1];
+        assert_eq!(channel.engines, [0, 1, 2]);
+        let mut read = crate::packed::tests::Reader::new(&channel.packed);
+        assert_eq!(read.places(), [0usize; 0], "all samples are kept");
+        let (base, rig, peer) = (read.column(), read.column(), read.column());
+        let wanted = participants[1]
+            .courses
+            .channel("external_sleeve_force_n_1")
+            .unwrap();
+        assert_eq!((base.len(), rig.len(), peer.len()), (601, 61, 601));
+        for k in 0..601 {
+            assert!((base[k] - wanted[k]).abs() < 3e-5, "{k}");
+            // Stored as a difference it keeps digits of its own.
+            assert!((peer[k] - 1e-6 * wanted[k]).abs() < 2e-8, "{k}");
+        }
+        for k in 0..61 {
+            assert!((rig[k] - 0.02 * wanted[10 * k]).abs() < 1e-3, "{k}");
+        }
+    }
+
     #[test]
     fn even_times_are_short() {
         let times: Vec<f64> = (0..=100).map(|k| f64::from(k) * 1e-4).collect();

@@ -202,7 +202,8 @@ fn grid(plan: &Plan, records: &[RunRecord], table: &Results) -> Grid {
         places
     });
     let runs = runs.collect();
-    let figures = figures(table).iter().take(MOST_FIGURES).map(|figure| {
+    let found = figures(table);
+    let figures = found.iter().take(MOST_FIGURES).map(|figure| {
         let largest = figure
             .values
             .iter()
