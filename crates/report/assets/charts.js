@@ -4,7 +4,9 @@
 // spec = {
 //   x: { values, label, log, ticks, name },  values: numbers; log: logarithmic axis; ticks: the only places with a number;
 //                                           name(index): what stands above the values at the cursor
-//   y: { label, log, floor, zero, span },   floor: smallest value a log axis need show; span: smallest height of a linear one
+//   y: { label, log, floor, zero, span, include },
+//                                           floor: smallest value a log axis need show; span: smallest height of a linear one;
+//                                           include: [low, high] that are always in sight
 //   series: [{ label, values, style, visible, points, markers, marks, thin, band, more }],
 //                                           style: number of colour and dash; points: dots, no line; marks: small ones;
 //                                           markers: dots on the line; thin: a thin dashed line;
@@ -27,6 +29,8 @@ const PinwheelCharts = (() => {
   // How far from the cursor a curve's sample may be to be read, pixels.
   const REACH = 14;
   const groups = new Map();
+  // Of each group the chart that is pointed at: it alone says values.
+  const pointed = new Map();
 
   // Custom properties may hold light-dark() or color-mix(): let the browser resolve them.
   const probe = document.createElement('i');
@@ -117,6 +121,7 @@ const PinwheelCharts = (() => {
         if (band) values.forEach((v, k) => { if (v !== null && band[k] !== null) { low = Math.min(low, v - band[k]); high = Math.max(high, v + band[k]); } });
       }
       for (const strip of spec.bands || []) { low = Math.min(low, strip.low); high = Math.max(high, strip.high); }
+      if (spec.y.include) { low = Math.min(low, spec.y.include[0]); high = Math.max(high, spec.y.include[1]); }
       const short = (spec.y.span || 0) - (high - low);
       if (short > 0) { low -= short / 2; high += short / 2; }
       const breadth = high - low || Math.abs(high) * 0.01 || 1;
@@ -178,7 +183,7 @@ const PinwheelCharts = (() => {
         stroke: () => lineColour(series.style),
         width: series.points || series.marks ? 0 : series.thin ? 1 : 1.6,
         dash: series.thin ? [4, 4] : dashOf(series.style),
-        points: series.points || series.markers || series.marks ? { show: true, size: series.points ? 9 : series.marks ? 4 : 7, width: series.marks ? 0 : undefined, fill: () => lineColour(series.style) } : { show: false },
+        points: series.points || series.markers || series.marks ? { show: true, size: series.points ? 9 : series.marks ? 3.5 : 7, width: series.marks ? 0 : undefined, fill: () => lineColour(series.style) } : { show: false },
       }))),
       hooks: {
         drawClear: [(u) => strips(u, state)],
@@ -237,16 +242,17 @@ const PinwheelCharts = (() => {
   function tip(u, state) {
     const { box, spec } = state;
     const index = u.cursor.left >= 0 ? u.cursor.idx : null;
-    if (index === null || index === undefined) { box.hidden = true; return; }
+    const other = spec.group && pointed.get(spec.group) !== state;
+    if (other || index === null || index === undefined) { box.hidden = true; return; }
     const rows = [];
     spec.series.forEach((series, k) => {
       if (series.visible === false || !u.series[k + 1].show) return;
       const at = near(u, series.values, index);
       if (at !== null) rows.push({ series, at, value: series.values[at] });
     });
-    const pointed = u.posToVal(u.cursor.top, 'y');
     if (rows.length > MOST) {
-      rows.sort((a, b) => Math.abs(a.value - pointed) - Math.abs(b.value - pointed));
+      const level = u.posToVal(u.cursor.top, 'y');
+      rows.sort((a, b) => Math.abs(a.value - level) - Math.abs(b.value - level));
       rows.length = MOST;
     }
     rows.sort((a, b) => b.value - a.value);
@@ -282,6 +288,7 @@ const PinwheelCharts = (() => {
 
   function keys(host, state) {
     host.addEventListener('keydown', (event) => {
+      pointed.set(state.spec.group, state);
       const { plot } = state;
       const { min, max } = plot.scales.x;
       const breadth = max - min;
@@ -309,6 +316,8 @@ const PinwheelCharts = (() => {
   function touch(state) {
     const { over } = state.plot;
     over.style.touchAction = 'pan-y';
+    // Before the plotting library sees it, and so before values are said.
+    for (const kind of ['pointerenter', 'pointerdown', 'pointermove', 'mousemove']) over.addEventListener(kind, () => pointed.set(state.spec.group, state), { capture: true });
     const move = (event) => {
       if (event.pointerType !== 'touch') return;
       const box = over.getBoundingClientRect();

@@ -68,14 +68,15 @@
       const values = order.map((n) => xs[n]);
       const log = values[0] > 0 && values[values.length - 1] / values[0] > 30;
       const known = series.flatMap((s) => s.band).filter((u) => u !== null);
-      const size = Math.max(...series.flatMap((s) => s.values).map((v) => Math.abs(v ?? 0)));
+      const every = figure.values.filter((v) => v !== null);
+      const size = Math.max(...every.map(Math.abs));
       return {
         legend: series,
         spec: {
           height: 300,
           x: { values, label: along.label, log, ticks: values, name: (n) => `${along.label}: ${along.values[order[n]]}` },
           // Less than what a figure may be off, or than a thousandth, is not spread over the whole chart.
-          y: { label: figure.label, span: Math.max(6 * Math.max(0, ...known), 1e-3 * size) },
+          y: { label: figure.label, span: Math.max(6 * Math.max(0, ...known), 1e-3 * size), include: [Math.min(...every), Math.max(...every)] },
           series,
           describe: `${figure.label} over ${along.label}, ${series.length} curves`,
         },
@@ -84,7 +85,7 @@
     function map(panel, [low, high]) {
       const figure = figures[state.figure];
       const [along, up] = [axes[state.x], state.second < 0 ? null : axes[state.second]];
-      const head = make('tr', {}, make('td', {}, up ? `${up.label} ↓  ${along.label} →` : along.label), ...along.values.map((v) => make('th', { scope: 'col', class: 'num' }, v)));
+      const head = make('tr', {}, make('td', { class: 'corner' }, up ? `${up.label} ↓ ${along.label} →` : along.label), ...along.values.map((v) => make('th', { scope: 'col', class: 'num' }, v)));
       const rows = all(state.second).map((n) => make('tr', {}, make('th', { scope: 'row' }, up ? up.values[n] : ''), ...along.values.map((_, k) => {
         const run = runAt(k, n, panel);
         const value = run === undefined ? null : figure.values[run];

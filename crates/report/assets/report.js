@@ -131,7 +131,7 @@
     upper.range(low, high);
   }));
   $('legend').append(...engines.map((engine, e) => {
-    const chip = make('button', { type: 'button', class: 'chip', 'aria-pressed': 'true' }, PinwheelCharts.swatch(engine.style), make('span', {}, engine.name), make('small', {}, engine.marks ? `${engine.track}, recorded` : engine.track));
+    const chip = make('button', { type: 'button', class: 'chip', 'aria-pressed': 'true' }, PinwheelCharts.swatch(engine.style), make('span', {}, engine.name), make('small', {}, engine.marks ? 'recorded' : engine.track === 'measured' ? 'measured' : ''));
     chip.addEventListener('click', () => {
       state.visible[e] = !state.visible[e];
       chip.setAttribute('aria-pressed', String(state.visible[e]));

@@ -1,18 +1,16 @@
 //! The gearbox in motion: an engine's courses, packed for the page's script.
 //!
-//! Angles travel as what parts them from the ideal mesh, forces pair by pair, each channel as 16-bit
-//! steps between its least and its largest value (an angle to 1e-5 of its own deviation, a force to
-//! 0.01 N). The script finds points and directions of contact on the same curve as the solver.
+//! Angles travel as what parts them from the ideal mesh, forces pair by pair, [packed](crate::packed): each to 1 in 16 000 of
+//! its channel's largest value. The script finds points and directions of contact on the same curve as the solver.
 
 use std::fmt::Write as _;
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use pinwheel_courses::{Courses, columns};
 use serde::Serialize;
 
 use crate::ReportError;
 use crate::chart_data::json_for_script;
+use crate::packed::{Rounding, Writer};
 
 /// Channels that an animation needs beside the contract's (`output.channels` of the scene).
 pub const CHANNELS: [&str; 4] = [
@@ -22,7 +20,9 @@ pub const CHANNELS: [&str; 4] = [
     "wheel_*_internal_normal_force_n_*",
 ];
 
-/// Bytes that the samples of one gearbox may take before they are encoded.
+/// Binary digits of a channel's largest value that are kept.
+const DIGITS: i32 = 14;
+/// Bytes that the samples of one gearbox may take as 16-bit numbers, before they are packed.
 const BUDGET: usize = 360_000;
 /// Samples in the time a wheel takes from sleeve to sleeve: forces must not lose their shape.
 const PER_SLEEVE: f64 = 24.0;
@@ -94,7 +94,8 @@ struct View {
     /// Force of a full arrow, N: 99 in 100 samples of the loaded sleeves lie below in the second half.
     full: f64,
     least: f64,
-    channels: Vec<Scale>,
+    /// How many channels there are, one after the other in `samples`.
+    channels: usize,
     samples: String,
 }
 
@@ -110,13 +111,6 @@ struct GearJson {
     rh: f64,
     wheels: usize,
     d: f64,
-}
-
-/// `value = offset + step * number`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-struct Scale {
-    offset: f64,
-    step: f64,
 }
 
 #[derive(Serialize)]
@@ -168,12 +162,11 @@ impl Animation {
                 }
             }
         }
-        let mut channels = Vec::new();
-        let mut bytes = Vec::with_capacity(2 * columns.len() * time.len());
+        let mut writer = Writer::default();
         for column in &columns {
-            let (scale, packed) = pack(column);
-            channels.push(scale);
-            bytes.extend(packed.into_iter().flat_map(u16::to_le_bytes));
+            let finite = |v: &f64| if v.is_finite() { *v } else { 0.0 };
+            let column: Vec<f64> = column.iter().map(finite).collect();
+            writer.column(&column, Rounding::OfPeak(DIGITS));
         }
         let later = time.len() / 2;
         let mut loads: Vec<f64> = columns[forces..]
@@ -206,34 +199,11 @@ impl Animation {
                 count: time.len(),
                 full,
                 least: LEAST * full,
-                channels,
-                samples: STANDARD.encode(bytes),
+                channels: columns.len(),
+                samples: writer.finish(),
             },
         })
     }
-}
-
-/// The values in 65 535 steps from the least to the largest; what is not a number lies at the least.
-fn pack(values: &[f64]) -> (Scale, Vec<u16>) {
-    let finite = || values.iter().copied().filter(|v| v.is_finite());
-    let low = finite().fold(f64::INFINITY, f64::min);
-    let high = finite().fold(f64::NEG_INFINITY, f64::max);
-    if !(high > low) {
-        let offset = if low.is_finite() { low } else { 0.0 };
-        return (Scale { offset, step: 0.0 }, vec![0; values.len()]);
-    }
-    let step = (high - low) / f64::from(u16::MAX);
-    let number = |v: &f64| {
-        if v.is_finite() {
-            ((v - low) / step).round() as u16
-        } else {
-            0
-        }
-    };
-    (
-        Scale { offset: low, step },
-        values.iter().map(number).collect(),
-    )
 }
 
 /// Markup of one block with a clock for all of `views`, which must have the same sample times; style and script
@@ -366,36 +336,17 @@ mod tests {
     }
 
     #[test]
-    fn values_come_back_to_a_step() {
-        let values = [1.0, -3.0, 2.5, f64::NAN, 100.0];
-        let (scale, packed) = pack(&values);
-        for (v, k) in values.iter().zip(&packed).filter(|(v, _)| v.is_finite()) {
-            assert!(
-                (scale.offset + scale.step * f64::from(*k) - v).abs() <= 0.5 * scale.step + 1e-12
-            );
-        }
-        assert_eq!(
-            pack(&[7.0, 7.0]).0,
-            Scale {
-                offset: 7.0,
-                step: 0.0
-            }
-        );
-        assert_eq!(pack(&[f64::NAN]).1, [0]);
-    }
-
-    #[test]
     fn a_window_is_packed_channel_by_channel() {
         let made = Animation::of("a <gear>", &gear(), &courses(), (0.002, 0.006)).unwrap();
         assert_eq!(
-            (made.view.count, made.view.channels.len()),
+            (made.view.count, made.view.channels),
             (5, gear().channels())
         );
-        let bytes = STANDARD.decode(&made.view.samples).unwrap();
-        assert_eq!(bytes.len(), 2 * 5 * gear().channels());
         // The first channel rises from 3 to 7 N m.
-        assert!((made.view.channels[0].offset - 3.0).abs() < 1e-12);
-        assert_eq!(u16::from_le_bytes([bytes[8], bytes[9]]), u16::MAX);
+        let first = crate::packed::tests::Reader::new(&made.view.samples).column();
+        for (value, wanted) in first.iter().zip([3.0, 4.0, 5.0, 6.0, 7.0]) {
+            assert!((value - wanted).abs() < 7.0 / 16_000.0, "{first:?}");
+        }
         let html = markup(&[made], 0.004).unwrap();
         assert!(html.contains("a &lt;gear&gt;") && html.contains("\"begin\":2"));
         assert!(!html.contains("http:") && !html.contains("https:"));
