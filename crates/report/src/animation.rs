@@ -233,7 +233,7 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
             "<figure class=\"gearbox-view\"><canvas tabindex=\"0\" role=\"img\" aria-label=\"{title}: {} wheels with {} lobes between {} external and {} internal sleeves, arrows for the contact forces. Space plays and pauses, arrow keys step.\"></canvas>\
              <figcaption>{title}</figcaption><dl class=\"gearbox-read\">\
              <dt>Input</dt><dd></dd><dt>Output</dt><dd></dd><dt>Input torque</dt><dd></dd><dt>Output torque</dt><dd></dd>\
-             <dt>Largest external force</dt><dd></dd><dt>Largest internal force</dt><dd></dd><dt>External sleeves loaded, by wheel</dt><dd></dd></dl></figure>",
+             <dt>Ext. peak</dt><dd></dd><dt>Int. peak</dt><dd></dd><dt>Loaded ext.</dt><dd></dd></dl></figure>",
             view.gear.wheels,
             view.gear.zk - 1,
             view.gear.zk,
