@@ -252,7 +252,7 @@ pub(crate) struct OpenArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  pinwheel completions bash > ~/.local/share/bash-completion/completions/pinwheel
+  source <(pinwheel completions bash)
   pinwheel completions zsh > ~/.zfunc/_pinwheel
   pinwheel completions fish > ~/.config/fish/completions/pinwheel.fish")]
 pub(crate) struct CompletionsArgs {

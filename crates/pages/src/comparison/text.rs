@@ -9,7 +9,7 @@ use pinwheel_scene::Scene;
 /// The whole text, without the place of the page.
 #[must_use]
 pub fn text(scene: &Scene, comparison: &Comparison) -> String {
-    let mut text = format!("{}\n\n", styled(TITLE, &crate::title(scene)));
+    let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::title(scene))));
     text.push_str(&lines(&engines(comparison)));
     if let Some(window) = shown_window(comparison) {
         text.push_str(&styled(
