@@ -15,7 +15,7 @@ use crate::colours;
 use crate::packed::{Rounding, Writer};
 
 /// Base64 characters the courses of one page may take; with the rest it stays below 2 MB.
-const BUDGET: usize = 1_080_000;
+const BUDGET: usize = 1_180_000;
 /// Channels of one group that are always worth drawing before samples are left out.
 const FEW_CHANNELS: usize = 4;
 /// Samples of a channel that are always worth keeping before the budget is broken: two a pixel.
@@ -267,7 +267,7 @@ impl Plan {
         notes.push(format!(
             "Drawn are values to five digits of the largest and differences to {:.1}\u{202f}% of those nearby; metrics use \
              all digits and samples.",
-            100.0 * 0.5f64.powi(self.digits)
+            100.0 * 0.5f64.powi(self.digits + 1)
         ));
         let [channels, samples] = self.cut;
         if channels {

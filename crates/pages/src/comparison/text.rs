@@ -76,21 +76,24 @@ fn total(comparison: &Comparison) -> String {
     say(counts.model - counts.model_beyond, "of models");
     say(counts.stated, "not resolved for a stated reason");
     let parts = parts.join(", ");
-    let verdict = match comparison.outcome {
+    let (style, verdict) = match comparison.outcome {
         Outcome::Finding if counts.differ + counts.model_beyond == 0 => {
-            styled(BAD, &format!("LIMIT EXCEEDED: {parts}"))
+            (BAD, format!("LIMIT EXCEEDED: {parts}"))
         }
-        Outcome::Finding => styled(BAD, &format!("ENGINES DIFFER: {parts}")),
-        Outcome::NotResolved => styled(BAD, &format!("NOT RESOLVED: {parts}")),
-        Outcome::Passed => styled(GOOD, &format!("every statement holds: {parts}")),
-        Outcome::Stated => styled(QUIET, &parts),
-        Outcome::Nothing => styled(QUIET, "nothing judged: no limit and no uncertainty applies"),
+        Outcome::Finding => (BAD, format!("ENGINES DIFFER: {parts}")),
+        Outcome::NotResolved => (BAD, format!("NOT RESOLVED: {parts}")),
+        Outcome::Passed => (GOOD, format!("every statement holds: {parts}")),
+        Outcome::Stated => (QUIET, parts),
+        Outcome::Nothing => {
+            let nothing = "nothing judged: no limit and no uncertainty applies";
+            (QUIET, nothing.to_owned())
+        }
     };
     let quiet = match counts.not_judged {
         0 => String::new(),
-        n => styled(QUIET, &format!(" ({n} not judged, see the page)")),
+        n => format!(" ({n} not judged, see the page)"),
     };
-    format!("{verdict}{quiet}")
+    styled(style, &paragraph(&format!("{verdict}{quiet}")))
 }
 
 /// The window figures are shown for: the steady one, or the whole run.
