@@ -47,7 +47,9 @@ fn text(browser: &mut Chromium, script: &str) -> String {
 pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
     browser.open(page, DESK);
     assert_eq!(text(browser, DRAWN), "Driver torque");
-    assert_eq!(text(browser, WINDOW), "all");
+    // A window may be as long as the run.
+    let all = text(browser, WINDOW);
+    assert!(all.starts_with("all"), "{all}");
     let [x, y, wide, _] = place(browser, OVER);
     // Values at the cursor, both engines.
     browser.mouse(&[("mouseMoved", x, y), ("mouseMoved", x + 3.0, y)], 0);
@@ -79,11 +81,11 @@ pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
     assert_eq!(text(browser, WINDOW), "", "a drag did not zoom");
     browser.mouse(&[("mousePressed", x, y), ("mouseReleased", x, y)], 1);
     browser.mouse(&[("mousePressed", x, y), ("mouseReleased", x, y)], 2);
-    assert_eq!(text(browser, WINDOW), "all", "a double click shows all");
+    assert_eq!(text(browser, WINDOW), all, "a double click shows all");
     click(browser, "document.querySelector('[data-zoom=in]')");
     assert_eq!(text(browser, WINDOW), "");
     click(browser, "document.querySelector('#windows button')");
-    assert_eq!(text(browser, WINDOW), "all");
+    assert_eq!(text(browser, WINDOW), all);
     // An engine less.
     click(browser, "document.querySelectorAll('#legend .chip')[1]");
     let [x, y, ..] = place(browser, OVER);
@@ -136,7 +138,7 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
     browser.key("+");
     assert_eq!(text(browser, WINDOW), "");
     browser.key("0");
-    assert_eq!(text(browser, WINDOW), "all");
+    assert!(text(browser, WINDOW).starts_with("all"));
     browser.key("Escape");
     assert_eq!(text(browser, TIP), "");
     // The time of the gearbox.
