@@ -40,6 +40,7 @@ pub(crate) fn install() -> Result<(), Failure> {
         if !CANCEL.swap(true, Ordering::Relaxed) {
             return;
         }
+        pinwheel::engines::external::end_all();
         if let Ok(place) = UNFINISHED.lock()
             && let Some(folder) = place.as_deref()
         {

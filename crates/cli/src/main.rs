@@ -38,7 +38,13 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),
-        Command::Schema => screen::show_json(&pinwheel::scene::schema::schema()).map(|()| 0),
+        Command::Schema { job: false } => {
+            screen::show_json(&pinwheel::scene::schema::schema()).map(|()| 0)
+        }
+        Command::Schema { job: true } => {
+            screen::show_json(&pinwheel::engines::external::job_schema()).map(|()| 0)
+        }
+        Command::Solver(args) => commands::solver::solver(args),
         Command::Paper(args) => commands::paper::paper(args),
         Command::Baseline(args) => commands::baseline::baseline(args),
         Command::Stability(args) => commands::stability::stability(args),

@@ -118,6 +118,24 @@ impl Control<'_> {
     }
 }
 
+/// What is made smaller for more accuracy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Knob {
+    /// `solver.step_s`.
+    Step,
+    /// `solver.tolerance`.
+    Tolerance,
+}
+
+/// How an engine is refined.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Refinement {
+    /// What is made smaller.
+    pub knob: Knob,
+    /// Order of the error in it.
+    pub order: f64,
+}
+
 /// A solver that turns a scene into courses.
 pub trait Engine: Send + Sync {
     /// Name as typed by users, kebab-case, with the track in foreign engines' names.
@@ -130,6 +148,15 @@ pub trait Engine: Send + Sync {
     fn summary(&self) -> &str;
     /// How it differs from the native solver, in plain words, for the report.
     fn differences(&self) -> &str;
+    /// Which key of a scene makes it more accurate, and with which order; `None` where none does, or where comparisons know
+    /// better (the native engines).
+    fn refinement(&self) -> Option<Refinement> {
+        None
+    }
+    /// Whether it runs in a process of its own, whose CPU time is not this one's.
+    fn is_outside(&self) -> bool {
+        false
+    }
     /// Says whether it honours the scene of `gearbox`, and makes everything ready that a run needs. A caller that runs
     /// a scene on several engines compiles it once.
     ///

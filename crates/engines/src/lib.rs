@@ -9,6 +9,7 @@
 //!  rapier-*, mujoco-*, exudyn-*                            bodies and time integration of others,
 //!     ...-shared-law: our contact forces                   their contact too: ...-own-contact
 //!  recorded                                                what a live engine gave earlier
+//!  external                                                solvers that the user names by a manifest
 //! ```
 //!
 //! ```
@@ -24,6 +25,7 @@
 
 mod cards;
 mod engine;
+pub mod external;
 mod native;
 #[cfg(feature = "crossval")]
 pub mod python;
@@ -33,7 +35,7 @@ pub mod recorded;
 mod registry;
 mod stopping;
 
-pub use engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
+pub use engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, RunStats, Track};
 pub use native::Native;
 pub use registry::{by_name, registry};
 pub use stopping::stop_preparing;

@@ -5,9 +5,20 @@ use pinwheel_scene::Scene;
 use crate::engine::Engine;
 use crate::native::Native;
 
-/// All engines of this build, native first.
+/// All engines of this build, native first, then the solvers that joined ([`admit`](crate::external::admit)).
 #[must_use]
 pub fn registry() -> Vec<Box<dyn Engine>> {
+    of_build().chain(crate::external::admitted()).collect()
+}
+
+/// Whether an engine of this project is called so, in this build or another.
+pub(crate) fn built_in(name: &str) -> bool {
+    let kin = ["rapier-", "mujoco-", "exudyn-"];
+    kin.iter().any(|prefix| name.starts_with(prefix))
+        || of_build().any(|engine| engine.name() == name)
+}
+
+fn of_build() -> impl Iterator<Item = Box<dyn Engine>> {
     let native: [Box<dyn Engine>; 3] = [
         Box::new(Native::REDUCED),
         Box::new(Native::LAGRANGE),
@@ -18,7 +29,7 @@ pub fn registry() -> Vec<Box<dyn Engine>> {
     let engines = engines.chain(crate::rapier::engines());
     #[cfg(feature = "crossval")]
     let engines = engines.chain(crate::python::engines());
-    engines.collect()
+    engines
 }
 
 /// The engine of a name; `native` is the native solver in the formulation that the scene asks for.

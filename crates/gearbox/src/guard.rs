@@ -18,43 +18,52 @@ const PITCHES: f64 = 0.25;
 /// Which body left its mesh and by how much, or which state is not finite.
 pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
     let geometry = &gearbox.geometry;
-    let gear = &gearbox.scene.gear;
     let input = bodies[Layout::INPUT].angle;
-    let pitch = std::f64::consts::TAU / geometry.ratio();
-    // One-sided free play of a wheel, d sqrt(1 - m^2)/(e zs), and of the output in its holes.
-    let m = gear.shortening;
-    let wheel_play =
-        gear.backlash_m * (1.0 - m * m).sqrt() / (gear.eccentricity_m * geometry.ratio());
-    let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
-    let output_play = wheel_play + clearance.max(0.0) / gear.internal_circle_radius_m;
-    let judge = |name: &dyn Fn() -> String, angle: f64, ideal: f64, play: f64| {
-        let off = (angle - ideal).abs();
-        if off <= play + PITCHES * pitch {
-            return Ok(());
-        }
-        Err(if off.is_finite() {
-            format!(
-                "{} is {off:.3} rad off its ideal mesh (a pitch is {pitch:.3} rad)",
-                name()
-            )
-        } else {
-            format!("the angle of {} is not finite", name())
-        })
-    };
+    let play = wheel_play(gearbox);
     for (i, body) in gearbox.layout.wheel_bodies().enumerate() {
         let ideal = geometry.ideal_wheel_angle(i, input);
         judge(
+            gearbox,
             &|| format!("wheel {i}"),
-            bodies[body].angle,
-            ideal,
-            wheel_play,
+            bodies[body].angle - ideal,
+            play,
         )?;
     }
-    let output = bodies[Layout::OUTPUT].angle;
-    judge(
-        &|| "the output shaft".into(),
-        output,
-        geometry.ideal_output_angle(input),
-        output_play,
-    )
+    check_output(gearbox, input, bodies[Layout::OUTPUT].angle)
+}
+
+/// Checks the angle of the output shaft alone where the input stands at the angle `input`, rad.
+///
+/// # Errors
+/// By how much it left its mesh, or that it is not finite.
+pub fn check_output(gearbox: &Gearbox, input: f64, output: f64) -> Result<(), String> {
+    let gear = &gearbox.scene.gear;
+    // Free play of the output in its holes.
+    let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
+    let play = wheel_play(gearbox) + clearance.max(0.0) / gear.internal_circle_radius_m;
+    let off = output - gearbox.geometry.ideal_output_angle(input);
+    judge(gearbox, &|| "the output shaft".into(), off, play)
+}
+
+/// One-sided free play of a wheel, d sqrt(1 - m^2)/(e zs), rad.
+fn wheel_play(gearbox: &Gearbox) -> f64 {
+    let gear = &gearbox.scene.gear;
+    let m = gear.shortening;
+    gear.backlash_m * (1.0 - m * m).sqrt() / (gear.eccentricity_m * gearbox.geometry.ratio())
+}
+
+fn judge(gearbox: &Gearbox, name: &dyn Fn() -> String, off: f64, play: f64) -> Result<(), String> {
+    let pitch = std::f64::consts::TAU / gearbox.geometry.ratio();
+    let off = off.abs();
+    if off <= play + PITCHES * pitch {
+        return Ok(());
+    }
+    Err(if off.is_finite() {
+        format!(
+            "{} is {off:.3} rad off its ideal mesh (a pitch is {pitch:.3} rad)",
+            name()
+        )
+    } else {
+        format!("the angle of {} is not finite", name())
+    })
 }

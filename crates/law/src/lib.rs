@@ -21,6 +21,7 @@
 
 pub mod border;
 mod evaluator;
+pub mod job;
 mod law;
 
 pub use evaluator::{Evaluator, LOAD, STATE, numbers};

@@ -13,6 +13,7 @@ pub mod animation;
 pub mod baseline;
 pub mod bench;
 pub mod comparison;
+pub mod conformance;
 pub mod engines;
 mod error;
 pub mod explain;

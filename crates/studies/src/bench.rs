@@ -72,7 +72,7 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
             .filter(|engine| match engine.track() {
                 Track::Native => native.contains(&engine.name()),
                 Track::SharedLaw => true,
-                Track::OwnContact => friction,
+                Track::OwnContact => friction || engine.is_outside(),
                 Track::Measured => false,
             })
             .collect());

@@ -2,9 +2,11 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pinwheel_engines::{Engine, EngineError, Run};
+use pinwheel_engines::{Engine, EngineError, Run, RunStats, by_name};
+use pinwheel_gearbox::energy::EnergyAccount;
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
 use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_mbs::integrators::StepCounts;
 use pinwheel_scene::{CheckedScene, Scene};
 
 use crate::StudyError;
@@ -174,6 +176,56 @@ fn of_scene(scene: &Scene, source: GearboxError) -> StudyError {
     StudyError::Scene {
         scene: scene.name.clone(),
         source,
+    }
+}
+
+/// Runs a scene on an engine of the registry, as [`run`] does on the native solver. The outer error of a scene that the engine
+/// does not honour, or of a run that broke, is its reason.
+pub(crate) fn run_on(
+    name: &str,
+    scene: &Scene,
+    cancel: &AtomicBool,
+) -> Result<Result<(Ended, RunStats), String>, StudyError> {
+    let gearbox = compile(scene)?;
+    let Some(engine) = by_name(name, scene) else {
+        return Ok(Err(format!("there is no engine `{name}`")));
+    };
+    let control = pinwheel_engines::Control {
+        cancel,
+        progress: &|_| {},
+    };
+    let ran = engine
+        .prepare(&gearbox)
+        .and_then(|prepared| prepared.run(&control));
+    match ran {
+        Ok(run) => {
+            let stats = run.stats;
+            let ended = NativeRun {
+                counts: StepCounts {
+                    steps: stats.steps,
+                    rejected: stats.rejected_steps,
+                    evaluations: stats.rhs_calls,
+                    jacobians: 0,
+                },
+                newton_steps: 0,
+                degrees_of_freedom: stats.degrees_of_freedom,
+                joint_drift_m: stats.joint_drift_m.unwrap_or(0.0),
+                end_s: scene.solver.duration_s,
+                energy: EnergyAccount::default(),
+                courses: run.courses,
+            };
+            Ok(Ok((Ended::Whole(Box::new(ended)), stats)))
+        }
+        Err(EngineError::Diverged {
+            time_s,
+            quantity,
+            partial,
+            ..
+        }) => Ok(Ok((Ended::Diverged { time_s, quantity }, partial.stats))),
+        Err(EngineError::Cancelled) => Err(StudyError::Cancelled),
+        Err(error @ (EngineError::Unsupported { .. } | EngineError::Failed { .. })) => {
+            Ok(Err(error.to_string()))
+        }
     }
 }
 

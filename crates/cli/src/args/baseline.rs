@@ -13,6 +13,8 @@ Examples:
   pinwheel baseline record before  keep the present state under a name,
   pinwheel baseline check before   and see what your change does to it
   pinwheel baseline record --accept \"dopri5: other step control, errors halved\"
+  pinwheel baseline record mine --solver mine/solver.toml
+      the same for your own solver (docs/solvers.md)
 
 A baseline is a folder of text files in reference/baselines/: results, errors
 against converged runs and counts of a fixed set of short scenes. Run it in the
@@ -47,6 +49,11 @@ pub(crate) struct Which {
 /// How the set is run.
 #[derive(Debug, Args)]
 pub(crate) struct Running {
+    /// Scenes of the set, separated by commas [default: all].
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
+    pub(crate) only: Vec<String>,
+    #[command(flatten)]
+    pub(crate) solvers: super::Solvers,
     /// Threads; results do not depend on their number, times a little [default: 1].
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
     pub(crate) threads: u8,
@@ -57,7 +64,7 @@ pub(crate) struct Running {
 #[command(after_help = "\
 Examples:
   pinwheel baseline record mine
-  pinwheel baseline record --accept \"sleeves of Fig. 3 instead of the assumed ones\"
+  pinwheel baseline record --accept \"sleeves of Fig. 3, not assumed ones\"
 
 An existing baseline is only replaced with --accept; the reason joins the dated
 list in its baseline.toml. Look at `pinwheel baseline check` first, and at the
@@ -87,15 +94,15 @@ its limit, or a run that diverges.")]
 pub(crate) struct CheckArgs {
     #[command(flatten)]
     pub(crate) which: Which,
-    /// Scenes to check, separated by commas [default: all].
-    #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
-    pub(crate) only: Vec<String>,
     /// Contact loop.
     #[arg(long = "loop", value_enum, default_value_t = Loop::Best)]
     pub(crate) kernel: Loop,
     /// Times each run is repeated for its time; 0: no times.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8))]
     pub(crate) repeats: u8,
+    /// Write the verdicts as a JUnit file, too, for CI systems.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) junit: Option<PathBuf>,
     /// Let the time over all cases decide, too.
     #[arg(long)]
     pub(crate) judge_time: bool,

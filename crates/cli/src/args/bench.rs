@@ -41,6 +41,8 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "A,B", value_delimiter = ',', default_values_t = Part::ALL)]
     pub(crate) parts: Vec<Part>,
     #[command(flatten)]
+    pub(crate) solvers: super::Solvers,
+    #[command(flatten)]
     pub(crate) out: OutArgs,
 }
 

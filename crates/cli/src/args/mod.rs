@@ -14,12 +14,14 @@ use crate::screen;
 mod baseline;
 mod bench;
 mod paper;
+mod solver;
 mod stability;
 mod sweep;
 
 pub(crate) use baseline::{Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
 pub(crate) use bench::BenchArgs;
 pub(crate) use paper::PaperArgs;
+pub(crate) use solver::{SolverAction, SolverArgs, Solvers};
 pub(crate) use stability::StabilityArgs;
 pub(crate) use sweep::SweepArgs;
 
@@ -34,6 +36,8 @@ Examples:
   pinwheel sweep my-sweep.toml       lists and ranges of keys over all cores
   pinwheel stability --quick         which method survives which hard scene
   pinwheel engines                   what there is to compare with
+  pinwheel compare paper --solver mine/solver.toml
+                                     your own solver beside them (docs/solvers.md)
   pinwheel laws                      contact laws that a scene can name
 
 A SCENE is the path of a TOML file or the name of a preset: paper, paper-2019,
@@ -75,9 +79,15 @@ pub(crate) enum Command {
     /// List the contact laws with their source, domain and behaviour at slow impacts.
     Laws(LawsArgs),
     /// Print the JSON schema of scene files, by which editors complete and check them.
-    Schema,
+    Schema {
+        /// The schema of job files (scene.json), which solvers from outside read.
+        #[arg(long)]
+        job: bool,
+    },
     /// Compute every figure and claim of the paper again, on one page.
     Paper(PaperArgs),
+    /// Write, check and serve a solver of your own (docs/solvers.md).
+    Solver(SolverArgs),
     /// Keep accepted results, and say what a change of the solver moved.
     Baseline(BaselineArgs),
     /// Open a page in the browser: the newest in out/, or that of a folder.
@@ -114,7 +124,7 @@ pub(crate) struct OutArgs {
 #[command(after_help = "\
 Examples:
   pinwheel run paper
-  pinwheel run paper --engine native-lagrange --set solver.integrator=rk4 --out out/rk4
+  pinwheel run paper --set solver.integrator=rk4 --out out/rk4
 
 Writes DIR/courses.csv and DIR/run.json. A run that diverges ends with status 3
 and leaves what was computed until then in DIR/courses.partial.csv. A native run
@@ -124,8 +134,15 @@ pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     /// Engine, see `pinwheel engines`; `native` takes the formulation that the scene asks for.
-    #[arg(long, value_name = "NAME", default_value = "native")]
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "native",
+        conflicts_with = "solver"
+    )]
     pub(crate) engine: String,
+    #[command(flatten)]
+    pub(crate) solvers: Solvers,
     /// Do not repeat the run at twice its step to see whether the step resolves the scene (native engines).
     #[arg(long)]
     pub(crate) unchecked: bool,
@@ -162,6 +179,11 @@ pub(crate) struct CompareArgs {
     /// Seconds that the runs of one engine may take before it is refined no further.
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
     pub(crate) longest: f64,
+    #[command(flatten)]
+    pub(crate) solvers: Solvers,
+    /// Write the verdicts as a JUnit file, too, for CI systems.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) junit: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) foreign: ForeignArgs,
     #[command(flatten)]

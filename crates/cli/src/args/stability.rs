@@ -22,6 +22,8 @@ pub(crate) struct StabilityArgs {
     /// Scene files or presets [default: every hard-* preset, the long run, and the published model above C = 8].
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
+    #[command(flatten)]
+    pub(crate) solvers: super::Solvers,
     /// Shorter runs.
     #[arg(long)]
     pub(crate) quick: bool,

@@ -45,5 +45,7 @@ pub(crate) struct SweepArgs {
     #[arg(long)]
     pub(crate) list: bool,
     #[command(flatten)]
+    pub(crate) solvers: super::Solvers,
+    #[command(flatten)]
     pub(crate) out: OutArgs,
 }

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use pinwheel::pages;
-use pinwheel::studies::Provenance;
 use pinwheel::studies::baseline::{self, Acceptance, Baseline, HEAD, Made, Options, Verdict, made};
+use pinwheel::studies::{Provenance, junit};
 
 use crate::args::{self, Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
 use crate::failure::{EXCEEDED, Failure};
@@ -46,6 +46,8 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
     let options = Options {
         threads: args.running.threads.into(),
         repeats: REPEATS,
+        only: args.running.only.clone(),
+        solvers: args.running.solvers.join()?,
         ..Options::default()
     };
     let recorded = watched("baseline", |control| {
@@ -87,8 +89,9 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
         kernel: args.kernel.into(),
         threads: args.running.threads.into(),
         repeats: args.repeats.into(),
-        only: args.only.clone(),
+        only: args.running.only.clone(),
         judge_time: args.judge_time,
+        solvers: args.running.solvers.join()?,
     };
     let here = Made {
         vectors: options.kernel.vectors().to_owned(),
@@ -103,6 +106,9 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     let page = pages::baseline::page(name, &accepted.head, &found, &made)?;
     folder.write_page(&page)?;
     let out = folder.publish()?;
+    if let Some(path) = &args.junit {
+        junit::write(path, "pinwheel baseline", &junit::of_baseline(name, &found))?;
+    }
     screen::show_with_page(&pages::baseline::text(&found), &folder::page(&out))?;
     Ok(if found.verdict == Verdict::Worse {
         EXCEEDED

@@ -15,7 +15,7 @@ use crate::screen;
 pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
     let scene = args.scene.load()?.scene;
     let options = options(args)?;
-    let engines = bench::engines(&args.engines, &scene)?;
+    let engines = bench::engines(&args.solvers.join_named(&args.engines)?, &scene)?;
     let folder = Folder::prepare(&args.out.folder(&scene.name, "bench"), args.out.force)?;
     let parts: Vec<_> = args.parts.iter().map(|&part| part.into()).collect();
     let measured = watched("bench", |control| {

@@ -7,7 +7,7 @@ use pinwheel::compare::Status;
 use pinwheel::pages;
 use pinwheel::scene::{CheckedScene, PRESETS};
 use pinwheel::studies::comparison::{self, Effort, Input, foreign};
-use pinwheel::studies::{Provenance, choice};
+use pinwheel::studies::{Provenance, choice, junit};
 
 use crate::args::{self, CompareArgs, ForeignArgs};
 use crate::failure::{ENGINE, Failure};
@@ -21,7 +21,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let gearbox = foreign::with_channels(&data, gearbox)?;
     let scene = &gearbox.scene;
     let asked_by_name = !args.engines.is_empty();
-    let engines = choice::engines(&args.engines, scene)?;
+    let engines = choice::engines(&args.solvers.join_named(&args.engines)?, scene)?;
     let folder = Folder::prepare(&args.out.folder(&scene.name, "compare"), args.out.force)?;
 
     let input = Input {
@@ -38,6 +38,13 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let page = pages::comparison::page(&found, &made, interrupt::flag())?;
     folder.write_page(&page)?;
     let out = folder.publish()?;
+    if let Some(path) = &args.junit {
+        junit::write(
+            path,
+            "pinwheel compare",
+            &junit::of_comparison(&found.comparison),
+        )?;
+    }
     let text = pages::comparison::text(scene, &found.comparison);
     screen::show_with_page(&text, &folder::page(&out))?;
 

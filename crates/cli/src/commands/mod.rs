@@ -11,5 +11,6 @@ pub(crate) mod paper;
 pub(crate) mod record;
 pub(crate) mod run;
 pub(crate) mod shell;
+pub(crate) mod solver;
 pub(crate) mod stability;
 pub(crate) mod sweep;

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use pinwheel::pages;
+use pinwheel::scene::Scene;
+use pinwheel::studies::stability::Method;
 use pinwheel::studies::survey::{Plan, Survey, judged};
 use pinwheel::studies::{Provenance, StudyError};
 
@@ -18,7 +20,12 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
     } else {
         Plan::full()
     };
-    let plan = plan.of(&args.scenes)?;
+    let mut plan = plan.of(&args.scenes)?;
+    for solver in args.solvers.join()? {
+        plan.atlas
+            .methods
+            .push(Method::of_solver(&solver, &Scene::paper()));
+    }
     let out = args
         .out
         .clone()

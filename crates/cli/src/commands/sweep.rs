@@ -87,6 +87,7 @@ fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
             .map(|name| name.trim().to_owned())
             .collect();
     }
+    sweep.engines.extend(args.solvers.join()?);
     Ok(Plan::within(
         sweep,
         &args::overrides(&args.set)?,

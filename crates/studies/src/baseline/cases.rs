@@ -31,6 +31,27 @@ pub struct Choice {
     pub sets: &'static [(&'static str, &'static str)],
 }
 
+/// By which a scene is run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Way<'a> {
+    /// Name in the baseline.
+    pub(super) name: &'a str,
+    /// Keys it sets.
+    pub(super) sets: &'static [(&'static str, &'static str)],
+    /// A solver that joined instead of our own.
+    pub(super) solver: Option<&'a str>,
+}
+
+impl From<&'static Choice> for Way<'_> {
+    fn from(choice: &'static Choice) -> Self {
+        Self {
+            name: choice.name,
+            sets: choice.sets,
+            solver: None,
+        }
+    }
+}
+
 /// Sampling of every scene: whole courses enter the exact summary, a few samples of them are kept.
 /// The sampling step is no multiple of the paper's step, so that the states between steps are checked too.
 pub(super) const WINDOW: [(&str, &str); 2] = [
@@ -320,12 +341,11 @@ impl SceneCase {
         all.map(|(key, value)| format!("{key}={value}")).collect()
     }
 
-    /// The scene, by the solver `choice` if one is given.
+    /// The scene with these settings of a solver.
     ///
     /// # Errors
     /// A key or value of the set is wrong.
-    pub fn scene(&self, choice: Option<&Choice>) -> Result<CheckedScene, SceneError> {
-        let solver = choice.map_or(&[][..], |choice| choice.sets);
+    pub fn scene(&self, solver: &[(&str, &str)]) -> Result<CheckedScene, SceneError> {
         let keys = WINDOW.iter().chain(self.sets).chain(solver);
         let overrides: Vec<Override> = keys
             .map(|&(key, value)| Override::new(key, value))
@@ -355,7 +375,7 @@ mod tests {
                     choice.name,
                     case.name
                 );
-                let scene = case.scene(Some(choice)).unwrap();
+                let scene = case.scene(choice.sets).unwrap();
                 assert!(
                     choice.name.contains(&scene.solver.integrator),
                     "{}",
@@ -394,7 +414,7 @@ mod tests {
             .flat_map(|case| {
                 case.choices
                     .iter()
-                    .map(|choice| case.scene(Some(choice)).unwrap())
+                    .map(|choice| case.scene(choice.sets).unwrap())
             })
             .map(|scene| scene.solver.integrator.clone())
             .collect();

@@ -54,7 +54,8 @@ fn traits(case: &CaseCheck) -> BTreeSet<String> {
     let known = SCENES.iter().find(|known| known.name == case.scene);
     let scene = known.and_then(|known| {
         let choice = known.choices.iter().find(|c| c.name == case.choice);
-        known.scene(choice).ok()
+        // A solver from outside runs the scene as it is.
+        known.scene(choice.map_or(&[], |choice| choice.sets)).ok()
     });
     let table = scene.and_then(|scene| scene.to_toml().parse::<toml::Table>().ok());
     let mut found = BTreeMap::new();
@@ -133,7 +134,7 @@ mod tests {
         let equilibrium: Vec<&str> = SCENES
             .iter()
             .filter(|case| {
-                case.scene(None)
+                case.scene(&[])
                     .is_ok_and(|scene| scene.drive.start == pinwheel_scene::Start::Equilibrium)
             })
             .map(|case| case.name)

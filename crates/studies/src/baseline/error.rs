@@ -39,6 +39,12 @@ pub enum BaselineError {
         /// Its format.
         found: u32,
     },
+    /// Made by other solvers than those that are to be checked.
+    #[error("{}", other_solvers(recorded))]
+    OtherSolvers {
+        /// Those that made it.
+        recorded: Vec<String>,
+    },
     /// A name that is no folder's.
     #[error("`{0}` is no name for a baseline; use letters, digits, `-`, `_` and `.`")]
     Name(String),
@@ -68,4 +74,15 @@ pub enum BaselineError {
     /// A run failed.
     #[error(transparent)]
     Study(#[from] StudyError),
+}
+
+fn other_solvers(recorded: &[String]) -> String {
+    if recorded.is_empty() {
+        return "this baseline was made by Pinwheel's own solver; leave out --solver, or record one under another name"
+            .to_owned();
+    }
+    format!(
+        "this baseline was made by {}; name the same by --solver, in this order",
+        recorded.join(", ")
+    )
 }

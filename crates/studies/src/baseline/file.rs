@@ -34,6 +34,9 @@ pub struct Head {
     pub format: u32,
     /// Names of the scenes, whose files stand beside this one.
     pub scenes: Vec<String>,
+    /// Solvers that joined and made it; empty: our own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub solvers: Vec<String>,
     /// What made the current state.
     pub made: Made,
     /// Every acceptance, oldest first.

@@ -24,7 +24,11 @@ pub mod table;
 mod write;
 mod yardstick;
 
+use cases::Way;
+use pinwheel_engines::{EngineError, by_name};
 use pinwheel_gearbox::contacts::Kernel;
+
+use crate::StudyError;
 
 pub use cases::{Choice, SCENES, SceneCase};
 pub use check::{CaseCheck, Check, check};
@@ -53,6 +57,8 @@ pub struct Options {
     pub only: Vec<String>,
     /// Whether the time over all cases decides, too.
     pub judge_time: bool,
+    /// Solvers that joined; with any, they are run instead of our own, at the scenes' steps and tolerances.
+    pub solvers: Vec<String>,
 }
 
 impl Default for Options {
@@ -63,6 +69,7 @@ impl Default for Options {
             repeats: 0,
             only: Vec::new(),
             judge_time: false,
+            solvers: Vec::new(),
         }
     }
 }
@@ -81,6 +88,30 @@ impl Options {
             self.only.is_empty() || self.only.iter().any(|name| name == case.name)
         };
         Ok(SCENES.iter().filter(wanted).collect())
+    }
+
+    /// By which a scene of the set is run: our choices, or the solvers that honour it.
+    fn ways<'a>(&'a self, case: &SceneCase) -> Result<Vec<Way<'a>>, BaselineError> {
+        if self.solvers.is_empty() {
+            return Ok(case.choices.iter().map(Way::from).collect());
+        }
+        let scene = case.scene(&[]).map_err(StudyError::from)?;
+        let honours = |name: &&String| {
+            by_name(name, &scene).is_some_and(|engine| {
+                !matches!(
+                    engine.supports(&scene),
+                    Err(EngineError::Unsupported { .. })
+                )
+            })
+        };
+        let solvers = self.solvers.iter().filter(honours);
+        Ok(solvers
+            .map(|name| Way {
+                name,
+                sets: &[],
+                solver: Some(name),
+            })
+            .collect())
     }
 }
 

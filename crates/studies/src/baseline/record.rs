@@ -3,7 +3,7 @@
 use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_scene::CheckedScene;
 
-use super::cases::{Choice, SceneCase};
+use super::cases::{SceneCase, Way};
 use super::error::BaselineError;
 use super::file::{
     Acceptance, Baseline, CaseQuantity, CaseRecord, FORMAT, Head, Made, ReferenceQuantity,
@@ -31,20 +31,21 @@ pub fn record(
     let mut jobs = Vec::new();
     for case in &chosen {
         jobs.extend(reference::jobs(&load(case, None)?.into_scene()));
-        for choice in case.choices {
-            jobs.extend(case_jobs(case, choice, options)?);
+        for way in options.ways(case)? {
+            jobs.extend(case_jobs(case, &way, options)?);
         }
     }
     let mut outcomes = run_all(&jobs, options.threads, control)?.into_iter();
     let mut scenes = Vec::new();
     for case in chosen {
-        scenes.push(scene_record(case, &mut outcomes)?);
+        scenes.push(scene_record(case, options, &mut outcomes)?);
     }
     Ok(Baseline {
         head: Head {
             format: FORMAT,
             scenes: scenes.iter().map(|scene| scene.scene.clone()).collect(),
             made,
+            solvers: options.solvers.clone(),
             accepted,
         },
         scenes,
@@ -52,34 +53,33 @@ pub fn record(
 }
 
 /// A scene of the set by one choice, or as it is.
-pub(super) fn load(
-    case: &SceneCase,
-    choice: Option<&Choice>,
-) -> Result<CheckedScene, BaselineError> {
-    Ok(case.scene(choice).map_err(StudyError::from)?)
+pub(super) fn load(case: &SceneCase, way: Option<&Way<'_>>) -> Result<CheckedScene, BaselineError> {
+    let sets = way.map_or(&[][..], |way| way.sets);
+    Ok(case.scene(sets).map_err(StudyError::from)?)
 }
 
 /// The run that is kept or checked.
 pub(super) fn plain_job(
     case: &SceneCase,
-    choice: &Choice,
+    way: &Way<'_>,
     options: &Options,
 ) -> Result<Job, BaselineError> {
     Ok(Job {
-        label: format!("{}, {}", case.name, choice.name),
-        scene: load(case, Some(choice))?.into_scene(),
+        label: format!("{}, {}", case.name, way.name),
+        scene: load(case, Some(way))?.into_scene(),
         kernel: options.kernel,
         repeats: options.repeats,
+        solver: way.solver.map(str::to_owned),
     })
 }
 
 /// The run that is kept, then those that differ from it by roundings.
 fn case_jobs(
     case: &SceneCase,
-    choice: &Choice,
+    way: &Way<'_>,
     options: &Options,
 ) -> Result<Vec<Job>, BaselineError> {
-    let plain = plain_job(case, choice, options)?;
+    let plain = plain_job(case, way, options)?;
     let mut jobs = vec![plain.clone()];
     jobs.extend(roundings(&plain));
     Ok(jobs)
@@ -109,19 +109,25 @@ pub(super) fn roundings(plain: &Job) -> Vec<Job> {
         *radius = digit(*radius);
         job
     };
-    vec![
-        by(Kernel::Avx2),
-        by(Kernel::Portable),
-        by(Kernel::Scalar),
+    // A solver from outside has no loop of ours that could be chosen.
+    let loops = match plain.solver {
+        Some(_) => Vec::new(),
+        None => [Kernel::Avx2, Kernel::Portable, Kernel::Scalar]
+            .map(by)
+            .into(),
+    };
+    let digits = [
         moved(f64::next_up),
         moved(f64::next_down),
         placed(f64::next_up),
         placed(f64::next_down),
-    ]
+    ];
+    loops.into_iter().chain(digits).collect()
 }
 
 fn scene_record(
     case: &SceneCase,
+    options: &Options,
     outcomes: &mut impl Iterator<Item = Outcome>,
 ) -> Result<SceneRecord, BaselineError> {
     let mut next = |choice: &str| -> Result<Finished, BaselineError> {
@@ -152,15 +158,15 @@ fn scene_record(
             .collect(),
     };
     let mut cases = Vec::new();
-    for choice in case.choices {
-        let plain = next(choice.name)?;
+    for way in options.ways(case)? {
+        let plain = next(way.name)?;
         let mut varied = Vec::new();
-        for _ in 0..ROUNDINGS {
-            varied.push(next(choice.name)?);
+        for _ in roundings(&plain_job(case, &way, options)?) {
+            varied.push(next(way.name)?);
         }
         cases.push(CaseRecord {
-            choice: choice.name.to_owned(),
-            set: choice
+            choice: way.name.to_owned(),
+            set: way
                 .sets
                 .iter()
                 .map(|(key, value)| format!("{key}={value}"))
@@ -194,9 +200,6 @@ fn scene_record(
 fn spread(a: &Costs, b: &Costs) -> f64 {
     a.right_hand_sides.abs_diff(b.right_hand_sides) as f64 / b.right_hand_sides.max(1) as f64
 }
-
-/// Runs of [`roundings`].
-const ROUNDINGS: usize = 7;
 
 fn reference_quantity(fine: &Values, coarse: &Values, penetration: f64) -> ReferenceQuantity {
     let size = match fine.quantity.key {

@@ -32,6 +32,7 @@ pub(super) fn jobs(scene: &Scene) -> [Job; 2] {
             label: format!("{}, converged at {tolerance:e}", scene.name),
             scene,
             kernel: Kernel::Lanes,
+            solver: None,
             repeats: 0,
         }
     })

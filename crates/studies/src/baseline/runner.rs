@@ -14,7 +14,7 @@ use super::instructions::Counter;
 use super::quantity::{self, Values};
 use super::yardstick;
 use crate::StudyError;
-use crate::control::{Control, Progress};
+use crate::control::{self, Control, Ended, Progress};
 use crate::pool;
 
 /// What a run cost.
@@ -54,8 +54,47 @@ pub(super) struct Job {
     pub(super) label: String,
     pub(super) scene: Scene,
     pub(super) kernel: Kernel,
+    /// A solver that joined instead of our own.
+    pub(super) solver: Option<String>,
     /// Times it is run for its time; 0: time and instructions are not measured.
     pub(super) repeats: usize,
+}
+
+/// Makes one run of a solver from outside, which costs what it says, in CPU time of its own.
+fn run_solver(job: &Job, solver: &str, cancel: &AtomicBool) -> Result<Outcome, StudyError> {
+    let gearbox = control::compile(&job.scene)?;
+    let (mut least, mut unit) = (f64::INFINITY, f64::INFINITY);
+    for turn in 1.. {
+        let (ended, stats) = match control::run_on(solver, &job.scene, cancel)? {
+            Ok(found) => found,
+            Err(reason) => return Ok(Err(reason)),
+        };
+        let run = match ended {
+            Ended::Whole(run) => run,
+            Ended::Diverged { time_s, quantity } => {
+                return Ok(Err(format!("diverged at t = {time_s:.6} s: {quantity}")));
+            }
+        };
+        least = least.min(stats.cpu_s);
+        if job.repeats > 0 {
+            unit = unit.min(yardstick::measure());
+        }
+        if turn >= job.repeats {
+            return Ok(Ok(Finished {
+                time_s: run.courses.time_s().to_vec(),
+                values: quantity::values(&gearbox, &run),
+                costs: Costs {
+                    right_hand_sides: run.counts.evaluations,
+                    steps: run.counts.steps,
+                    rejections: run.counts.rejected,
+                    newton_steps: 0,
+                    instructions: None,
+                    time_ratio: (job.repeats > 0 && unit > 0.0).then_some(least / unit),
+                },
+            }));
+        }
+    }
+    Ok(Err("never ran".to_owned()))
 }
 
 /// Makes one run on this thread.
@@ -64,6 +103,9 @@ pub(super) fn run(
     cancel: &AtomicBool,
     counter: &mut Counter,
 ) -> Result<Outcome, StudyError> {
+    if let Some(solver) = &job.solver {
+        return run_solver(job, solver, cancel);
+    }
     let of_scene = |source| StudyError::Scene {
         scene: job.label.clone(),
         source,

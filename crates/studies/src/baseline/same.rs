@@ -76,7 +76,7 @@ fn jobs(options: &Options, loops: &[Kernel]) -> Result<Vec<Job>, BaselineError> 
         for choice in case.choices {
             let job = Job {
                 repeats: 0,
-                ..plain_job(case, choice, options)?
+                ..plain_job(case, &choice.into(), options)?
             };
             jobs.extend(loops.iter().map(|&kernel| Job {
                 kernel,

@@ -102,7 +102,17 @@ impl<'a> Engines<'a> {
             "rapier-shared-law" | "rapier-own-contact-hook" => Some(foreign(2.0)),
             "exudyn-shared-law-constrained" => Some(foreign(2.0)),
             "exudyn-shared-law-explicit" | "mujoco-shared-law" => Some(foreign(4.0)),
-            _ => None,
+            _ => own.refinement().map(|refinement| Self {
+                knob: match refinement.knob {
+                    pinwheel_engines::Knob::Step => Knob::Step(refinement.order),
+                    pinwheel_engines::Knob::Tolerance => Knob::Tolerance,
+                },
+                value: match refinement.knob {
+                    pinwheel_engines::Knob::Step => scene.solver.step_s,
+                    pinwheel_engines::Knob::Tolerance => scene.solver.tolerance,
+                },
+                ..foreign(refinement.order)
+            }),
         }
     }
 

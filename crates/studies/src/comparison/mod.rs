@@ -7,12 +7,14 @@ mod ladder;
 
 use std::path::Path;
 
+use pinwheel_compare::limits::Friction;
+use pinwheel_compare::model::{ModelTolerance, Prediction, TOLERANCES};
 use pinwheel_compare::{
-    Comparison, Context, Divergence, Participant, Rules, Scales, Status, compare_with, limits,
-    track,
+    Comparison, Context, Divergence, Metric, Participant, Rules, Scales, Status, WindowKind,
+    compare_with, limits, track,
 };
-use pinwheel_courses::Courses;
-use pinwheel_engines::{Engine, EngineError, RunStats, recorded};
+use pinwheel_courses::{Courses, columns};
+use pinwheel_engines::{Engine, EngineError, RunStats, external, recorded};
 use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, Statement};
 use pinwheel_scene::load_course;
 use pinwheel_scene::{Assumption, CheckedScene, Scene, Start, assumptions};
@@ -115,10 +117,13 @@ pub fn run_with(
         participants.push(participant);
         stated.extend(limits);
     }
+    let tolerances: Vec<ModelTolerance> =
+        (TOLERANCES.iter().copied()).chain(of_solvers()).collect();
     let rules = Rules {
         limits: limits::TABLE,
         stated: &stated,
         evidence: &evidence,
+        tolerances: &tolerances,
         data: &measured,
         ..Rules::default()
     };
@@ -179,6 +184,29 @@ impl Outcome {
         };
         Summary::new(made, found).write(dir)
     }
+}
+
+/// What the authors of solvers that joined state of their own contact models, once a run is steady: mean driver torque, and
+/// whole courses of everything else.
+fn of_solvers() -> impl Iterator<Item = ModelTolerance> {
+    let joined = external::joined().into_iter();
+    joined.flat_map(|solver| {
+        let manifest = solver.manifest();
+        let model = manifest.model.iter();
+        model.map(move |(quantity, stated)| ModelTolerance {
+            engine: &manifest.name,
+            friction: Friction::Any,
+            window: Some(WindowKind::Steady),
+            quantity,
+            metric: match quantity.as_str() {
+                columns::INPUT_TORQUE => Metric::Mean,
+                _ => Metric::RelativeL2,
+            },
+            predicted: Prediction::Same,
+            tolerance: stated.tolerance,
+            reason: &stated.reason,
+        })
+    })
 }
 
 /// Runs one engine and makes a participant of it, however it ended.

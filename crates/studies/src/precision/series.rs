@@ -1,6 +1,7 @@
 //! One engine and method at every setting of its ladder.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::time::Instant;
 
 use cpu_time::ProcessTime;
 use pinwheel_courses::Courses;
@@ -161,7 +162,14 @@ pub(super) fn run(
     control: &Control<'_>,
     announce: &mut dyn FnMut(&str),
 ) -> Result<Series, StudyError> {
-    let knob = method.map_or(Knob::StepS, Knob::of);
+    let refinement = engine.refinement();
+    let knob = method.map_or_else(
+        || match refinement.map(|refinement| refinement.knob) {
+            Some(pinwheel_engines::Knob::Tolerance) => Knob::Tolerance,
+            _ => Knob::StepS,
+        },
+        Knob::of,
+    );
     let mut series = Series {
         engine: engine.name().to_owned(),
         version: engine.version(),
@@ -317,14 +325,18 @@ fn once(
     let stop = AtomicBool::new(false);
     let (looks, reached_ns) = (AtomicU32::new(0), AtomicU64::new(0));
     // CPU time of the process: a busy machine must not make a run look long.
-    let started = ProcessTime::now();
+    let (started, begun) = (ProcessTime::now(), Instant::now());
+    let spent = || match engine.is_outside() {
+        true => begun.elapsed(),
+        false => started.elapsed(),
+    };
     let longest = PATIENCE * options.longest(engine.track());
     let progress = |time_s: f64| {
         if control.cancel.load(Ordering::Relaxed) {
             stop.store(true, Ordering::Relaxed);
         }
         if looks.fetch_add(1, Ordering::Relaxed) % SAMPLES_BETWEEN_LOOKS == 0
-            && started.elapsed().as_secs_f64() > longest
+            && spent().as_secs_f64() > longest
         {
             reached_ns.store((time_s * 1e9) as u64, Ordering::Relaxed);
             stop.store(true, Ordering::Relaxed);

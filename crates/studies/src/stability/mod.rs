@@ -7,6 +7,7 @@ mod reference;
 mod search;
 mod verdict;
 
+use pinwheel_engines::{Knob, by_name};
 use pinwheel_gearbox::auto;
 use pinwheel_scene::{Formulation, PRESETS, Scene};
 use serde::{Deserialize, Serialize};
@@ -15,12 +16,15 @@ pub use reference::Reference;
 pub use verdict::Failure;
 
 use crate::StudyError;
-use crate::control::{Control, Ended, Progress};
+use crate::control::{Control, Ended, Progress, run_on};
 use crate::measure::{Difference, Level, level};
 
-/// A formulation with an integrator.
+/// A formulation with an integrator, or a solver from outside.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Method {
+    /// Name of a solver that joined; the rest is then what the scene has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solver: Option<String>,
     /// Equations.
     pub formulation: Formulation,
     /// Name in scenes.
@@ -44,6 +48,20 @@ pub struct Options {
     pub steps_s: [f64; 2],
 }
 
+impl Method {
+    /// A solver that joined, by its name.
+    #[must_use]
+    pub fn of_solver(name: &str, scene: &Scene) -> Self {
+        let knob = by_name(name, scene).and_then(|engine| Some(engine.refinement()?.knob));
+        Self {
+            solver: Some(name.to_owned()),
+            formulation: Formulation::Reduced,
+            integrator: name.to_owned(),
+            tolerance: (knob == Some(Knob::Tolerance)).then_some(scene.solver.tolerance),
+        }
+    }
+}
+
 impl Options {
     /// As the default, with runs of 0.02 s: the first impacts, and a fifth of the time.
     #[must_use]
@@ -59,6 +77,7 @@ impl Default for Options {
     /// All hard presets, all methods, at the paper's step.
     fn default() -> Self {
         let method = |formulation, integrator: &str| Method {
+            solver: None,
             formulation,
             integrator: integrator.to_owned(),
             tolerance: match integrator {
@@ -195,8 +214,10 @@ pub fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<Row, 
     };
     for method in &options.methods {
         let mut scene = scene.clone();
-        scene.solver.formulation = method.formulation;
-        scene.solver.integrator.clone_from(&method.integrator);
+        if method.solver.is_none() {
+            scene.solver.formulation = method.formulation;
+            scene.solver.integrator.clone_from(&method.integrator);
+        }
         let judge = verdict::Judge {
             reference: &courses,
             level: reference.level,
@@ -225,7 +246,17 @@ fn cell(
         let mut scene = scene.clone();
         scene.solver.step_s = step;
         scene.solver.tolerance = method.tolerance.unwrap_or(scene.solver.tolerance);
-        control.run(&scene)
+        let Some(solver) = &method.solver else {
+            return control.run(&scene);
+        };
+        let ran = run_on(solver, &scene, control.cancel)?;
+        Ok(ran.map_or_else(
+            |reason| Ended::Diverged {
+                time_s: 0.0,
+                quantity: reason,
+            },
+            |(ended, _)| ended,
+        ))
     };
     let mut cell = Cell {
         method: method.clone(),

@@ -34,6 +34,9 @@ pub fn unserved(survey: &Survey) -> Vec<String> {
 /// `reduced rk2`, with the tolerance of methods that have one.
 #[must_use]
 pub fn name(method: &Method) -> String {
+    if let Some(solver) = &method.solver {
+        return solver.clone();
+    }
     let form = match method.formulation {
         pinwheel_scene::Formulation::Reduced => "reduced",
         pinwheel_scene::Formulation::Lagrange => "lagrange",

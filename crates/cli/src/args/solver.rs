@@ -1,0 +1,112 @@
+//! Arguments of `pinwheel solver`, and `--solver` of others.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+use pinwheel::engines::external::{self, scaffold::Language};
+
+use super::SceneArgs;
+use crate::failure::Failure;
+
+/// Solvers of the user's that join the engines.
+#[derive(Debug, Args)]
+pub(crate) struct Solvers {
+    /// Manifest of a solver of your own that joins, see docs/solvers.md; may be repeated. It is a program that is run.
+    #[arg(long = "solver", id = "solver", value_name = "FILE")]
+    pub(crate) files: Vec<PathBuf>,
+}
+
+impl Solvers {
+    /// Lets them join; gives their names.
+    pub(crate) fn join(&self) -> Result<Vec<String>, Failure> {
+        let joined = self.files.iter().map(|file| external::admit(file));
+        let names: Result<_, _> = joined.collect();
+        names.map_err(|error| Failure::input(error.to_string()))
+    }
+
+    /// `names` with theirs; none stays none, which stands for all.
+    pub(crate) fn join_named(&self, names: &[String]) -> Result<Vec<String>, Failure> {
+        let joined = self.join()?;
+        let mut names = names.to_vec();
+        if !names.is_empty() {
+            names.extend(joined);
+        }
+        Ok(names)
+    }
+}
+
+/// `pinwheel solver`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  pinwheel solver new --language c mine     a small solver that works
+  pinwheel solver check mine/solver.toml    what comparisons rely on
+  pinwheel compare paper --solver mine/solver.toml
+  pinwheel solver job paper job             a job folder to try it by hand")]
+pub(crate) struct SolverArgs {
+    #[command(subcommand)]
+    pub(crate) action: SolverAction,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum SolverAction {
+    /// Write a small solver that works into a new folder.
+    New {
+        /// Its language.
+        #[arg(long, value_enum)]
+        language: Lang,
+        /// Its name, and the folder's: small letters, digits and `-`.
+        name: String,
+    },
+    /// Try whether a solver does what comparisons rely on: signs, grid, order, refusals, ends.
+    Check {
+        /// Its manifest.
+        file: PathBuf,
+        /// Write the findings as a JUnit file, too, for CI systems.
+        #[arg(long, value_name = "FILE")]
+        junit: Option<PathBuf>,
+        /// Output folder; an earlier output there is replaced as a whole [default: out/<solver>-check].
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Replace the output folder even if it holds files of other origin.
+        #[arg(long)]
+        force: bool,
+    },
+    /// Write the job folder of a scene, to try a solver by hand.
+    Job {
+        #[command(flatten)]
+        scene: SceneArgs,
+        /// A folder that does not exist yet.
+        folder: PathBuf,
+    },
+    /// Print the folder of libpinwheel_law, for the linker.
+    Library,
+}
+
+/// Languages by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Lang {
+    /// C, Runge-Kutta 4.
+    C,
+    /// C++, Runge-Kutta 4.
+    Cpp,
+    /// Fortran, Heun.
+    Fortran,
+    /// Python, Heun.
+    Python,
+    /// Julia, Runge-Kutta 4.
+    Julia,
+}
+
+impl From<Lang> for Language {
+    fn from(language: Lang) -> Self {
+        match language {
+            Lang::C => Self::C,
+            Lang::Cpp => Self::Cpp,
+            Lang::Fortran => Self::Fortran,
+            Lang::Python => Self::Python,
+            Lang::Julia => Self::Julia,
+        }
+    }
+}

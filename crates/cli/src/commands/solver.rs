@@ -1,0 +1,111 @@
+//! `pinwheel solver`: write, check and serve a solver of the user's own.
+
+use std::path::{Path, PathBuf};
+
+use pinwheel::engines::external::{self, Manifest, Solver, scaffold::Language};
+use pinwheel::pages;
+use pinwheel::studies::{Provenance, conformance, junit};
+
+use crate::args::{self, SceneArgs, SolverAction, SolverArgs};
+use crate::failure::{EXCEEDED, Failure};
+use crate::folder::{self, Folder};
+use crate::progress::watched;
+use crate::screen;
+
+pub(crate) fn solver(args: &SolverArgs) -> Result<u8, Failure> {
+    match &args.action {
+        SolverAction::New { language, name } => new((*language).into(), name),
+        SolverAction::Check {
+            file,
+            junit,
+            out,
+            force,
+        } => check(file, junit.as_deref(), out.as_deref(), *force),
+        SolverAction::Job { scene, folder } => job(scene, folder),
+        SolverAction::Library => {
+            let library = external::law_library().map_err(Failure::engine)?;
+            let folder = library.parent().unwrap_or(&library);
+            screen::show(&folder.display().to_string())?;
+            Ok(0)
+        }
+    }
+}
+
+/// A folder that was not there; nothing is ever written over.
+fn fresh(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir(folder).map_err(|error| {
+        Failure::input(format!(
+            "{} cannot be made: {error}; choose another name",
+            folder.display()
+        ))
+    })
+}
+
+fn new(language: Language, name: &str) -> Result<u8, Failure> {
+    let folder = PathBuf::from(name);
+    let files = language.files(name);
+    Manifest::is_name(name).map_err(Failure::input)?;
+    fresh(&folder)?;
+    for (file, text) in &files {
+        let path = folder.join(file);
+        std::fs::write(&path, text).map_err(|error| {
+            Failure::input(format!("{} cannot be written: {error}", path.display()))
+        })?;
+    }
+    let manifest = Solver::open(&folder.join("solver.toml"));
+    let manifest = manifest.map_err(|error| Failure::engine(error.to_string()))?;
+    let build = manifest.manifest().build.as_ref();
+    let build = build.map_or_else(String::new, |build| {
+        format!("  cd {name} && {build} && cd ..\n")
+    });
+    screen::show(&format!(
+        "{name}/: {}\nnow:\n{build}  pinwheel solver check {name}/solver.toml\n  pinwheel compare paper --solver {name}/solver.toml",
+        files
+            .iter()
+            .map(|(file, _)| *file)
+            .collect::<Vec<_>>()
+            .join(", ")
+    ))?;
+    Ok(0)
+}
+
+fn check(
+    file: &Path,
+    junit: Option<&Path>,
+    out: Option<&Path>,
+    force: bool,
+) -> Result<u8, Failure> {
+    let solver = Solver::open(file).map_err(|error| Failure::input(error.to_string()))?;
+    let name = solver.manifest().name.clone();
+    let out = out.map_or_else(
+        || PathBuf::from(format!("out/{name}-check")),
+        Path::to_owned,
+    );
+    let folder = Folder::prepare(&out, force)?;
+    let found = watched("solver check", |control| {
+        conformance::check(&solver, control)
+    })?;
+    let made = Provenance::here(args::typed());
+    found.write(folder.path(), &made)?;
+    folder.write_page(&pages::conformance::page(&found, &made)?)?;
+    let out = folder.publish()?;
+    if let Some(path) = junit {
+        junit::write(path, "pinwheel solver check", &[found.suite()])?;
+    }
+    screen::show_with_page(&pages::conformance::text(&found), &folder::page(&out))?;
+    Ok(if found.passed() { 0 } else { EXCEEDED })
+}
+
+fn job(scene: &SceneArgs, folder: &Path) -> Result<u8, Failure> {
+    let gearbox = scene.load()?;
+    let library = external::law_library();
+    fresh(folder)?;
+    external::write_job(&gearbox, folder, library.as_deref().ok())
+        .map_err(|error| Failure::engine(error.to_string()))?;
+    let law = library.map_or_else(|remedy| remedy, |path| path.display().to_string());
+    screen::show(&format!(
+        "{}\nlaw library: {law}",
+        folder.join("scene.json").display()
+    ))?;
+    Ok(0)
+}

@@ -1,0 +1,504 @@
+//! The manifest of a solver (`solver.toml`): who it is, how it is started, and what it can do.
+
+use std::collections::BTreeMap;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+use pinwheel_courses::Track;
+use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
+use serde::Deserialize;
+
+use crate::engine::{Knob, Refinement};
+
+/// Bytes of a manifest at most.
+const MOST_BYTES: u64 = 1 << 16;
+/// Longest run that a manifest may ask for, s.
+const LONGEST_S: f64 = 86_400.0;
+/// What stands in a command for what is known only when it runs.
+pub(super) const PLACES: [&str; 4] = ["here", "job", "law", "python"];
+
+/// What a manifest says.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// Version of the job files and exit statuses that the solver speaks.
+    pub protocol: u64,
+    /// As users type it: small letters, digits and `-`.
+    pub name: String,
+    /// The solver's own.
+    pub version: String,
+    /// `shared-law`: contact forces from our library; `own-contact`: its own.
+    pub track: Track,
+    /// One line.
+    pub summary: String,
+    /// How it differs from the native solver, in plain words, for the report.
+    #[serde(default)]
+    pub differences: String,
+    /// Program and arguments, without a shell. `{here}`, `{job}`, `{law}` and `{python}` are replaced.
+    pub command: Vec<String>,
+    /// How to build the program, for the message that it is missing.
+    #[serde(default)]
+    pub build: Option<String>,
+    /// A run is ended after this wall time, s.
+    #[serde(default = "five_minutes")]
+    pub timeout_s: f64,
+    /// What it can do.
+    #[serde(default)]
+    pub honours: Honours,
+    /// What makes it more accurate.
+    #[serde(default)]
+    pub refine: Option<Refine>,
+    /// By how much its model is known to differ from the native one, per quantity.
+    #[serde(default)]
+    pub model: BTreeMap<String, Stated>,
+}
+
+/// What a solver can do; a scene that asks for more is refused before it starts.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Honours {
+    /// Contact laws, in whose names `*` stands for any characters.
+    pub laws: Vec<String>,
+    /// Scenes with a friction coefficient above 0.
+    pub friction: bool,
+    /// Scenes whose load changes during the run.
+    pub load_changes: bool,
+}
+
+impl Default for Honours {
+    fn default() -> Self {
+        Self {
+            laws: vec!["*".to_owned()],
+            friction: false,
+            load_changes: false,
+        }
+    }
+}
+
+/// The key that makes a solver more accurate when it gets smaller.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Refine {
+    /// `solver.step_s` or `solver.tolerance`.
+    pub key: String,
+    /// Order of the error in that key.
+    pub order: f64,
+}
+
+/// A difference of the model that its author knows of.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stated {
+    /// Relative.
+    pub tolerance: f64,
+    /// Why.
+    pub reason: String,
+}
+
+fn five_minutes() -> f64 {
+    300.0
+}
+
+/// What is wrong with a manifest: one line with the remedy.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{path}: {what}; {remedy}")]
+pub struct ManifestError {
+    /// The file as it was named.
+    pub path: String,
+    /// What is wrong.
+    pub what: String,
+    /// How to put it right.
+    pub remedy: String,
+}
+
+impl Manifest {
+    /// Reads and checks a manifest.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is no TOML, or says what cannot be.
+    pub fn read(path: &Path) -> Result<Self, ManifestError> {
+        let fault = |what: String, remedy: &str| ManifestError {
+            path: path.display().to_string(),
+            what: what.split_whitespace().collect::<Vec<_>>().join(" "),
+            remedy: remedy.to_owned(),
+        };
+        let unreadable = |error: std::io::Error| {
+            fault(
+                format!("cannot be read: {error}"),
+                "give the path of a solver's manifest (solver.toml)",
+            )
+        };
+        let data = std::fs::metadata(path).map_err(unreadable)?;
+        if !data.is_file() || data.len() > MOST_BYTES {
+            return Err(fault(
+                "is no manifest: not a file, or far too long".to_owned(),
+                "give the path of a solver's manifest (solver.toml)",
+            ));
+        }
+        let mut text = String::new();
+        std::fs::File::open(path)
+            .and_then(|file| file.take(MOST_BYTES).read_to_string(&mut text))
+            .map_err(unreadable)?;
+        let manifest: Self = toml::from_str(&text).map_err(|error: toml::de::Error| {
+            let at = error.span().map_or(0, |span| span.start.min(text.len()));
+            let line = 1 + text.as_bytes()[..at]
+                .iter()
+                .filter(|b| **b == b'\n')
+                .count();
+            fault(
+                format!("line {line}: {}", error.message()),
+                "`pinwheel solver new --language c NAME` writes one that works",
+            )
+        })?;
+        manifest
+            .check()
+            .map_err(|(what, remedy)| fault(what, &remedy))?;
+        Ok(manifest)
+    }
+
+    /// Whether a solver may be called so.
+    ///
+    /// # Errors
+    /// Why not, with the remedy.
+    pub fn is_name(name: &str) -> Result<(), String> {
+        let letters = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+        let plain = name.len() <= 60
+            && name.starts_with(|c: char| c.is_ascii_lowercase())
+            && name.chars().all(letters);
+        if !plain {
+            return Err(format!(
+                "name = {name:?} is no name of an engine; use small letters, digits and `-`, a letter first"
+            ));
+        }
+        if crate::registry::built_in(name) || name.starts_with("native") {
+            return Err(format!(
+                "name = {name:?} is one of Pinwheel's own engines; choose another name"
+            ));
+        }
+        Ok(())
+    }
+
+    /// What is wrong, and the remedy.
+    fn check(&self) -> Result<(), (String, String)> {
+        let wrong = |what: String, remedy: &str| Err((what, remedy.to_owned()));
+        if self.protocol != JOB_PROTOCOL {
+            return wrong(
+                format!("protocol = {} is not known here", self.protocol),
+                "write protocol = 1",
+            );
+        }
+        if let Err(fault) = Self::is_name(&self.name) {
+            let (what, remedy) = fault.split_once("; ").unwrap_or((&fault, ""));
+            return Err((what.to_owned(), remedy.to_owned()));
+        }
+        for (key, text, may_be_empty) in [
+            ("version", &self.version, false),
+            ("summary", &self.summary, false),
+            ("differences", &self.differences, true),
+        ] {
+            if text.len() > 4000 || text.chars().any(|c| c.is_control() && c != '\n') {
+                return wrong(
+                    format!("{key} is too long, or holds control characters"),
+                    "write plain text",
+                );
+            }
+            if text.trim().is_empty() && !may_be_empty {
+                return wrong(format!("{key} is empty"), "reports show it");
+            }
+        }
+        if !matches!(self.track, Track::SharedLaw | Track::OwnContact) {
+            return wrong(
+                format!("track = {:?} is not one of a solver", self.track.as_str()),
+                "write \"shared-law\" or \"own-contact\"",
+            );
+        }
+        if self.command.first().is_none_or(String::is_empty) {
+            return wrong(
+                "command is empty".to_owned(),
+                "write the program and its arguments, [\"{here}/solver\", \"{job}\", \"{law}\"]",
+            );
+        }
+        for word in &self.command {
+            if word.contains('\0') {
+                return wrong("command holds a zero byte".to_owned(), "write plain text");
+            }
+            let mut rest = word.as_str();
+            while let Some((_, after)) = rest.split_once('{') {
+                let place = PLACES.iter().find(|place| {
+                    after
+                        .strip_prefix(**place)
+                        .is_some_and(|s| s.starts_with('}'))
+                });
+                if place.is_none() {
+                    return wrong(
+                        format!("{word:?} in command has a `{{` that stands for nothing"),
+                        "known are {here}, {job}, {law} and {python}",
+                    );
+                }
+                rest = after;
+            }
+        }
+        if !(self.timeout_s > 0.0 && self.timeout_s <= LONGEST_S) {
+            return wrong(
+                format!("timeout_s = {} is no time to wait", self.timeout_s),
+                "write seconds, at most a day (86400)",
+            );
+        }
+        for law in &self.honours.laws {
+            if !names::laws().iter().any(|known| fits(law, known)) {
+                return wrong(
+                    format!("honours.laws names {law:?}, which is no contact law"),
+                    "`pinwheel laws` lists them; `*` stands for any characters",
+                );
+            }
+        }
+        if let Some(refine) = &self.refine {
+            if refine.knob().is_none() {
+                return wrong(
+                    format!(
+                        "refine.key = {:?} is not one that can be varied",
+                        refine.key
+                    ),
+                    "write \"solver.step_s\" or \"solver.tolerance\"",
+                );
+            }
+            if !(refine.order > 0.0 && refine.order <= 20.0) {
+                return wrong(
+                    format!("refine.order = {} is no order", refine.order),
+                    "write the order of the method, e.g. 4 (of solver.tolerance: 1)",
+                );
+            }
+        }
+        for (quantity, stated) in &self.model {
+            if self.track != Track::OwnContact {
+                return wrong(
+                    "[model] states differences of an own contact model, but the track is \"shared-law\""
+                        .to_owned(),
+                    "leave [model] out",
+                );
+            }
+            let sound = stated.tolerance >= 0.0 && stated.tolerance.is_finite();
+            if !sound || stated.reason.trim().is_empty() {
+                return wrong(
+                    format!("model.{quantity} needs a tolerance, 0 or more, and a reason"),
+                    "write { tolerance = 0.01, reason = \"...\" }",
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// What makes it more accurate.
+    pub(super) fn refinement(&self) -> Option<Refinement> {
+        let refine = self.refine.as_ref()?;
+        Some(Refinement {
+            knob: refine.knob()?,
+            order: refine.order,
+        })
+    }
+
+    /// Whether it honours a contact law.
+    #[must_use]
+    pub fn honours_law(&self, law: &str) -> bool {
+        self.honours.laws.iter().any(|known| fits(known, law))
+    }
+
+    /// Why it does not honour a scene.
+    pub(super) fn refuses(&self, scene: &Scene) -> Option<String> {
+        let law = &scene.contact.law;
+        if !self.honours_law(law) {
+            return Some(format!(
+                "its manifest honours the contact laws {}, not `{law}`",
+                self.honours.laws.join(", ")
+            ));
+        }
+        if scene.contact.friction_coefficient > 0.0 && !self.honours.friction {
+            return Some("its manifest does not honour friction (honours.friction)".to_owned());
+        }
+        if !scene.drive.load_changes.is_empty() && !self.honours.load_changes {
+            return Some(
+                "its manifest does not honour changes of the load (honours.load_changes)"
+                    .to_owned(),
+            );
+        }
+        None
+    }
+
+    /// The command with its places filled in.
+    pub(super) fn argv(&self, known: &[(&str, &Path); 4]) -> Vec<std::ffi::OsString> {
+        let fill = |word: &String| {
+            let mut filled = std::ffi::OsString::new();
+            let mut rest = word.as_str();
+            // Checked when it was read: every brace opens one of the places.
+            while let Some((before, after)) = rest.split_once('{') {
+                let (place, after) = after.split_once('}').unwrap_or((after, ""));
+                filled.push(before);
+                if let Some((_, path)) = known.iter().find(|(name, _)| *name == place) {
+                    filled.push(path);
+                }
+                rest = after;
+            }
+            filled.push(rest);
+            filled
+        };
+        self.command.iter().map(fill).collect()
+    }
+
+    /// Whether its command asks for a place.
+    pub(super) fn wants(&self, place: &str) -> bool {
+        let place = format!("{{{place}}}");
+        self.command.iter().any(|word| word.contains(&place))
+    }
+}
+
+impl Refine {
+    fn knob(&self) -> Option<Knob> {
+        match self.key.as_str() {
+            "solver.step_s" => Some(Knob::Step),
+            "solver.tolerance" => Some(Knob::Tolerance),
+            _ => None,
+        }
+    }
+}
+
+/// Whether `*`-pattern and name fit.
+fn fits(pattern: &str, name: &str) -> bool {
+    match pattern.split_once('*') {
+        None => pattern == name,
+        Some((head, tail)) => name.strip_prefix(head).is_some_and(|rest| {
+            (0..=rest.len())
+                .filter(|&k| rest.is_char_boundary(k))
+                .any(|k| fits(tail, &rest[k..]))
+        }),
+    }
+}
+
+/// The interpreter that `{python}` means: `PINWHEEL_PYTHON`, else that of the active environment, else `python3`.
+pub(super) fn python() -> PathBuf {
+    let named = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
+    let inside = if cfg!(windows) {
+        "Scripts/python.exe"
+    } else {
+        "bin/python"
+    };
+    named("PINWHEEL_PYTHON")
+        .map(PathBuf::from)
+        .or_else(|| Some(PathBuf::from(named("VIRTUAL_ENV")?).join(inside)))
+        .unwrap_or_else(|| PathBuf::from(if cfg!(windows) { "python" } else { "python3" }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str = r#"
+protocol = 1
+name = "mine"
+version = "0.1"
+track = "own-contact"
+summary = "a solver"
+command = ["{here}/solver", "--job={job}", "{law}", "{python}"]
+timeout_s = 30
+[honours]
+laws = ["paper*", "constant"]
+friction = true
+[refine]
+key = "solver.step_s"
+order = 4
+[model]
+input_torque_n_m = { tolerance = 0.01, reason = "bed of springs" }
+"#;
+
+    fn read(text: &str) -> Result<Manifest, ManifestError> {
+        let folder = tempfile::tempdir().expect("folder");
+        let path = folder.path().join("solver.toml");
+        std::fs::write(&path, text).expect("written");
+        Manifest::read(&path)
+    }
+
+    #[test]
+    fn a_manifest_as_documented() {
+        let manifest = read(GOOD).expect("good");
+        assert_eq!(manifest.refinement().map(|r| r.order), Some(4.0));
+        let places = [
+            ("here", "/h"),
+            ("job", "/j b"),
+            ("law", "/l"),
+            ("python", "py"),
+        ];
+        let argv = manifest.argv(&places.map(|(name, path)| (name, Path::new(path))));
+        assert_eq!(argv, ["/h/solver", "--job=/j b", "/l", "py"]);
+        assert!(manifest.wants("law") && manifest.wants("python"));
+        let scene = |sets: &[&str]| {
+            let sets: Vec<_> = sets.iter().map(|set| set.parse().expect("one")).collect();
+            Scene::load("paper", &sets).expect("paper")
+        };
+        assert_eq!(
+            manifest.refuses(&scene(&["contact.friction_coefficient=0.1"])),
+            None
+        );
+        assert_eq!(
+            manifest.refuses(&scene(&["contact.law=paper-conservative"])),
+            None
+        );
+        let law = manifest
+            .refuses(&scene(&["contact.law=flores"]))
+            .expect("refused");
+        assert!(law.contains("paper*, constant, not `flores`"), "{law}");
+        let load = "drive.load_changes=[{time_s=0.1,output_torque_n_m=30.0}]";
+        assert!(manifest.refuses(&scene(&[load])).is_some());
+    }
+
+    #[test]
+    fn bad_input_is_named_with_its_remedy() {
+        for (from, to, words) in [
+            ("protocol = 1", "protocol = 2", "write protocol = 1"),
+            ("\"mine\"", "\"Mine!\"", "small letters"),
+            ("\"mine\"", "\"native-reduced\"", "choose another name"),
+            ("version = \"0.1\"", "", "missing field `version`"),
+            (
+                "version = \"0.1\"",
+                "verzion = \"0.1\"",
+                "unknown field `verzion`",
+            ),
+            ("own-contact", "measured", "write \"shared-law\""),
+            ("own-contact", "shared-law", "leave [model] out"),
+            (
+                "{here}/solver",
+                "{hear}/solver",
+                "known are {here}, {job}, {law} and {python}",
+            ),
+            (
+                "[\"{here}/solver\", \"--job={job}\", \"{law}\", \"{python}\"]",
+                "[]",
+                "write the program",
+            ),
+            ("timeout_s = 30", "timeout_s = -1", "write seconds"),
+            ("timeout_s = 30", "timeout_s = inf", "write seconds"),
+            ("\"constant\"", "\"konstant\"", "`pinwheel laws` lists them"),
+            ("solver.step_s", "gear.wheels", "write \"solver.step_s\""),
+            ("order = 4", "order = 0", "write the order of the method"),
+            ("tolerance = 0.01", "tolerance = -1", "needs a tolerance"),
+        ] {
+            let error = read(&GOOD.replace(from, to)).expect_err(words).to_string();
+            assert!(error.contains(words), "{error}");
+            assert!(!error.contains('\n'), "{error}");
+        }
+        let error = Manifest::read(Path::new("/nowhere.toml")).expect_err("missing");
+        assert!(error.to_string().contains("cannot be read"), "{error}");
+        assert!(Manifest::read(Path::new("/dev/zero")).is_err());
+    }
+
+    #[test]
+    fn patterns() {
+        for (pattern, name, fit) in [
+            ("*", "paper", true),
+            ("paper*", "paper-printed", true),
+            ("*-*", "hunt-crossley", true),
+            ("paper", "paper-printed", false),
+            ("*x", "paper", false),
+        ] {
+            assert_eq!(fits(pattern, name), fit, "{pattern} {name}");
+        }
+    }
+}

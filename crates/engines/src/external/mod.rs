@@ -1,0 +1,382 @@
+//! Solvers from outside as engines: a manifest says how to start one, a job folder holds the scene and takes the result.
+//!
+//! ```text
+//!  solver.toml ──read──> Solver (an Engine)
+//!  scene ──> job folder: scene.json ──command──> courses.csv, result.json, exit status ──checked──> Run
+//! ```
+//! docs/solvers.md tells authors what they have to know. A manifest is a program that its user trusts, and is read only
+//! where the user names it. What the program writes is not trusted.
+
+mod library;
+mod manifest;
+mod process;
+mod result;
+pub mod scaffold;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::sync::{PoisonError, RwLock};
+use std::time::Duration;
+
+use pinwheel_courses::Courses;
+use pinwheel_gearbox::Gearbox;
+use pinwheel_law::job;
+
+use crate::engine::{Control, Engine, EngineError, Prepared, Refinement, Run, RunStats, Track};
+pub use library::law_library;
+pub use manifest::{Honours, Manifest, ManifestError, Refine, Stated};
+pub use pinwheel_law::job::{schema as job_schema, write as write_job};
+pub use process::end_all;
+use process::{End, Limits, Ran, plain};
+use result::{JobFolder, Told};
+
+/// Exit status of a run whose numbers ran away.
+const DIVERGED: i32 = 3;
+/// Exit status of a solver that does not honour a scene.
+const UNSUPPORTED: i32 = 4;
+/// Longest piece of a foreign text in a message.
+const WORDS: usize = 300;
+/// Longest message.
+const MESSAGE: usize = 700;
+/// What a run may write.
+const FOLDER_BYTES: u64 = 1 << 30;
+const LOG_BYTES: u64 = 64 << 20;
+
+/// A solver from outside.
+#[derive(Debug, Clone)]
+pub struct Solver {
+    manifest: Manifest,
+    /// The manifest's folder, absolute.
+    here: PathBuf,
+    /// How the names of its job folders begin.
+    prefix: &'static str,
+    log_bytes: u64,
+    folder_bytes: u64,
+}
+
+impl Solver {
+    /// Reads a manifest.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn open(path: &Path) -> Result<Self, ManifestError> {
+        let manifest = Manifest::read(path)?;
+        let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        Ok(Self {
+            manifest,
+            here: absolute.parent().unwrap_or(Path::new("/")).to_owned(),
+            prefix: "pinwheel-job-",
+            log_bytes: LOG_BYTES,
+            folder_bytes: FOLDER_BYTES,
+        })
+    }
+
+    /// What the manifest says.
+    #[must_use]
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// The same solver that is ended after `longest`, if that is sooner.
+    #[must_use]
+    pub fn within(mut self, longest: Duration) -> Self {
+        self.manifest.timeout_s = self.manifest.timeout_s.min(longest.as_secs_f64());
+        self
+    }
+
+    /// The same solver whose job folders have a space in their names, as a user's may have.
+    #[must_use]
+    pub fn with_spaces(mut self) -> Self {
+        self.prefix = "pinwheel job ";
+        self
+    }
+
+    fn failed(&self, reason: impl Into<String>) -> EngineError {
+        EngineError::Failed {
+            engine: self.manifest.name.clone(),
+            reason: plain(&reason.into(), MESSAGE),
+        }
+    }
+
+    fn unsupported(&self, reason: impl Into<String>) -> EngineError {
+        EngineError::Unsupported {
+            engine: self.manifest.name.clone(),
+            reason: reason.into(),
+        }
+    }
+
+    /// The library, where the command cannot do without it.
+    fn library(&self) -> Result<Option<PathBuf>, EngineError> {
+        match law_library() {
+            Ok(path) => Ok(Some(path)),
+            Err(remedy) if self.manifest.wants("law") => Err(self.failed(remedy)),
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// Runs it in a job folder that `fill` fills.
+    fn drive(
+        &self,
+        gearbox: &Gearbox,
+        control: &Control<'_>,
+        fill: impl FnOnce(&Path, Option<&Path>) -> Result<(), job::JobError>,
+    ) -> Result<Run, EngineError> {
+        let io = |error: std::io::Error| self.failed(format!("its job folder: {error}"));
+        let library = self.library()?;
+        let folder = tempfile::Builder::new()
+            .prefix(self.prefix)
+            .tempdir()
+            .map_err(io)?;
+        fill(folder.path(), library.as_deref()).map_err(|error| self.failed(error.to_string()))?;
+        let handle = JobFolder::open(folder.path()).map_err(io)?;
+        let (nothing, python) = (Path::new(""), manifest::python());
+        let argv = self.manifest.argv(&[
+            ("here", self.here.as_path()),
+            ("job", folder.path()),
+            ("law", library.as_deref().unwrap_or(nothing)),
+            ("python", python.as_path()),
+        ]);
+        let limits = Limits {
+            longest: Duration::from_secs_f64(self.manifest.timeout_s),
+            folder_bytes: self.folder_bytes,
+            log_bytes: self.log_bytes,
+        };
+        let place = process::Place {
+            folder: folder.path(),
+            library: library.as_deref(),
+        };
+        let ran = process::run(&argv, place, limits, &|t| control.reached(t))
+            .map_err(|error| self.failed(self.does_not_start(&argv[0], &error)))?;
+        self.judge(gearbox, &handle, ran)
+    }
+
+    /// Runs it on a job file that breaks off, for whoever wants to see what it does.
+    ///
+    /// # Errors
+    /// As of any run; a sound solver ends in one.
+    pub fn run_broken_job(
+        &self,
+        gearbox: &Gearbox,
+        cancel: &AtomicBool,
+    ) -> Result<Run, EngineError> {
+        let control = Control {
+            cancel,
+            progress: &|_| {},
+        };
+        self.drive(gearbox, &control, |folder, _| {
+            Ok(std::fs::write(
+                folder.join(pinwheel_law::JOB_FILE),
+                "{\"protocol\": 1, \"sce",
+            )?)
+        })
+    }
+
+    fn does_not_start(&self, program: &std::ffi::OsStr, error: &std::io::Error) -> String {
+        let remedy = match &self.manifest.build {
+            Some(build) => format!("build it: {}", plain(build, WORDS)),
+            None => "build it, or correct `command` in its manifest".to_owned(),
+        };
+        format!("{} does not start: {error}; {remedy}", program.display())
+    }
+
+    fn judge(&self, gearbox: &Gearbox, folder: &JobFolder, ran: Ran) -> Result<Run, EngineError> {
+        let said = last_line(&ran.log);
+        let and_said = said
+            .as_ref()
+            .map_or_else(String::new, |line| format!(": {line}"));
+        let status = match &ran.end {
+            End::Cancelled => return Err(EngineError::Cancelled),
+            End::Stopped(why) => {
+                return Err(self.failed(format!("{why}{}", last_words(said.as_deref()))));
+            }
+            End::Status(status) => *status,
+        };
+        match status.code() {
+            Some(0 | DIVERGED) => {}
+            Some(UNSUPPORTED) => {
+                let reason = said.unwrap_or_else(|| "it gives no reason".to_owned());
+                return Err(self.unsupported(reason));
+            }
+            Some(code) => return Err(self.failed(format!("it ended with status {code}{and_said}"))),
+            None => {
+                return Err(self.failed(format!("it was ended by {}{and_said}", killer(status))));
+            }
+        }
+        let diverged = status.code() == Some(DIVERGED);
+        let told = folder.told().map_err(|what| self.failed(what))?;
+        let found = match folder.courses(gearbox, !diverged) {
+            Ok(found) => found,
+            // A run may diverge before its first row.
+            Err(_) if diverged => result::Found {
+                courses: Courses::default(),
+                diverged: None,
+                notes: Vec::new(),
+            },
+            Err(what) => return Err(self.failed(format!("{what}{}", last_words(said.as_deref())))),
+        };
+        let mut run = Run::new(found.courses, self.stats(gearbox, folder, &ran, &told));
+        run.stats.notes.extend(found.notes);
+        let stated = diverged.then(|| {
+            let time = run.courses.time_s().last().copied().unwrap_or(0.0);
+            let time = ran.reached_s.map_or(time, |reached| reached.max(time));
+            let end = gearbox.scene.solver.duration_s;
+            (
+                time.min(end),
+                said.unwrap_or_else(|| "it says so itself".to_owned()),
+            )
+        });
+        match found.diverged.or(stated) {
+            None => Ok(run),
+            Some((time_s, quantity)) => Err(EngineError::Diverged {
+                engine: self.manifest.name.clone(),
+                time_s,
+                quantity,
+                partial: Box::new(run),
+            }),
+        }
+    }
+
+    fn stats(&self, gearbox: &Gearbox, folder: &JobFolder, ran: &Ran, told: &Told) -> RunStats {
+        let solver = &gearbox.scene.solver;
+        let by_step = self
+            .refinement()
+            .is_some_and(|refinement| refinement.knob == crate::Knob::Step);
+        let mean = solver.duration_s / told.steps.max(1) as f64;
+        let mut notes = ran.notes.clone();
+        notes.extend(told.notes.iter().take(20).map(|note| plain(note, WORDS)));
+        RunStats {
+            wall_s: ran.wall_s,
+            cpu_s: ran.cpu_s.or(told.cpu_s).unwrap_or(ran.wall_s),
+            rhs_calls: folder.law_calls().unwrap_or(told.right_hand_sides),
+            steps: told.steps,
+            rejected_steps: told.rejected_steps,
+            degrees_of_freedom: told.degrees_of_freedom,
+            bodies: gearbox.layout.bodies(),
+            step_s: match told.steps {
+                0 if by_step => solver.step_s,
+                0 => 0.0,
+                _ => mean,
+            },
+            settings: plain(&told.settings, WORDS),
+            notes,
+            joint_drift_m: told.joint_drift_m,
+            ..RunStats::default()
+        }
+    }
+}
+
+impl Engine for Solver {
+    fn name(&self) -> &str {
+        &self.manifest.name
+    }
+
+    fn track(&self) -> Track {
+        self.manifest.track
+    }
+
+    fn version(&self) -> String {
+        format!(
+            "{} (solver from outside)",
+            plain(&self.manifest.version, 60)
+        )
+    }
+
+    fn summary(&self) -> &str {
+        &self.manifest.summary
+    }
+
+    fn differences(&self) -> &str {
+        &self.manifest.differences
+    }
+
+    fn refinement(&self) -> Option<Refinement> {
+        self.manifest.refinement()
+    }
+
+    fn is_outside(&self) -> bool {
+        true
+    }
+
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+        if let Some(reason) = self.manifest.refuses(&gearbox.scene) {
+            return Err(self.unsupported(reason));
+        }
+        self.library()?;
+        let gearbox = gearbox.clone();
+        Ok(Box::new(move |control: &Control<'_>| {
+            self.drive(&gearbox, control, |folder, library| {
+                job::write(&gearbox, folder, library)
+            })
+        }))
+    }
+}
+
+/// The last thing it said, for a message.
+fn last_line(log: &str) -> Option<String> {
+    let lines = log.lines().map(|line| plain(line, WORDS));
+    lines.filter(|line| !line.is_empty()).next_back()
+}
+
+fn last_words(said: Option<&str>) -> String {
+    said.map_or_else(String::new, |line| format!(" (its last words: {line})"))
+}
+
+/// What ended a program that did not end itself.
+fn killer(status: std::process::ExitStatus) -> String {
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::ExitStatusExt as _;
+        let signal = status.signal().unwrap_or(0);
+        let name = match signal {
+            4 => " (illegal instruction)",
+            6 => " (abort)",
+            8 => " (arithmetic fault)",
+            9 => " (kill; perhaps there was not enough memory)",
+            11 => " (segmentation fault)",
+            _ => "",
+        };
+        format!("signal {signal}{name}")
+    }
+    #[cfg(not(unix))]
+    format!("the system ({status})")
+}
+
+/// Solvers that the user named: engines of this process as those of the build are, for as long as it lives.
+static ADMITTED: RwLock<Vec<&'static Solver>> = RwLock::new(Vec::new());
+
+/// Reads a manifest and lets its solver join the [`registry`](fn@crate::registry). Returns its name.
+///
+/// # Errors
+/// What is wrong with the manifest, or another solver of that name.
+pub fn admit(path: &Path) -> Result<String, ManifestError> {
+    let solver = Solver::open(path)?;
+    let name = solver.manifest.name.clone();
+    let mut admitted = ADMITTED.write().unwrap_or_else(PoisonError::into_inner);
+    if admitted.iter().any(|other| other.manifest.name == name) {
+        return Err(ManifestError {
+            path: path.display().to_string(),
+            what: format!("there is another solver of the name {name:?}"),
+            remedy: "name each --solver once, and give them different names".to_owned(),
+        });
+    }
+    admitted.push(Box::leak(Box::new(solver)));
+    Ok(name)
+}
+
+/// The solvers that joined, as engines.
+pub(crate) fn admitted() -> impl Iterator<Item = Box<dyn Engine>> {
+    let solvers = joined().into_iter();
+    solvers.map(|solver| Box::new(solver.clone()) as Box<dyn Engine>)
+}
+
+/// The solvers that joined.
+#[must_use]
+pub fn joined() -> Vec<&'static Solver> {
+    ADMITTED
+        .read()
+        .unwrap_or_else(PoisonError::into_inner)
+        .clone()
+}
+
+#[cfg(all(test, unix))]
+mod tests;

@@ -1,0 +1,297 @@
+//! What a solver left in its folder: read without trust, checked, and made a run.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use pinwheel_courses::{Courses, columns};
+use pinwheel_gearbox::{Gearbox, guard};
+use pinwheel_law::{CALLS_FILE, job};
+use serde::Deserialize;
+
+/// Bytes of `result.json` and of the counts at most.
+const SMALL: u64 = 1 << 20;
+/// Bytes that a number may take in a CSV file, generously.
+const NUMBER: u64 = 64;
+
+/// What a solver may tell of its run.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub(super) struct Told {
+    pub(super) steps: u64,
+    pub(super) rejected_steps: u64,
+    /// Evaluations of the contact forces; the library's own count stands above it.
+    pub(super) right_hand_sides: u64,
+    pub(super) degrees_of_freedom: usize,
+    pub(super) joint_drift_m: Option<f64>,
+    pub(super) cpu_s: Option<f64>,
+    pub(super) settings: String,
+    pub(super) notes: Vec<String>,
+}
+
+/// Courses, and why they end early if they do.
+#[derive(Debug)]
+pub(super) struct Found {
+    pub(super) courses: Courses,
+    /// Time and quantity at which the numbers ran away.
+    pub(super) diverged: Option<(f64, String)>,
+    pub(super) notes: Vec<String>,
+}
+
+/// A folder that was opened before the solver ran: what stands in its place afterwards does not matter.
+pub(super) struct JobFolder {
+    #[cfg(unix)]
+    handle: std::os::fd::OwnedFd,
+    #[cfg(not(unix))]
+    path: std::path::PathBuf,
+}
+
+impl JobFolder {
+    #[cfg(unix)]
+    pub(super) fn open(path: &Path) -> io::Result<Self> {
+        use rustix::fs::{Mode, OFlags, open};
+        let how = OFlags::DIRECTORY | OFlags::RDONLY | OFlags::CLOEXEC | OFlags::NOFOLLOW;
+        let handle = open(path, how, Mode::empty())?;
+        Ok(Self { handle })
+    }
+
+    #[cfg(not(unix))]
+    pub(super) fn open(path: &Path) -> io::Result<Self> {
+        Ok(Self {
+            path: path.to_owned(),
+        })
+    }
+
+    /// A file of the folder itself: no link, no pipe, no device, and not larger than `most`.
+    fn file(&self, name: &str, most: u64) -> Result<Option<File>, String> {
+        let file = match self.open_file(name) {
+            Ok(file) => file,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(_) => {
+                return Err(format!(
+                    "{name} is a link, or cannot be read; write a plain file"
+                ));
+            }
+        };
+        let data = file
+            .metadata()
+            .map_err(|error| format!("{name}: {error}"))?;
+        if !data.is_file() {
+            return Err(format!(
+                "{name} is a folder, a pipe or a device; write a plain file"
+            ));
+        }
+        #[cfg(unix)]
+        if std::os::unix::fs::MetadataExt::nlink(&data) > 1 {
+            return Err(format!(
+                "{name} is also a file elsewhere (a hard link); write a file of its own"
+            ));
+        }
+        if data.len() > most {
+            return Err(format!(
+                "{name} is larger than {} kB, which this scene's cannot be",
+                most >> 10
+            ));
+        }
+        Ok(Some(file))
+    }
+
+    #[cfg(unix)]
+    fn open_file(&self, name: &str) -> io::Result<File> {
+        use rustix::fs::{Mode, OFlags, openat};
+        // A pipe without a writer would be waited for.
+        let how = OFlags::RDONLY | OFlags::CLOEXEC | OFlags::NOFOLLOW | OFlags::NONBLOCK;
+        Ok(File::from(openat(&self.handle, name, how, Mode::empty())?))
+    }
+
+    #[cfg(not(unix))]
+    fn open_file(&self, name: &str) -> io::Result<File> {
+        let path = self.path.join(name);
+        if !std::fs::symlink_metadata(&path)?.is_file() {
+            return Err(io::ErrorKind::InvalidInput.into());
+        }
+        File::open(path)
+    }
+
+    fn text(&self, name: &str, most: u64) -> Result<Option<String>, String> {
+        let Some(file) = self.file(name, most)? else {
+            return Ok(None);
+        };
+        let mut bytes = Vec::new();
+        file.take(most)
+            .read_to_end(&mut bytes)
+            .map_err(|error| format!("{name}: {error}"))?;
+        let text = String::from_utf8(bytes);
+        text.map(Some)
+            .map_err(|_| format!("{name} is not UTF-8 text"))
+    }
+
+    /// What the solver tells, if it does.
+    pub(super) fn told(&self) -> Result<Told, String> {
+        let Some(text) = self.text(job::RESULT_FILE, SMALL)? else {
+            return Ok(Told::default());
+        };
+        let mut told: Told = serde_json::from_str(&text)
+            .map_err(|error| format!("{} is not as documented: {error}", job::RESULT_FILE))?;
+        let sound = |x: &f64| x.is_finite() && *x >= 0.0;
+        told.joint_drift_m = told.joint_drift_m.filter(sound);
+        told.cpu_s = told.cpu_s.filter(sound);
+        Ok(told)
+    }
+
+    /// How often the solver asked the library for forces, if it closed it.
+    pub(super) fn law_calls(&self) -> Option<u64> {
+        let text = self.text(CALLS_FILE, SMALL).ok()??;
+        let mut sum: u64 = 0;
+        for line in text.lines() {
+            sum = sum.saturating_add(line.trim().parse().ok()?);
+        }
+        Some(sum)
+    }
+
+    /// The courses, checked. `complete`: the solver says that it finished.
+    pub(super) fn courses(&self, gearbox: &Gearbox, complete: bool) -> Result<Found, String> {
+        let samples = gearbox.scene.solver.sample_times_s();
+        let required = job::required(gearbox);
+        let channels = gearbox.channels.len();
+        let most = NUMBER * (samples.len() as u64 + 2) * (required.len() + channels + 64) as u64;
+        let file = self.file(job::COURSES_FILE, most.max(SMALL))?;
+        let file =
+            file.ok_or_else(|| format!("it wrote no {} into its job folder", job::COURSES_FILE))?;
+        let read = Courses::read_csv(io::BufReader::new(file.take(most.max(SMALL))))
+            .map_err(|error| format!("{}: {error}", job::COURSES_FILE))?;
+        checked(gearbox, &read, &samples, complete)
+            .map_err(|what| format!("{}: {what}", job::COURSES_FILE))
+    }
+}
+
+/// Share of a sampling step that a time may be off.
+const OFF: f64 = 1e-6;
+
+/// Columns, times, finiteness and signs.
+fn checked(
+    gearbox: &Gearbox,
+    read: &Courses,
+    samples: &[f64],
+    complete: bool,
+) -> Result<Found, String> {
+    let required = job::required(gearbox);
+    let missing: Vec<&str> = required[1..]
+        .iter()
+        .map(String::as_str)
+        .filter(|name| read.channel(name).is_none())
+        .collect();
+    if let Some(first) = missing.first() {
+        let more = match missing.len() {
+            1 => String::new(),
+            n => format!(" and {} more", n - 1),
+        };
+        return Err(format!(
+            "has no column `{first}`{more}; `columns` of the job lists them"
+        ));
+    }
+    let step = gearbox.scene.solver.sample_s;
+    for (row, (is, should)) in read.time_s().iter().zip(samples).enumerate() {
+        if (is - should).abs() > OFF * step {
+            return Err(format!(
+                "row {} is at {is} s, but sample {row} is at {should} s; write a row at each of `samples_s`",
+                row + 1
+            ));
+        }
+    }
+    if read.len() > samples.len() || (complete && read.len() < samples.len()) {
+        return Err(format!(
+            "has {} rows, but there are {} samples, from 0 to {} s",
+            read.len(),
+            samples.len(),
+            samples.last().copied().unwrap_or_default()
+        ));
+    }
+    let channels: Vec<&str> = gearbox.channels.names().collect();
+    let wanted =
+        |name: &str| required.iter().any(|known| known == name) || channels.contains(&name);
+    let kept: Vec<_> = read.channels().iter().filter(|c| wanted(&c.name)).collect();
+    let mut notes = Vec::new();
+    if kept.len() < read.channels().len() {
+        notes.push(format!(
+            "{} columns that nobody asked for were left out.",
+            read.channels().len() - kept.len()
+        ));
+    }
+    // The first row that is no number, or where the output left its mesh: what stands before it counts.
+    let mut diverged: Option<(usize, String)> = None;
+    let mut ends_at = |row: usize, what: String| {
+        if diverged.as_ref().is_none_or(|(first, _)| row < *first) {
+            diverged = Some((row, what));
+        }
+    };
+    for channel in &kept {
+        if let Some(row) = channel.values.iter().position(|x| !x.is_finite()) {
+            ends_at(row, format!("{} is not finite", channel.name));
+        }
+    }
+    let angle = read.channel(columns::OUTPUT_ANGLE).unwrap_or_default();
+    let rate = gearbox.scene.drive.input_speed_rad_s;
+    for (row, (&angle, &time)) in angle.iter().zip(samples).enumerate() {
+        if let Err(what) = guard::check_output(gearbox, rate * time, angle) {
+            ends_at(row, what);
+            break;
+        }
+    }
+    let rows = diverged.as_ref().map_or(read.len(), |(row, _)| *row);
+    if diverged.as_ref().is_some_and(|(row, _)| *row == 0) {
+        let (_, what) = diverged.unwrap_or_default();
+        return Err(format!(
+            "the first row is wrong already: {what}; all start from `start` of the bodies"
+        ));
+    }
+    let mut courses = Courses::new(samples[..rows].to_vec()).map_err(|e| e.to_string())?;
+    for channel in kept {
+        let values = channel.values[..rows].to_vec();
+        let force = channel.name.starts_with(columns::EXTERNAL_FORCE)
+            || channel.name.starts_with(columns::INTERNAL_FORCE);
+        if force && let Some(row) = values.iter().position(|x| *x < 0.0) {
+            return Err(format!(
+                "{} is {} N in row {}, but is the magnitude of a force",
+                channel.name,
+                values[row],
+                row + 1
+            ));
+        }
+        courses
+            .push(channel.name.clone(), values)
+            .map_err(|error| error.to_string())?;
+    }
+    signs(gearbox, &courses)?;
+    Ok(Found {
+        diverged: diverged.map(|(row, what)| (samples[row], what)),
+        courses,
+        notes,
+    })
+}
+
+/// Mean output torque against mean load, in the second half of what there is, where both are clear.
+fn signs(gearbox: &Gearbox, courses: &Courses) -> Result<(), String> {
+    let times = courses.time_s();
+    let half = times.len() / 2;
+    let Some(torque) = courses.channel(columns::OUTPUT_TORQUE) else {
+        return Ok(());
+    };
+    let count = (times.len() - half).max(1) as f64;
+    let mean = torque[half..].iter().sum::<f64>() / count;
+    let load = times[half..]
+        .iter()
+        .map(|&t| gearbox.load_torque(t))
+        .sum::<f64>()
+        / count;
+    // A transient may swing by twice the load; a wrong sign stays one after many vibrations.
+    let clear = times.len() > 100 && mean.abs() > 0.7 * load.abs() && load != 0.0;
+    if clear && mean * load > 0.0 && (mean / load - 1.0).abs() < 0.3 {
+        return Err(format!(
+            "{} has the sign of the load (mean {mean:.3} N m, load {load:.3} N m); it is the moment of the contact forces \
+             on the output shaft, which balances the load",
+            columns::OUTPUT_TORQUE
+        ));
+    }
+    Ok(())
+}

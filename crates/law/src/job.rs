@@ -1,0 +1,143 @@
+//! The job file (`scene.json`): everything a foreign solver needs of a scene, for those that read JSON.
+
+use std::path::Path;
+
+use pinwheel_courses::columns;
+use pinwheel_gearbox::{Gearbox, Recorder};
+use pinwheel_scene::{JOB_PROTOCOL, KEYS, keys::Kind, schema};
+use serde_json::{Value, json};
+
+use crate::law::{Law, LawError};
+use crate::{JOB_FILE, STATE};
+
+/// The file a solver writes its courses to.
+pub const COURSES_FILE: &str = "courses.csv";
+/// The file a solver may write its counts and remarks to.
+pub const RESULT_FILE: &str = "result.json";
+
+/// Why a job could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum JobError {
+    /// The scene.
+    #[error(transparent)]
+    Law(#[from] LawError),
+    /// The folder.
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+}
+
+/// Columns that the courses of a scene must have, in their order, the time first.
+#[must_use]
+pub fn required(gearbox: &Gearbox) -> Vec<String> {
+    let time = std::iter::once(columns::TIME.to_owned());
+    time.chain(Recorder::contract(gearbox)).collect()
+}
+
+/// The job of a scene. `law_library`: where `libpinwheel_law` is, if it is anywhere.
+///
+/// # Errors
+/// A scene whose contacts cannot be built.
+pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawError> {
+    let law = Law::of(gearbox)?;
+    let mut scene = serde_json::to_value(&*gearbox.scene).unwrap_or_default();
+    // Every key that has a value for "nothing" is written, too.
+    for key in KEYS {
+        let nothing = match key.kind {
+            Kind::Texts | Kind::Tables(_) => json!([]),
+            Kind::Text => json!(""),
+            Kind::Number(_) | Kind::Count(..) | Kind::Choice(..) => continue,
+        };
+        let place = key
+            .name
+            .split('.')
+            .fold(&mut scene, |at, part| &mut at[part]);
+        if place.is_null() {
+            *place = nothing;
+        }
+    }
+    let bodies = law
+        .bodies()
+        .iter()
+        .zip(law.start().chunks(STATE))
+        .map(|(body, start)| {
+            json!({
+                "name": body.name,
+                "carrier": body.carrier.map_or(-1, |index| index as i64),
+                "seat_m": body.seat_m,
+                "mass_kg": body.mass_kg,
+                "moment_kg_m2": body.moment_kg_m2,
+                "start": start,
+            })
+        });
+    let mut columns = required(gearbox);
+    columns.extend(gearbox.channels.names().map(str::to_owned));
+    Ok(json!({
+        "protocol": JOB_PROTOCOL,
+        "scene": scene,
+        "bodies": bodies.collect::<Vec<_>>(),
+        "rate_rad_s": law.rate_rad_s(),
+        "samples_s": law.samples_s(),
+        "columns": columns,
+        "law_library": law_library,
+    }))
+}
+
+/// Writes the job of a scene into a folder.
+///
+/// # Errors
+/// As [`job`], and what cannot be written.
+pub fn write(gearbox: &Gearbox, folder: &Path, law_library: Option<&Path>) -> Result<(), JobError> {
+    let text = format!("{:#}\n", job(gearbox, law_library)?);
+    std::fs::write(folder.join(JOB_FILE), text)?;
+    Ok(())
+}
+
+/// JSON schema (draft 2020-12) of job files of this protocol.
+///
+/// ```
+/// let schema = pinwheel_law::job::schema();
+/// assert_eq!(schema["properties"]["protocol"]["const"], 1);
+/// assert!(schema["properties"]["scene"]["properties"]["gear"]["properties"]["wheels"].is_object());
+/// ```
+#[must_use]
+pub fn schema() -> Value {
+    let numbers = |count: usize| json!({ "type": "array", "items": { "type": "number" }, "minItems": count, "maxItems": count });
+    let with = |mut value: Value, about: &str| {
+        value["description"] = json!(about);
+        value
+    };
+    let mut scene = schema::schema();
+    if let Some(root) = scene.as_object_mut() {
+        root.remove("$schema");
+    }
+    if let Some(keys) = scene["properties"].as_object_mut() {
+        keys.remove("base");
+    }
+    let body = json!({
+        "type": "object",
+        "properties": {
+            "name": { "type": "string" },
+            "carrier": { "type": "integer", "minimum": -1, "description": "index of the body it turns on; -1: the housing" },
+            "seat_m": with(numbers(2), "its centre in the carrier's frame, whose origin is the carrier's centre (m)"),
+            "mass_kg": { "type": "number" },
+            "moment_kg_m2": { "type": "number", "description": "about its centre (kg m^2)" },
+            "start": with(numbers(STATE), "x, y (m), angle (rad), vx, vy (m/s), rate (rad/s) in the ground frame at t = 0"),
+        },
+        "required": ["name", "carrier", "seat_m", "mass_kg", "moment_kg_m2", "start"],
+    });
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "A job of pinwheel for a foreign solver (scene.json)",
+        "type": "object",
+        "properties": {
+            "protocol": { "const": JOB_PROTOCOL, "description": "version of this file and of the exit statuses" },
+            "scene": with(scene, "the scene, every key resolved"),
+            "bodies": { "type": "array", "items": body, "description": "input shaft, output shaft, wheels, external sleeves, internal sleeves" },
+            "rate_rad_s": { "type": "number", "description": "constant rate of the input shaft (rad/s)" },
+            "samples_s": { "type": "array", "items": { "type": "number" }, "description": "times of the rows of courses.csv (s)" },
+            "columns": { "type": "array", "items": { "type": "string" }, "description": "columns of courses.csv: those of every run, then the channels that the scene asks for, which may be left out" },
+            "law_library": { "type": ["string", "null"], "description": "path of libpinwheel_law; null where it was not built" },
+        },
+        "required": ["protocol", "scene", "bodies", "rate_rad_s", "samples_s", "columns", "law_library"],
+    })
+}

@@ -1,0 +1,685 @@
+//! Whether a solver from outside is one that comparisons can rely on: what every engine must survive, tried one by one.
+//!
+//! Each [`Finding`] is a small run or two of the preset `paper`, or of what the solver honours instead. A solver that shares
+//! the law is also held against the native one; a solver with contacts of its own is asked for signs and sizes.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use pinwheel_compare::uncertainty::order::{CONTACTS, ORDER_MARGIN};
+use pinwheel_contact::laws::LAWS;
+use pinwheel_courses::{Courses, columns};
+use pinwheel_engines::external::Solver;
+use pinwheel_engines::{Engine, EngineError, Knob, Native, Run, Track};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::{CheckedScene, Override, Scene};
+use serde::Serialize;
+
+use crate::control::{Control, Progress};
+use crate::junit::{Case, Ended, Suite};
+use crate::output::OutputError;
+use crate::provenance::{Provenance, Summary};
+use crate::{StudyError, control};
+
+/// What came of one trial.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "state", rename_all = "kebab-case")]
+pub enum State {
+    /// As it must be.
+    Passed,
+    /// Not as it must be.
+    Failed,
+    /// It does not apply, or there was nothing to try it on.
+    Skipped,
+}
+
+/// One trial.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// Its name in tables: `time grid`.
+    pub name: &'static str,
+    /// What must be.
+    pub must: &'static str,
+    /// What came of it.
+    #[serde(flatten)]
+    pub state: State,
+    /// What was seen, with figures.
+    pub seen: String,
+}
+
+/// All trials of one solver.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Outcome {
+    /// Its name.
+    pub solver: String,
+    /// Its version.
+    pub version: String,
+    /// Its track.
+    pub track: Track,
+    /// One a trial, in their order.
+    pub findings: Vec<Finding>,
+}
+
+impl Outcome {
+    /// Whether nothing failed.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        self.count(&State::Failed) == 0
+    }
+
+    /// How many findings are in a state.
+    #[must_use]
+    pub fn count(&self, state: &State) -> usize {
+        self.findings.iter().filter(|f| f.state == *state).count()
+    }
+
+    /// Writes `summary.json` into the folder `dir`.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+        Summary::new(made, self).write(dir)
+    }
+
+    /// For CI systems.
+    #[must_use]
+    pub fn suite(&self) -> Suite {
+        let case = |finding: &Finding| Case {
+            name: format!("{}: {}", finding.name, finding.must),
+            time_s: None,
+            ended: match finding.state {
+                State::Passed => Ended::Passed,
+                State::Failed => Ended::Failed(finding.seen.clone()),
+                State::Skipped => Ended::Skipped(finding.seen.clone()),
+            },
+        };
+        Suite {
+            name: format!("solver check {}", self.solver),
+            cases: self.findings.iter().map(case).collect(),
+        }
+    }
+}
+
+/// What a trial says: passed, failed or skipped, and what was seen.
+type Seen = Result<String, Miss>;
+
+enum Miss {
+    Failed(String),
+    Skipped(String),
+    Study(StudyError),
+}
+
+impl From<StudyError> for Miss {
+    fn from(error: StudyError) -> Self {
+        Self::Study(error)
+    }
+}
+
+fn failed<T>(seen: impl Into<String>) -> Result<T, Miss> {
+    Err(Miss::Failed(seen.into()))
+}
+
+fn skipped<T>(seen: impl Into<String>) -> Result<T, Miss> {
+    Err(Miss::Skipped(seen.into()))
+}
+
+/// A solver that shares the law may differ from the native one by this in its first sample, relative: rounding.
+const FIRST: f64 = 1e-8;
+/// A tolerance bounds the error of a step and not of a run, and steps change by leaps: of the order stated for it, this share
+/// must be seen.
+const TOLERANCE_SHARE: f64 = 0.3;
+/// How long a solver may need to end after it was asked to.
+const ENDS_S: f64 = 3.0;
+/// Time after which a solver is ended that is tried on a run without end, s.
+const PATIENCE_S: f64 = 0.6;
+
+struct Trials<'a> {
+    solver: &'a Solver,
+    control: &'a Control<'a>,
+    scene: CheckedScene,
+}
+
+type Trial = (&'static str, &'static str, fn(&Trials<'_>) -> Seen);
+
+/// The trials in their order. The first must pass for the others to mean anything.
+const TRIALS: &[Trial] = &[
+    ("runs", "a run of 0.02 s finishes, with all columns", |t| {
+        t.runs()
+    }),
+    ("zero pose", "the first row is the start state's", |t| {
+        t.zero_pose()
+    }),
+    (
+        "signs",
+        "torques, angle and forces have the documented signs",
+        |t| t.signs(),
+    ),
+    (
+        "time grid",
+        "rows at samples that no step hits, the last interval shorter",
+        |t| t.grid(),
+    ),
+    ("determinism", "two runs are equal to the last bit", |t| {
+        t.determinism()
+    }),
+    (
+        "order",
+        "the error falls with the key of [refine] as stated",
+        |t| t.order(),
+    ),
+    (
+        "agreement",
+        "refined, it gives what the native solver gives",
+        |t| t.agreement(),
+    ),
+    (
+        "forces",
+        "contact forces are evaluated at least once a step",
+        |t| t.forces(),
+    ),
+    ("laws", "every contact law it honours runs", |t| t.laws()),
+    (
+        "friction",
+        "friction runs, or is refused before it starts",
+        |t| t.friction(),
+    ),
+    (
+        "load changes",
+        "changes of the load run, or are refused",
+        |t| t.load_changes(),
+    ),
+    (
+        "divergence",
+        "steps far too long end in status 3 or in good numbers",
+        |t| t.divergence(),
+    ),
+    (
+        "broken job",
+        "a job that cannot be read ends in a status other than 0",
+        |t| t.broken(),
+    ),
+    ("Ctrl-C", "a run that is stopped ends at once", |t| {
+        t.stopped()
+    }),
+    ("timeout", "a run that takes too long is ended", |t| {
+        t.timeout()
+    }),
+];
+
+/// Tries a solver.
+///
+/// # Errors
+/// Stopped; a scene of the suite that cannot be modelled.
+pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyError> {
+    let law = LAWS
+        .iter()
+        .map(|law| law.name)
+        .find(|law| solver.manifest().honours_law(law))
+        .unwrap_or("paper");
+    let scene = scene(&[("contact.law", law), ("solver.duration_s", "0.02")])?;
+    let solver = &solver.clone().with_spaces();
+    let trials = Trials {
+        solver,
+        control,
+        scene,
+    };
+    let mut findings: Vec<Finding> = Vec::new();
+    for (done, (name, must, trial)) in TRIALS.iter().enumerate() {
+        control.check()?;
+        (control.progress)(Progress::new(done, TRIALS.len(), name));
+        let dead = findings
+            .first()
+            .is_some_and(|first| first.state == State::Failed);
+        let seen = if dead {
+            skipped("it does not run")
+        } else {
+            trial(&trials)
+        };
+        let (state, seen) = match seen {
+            Ok(seen) => (State::Passed, seen),
+            Err(Miss::Failed(seen)) => (State::Failed, seen),
+            Err(Miss::Skipped(seen)) => (State::Skipped, seen),
+            Err(Miss::Study(error)) => return Err(error),
+        };
+        findings.push(Finding {
+            name,
+            must,
+            state,
+            seen,
+        });
+    }
+    Ok(Outcome {
+        solver: solver.name().to_owned(),
+        version: solver.version(),
+        track: solver.track(),
+        findings,
+    })
+}
+
+fn scene(sets: &[(&str, &str)]) -> Result<CheckedScene, StudyError> {
+    let sets: Vec<Override> = sets.iter().map(|(k, v)| Override::new(*k, *v)).collect();
+    Ok(Scene::load("paper", &sets)?)
+}
+
+impl Trials<'_> {
+    fn changed(&self, change: impl FnOnce(&mut Scene)) -> Result<CheckedScene, Miss> {
+        let changed = self.scene.changed(change);
+        changed.map_err(|fault| Miss::Failed(fault.to_string()))
+    }
+
+    fn shares_the_law(&self) -> Result<(), Miss> {
+        match self.solver.track() {
+            Track::SharedLaw => Ok(()),
+            _ => skipped("its contact model is its own"),
+        }
+    }
+
+    /// A run that must finish.
+    fn run(&self, scene: &CheckedScene) -> Result<Run, Miss> {
+        let ran = self.try_run(scene)?;
+        ran.map_err(|error| Miss::Failed(error.to_string()))
+    }
+
+    fn try_run(&self, scene: &CheckedScene) -> Result<Result<Run, EngineError>, Miss> {
+        let gearbox = compile(scene)?;
+        let at = Progress::new(0, 1, self.solver.name());
+        let quiet = Control {
+            cancel: self.control.cancel,
+            progress: &|_| {},
+        };
+        Ok(quiet.engine(self.solver, &gearbox, at)?)
+    }
+
+    fn native(&self, engine: Native, scene: &CheckedScene) -> Result<Courses, Miss> {
+        let run = engine.run(
+            scene,
+            &pinwheel_engines::Control {
+                cancel: self.control.cancel,
+                progress: &|_| {},
+            },
+        );
+        match run {
+            Ok(run) => Ok(run.courses),
+            Err(EngineError::Cancelled) => Err(StudyError::Cancelled.into()),
+            Err(error) => skipped(error.to_string()),
+        }
+    }
+
+    fn runs(&self) -> Seen {
+        let run = self.run(&self.scene)?;
+        let rows = run.courses.len();
+        Ok(format!("{rows} rows, {:.2} s CPU", run.stats.cpu_s))
+    }
+
+    fn zero_pose(&self) -> Seen {
+        let courses = self.run(&self.scene)?.courses;
+        let angle = courses.channel(columns::OUTPUT_ANGLE).unwrap_or_default();
+        let first = angle.first().copied().unwrap_or(f64::NAN);
+        if !(first.abs() < 1e-12) {
+            return failed(format!("output_angle_rad is {first:e} at t = 0, not 0"));
+        }
+        if self.solver.track() != Track::SharedLaw {
+            return Ok("the output angle is 0".to_owned());
+        }
+        let native = self.native(Native::REDUCED, &self.scene)?;
+        let mut worst = (0.0, "");
+        for channel in native.channels() {
+            let (Some(own), Some(&wanted)) =
+                (courses.channel(&channel.name), channel.values.first())
+            else {
+                continue;
+            };
+            let largest = channel.values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            let off = (own[0] - wanted).abs() / largest.max(f64::MIN_POSITIVE);
+            if off > worst.0 || off.is_nan() {
+                worst = (off, &channel.name);
+            }
+        }
+        if !(worst.0 <= FIRST) {
+            return failed(format!(
+                "{} is {:.1e} off at t = 0, relative to its peak",
+                worst.1, worst.0
+            ));
+        }
+        Ok(format!("within {:.0e} of the native solver", worst.0))
+    }
+
+    /// At rest under load, the balances of power and torque say what must come.
+    fn signs(&self) -> Seen {
+        let scene = self.changed(|scene| scene.drive.start = pinwheel_scene::Start::Equilibrium)?;
+        let courses = self.run(&scene)?.courses;
+        let half = courses.len() / 2;
+        let mean = |name: &str| {
+            let values = &courses.channel(name).unwrap_or_default()[half..];
+            values.iter().sum::<f64>() / values.len().max(1) as f64
+        };
+        let load = scene.drive.output_torque_n_m;
+        let (driver, output) = (mean(columns::INPUT_TORQUE), mean(columns::OUTPUT_TORQUE));
+        let ideal = load / scene.gear.lobes() as f64;
+        let angle = courses.channel(columns::OUTPUT_ANGLE).unwrap_or_default();
+        let turned = angle.last().copied().unwrap_or(f64::NAN);
+        let wanted =
+            -scene.drive.input_speed_rad_s * scene.solver.duration_s / scene.gear.lobes() as f64;
+        for (name, is, should) in [
+            (columns::OUTPUT_TORQUE, output, -load),
+            (columns::INPUT_TORQUE, driver, ideal),
+            (columns::OUTPUT_ANGLE, turned, wanted),
+        ] {
+            if !((is / should - 1.0).abs() < 0.25) {
+                return failed(format!(
+                    "{name} is {is:.4}, but balance asks for about {should:.4}"
+                ));
+            }
+        }
+        Ok(format!(
+            "torques {driver:.3} and {output:.2} N m, output at {turned:.4} rad"
+        ))
+    }
+
+    fn grid(&self) -> Seen {
+        let scene = self.changed(|scene| {
+            (scene.solver.sample_s, scene.solver.duration_s) = (1.03e-4, 0.01);
+        })?;
+        let run = self.run(&scene)?;
+        Ok(format!(
+            "{} rows, the last at {} s",
+            run.courses.len(),
+            scene.solver.duration_s
+        ))
+    }
+
+    fn determinism(&self) -> Seen {
+        let (one, two) = (self.run(&self.scene)?, self.run(&self.scene)?);
+        if one.courses == two.courses {
+            return Ok("equal".to_owned());
+        }
+        failed(format!(
+            "they differ by {:.1e}",
+            distance(&one.courses, &two.courses)
+        ))
+    }
+
+    /// Runs at three settings, the coarsest first, and their distances to the finest but one and to the finest.
+    fn ladder(&self) -> Result<(Vec<Run>, [f64; 2], f64), Miss> {
+        let Some(refinement) = self.solver.refinement() else {
+            return skipped("its manifest has no [refine]");
+        };
+        let factor: f64 = match refinement.knob {
+            Knob::Step => 2.0,
+            Knob::Tolerance => 10.0,
+        };
+        let mut runs = Vec::new();
+        for k in 0..3 {
+            let scene = self.changed(|scene| {
+                let finer = factor.powi(k);
+                match refinement.knob {
+                    Knob::Step => scene.solver.step_s = 2e-5 / finer,
+                    Knob::Tolerance => scene.solver.tolerance = 1e-5 / finer,
+                }
+            })?;
+            runs.push(self.run(&scene)?);
+        }
+        let apart = |k: usize| distance(&runs[k].courses, &runs[k + 1].courses);
+        let found = [apart(0), apart(1)];
+        Ok((runs, found, factor))
+    }
+
+    fn order(&self) -> Seen {
+        let (_, [coarse, fine], factor) = self.ladder()?;
+        let Some(refinement) = self.solver.refinement() else {
+            return skipped("its manifest has no [refine]");
+        };
+        let stated = refinement.order;
+        if fine == 0.0 && coarse == 0.0 {
+            return failed(
+                "three settings give the same bits: it does not read the key of [refine]",
+            );
+        }
+        // Nothing left to see.
+        if fine < 1e-10 {
+            return Ok(format!("at rounding already: {fine:.0e}"));
+        }
+        let seen = (coarse / fine).log(factor);
+        // The examples show 2.71 (RK4), 2.01 (implicit midpoint) and 1.93 (Heun).
+        let least = match refinement.knob {
+            Knob::Step => stated.min(CONTACTS) - ORDER_MARGIN,
+            Knob::Tolerance => TOLERANCE_SHARE * stated,
+        };
+        let told = format!("order {seen:.2} of {stated}, differences {coarse:.1e} and {fine:.1e}");
+        if seen >= least {
+            Ok(told)
+        } else {
+            failed(told)
+        }
+    }
+
+    fn agreement(&self) -> Seen {
+        self.shares_the_law()?;
+        let (runs, [_, fine], _) = self.ladder()?;
+        let truth = self.native(Native::RESOLVED, &self.scene)?;
+        let Some(finest) = runs.last() else {
+            return skipped("it has no finest run");
+        };
+        let off = distance(&finest.courses, &truth);
+        // What one refinement still moves bounds what is left, but for an order seen wrong.
+        let allowed = 3.0 * fine + 1e-6;
+        let told = format!(
+            "{off:.1e} from native-resolved, its own last refinement moved it by {fine:.1e}"
+        );
+        if off <= allowed {
+            Ok(told)
+        } else {
+            failed(told)
+        }
+    }
+
+    fn forces(&self) -> Seen {
+        self.shares_the_law()?;
+        let run = self.run(&self.scene)?;
+        let (calls, steps) = (run.stats.rhs_calls, run.stats.steps);
+        if calls == 0 {
+            return failed(
+                "no calls were counted: close the handle (pinwheel_law_close), or write right_hand_sides into result.json",
+            );
+        }
+        let (least, of) = match steps {
+            0 => (run.courses.len() as u64, "samples"),
+            _ => (steps, "steps"),
+        };
+        let told = format!("{calls} calls, {least} {of}");
+        if calls >= least {
+            Ok(told)
+        } else {
+            failed(told)
+        }
+    }
+
+    fn laws(&self) -> Seen {
+        let mut honoured = Vec::new();
+        for law in LAWS
+            .iter()
+            .filter(|law| self.solver.manifest().honours_law(law.name))
+        {
+            let scene = self.changed(|scene| {
+                law.name.clone_into(&mut scene.contact.law);
+                scene.solver.duration_s = 0.001;
+            })?;
+            if let Err(error) = self.try_run(&scene)? {
+                return failed(format!("{}: {error}", law.name));
+            }
+            honoured.push(law.name);
+        }
+        Ok(format!("{} of {}", honoured.len(), LAWS.len()))
+    }
+
+    /// A scene that the manifest honours must run, and one that it does not must be refused.
+    fn honoured(&self, scene: &CheckedScene, honours: bool, key: &str) -> Seen {
+        match (self.try_run(scene)?, honours) {
+            (Ok(_), true) => Ok("runs".to_owned()),
+            (Err(EngineError::Unsupported { .. }), false) => {
+                Ok(format!("refused: {key} is not set"))
+            }
+            (Err(error), true) => failed(format!("{key} is set, but {error}")),
+            (Ok(_), false) => failed(format!("it ran although {key} is not set")),
+            (Err(error), false) => failed(error.to_string()),
+        }
+    }
+
+    fn friction(&self) -> Seen {
+        let scene = self.changed(|scene| {
+            scene.contact.friction_coefficient = 0.1;
+            (scene.solver.step_s, scene.solver.duration_s) = (1e-6, 0.001);
+        })?;
+        self.honoured(
+            &scene,
+            self.solver.manifest().honours.friction,
+            "honours.friction",
+        )
+    }
+
+    fn load_changes(&self) -> Seen {
+        let scene = self.changed(|scene| {
+            scene.drive.load_changes = vec![pinwheel_scene::LoadChange {
+                time_s: 0.005,
+                output_torque_n_m: 30.0,
+                ramp_s: 0.0,
+            }];
+            scene.solver.duration_s = 0.01;
+        })?;
+        self.honoured(
+            &scene,
+            self.solver.manifest().honours.load_changes,
+            "honours.load_changes",
+        )
+    }
+
+    fn divergence(&self) -> Seen {
+        if self.solver.refinement().map(|refinement| refinement.knob) != Some(Knob::Step) {
+            return skipped("no step of the scene is its own");
+        }
+        let scene = self.changed(|scene| {
+            (scene.solver.step_s, scene.solver.sample_s) = (1e-3, 1e-3);
+            scene.solver.duration_s = 0.1;
+            // Ten times as stiff, so that any explicit step of a millisecond fails.
+            scene.contact.stiffness_multiplier = 0.1;
+        })?;
+        match self.try_run(&scene)? {
+            Err(EngineError::Diverged {
+                time_s, quantity, ..
+            }) => Ok(format!("diverged at {time_s:.4} s: {quantity}")),
+            Ok(_) => Ok("finished, and stayed in its mesh".to_owned()),
+            Err(error) => failed(error.to_string()),
+        }
+    }
+
+    fn broken(&self) -> Seen {
+        let gearbox = compile(&self.scene)?;
+        match self.solver.run_broken_job(&gearbox, self.control.cancel) {
+            Err(EngineError::Cancelled) => Err(StudyError::Cancelled.into()),
+            Err(EngineError::Failed { reason, .. } | EngineError::Unsupported { reason, .. }) => {
+                Ok(reason)
+            }
+            Err(error) => failed(error.to_string()),
+            Ok(_) => failed("it said that it finished"),
+        }
+    }
+
+    /// A run without end: a year at the shortest of steps.
+    fn endless(&self) -> Result<CheckedScene, Miss> {
+        self.changed(|scene| {
+            (scene.solver.step_s, scene.solver.tolerance) = (1e-9, 1e-13);
+            (scene.solver.duration_s, scene.solver.sample_s) = (1.0, 1e-3);
+        })
+    }
+
+    fn stopped(&self) -> Seen {
+        let gearbox = compile(&self.endless()?)?;
+        let (stop, begun) = (AtomicBool::new(false), Instant::now());
+        let wait = |_: f64| {
+            let enough = begun.elapsed().as_secs_f64() > 0.5 * PATIENCE_S;
+            if enough || self.control.is_cancelled() {
+                stop.store(true, Ordering::Relaxed);
+            }
+        };
+        let control = pinwheel_engines::Control {
+            cancel: &stop,
+            progress: &wait,
+        };
+        let ended = self
+            .solver
+            .prepare(&gearbox)
+            .and_then(|ready| ready.run(&control));
+        self.control.check()?;
+        self.in_time(begun, 0.5 * PATIENCE_S, ended, |error| {
+            matches!(error, EngineError::Cancelled)
+        })
+    }
+
+    fn timeout(&self) -> Seen {
+        let gearbox = compile(&self.endless()?)?;
+        let hasty = self
+            .solver
+            .clone()
+            .within(Duration::from_secs_f64(PATIENCE_S));
+        let begun = Instant::now();
+        let control = pinwheel_engines::Control {
+            cancel: self.control.cancel,
+            progress: &|_| {},
+        };
+        let ended = hasty
+            .prepare(&gearbox)
+            .and_then(|ready| ready.run(&control));
+        self.control.check()?;
+        self.in_time(begun, PATIENCE_S, ended, |error| {
+            matches!(error, EngineError::Failed { reason, .. } if reason.contains("it took longer than"))
+        })
+    }
+
+    /// Whether a run that had to be ended was, within reasonable time.
+    fn in_time(
+        &self,
+        begun: Instant,
+        asked_s: f64,
+        ended: Result<Run, EngineError>,
+        expected: impl Fn(&EngineError) -> bool,
+    ) -> Seen {
+        let took = begun.elapsed().as_secs_f64() - asked_s;
+        match ended {
+            Ok(_) => failed("it says that it finished a run that takes hours"),
+            Err(error) if !expected(&error) => failed(error.to_string()),
+            Err(_) if took > ENDS_S => failed(format!("it took {took:.1} s to end")),
+            Err(_) => Ok(format!("ended within {:.1} s", took.max(0.0))),
+        }
+    }
+}
+
+fn compile(scene: &CheckedScene) -> Result<Gearbox, StudyError> {
+    control::compile(scene)
+}
+
+/// Relative L2 over driver torque and sleeve forces, the largest of them.
+fn distance(a: &Courses, b: &Courses) -> f64 {
+    let names = b.channels().iter().map(|channel| channel.name.as_str());
+    let counted = names.filter(|name| *name != columns::OUTPUT_ANGLE);
+    let group = |name: &str| {
+        let known = [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE];
+        let fit = known.iter().find(|group| name.starts_with(**group));
+        fit.map_or(name.to_owned(), |group| (*group).to_owned())
+    };
+    let mut sums: std::collections::BTreeMap<String, [f64; 2]> = std::collections::BTreeMap::new();
+    for name in counted {
+        let (Some(x), Some(y)) = (a.channel(name), b.channel(name)) else {
+            continue;
+        };
+        let sum = sums.entry(group(name)).or_default();
+        for (x, y) in x.iter().zip(y) {
+            sum[0] += (x - y) * (x - y);
+            sum[1] += (x * x).max(y * y);
+        }
+    }
+    let shares = sums
+        .values()
+        .map(|[off, size]| (off / size.max(f64::MIN_POSITIVE)).sqrt());
+    shares.fold(0.0, f64::max)
+}

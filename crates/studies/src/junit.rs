@@ -1,0 +1,165 @@
+//! Verdicts as a JUnit file, by which CI systems show them one by one.
+
+use std::path::Path;
+
+use pinwheel_compare::{Comparison, Status, Verdict};
+use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+
+use crate::baseline::{self, Check};
+use crate::output::{OutputError, write_text};
+
+/// How a case ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Ended {
+    /// It holds.
+    Passed,
+    /// It does not, and why.
+    Failed(String),
+    /// It was not judged, and why.
+    Skipped(String),
+}
+
+/// One statement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// What is stated.
+    pub name: String,
+    /// What it took, s.
+    pub time_s: Option<f64>,
+    /// How it ended.
+    pub ended: Ended,
+}
+
+/// Statements that belong together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Suite {
+    /// Its name.
+    pub name: String,
+    /// In their order.
+    pub cases: Vec<Case>,
+}
+
+/// Writes suites as one JUnit file.
+///
+/// # Errors
+/// It cannot be written.
+pub fn write(path: &Path, name: &str, suites: &[Suite]) -> Result<(), OutputError> {
+    let mut report = Report::new(name);
+    for suite in suites {
+        let mut written = TestSuite::new(&*suite.name);
+        for case in &suite.cases {
+            let status = match &case.ended {
+                Ended::Passed => TestCaseStatus::success(),
+                Ended::Failed(why) => {
+                    let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+                    status.set_message(&**why);
+                    status
+                }
+                Ended::Skipped(why) => {
+                    let mut status = TestCaseStatus::skipped();
+                    status.set_message(&**why);
+                    status
+                }
+            };
+            let mut written_case = TestCase::new(&*case.name, status);
+            written_case.set_classname(&*suite.name);
+            if let Some(time) = case
+                .time_s
+                .and_then(|s| std::time::Duration::try_from_secs_f64(s).ok())
+            {
+                written_case.set_time(time);
+            }
+            written.add_test_case(written_case);
+        }
+        report.add_test_suite(written);
+    }
+    let text = report
+        .to_string()
+        .map_err(|error| OutputError::new(path, &error))?;
+    write_text(path, &text)
+}
+
+/// Every engine's run as a case, and every pair's statements.
+#[must_use]
+pub fn of_comparison(comparison: &Comparison) -> Vec<Suite> {
+    let scene = &comparison.context.scene;
+    let runs = comparison.engines.iter().map(|engine| Case {
+        name: engine.name.clone(),
+        time_s: Some(engine.cost.wall_s),
+        ended: match (&engine.status, engine.status.reason()) {
+            (Status::Finished, _) => Ended::Passed,
+            (Status::Unsupported { .. }, why) => Ended::Skipped(why.unwrap_or_default()),
+            (_, why) => Ended::Failed(why.unwrap_or_default()),
+        },
+    });
+    let mut suites = vec![Suite {
+        name: format!("{scene}: runs"),
+        cases: runs.collect(),
+    }];
+    for pair in &comparison.pairs {
+        let cases = pair.entries.iter().map(|entry| Case {
+            name: format!("{} ({})", entry.quantity, entry.window.word()),
+            time_s: None,
+            ended: ended(&entry.verdict),
+        });
+        suites.push(Suite {
+            name: format!("{scene}: {} and {}", pair.a, pair.b),
+            cases: cases.collect(),
+        });
+    }
+    suites
+}
+
+/// A verdict's word, with what it rests on.
+fn ended(verdict: &Verdict) -> Ended {
+    let word = verdict.word();
+    match verdict {
+        Verdict::Differ { at_least } => Ended::Failed(format!("{word} by at least {at_least:.2e}")),
+        Verdict::Exceeded => Ended::Failed("a limit is exceeded".to_owned()),
+        Verdict::NotResolved {
+            reason,
+            remedy,
+            stated: false,
+            ..
+        } => Ended::Failed(format!("{word}: {reason}; {remedy}")),
+        Verdict::NotResolved { reason, .. } | Verdict::NotJudged { reason } => {
+            Ended::Skipped(format!("{word}: {reason}"))
+        }
+        Verdict::ModelDifference {
+            low,
+            high,
+            within: Some(false),
+            ..
+        } => Ended::Failed(format!(
+            "{low:.2e} to {high:.2e}, beyond what the model's author states"
+        )),
+        Verdict::Agree { .. }
+        | Verdict::Within
+        | Verdict::ModelDifference { .. }
+        | Verdict::NotDistinguishable { .. }
+        | Verdict::ModelError { .. } => Ended::Passed,
+    }
+}
+
+/// Every scene and solver of a baseline.
+#[must_use]
+pub fn of_baseline(name: &str, check: &Check) -> Vec<Suite> {
+    let cases = check.cases.iter().map(|case| Case {
+        name: format!("{}, {}", case.scene, case.choice),
+        time_s: None,
+        ended: match case.verdict {
+            baseline::Verdict::Worse => Ended::Failed(case.trouble.clone().unwrap_or_else(|| {
+                let moved = case.moved_most();
+                moved.map_or_else(
+                    || "a count is above its limit".to_owned(),
+                    |quantity| format!("{} is worse", quantity.label),
+                )
+            })),
+            _ => Ended::Passed,
+        },
+    });
+    vec![Suite {
+        name: format!("baseline {name}"),
+        cases: cases.collect(),
+    }]
+}

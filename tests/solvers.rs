@@ -1,0 +1,402 @@
+//! Solvers from outside, through the program: the examples in every language that is here, and one that was written against
+//! the header alone.
+#![cfg(unix)]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use pinwheel_courses::{Courses, columns};
+use pinwheel_tests::{pinwheel, repository, run_in};
+use tempfile::TempDir;
+
+/// The program's folder first on the path, as an installed program is.
+fn path() -> std::ffi::OsString {
+    let program = PathBuf::from(pinwheel().get_program());
+    let own = program.parent().map(Path::to_owned);
+    let others = std::env::var_os("PATH").unwrap_or_default();
+    std::env::join_paths(own.into_iter().chain(std::env::split_paths(&others))).expect("paths")
+}
+
+fn is_here(program: &str) -> bool {
+    let found = Command::new(program).arg("--version").output();
+    let found = found.is_ok_and(|output| output.status.success());
+    if !found {
+        println!("skipped: no {program} here");
+    }
+    found
+}
+
+/// Builds by the line that the manifest states.
+fn build(folder: &Path) {
+    let text = std::fs::read_to_string(folder.join("solver.toml")).expect("manifest");
+    let stated = text
+        .lines()
+        .find_map(|line| line.strip_prefix("build = \""));
+    let Some(line) = stated.map(|line| line.trim_end_matches('"').replace("\\\"", "\"")) else {
+        return;
+    };
+    let built = Command::new("sh")
+        .args(["-c", &line])
+        .current_dir(folder)
+        .env("PATH", path())
+        .output()
+        .expect("a shell");
+    let words = String::from_utf8_lossy(&built.stderr);
+    assert!(built.status.success(), "{line}\n{words}");
+}
+
+/// A folder with the example in a language, called `mine` and built; `None` where its compiler is not here.
+fn example(language: &str, compiler: &str) -> Option<TempDir> {
+    if !is_here(compiler) {
+        return None;
+    }
+    let folder = tempfile::tempdir().expect("folder");
+    let written = run_in(
+        folder.path(),
+        ["solver", "new", "--language", language, "mine"],
+    );
+    assert_eq!(written.code, Some(0), "{}", written.stderr);
+    assert!(
+        written
+            .stdout
+            .contains("pinwheel solver check mine/solver.toml")
+    );
+    build(&folder.path().join("mine"));
+    Some(folder)
+}
+
+fn conforms(language: &str, compiler: &str) {
+    let Some(folder) = example(language, compiler) else {
+        return;
+    };
+    let words = [
+        "solver",
+        "check",
+        "mine/solver.toml",
+        "--junit",
+        "junit.xml",
+    ];
+    let checked = run_in(folder.path(), words);
+    assert_eq!(
+        checked.code,
+        Some(0),
+        "{}{}",
+        checked.stdout,
+        checked.stderr
+    );
+    println!("{}", checked.stdout);
+    assert!(
+        checked.stdout.contains("trials passed"),
+        "{}",
+        checked.stdout
+    );
+    let page = std::fs::read_to_string(folder.path().join("out/mine-check/index.html"));
+    assert!(page.expect("a page").contains("broken job"));
+    let junit = std::fs::read_to_string(folder.path().join("junit.xml")).expect("junit");
+    assert!(
+        junit.contains("failures=\"0\"") && junit.contains("time grid"),
+        "{junit}"
+    );
+}
+
+#[test]
+fn crossval_c_conforms() {
+    conforms("c", "cc");
+}
+
+#[test]
+fn crossval_cpp_conforms() {
+    conforms("cpp", "c++");
+}
+
+#[test]
+fn crossval_fortran_conforms() {
+    conforms("fortran", "gfortran");
+}
+
+#[test]
+fn crossval_python_conforms() {
+    conforms("python", "python3");
+}
+
+#[test]
+fn crossval_julia_conforms() {
+    conforms("julia", "julia");
+}
+
+fn courses(folder: &Path, words: &[&str]) -> Courses {
+    let ran = run_in(folder, words);
+    assert_eq!(ran.code, Some(0), "{words:?}\n{}", ran.stderr);
+    let out = words.last().expect("--out is last");
+    Courses::load_csv(&folder.join(out).join("courses.csv")).expect("courses")
+}
+
+/// Heun on the angles in Fortran, the paper's language, and our `rk2`: the same method on the same equations by two codes.
+#[test]
+fn crossval_fortran_heun_is_native_rk2() {
+    let Some(folder) = example("fortran", "gfortran") else {
+        return;
+    };
+    let set = ["--set", "solver.duration_s=0.05"];
+    let head = [
+        "run",
+        "paper",
+        "--set",
+        "solver.integrator=rk2",
+        "--unchecked",
+    ];
+    let native = courses(
+        folder.path(),
+        &[&head[..], &set, &["--out", "native"]].concat(),
+    );
+    let solver = ["--solver", "mine/solver.toml", "--out", "fortran"];
+    let fortran = courses(folder.path(), &[&head[..4], &set, &solver].concat());
+    let channel = |courses: &Courses| courses.channel(columns::INPUT_TORQUE).map(<[f64]>::to_vec);
+    let (a, b) = (
+        channel(&native).expect("there"),
+        channel(&fortran).expect("there"),
+    );
+    let square = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
+    let off = square(&mut a.iter().zip(&b).map(|(a, b)| a - b)) / square(&mut a.iter().copied());
+    println!("fortran-heun against native rk2: {off:.2e} in the driver torque");
+    // Measured 9e-14: the same steps on the same angles, so what is left is rounding, which contacts amplify. Times 1e4.
+    assert!(off < 1e-9, "{off:e}");
+}
+
+/// The solver of `tests/data/held-out`, which knows nothing but the header.
+fn held_out() -> Option<TempDir> {
+    if !is_here("cc") {
+        return None;
+    }
+    let folder = tempfile::tempdir().expect("folder");
+    let data = repository("tests/data/held-out");
+    for name in ["solver.toml", "midpoint.c"] {
+        std::fs::copy(data.join(name), folder.path().join(name)).expect("copied");
+    }
+    std::fs::copy(
+        repository("crates/law/include/pinwheel_law.h"),
+        folder.path().join("pinwheel_law.h"),
+    )
+    .expect("copied");
+    let line = "cc -O2 -o solver midpoint.c -L\"$(pinwheel solver library)\" -lpinwheel_law -lm";
+    let built = Command::new("sh")
+        .args(["-c", line])
+        .current_dir(folder.path())
+        .env("PATH", path())
+        .output()
+        .expect("a shell");
+    assert!(
+        built.status.success(),
+        "{}",
+        String::from_utf8_lossy(&built.stderr)
+    );
+    Some(folder)
+}
+
+#[test]
+fn crossval_a_held_out_solver_joins_every_command() {
+    let Some(folder) = held_out() else { return };
+    let short = ["--set", "solver.duration_s=0.02", "--solver", "solver.toml"];
+    let natives = ["--engines", "native-reduced,native-resolved"];
+    let run = |words: &[&str]| {
+        let ran = run_in(folder.path(), [words, &short].concat());
+        assert_eq!(ran.code, Some(0), "{words:?}\n{}{}", ran.stdout, ran.stderr);
+        ran.stdout
+    };
+    let compared = run(&[
+        "compare",
+        "paper",
+        natives[0],
+        natives[1],
+        "--junit",
+        "junit.xml",
+    ]);
+    assert!(
+        compared.contains("resolved / held-out-midpoint"),
+        "{compared}"
+    );
+    assert!(compared.contains("every statement holds"), "{compared}");
+    let junit = std::fs::read_to_string(folder.path().join("junit.xml")).expect("junit");
+    assert!(
+        junit.contains("native-resolved and held-out-midpoint"),
+        "{junit}"
+    );
+
+    let parts = [
+        "bench",
+        "paper",
+        "--engines",
+        "native-reduced",
+        "--methods",
+        "rk4",
+    ];
+    let bench = run(&[&parts[..], &["--parts", "scene", "--repeats", "1"]].concat());
+    assert!(bench.contains("held-out-midpoint"), "{bench}");
+
+    let sweep =
+        "scene = \"paper\"\nengines = [\"native\"]\n[vary]\ngear.backlash_m = [0.0, 3e-4]\n";
+    std::fs::write(folder.path().join("sweep.toml"), sweep).expect("written");
+    run(&["sweep", "sweep.toml", "--out", "swept"]);
+    let table = std::fs::read_to_string(folder.path().join("swept/results.csv")).expect("table");
+    assert_eq!(table.matches("held-out-midpoint").count(), 2, "{table}");
+}
+
+#[test]
+fn regress_a_baseline_sees_a_change_of_the_solver() {
+    let Some(folder) = held_out() else { return };
+    let solver = [
+        "--dir",
+        "b",
+        "--only",
+        "eleven-pins",
+        "--solver",
+        "solver.toml",
+    ];
+    let ran = |words: &[&str]| run_in(folder.path(), [words, &solver].concat());
+    let recorded = ran(&["baseline", "record", "mine"]);
+    assert_eq!(recorded.code, Some(0), "{}", recorded.stderr);
+    let same = ran(&["baseline", "check", "mine", "--repeats", "0"]);
+    assert_eq!(same.code, Some(0), "{}{}", same.stdout, same.stderr);
+
+    // Fewer iterations: the midpoint rule is no longer solved.
+    let source = folder.path().join("midpoint.c");
+    let text = std::fs::read_to_string(&source).expect("source");
+    std::fs::write(&source, text.replace("again < 8", "again < 1")).expect("written");
+    let line = "cc -O2 -o solver midpoint.c -L\"$(pinwheel solver library)\" -lpinwheel_law -lm";
+    let built = Command::new("sh")
+        .args(["-c", line])
+        .current_dir(folder.path())
+        .env("PATH", path())
+        .status();
+    assert!(built.expect("a shell").success());
+    let junit = ["--repeats", "0", "--junit", "junit.xml"];
+    let worse = ran(&[&["baseline", "check", "mine"][..], &junit].concat());
+    assert_eq!(worse.code, Some(1), "{}{}", worse.stdout, worse.stderr);
+    let junit = std::fs::read_to_string(folder.path().join("junit.xml")).expect("junit");
+    assert!(junit.contains("<failure"), "{junit}");
+
+    // A baseline is held against the solvers that made it and no others.
+    let other = run_in(folder.path(), ["baseline", "check", "mine", "--dir", "b"]);
+    assert_eq!(other.code, Some(2));
+    assert!(
+        other.stderr.contains("was made by held-out-midpoint"),
+        "{}",
+        other.stderr
+    );
+}
+
+#[test]
+fn bad_input_of_solvers_is_one_line() {
+    let folder = tempfile::tempdir().expect("folder");
+    let manifest = std::fs::read_to_string(repository("examples/solvers/c-rk4/solver.toml"));
+    let manifest = manifest.expect("example");
+    let at = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    };
+    at("one.toml", &manifest);
+    at("bad.toml", &manifest.replace("{job}", "{jobs}"));
+    std::fs::create_dir(folder.path().join("taken")).expect("made");
+    for (words, code, said) in [
+        (
+            &["run", "paper", "--solver", "none.toml"][..],
+            2,
+            "cannot be read",
+        ),
+        (
+            &["run", "paper", "--solver", "bad.toml"],
+            2,
+            "known are {here}",
+        ),
+        (
+            &["run", "paper", "--solver", "one.toml"],
+            3,
+            "does not start",
+        ),
+        (
+            &[
+                "compare", "paper", "--solver", "one.toml", "--solver", "one.toml",
+            ],
+            2,
+            "name each --solver once",
+        ),
+        (
+            &["run", "paper", "--engine", "native", "--solver", "one.toml"],
+            2,
+            "cannot be used with",
+        ),
+        (
+            &["solver", "new", "--language", "c", "../up"],
+            2,
+            "small letters",
+        ),
+        (
+            &["solver", "new", "--language", "c", "taken"],
+            2,
+            "choose another name",
+        ),
+        (
+            &["solver", "new", "--language", "c", "native-mine"],
+            2,
+            "choose another name",
+        ),
+        (&["solver", "check", "none.toml"], 2, "cannot be read"),
+        (
+            &["solver", "job", "papre", "job"],
+            2,
+            "did you mean the preset `paper`?",
+        ),
+    ] {
+        let ended = run_in(folder.path(), words);
+        assert_eq!(ended.code, Some(code), "{words:?} {}", ended.stderr);
+        assert!(ended.stderr.contains(said), "{words:?} {}", ended.stderr);
+        assert_eq!(
+            ended.stderr.trim().lines().count(),
+            1,
+            "{words:?} {}",
+            ended.stderr
+        );
+    }
+    assert!(!folder.path().join("job").exists());
+}
+
+/// A program that is stopped twice ends at once, and its solver with it.
+#[test]
+fn hard_a_second_signal_leaves_nothing_running() {
+    let folder = tempfile::tempdir().expect("folder");
+    let at = |name: &str| folder.path().join(name);
+    let manifest = "protocol = 1\nname = \"sleeper\"\nversion = \"1\"\ntrack = \"own-contact\"\nsummary = \"sleeps\"\n\
+        command = [\"/bin/sh\", \"-c\", \"trap '' TERM; echo $$ > '{here}/pid'; while :; do sleep 1; done\"]\n";
+    std::fs::write(at("solver.toml"), manifest).expect("written");
+    let mut program = pinwheel()
+        .args(["run", "paper", "--solver", "solver.toml"])
+        .current_dir(folder.path())
+        .spawn()
+        .expect("it starts");
+    let pid = || std::fs::read_to_string(at("pid")).unwrap_or_default();
+    for _ in 0..500 {
+        if !pid().trim().is_empty() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let own = program.id().to_string();
+    let kill = || Command::new("kill").args(["-INT", &own]).status();
+    kill().expect("kill");
+    std::thread::sleep(std::time::Duration::from_millis(50));
+    kill().expect("kill");
+    let ended = program.wait().expect("it ends");
+    assert_eq!(ended.code(), Some(130));
+    let pid = pid();
+    assert!(!pid.trim().is_empty(), "the solver never ran");
+    for _ in 0..100 {
+        let alive = Command::new("kill")
+            .args(["-0", pid.trim()])
+            .stderr(std::process::Stdio::null())
+            .status();
+        if !alive.expect("kill").success() {
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    panic!("{} still runs", pid.trim());
+}
