@@ -102,7 +102,7 @@ pub fn metres(value: f64) -> String {
 pub fn plain(value: f64) -> String {
     let meant: f64 = format!("{value:.9e}").parse().unwrap_or(value);
     if value != 0.0 && !(1e-4..1e6).contains(&meant.abs()) {
-        return minus(&format!("{meant:e}"));
+        return format!("{meant:e}");
     }
     minus(&meant.to_string())
 }

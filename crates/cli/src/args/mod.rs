@@ -27,7 +27,7 @@ pub(crate) use sweep::SweepArgs;
 
 const EXAMPLES: &str = "\
 Examples:
-  pinwheel compare paper             the paper's gearbox in every engine, one page
+  pinwheel compare paper             the paper's gear in every engine, one page
   pinwheel open                      the newest page, in the browser
   pinwheel run paper                 one engine: courses.csv and run.json
   pinwheel compare paper --set gear.backlash_m=0.0006 --out out/backlash

@@ -113,7 +113,7 @@ pub fn shift(run: &Courses, record: &Courses) -> Option<Shift> {
         }
         _ => 0.0,
     };
-    let as_well = height - AS_WELL * (1.0 - height) - 1e-6;
+    let as_well = height - AS_WELL * (1.0 - height) - 1e-4;
     let peak = |k: &usize| {
         fits[*k].1 >= as_well && fits[*k].1 >= fits[k - 1].1 && fits[*k].1 >= fits[k + 1].1
     };
