@@ -1,6 +1,5 @@
 //! What the whole-program tests share: the program, and runs of engines.
 
-pub mod gears;
 pub mod runs;
 
 use std::ffi::OsStr;

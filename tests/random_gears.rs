@@ -1,6 +1,7 @@
 //! `auto` on gears that nobody tuned it to: no run that calls itself resolved may be wrong.
 //!
-//! `PINWHEEL_GEARS=1000` judges that many of them, `PINWHEEL_GEARS=300..900` others.
+//! `PINWHEEL_GEARS=1000` judges that many of them, `PINWHEEL_GEARS=300..900` others, `PINWHEEL_RUBBING=1` only those with
+//! friction.
 
 #![allow(
     clippy::print_stdout,
@@ -13,9 +14,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::auto::PROMISE;
 use pinwheel_gearbox::resolve::{Budget, Uncertainty, run_resolved};
-use pinwheel_gearbox::{Distance, Frequencies, Gearbox, native};
-use pinwheel_scene::{Detection, FrictionLaw, Scene};
-use pinwheel_tests::gears::gear;
+use pinwheel_gearbox::{Distance, Gearbox};
+use pinwheel_scene::Scene;
+use pinwheel_studies::calibration::gears::gear;
+use pinwheel_studies::calibration::reference;
 
 /// Gears of an ordinary test run.
 const GEARS: u64 = 300;
@@ -25,41 +27,6 @@ const BUDGET: Budget = Budget {
 };
 /// An error beyond this many promises is a silent failure.
 const SILENT: f64 = 3.0;
-
-/// Method and setting (tolerance, or radians of the contacts' oscillation a step) of a reference and of the one that
-/// confirms it: methods and steps that `auto` does not take.
-fn references(scene: &Scene, by: &str) -> [(&'static str, f64); 2] {
-    let contact = &scene.contact;
-    let rubs = contact.friction_coefficient > 0.0;
-    let convex = rubs && contact.friction_law == FrictionLaw::Regularised;
-    let found = Frequencies::of(scene);
-    let stiff = found.friction_1_s > 100.0 * found.contact_rad_s;
-    match contact.detection {
-        Detection::Points if convex => [("imex2", 0.004), ("imex2", 0.0015)],
-        Detection::Points => [("rk4", 0.004), ("rk4", 0.0015)],
-        Detection::Exact if !rubs => [("dop853", 1e-11), ("dopri5", 1e-12)],
-        Detection::Exact if !convex => [("dop853", 1e-9), ("dopri5", 1e-11)],
-        Detection::Exact if by == "dopri5" => [("imex2-adaptive", 1e-5), ("dopri5", 1e-11)],
-        Detection::Exact if stiff => [("imex2", 0.001), ("imex2-adaptive", 2e-6)],
-        Detection::Exact => [("dopri5", 1e-8), ("dopri5", 1e-10)],
-    }
-}
-
-fn reference(scene: &Scene, (integrator, setting): (&str, f64)) -> Option<Courses> {
-    let radian = 1.0 / Frequencies::of(scene).contact_rad_s;
-    let mut scene = scene.clone();
-    let solver = &mut scene.solver;
-    integrator.clone_into(&mut solver.integrator);
-    if ["dopri5", "dop853", "imex2-adaptive"].contains(&integrator) {
-        solver.tolerance = setting;
-    } else {
-        solver.step_s = setting * radian;
-    }
-    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).ok()?;
-    native::run(&gearbox, &mut |_| false)
-        .ok()
-        .map(|run| run.courses)
-}
 
 /// What became of one gear.
 enum Outcome {
@@ -86,16 +53,16 @@ fn judge(scene: &Scene) -> Outcome {
         return Outcome::Told(uncertainty.sentence());
     }
     let by = uncertainty.chosen().map_or("", |rung| &rung.integrator);
-    let [first, second] = references(scene, by);
+    let [first, second] = reference::settings(scene, by);
     let off = |truth: &Courses| Distance::between(&gearbox, &run.courses, truth);
-    let truth = reference(scene, first);
+    let truth = reference::run(scene, first);
     if let Some(truth) = &truth
         && off(truth).worst() <= PROMISE
     {
         return Outcome::Judged(uncertainty, off(truth));
     }
     // Either may be wrong: the second reference tells, if it is one itself.
-    match (truth, reference(scene, second)) {
+    match (truth, reference::run(scene, second)) {
         (Some(first), Some(second)) => {
             let apart = Distance::between(&gearbox, &first, &second).worst();
             let error = off(&second);
@@ -143,7 +110,7 @@ fn print_histogram(pairs: &[(f64, f64)]) {
 #[test]
 fn crossval_no_random_gear_is_silently_wrong() {
     let seeds = seeds();
-    let total = (seeds.end - seeds.start) as usize;
+    let rubbing = std::env::var_os("PINWHEEL_RUBBING").is_some();
     let (next, found) = (AtomicU64::new(seeds.start), Mutex::new(Vec::new()));
     let threads = std::thread::available_parallelism().map_or(2, std::num::NonZero::get);
     std::thread::scope(|scope| {
@@ -154,7 +121,11 @@ fn crossval_no_random_gear_is_silently_wrong() {
                     if seed >= seeds.end {
                         break;
                     }
-                    let outcome = judge(&gear(seed));
+                    let scene = gear(seed);
+                    if rubbing && scene.contact.friction_coefficient == 0.0 {
+                        continue;
+                    }
+                    let outcome = judge(&scene);
                     found.lock().unwrap().push((seed, outcome));
                 }
             });
@@ -163,7 +134,9 @@ fn crossval_no_random_gear_is_silently_wrong() {
     let mut pairs = Vec::new();
     let (mut silent, mut failed, mut told, mut open) = (Vec::new(), Vec::new(), 0, 0);
     let mut costs = Vec::new();
-    for (seed, outcome) in found.into_inner().unwrap() {
+    let found = found.into_inner().unwrap();
+    let total = found.len();
+    for (seed, outcome) in found {
         match outcome {
             Outcome::Judged(uncertainty, error) => {
                 let stated = uncertainty.error.unwrap().worst();

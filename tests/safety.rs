@@ -22,7 +22,7 @@ const LONG: [&str; 6] = [
 /// A sweep of eight runs, each of `duration` seconds.
 fn sweep_file(dir: &Path, duration: &str) {
     let text = format!(
-        "name = \"s\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = {duration}\n\
+        "name = \"s\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = {duration}\n\
          [vary]\ngear.backlash_m = {{ from = 0.0, to = 3.0e-4, points = 8 }}\n"
     );
     fs::write(dir.join("s.toml"), text).unwrap();
@@ -292,6 +292,22 @@ fn regress_reserved_names_are_refused_before_the_run() {
         "map.toml",
     ];
     assert_refused(&run_in(dir.path(), words.iter().chain(&SHORT)), "`name`");
+    // The same by the file's own name, where the map gives none.
+    fs::write(dir.path().join("map.toml"), &map[map.find('[').unwrap()..]).unwrap();
+    fs::rename(
+        dir.path().join("d.csv"),
+        dir.path().join("Summary.JSON.csv"),
+    )
+    .unwrap();
+    let words = words.map(|word| {
+        if word == "d.csv" {
+            "Summary.JSON.csv"
+        } else {
+            word
+        }
+    });
+    assert_refused(&run_in(dir.path(), words.iter().chain(&SHORT)), "`name`");
+    assert!(!dir.path().join("out").exists());
 }
 
 #[test]
@@ -341,7 +357,7 @@ fn regress_two_sweeps_on_one_output() {
 #[test]
 fn regress_undefined_numbers_are_empty_cells() {
     let dir = tempfile::tempdir().unwrap();
-    let text = "name = \"s\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.01\n\
+    let text = "name = \"s\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.01\n\
         drive.output_torque_n_m = 0.0\n[vary]\ndrive.input_speed_rad_s = [0.0, 1e-9, 157.0]\n";
     fs::write(dir.path().join("s.toml"), text).unwrap();
     let outcome = run_in(dir.path(), ["sweep", "s.toml", "--out", "o"]);
@@ -371,6 +387,154 @@ fn regress_undefined_numbers_are_empty_cells() {
         fs::read_to_string(dir.path().join("o/results.csv")).unwrap(),
         csv
     );
+}
+
+/// Gears that stand still, carry nothing or touch nothing: no figure of any page, table or file is infinite, none or
+/// larger than all that there is.
+#[test]
+fn regress_no_number_where_there_is_none() {
+    let dir = tempfile::tempdir().unwrap();
+    let still = ["drive.output_torque_n_m=0", "drive.input_speed_rad_s=0"];
+    let loose = ["drive.output_torque_n_m=0", "gear.backlash_m=0.0006"];
+    let compare = [
+        "compare",
+        "paper",
+        "--engines",
+        "native,rapier-shared-law",
+        "--longest",
+        "1",
+    ];
+    let bench = [
+        "bench",
+        "paper",
+        "--parts",
+        "scene",
+        "--engines",
+        "native-reduced,rapier-shared-law",
+        "--methods",
+        "rk4",
+        "--repeats",
+        "1",
+    ];
+    for (words, sets) in [
+        (&["run", "paper"][..], still),
+        (&["run", "paper"], loose),
+        (&compare, still),
+        (&bench, loose),
+    ] {
+        let sets = sets.iter().flat_map(|set| ["--set", *set]);
+        let out = ["--set", "solver.duration_s=0.004", "--out", "o", "--force"];
+        let outcome = run_in(dir.path(), words.iter().copied().chain(sets).chain(out));
+        assert!(
+            outcome.code.is_some_and(|code| code < 2),
+            "{words:?}: {outcome:?}"
+        );
+        let mut shown = vec![outcome.stdout];
+        let mut open = vec![dir.path().join("o")];
+        while let Some(place) = open.pop() {
+            for path in names_in(&place).iter().map(|name| place.join(name)) {
+                if path.is_dir() {
+                    open.push(path);
+                } else {
+                    shown.push(visible(&fs::read_to_string(path).unwrap()));
+                }
+            }
+        }
+        let words = |text: &str| {
+            let cut = |c: char| !(c.is_alphanumeric() || "+-.".contains(c));
+            text.split(cut).map(str::to_owned).collect::<Vec<_>>()
+        };
+        for word in shown.iter().flat_map(|text| words(text)) {
+            let number = word.parse::<f64>().unwrap_or(0.0);
+            assert!(number.abs() < 1e13, "{word}");
+        }
+    }
+}
+
+/// What a reader sees of a page: its text without scripts and styles; other files as they are.
+fn visible(text: &str) -> String {
+    if !text.trim_start().to_lowercase().starts_with("<!doctype") {
+        return text.to_owned();
+    }
+    let mut text = text.to_owned();
+    for (from, to) in [("<script", "</script>"), ("<style", "</style>"), ("<", ">")] {
+        let mut kept = String::new();
+        let mut rest = text.as_str();
+        while let Some(start) = rest.find(from) {
+            kept.push_str(&rest[..start]);
+            kept.push(' ');
+            let end = rest[start..]
+                .find(to)
+                .map_or(rest.len(), |end| start + end + to.len());
+            rest = &rest[end..];
+        }
+        kept.push_str(rest);
+        text = kept;
+    }
+    text
+}
+
+/// What is asked for and fits nothing is an error that lists what there is; nothing passes without a number.
+#[test]
+fn regress_what_matches_nothing_does_not_pass() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = "engines = [\"native-reduced\"]\nmeasure = [\"*_torque_n_m\", \"nonsense*\"]\n[set]\n\
+        solver.duration_s = 0.002\n[vary]\ngear.backlash_m = [0.0]\n";
+    fs::write(dir.path().join("s.toml"), text).unwrap();
+    let outcome = run_in(dir.path(), ["sweep", "s.toml", "--out", "o"]);
+    assert_refused(&outcome, "`nonsense*` fits no quantity");
+    assert!(
+        outcome.stderr.contains("external_sleeve_force_n"),
+        "{outcome:?}"
+    );
+    let mut rows = "time_s,a\n".to_owned();
+    (0..21).for_each(|k| rows.push_str(&format!("{},1\n", 1e-4 * f64::from(k))));
+    fs::write(dir.path().join("d.csv"), rows).unwrap();
+    let map = "[columns]\ninput_torque_n_m = \"a\"\n[[limits]]\nquantity = \"nothing_n\"\nwindow = \"transient\"\n\
+        metric = \"mean\"\nlimit = 0.1\nreason = \"x\"\n";
+    fs::write(dir.path().join("m.toml"), map).unwrap();
+    let words = [
+        "compare",
+        "paper",
+        "--engines",
+        "native-reduced",
+        "--longest",
+        "1",
+    ];
+    let against = ["--against", "d.csv", "--map", "m.toml"];
+    let outcome = run_in(dir.path(), words.iter().chain(&against).chain(&SHORT));
+    assert_refused(&outcome, "matches nothing");
+    let accepted = repository("reference/baselines/accepted/baseline.toml");
+    let head = fs::read_to_string(accepted).unwrap();
+    let (from, to) = (head.find("scenes = [").unwrap(), head.find(']').unwrap());
+    fs::create_dir_all(dir.path().join("bl/empty")).unwrap();
+    let head = format!("{}scenes = [{}", &head[..from], &head[to..]);
+    fs::write(dir.path().join("bl/empty/baseline.toml"), head).unwrap();
+    let words = [
+        "baseline",
+        "check",
+        "empty",
+        "--dir",
+        "bl",
+        "--repeats",
+        "0",
+    ];
+    assert_refused(&run_in(dir.path(), words), "lists no scenes");
+}
+
+/// A scene from a pipe that nobody writes to: the first Ctrl-C ends the wait.
+#[cfg(unix)]
+#[test]
+fn regress_a_pipe_that_never_comes_can_be_stopped() {
+    let dir = tempfile::tempdir().unwrap();
+    let made = Command::new("mkfifo").arg(dir.path().join("pipe")).status();
+    assert!(made.unwrap().success());
+    let child = start(dir.path(), &["run", "pipe"]);
+    std::thread::sleep(Duration::from_millis(300));
+    interrupt(&child);
+    let outcome = within(child, 20.0);
+    assert_eq!(outcome.code, Some(130), "{outcome:?}");
+    assert_eq!(names_in(dir.path()), ["pipe"]);
 }
 
 #[test]
@@ -488,7 +652,11 @@ fn regress_control_characters_never_reach_the_terminal() {
     }
     let sweep = |keys: u32| {
         let keys: String = (0..keys).map(|k| format!("k{k}=[1]\n")).collect();
-        fs::write(dir.path().join("s.toml"), format!("[vary]\n{keys}")).unwrap();
+        fs::write(
+            dir.path().join("s.toml"),
+            format!("scene = \"paper\"\n[vary]\n{keys}"),
+        )
+        .unwrap();
         let begun = Instant::now();
         let outcome = within(start(dir.path(), &["sweep", "s.toml"]), 20.0);
         assert_eq!(outcome.code, Some(2), "{:.300}", outcome.stderr);
@@ -518,6 +686,26 @@ fn regress_inputs_of_inputs_are_inputs() {
     assert_eq!(names_in(&dir.path().join("o")), ["base.toml"]);
 }
 
+/// A megabyte is read, or refused, within two seconds: nothing is done once a value for all values.
+#[test]
+fn regress_a_megabyte_is_read_at_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let change = |k: u32| format!("{{ time_s = {k}e-3, output_torque_n_m = 1.0 }},\n");
+    let changes: String = (1..22_000).map(change).collect();
+    let text = format!("base = \"paper\"\ndrive.load_changes = [\n{changes}]\n");
+    assert!((900_000..1 << 20).contains(&text.len()), "{}", text.len());
+    fs::write(dir.path().join("m.toml"), text).unwrap();
+    let begun = Instant::now();
+    let outcome = within(start(dir.path(), &["explain", "m.toml"]), 20.0);
+    assert_refused(&outcome, "more than 1000");
+    // 0.1 s; 22 s with lines counted anew for every value.
+    assert!(
+        begun.elapsed() < Duration::from_secs(4),
+        "{:?}",
+        begun.elapsed()
+    );
+}
+
 /// A plan of many runs is made of many scenes: the first Ctrl-C ends that, too.
 #[cfg(unix)]
 #[test]
@@ -525,7 +713,7 @@ fn regress_planning_can_be_stopped() {
     let dir = tempfile::tempdir().unwrap();
     let axis = |key: &str, to: f64| format!("{key} = {{ from = 0.0, to = {to}, points = 300 }}\n");
     let text = format!(
-        "[vary]\n{}{}",
+        "scene = \"paper\"\n[vary]\n{}{}",
         axis("gear.backlash_m", 3e-4),
         axis("drive.output_torque_n_m", 11.0)
     );

@@ -8,6 +8,7 @@ use serde_json::Value;
 
 const SWEEP: &str = "\
 name = \"small\"
+scene = \"paper\"
 engines = [\"native-reduced\"]
 [set]
 solver.duration_s = 0.01
@@ -80,9 +81,13 @@ fn a_sweep_writes_whole_results() {
 fn bad_sweeps_end_with_a_line() {
     let dir = tempfile::tempdir().unwrap();
     for (text, part) in [
-        ("[vary]\ngear.wheels = [1, 0]\n", "run 2 (gear.wheels = 0)"),
+        (
+            "scene = \"paper\"\n[vary]\ngear.wheels = [1, 0]\n",
+            "run 2 (gear.wheels = 0)",
+        ),
+        ("[vary]\ngear.wheels = [1, 2]\n", "no key `scene`"),
         ("vry = 1\n", "did you mean `vary`?"),
-        ("engines = [\"nativ\"]\n", "did you mean"),
+        ("scene = \"paper\"\nengines = [\"nativ\"]\n", "did you mean"),
     ] {
         std::fs::write(dir.path().join("bad.toml"), text).unwrap();
         let outcome = run_in(dir.path(), ["sweep", "bad.toml"]);
@@ -102,7 +107,7 @@ fn bad_sweeps_end_with_a_line() {
     // A run that diverges is a result, and status 3.
     std::fs::write(
         dir.path().join("wild.toml"),
-        "[set]\nsolver.duration_s = 0.01\n[vary]\nsolver.step_s = [1e-5, 1e-4]\n",
+        "scene = \"paper\"\n[set]\nsolver.duration_s = 0.01\n[vary]\nsolver.step_s = [1e-5, 1e-4]\n",
     )
     .unwrap();
     let wild = run_in(dir.path(), ["sweep", "wild.toml", "--out", "wild"]);
@@ -142,7 +147,7 @@ fn a_killed_sweep_goes_on() {
         .filter(|name| name.starts_with("run-"))
     {
         let record: Value = serde_json::from_str(&read(&journal.join(name))).unwrap();
-        assert_eq!(record["status"], "finished");
+        assert_eq!(record["state"], "finished");
     }
     let again = run_in(dir.path(), ["sweep", "long.toml", "--out", "long"]);
     assert!(

@@ -32,7 +32,7 @@ fn browser_shows_a_sweep() {
         return;
     };
     let dir = tempfile::tempdir().unwrap();
-    let sweep = "name = \"small\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.01\n[vary]\n\
+    let sweep = "name = \"small\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.01\n[vary]\n\
                  gear.backlash_m = [0.0, 2.0e-4, 4.0e-4]\ncontact.damping_n_s_m = [8.0, 64.0]\n";
     std::fs::write(dir.path().join("small.toml"), sweep).unwrap();
     let page = page(dir.path(), &["sweep", "small.toml"]);

@@ -52,7 +52,9 @@ fn crossval_python_package_passes_its_own_tests() {
 
 #[test]
 fn crossval_python_package_is_clean() {
-    let ruff = python(&["-m", "ruff", "check", "--no-cache", "."])
+    let settings = ["--config", "pyproject.toml", ".", "../solvers"];
+    let ruff = python(&["-m", "ruff", "check", "--no-cache"])
+        .args(settings)
         .output()
         .unwrap();
     assert_fine("ruff", &ruff);

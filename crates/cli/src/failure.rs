@@ -1,5 +1,6 @@
 //! Why the program ends early: an exit status and one line with the remedy.
 
+use pinwheel::compare::CompareError;
 use pinwheel::engines::EngineError;
 use pinwheel::pages::PageError;
 use pinwheel::scene::SceneError;
@@ -98,9 +99,10 @@ impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
         match error {
             StudyError::Cancelled | StudyError::Engine(EngineError::Cancelled) => Self::stopped(),
-            StudyError::Input(_) | StudyError::Load(_) | StudyError::Scene { .. } => {
-                Self::input(error.to_string())
-            }
+            StudyError::Input(_)
+            | StudyError::Load(_)
+            | StudyError::Scene { .. }
+            | StudyError::Compare(CompareError::Unmatched { .. }) => Self::input(error.to_string()),
             StudyError::Output(error) => error.into(),
             StudyError::Choice(error) => error.into(),
             StudyError::Engine(EngineError::Unsupported { .. }) => Self::engine(format!(

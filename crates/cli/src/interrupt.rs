@@ -1,20 +1,31 @@
-//! Ctrl-C and SIGTERM: the first asks the running engine to stop, the second ends the program.
+//! Ctrl-C and SIGTERM: the first asks the running engine to stop, the second ends the program; so does the first while
+//! nothing runs and what is read does not come.
 //!
 //! Either way nothing half-written stays behind: the unfinished output folder is removed.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use crate::failure::{Failure, STOPPED};
 
 static CANCEL: AtomicBool = AtomicBool::new(false);
+/// Whether something runs that looks at the flag.
+static WATCHED: AtomicBool = AtomicBool::new(false);
+/// How long reading may take to see the flag by itself. A pipe that nobody writes to never does.
+const PATIENCE: Duration = Duration::from_secs(1);
 /// The folder being written, for the second signal.
 static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
 
 /// The flag engines watch.
 pub(crate) fn flag() -> &'static AtomicBool {
     &CANCEL
+}
+
+/// From now on the flag is looked at.
+pub(crate) fn watched() {
+    WATCHED.store(true, Ordering::Relaxed);
 }
 
 /// Fails once the user asked to stop.
@@ -38,7 +49,12 @@ pub(crate) fn install() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
         pinwheel::engines::stop_preparing();
         if !CANCEL.swap(true, Ordering::Relaxed) {
-            return;
+            if !WATCHED.load(Ordering::Relaxed) {
+                std::thread::sleep(PATIENCE);
+            }
+            if WATCHED.load(Ordering::Relaxed) {
+                return;
+            }
         }
         pinwheel::engines::external::end_all();
         if let Ok(place) = UNFINISHED.lock()

@@ -22,6 +22,7 @@ pub(crate) fn watched<T, E>(
     label: &str,
     work: impl FnOnce(&Control<'_>) -> Result<T, E>,
 ) -> Result<T, E> {
+    interrupt::watched();
     let bar = Bar::new(label);
     let report = |progress: Progress<'_>| bar.show(progress);
     let found = work(&Control {

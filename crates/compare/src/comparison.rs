@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::metrics::{Metric, PairMetrics};
-use crate::participant::{Context, Cost, Status};
+use crate::participant::{Context, Cost, Status, Track};
 use crate::quantities::Quantity;
 use crate::statistics::Statistics;
 use crate::uncertainty::{Evidence, Method, QuantityUncertainty, Source};
@@ -51,7 +51,7 @@ pub struct EngineSummary {
     /// Name.
     pub name: String,
     /// Track.
-    pub track: String,
+    pub track: Track,
     /// Version.
     pub version: String,
     /// One line on what it is.
@@ -135,7 +135,7 @@ pub struct Figures {
     /// (mean `input_torque_n_m` * input speed). `None` without these channels or without positive
     /// input power, and in the transient window, where energy is stored and returned.
     pub efficiency: Option<f64>,
-    /// Why there is no efficiency.
+    /// Why there is no efficiency, or why it is above 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub efficiency_reason: Option<String>,
     /// The efficiency with the energy that nothing accounts for added to the power in: efficiency / (1 + remainder /
@@ -167,7 +167,7 @@ pub struct Pair {
     /// Second engine.
     pub b: String,
     /// The foreign engine's track, or `native` for two native runs.
-    pub track: String,
+    pub track: Track,
     /// One entry per window and quantity.
     pub entries: Vec<PairEntry>,
 }
@@ -230,7 +230,7 @@ impl Judgement {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Matrix {
     /// Track; native engines stand in every matrix.
-    pub track: String,
+    pub track: Track,
     /// Window.
     pub window: WindowKind,
     /// Names of rows and columns.

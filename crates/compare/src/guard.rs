@@ -3,7 +3,7 @@
 use crate::judge::{Judge, Sides};
 use crate::limits::{Friction, Limit, fits};
 use crate::metrics::{Metric, PairMetrics};
-use crate::participant::{Participant, track};
+use crate::participant::{Participant, Track};
 use crate::quantities::Quantity;
 use crate::uncertainty::Uncertainty;
 use crate::verdict::{Check, Verdict};
@@ -36,7 +36,7 @@ impl Judge<'_> {
                 && row.window == window.kind
                 && (pointwise || !row.metric.is_pointwise())
                 && fits(row.quantity, &quantity.name)
-                && fits(row.track, track)
+                && fits(row.track, track.as_str())
         });
         let (mut checks, mut reason) = (Vec::new(), None);
         for metric in Metric::of_pairs() {
@@ -52,7 +52,7 @@ impl Judge<'_> {
                 }
             }
         }
-        if checks.is_empty() && a.track != track::NATIVE && b.track != track::NATIVE {
+        if checks.is_empty() && a.track != Track::Native && b.track != Track::Native {
             let rows: Vec<_> = rows.collect();
             checks = self.through_native(&rows, a, b, metrics);
         }
@@ -79,7 +79,7 @@ impl Judge<'_> {
         let leg = |engine: &Participant, metric: Metric| {
             rows.iter().copied().find(|row| {
                 row.metric == metric
-                    && fits(row.against, track::NATIVE)
+                    && fits(row.against, Track::Native.as_str())
                     && fits(row.engine, &engine.name)
                     && row.against_step_at_most_s.is_none()
                     && self.suits(row.friction)
@@ -117,7 +117,7 @@ impl Judge<'_> {
             row.metric == Metric::MeanAgainstLoad
                 && row.window == window
                 && fits(row.quantity, &quantity.name)
-                && fits(row.track, &engine.track)
+                && fits(row.track, engine.track.as_str())
                 && fits(row.engine, &engine.name)
                 && self.suits(row.friction)
                 && step_suits(engine, row.step_at_most_s)
@@ -143,7 +143,10 @@ impl Judge<'_> {
                 remedy: format!("refine {}", engine.name),
                 stated: false,
             };
-            return Some((Vec::new(), self.excused(verdict)));
+            return Some((
+                Vec::new(),
+                self.excused(verdict, self.context.is_pointwise(f64::INFINITY)),
+            ));
         }
         let limit = row.limit + share;
         if let Some(missing) = unknown.filter(|_| value.is_some_and(|value| value > limit)) {
@@ -154,7 +157,10 @@ impl Judge<'_> {
                 remedy: missing.remedy.clone(),
                 stated: false,
             };
-            return Some((Vec::new(), self.excused(verdict)));
+            return Some((
+                Vec::new(),
+                self.excused(verdict, self.context.is_pointwise(f64::INFINITY)),
+            ));
         }
         let checks = vec![check(row, value, limit, row.reason.to_owned())];
         let verdict = checks[0].verdict();

@@ -4,7 +4,7 @@ use crate::comparison::Judgement;
 use crate::limits::{NEGLIGIBLE_SHARE, fits};
 use crate::metrics::{Metric, PairMetrics};
 use crate::model::{self, ModelTolerance, Prediction};
-use crate::participant::{Context, Participant, track};
+use crate::participant::{Context, Participant, Track};
 use crate::quantities::Quantity;
 use crate::rules::Rules;
 use crate::uncertainty::{Estimate, QuantityUncertainty, Uncertainty, Unresolved};
@@ -26,6 +26,9 @@ pub(crate) struct Judge<'a> {
     /// Force (N) and torque (N m) below which a load is rounding.
     pub(crate) negligible: Negligible,
 }
+
+/// Angles below this are roundings of a radian.
+const ROUNDED_RAD: f64 = 1e-15;
 
 /// Loads below these are rounding.
 #[derive(Clone, Copy)]
@@ -64,12 +67,15 @@ impl Negligible {
         }
     }
 
-    /// Of one quantity; `None` for what is no load.
+    /// Of one quantity; `None` for what is neither a load nor an angle.
     fn below(&self, quantity: &Quantity) -> Option<f64> {
         if quantity.is_force() {
             Some(self.force_n)
         } else {
-            quantity.is_torque().then_some(self.torque_n_m)
+            quantity.is_torque().then_some(self.torque_n_m).or_else(|| {
+                // An angle has no size to scale with: a gear that stands still turns by roundings of a radian.
+                (quantity.unit == "rad").then_some(ROUNDED_RAD)
+            })
         }
     }
 }
@@ -97,14 +103,15 @@ pub(crate) type Uncertainties<'a> = [Option<&'a QuantityUncertainty>; 2];
 /// Two engines and the track they are compared on.
 #[derive(Clone, Copy)]
 pub(crate) struct Sides<'a> {
-    pub(crate) track: &'a str,
+    pub(crate) track: Track,
     pub(crate) a: &'a Participant,
     pub(crate) b: &'a Participant,
 }
 
 impl Judge<'_> {
-    /// What is not resolved, marked as stated where its participant says why it has to be so.
-    pub(crate) fn excused(&self, mut verdict: Verdict) -> Verdict {
+    /// What is not resolved, marked as stated where its participant says why it has to be so, or where the scene itself
+    /// parts runs by their roundings.
+    pub(crate) fn excused(&self, mut verdict: Verdict, pointwise: bool) -> Verdict {
         if let Verdict::NotResolved {
             participant,
             reason,
@@ -116,6 +123,11 @@ impl Judge<'_> {
             let own = evidence.find(|e| e.engine == *participant);
             if let Some(excuse) = own.and_then(|e| e.excuse.as_ref()) {
                 *reason = format!("{reason}; {excuse}");
+                *stated = true;
+            } else if !pointwise {
+                *reason = format!(
+                    "{reason}; a rounding parts two runs here, so figures are samples: only a longer run makes them sharper"
+                );
                 *stated = true;
             }
         }
@@ -143,7 +155,7 @@ impl Judge<'_> {
                 quantity.unit
             ));
         }
-        let measured = [a, b].iter().any(|p| p.track == track::MEASURED);
+        let measured = [a, b].iter().any(|p| p.track == Track::Measured);
         let (checks, reason) = if measured {
             self.stated(&[&a.name, &b.name], quantity, window.kind, metrics)
         } else {
@@ -153,13 +165,14 @@ impl Judge<'_> {
             self.validation(sides, quantity, metrics, uncertainties)
         } else if self.rules.evidence.is_empty() {
             Vec::new()
-        } else if [track::NATIVE, track::SHARED_LAW].contains(&sides.track) {
+        } else if [Track::Native, Track::SharedLaw].contains(&sides.track) {
             self.one_law(sides, window, metrics, uncertainties)
         } else {
             self.models(sides, quantity, window, metrics, uncertainties)
         };
         for judgement in &mut judgements {
-            judgement.verdict = self.excused(judgement.verdict.clone());
+            let pointwise = self.context.is_pointwise(window.to_s);
+            judgement.verdict = self.excused(judgement.verdict.clone(), pointwise);
             // Where the guard's table speaks, what a ladder cannot say takes nothing from it.
             let silent = [Outcome::Stated, Outcome::NotResolved];
             judgement.counts &= checks.is_empty() || !silent.contains(&judgement.verdict.outcome());
@@ -268,7 +281,7 @@ impl Judge<'_> {
         for metric in Metric::of_pairs().filter(|m| pointwise || !m.is_pointwise()) {
             let own: Vec<&Participant> = [a, b]
                 .into_iter()
-                .filter(|p| p.track != track::NATIVE)
+                .filter(|p| p.track != Track::Native)
                 .collect();
             let Some(statements) = own
                 .iter()
@@ -340,9 +353,9 @@ impl Judge<'_> {
         metrics: &PairMetrics,
         [of_a, of_b]: Uncertainties<'_>,
     ) -> Vec<Judgement> {
-        let (data, simulation, of_simulation) = match (a.track.as_str(), b.track.as_str()) {
-            (track::MEASURED, track::MEASURED) => return Vec::new(),
-            (track::MEASURED, _) => (a, b, of_b),
+        let (data, simulation, of_simulation) = match (a.track, b.track) {
+            (Track::Measured, Track::Measured) => return Vec::new(),
+            (Track::Measured, _) => (a, b, of_b),
             _ => (b, a, of_a),
         };
         let Some(stated) = self

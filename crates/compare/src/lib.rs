@@ -50,7 +50,7 @@
 //!     };
 //!     let participant = Participant {
 //!         name: name.to_owned(),
-//!         track: track::SHARED_LAW.to_owned(),
+//!         track: Track::SharedLaw,
 //!         version: String::new(),
 //!         summary: String::new(),
 //!         differences: String::new(),
@@ -101,7 +101,7 @@ pub use comparison::{Comparison, Judgement};
 pub use error::CompareError;
 pub use limits::{Limit, StatedLimit};
 pub use metrics::Metric;
-pub use participant::{Context, Cost, Divergence, Energy, Participant, Scales, Status, track};
+pub use participant::{Context, Cost, Divergence, Energy, Participant, Scales, Status, Track};
 pub use quantities::Quantity;
 pub use rules::{RESOLUTION, Rules};
 pub use uncertainty::{Evidence, Ladder, Rung, Uncertainty};

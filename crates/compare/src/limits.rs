@@ -28,7 +28,7 @@ pub enum Friction {
 /// One row of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Limit {
-    /// Track of the pair (see [`track`](crate::track)), a pattern.
+    /// Track of the pair ([`Track`](crate::Track)), a pattern.
     pub track: &'static str,
     /// One engine, a pattern.
     pub engine: &'static str,
@@ -185,6 +185,28 @@ pub const TABLE: &[Limit] = rows! {
     "Implicit friction at 1e-5 s against a native run that resolves it; times 4.";
     "shared-law", "exudyn*constrained", Some(1.001e-5), "native-resolved", None, With, Transient, "*", RelativeL2, 2e-3, Some(6.3e-4),
     "Implicit friction at 1e-5 s against a native run that resolves it; times 3.";
+
+    // Simbody and SUNDIALS IDA, shared law: steps by error control at a tolerance of 1e-6.
+    "shared-law", "simbody*", None, "native-resolved", None, Without, Steady, "*", RelativeL2, 5e-6, Some(1.2e-6),
+    "Its error at this tolerance: 1.8e-7 for the paper's gear, 1.2e-6 for steel; times 4.";
+    "shared-law", "simbody*", None, "native-resolved", None, Without, Transient, "*", RelativeL2, 4e-6, Some(9.7e-7),
+    "Its error at this tolerance: 3.0e-7 for the paper's gear, 9.7e-7 for eleven pins; times 4.";
+    "shared-law", "simbody*", None, "native-resolved", None, With, Steady, "*", RelativeL2, 3e-6, Some(2.7e-7),
+    "Below what native-resolved states of itself under friction, 5e-7 in the forces and 2.1e-6 in the driver torque: times 1.4 of that.";
+    "shared-law", "simbody*", None, "native-resolved", None, With, Transient, "*", RelativeL2, 1e-5, Some(1.6e-6),
+    "Below what native-resolved states of itself under friction, 6.3e-6 over the first 0.01 s: times 1.6 of that.";
+    "shared-law", "ida*", None, "native-resolved", None, Without, Steady, "*", RelativeL2, 2e-4, Some(4.8e-5),
+    "BDF's error at this tolerance: 2.6e-6 for the paper's gear, 4.8e-5 for steel, whose ringing it damps; times 4.";
+    "shared-law", "ida*", None, "native-resolved", None, Without, Transient, "*", RelativeL2, 1.5e-3, Some(3.7e-4),
+    "BDF's error at this tolerance: 5.8e-6 for the paper's gear, 3.7e-4 for steel, whose ringing it damps; times 4.";
+    "shared-law", "ida*", None, "native-resolved", None, With, Steady, "*", RelativeL2, 1.2e-5, Some(3.1e-6),
+    "BDF's error at this tolerance, friction included; times 4.";
+    "shared-law", "ida*", None, "native-resolved", None, With, Transient, "*", RelativeL2, 2e-5, Some(4.8e-6),
+    "BDF's error at this tolerance, friction included; times 4.";
+    "shared-law", "simbody*|ida*", None, "native*", Some(1.001e-5), Without, Steady, "*", RelativeL2, 1e-3, Some(2.4e-4),
+    "Heun's error at 1e-5 s, the paper's method and step, is all of it (see native-resolved); times 4.";
+    "shared-law", "simbody*|ida*", None, "native*", Some(1.001e-5), Without, Transient, "*", RelativeL2, 5e-2, Some(2.9e-2),
+    "Heun's error at 1e-5 s is all of it: 5.1e-3 for the paper's gear, 2.9e-2 with 0.6 mm of backlash; times 1.7.";
 
     // exudyn and MuJoCo, own contact: beds of springs; no friction, no ramp, another transient.
     "own-contact", "mujoco*|exudyn*", None, "native*", None, Without, Steady, columns::INPUT_TORQUE, RelativeL2, 1.7e-2, Some(1.3e-2),

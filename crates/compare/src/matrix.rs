@@ -6,16 +6,16 @@
 
 use crate::comparison::{Cell, Judgement, Matrix, Pair, PairEntry};
 use crate::metrics::Metric;
-use crate::participant::{Participant, track};
+use crate::participant::{Participant, Track};
 use crate::quantities::Quantity;
 use crate::verdict::{Outcome, Verdict};
 use crate::windows::Window;
 
 /// The track two engines are compared on; `None` if they must not be.
-pub(crate) fn track_of<'a>(a: &'a Participant, b: &'a Participant) -> Option<&'a str> {
-    match (a.track.as_str(), b.track.as_str()) {
+pub(crate) fn track_of(a: &Participant, b: &Participant) -> Option<Track> {
+    match (a.track, b.track) {
         (a, b) if a == b => Some(a),
-        (track::NATIVE, other) | (other, track::NATIVE) => Some(other),
+        (Track::Native, other) | (other, Track::Native) => Some(other),
         _ => None,
     }
 }
@@ -27,25 +27,21 @@ pub(crate) fn matrices(
     quantities: &[Quantity],
     windows: &[Window],
 ) -> Vec<Matrix> {
-    let mut tracks: Vec<&str> = Vec::new();
+    let mut tracks: Vec<Track> = Vec::new();
     for participant in finished {
-        if participant.track != track::NATIVE && !tracks.contains(&participant.track.as_str()) {
-            tracks.push(&participant.track);
+        if participant.track != Track::Native && !tracks.contains(&participant.track) {
+            tracks.push(participant.track);
         }
     }
-    tracks.sort_by_key(|name| match *name {
-        track::SHARED_LAW => 0,
-        track::OWN_CONTACT => 1,
-        _ => 2,
-    });
+    tracks.sort_unstable();
     if tracks.is_empty() {
-        tracks.push(track::NATIVE);
+        tracks.push(Track::Native);
     }
     let mut matrices = Vec::new();
     for track in tracks {
         let engines: Vec<String> = finished
             .iter()
-            .filter(|p| p.track == track || p.track == track::NATIVE)
+            .filter(|p| p.track == track || p.track == Track::Native)
             .map(|p| p.name.clone())
             .collect();
         if engines.len() < 2 {
@@ -53,7 +49,6 @@ pub(crate) fn matrices(
         }
         for window in windows {
             let cells = cells(&engines, pairs, quantities, window);
-            let track = track.to_owned();
             matrices.push(Matrix {
                 track,
                 window: window.kind,

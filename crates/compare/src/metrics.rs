@@ -227,6 +227,17 @@ pub struct WorstSample {
 impl PairMetrics {
     /// All metrics of two views of one shape; `time_s` are the window's sample times.
     ///
+    /// ```
+    /// use pinwheel_compare::metrics::PairMetrics;
+    /// use pinwheel_compare::statistics::View;
+    ///
+    /// let (a, b) = ([1.0, 2.0, 3.0], [1.0, 2.0, 3.03]);
+    /// let (a, b) = (View::new(vec![&a[..]]), View::new(vec![&b[..]]));
+    /// let found = PairMetrics::of(&a, &b, &[0.0, 0.1, 0.2]).ok_or("shapes differ")?;
+    /// assert!(found.peak_difference.is_some_and(|d| (d - 0.03 / 3.03).abs() < 1e-12));
+    /// # Ok::<(), &str>(())
+    /// ```
+    ///
     /// `None` if the shapes differ or `time_s` has another length.
     #[must_use]
     pub fn of(a: &View<'_>, b: &View<'_>, time_s: &[f64]) -> Option<Self> {

@@ -115,7 +115,7 @@ pub(crate) fn account<'a>(participant: &'a Participant, window: &Window) -> Opti
         .cost
         .energy
         .iter()
-        .filter(|e| overlap(e) > 0.5 && e.remainder_share.is_finite())
+        .filter(|e| overlap(e) > 0.5 && e.remainder_share.is_some_and(f64::is_finite))
         .max_by(|a, b| overlap(a).total_cmp(&overlap(b)))
 }
 
@@ -123,7 +123,7 @@ pub(crate) fn account<'a>(participant: &'a Participant, window: &Window) -> Opti
 /// [`signed_mean_difference`](crate::metrics::PairMetrics::signed_mean_difference): energy that a law creates the
 /// driver need not bring. An engine without an account is taken to create none; `None` if neither keeps one.
 pub(crate) fn predicted(a: &Participant, b: &Participant, window: &Window) -> Option<f64> {
-    let share = |p: &Participant| account(p, window).map(|e| e.remainder_share);
+    let share = |p: &Participant| account(p, window)?.remainder_share;
     match (share(a), share(b)) {
         (None, None) => None,
         (of_a, of_b) => Some(of_b.unwrap_or(0.0) - of_a.unwrap_or(0.0)),

@@ -6,7 +6,7 @@ use crate::comparison::{EngineSummary, Judgement, Pair, PairEntry};
 use crate::grid::Common;
 use crate::judge::{self, Judge, Sides, Uncertainties};
 use crate::metrics::{Metric, PairMetrics};
-use crate::participant::{Participant, track};
+use crate::participant::{Participant, Track};
 use crate::quantities::Quantity;
 use crate::statistics::View;
 use crate::summary::{covered, floor, shared, uncertainty};
@@ -33,7 +33,7 @@ pub(crate) fn pair(
     Ok(Pair {
         a: a.name.clone(),
         b: b.name.clone(),
-        track: track.to_owned(),
+        track,
         entries,
     })
 }
@@ -129,7 +129,7 @@ fn extrapolated(
     [of_a, of_b]: Uncertainties<'_>,
     judge: Judge<'_>,
 ) -> Option<Judgement> {
-    let one_law = [track::NATIVE, track::SHARED_LAW].contains(&track);
+    let one_law = [Track::Native, Track::SharedLaw].contains(&track);
     if !one_law || !judge.context.is_pointwise(window.to_s) || !grid::same(&a.courses, &b.courses) {
         return None;
     }
@@ -139,7 +139,7 @@ fn extrapolated(
         let Source::Ladder(ladder) = &evidence.source else {
             return None;
         };
-        let floor = floor(p, judge.context);
+        let floor = floor(p, evidence, judge.context);
         ladder.extrapolated(&p.courses, quantity, samples.clone(), &of?.l2, floor)
     };
     let (new_a, new_b) = (sharper(a, of_a), sharper(b, of_b));

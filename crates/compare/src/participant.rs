@@ -1,31 +1,16 @@
 //! What goes into a comparison: runs of several engines on one scene, and what is known of the scene.
 
 use pinwheel_courses::Courses;
-pub use pinwheel_courses::{Ending as Status, EnergyAudit as Energy, RunStats as Cost};
+pub use pinwheel_courses::{Ending as Status, EnergyAudit as Energy, RunStats as Cost, Track};
 use serde::Serialize;
-
-/// The tracks: kinds of comparison that are never mixed in one table.
-pub mod track {
-    use pinwheel_courses::Track;
-
-    /// The project's own solver; stands in the tables of every other track.
-    pub const NATIVE: &str = Track::Native.as_str();
-    /// Foreign bodies, joints and time integration under one shared contact law.
-    pub const SHARED_LAW: &str = Track::SharedLaw.as_str();
-    /// The engine detects or resolves contact itself.
-    pub const OWN_CONTACT: &str = Track::OwnContact.as_str();
-    /// Data from elsewhere: another program's export, a test rig. Samples may be missing (NaN) before
-    /// and after what it covers, and only limits that its owner states apply.
-    pub const MEASURED: &str = Track::Measured.as_str();
-}
 
 /// One engine's run.
 #[derive(Debug, Clone)]
 pub struct Participant {
     /// Engine name, unique within a comparison.
     pub name: String,
-    /// Track, see [`track`]; other words make tracks of their own.
-    pub track: String,
+    /// Which comparison it belongs to.
+    pub track: Track,
     /// Version of the engine.
     pub version: String,
     /// One line on what it is.

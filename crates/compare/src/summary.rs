@@ -3,22 +3,23 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, efficiency as ratio};
 
 use crate::comparison::{EngineEntry, EngineSummary, Figures, LadderSummary};
 use crate::judge::Judge;
 use crate::model;
-use crate::participant::{Context, Participant, track};
+use crate::participant::{Context, Participant, Track};
 use crate::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, Quantity};
 use crate::statistics::{Statistics, View};
 use crate::uncertainty::{
-    Estimate, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved, rounding_floor,
+    Estimate, Evidence, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved,
+    rounding_floor,
 };
 use crate::verdict::Verdict;
 use crate::windows::{Window, WindowKind};
 
 /// What rounding alone makes of a run, as a share.
-pub(crate) fn floor(participant: &Participant, context: &Context) -> f64 {
+pub(crate) fn floor(participant: &Participant, evidence: &Evidence, context: &Context) -> f64 {
     let walk = rounding_floor(participant.cost.steps);
     // What a rounding did to the scene where that was measured, unless it parts the runs altogether.
     let grown = context
@@ -26,7 +27,7 @@ pub(crate) fn floor(participant: &Participant, context: &Context) -> f64 {
         .as_ref()
         .filter(|d| d.horizon_s.is_none())
         .map_or(0.0, |d| d.largest_share);
-    walk.max(grown)
+    walk.max(grown).max(evidence.floor)
 }
 
 /// The uncertainty of one quantity of a participant in the samples of a window; `None` without evidence.
@@ -54,7 +55,7 @@ pub(crate) fn uncertainty(
                 window.kind,
                 samples,
                 Settings {
-                    floor: floor(participant, judge.context),
+                    floor: floor(participant, evidence, judge.context),
                     pointwise: judge.context.is_pointwise(window.to_s),
                 },
             ),
@@ -100,7 +101,7 @@ pub(crate) fn engine_summary(
         &[]
     };
     for window in windows {
-        let figures = figures(participant, context, window, quantities);
+        let figures = figures(participant, context, window, quantities, judge);
         let samples = participant.courses.window(window.from_s, window.to_s);
         let there = quantities
             .iter()
@@ -109,7 +110,7 @@ pub(crate) fn engine_summary(
             .filter_map(|q| uncertainty(participant, q, window, samples.clone(), judge))
             .collect();
         let output = quantities.iter().find(|q| q.name == OUTPUT_TORQUE);
-        let judged_alone = participant.track != track::MEASURED;
+        let judged_alone = participant.track != Track::Measured;
         if let Some((quantity, load_n_m)) = output.zip(context.load_n_m).filter(|_| judged_alone) {
             let mean = figures
                 .quantities
@@ -140,7 +141,7 @@ pub(crate) fn engine_summary(
     }
     EngineSummary {
         name: participant.name.clone(),
-        track: participant.track.clone(),
+        track: participant.track,
         version: participant.version.clone(),
         summary: participant.summary.clone(),
         differences: participant.differences.clone(),
@@ -163,6 +164,7 @@ fn figures(
     context: &Context,
     window: &Window,
     quantities: &[Quantity],
+    judge: Judge<'_>,
 ) -> Figures {
     let courses = &participant.courses;
     let samples = covered(
@@ -177,12 +179,15 @@ fn figures(
             Some((quantity.name.clone(), Statistics::of(&view)?))
         })
         .collect();
+    let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
     let (efficiency, efficiency_reason) =
-        match efficiency(participant, context, window, samples, &statistics) {
+        match efficiency(participant, context, window, samples, &statistics, judge) {
+            Ok(efficiency) if efficiency > 1.0 && created.is_none() => {
+                (Some(efficiency), Some(ABOVE_ONE.to_owned()))
+            }
             Ok(efficiency) => (Some(efficiency), None),
             Err(reason) => (None, reason.map(str::to_owned)),
         };
-    let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
     Figures {
         window: window.kind,
         efficiency,
@@ -195,6 +200,10 @@ fn figures(
     }
 }
 
+/// What is said of an efficiency above 1 by an engine without an energy account.
+const ABOVE_ONE: &str =
+    "above 1: what the contact law creates is in it, and this engine keeps no account of that";
+
 /// Power out over power in; or why there is none, where a reader would look for it.
 fn efficiency(
     participant: &Participant,
@@ -202,6 +211,7 @@ fn efficiency(
     window: &Window,
     samples: Range<usize>,
     statistics: &BTreeMap<String, Statistics>,
+    judge: Judge<'_>,
 ) -> Result<f64, Option<&'static str>> {
     if window.kind == WindowKind::Transient {
         return Err(Some("a start-up stores and returns energy"));
@@ -219,26 +229,20 @@ fn efficiency(
     if speed_in == 0.0 {
         return Err(Some("the driver stands still"));
     }
-    if context.load_n_m == Some(0.0) {
+    if context
+        .load_n_m
+        .is_some_and(|load| load.abs() <= judge.negligible.torque_n_m)
+    {
         return Err(Some("the scene has no load, so no power is delivered"));
     }
-    let power_in = torque_in * speed_in;
-    if !(power_in > 0.0) {
-        return Err(Some("the driver gives no power"));
-    }
-    let efficiency = torque_out * turned / lasted / power_in;
-    if efficiency.is_finite() {
-        Ok(efficiency)
-    } else {
-        Err(Some("a value is not finite"))
-    }
+    ratio(torque_in * speed_in, torque_out * turned / lasted).map_err(Some)
 }
 
 /// The quantity without channels that a measured participant lacks: a rig has force cells on three of
 /// sixteen sleeves. Engines have all channels of a quantity or none.
 pub(crate) fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quantity {
     let mut quantity = quantity.clone();
-    if participants.iter().any(|p| p.track == track::MEASURED) {
+    if participants.iter().any(|p| p.track == Track::Measured) {
         quantity.channels.retain(|name| {
             let has = |p: &&Participant| p.courses.channel(name).is_some();
             participants.iter().all(has)
@@ -252,7 +256,7 @@ pub(crate) fn covered(
     participants: &[(&Participant, &Courses)],
     mut samples: Range<usize>,
 ) -> Range<usize> {
-    let measured = |p: &&(&Participant, &Courses)| p.0.track == track::MEASURED;
+    let measured = |p: &&(&Participant, &Courses)| p.0.track == Track::Measured;
     for (_, courses) in participants.iter().filter(measured) {
         let channels = courses.channels();
         let there = |k: usize| {

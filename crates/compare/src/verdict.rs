@@ -117,6 +117,15 @@ impl Verdict {
     /// The worst of several: a finding before what is not resolved before what passed before what was not judged; among
     /// what is not resolved what a user could change first.
     /// Of equals the first.
+    ///
+    /// ```
+    /// use pinwheel_compare::{Outcome, Verdict};
+    ///
+    /// let found = [Verdict::Within, Verdict::Agree { to: 1e-4 }, Verdict::Exceeded];
+    /// let worst = Verdict::worst(&found).ok_or("nothing was judged")?;
+    /// assert_eq!(worst.outcome(), Outcome::Finding);
+    /// # Ok::<(), &str>(())
+    /// ```
     pub fn worst<'a>(verdicts: impl IntoIterator<Item = &'a Self>) -> Option<&'a Self> {
         let mut worst: Option<&Self> = None;
         for verdict in verdicts {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Time in which the paper gearbox's start-up transient decays, s (measured: about 0.25 s, with
 /// 1.2 kHz at 2 % of critical damping). A steady window starts no earlier.
 pub const SETTLING_S: f64 = 0.25;
-/// Length of the transient window, s.
+/// Length of the transient window of a gear that settles in [`SETTLING_S`], s; others have the same share of their own.
 pub const TRANSIENT_S: f64 = 0.05;
 /// Samples a window must hold: with fewer a mean square says nothing.
 pub const FEWEST_SAMPLES: usize = 10;
@@ -21,7 +21,7 @@ pub enum WindowKind {
     /// After the start-up transient: the second half of the run, or what is left of it when the load has changed
     /// for the last time and the transient of that has decayed.
     Steady,
-    /// The first [`TRANSIENT_S`].
+    /// The first fifth of the time in which the gear settles ([`TRANSIENT_S`] of [`SETTLING_S`]).
     Transient,
     /// The whole run; only where it has no steady window.
     Whole,
@@ -84,7 +84,8 @@ pub struct AbsentWindow {
 /// The windows of a run with the sample times of `courses`, and those it is too short for.
 /// `settling_s`: time in which the start-up transient has decayed. `load_changes_s`: times at which the load
 /// changes or comes to the end of a change, increasing; after the last one within the run a transient decays in
-/// [`SETTLING_S`], whatever the start, and a steady window has at least [`TRANSIENT_S`] after it.
+/// `settling_s` (of a start in equilibrium, where that is 0, [`SETTLING_S`]), and a steady window has at least a fifth of that
+/// after it.
 #[must_use]
 pub fn windows(
     courses: &Courses,
@@ -98,6 +99,12 @@ pub fn windows(
         _ => (0.0, 0.0),
     };
     let duration = end - start;
+    let decays_s = if settling_s > 0.0 {
+        settling_s
+    } else {
+        SETTLING_S
+    };
+    let transient_s = TRANSIENT_S / SETTLING_S * decays_s;
     let mut offer = |kind: WindowKind, from_s: f64, to_s: f64| {
         let samples = courses.window(from_s, to_s).len();
         if samples < FEWEST_SAMPLES {
@@ -122,15 +129,15 @@ pub fn windows(
     let half = start + duration / 2.0;
     let changed = load_changes_s.iter().rev().find(|&&t| t < end);
     let (from, reached) = match changed {
-        Some(last) if last + SETTLING_S > half => {
-            let from = last + SETTLING_S;
-            (from, from + TRANSIENT_S <= end * (1.0 + 1e-9))
+        Some(last) if last + decays_s > half => {
+            let from = last + decays_s;
+            (from, from + transient_s <= end * (1.0 + 1e-9))
         }
         _ => (half, true),
     };
     let steady = settled && reached && offer(WindowKind::Steady, from, end);
-    offer(WindowKind::Transient, start, end.min(start + TRANSIENT_S));
-    if !steady && duration > TRANSIENT_S * (1.0 + 1e-9) {
+    offer(WindowKind::Transient, start, end.min(start + transient_s));
+    if !steady && duration > transient_s * (1.0 + 1e-9) {
         offer(WindowKind::Whole, start, end);
     }
     if !settled {
@@ -147,10 +154,10 @@ pub fn windows(
     }
     if let (true, false, Some(last)) = (settled, reached, changed) {
         let reason = format!(
-            "the load still changes at {} s and the transient of that takes {SETTLING_S} s, so a steady window \
+            "the load still changes at {} s and the transient of that takes {decays_s} s, so a steady window \
              needs a run of {} s",
             rounded(*last),
-            rounded(last + SETTLING_S + TRANSIENT_S)
+            rounded(last + decays_s + transient_s)
         );
         absent.push(AbsentWindow {
             kind: WindowKind::Steady,

@@ -6,7 +6,7 @@ use common::{context, courses, participant};
 use pinwheel_compare::limits::TABLE;
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::statistics::{Statistics, View};
-use pinwheel_compare::{compare, track};
+use pinwheel_compare::{Track, compare};
 use proptest::prelude::*;
 
 /// Two groups of `channels` channels with `samples` values each.
@@ -127,8 +127,8 @@ proptest! {
 
     #[test]
     fn the_order_of_engines_changes_no_verdict(scale in 0.9999..1.0001f64) {
-        let native = participant("native", track::NATIVE, courses(1.0));
-        let rapier = participant("rapier", track::SHARED_LAW, courses(scale));
+        let native = participant("native", Track::Native, courses(1.0));
+        let rapier = participant("rapier", Track::SharedLaw, courses(scale));
         let one = compare(&context(), &[native.clone(), rapier.clone()], TABLE).unwrap();
         let other = compare(&context(), &[rapier, native], TABLE).unwrap();
         prop_assert_eq!(one.counts, other.counts);

@@ -7,8 +7,9 @@ use pinwheel_compare::comparison::{Comparison, PairEntry};
 use pinwheel_compare::model::TOLERANCES;
 use pinwheel_compare::uncertainty::{Basis, Method, Norm, Source, Unresolved};
 use pinwheel_compare::{
-    CompareError, Context, DataUncertainty, Energy, Evidence, Ladder, Metric, Outcome, Participant,
-    Rules, Rung, Scales, StatedLimit, Verdict, WindowKind, compare, compare_with, limits, track,
+    CompareError, Context, DataUncertainty, Divergence, Energy, Evidence, Ladder, Metric, Outcome,
+    Participant, Rules, Rung, Scales, StatedLimit, Track, Verdict, WindowKind, compare,
+    compare_with, limits,
 };
 use pinwheel_courses::Courses;
 
@@ -43,7 +44,7 @@ fn off(base: &Courses, error: f64) -> Courses {
 /// An engine whose error at H times its step is `error * H^order`, and its ladder at the refinements.
 fn engine(
     name: &str,
-    on: &str,
+    on: Track,
     base: &Courses,
     error: f64,
     order: f64,
@@ -83,7 +84,7 @@ fn entry<'a>(comparison: &'a Comparison, quantity: &str) -> &'a PairEntry {
 fn native(error: f64) -> (Participant, Evidence) {
     engine(
         "native",
-        track::NATIVE,
+        Track::Native,
         &courses(1.0),
         error,
         2.0,
@@ -95,7 +96,7 @@ fn native(error: f64) -> (Participant, Evidence) {
 fn one_law_agrees_to_the_sum_of_both_uncertainties() {
     let peer = engine(
         "peer",
-        track::SHARED_LAW,
+        Track::SharedLaw,
         &courses(1.0),
         1e-5,
         4.0,
@@ -134,7 +135,7 @@ fn crossval_a_fault_of_a_thousandth_is_a_finding() {
     // 0.1 % more force, in an engine that is right to 1e-5: `differ`, by at least what is left beyond U.
     let fault = engine(
         "peer",
-        track::SHARED_LAW,
+        Track::SharedLaw,
         &courses(1.001),
         1e-5,
         2.0,
@@ -152,7 +153,7 @@ fn crossval_a_fault_of_a_thousandth_is_a_finding() {
     // A ladder as coarse as the fault cannot tell, and says to what it agrees.
     let blunt = engine(
         "peer",
-        track::SHARED_LAW,
+        Track::SharedLaw,
         &courses(1.001),
         6e-3,
         2.0,
@@ -178,7 +179,7 @@ fn regress_adaptive_runs_agree_to_their_tolerance() {
         };
         let course = off(&courses(1.0), errors[0]);
         (
-            participant(name, track::NATIVE, course),
+            participant(name, Track::Native, course),
             Evidence::ladder(name, ladder),
         )
     };
@@ -234,7 +235,7 @@ fn regress_coarse_runs_far_apart_are_never_within() {
                 coarser: (1..=rungs).map(rung).collect(),
             };
             (
-                participant(name, track::NATIVE, wild(seed)),
+                participant(name, Track::Native, wild(seed)),
                 Evidence::ladder(name, ladder),
             )
         };
@@ -254,8 +255,8 @@ fn regress_coarse_runs_far_apart_are_never_within() {
     }
     // By limits alone nothing is judged of a gear that nobody measured, which is no pass.
     let pair = [
-        participant("native", track::NATIVE, wild(1)),
-        participant("native-b", track::NATIVE, wild(2)),
+        participant("native", Track::Native, wild(1)),
+        participant("native-b", Track::Native, wild(2)),
     ];
     let found = compare(&anywhere(), &pair, limits::TABLE).unwrap();
     let judged = found.pairs[0]
@@ -274,7 +275,7 @@ fn regress_a_fault_under_friction_is_seen() {
     };
     let fault = engine(
         "native-lagrange",
-        track::NATIVE,
+        Track::Native,
         &courses(1.05),
         1e-4,
         1.0,
@@ -286,6 +287,65 @@ fn regress_a_fault_under_friction_is_seen() {
     );
 }
 
+/// A scene that amplifies roundings decides by itself how sharp its figures are: stated and no failure, and no pass.
+#[test]
+fn hard_chaos_is_stated() {
+    let chaotic = Context {
+        divergence: Some(Divergence {
+            horizon_s: Some(0.0),
+            largest_share: 1.0,
+            told: String::new(),
+        }),
+        ..anywhere()
+    };
+    let peer = || {
+        engine(
+            "native-lagrange",
+            Track::Native,
+            &courses(1.0),
+            0.3,
+            2.0,
+            &[2.0, 4.0],
+        )
+    };
+    let found = compared(&chaotic, vec![native(0.3), peer()]);
+    assert!(
+        found.counts.stated > 0 && found.counts.not_resolved == 0,
+        "{:?}",
+        found.counts
+    );
+    assert_eq!(found.outcome.exit_status(), 0);
+    // The same before the horizon is a failure.
+    let found = compared(&anywhere(), vec![native(0.3), peer()]);
+    assert!(
+        found.counts.stated == 0 && found.counts.not_resolved > 0,
+        "{:?}",
+        found.counts
+    );
+}
+
+/// What an engine's own iterations leave no step takes off: it bounds how sharp a statement may be.
+#[test]
+fn regress_iterations_leave_a_floor() {
+    let offset = |floor: f64| {
+        let base = off(&courses(1.0), 1e-9);
+        let steps = [2.0, 4.0];
+        let (peer, evidence) = engine("implicit", Track::Native, &base, 1e-12, 2.0, &steps);
+        compared(
+            &anywhere(),
+            vec![native(1e-12), (peer, evidence.with_floor(floor))],
+        )
+    };
+    assert!(matches!(
+        entry(&offset(0.0), FORCE).verdict,
+        Verdict::Differ { .. }
+    ));
+    assert!(matches!(
+        entry(&offset(1e-8), FORCE).verdict,
+        Verdict::Agree { .. }
+    ));
+}
+
 /// The table guards the scenes it was measured on and no other; where it does, a finding of it stands.
 #[test]
 fn the_table_guards_its_own_scenes() {
@@ -293,7 +353,7 @@ fn the_table_guards_its_own_scenes() {
         vec![
             engine(
                 "native-reduced",
-                track::NATIVE,
+                Track::Native,
                 &courses(1.0),
                 1e-4,
                 2.0,
@@ -301,7 +361,7 @@ fn the_table_guards_its_own_scenes() {
             ),
             engine(
                 "native-lagrange",
-                track::NATIVE,
+                Track::Native,
                 &courses(1.0),
                 1.5e-4,
                 2.0,
@@ -327,7 +387,7 @@ fn the_table_guards_its_own_scenes() {
 
 #[test]
 fn a_participant_without_evidence_is_named() {
-    let (bare, _) = engine("peer", track::SHARED_LAW, &courses(1.0), 1e-5, 2.0, &[]);
+    let (bare, _) = engine("peer", Track::SharedLaw, &courses(1.0), 1e-5, 2.0, &[]);
     let (own, ladder) = native(1e-5);
     let found = |peer: Option<Source>| {
         let mut evidence = vec![ladder.clone()];
@@ -335,6 +395,7 @@ fn a_participant_without_evidence_is_named() {
             engine: "peer".to_owned(),
             source,
             excuse: None,
+            floor: 0.0,
         }));
         let rules = Rules {
             evidence: &evidence,
@@ -397,7 +458,7 @@ fn a_participant_without_evidence_is_named() {
     let (_, live) = found(Some(
         engine(
             "peer",
-            track::SHARED_LAW,
+            Track::SharedLaw,
             &courses(1.0),
             1e-5,
             2.0,
@@ -445,7 +506,7 @@ fn rounding_alone_agrees() {
     let (mut a, mut ladder_a) = native(0.0);
     let (b, ladder_b) = engine(
         "native-b",
-        track::NATIVE,
+        Track::Native,
         &courses(1.0 + 1e-14),
         0.0,
         2.0,
@@ -483,7 +544,7 @@ fn hard_a_bounce_that_coarser_runs_miss() {
     };
     let exact = engine(
         "exact",
-        track::NATIVE,
+        Track::Native,
         &bounce(courses(1.0)),
         1e-6,
         2.0,
@@ -545,7 +606,7 @@ fn similar_gears_have_the_same_verdicts() {
             native(1e-4),
             engine(
                 "peer",
-                track::SHARED_LAW,
+                Track::SharedLaw,
                 &courses(peer_scale),
                 1e-4,
                 2.0,
@@ -607,7 +668,7 @@ fn account(remainder_share: f64) -> Energy {
         damping_j: 0.0,
         friction_j: 0.0,
         remainder_j: 20.0 * remainder_share,
-        remainder_share,
+        remainder_share: Some(remainder_share),
     }
 }
 
@@ -616,7 +677,7 @@ fn own_contact_is_an_interval_against_a_prediction() {
     let run = |torque: f64, energy: Option<f64>, error: f64| {
         let mut own = engine(
             "mujoco-own-contact",
-            track::OWN_CONTACT,
+            Track::OwnContact,
             &courses(torque),
             error,
             2.0,
@@ -707,7 +768,7 @@ fn the_matrix_shows_the_figure_that_was_judged() {
     }
     let own = engine(
         "rapier-own-contact-colliders",
-        track::OWN_CONTACT,
+        Track::OwnContact,
         &waves,
         1e-5,
         2.0,
@@ -725,8 +786,8 @@ fn the_matrix_shows_the_figure_that_was_judged() {
     // By the table as well.
     let rules = Rules::default();
     let pair = [
-        participant("native", track::NATIVE, base),
-        participant("rapier-own-contact-colliders", track::OWN_CONTACT, waves),
+        participant("native", Track::Native, base),
+        participant("rapier-own-contact-colliders", Track::OwnContact, waves),
     ];
     let found = compare_with(&context(), &pair, &rules).unwrap();
     let cell = found.matrices[0].cell(0, 1).unwrap();
@@ -740,7 +801,7 @@ fn the_matrix_shows_the_figure_that_was_judged() {
         pair[0].clone(),
         participant(
             "rapier-own-contact-colliders",
-            track::OWN_CONTACT,
+            Track::OwnContact,
             courses(1.3),
         ),
     ];
@@ -754,7 +815,7 @@ fn the_matrix_shows_the_figure_that_was_judged() {
 fn measured_data_get_a_budget() {
     let run = |scale: f64, data: &[DataUncertainty]| {
         let (native, evidence) = native(1e-4);
-        let rig = participant("rig", track::MEASURED, courses(scale));
+        let rig = participant("rig", Track::Measured, courses(scale));
         let rules = Rules {
             evidence: &[evidence],
             data,
@@ -813,7 +874,7 @@ fn bad_input_a_stated_limit_that_matches_nothing() {
         }];
         let pair = [
             native(0.0).0,
-            participant("rig", track::MEASURED, courses(1.0)),
+            participant("rig", Track::Measured, courses(1.0)),
         ];
         let rules = Rules {
             stated: &stated,
@@ -867,7 +928,22 @@ fn undefined_efficiencies_have_a_reason() {
         input_speed_rad_s: Some(-52.34),
         ..context()
     };
-    assert_eq!(of(&back), (None, "the driver gives no power".to_owned()));
+    assert_eq!(of(&back), (None, "no power goes in".to_owned()));
+    // Rounding is no load, and a power far above what goes in comes from what was stored.
+    let next_to_nothing = Context {
+        load_n_m: Some(2e-10),
+        ..context()
+    };
+    assert_eq!(of(&next_to_nothing), of(&unloaded));
+    let creeping = Context {
+        input_speed_rad_s: Some(1e-9),
+        ..context()
+    };
+    let (none, reason) = of(&creeping);
+    assert!(
+        none.is_none() && reason.contains("does not come from the input"),
+        "{reason}"
+    );
     // With an account the energy that the law creates is taken out.
     let mut run = native(0.0).0;
     run.cost.energy = vec![account(0.0095)];
@@ -882,7 +958,7 @@ fn undefined_efficiencies_have_a_reason() {
 fn crossval_extrapolation_sharpens() {
     let peer = engine(
         "peer",
-        track::SHARED_LAW,
+        Track::SharedLaw,
         &courses(1.0),
         3e-4,
         2.0,
@@ -901,7 +977,7 @@ fn crossval_extrapolation_sharpens() {
     // A fault below U is seen there; it does not count for the verdict, and stands beside it.
     let fault = engine(
         "peer",
-        track::SHARED_LAW,
+        Track::SharedLaw,
         &courses(1.0001),
         3e-4,
         2.0,
@@ -963,8 +1039,8 @@ fn crossval_series_and_figures_are_covered() {
             coarser: rungs.to_vec(),
         };
         let list = [
-            participant("a", track::NATIVE, finest),
-            participant("truth", track::NATIVE, truth.clone()),
+            participant("a", Track::Native, finest),
+            participant("truth", Track::Native, truth.clone()),
         ];
         let evidence = [
             Evidence::ladder("a", ladder),
@@ -972,6 +1048,7 @@ fn crossval_series_and_figures_are_covered() {
                 engine: "truth".to_owned(),
                 source: Source::Exact(0.0),
                 excuse: None,
+                floor: 0.0,
             },
         ];
         let rules = Rules {

@@ -5,8 +5,8 @@ mod common;
 use common::{context, courses, participant};
 use pinwheel_compare::limits::{Friction, TABLE};
 use pinwheel_compare::{
-    CompareError, Context, Divergence, Limit, Metric, Participant, Status, Verdict, WindowKind,
-    compare, track,
+    CompareError, Context, Divergence, Limit, Metric, Participant, Status, Track, Verdict,
+    WindowKind, compare,
 };
 use pinwheel_courses::Courses;
 
@@ -28,11 +28,11 @@ fn limit(engine: &'static str, limit: f64) -> Limit {
 }
 
 fn native() -> Participant {
-    participant("native", track::NATIVE, courses(1.0))
+    participant("native", Track::Native, courses(1.0))
 }
 
 fn foreign(scale: f64) -> Participant {
-    participant("foreign", track::SHARED_LAW, courses(scale))
+    participant("foreign", Track::SharedLaw, courses(scale))
 }
 
 /// The verdict on the external forces of the first pair in the steady window.
@@ -116,7 +116,7 @@ fn friction_chooses_the_row() {
 
 #[test]
 fn two_foreign_engines_may_be_as_far_apart_as_their_limits_add_up_to() {
-    let other = participant("other", track::SHARED_LAW, courses(1.01));
+    let other = participant("other", Track::SharedLaw, courses(1.01));
     let pair = [foreign(0.99), other];
     // They are 0.02/1.01 apart.
     let rows = |each| [limit("foreign", each), limit("other", each)];
@@ -132,7 +132,7 @@ fn not_finite_is_exceeded_not_overlooked() {
         values[599] = f64::NAN;
         spoiled.push(channel.name.clone(), values).unwrap();
     }
-    let pair = [native(), participant("foreign", track::SHARED_LAW, spoiled)];
+    let pair = [native(), participant("foreign", Track::SharedLaw, spoiled)];
     assert_eq!(verdict(&pair, &[limit("foreign", 10.0)]), Verdict::Exceeded);
     let comparison = compare(&context(), &pair, TABLE).unwrap();
     let judged = &comparison.engines[1].judged;
@@ -146,7 +146,7 @@ fn not_finite_is_exceeded_not_overlooked() {
 #[test]
 fn forces_that_are_only_rounding_are_not_judged() {
     let pair = [
-        participant("native", track::NATIVE, courses(1e-13)),
+        participant("native", Track::Native, courses(1e-13)),
         foreign(-1e-13),
     ];
     assert!(matches!(
@@ -191,33 +191,37 @@ fn efficiency() {
 
 #[test]
 fn tracks_are_never_mixed() {
-    let own = participant("own", track::OWN_CONTACT, courses(0.9));
+    let own = participant("own", Track::OwnContact, courses(0.9));
     let all = [native(), own, foreign(0.99)];
     let comparison = compare(&context(), &all, TABLE).unwrap();
     let pairs: Vec<_> = comparison
         .pairs
         .iter()
-        .map(|p| (&*p.a, &*p.b, &*p.track))
+        .map(|p| (&*p.a, &*p.b, p.track))
         .collect();
     assert_eq!(
         pairs,
         [
-            ("native", "own", "own-contact"),
-            ("native", "foreign", "shared-law")
+            ("native", "own", Track::OwnContact),
+            ("native", "foreign", Track::SharedLaw)
         ]
     );
     let tables: Vec<_> = comparison
         .matrices
         .iter()
-        .map(|m| (&*m.track, m.window, m.engines.join(" ")))
+        .map(|m| (m.track, m.window, m.engines.join(" ")))
         .collect();
     assert_eq!(
         tables[0],
-        ("shared-law", WindowKind::Steady, "native foreign".into())
+        (
+            Track::SharedLaw,
+            WindowKind::Steady,
+            "native foreign".into()
+        )
     );
     assert_eq!(
         tables[2],
-        ("own-contact", WindowKind::Steady, "native own".into())
+        (Track::OwnContact, WindowKind::Steady, "native own".into())
     );
     let cell = comparison.matrices[0].cell(0, 1).unwrap();
     assert!((cell.worst.unwrap() - 0.01).abs() < 1e-12, "{cell:?}");
@@ -226,7 +230,7 @@ fn tracks_are_never_mixed() {
 
 #[test]
 fn unfinished_runs_are_listed_not_judged() {
-    let mut broken = participant("broken", track::NATIVE, Courses::default());
+    let mut broken = participant("broken", Track::Native, Courses::default());
     broken.status = Status::Diverged {
         time_s: 0.01,
         quantity: "wheel angle NaN".into(),
@@ -237,7 +241,7 @@ fn unfinished_runs_are_listed_not_judged() {
         comparison.engines[0].status.reason().unwrap(),
         "diverged at t = 0.010000 s: wheel angle NaN"
     );
-    let alone = [participant("x", "native", Courses::default())].map(|mut p| {
+    let alone = [participant("x", Track::Native, Courses::default())].map(|mut p| {
         p.status = Status::Failed {
             reason: "not installed".into(),
         };
@@ -251,7 +255,7 @@ fn missing_channels_are_named() {
     let mut few = Courses::new(courses(1.0).time_s().to_vec()).unwrap();
     few.push("external_sleeve_force_n_0", vec![1.0; 601])
         .unwrap();
-    let pair = [native(), participant("few", track::SHARED_LAW, few)];
+    let pair = [native(), participant("few", Track::SharedLaw, few)];
     let comparison = compare(&context(), &pair, TABLE).unwrap();
     let reasons: Vec<_> = comparison.pairs[0]
         .entries
@@ -271,7 +275,7 @@ fn missing_channels_are_named() {
 
 #[test]
 fn faults() {
-    let grid = |times: Vec<f64>| participant("other", track::NATIVE, Courses::new(times).unwrap());
+    let grid = |times: Vec<f64>| participant("other", Track::Native, Courses::new(times).unwrap());
     let mut times = courses(1.0).time_s().to_vec();
     times[17] += 1e-5;
     let error = compare(&context(), &[native(), grid(times.clone())], TABLE).unwrap_err();
@@ -302,7 +306,7 @@ fn faults() {
 fn a_recording_is_compared_at_its_own_samples() {
     let whole = courses(1.0);
     let rows: Vec<usize> = (0..whole.len()).step_by(3).collect();
-    let mut recording = participant("mujoco-x", track::SHARED_LAW, courses(1.001).select(&rows));
+    let mut recording = participant("mujoco-x", Track::SharedLaw, courses(1.001).select(&rows));
     let refused = compare(&context(), &[native(), recording.clone()], TABLE);
     assert!(
         matches!(refused, Err(CompareError::Grid { .. })),
@@ -412,7 +416,7 @@ fn regress_the_load_balance_has_a_sign() {
         let values = channel.values.iter().map(|v| sign * v).collect();
         flipped.push(channel.name.clone(), values).unwrap();
     }
-    let wrong = participant("native", track::NATIVE, flipped);
+    let wrong = participant("native", Track::Native, flipped);
     let comparison = compare(&context(), &[wrong], TABLE).unwrap();
     assert_eq!(comparison.counts.exceeded, 1);
     assert!((comparison.engines[0].judged[0].checks[0].value.unwrap() - 2.0).abs() < 1e-12);
@@ -424,7 +428,7 @@ fn regress_the_slack_of_the_grid() {
     let moved = |by: f64| {
         let mut times = courses(1.0).time_s().to_vec();
         times[17] += by * 1e-3;
-        let other = participant("other", track::NATIVE, Courses::new(times).unwrap());
+        let other = participant("other", Track::Native, Courses::new(times).unwrap());
         compare(&context(), &[native(), other], TABLE).is_ok()
     };
     assert!(moved(0.5e-6) && moved(-0.5e-6));
@@ -436,7 +440,7 @@ fn regress_the_slack_of_the_grid() {
 fn regress_small_loads_are_judged() {
     let at = |size: f64| {
         let pair = [
-            participant("native", track::NATIVE, courses(size)),
+            participant("native", Track::Native, courses(size)),
             foreign(-size),
         ];
         verdict(&pair, &[limit("foreign", 0.1)])
@@ -444,4 +448,33 @@ fn regress_small_loads_are_judged() {
     // Peaks of 100 N times the size, on a scale of 100 N.
     assert!(matches!(at(0.9e-11), Verdict::NotJudged { .. }));
     assert_eq!(at(1.2e-11), Verdict::Exceeded);
+}
+
+/// A gear that stands still turns by roundings, which nobody compares; what turns by more is judged.
+#[test]
+fn regress_a_gear_that_stands_still_is_not_compared() {
+    let turned = |by: f64| {
+        let base = courses(1.0);
+        let mut courses = Courses::new(base.time_s().to_vec()).unwrap();
+        let angle = base.time_s().iter().map(|t| by * t).collect();
+        courses.push("output_angle_rad", angle).unwrap();
+        courses
+    };
+    let of = |by: f64| {
+        let limit = Limit {
+            quantity: "output_angle_rad",
+            ..limit("foreign", 0.1)
+        };
+        let pair = [
+            participant("native", Track::Native, turned(by)),
+            participant("foreign", Track::SharedLaw, turned(-by)),
+        ];
+        let comparison = compare(&context(), &pair, &[limit]).unwrap();
+        let steady = |e: &&pinwheel_compare::comparison::PairEntry| e.window == WindowKind::Steady;
+        let entry = comparison.pairs[0].entries.iter().find(steady).unwrap();
+        entry.verdict.clone()
+    };
+    // Peaks at 0.6 s.
+    assert!(matches!(of(1.6e-15), Verdict::NotJudged { .. }));
+    assert_eq!(of(1.8e-15), Verdict::Exceeded);
 }

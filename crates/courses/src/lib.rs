@@ -30,5 +30,5 @@ mod run;
 mod store;
 
 pub use error::CoursesError;
-pub use run::{Ending, EnergyAudit, RunStats, Track};
+pub use run::{Ending, EnergyAudit, RunStats, Track, efficiency};
 pub use store::{Channel, Courses, group_of};

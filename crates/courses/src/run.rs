@@ -13,7 +13,8 @@ pub enum Track {
     SharedLaw,
     /// The engine detects or resolves contact itself.
     OwnContact,
-    /// Data from elsewhere: another program's export, a test rig.
+    /// Data from elsewhere: another program's export, a test rig. Samples may be missing (NaN) before
+    /// and after what it covers, and only limits that its owner states apply.
     Measured,
 }
 
@@ -27,6 +28,12 @@ impl Track {
             Self::OwnContact => "own-contact",
             Self::Measured => "measured",
         }
+    }
+}
+
+impl std::fmt::Display for Track {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.as_str())
     }
 }
 
@@ -84,8 +91,41 @@ pub struct EnergyAudit {
     pub friction_j: f64,
     /// What is left over, J: positive when energy appeared that nothing accounts for.
     pub remainder_j: f64,
-    /// The remainder as a share of the larger of the two works.
-    pub remainder_share: f64,
+    /// The remainder as a share of the larger of the two works; `None` where those are only the account's rounding.
+    pub remainder_share: Option<f64>,
+}
+
+impl EnergyAudit {
+    /// The remainder as a share of the larger of the two works, of an account of energies up to `held_j`; `None` where the
+    /// works are rounding beside these.
+    #[must_use]
+    pub fn share(remainder_j: f64, driver_j: f64, load_j: f64, held_j: f64) -> Option<f64> {
+        let work = driver_j.abs().max(load_j.abs());
+        (work > ROUNDING * held_j).then_some(remainder_j / work)
+    }
+}
+
+/// Work below this share of the energies that were added up is their rounding.
+const ROUNDING: f64 = 1e-11;
+
+/// Larger ratios of powers are no efficiencies: what springs and masses store and give back in the window is more than
+/// what goes through.
+const MOST_EFFICIENT: f64 = 2.0;
+
+/// Power out over power in, W.
+///
+/// # Errors
+/// Why that is no efficiency, in words.
+pub fn efficiency(power_in: f64, power_out: f64) -> Result<f64, &'static str> {
+    if !(power_in > 0.0) {
+        return Err("no power goes in");
+    }
+    let efficiency = power_out / power_in;
+    if efficiency.abs() <= MOST_EFFICIENT {
+        Ok(efficiency)
+    } else {
+        Err("the output's power does not come from the input in this window")
+    }
 }
 
 /// How a run ended.

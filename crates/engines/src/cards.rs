@@ -1,4 +1,4 @@
-//! What is known of the Python engines without a Python: their names and how they differ.
+//! What is known without running them of engines that may be missing here: their names and how they differ.
 //!
 //! A build without them can still show what they gave, from recordings.
 
@@ -87,9 +87,14 @@ pub(crate) const CARDS: &[Card] = &[
     },
 ];
 
+/// The cards of all engines that may be recorded.
+pub(crate) fn all() -> impl Iterator<Item = &'static Card> {
+    CARDS.iter().chain(crate::solvers::CARDS)
+}
+
 /// The card of an engine.
 pub(crate) fn card(name: &str) -> Option<&'static Card> {
-    CARDS.iter().find(|card| card.name == name)
+    all().find(|card| card.name == name)
 }
 
 #[cfg(feature = "crossval")]

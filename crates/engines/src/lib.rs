@@ -23,19 +23,20 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "crossval")]
+mod cache;
 mod cards;
 mod engine;
 pub mod external;
-mod native;
 #[cfg(feature = "crossval")]
 pub mod python;
 #[cfg(feature = "rapier")]
 mod rapier;
 pub mod recorded;
 mod registry;
+mod solvers;
 mod stopping;
 
 pub use engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, RunStats, Track};
-pub use native::Native;
-pub use registry::{by_name, registry};
+pub use registry::{Native, by_name, registry};
 pub use stopping::stop_preparing;

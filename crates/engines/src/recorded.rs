@@ -1,4 +1,4 @@
-//! Recorded courses: what a Python engine gave for a scene, for builds and machines without it.
+//! Recorded courses: what an engine gave for a scene, for builds and machines without it.
 //!
 //! `reference/recorded/SCENE/ENGINE.toml` says what was recorded, how and when, `ENGINE.csv` beside
 //! it holds the courses, thinned and rounded: both are embedded in the program. A recording stands
@@ -146,13 +146,23 @@ impl Recording {
     /// Whether a run of `scene` would be this recording, or its beginning: all keys agree but those that
     /// name the scene, belong to the native solver, or choose samples.
     fn is_of(&self, scene: &Scene) -> bool {
+        let by_tolerance = crate::solvers::CARDS
+            .iter()
+            .any(|card| card.name == self.engine);
+        let setting = |own: &Solver| {
+            let mut solver = Scene::paper().solver;
+            if by_tolerance {
+                solver.tolerance = own.tolerance;
+            } else {
+                solver.step_s = own.step_s;
+            }
+            solver
+        };
         let bare = |scene: &Scene| Scene {
             name: String::new(),
             description: String::new(),
-            solver: Solver {
-                step_s: scene.solver.step_s,
-                ..Scene::paper().solver
-            },
+            uncertain: Default::default(),
+            solver: setting(&scene.solver),
             ..scene.clone()
         };
         bare(scene) == bare(&self.scene)
@@ -183,6 +193,7 @@ fn digits(engine: &str) -> usize {
     match card(engine).map(|card| card.track) {
         Some(Track::OwnContact) => 6,
         _ if engine.ends_with("constrained") => 7,
+        _ if engine.starts_with("ida") => 8,
         _ => 9,
     }
 }
@@ -261,15 +272,20 @@ pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>
 /// Recordings for a scene of all engines that this build lacks.
 #[must_use]
 pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
-    crate::cards::CARDS
-        .iter()
+    crate::cards::all()
         .filter(|_| !cfg!(feature = "crossval"))
         .filter_map(|card| instead(card.name, scene, NOT_BUILT))
         .collect()
 }
 
+/// Whether an engine may be missing in a build or on a machine, so that recordings of it are of use.
+#[must_use]
+pub fn may_be_missing(engine: &str) -> bool {
+    card(engine).is_some()
+}
+
 /// Why a build without Python engines shows recordings.
-pub const NOT_BUILT: &str = "this build has no Python engines (feature crossval)";
+pub const NOT_BUILT: &str = "this build has no engines of its kind (feature crossval)";
 
 /// A recording in the place of an engine.
 struct Recorded {
@@ -400,6 +416,14 @@ mod tests {
         scene.gear.backlash_m = 1e-5;
         assert!(!recording.is_of(&scene));
         scene.gear.backlash_m = 0.0;
+        // Each kind of engine has its own setting.
+        let by_tolerance = Recording {
+            engine: "ida-shared-law".to_owned(),
+            ..recording.clone()
+        };
+        assert!(by_tolerance.is_of(&scene));
+        scene.solver.tolerance *= 0.1;
+        assert!(recording.is_of(&scene) && !by_tolerance.is_of(&scene));
         scene.solver.duration_s = 1.0;
         assert!(!recording.is_of(&scene), "too long");
     }

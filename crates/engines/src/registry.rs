@@ -1,9 +1,11 @@
-//! The list of engines. A new engine is a new file and one line here.
+//! The list of engines. A new engine is a file in `registry/`, its `mod`, and one line here.
+
+mod native;
 
 use pinwheel_scene::Scene;
 
 use crate::engine::Engine;
-use crate::native::Native;
+pub use native::Native;
 
 /// All engines of this build, native first, then the solvers that joined ([`admit`](crate::external::admit)).
 #[must_use]
@@ -13,7 +15,13 @@ pub fn registry() -> Vec<Box<dyn Engine>> {
 
 /// Whether an engine of this project is called so, in this build or another.
 pub(crate) fn built_in(name: &str) -> bool {
-    let kin = ["rapier-", "mujoco-", "exudyn-"];
+    let kin = [
+        "rapier-",
+        "mujoco-",
+        "exudyn-",
+        "simbody-shared",
+        "ida-shared",
+    ];
     kin.iter().any(|prefix| name.starts_with(prefix))
         || of_build().any(|engine| engine.name() == name)
 }
@@ -28,7 +36,9 @@ fn of_build() -> impl Iterator<Item = Box<dyn Engine>> {
     #[cfg(feature = "rapier")]
     let engines = engines.chain(crate::rapier::engines());
     #[cfg(feature = "crossval")]
-    let engines = engines.chain(crate::python::engines());
+    let engines = engines
+        .chain(crate::python::engines())
+        .chain(crate::solvers::engines());
     engines
 }
 

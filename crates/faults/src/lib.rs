@@ -1,4 +1,4 @@
-//! Known faults that tests switch on, to see that the checks find them.
+//! Known faults that tests switch on, to see that the checks find them; and a count of what is dear.
 //!
 //! The solver's crates call [`armed`] and [`factor`] where such a fault would be made. Without the feature
 //! `inject` both are constants and nothing of them is left in the program. With it (tests only) a fault acts
@@ -66,13 +66,19 @@ pub const fn factor(_fault: Fault, _wrong: f64) -> f64 {
     1.0
 }
 
+/// Notes that a gearbox was compiled.
+#[cfg(not(feature = "inject"))]
+#[inline(always)]
+pub const fn compiled() {}
+
 #[cfg(feature = "inject")]
-pub use switch::{Armed, armed, factor};
+pub use switch::{Armed, armed, compilations, compiled, factor};
 
 #[cfg(feature = "inject")]
 mod switch {
     use std::cell::Cell;
     use std::marker::PhantomData;
+    use std::sync::atomic::{AtomicU64, Ordering};
 
     use crate::Fault;
 
@@ -92,6 +98,19 @@ mod switch {
     #[inline]
     pub fn factor(fault: Fault, wrong: f64) -> f64 {
         if armed(fault) { wrong } else { 1.0 }
+    }
+
+    static COMPILED: AtomicU64 = AtomicU64::new(0);
+
+    /// Notes that a gearbox was compiled.
+    pub fn compiled() {
+        COMPILED.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Gearboxes compiled by this process so far.
+    #[must_use]
+    pub fn compilations() -> u64 {
+        COMPILED.load(Ordering::Relaxed)
     }
 
     /// A fault acts in this thread until this is dropped.

@@ -81,7 +81,7 @@ mod tests {
             damping_j: 0.0,
             friction_j: 0.0,
             remainder_j,
-            remainder_share: remainder_j / driver_j,
+            remainder_share: Some(remainder_j / driver_j),
         }
     }
 
@@ -93,6 +93,11 @@ mod tests {
         };
         assert!(balance.add(&audit(1.0, 3.0)).is_ok(), "3 of 2 J");
         assert!(balance.add(&audit(1.0, -3.0)).is_ok(), "they cancel");
+        let mut loses = balance.clone();
+        assert!(
+            loses.add(&audit(0.1, -9.0)).is_err(),
+            "lost is as bad as gained"
+        );
         let told = balance.add(&audit(0.1, 9.0)).unwrap_err();
         assert!(told.contains("9.000e0 J"), "{told}");
     }

@@ -1,5 +1,6 @@
 //! Efficiency with and without what the contact law itself creates.
 
+use pinwheel_courses::efficiency;
 use serde::{Deserialize, Serialize};
 
 use crate::energy::EnergyAudit;
@@ -22,7 +23,7 @@ pub struct Efficiency {
 }
 
 impl Efficiency {
-    /// From an account; `None` where no work passes from one shaft to the other.
+    /// From an account; `None` where no work passes from one shaft to the other, or more is stored than passes.
     #[must_use]
     pub fn of(audit: &EnergyAudit) -> Option<Self> {
         // Either shaft may drive.
@@ -31,11 +32,11 @@ impl Efficiency {
         } else {
             (audit.load_j, -audit.driver_j)
         };
-        if !(taken > 0.0 && delivered > 0.0) {
+        if audit.remainder_share.is_none() || !(delivered > 0.0) {
             return None;
         }
         Some(Self {
-            measured: delivered / taken,
+            measured: efficiency(taken, delivered).ok()?,
             of_losses: delivered / (delivered + audit.damping_j + audit.friction_j),
             created_share: audit.remainder_j / taken,
         })
@@ -67,7 +68,7 @@ mod tests {
             damping_j: 0.25 * lost_j,
             friction_j: 0.75 * lost_j,
             remainder_j,
-            remainder_share: remainder_j / driver_j.abs().max(load_j.abs()),
+            remainder_share: EnergyAudit::share(remainder_j, driver_j, load_j, 0.0),
         }
     }
 

@@ -163,6 +163,11 @@ fn between(a: &Mark, b: &Mark) -> EnergyAudit {
     let [driver_j, load_j, damping_j, friction_j] = [0, 1, 2, 3].map(|k| b.works[k] - a.works[k]);
     let [kinetic_j, stored_j] = [0, 1].map(|k| b.energies[k] - a.energies[k]);
     let remainder_j = kinetic_j + stored_j + damping_j + friction_j - driver_j - load_j;
+    let held_j = a
+        .energies
+        .iter()
+        .chain(&b.energies)
+        .fold(0.0, |most: f64, e| most.max(e.abs()));
     EnergyAudit {
         from_s: a.time,
         to_s: b.time,
@@ -173,7 +178,7 @@ fn between(a: &Mark, b: &Mark) -> EnergyAudit {
         damping_j,
         friction_j,
         remainder_j,
-        remainder_share: remainder_j / driver_j.abs().max(load_j.abs()),
+        remainder_share: EnergyAudit::share(remainder_j, driver_j, load_j, held_j),
     }
 }
 

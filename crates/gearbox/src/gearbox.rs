@@ -4,52 +4,12 @@ use pinwheel_mbs::{Body, BodyState, Driver, ErrorScales, Mechanism, Motion, Revo
 
 use crate::Layout;
 use crate::contacts::{self, ContactField, Kernel};
-use crate::frequencies::{hertz, least_depth};
+use crate::error::GearboxError;
 use crate::geometry::Geometry;
 use crate::load_course;
-use crate::scene::{BodyMass, CheckedScene, Fault, Solver, Start};
-use crate::statics::Statics;
+use crate::scene::{BodyMass, CheckedScene, Fault, Solver};
 use pinwheel_scene::channels::Channels;
-
-/// Why a checked scene still cannot be modelled.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum GearboxError {
-    /// No such curve.
-    #[error("{0}")]
-    Geometry(String),
-    /// No such law.
-    #[error("no contact law `{0}`")]
-    UnknownLaw(String),
-    /// Too few points for the pits.
-    #[error(
-        "contact.wheel_points = {wheel_points} is too coarse for the pits of this profile: the circle through three \
-         neighbouring points is smaller than the sleeve; use more points"
-    )]
-    TooFewPoints {
-        /// The scene's value.
-        wheel_points: usize,
-    },
-    /// The mechanism cannot be solved.
-    #[error(transparent)]
-    Mechanism(#[from] pinwheel_mbs::MechanismError),
-    /// No angle of the output balances the load.
-    #[error(
-        "the load of {load_n_m} N m is more than the teeth carry before they jump; use less load or a stiffer contact"
-    )]
-    NoEquilibrium {
-        /// The load, N m.
-        load_n_m: f64,
-    },
-    /// No such channel.
-    #[error("{0}")]
-    Channel(String),
-    /// A change that the scene's checks refuse.
-    #[error(transparent)]
-    Refused(#[from] Fault),
-    /// No such integrator.
-    #[error("no integrator `{0}`")]
-    UnknownIntegrator(String),
-}
+use pinwheel_scene::scales::{hertz, least_depth};
 
 /// A scene turned into bodies, joints and contacts. Body order: [`Layout`].
 #[derive(Debug, Clone)]
@@ -65,32 +25,10 @@ pub struct Gearbox {
     /// Which contact loop is used.
     pub kernel: Kernel,
     /// Initial states other than the ideal mesh's.
-    start: Option<Vec<BodyState>>,
+    pub(crate) start: Option<Vec<BodyState>>,
 }
 
 impl Gearbox {
-    /// Compiles a checked scene.
-    ///
-    /// # Errors
-    /// Parameters that only fail once the model is built (see [`GearboxError`]).
-    pub fn new(scene: &CheckedScene) -> Result<Self, GearboxError> {
-        let geometry = Geometry::new(&scene.gear)?;
-        let mut gearbox = Self {
-            scene: scene.clone(),
-            layout: Layout::of(&scene.gear),
-            geometry,
-            channels: Channels::of(scene).map_err(GearboxError::Channel)?,
-            kernel: Kernel::default(),
-            start: None,
-        };
-        gearbox.contact_field()?;
-        if scene.drive.start == Start::Equilibrium {
-            let start = Statics::new(&gearbox)?.moving()?;
-            gearbox.start = Some(start);
-        }
-        Ok(gearbox)
-    }
-
     /// The same gearbox under other settings of the solver. What the gear, its masses, loads and contacts give (the
     /// equilibrium it starts from is the dear part) is not computed again.
     ///
@@ -99,6 +37,21 @@ impl Gearbox {
     pub fn with_solver(&self, change: impl FnOnce(&mut Solver)) -> Result<Self, Fault> {
         Ok(Self {
             scene: self.scene.changed(|scene| change(&mut scene.solver))?,
+            ..self.clone()
+        })
+    }
+
+    /// The same gearbox recording these channels, by names or patterns; nothing else is computed again.
+    ///
+    /// # Errors
+    /// No such channel, or more than the checks allow.
+    pub fn with_channels(&self, patterns: Vec<String>) -> Result<Self, GearboxError> {
+        let scene = self
+            .scene
+            .changed(|scene| scene.output.channels = patterns)?;
+        Ok(Self {
+            channels: Channels::of(&scene).map_err(GearboxError::Channel)?,
+            scene,
             ..self.clone()
         })
     }
@@ -146,7 +99,7 @@ impl Gearbox {
         let torque = (load_course::largest(&self.scene.drive) / gear.wheels as f64)
             .max(self.least_force_n() * per_force);
         let force = 4.0 * torque / (lever * gear.external_sleeves as f64);
-        let stiffness = hertz(&self.scene).of_radius(gear.external_sleeve_radius_m);
+        let stiffness = hertz(&self.scene.contact).of_radius(gear.external_sleeve_radius_m);
         let penetration = (force / stiffness).powf(2.0 / 3.0);
         let angle = penetration / lever;
         // Torsional stiffness of the loaded half of the sleeves against the wheel's inertia.
@@ -163,7 +116,7 @@ impl Gearbox {
     #[must_use]
     pub fn least_force_n(&self) -> f64 {
         let radius = self.scene.gear.external_sleeve_radius_m;
-        hertz(&self.scene).of_radius(radius) * least_depth(&self.scene).powf(1.5)
+        hertz(&self.scene.contact).of_radius(radius) * least_depth(&self.scene).powf(1.5)
     }
 
     /// Input angle and rate at time `t`.

@@ -26,6 +26,8 @@ pub struct Geometry {
     pub wheel_phases: Vec<f64>,
     /// Hole centres of every wheel, wheel frame, m.
     pub hole_centres: Vec<Vec<Complex>>,
+    /// One external sleeve whose radius is smaller than the scene's, by so much (m): a fault to be found.
+    pub small_sleeve: Option<(usize, f64)>,
     lobes: f64,
 }
 
@@ -66,6 +68,7 @@ impl Geometry {
                 .collect(),
             wheel_phases,
             hole_centres,
+            small_sleeve: None,
             lobes,
         })
     }

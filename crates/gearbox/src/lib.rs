@@ -26,11 +26,13 @@
 pub mod auto;
 mod balance;
 pub mod channels;
+mod compile;
 pub mod contacts;
 mod distance;
 mod due;
 mod efficiency;
 pub mod energy;
+mod error;
 mod explain;
 mod frequencies;
 mod friction;
@@ -47,8 +49,9 @@ use pinwheel_scene::{self as scene, Layout, Sleeve, load_course};
 
 pub use distance::Distance;
 pub use efficiency::Efficiency;
+pub use error::GearboxError;
 pub use explain::{Explanation, Statement, explain};
-pub use frequencies::Frequencies;
-pub use gearbox::{Gearbox, GearboxError};
+pub use frequencies::{Frequencies, friction_rate};
+pub use gearbox::Gearbox;
 pub use geometry::Geometry;
 pub use recorder::Recorder;

@@ -11,7 +11,7 @@ use crate::due::Due;
 use crate::energy::EnergyAccount;
 use crate::friction::GearForces;
 use crate::load_course;
-use crate::pace::Pace;
+use crate::pace::{Limits, Pace};
 use crate::scene;
 use crate::{Gearbox, GearboxError, Recorder, auto, guard};
 
@@ -63,23 +63,6 @@ const BAUMGARTE_PER_STEP: f64 = 0.1;
 
 /// Steps between looks at whether the run must stop; samples may be much farther apart.
 const STEPS_BETWEEN_LOOKS: u64 = 1000;
-
-/// What bounds a run besides its scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Limits {
-    /// No step of an adaptive method is longer, s.
-    pub(crate) longest_step_s: f64,
-    /// The run ends as diverged after this many evaluations.
-    pub(crate) evaluations: u64,
-}
-
-impl Limits {
-    /// None: what a run with a named method has.
-    pub(crate) const NONE: Self = Self {
-        longest_step_s: f64::INFINITY,
-        evaluations: u64::MAX,
-    };
-}
 
 /// Runs the scene; `watch` receives the simulated time at every sample and every 1000 steps and returns true to stop.
 /// With the integrator `auto` this is one run as [`auto::plan`] has it; [`resolve::run_resolved`](crate::resolve::run_resolved) verifies it.
@@ -274,6 +257,7 @@ fn reach<F: Formulation>(
     pace: &mut Pace,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), Stop> {
+    stepper.aim(t);
     while stepper.time() < t - 1e-9 * gearbox.scene.solver.step_s {
         let (time, counts) = (stepper.time(), stepper.counts());
         let steps = counts.steps;

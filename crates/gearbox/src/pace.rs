@@ -1,4 +1,4 @@
-//! Ends a run whose adaptive steps have become so short that its end is out of reach.
+//! What bounds a run; and the end of one whose adaptive steps have become so short that its own end is out of reach.
 
 use crate::scene::Scene;
 
@@ -7,6 +7,23 @@ const SPAN: u64 = 20_000;
 /// Steps that may be left at the pace of the last [`SPAN`]: at ten microseconds a step five minutes.
 /// Measured most of a run worth having: 9e6 (`dopri5` on `hard-friction-narrow`, 0.6 s).
 const MOST_STEPS: f64 = 3e7;
+
+/// What bounds a run besides its scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Limits {
+    /// No step of an adaptive method is longer, s.
+    pub(crate) longest_step_s: f64,
+    /// The run ends as diverged after this many evaluations.
+    pub(crate) evaluations: u64,
+}
+
+impl Limits {
+    /// None: what a run with a named method has.
+    pub(crate) const NONE: Self = Self {
+        longest_step_s: f64::INFINITY,
+        evaluations: u64::MAX,
+    };
+}
 
 /// Progress of one run with steps from a tolerance.
 #[derive(Debug, Clone)]

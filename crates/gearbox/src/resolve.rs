@@ -22,8 +22,9 @@ pub use uncertainty::{Rung, Uncertainty, Verdict};
 
 use std::rc::Rc;
 
-use crate::auto::{self, Plan};
-use crate::native::{self, Limits, NativeError, NativeRun};
+use crate::auto::{self, COARSER_ROSENBROCK, Plan};
+use crate::native::{self, NativeError, NativeRun};
+use crate::pace::Limits;
 use crate::{Distance, Gearbox};
 
 /// Safety of an estimate.
@@ -173,7 +174,13 @@ impl Search<'_> {
             }
             let finer = plan.finer(factor);
             if finer == plan {
-                break;
+                // What moves still at the level of rounding is the scene's own: no other method would tell it.
+                self.stopped = Some(format!(
+                    "at {} {} still moves: the scene amplifies roundings",
+                    plan.setting(),
+                    plan.integrator
+                ));
+                return Ok(true);
             }
             plan = finer;
         }
@@ -298,9 +305,15 @@ impl Ladder {
                 cost: 0.5,
                 factors: (4.0, 64.0),
             },
+            (true, "rodas5p") => Self {
+                first: COARSER_ROSENBROCK,
+                order: 0.9,
+                cost: 0.2,
+                factors: (10.0, 100.0),
+            },
             // Where friction sets the steps, tolerances change them little, and the error no more: measured on
             // `paper-friction` between 1e-7 and 1e-9, 5 in the driver's torque.
-            (true, method) if rubs && method != "rodas5p" => Self {
+            (true, _) if rubs => Self {
                 first: 10.0,
                 order: 0.45,
                 cost: 0.2,

@@ -7,16 +7,18 @@
 //! ```text
 //! M_i(theta_i, psi) = 0 for every wheel i,    sum over wheels of M_out,i(theta_i, psi) + M_load = 0
 //! ```
-//! Contacts restore, so M_i falls with theta_i, and with the wheels in balance M_out falls with psi: two nested
-//! roots of falling functions, each bracketed. That needs no good start and copes with backlash,
-//! where everything is 0 over the free play.
+//! Newton's method with the contacts' own slopes finds them in some eight evaluations (`newton`). Where it does not, or the
+//! contacts have no slopes (discrete points), brackets do: contacts restore, so M_i falls with theta_i, and with the wheels in
+//! balance M_out falls with psi: two nested roots of falling functions, each bracketed. That needs no good start and copes with
+//! backlash, where everything is 0 over the free play.
 
 mod closed_forms;
+mod newton;
 
 pub use closed_forms::{LinearMesh, LinearOutput, smallest_convex_radius};
 use pinwheel_scene::free_play;
 
-use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_mbs::{BodyState, Jacobian, Wrench};
 
 use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
@@ -43,6 +45,18 @@ pub struct Equilibrium {
 }
 
 /// The quasi-static solver of a gearbox.
+///
+/// ```
+/// use pinwheel_gearbox::Gearbox;
+/// use pinwheel_gearbox::statics::Statics;
+/// use pinwheel_scene::Scene;
+///
+/// let gearbox = Gearbox::new(&Scene::load("paper", &[])?)?;
+/// let mut statics = Statics::new(&gearbox)?;
+/// let (light, full) = (statics.solve(0.0, 11.0)?, statics.solve(0.0, 22.0)?);
+/// assert!(full.output.abs() > light.output.abs(), "the load twists the gear: {} rad", full.output);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Statics<'a> {
     gearbox: &'a Gearbox,
     field: Box<dyn ContactField>,
@@ -50,6 +64,9 @@ pub struct Statics<'a> {
     loads: Vec<Wrench>,
     /// Wheel rates about which moments are taken; see [`Statics::moving`].
     motion: Option<Motion>,
+    slopes: Jacobian,
+    /// Evaluations of all contacts so far.
+    evaluations: u64,
 }
 
 /// Rates and angular accelerations of a slow motion along the equilibria.
@@ -73,6 +90,8 @@ impl<'a> Statics<'a> {
             loads: vec![Wrench::default(); gearbox.layout.bodies()],
             gearbox,
             motion: None,
+            slopes: newton::slopes(gearbox),
+            evaluations: 0,
         })
     }
 
@@ -119,6 +138,7 @@ impl<'a> Statics<'a> {
     /// Moments on the wheels into `out`, and the moment of the contacts on the output.
     fn moments(&mut self, phi: f64, wheels: &[f64], psi: f64, out: &mut [f64]) -> f64 {
         self.place(phi, wheels, psi);
+        self.evaluations += 1;
         self.loads.fill(Wrench::default());
         self.field.add_loads(&self.bodies, &mut self.loads);
         let layout = self.gearbox.layout;
@@ -222,6 +242,9 @@ impl<'a> Statics<'a> {
         let mut wheels: Vec<f64> = (0..n)
             .map(|i| self.gearbox.geometry.ideal_wheel_angle(i, phi))
             .collect();
+        if let Some(psi) = self.newton(phi, load, &mut wheels) {
+            return Ok(self.equilibrium(phi, wheels, psi, load));
+        }
         for (end, sign) in [(low, 1.0), (high, -1.0)] {
             let mut at = wheels.clone();
             if (self.balance_wheels(phi, end, &mut at) + load) * sign < 0.0 {
@@ -253,17 +276,27 @@ impl<'a> Statics<'a> {
                 break;
             }
         }
-        let output = self.balance_wheels(phi, psi, &mut wheels) + load;
-        let mut left = vec![0.0; n];
-        self.moments(phi, &wheels, psi, &mut left);
-        let residual = left.iter().map(|m| m.abs()).fold(output.abs(), f64::max);
-        Ok(Equilibrium {
-            input: phi,
+        self.balance_wheels(phi, psi, &mut wheels);
+        Ok(self.equilibrium(phi, wheels, psi, load))
+    }
+
+    fn equilibrium(&mut self, input: f64, wheels: Vec<f64>, output: f64, load: f64) -> Equilibrium {
+        let mut left = vec![0.0; wheels.len()];
+        let moment = self.moments(input, &wheels, output, &mut left) + load;
+        let residual = left.iter().map(|m| m.abs()).fold(moment.abs(), f64::max);
+        Equilibrium {
+            input,
             wheels,
-            output: psi,
+            output,
             bodies: self.bodies.clone(),
             residual,
-        })
+        }
+    }
+
+    /// Evaluations of all contacts so far: what poses cost.
+    #[must_use]
+    pub fn evaluations(&self) -> u64 {
+        self.evaluations
     }
 
     /// Touching pairs of an equilibrium.

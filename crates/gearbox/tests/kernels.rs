@@ -10,6 +10,9 @@ use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::{CheckedScene, Layout, Scene, Sleeve};
 use proptest::prelude::*;
 
+/// All loops but the scalar one.
+const LANES: [Kernel; 3] = [Kernel::Lanes, Kernel::Avx2, Kernel::Portable];
+
 /// Loads of both loops on the same states.
 fn loads(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> Vec<Wrench> {
     let mut gearbox = gearbox.clone();
@@ -37,9 +40,9 @@ fn pairs(
 }
 
 /// Loads and energies of the loop in lanes from one walk.
-fn both(gearbox: &Gearbox, bodies: &[BodyState]) -> (Vec<Wrench>, ContactEnergy) {
+fn both(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> (Vec<Wrench>, ContactEnergy) {
     let mut gearbox = gearbox.clone();
-    gearbox.kernel = Kernel::Lanes;
+    gearbox.kernel = kernel;
     let mut loads = vec![Wrench::default(); bodies.len()];
     let mut field = gearbox.contact_field().unwrap();
     let energy = field.add_loads_with_energy(bodies, &mut loads);
@@ -168,13 +171,14 @@ fn regress_lanes_out_of_steps_touch_nothing() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 800, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any gear (zk and zi no multiple of the lanes), friction or not, backlash or not.
+    /// Any gear (zk and zi no multiple of the lanes), friction or not, backlash or not, with a force along the profile or
+    /// without, by any instructions.
     #[test]
     fn lanes_equal_the_scalar_loop(
         zk in 5_usize..121, m in 0.3..0.9_f64, zi in 3_usize..20, wheels in 1_usize..4, friction: bool,
-        backlash in prop_oneof![Just(0.0), 0.0..1.4e-3], input in 0.0..40.0_f64, twist in 0.0..2e-3_f64,
+        along: bool, kernel in prop::sample::select(&LANES), backlash in prop_oneof![Just(0.0), 0.0..1.4e-3], input in 0.0..40.0_f64, twist in 0.0..2e-3_f64,
         rates in prop::array::uniform16(-1.0..1.0_f64),
     ) {
         let mut scene = Scene::paper();
@@ -185,10 +189,13 @@ proptest! {
         scene.gear.backlash_m = backlash;
         scene.gear.external_sleeve_radius_m = 0.004;
         scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
+        if along {
+            scene.contact.law = "paper-conservative".to_owned();
+        }
         // Holes may leave the wheel: the kernels do not mind.
         let gearbox = Gearbox::new(&CheckedScene::unchecked(scene.clone())).unwrap();
         let bodies = states(&gearbox, input, twist, &rates);
-        let (fast, slow) = (loads(&gearbox, Kernel::Lanes, &bodies), loads(&gearbox, Kernel::Scalar, &bodies));
+        let (fast, slow) = (loads(&gearbox, kernel, &bodies), loads(&gearbox, Kernel::Scalar, &bodies));
         // 1e-13 of the largest force, and what rounding of positions does to both alike: a radius of R is
         // known to about 2 ulp, which the slope 1.5 F/delta turns into force. With friction, velocities are
         // known to 1e-16 of 1 m/s and the slope is mu F/v_s.
@@ -204,7 +211,7 @@ proptest! {
         });
         let force = noise + 1e-13 * largest;
         let moment = force * gearbox.geometry.curve.pitch_radius();
-        let (listed, oracle) = (pairs(&gearbox, Kernel::Lanes, &bodies), pairs(&gearbox, Kernel::Scalar, &bodies));
+        let (listed, oracle) = (pairs(&gearbox, kernel, &bodies), pairs(&gearbox, Kernel::Scalar, &bodies));
         check_depths(&gearbox, &bodies, &oracle.0);
         prop_assert_eq!(listed.0.len(), oracle.0.len());
         for (a, b) in listed.0.iter().zip(&oracle.0) {
@@ -213,10 +220,12 @@ proptest! {
             // Friction's slope mu F/v_s turns rounding of velocities (1e-16 of 1 m/s) into force.
             prop_assert!((a.normal_force_n - b.normal_force_n).abs() <= force, "{a:?} {b:?} {force}");
             prop_assert!((a.friction_force_n - b.friction_force_n).abs() <= force, "{a:?} {b:?} {force}");
+            prop_assert!((a.along_force_n - b.along_force_n).abs() <= force, "{a:?} {b:?} {force}");
+            prop_assert!(along || b.along_force_n == 0.0);
             let near = |x: [f64; 2], y: [f64; 2], bound: f64| (x[0] - y[0]).abs().max((x[1] - y[1]).abs()) <= bound;
             prop_assert!(near(a.point, b.point, 1e-12) && near(a.centre, b.centre, 1e-15), "{a:?} {b:?}");
         }
-        let both = both(&gearbox, &bodies);
+        let both = both(&gearbox, kernel, &bodies);
         prop_assert_eq!(&both.0, &fast);
         let b = oracle.1;
         let stored = 1e-12 * b.stored_j + force * 1e-3;

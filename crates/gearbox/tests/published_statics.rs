@@ -1,5 +1,6 @@
 //! Statics: closed forms, an independent package, the quasi-static prototype, and the start in equilibrium.
 
+use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_gearbox::statics::{LinearMesh, LinearOutput, Statics, smallest_convex_radius};
 use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_scene::Sleeve;
@@ -315,4 +316,47 @@ fn slow_runs_tend_to_the_statics() {
         fast < 8e-5 && slow < 1e-6 && slow < 0.05 * fast,
         "{fast:e} {slow:e}"
     );
+}
+
+/// Newton's method against nested brackets, which the scalar loop leaves as the only way: the same angles to rounding, in a
+/// hundredth of the evaluations. Measured: at most 2e-14 rad, and 11 evaluations a pose after 1200 to 9000.
+#[test]
+fn newton_finds_what_brackets_find() {
+    for (preset, sets) in [
+        ("paper", &[][..]),
+        ("steel", &[]),
+        ("backlash-0.6", &[]),
+        ("forty-pins", &[]),
+        ("eleven-pins", &[("contact.law", "paper-conservative")]),
+        ("paper", &[("contact.law", "line-contact")]),
+        ("paper", &[("drive.output_torque_n_m", "-30")]),
+    ] {
+        let sets: Vec<pinwheel_scene::Override> = sets
+            .iter()
+            .map(|&(k, v)| pinwheel_scene::Override::new(k, v))
+            .collect();
+        let mut gearbox = Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap();
+        let load = gearbox.scene.drive.output_torque_n_m;
+        let poses = [0.0, 0.013, 0.4, 1.7];
+        let mut solve = |kernel: Kernel| {
+            gearbox.kernel = kernel;
+            let mut statics = Statics::new(&gearbox).unwrap();
+            let found = poses.map(|phi| statics.solve(phi, load).unwrap());
+            (found, statics.evaluations())
+        };
+        let ((fast, few), (slow, many)) = (solve(Kernel::Lanes), solve(Kernel::Scalar));
+        let mut worst: f64 = 0.0;
+        for (a, b) in fast.iter().zip(&slow) {
+            worst = worst.max((a.output - b.output).abs());
+            for (a, b) in a.wheels.iter().zip(&b.wheels) {
+                worst = worst.max((a - b).abs());
+            }
+        }
+        println!("{preset}: {worst:.1e} rad, {few} evaluations after {many}");
+        assert!(worst < 1e-13, "{preset}: {worst:e} rad");
+        assert!(
+            few <= 20 * poses.len() as u64,
+            "{preset}: {few} evaluations"
+        );
+    }
 }

@@ -85,8 +85,9 @@ fn quotient(
     (slope, bend)
 }
 
-const LAWS: [&str; 7] = [
+const LAWS: [&str; 8] = [
     "paper",
+    "paper-conservative",
     "paper-printed",
     "constant",
     "adams-impact",
@@ -100,7 +101,7 @@ proptest! {
 
     #[test]
     fn the_jacobian_is_the_slope(
-        (zk, m, zi, wheels) in (9_usize..40, 0.3..0.9_f64, 3_usize..9, 1_usize..5), friction: bool, law in 0..LAWS.len(),
+        (zk, m, zi, wheels) in (9_usize..121, 0.3..0.9_f64, 3_usize..9, 1_usize..5), friction: bool, law in 0..LAWS.len(),
         backlash in prop_oneof![Just(0.0), 0.0..3e-4], t in 0.0..0.5_f64, twist in 1e-3..6e-3_f64,
         noise in prop::array::uniform16(prop_oneof![-1.0..-0.1_f64, 0.1..1.0]),
     ) {
@@ -163,6 +164,68 @@ proptest! {
     }
 }
 
+/// The entries of a Jacobian: a column for each angle, each rate and the time.
+fn entries(system: &mut Reduced<Contacts>, t: f64, y: &[f64]) -> Vec<f64> {
+    let n = y.len() / 2;
+    let mut jacobian = Jacobian::new(&system.structure(), 2 * n);
+    assert!(system.jacobian(t, y, &mut jacobian));
+    let column = |k: usize| {
+        let jacobian = &jacobian;
+        (0..n).map(move |row| match k {
+            k if k < n => jacobian.position().unwrap().entry(row, k),
+            k if k < 2 * n => jacobian.rate().entry(row, k - n),
+            _ => jacobian.time()[row],
+        })
+    };
+    (0..=2 * n).flat_map(column).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// What the force along the profile adds to the slopes of the normal forces, a hundredth of them, by itself.
+    #[test]
+    fn the_force_along_the_profile_has_its_slopes(
+        (zk, m, zi, wheels) in (9_usize..121, 0.3..0.9_f64, 3_usize..9, 1_usize..5), friction: bool,
+        backlash in prop_oneof![Just(0.0), 0.0..3e-4], t in 0.0..0.5_f64, twist in 1e-3..6e-3_f64,
+        noise in prop::array::uniform16(prop_oneof![-1.0..-0.1_f64, 0.1..1.0]),
+    ) {
+        let mut scene = Scene::paper();
+        scene.gear.external_sleeves = zk;
+        scene.gear.shortening = m;
+        scene.gear.internal_sleeves = zi;
+        scene.gear.internal_circle_radius_m = 0.55 * 0.0028 * zk as f64 / m;
+        scene.gear.wheels = wheels;
+        scene.gear.backlash_m = backlash;
+        scene.gear.external_sleeve_radius_m = 0.004;
+        scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
+        prop_assume!(scene.clone().check().is_ok()); // some holes have no room
+        let mut systems = ["paper-conservative", "paper"].map(|law| {
+            scene.contact.law = law.to_owned();
+            reduced(&Gearbox::new(&scene.clone().check().unwrap()).unwrap())
+        });
+        let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
+        let free = systems[0].free_bodies().to_vec();
+        let n = free.len();
+        let y = state(&gearbox, t, twist, &noise, &free);
+        let [whole, normal] = [0, 1].map(|k| entries(&mut systems[k], t, &y));
+        let exact: Vec<f64> = whole.iter().zip(&normal).map(|(a, b)| a - b).collect();
+        let (largest, all) = [&exact, &whole].map(|v| v.iter().fold(0.0, |m: f64, x| m.max(x.abs()))).into();
+        prop_assume!(largest > 0.0);
+        for (columns, h) in [(0..n, 1e-6), (2 * n..2 * n + 1, 2e-8)] {
+            for k in columns {
+                let [(whole, _), (normal, _)] = [0, 1].map(|s| quotient(&mut systems[s], t, &y, k, h));
+                for row in 0..n {
+                    let (exact, found) = (exact[k * n + row], whole[n + row] - normal[n + row]);
+                    let off = (exact - found).abs();
+                    if std::env::var_os("SHOW").is_some() { println!("OFF {:e} {:e}", off / largest, off / all); }
+                    prop_assert!(off < 1e-2 * largest + 1e-9 * all, "row {row} column {k} of {n}: {exact:e} {found:e}, largest {largest:e}");
+                }
+            }
+        }
+    }
+}
+
 /// Fields without slopes say so: the scalar loop, points, Adams' friction.
 #[test]
 fn slopes_are_only_told_where_they_are_known() {
@@ -186,8 +249,4 @@ fn slopes_are_only_told_where_they_are_known() {
     assert!(!known(&|_| {}, Kernel::Scalar));
     let points = |s: &mut Scene| s.contact.detection = pinwheel_scene::Detection::Points;
     assert!(!known(&points, Kernel::Lanes));
-    assert!(!known(
-        &|s| s.contact.law = "paper-conservative".into(),
-        Kernel::Lanes
-    ));
 }

@@ -71,11 +71,14 @@ pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawEr
         });
     let mut columns = required(gearbox);
     columns.extend(gearbox.channels.names().map(str::to_owned));
+    let scales = gearbox.error_scales();
     Ok(json!({
         "protocol": JOB_PROTOCOL,
         "scene": scene,
         "bodies": bodies.collect::<Vec<_>>(),
         "rate_rad_s": law.rate_rad_s(),
+        "elastic_twist_rad": scales.angle,
+        "vibration_rad_s": scales.frequency,
         "samples_s": law.samples_s(),
         "columns": columns,
         "law_library": law_library,
@@ -134,10 +137,12 @@ pub fn schema() -> Value {
             "scene": with(scene, "the scene, every key resolved"),
             "bodies": { "type": "array", "items": body, "description": "input shaft, output shaft, wheels, external sleeves, internal sleeves" },
             "rate_rad_s": { "type": "number", "description": "constant rate of the input shaft (rad/s)" },
+            "elastic_twist_rad": { "type": "number", "description": "twist of a wheel under its largest static load: what errors of angles are small against (rad)" },
+            "vibration_rad_s": { "type": "number", "description": "angular frequency of a wheel on its contacts; with the twist, what errors of rates are small against (rad/s)" },
             "samples_s": { "type": "array", "items": { "type": "number" }, "description": "times of the rows of courses.csv (s)" },
             "columns": { "type": "array", "items": { "type": "string" }, "description": "columns of courses.csv: those of every run, then the channels that the scene asks for, which may be left out" },
             "law_library": { "type": ["string", "null"], "description": "path of libpinwheel_law; null where it was not built" },
         },
-        "required": ["protocol", "scene", "bodies", "rate_rad_s", "samples_s", "columns", "law_library"],
+        "required": ["protocol", "scene", "bodies", "rate_rad_s", "elastic_twist_rad", "vibration_rad_s", "samples_s", "columns", "law_library"],
     })
 }

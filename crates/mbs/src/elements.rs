@@ -3,8 +3,9 @@
 //! An [`Element`] acts on bodies of a mechanism and reacts on the body (or ground) it is tied to,
 //! so that forces and moments balance. [`Elements`] is a list of them and serves as [`Forces`].
 
-use crate::mechanism::{BodyId, Forces, Mechanism};
-use crate::state::{BodyState, Wrench};
+use crate::forces::Forces;
+use crate::mechanism::Mechanism;
+use crate::state::{BodyId, BodyState, Wrench};
 use crate::tree::turned;
 
 /// A point of a body, or of the ground.

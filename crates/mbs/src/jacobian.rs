@@ -9,7 +9,6 @@
 //! Velocities may be *hubs* and *leaves* (as in [`crate::sliding`]): what no entry joins to another leaf is
 //! eliminated one by one, and the Schur complement of the hubs is factored densely, with pivots. Nothing need be symmetric.
 
-use crate::OdeSystem;
 use crate::lu::Lu;
 
 /// How f depends on y.
@@ -197,11 +196,11 @@ fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
 #[derive(Debug, Clone)]
 pub struct Jacobian {
     /// K, 1/s^2; `None`: of first order.
-    position: Option<Arrow>,
+    pub(crate) position: Option<Arrow>,
     /// D, 1/s, or the whole of df/dy of a system of first order.
-    rate: Arrow,
+    pub(crate) rate: Arrow,
     /// df/dt of the same rows.
-    time: Vec<f64>,
+    pub(crate) time: Vec<f64>,
     shift: f64,
     /// Factors: inverse diagonal of the leaves, border above divided by it, border below.
     inverse: Vec<f64>,
@@ -347,74 +346,6 @@ impl Jacobian {
         for (x, w) in positions.iter_mut().zip(rates.iter()) {
             *x = (*x + w) * weight;
         }
-    }
-}
-
-/// Share of a component's scale by which differences move it: errors of rounding and of the next term meet.
-const SHARE: f64 = 6e-6;
-/// The same for the time, of the step at hand.
-const TIME_SHARE: f64 = 1e-4;
-
-/// Slopes by central differences, for systems that do not know theirs.
-#[derive(Debug, Clone)]
-pub(crate) struct Differences {
-    y: Vec<f64>,
-    scale: Vec<f64>,
-    ahead: Vec<f64>,
-    behind: Vec<f64>,
-}
-
-impl Differences {
-    pub(crate) fn new(dimension: usize) -> Self {
-        let zeros = vec![0.0; dimension];
-        Self {
-            y: zeros.clone(),
-            scale: zeros.clone(),
-            ahead: zeros.clone(),
-            behind: zeros,
-        }
-    }
-
-    /// Writes all slopes at (t, y), for a step of `h` (s); returns the number of evaluations.
-    pub(crate) fn write<S: OdeSystem>(
-        &mut self,
-        system: &mut S,
-        t: f64,
-        y: &[f64],
-        h: f64,
-        jacobian: &mut Jacobian,
-    ) -> u64 {
-        jacobian.clear();
-        system.scale(y, &mut self.scale);
-        self.y.copy_from_slice(y);
-        let first = y.len() - jacobian.time.len();
-        for (k, &here) in y.iter().enumerate() {
-            let step = SHARE * self.scale[k];
-            let (high, low) = (here + step, here - step);
-            self.y[k] = high;
-            system.derivative(t, &self.y, &mut self.ahead);
-            self.y[k] = low;
-            system.derivative(t, &self.y, &mut self.behind);
-            self.y[k] = here;
-            let inverse = (high - low).recip();
-            let (part, column) = match &mut jacobian.position {
-                Some(position) if k < first => (position, k),
-                _ => (&mut jacobian.rate, k - first),
-            };
-            let slopes = self.ahead[first..].iter().zip(&self.behind[first..]);
-            for (row, (ahead, behind)) in slopes.enumerate() {
-                part.add(row, column, (ahead - behind) * inverse);
-            }
-        }
-        let (late, early) = (t + TIME_SHARE * h, t - TIME_SHARE * h);
-        system.derivative(late, y, &mut self.ahead);
-        system.derivative(early, y, &mut self.behind);
-        let inverse = (late - early).recip();
-        let slopes = self.ahead[first..].iter().zip(&self.behind[first..]);
-        for (time, (ahead, behind)) in jacobian.time.iter_mut().zip(slopes) {
-            *time = (ahead - behind) * inverse;
-        }
-        2 * (y.len() as u64 + 1)
     }
 }
 

@@ -13,7 +13,8 @@ mod split;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::mechanism::{Forces, Mechanism, MechanismError};
+use crate::forces::Forces;
+use crate::mechanism::{Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
 use crate::saddle::{Dependent, Rows, SaddlePoint, redundant};
 use crate::sliding::PinnedContacts;

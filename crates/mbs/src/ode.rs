@@ -11,6 +11,12 @@ pub trait OdeSystem {
     /// Writes f(t, y). A state that cannot be evaluated gives NaN, never a panic.
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]);
 
+    /// The same of a state that will likely be observed next ([`Formulation::observe`]), with which the evaluation may be
+    /// shared.
+    fn derivative_to_observe(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.derivative(t, y, dydt);
+    }
+
     /// One stage of a method that treats a stiff part of f = e + i implicitly: solves
     /// `y = y* + a i(t, y)` in place (`y` holds y*), then writes e and i at the solution.
     ///

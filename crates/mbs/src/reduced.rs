@@ -15,11 +15,12 @@
 //! Friction may be treated implicitly ([`OdeSystem::split_stage`]): a contact's sliding speed is
 //! linear in the free rates, `u = offset + J v`, and `-J' F_t` is what its friction does to them.
 
+use crate::forces::Forces;
 use crate::jacobian::{Jacobian, Structure};
-use crate::mechanism::{BodyId, Forces, Mechanism, MechanismError};
+use crate::mechanism::{Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
 use crate::sliding::{Angle, PinnedContacts, RateStage};
-use crate::state::{BodyState, Wrench};
+use crate::state::{BodyId, BodyState, ContactEnergy, Wrench};
 
 /// A body carried by another.
 #[derive(Debug, Clone, Copy)]
@@ -58,6 +59,16 @@ pub struct Reduced<F> {
     reactions: Vec<[f64; 2]>,
     /// What the bodies carry, of all reactions: scratch.
     borne: Vec<[f64; 2]>,
+    evaluated: Evaluated,
+}
+
+/// The state whose loads and energy are at hand, if any.
+#[derive(Debug, Default)]
+struct Evaluated {
+    valid: bool,
+    time: f64,
+    y: Vec<f64>,
+    energy: Option<ContactEnergy>,
 }
 
 impl<F: Forces> Reduced<F> {
@@ -138,6 +149,10 @@ impl<F: Forces> Reduced<F> {
             newton_steps: 0,
             reactions: Vec::new(),
             borne: Vec::new(),
+            evaluated: Evaluated {
+                y: vec![0.0; 2 * free.len()],
+                ..Evaluated::default()
+            },
             contacts: PinnedContacts::new(angles.clone(), carrier_of, free.clone(), moving.clone()),
             free_inverse: moving.iter().map(|inertia| inertia.recip()).collect(),
             free_inertia: moving,
@@ -207,6 +222,7 @@ impl<F: Forces> Reduced<F> {
 
     /// Angles, then positions and velocities of carried bodies.
     fn place(&mut self, t: f64, y: &[f64]) {
+        self.evaluated.valid = false;
         let n = self.free.len();
         for (k, &body) in self.free.iter().enumerate() {
             self.bodies[body].angle = y[k];
@@ -232,10 +248,35 @@ impl<F: Forces> Reduced<F> {
         }
     }
 
-    fn evaluate(&mut self, t: f64) {
+    /// Everything at (t, y) that an observation tells of the forces, unless it is at hand.
+    fn evaluate_whole(&mut self, t: f64, y: &[f64]) {
+        let Evaluated {
+            valid, time, y: of, ..
+        } = &self.evaluated;
+        if *valid && *time == t && of.as_slice() == y {
+            return;
+        }
+        self.place(t, y);
+        for (body, angle) in self.angles.iter().enumerate() {
+            if *angle == Angle::Idle {
+                let start = self.mechanism.bodies[body].start;
+                self.bodies[body].angle = start.angle + start.rate * t;
+            }
+        }
         self.loads.fill(Wrench::default());
-        self.forces.apply(t, &self.bodies, &mut self.loads);
+        self.evaluated.energy = self.forces.apply_observed(t, &self.bodies, &mut self.loads);
         self.sum_moments();
+        (self.evaluated.valid, self.evaluated.time) = (true, t);
+        self.evaluated.y.copy_from_slice(y);
+    }
+
+    /// Accelerations from the moments, and the rates.
+    fn write_derivative(&self, y: &[f64], dydt: &mut [f64]) {
+        let n = self.free.len();
+        dydt[..n].copy_from_slice(&y[n..]);
+        for (k, &body) in self.free.iter().enumerate() {
+            dydt[n + k] = self.moments[body] * self.free_inverse[k];
+        }
     }
 
     /// Forces of the revolutes at time `t`, from the moments and loads of the last evaluation.
@@ -302,12 +343,15 @@ impl<F: Forces> OdeSystem for Reduced<F> {
 
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.place(t, y);
-        self.evaluate(t);
-        let n = self.free.len();
-        dydt[..n].copy_from_slice(&y[n..]);
-        for (k, &body) in self.free.iter().enumerate() {
-            dydt[n + k] = self.moments[body] * self.free_inverse[k];
-        }
+        self.loads.fill(Wrench::default());
+        self.forces.apply(t, &self.bodies, &mut self.loads);
+        self.sum_moments();
+        self.write_derivative(y, dydt);
+    }
+
+    fn derivative_to_observe(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.evaluate_whole(t, y);
+        self.write_derivative(y, dydt);
     }
 
     fn split_stage(&mut self, t: f64, a: f64, y: &mut [f64], e: &mut [f64], i: &mut [f64]) {
@@ -362,6 +406,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
     }
 
     fn enter_leg(&mut self, from: f64) {
+        self.evaluated.valid = false;
         self.forces.enter_leg(from);
     }
 }
@@ -376,16 +421,7 @@ impl<F: Forces> Formulation for Reduced<F> {
     }
 
     fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
-        self.place(t, y);
-        for (body, angle) in self.angles.iter().enumerate() {
-            if *angle == Angle::Idle {
-                let start = self.mechanism.bodies[body].start;
-                self.bodies[body].angle = start.angle + start.rate * t;
-            }
-        }
-        self.loads.fill(Wrench::default());
-        let energy = self.forces.apply_observed(t, &self.bodies, &mut self.loads);
-        self.sum_moments();
+        self.evaluate_whole(t, y);
         for (k, driver) in self.mechanism.drivers.iter().enumerate() {
             let (_, _, acceleration) = driver.motion.at(t);
             self.torques[k] =
@@ -400,7 +436,7 @@ impl<F: Forces> Formulation for Reduced<F> {
             bodies: &self.bodies,
             loads: &self.loads,
             driver_torques: &self.torques,
-            energy,
+            energy: self.evaluated.energy,
             reactions: wanted.then_some(self.reactions.as_slice()),
         }
     }

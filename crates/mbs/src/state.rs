@@ -1,5 +1,8 @@
 //! Pose, velocity and load of a planar rigid body.
 
+/// Index into [`Mechanism::bodies`](crate::Mechanism::bodies).
+pub type BodyId = usize;
+
 /// Pose and velocity of a body's centre of mass in the ground frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BodyState {

@@ -3,8 +3,8 @@
 //! Along the forest every centre of mass follows from the angles by
 //! `r_child = r_parent + A_parent s_parent - A_child s_child`, exactly and without a solve.
 
-use crate::mechanism::{BodyId, Mechanism};
-use crate::state::BodyState;
+use crate::mechanism::Mechanism;
+use crate::state::{BodyId, BodyState};
 
 /// One revolute of the forest, in an order in which parents come before children.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,8 +2,8 @@
 
 use pinwheel_mbs::integrators::{METHODS, StepSettings, Stepper, start};
 use pinwheel_mbs::{
-    Body, BodyState, Driver, Forces, Formulation, Lagrange, Mechanism, Motion, Reduced, Revolute,
-    Stabilisation, Wrench,
+    Body, BodyState, Driver, Forces, Formulation, Jacobian, Lagrange, Mechanism, Motion, Reduced,
+    Revolute, Stabilisation, Wrench,
 };
 
 /// A spring on every angle.
@@ -15,6 +15,18 @@ impl Forces for Springs {
             load.moment -= body.angle;
             load.fx += 0.1 * body.angle;
         }
+    }
+
+    /// Near enough: methods that ask for slopes shall use them.
+    fn moment_slopes(&mut self, _: f64, _: &[BodyState], slopes: &mut Jacobian) -> bool {
+        let (position, ..) = slopes.parts_mut();
+        let Some(position) = position else {
+            return false;
+        };
+        for k in 0..position.dimension() {
+            position.add(k, k, -1.0);
+        }
+        true
     }
 }
 

@@ -4,71 +4,79 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::native::{self, NativeError};
-use pinwheel_gearbox::{Gearbox, GearboxError};
-use pinwheel_report::animation::{Animation, CHANNELS, Gear};
-use pinwheel_scene as scene;
-use pinwheel_scene::Scene;
+use pinwheel_gearbox::resolve::{self, Budget};
+use pinwheel_gearbox::{Gearbox, GearboxError, auto};
+use pinwheel_report::animation::{Animation, CHANNELS, sampling};
+use pinwheel_scene::Formulation;
 
 use crate::PageError;
 
-/// What is drawn of a gear.
-fn gear(scene: &Scene) -> Gear {
-    let gear = &scene.gear;
-    Gear {
-        eccentricity_m: gear.eccentricity_m,
-        external_sleeves: gear.external_sleeves,
-        shortening: gear.shortening,
-        external_sleeve_radius_m: gear.external_sleeve_radius_m,
-        internal_sleeves: gear.internal_sleeves,
-        internal_sleeve_radius_m: gear.internal_sleeve_radius_m,
-        internal_circle_radius_m: gear.internal_circle_radius_m,
-        hole_radius_m: gear.hole_radius_m,
-        wheels: gear.wheels,
-        backlash_m: gear.backlash_m,
-        input_speed_rad_s: scene.drive.input_speed_rad_s,
-    }
-}
+/// What a picture may cost where the scene's own method fails: a few seconds.
+const BUDGET: Budget = Budget {
+    evaluations: 3_000_000,
+};
 
-/// The scene's motion over as long as a page holds, and the time to begin at, s: its second half, where the
+/// A gearbox's motion over as long as a page holds, and the time to begin at, s: its second half, where the
 /// start-up transient has died down. `None` where there is nothing to show, as when the run diverges at once.
 ///
 /// # Errors
 /// `cancel` was set.
-pub fn of(scene: &Scene, cancel: &AtomicBool) -> Result<Option<(Animation, f64)>, PageError> {
-    let (_, stretch) = gear(scene).sampling();
+pub fn of(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<(Animation, f64)>, PageError> {
+    let scene = &gearbox.scene;
+    let (_, stretch) = sampling(scene);
     let duration = scene.solver.duration_s.min(stretch);
     let title = format!("{}, native solver", scene.name);
-    let found = window(scene, &title, (0.0, duration), cancel)?;
+    let found = window(gearbox, &title, (0.0, duration), cancel)?;
     Ok(found.map(|animation| (animation, 0.5 * duration)))
 }
 
-/// The scene's motion from `from_s` to `to_s`, recorded anew with the channels that a picture needs.
+/// A gearbox's motion from `from_s` to `to_s`, recorded anew with the channels that a picture needs.
 ///
 /// # Errors
 /// `cancel` was set.
 pub fn window(
-    scene: &Scene,
+    gearbox: &Gearbox,
     title: &str,
     (from_s, to_s): (f64, f64),
     cancel: &AtomicBool,
 ) -> Result<Option<Animation>, PageError> {
-    let gear = gear(scene);
-    let mut scene = scene.clone();
-    scene.solver.formulation = scene::Formulation::Reduced;
-    // No denser than the scene's own samples on short runs, which would only be straight lines.
-    scene.solver.sample_s = gear.sampling().0.min(to_s);
-    scene.solver.duration_s = to_s;
-    scene.output.channels = CHANNELS.map(str::to_owned).to_vec();
-    let built = scene.check().map_err(GearboxError::from);
-    let Ok(gearbox) = built.and_then(|scene| Gearbox::new(&scene)) else {
+    let step = sampling(&gearbox.scene).0;
+    let recording = gearbox.with_solver(|solver| {
+        solver.formulation = Formulation::Reduced;
+        // No denser than the scene's own samples on short runs, which would only be straight lines.
+        solver.sample_s = step.min(to_s);
+        solver.duration_s = to_s;
+    });
+    let channels = CHANNELS.map(str::to_owned).to_vec();
+    let recording = recording.map_err(GearboxError::from);
+    let Ok(gearbox) = recording.and_then(|gearbox| gearbox.with_channels(channels)) else {
         return Ok(None);
     };
-    let courses: Courses = match native::run(&gearbox, &mut |_| cancel.load(Ordering::Relaxed)) {
+    let watch = &mut |_| cancel.load(Ordering::Relaxed);
+    let mut ran = native::run(&gearbox, watch);
+    let mut title = title.to_owned();
+    if matches!(ran, Err(NativeError::Diverged { .. })) {
+        // Forces that run away are no picture of the gear where another method gets through.
+        match resolve::run_resolved(&gearbox, auto::PROMISE, BUDGET, watch) {
+            Ok((run, _)) => {
+                title.push_str(", by a method that gets through");
+                ran = Ok(run);
+            }
+            Err(NativeError::Stopped) => return Err(PageError::Cancelled),
+            Err(_) => title.push_str(", until it diverges"),
+        }
+    }
+    let courses: Courses = match ran {
         Ok(run) => run.courses,
         // What there is until then is worth seeing.
         Err(NativeError::Diverged { partial, .. }) => partial.courses,
         Err(NativeError::Stopped) => return Err(PageError::Cancelled),
         Err(NativeError::Model(_) | NativeError::Courses(_)) => return Ok(None),
     };
-    Ok(Animation::of(title, &gear, &courses, (from_s, to_s)))
+    Ok(Animation::of(
+        title,
+        &gearbox.scene,
+        &courses,
+        (from_s, to_s),
+    ))
 }

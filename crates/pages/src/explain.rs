@@ -87,6 +87,22 @@ fn geometry(scene: &Scene, figures: &Derived) -> Vec<Vec<Cell>> {
             "hole - sleeve - eccentricity",
         ),
     ];
+    let walls = &figures.walls;
+    for (what, wall, how) in [
+        (
+            "wall, hole to profile",
+            walls.hole_to_profile_m,
+            "thinnest place of all holes",
+        ),
+        ("wall, hole to hole", walls.hole_to_hole_m, ""),
+        (
+            "gap, external sleeves",
+            walls.sleeve_to_sleeve_m,
+            "between neighbours",
+        ),
+    ] {
+        rows.push(row(what, mm(wall), how));
+    }
     if scene.gear.backlash_m > 0.0 {
         rows.push(row(
             "free play to one side",

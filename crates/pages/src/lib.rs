@@ -8,12 +8,21 @@
 //! One file or folder a study, each a function of the study's outcome: nothing is read, written or printed here, and
 //! only the motion that pages show is computed. Text holds escape sequences for styles
 //! ([`pinwheel_report::terminal`]).
+//!
+//! ```
+//! use pinwheel_report::terminal::plain;
+//!
+//! let text = plain(&pinwheel_pages::laws::text());
+//! assert!(text.contains("hunt-crossley"), "what a scene's contact.law may be");
+//! ```
 
 pub mod animation;
 pub mod baseline;
 pub mod bench;
+pub mod calibration;
 pub mod comparison;
 pub mod conformance;
+pub mod design;
 pub mod engines;
 mod error;
 pub mod explain;

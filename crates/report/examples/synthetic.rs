@@ -6,7 +6,7 @@
 use std::error::Error;
 
 use pinwheel_compare::limits::TABLE;
-use pinwheel_compare::{Context, Cost, Participant, Status, compare, track};
+use pinwheel_compare::{Context, Cost, Participant, Status, Track, compare};
 use pinwheel_courses::Courses;
 use pinwheel_report::{Fact, ReportInput, render};
 
@@ -51,10 +51,10 @@ fn courses(error: f64, seed: f64, samples: u32) -> Result<Courses, Box<dyn Error
 }
 
 fn participants() -> Result<Vec<Participant>, Box<dyn Error>> {
-    let one = |name: &str, track: &str, error: f64, wall_s: f64, differences: &str| {
+    let one = |name: &str, track: Track, error: f64, wall_s: f64, differences: &str| {
         Ok::<_, Box<dyn Error>>(Participant {
             name: name.to_owned(),
-            track: track.to_owned(),
+            track,
             version: "0.1.0".to_owned(),
             summary: format!("Invented engine `{name}`"),
             differences: differences.to_owned(),
@@ -77,35 +77,35 @@ fn participants() -> Result<Vec<Participant>, Box<dyn Error>> {
     let mut all = vec![
         one(
             "native-reduced",
-            track::NATIVE,
+            Track::Native,
             0.0,
             0.41,
             "The base of nothing: it is compared like all others.",
         )?,
         one(
             "native-lagrange",
-            track::NATIVE,
+            Track::Native,
             2e-11,
             1.32,
             "84 coordinates and 57 multipliers; the same contact law and method.",
         )?,
         one(
             "rapier-shared-law",
-            track::SHARED_LAW,
+            Track::SharedLaw,
             2.1e-5,
             3.9,
             "Impulse joints and semi-implicit Euler raised to second order; forces of the shared law, held over a step.",
         )?,
         one(
             "rapier-own-contact-hook",
-            track::OWN_CONTACT,
+            Track::OwnContact,
             1.3e-4,
             5.2,
             "rapier resolves contact and friction; exact normals and depths are handed to it.",
         )?,
         one(
             "rapier-own-contact-colliders",
-            track::OWN_CONTACT,
+            Track::OwnContact,
             0.11,
             9.7,
             "Polyline wheels and rapier's own spring, which is linear: wave forms and peaks are not comparable, means are.",
@@ -117,7 +117,7 @@ fn participants() -> Result<Vec<Participant>, Box<dyn Error>> {
         .cost
         .notes
         .push("Stabilisation iterations 0.".to_owned());
-    let mut broken = one("mujoco-shared-law", track::SHARED_LAW, 0.02, 0.3, "")?;
+    let mut broken = one("mujoco-shared-law", Track::SharedLaw, 0.02, 0.3, "")?;
     broken.courses = courses(0.02, 1.0, 1200)?;
     broken.status = Status::Diverged {
         time_s: 0.12,

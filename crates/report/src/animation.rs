@@ -6,6 +6,7 @@
 use std::fmt::Write as _;
 
 use pinwheel_courses::{Courses, columns};
+use pinwheel_scene::{Gear, Scene};
 use serde::Serialize;
 
 use crate::ReportError;
@@ -31,49 +32,19 @@ const LEAST: f64 = 1e-3;
 /// Radians of a minute of arc.
 const ARCMIN: f64 = std::f64::consts::PI / (180.0 * 60.0);
 
-/// Dimensions that are drawn. Lengths in m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gear {
-    /// e
-    pub eccentricity_m: f64,
-    /// zk
-    pub external_sleeves: usize,
-    /// m
-    pub shortening: f64,
-    /// q
-    pub external_sleeve_radius_m: f64,
-    /// zi
-    pub internal_sleeves: usize,
-    /// Radius of an internal sleeve.
-    pub internal_sleeve_radius_m: f64,
-    /// Radius of the circle the internal sleeves sit on.
-    pub internal_circle_radius_m: f64,
-    /// Radius of a hole.
-    pub hole_radius_m: f64,
-    /// Wheels.
-    pub wheels: usize,
-    /// d
-    pub backlash_m: f64,
-    /// Speed of the input, rad/s.
-    pub input_speed_rad_s: f64,
+fn channels(gear: &Gear) -> usize {
+    3 + gear.wheels * (1 + gear.external_sleeves + gear.internal_sleeves)
 }
 
-impl Gear {
-    fn channels(&self) -> usize {
-        3 + self.wheels * (1 + self.external_sleeves + self.internal_sleeves)
-    }
-
-    /// How far apart samples should be, s, and how long a stretch fits into one page, s.
-    #[must_use]
-    pub fn sampling(&self) -> (f64, f64) {
-        let sleeve = std::f64::consts::TAU
-            / self.input_speed_rad_s.abs().max(1e-9)
-            / self.external_sleeves as f64;
-        // Vibration of the wheels on their contacts, about 1 kHz, must not be lost either.
-        let step = (sleeve / PER_SLEEVE).min(2e-4);
-        let samples = BUDGET / (2 * self.channels());
-        (step, step * samples.saturating_sub(1) as f64)
-    }
+/// How far apart samples of a scene should be, s, and how long a stretch fits into one page, s.
+#[must_use]
+pub fn sampling(scene: &Scene) -> (f64, f64) {
+    let turn = std::f64::consts::TAU / scene.drive.input_speed_rad_s.abs().max(1e-9);
+    let sleeve = turn / scene.gear.external_sleeves as f64;
+    // Vibration of the wheels on their contacts, about 1 kHz, must not be lost either.
+    let step = (sleeve / PER_SLEEVE).min(2e-4);
+    let samples = BUDGET / (2 * channels(&scene.gear));
+    (step, step * samples.saturating_sub(1) as f64)
 }
 
 /// One gearbox, ready to be drawn.
@@ -126,10 +97,11 @@ impl Animation {
     #[must_use]
     pub fn of(
         title: impl Into<String>,
-        gear: &Gear,
+        scene: &Scene,
         courses: &Courses,
         (from_s, to_s): (f64, f64),
     ) -> Option<Self> {
+        let gear = &scene.gear;
         let range = courses.window(from_s, to_s);
         let time = courses.time_s().get(range.clone())?;
         let (&start, &end) = (time.first()?, time.last()?);
@@ -173,7 +145,7 @@ impl Animation {
             .iter()
             .flat_map(|c| &c[later..])
             .copied()
-            .filter(|f| *f > 1e-6)
+            .filter(|f| *f > 0.0)
             .collect();
         loads.sort_by(f64::total_cmp);
         let full = loads.get(loads.len() * 99 / 100).copied().unwrap_or(1.0);
@@ -193,7 +165,7 @@ impl Animation {
                     wheels: gear.wheels,
                     d: mm(gear.backlash_m),
                 },
-                speed: gear.input_speed_rad_s,
+                speed: scene.drive.input_speed_rad_s,
                 from: start,
                 step: (end - start) / (time.len() - 1) as f64,
                 count: time.len(),
@@ -292,20 +264,11 @@ fn escape(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn gear() -> Gear {
-        Gear {
-            eccentricity_m: 0.0028,
-            external_sleeves: 3,
-            shortening: 0.7,
-            external_sleeve_radius_m: 0.006,
-            internal_sleeves: 2,
-            internal_sleeve_radius_m: 0.006,
-            internal_circle_radius_m: 0.038,
-            hole_radius_m: 0.0088,
-            wheels: 1,
-            backlash_m: 0.0,
-            input_speed_rad_s: 52.34,
-        }
+    fn scene() -> Scene {
+        let mut scene = Scene::paper();
+        let gear = &mut scene.gear;
+        (gear.external_sleeves, gear.internal_sleeves, gear.wheels) = (3, 2, 1);
+        scene
     }
 
     fn courses() -> Courses {
@@ -337,10 +300,10 @@ mod tests {
 
     #[test]
     fn a_window_is_packed_channel_by_channel() {
-        let made = Animation::of("a <gear>", &gear(), &courses(), (0.002, 0.006)).unwrap();
+        let made = Animation::of("a <gear>", &scene(), &courses(), (0.002, 0.006)).unwrap();
         assert_eq!(
             (made.view.count, made.view.channels),
-            (5, gear().channels())
+            (5, channels(&scene().gear))
         );
         // The first channel rises from 3 to 7 N m.
         let first = crate::packed::tests::Reader::new(&made.view.samples).column();
@@ -355,20 +318,21 @@ mod tests {
     #[test]
     fn without_the_channels_there_is_none() {
         let bare = Courses::new(vec![0.0, 1.0]).unwrap();
-        assert!(Animation::of("x", &gear(), &bare, (0.0, 1.0)).is_none());
-        assert!(Animation::of("x", &gear(), &courses(), (0.5, 1.0)).is_none());
+        assert!(Animation::of("x", &scene(), &bare, (0.0, 1.0)).is_none());
+        assert!(Animation::of("x", &scene(), &courses(), (0.5, 1.0)).is_none());
         assert_eq!(markup(&[], 0.0).unwrap(), "");
     }
 
     #[test]
     fn a_page_stays_small_for_any_gear() {
-        let mut large = gear();
-        (large.external_sleeves, large.internal_sleeves, large.wheels) = (60, 12, 4);
-        for gear in [gear(), large] {
-            let (step, stretch) = gear.sampling();
+        let mut large = scene();
+        let gear = &mut large.gear;
+        (gear.external_sleeves, gear.internal_sleeves, gear.wheels) = (60, 12, 4);
+        for scene in [scene(), large] {
+            let (step, stretch) = sampling(&scene);
             assert!(
                 step > 0.0
-                    && 2.0 * gear.channels() as f64 * (stretch / step) < 1.01 * BUDGET as f64
+                    && 2.0 * channels(&scene.gear) as f64 * (stretch / step) < 1.01 * BUDGET as f64
             );
         }
     }

@@ -8,7 +8,7 @@
 
 use pinwheel_compare::comparison::Comparison;
 use pinwheel_compare::validation::COVERAGE;
-use pinwheel_compare::{Outcome, Participant, Quantity, WindowKind, quantities, track};
+use pinwheel_compare::{Outcome, Participant, Quantity, Track, WindowKind, quantities};
 use serde::Serialize;
 
 use crate::colours;
@@ -50,7 +50,7 @@ enum Time {
 #[derive(Debug, Serialize)]
 struct Line {
     name: String,
-    track: String,
+    track: Track,
     /// Colour and dash.
     style: usize,
     /// Places of its samples among the times.
@@ -129,7 +129,7 @@ impl ChartData {
             .iter()
             .map(|d| Line {
                 name: d.participant.name.clone(),
-                track: d.participant.track.clone(),
+                track: d.participant.track,
                 style: style(&d.participant.name),
                 marks: 2 * d.places.len() < time_s.len(),
                 places: places(&d.places),
@@ -166,7 +166,7 @@ fn drawn<'a>(participants: &'a [Participant], notes: &mut Vec<String>) -> Vec<Dr
     list.sort_by_key(|(place, p)| {
         let finished = p.status.is_finished();
         let samples = usize::MAX - p.courses.len();
-        let native = p.track == track::NATIVE;
+        let native = p.track == Track::Native;
         (!finished, samples, !native, *place)
     });
     let Some(&(_, base)) = list.first() else {
@@ -321,7 +321,7 @@ fn places(at: &[usize]) -> Places {
 
 /// What to look at first: measured data against the first engine; else what differs, else the first quantity.
 fn first(comparison: &Comparison, engines: &[Line], quantities: &[ChartQuantity]) -> [usize; 3] {
-    let measured = engines.iter().position(|e| e.track == track::MEASURED);
+    let measured = engines.iter().position(|e| e.track == Track::Measured);
     if let Some(engine) = measured {
         let shown = quantities.iter().enumerate().find_map(|(q, quantity)| {
             let has = |c: &ChartChannel| c.engines.contains(&engine);
@@ -365,7 +365,7 @@ fn bands(comparison: &Comparison, engines: &[Line], quantity: &str) -> Vec<(usiz
 fn quantity(quantity: &Quantity, drawn: &[Drawn<'_>], plan: Plan) -> ChartQuantity {
     // What was measured is always there.
     let measured = |name: &String| {
-        let rig = |d: &&Drawn<'_>| d.participant.track == track::MEASURED;
+        let rig = |d: &&Drawn<'_>| d.participant.track == Track::Measured;
         let has = |d: &Drawn<'_>| d.participant.courses.channel(name).is_some();
         drawn.iter().filter(rig).any(has)
     };
@@ -526,7 +526,7 @@ mod tests {
         assert!(kept(&base, &none, 100_000).is_empty());
     }
 
-    fn engine(name: &str, track: &str, scale: f64, every: usize) -> Participant {
+    fn engine(name: &str, track: Track, scale: f64, every: usize) -> Participant {
         let time: Vec<f64> = (0..601).step_by(every).map(|k| k as f64 * 1e-3).collect();
         let of = |k: usize| move |t: &f64| scale * (2.0 + (90.0 * t + k as f64).sin());
         let mut courses = pinwheel_courses::Courses::new(time.clone()).unwrap();
@@ -538,7 +538,7 @@ mod tests {
         }
         Participant {
             name: name.to_owned(),
-            track: track.to_owned(),
+            track,
             version: String::new(),
             summary: String::new(),
             differences: String::new(),
@@ -550,7 +550,7 @@ mod tests {
 
     #[test]
     fn courses_can_be_read_back() {
-        let mut rig = engine("rig", track::MEASURED, 1.02, 1);
+        let mut rig = engine("rig", Track::Measured, 1.02, 1);
         let mut gapped = rig.courses.clone();
         let late = pinwheel_courses::Courses::new(gapped.time_s().to_vec()).unwrap();
         let whole = std::mem::replace(&mut gapped, late);
@@ -560,13 +560,13 @@ mod tests {
             gapped.push(channel.name.clone(), values).unwrap();
         }
         rig.courses = gapped;
-        let mut recorded = engine("mujoco-own-contact", track::OWN_CONTACT, 1.01, 10);
+        let mut recorded = engine("mujoco-own-contact", Track::OwnContact, 1.01, 10);
         recorded.cost.recorded = Some("recorded".to_owned());
         let participants = [
             rig,
             recorded,
-            engine("native-reduced", track::NATIVE, 1.0, 1),
-            engine("rapier-shared-law", track::SHARED_LAW, 1.0 + 1e-6, 1),
+            engine("native-reduced", Track::Native, 1.0, 1),
+            engine("rapier-shared-law", Track::SharedLaw, 1.0 + 1e-6, 1),
         ];
         let context = pinwheel_compare::Context {
             duration_s: 0.6,

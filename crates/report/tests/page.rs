@@ -1,7 +1,7 @@
 //! The page as a whole: it says what was compared, loads nothing, and no scene can break out of it.
 
 use pinwheel_compare::limits::TABLE;
-use pinwheel_compare::{Comparison, Context, Cost, Participant, Status, compare, track};
+use pinwheel_compare::{Comparison, Context, Cost, Participant, Status, Track, compare};
 use pinwheel_courses::Courses;
 use pinwheel_report::{Fact, ReportError, ReportInput, render};
 
@@ -46,10 +46,10 @@ fn rough(channels: usize, samples: u32) -> Courses {
     rough
 }
 
-fn participant(name: &str, track: &str, scale: f64) -> Participant {
+fn participant(name: &str, track: Track, scale: f64) -> Participant {
     Participant {
         name: name.to_owned(),
-        track: track.to_owned(),
+        track,
         version: "1.2.3".to_owned(),
         summary: "A summary.".to_owned(),
         differences: "A difference.".to_owned(),
@@ -98,8 +98,8 @@ fn page(participants: &[Participant]) -> String {
 
 fn two(scale: f64) -> [Participant; 2] {
     [
-        participant("native-reduced", track::NATIVE, 1.0),
-        participant("rapier-shared-law", track::SHARED_LAW, scale),
+        participant("native-reduced", Track::Native, 1.0),
+        participant("rapier-shared-law", Track::SharedLaw, scale),
     ]
 }
 
@@ -136,6 +136,34 @@ fn banner_follows_the_verdict() {
     assert!(page.contains("diverged at t = 0.250000 s: wheel angle"));
 }
 
+/// What an engine gave before it diverged feeds no headline, whatever numbers it left.
+#[test]
+fn a_diverged_engine_feeds_no_headline() {
+    let mut broken = two(1.0);
+    broken[1].status = Status::Diverged {
+        time_s: 0.25,
+        quantity: "wheel angle".to_owned(),
+    };
+    let mut comparison = compare(&context("paper"), &broken, TABLE).unwrap();
+    let mut figures = comparison.engines[0].figures.clone();
+    figures[0].efficiency = Some(-3.5e12);
+    for statistics in figures[0].quantities.values_mut() {
+        statistics.mean = -7.125e9;
+        statistics.max = -7.125e9;
+    }
+    comparison.engines[0].figures[0].efficiency = Some(0.925);
+    comparison.engines[1].figures = figures;
+    let page = page_of(&comparison, &broken).unwrap();
+    let start = page.find("<div class=\"tiles\">").unwrap();
+    let tiles = &page[start..start + page[start..].find("</section>").unwrap()];
+    assert!(tiles.contains("92.500"), "{tiles}");
+    assert!(
+        !tiles.contains("3.5") && !tiles.contains("7.125"),
+        "{tiles}"
+    );
+    assert!(tiles.contains("one engine"), "{tiles}");
+}
+
 #[test]
 fn loads_nothing() {
     let page = page(&two(1.0));
@@ -170,11 +198,11 @@ fn nothing_breaks_out() {
     participants[1].summary = HOSTILE.to_owned();
     participants[1].cost.settings = HOSTILE.to_owned();
     participants[1].cost.notes = vec![HOSTILE.to_owned()];
-    let mut lost = participant("lost", HOSTILE, 1.0);
+    let mut lost = participant("lost", Track::SharedLaw, 1.0);
     lost.status = Status::Failed {
         reason: HOSTILE.to_owned(),
     };
-    let mut other = participant("other", HOSTILE, 1.0);
+    let mut other = participant("other", Track::OwnContact, 1.0);
     other.courses.push(HOSTILE, vec![1.0; 601]).unwrap();
     let participants = [participants.to_vec(), vec![lost, other]].concat();
     let mut context = context(HOSTILE);
@@ -202,7 +230,7 @@ fn many_sleeves_stay_below_two_megabytes() {
 
 #[test]
 fn nobody_finished() {
-    let mut lost = participant("lost", track::NATIVE, 1.0);
+    let mut lost = participant("lost", Track::Native, 1.0);
     lost.status = Status::Unsupported {
         reason: "no friction".to_owned(),
     };

@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 use pinwheel_contact::laws::{LAWS, LawInfo};
 use toml::Value;
 
-use crate::check::short;
 use crate::checked::{CheckedScene, Origin, Source};
 use crate::keys::{Key, key};
 use crate::model::{Detection, Formulation, FrictionLaw, Gear, Scene};
+use crate::number::short;
 
 /// A value that had to be assumed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -55,6 +55,16 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
             "contact.friction_coefficient",
             format!("{}", scene.contact.friction_coefficient),
             "the paper's Eq. 21 has a friction coefficient but no value for it; 0 leaves the sleeves' spin out of play, 0.1 is usual for oiled steel",
+        );
+    }
+    for (key, half) in &scene.uncertain {
+        let unit = crate::keys::key(key).map_or("", Key::unit);
+        add(
+            key,
+            format!("+- {} {unit}", short(half.plus_minus))
+                .trim_end()
+                .to_owned(),
+            "stated as uncertain: counts where the scene is compared with measured data",
         );
     }
     let default = Scene::paper().mass;

@@ -8,8 +8,8 @@ use toml::{Table, Value};
 
 use crate::check;
 use crate::error::Fault;
-use crate::fill::lookup;
 use crate::model::Scene;
+use crate::table::lookup;
 
 /// A scene that passed [`Scene::check`]. It reads like the [`Scene`] inside and cannot be changed but through
 /// [`changed`](Self::changed), which checks again.

@@ -1,11 +1,13 @@
 //! What follows from a scene by closed forms: sizes, curvatures, frequencies, expected loads.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use serde::Serialize;
 
 use super::model::{Gear, Scene};
 use super::profile::Profile;
+use crate::body::bore_radius_m;
+use crate::check::hole_to_profile_m;
 use crate::{load_course, scales};
 
 /// Figures that follow from a checked scene without a run. SI units.
@@ -25,6 +27,8 @@ pub struct Derived {
     pub smallest_convex_radius_m: f64,
     /// Largest and smallest distance of the profile from the wheel centre, m.
     pub profile_radii_m: [f64; 2],
+    /// What is left of the material between holes, profile and pins.
+    pub walls: Walls,
     /// Play of a sleeve in its hole beyond the orbit: hole - sleeve - e, m.
     pub hole_clearance_m: f64,
     /// How far a wheel turns freely to one side because of the backlash, rad:
@@ -43,6 +47,38 @@ pub struct Derived {
     pub external_ripple_in_phase: bool,
     /// Whether the wheels' ripples at the internal sleeves coincide.
     pub internal_ripple_in_phase: bool,
+}
+
+/// Thinnest places, m.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Walls {
+    /// Of a wheel, between a hole and the profile.
+    pub hole_to_profile_m: f64,
+    /// Of a wheel, between neighbouring holes.
+    pub hole_to_hole_m: f64,
+    /// Of a wheel, between a hole and the bore that masses are computed with: 0.6 (circle - hole).
+    pub hole_to_bore_m: f64,
+    /// Gap between neighbouring external sleeves.
+    pub sleeve_to_sleeve_m: f64,
+}
+
+impl Walls {
+    fn of(gear: &Gear) -> Self {
+        let apart = |circle: f64, count: usize, radius: f64| {
+            2.0 * (circle * (PI / count as f64).sin() - radius)
+        };
+        let (circle, hole) = (gear.internal_circle_radius_m, gear.hole_radius_m);
+        Self {
+            hole_to_profile_m: hole_to_profile_m(gear),
+            hole_to_hole_m: apart(circle, gear.internal_sleeves, hole),
+            hole_to_bore_m: circle - hole - bore_radius_m(gear),
+            sleeve_to_sleeve_m: apart(
+                gear.pitch_radius_m() + gear.backlash_m,
+                gear.external_sleeves,
+                gear.external_sleeve_radius_m,
+            ),
+        }
+    }
 }
 
 /// One predicted frequency.
@@ -89,6 +125,7 @@ pub fn derived(scene: &Scene) -> Derived {
         pit_curvature_radius_m: 1.0 / curve.curvature(-1.0) - q,
         smallest_convex_radius_m: curve.smallest_convex_radius(),
         profile_radii_m: [gear.pitch_radius_m() + e - q, curve.pit_radius()],
+        walls: Walls::of(gear),
         hole_clearance_m: hole_clearance(gear),
         free_play_rad: scales::free_play(gear),
         ideal_input_torque_n_m: load_course::final_load(scene) / zs,

@@ -4,7 +4,7 @@
 //! a field of the model ([`crate::Scene`]), a row here, and whatever uses it. Rows stand in the order in which what is
 //! left out is filled in: a formula may use any row above its own.
 
-use crate::fill::{self, Given};
+use crate::formulas::{self, Given};
 use crate::names;
 
 /// What a key holds.
@@ -27,8 +27,6 @@ pub enum Kind {
 /// The allowed interval of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
-    /// low < x <= high
-    Above(f64, f64),
     /// low <= x <= high
     From(f64, f64),
     /// low < x < high
@@ -67,16 +65,14 @@ impl Range {
     // Negated comparisons would let NaN pass; these do not.
     pub(crate) fn holds(self, x: f64) -> bool {
         match self {
-            Self::Above(low, high) => x > low && x <= high,
             Self::From(low, high) => x >= low && x <= high,
             Self::Between(low, high) => x > low && x < high,
         }
     }
 
     pub(crate) fn words(self) -> String {
-        use crate::check::short;
+        use crate::number::short;
         match self {
-            Self::Above(low, high) => format!("above {} and at most {}", short(low), short(high)),
             Self::From(low, high) => format!("from {} to {}", short(low), short(high)),
             Self::Between(low, high) => format!("between {} and {}", short(low), short(high)),
         }
@@ -119,7 +115,7 @@ pub fn key(name: &str) -> Option<&'static Key> {
 
 use Kind::{Choice, Count, Number, Tables, Text, Texts};
 use Otherwise::{Follows, Nothing, Required, Usual};
-use Range::{Above, Between, From};
+use Range::{Between, From};
 
 const METRES: &str = "lengths are in metres: 6 mm is 0.006";
 const KILOGRAMS: &str = "masses are in kilograms: 48 g is 0.048";
@@ -156,12 +152,12 @@ pub const KEYS: &[Key] = keys! {
     "gear.eccentricity_m" Number(From(1e-7, 1.0)), Required, "e", METRES;
     "gear.external_sleeves" Count(3, 1000), Required, "zk: sleeves on the housing; a wheel has one lobe less", "a wheel has one lobe less and needs at least two; above 1000 no real gear exists and memory would grow without use";
     "gear.pin_circle_radius_m" LENGTH, Nothing, "R: circle of the external sleeves without backlash; instead of gear.shortening", METRES;
-    "gear.shortening" Number(Between(0.0, 1.0)), Follows(fill::shortening, "e zk/R with R = gear.pin_circle_radius_m"), "m: shortening coefficient e zk/R", "it is e zk/R, usually 0.5 to 0.9; at 1 and above the wheel's profile crosses itself";
+    "gear.shortening" Number(Between(1e-3, 1.0)), Follows(formulas::shortening, "e zk/R with R = gear.pin_circle_radius_m"), "m: shortening coefficient e zk/R", "it is e zk/R, usually 0.5 to 0.9; at 1 and above the wheel's profile crosses itself";
     "gear.external_sleeve_radius_m" LENGTH, Required, "q: radius of an external sleeve", METRES;
     "gear.internal_sleeves" Count(3, 1000), Required, "zi: sleeves on the output shaft", "fewer than three cannot hold the output shaft, more than 1000 no real gear has";
     "gear.internal_sleeve_radius_m" LENGTH, Required, "radius of an internal sleeve", METRES;
     "gear.internal_circle_radius_m" LENGTH, Required, "circle the internal sleeves sit on", METRES;
-    "gear.hole_radius_m" LENGTH, Follows(fill::hole_radius, "gear.internal_sleeve_radius_m + gear.eccentricity_m: a hole without clearance"), "radius of a wheel's hole", METRES;
+    "gear.hole_radius_m" LENGTH, Follows(formulas::hole_radius, "gear.internal_sleeve_radius_m + gear.eccentricity_m: a hole without clearance"), "radius of a wheel's hole", METRES;
     "gear.wheels" Count(1, 64), Required, "wheels, evenly phased on the eccentric", "most gears have one to three wheels; every wheel meets every sleeve, so memory and time grow with it";
     "gear.backlash_m" Number(From(0.0, 1.0)), Usual("0.0", "no backlash"), "d: external sleeves sit at R + d", METRES;
     "gear.face_width_m" LENGTH, Nothing, "thickness of a wheel; for masses that are left out", METRES;
@@ -175,40 +171,40 @@ pub const KEYS: &[Key] = keys! {
     "contact.law" Choice("contact law", names::laws), Usual("\"paper-conservative\"", "Hertz with its part along the profile, which creates no energy"), "normal law", "see `pinwheel laws`";
     "contact.young_pa" Number(From(1e5, 1e13)), Usual("2.1e11", "steel"), "E of both bodies", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
     "contact.poisson" Number(Between(-1.0, 0.5)), Usual("0.3", "steel"), "Poisson's ratio of both bodies", "steel has 0.3; outside these bounds no isotropic material is stable";
-    "contact.stiffness_multiplier" Number(Above(0.0, 1e6)), Usual("1.0", "the full stiffness after Hertz"), "H: factor on the stiffness after Hertz", "1 is the Hertzian stiffness, the paper uses 0.01";
+    "contact.stiffness_multiplier" Number(From(1e-9, 1e6)), Usual("1.0", "the full stiffness after Hertz"), "H: factor on the stiffness after Hertz", "1 is the Hertzian stiffness, the paper uses 0.01";
 
     "mass.density_kg_m3" Number(From(1.0, 1e5)), Nothing, "density of all bodies; for masses that are left out", "densities are in kg/m^3: steel has 7850";
-    "mass.input_shaft.mass_kg" MASS, Follows(fill::input_shaft_mass, "a cylinder through the bores, as long as all wheels, bores of 0.6 (internal circle - hole radius)"), "mass of the driven shaft with its eccentrics", KILOGRAMS;
-    "mass.input_shaft.moment_kg_m2" MOMENT, Follows(fill::input_shaft_moment, "mass times radius^2/2 of that cylinder"), "moment of inertia of the driven shaft", MOMENTS;
-    "mass.output_shaft.mass_kg" MASS, Follows(fill::output_shaft_mass, "a disc out to the internal sleeves' edge, as thick as a wheel"), "mass of the loaded shaft without its sleeves", KILOGRAMS;
-    "mass.output_shaft.moment_kg_m2" MOMENT, Follows(fill::output_shaft_moment, "mass times radius^2/2 of that disc"), "moment of inertia of the loaded shaft", MOMENTS;
-    "mass.wheel.mass_kg" MASS, Follows(fill::wheel_mass, "density times face width times the area inside the profile less holes and bore"), "mass of one wheel", KILOGRAMS;
-    "mass.wheel.moment_kg_m2" MOMENT, Follows(fill::wheel_moment, "mass times the radius of gyration^2 of that area"), "moment of inertia of one wheel about its centre", MOMENTS;
-    "mass.internal_sleeve.mass_kg" MASS, Follows(fill::internal_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a sleeve on the output shaft", KILOGRAMS;
-    "mass.internal_sleeve.moment_kg_m2" MOMENT, Follows(fill::internal_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a sleeve on the output shaft", MOMENTS;
-    "mass.external_sleeve.mass_kg" MASS, Follows(fill::external_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a sleeve on the housing", KILOGRAMS;
-    "mass.external_sleeve.moment_kg_m2" MOMENT, Follows(fill::external_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a sleeve on the housing", MOMENTS;
+    "mass.input_shaft.mass_kg" MASS, Follows(formulas::input_shaft_mass, "a cylinder through the bores, as long as all wheels, bores of 0.6 (internal circle - hole radius)"), "mass of the driven shaft with its eccentrics", KILOGRAMS;
+    "mass.input_shaft.moment_kg_m2" MOMENT, Follows(formulas::input_shaft_moment, "mass times radius^2/2 of that cylinder"), "moment of inertia of the driven shaft", MOMENTS;
+    "mass.output_shaft.mass_kg" MASS, Follows(formulas::output_shaft_mass, "a disc out to the internal sleeves' edge, as thick as a wheel"), "mass of the loaded shaft without its sleeves", KILOGRAMS;
+    "mass.output_shaft.moment_kg_m2" MOMENT, Follows(formulas::output_shaft_moment, "mass times radius^2/2 of that disc"), "moment of inertia of the loaded shaft", MOMENTS;
+    "mass.wheel.mass_kg" MASS, Follows(formulas::wheel_mass, "density times face width times the area inside the profile less holes and bore"), "mass of one wheel", KILOGRAMS;
+    "mass.wheel.moment_kg_m2" MOMENT, Follows(formulas::wheel_moment, "mass times the radius of gyration^2 of that area"), "moment of inertia of one wheel about its centre", MOMENTS;
+    "mass.internal_sleeve.mass_kg" MASS, Follows(formulas::internal_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a sleeve on the output shaft", KILOGRAMS;
+    "mass.internal_sleeve.moment_kg_m2" MOMENT, Follows(formulas::internal_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a sleeve on the output shaft", MOMENTS;
+    "mass.external_sleeve.mass_kg" MASS, Follows(formulas::external_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a sleeve on the housing", KILOGRAMS;
+    "mass.external_sleeve.moment_kg_m2" MOMENT, Follows(formulas::external_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a sleeve on the housing", MOMENTS;
 
-    "contact.damping_n_s_m" Number(From(0.0, 1e9)), Follows(fill::damping, "5 % of critical damping of the fastest mode under the largest static load; gear meshes have 3 to 17 %"), "C: damping of a contact", "the paper uses 8; negative damping would feed energy in";
-    "contact.ramp_m" Number(Above(0.0, 1e-2)), Follows(fill::ramp, "a tenth of the penetration under the largest static load"), "penetration at which S reaches 1", "the paper uses 1e-5, the penetration at which the force is fully on";
+    "contact.damping_n_s_m" Number(From(0.0, 1e9)), Follows(formulas::damping, "5 % of critical damping of the fastest mode under the largest static load; gear meshes have 3 to 17 %"), "C: damping of a contact", "the paper uses 8; negative damping would feed energy in";
+    "contact.ramp_m" Number(From(1e-15, 1e-2)), Follows(formulas::ramp, "a tenth of the penetration under the largest static load"), "penetration at which S reaches 1", "the paper uses 1e-5, the penetration at which the force is fully on";
     "contact.friction_coefficient" Number(From(0.0, 10.0)), Usual("0.0", "no friction"), "mu; 0: no friction", "0 switches friction off; dry steel has 0.1 to 0.2";
-    "contact.friction_ramp_m_s" Number(Above(0.0, 1e3)), Follows(fill::friction_ramp, "a thousandth of omega e"), "sliding speed at which friction reaches mu F_n", "the paper uses 5e-5, the sliding speed at which friction is fully on";
+    "contact.friction_ramp_m_s" Number(From(1e-18, 1e3)), Follows(formulas::friction_ramp, "a thousandth of omega e"), "sliding speed at which friction reaches mu F_n", "the paper uses 5e-5, the sliding speed at which friction is fully on";
     "contact.friction_law" Choice("friction law", names::friction_laws), Usual("\"regularised\"", "Coulomb with a linear ramp"), "form of the friction", "\"regularised\" or \"adams\"";
     "contact.friction_dynamic_coefficient" Number(From(0.0, 10.0)), Usual("0.0", "used by the friction law adams only"), "mu_d of the friction law adams", "the coefficient of fast sliding, at most contact.friction_coefficient";
-    "contact.friction_dynamic_speed_m_s" Number(Above(0.0, 1e3)), Follows(fill::friction_dynamic_speed, "20 times contact.friction_ramp_m_s; used by the friction law adams only"), "sliding speed from which mu_d holds", "the sliding speed from which the dynamic coefficient holds";
-    "contact.constant_stiffness_n_m15" Number(Above(0.0, 1e15)), Follows(fill::constant_stiffness, "after Hertz, of an external sleeve on a flat; used by laws of one stiffness only"), "K of laws with one stiffness for all contacts", "the paper's contacts have 5e7 to 2e8 N/m^1.5";
-    "contact.restitution" Number(Above(0.0, 1.0)), Usual("0.9", "used by the hysteresis laws only"), "c of the hysteresis laws", "the share of the impact speed that is left after an impact, 1 without loss";
+    "contact.friction_dynamic_speed_m_s" Number(From(1e-18, 1e3)), Follows(formulas::friction_dynamic_speed, "20 times contact.friction_ramp_m_s; used by the friction law adams only"), "sliding speed from which mu_d holds", "the sliding speed from which the dynamic coefficient holds";
+    "contact.constant_stiffness_n_m15" Number(From(1e-6, 1e15)), Follows(formulas::constant_stiffness, "after Hertz, of an external sleeve on a flat; used by laws of one stiffness only"), "K of laws with one stiffness for all contacts", "the paper's contacts have 5e7 to 2e8 N/m^1.5";
+    "contact.restitution" Number(From(1e-3, 1.0)), Usual("0.9", "used by the hysteresis laws only"), "c of the hysteresis laws", "the share of the impact speed that is left after an impact, 1 without loss";
     "contact.impact_speed_m_s" Number(From(1e-9, 1e3)), Usual("0.01", "used by the hysteresis laws only"), "speed of an impact with that restitution", "the impact speed at which the restitution holds; 0.01 is usual in a gearbox";
-    "contact.line_length_m" Number(From(1e-6, 10.0)), Follows(fill::face_width, "the face width, or 0.15 R; used by the law line-contact only"), "length of a line contact", METRES;
+    "contact.line_length_m" Number(From(1e-6, 10.0)), Follows(formulas::face_width, "the face width, or 0.15 R; used by the law line-contact only"), "length of a line contact", METRES;
     "contact.detection" Choice("detection", names::detections), Usual("\"exact\"", "the closest point of the curve"), "how the contact point is found", "\"exact\" or \"points\"";
-    "contact.wheel_points" Count(24, 1_000_000), Follows(fill::wheel_points, "100 a lobe, at least 4000; used by detection points only"), "points on a wheel's profile", "the paper uses 600 and 4000; more than a million costs memory and gains nothing over detection = \"exact\"";
+    "contact.wheel_points" Count(24, 1_000_000), Follows(formulas::wheel_points, "100 a lobe, at least 4000; used by detection points only"), "points on a wheel's profile", "the paper uses 600 and 4000; more than a million costs memory and gains nothing over detection = \"exact\"";
     "contact.hole_points" Count(8, 1_000_000), Usual("100", "used by detection points only"), "points on a hole", "the paper uses 20 to 100; more than a million costs memory and gains nothing over detection = \"exact\"";
 
     "solver.formulation" Choice("formulation", names::formulations), Usual("\"reduced\"", "centre-pinned bodies eliminated exactly"), "which equations are integrated", "\"reduced\" or \"lagrange\"";
     "solver.integrator" Choice("integrator", names::integrators), Usual("\"auto\"", "the method that the scene's forces ask for"), "name of the integrator", "\"auto\" takes the method that the scene asks for";
-    "solver.duration_s" Number(From(1e-9, 1e5)), Follows(fill::duration, "until the start-up has died away and two turns of the input more; 3 to 10 turns"), "end time", SECONDS;
-    "solver.sample_s" Number(From(1e-12, 1e5)), Follows(fill::sample, "40 a mesh period and 4 a period of the fastest mode, at most 20000 in all"), "samples stand this far apart", SECONDS;
-    "solver.step_s" Number(From(1e-12, 1.0)), Follows(fill::step, "about 50 a period of the fastest mode under the largest static load"), "step of fixed-step methods", SECONDS;
+    "solver.duration_s" Number(From(1e-9, 1e5)), Follows(formulas::duration, "until the start-up has died away and two turns of the input more; 3 to 10 turns"), "end time", SECONDS;
+    "solver.sample_s" Number(From(1e-12, 1e5)), Follows(formulas::sample, "40 a mesh period and 4 a period of the fastest mode, at most 20000 in all"), "samples stand this far apart", SECONDS;
+    "solver.step_s" Number(From(1e-12, 1.0)), Follows(formulas::step, "about 50 a period of the fastest mode under the largest static load"), "step of fixed-step methods", SECONDS;
     "solver.tolerance" Number(Between(1e-14, 1e-1)), Usual("1e-6", "relative error a step of adaptive methods"), "relative error a step of adaptive methods", "1e-6 is a good start; below 1e-14 there are no digits left";
     "solver.stabilisation" Choice("stabilisation", names::stabilisations), Usual("\"projection\"", "of the Lagrange form"), "how the Lagrange form keeps its constraints", "\"projection\", \"baumgarte\" or \"none\"";
 

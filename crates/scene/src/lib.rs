@@ -10,6 +10,7 @@
 //! * [`keys`]: one row a key: what it may hold, what it means, what stands for it where it is left out.
 //! * [`CheckedScene`]: the only door to building and running; [`CheckedScene::origins`] says which values nobody wrote.
 //! * [`Scales`]: sizes and frequencies that follow from a scene, by which steps and tolerances are chosen.
+//! * [`catalogue`]: from a data sheet to a scene, with suggestions for what it leaves out.
 //! * [`load_course`], [`channels`], [`schema`]: the load over time, columns on request, the JSON schema for editors.
 //!
 //! # A gear in ten lines
@@ -32,12 +33,14 @@
 
 mod assumptions;
 mod body;
+pub mod catalogue;
 pub mod channels;
 mod check;
 mod checked;
 mod derived;
 mod error;
 mod fill;
+mod formulas;
 mod json;
 pub mod keys;
 mod layout;
@@ -45,27 +48,33 @@ mod load;
 pub mod load_course;
 mod model;
 pub mod names;
+mod number;
 mod parse;
 mod presets;
 mod profile;
 pub mod scales;
 pub mod schema;
 mod suggest;
+mod table;
 #[cfg(test)]
 mod tests;
+mod uncertain;
 
 pub use assumptions::{Assumption, assumptions};
+pub use catalogue::Catalogue;
 pub use checked::{CheckedScene, Origin, Source};
-pub use derived::{Derived, Frequency, derived};
+pub use derived::{Derived, Frequency, Walls, derived};
 pub use error::{Fault, Place, SceneError};
 pub use json::JOB_PROTOCOL;
 pub use keys::{KEYS, Key};
 pub use layout::{Layout, Sleeve};
+pub use load::MOST_BYTES;
 pub use model::{
     BodyMass, Contact, Detection, Drive, Formulation, FrictionLaw, Gear, LoadChange, Masses,
     Output, Scene, Solver, Stabilisation, Start,
 };
-pub use parse::{MOST_BYTES, Override};
+pub use parse::Override;
 pub use presets::{PRESETS, Preset, preset};
 pub use scales::{Scales, free_play};
 pub use suggest::{did_you_mean, nearest};
+pub use uncertain::PlusMinus;

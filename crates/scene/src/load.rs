@@ -1,33 +1,18 @@
-//! Finding a scene: a preset by its bare name, or a file.
+//! The text of a scene file.
 
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
-use super::checked::CheckedScene;
-use super::error::SceneError;
-use super::model::Scene;
-use super::parse::{MOST_BYTES, Override, line_of};
-use super::presets::{PRESETS, preset};
-use super::suggest::nearest;
+use crate::error::SceneError;
+use crate::presets::PRESETS;
+use crate::suggest::nearest;
 
-impl Scene {
-    /// Loads `spec`, the bare name of a preset (`paper`) or the path of a scene file, applies the
-    /// overrides and checks the result.
-    ///
-    /// # Errors
-    /// The first fault found, on one line with its remedy.
-    pub fn load(spec: &str, overrides: &[Override]) -> Result<CheckedScene, SceneError> {
-        if let Some(text) = preset(spec) {
-            return Self::from_toml(text, spec, overrides);
-        }
-        let text = read(spec)?;
-        Self::from_toml(&text, spec, overrides)
-    }
-}
+/// Bytes of a scene file at most; a full one with comments has about 5000.
+pub const MOST_BYTES: usize = 1 << 20;
 
 /// The text of a scene file.
-pub(super) fn read(spec: &str) -> Result<String, SceneError> {
+pub(crate) fn read(spec: &str) -> Result<String, SceneError> {
     let path = Path::new(spec);
     let unreadable = |source| SceneError::Unreadable {
         path: path.to_owned(),
@@ -75,4 +60,13 @@ fn not_found(spec: &str) -> SceneError {
         spec: spec.to_owned(),
         remedy,
     }
+}
+
+/// Line number of a byte offset, the first being 1.
+pub(crate) fn line_of(text: &str, offset: usize) -> usize {
+    let offset = offset.min(text.len());
+    1 + text.as_bytes()[..offset]
+        .iter()
+        .filter(|&&byte| byte == b'\n')
+        .count()
 }

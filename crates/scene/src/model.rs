@@ -2,9 +2,12 @@
 //!
 //! Every unit is in the key's name. What a file leaves out comes from its base or is filled in ([`crate::keys`]).
 
+use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
+
+use crate::uncertain::PlusMinus;
 
 /// A complete scene. SI units; angles counter-clockwise; see the field groups.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,6 +31,9 @@ pub struct Scene {
     /// What is recorded beyond the contract's columns.
     #[serde(default, skip_serializing_if = "Output::is_default")]
     pub output: Output,
+    /// How well values are known, by key: for comparisons with measured data.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub uncertain: BTreeMap<String, PlusMinus>,
 }
 
 /// Geometry (Tab. 1 and Fig. 3 of the paper).

@@ -14,15 +14,15 @@ use toml_edit::{Document, Item, TableLike};
 use crate::check;
 use crate::checked::{CheckedScene, Origin, Source};
 use crate::error::{Fault, Place, SceneError, quoted};
-use crate::fill::lookup;
+use crate::fill::{Gap, fill};
 use crate::json;
 use crate::keys::{KEYS, Key, Kind, Otherwise};
-use crate::load;
+use crate::load::{self, MOST_BYTES, line_of};
 use crate::model::Scene;
+use crate::presets::preset;
 use crate::suggest::nearest;
-
-/// Bytes of a scene file at most; a full one with comments has about 5000.
-pub const MOST_BYTES: usize = 1 << 20;
+use crate::table::{insert, lookup, usual};
+use crate::uncertain::{EXAMPLE, UNCERTAIN};
 
 /// One `--set key=value`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -73,7 +73,21 @@ impl FromStr for Override {
 }
 
 impl Scene {
-    /// Reads a scene from TOML text (or JSON, which begins with a brace: a scene, or a job file that holds one), applies the overrides in their order, fills in what is left out, and checks the
+    /// Loads `spec`, the bare name of a preset (`paper`) or the path of a scene file, applies the
+    /// overrides and checks the result.
+    ///
+    /// # Errors
+    /// The first fault found, on one line with its remedy.
+    pub fn load(spec: &str, overrides: &[Override]) -> Result<CheckedScene, SceneError> {
+        if let Some(text) = preset(spec) {
+            return Self::from_toml(text, spec, overrides);
+        }
+        let text = load::read(spec)?;
+        Self::from_toml(&text, spec, overrides)
+    }
+
+    /// Reads a scene from TOML text (or JSON, which begins with a brace: a scene, or a job file that holds one), applies
+    /// the overrides in their order, fills in what is left out, and checks the
     /// result.
     ///
     /// `source_name` is the file's or preset's name for messages, and where a `base` is looked for beside it. A scene
@@ -159,6 +173,8 @@ impl<'a> Layers<'a> {
             syntax(line, "TOML", error.message())
         })?;
         let mut root = document.as_table().clone();
+        // Counted once: a file may have many values on many lines.
+        let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
         let place_at = |offset: usize| {
             let source = source.to_owned();
             if is_json {
@@ -167,7 +183,7 @@ impl<'a> Layers<'a> {
             }
             Place::Line {
                 source,
-                line: line_of(text, offset),
+                line: 1 + ends.partition_point(|&end| end < offset),
             }
         };
         let base = root.remove(BASE);
@@ -274,6 +290,10 @@ impl<'a> Layers<'a> {
         for (name, item) in from.iter() {
             let key = format!("{prefix}{name}");
             let place = place_at(start(from, name, item));
+            if key == UNCERTAIN {
+                self.uncertain("", item, &place, place_at)?;
+                continue;
+            }
             if let Some(row) = crate::keys::key(&key) {
                 let value = self.value(row, &key, item, &place, place_at)?;
                 insert(&mut self.table, &row.path(), value);
@@ -295,6 +315,63 @@ impl<'a> Layers<'a> {
                 });
             };
             self.overlay(&inner, table, place_at)?;
+        }
+        Ok(())
+    }
+
+    /// Half-widths of intervals, each in a table at the place of its key below `[uncertain]`.
+    fn uncertain(
+        &mut self,
+        prefix: &str,
+        item: &Item,
+        place: &Place,
+        place_at: &dyn Fn(usize) -> Place,
+    ) -> Result<(), SceneError> {
+        let fault = |key: &str, place: &Place, what: String, remedy: &str| SceneError::Key {
+            place: place.clone(),
+            key: format!("{UNCERTAIN}{}{key}", if key.is_empty() { "" } else { "." }),
+            what,
+            remedy: remedy.to_owned(),
+        };
+        let Some(table) = item.as_table_like() else {
+            let what = format!("is {}, but must be a table", kind(item));
+            return Err(fault(prefix.trim_end_matches('.'), place, what, EXAMPLE));
+        };
+        for (name, item) in table.iter() {
+            let key = format!("{prefix}{name}");
+            let place = place_at(start(table, name, item));
+            if crate::keys::key(&key).is_none() {
+                let inner = format!("{key}.");
+                if KEYS.iter().any(|row| row.name.starts_with(&inner)) {
+                    self.uncertain(&inner, item, &place, place_at)?;
+                    continue;
+                }
+                let known: Vec<&str> = KEYS.iter().map(|row| row.name).collect();
+                let remedy = crate::did_you_mean(&key, &known);
+                return Err(fault(
+                    &key,
+                    &place,
+                    "is no key of a scene".to_owned(),
+                    &remedy,
+                ));
+            }
+            let stated = item.as_table_like().filter(|inner| inner.len() == 1);
+            let number = stated
+                .and_then(|inner| inner.get("plus_minus"))
+                .and_then(|half| {
+                    half.as_float()
+                        .or_else(|| half.as_integer().map(|whole| whole as f64))
+                });
+            let Some(number) = number else {
+                let what = "says not by how much".to_owned();
+                return Err(fault(&key, &place, what, EXAMPLE));
+            };
+            insert(
+                &mut self.table,
+                &[UNCERTAIN, &key, "plus_minus"],
+                Value::Float(number),
+            );
+            self.places.insert(format!("{UNCERTAIN}.{key}"), place);
         }
         Ok(())
     }
@@ -391,9 +468,9 @@ impl<'a> Layers<'a> {
             name.or_insert_with(|| Value::String(stem.to_owned()));
         }
         check::ranges(&self.table).map_err(|fault| located(fault, &self.places))?;
-        let filled = crate::fill::fill(&mut self.table).map_err(|fault| match fault {
-            crate::fill::Gap::Fault(fault) => located(fault, &self.places),
-            crate::fill::Gap::Missing(keys) => SceneError::Missing {
+        let filled = fill(&mut self.table).map_err(|fault| match fault {
+            Gap::Fault(fault) => located(fault, &self.places),
+            Gap::Missing(keys) => SceneError::Missing {
                 source_name: self.source.to_owned(),
                 keys,
             },
@@ -434,26 +511,6 @@ impl<'a> Layers<'a> {
 fn start(table: &dyn TableLike, name: &str, item: &Item) -> usize {
     let key = table.get_key_value(name).and_then(|(key, _)| key.span());
     key.or_else(|| item.span()).map_or(0, |span| span.start)
-}
-
-/// Puts a value at a path, making the tables on the way.
-pub(crate) fn insert(table: &mut Table, path: &[&str], value: Value) {
-    let Some((last, tables)) = path.split_last() else {
-        return;
-    };
-    let mut table = table;
-    for part in tables {
-        let inner = table.entry(*part);
-        let inner = inner.or_insert_with(|| Value::Table(Table::new()));
-        let Value::Table(inner) = inner else { return };
-        table = inner;
-    }
-    table.insert((*last).to_owned(), value);
-}
-
-/// A usual value of [`crate::keys`], which tests read.
-pub(crate) fn usual(text: &str) -> Value {
-    Value::from_str(text).unwrap_or(Value::Boolean(false))
 }
 
 /// The tables of a list; `None` if it is none.
@@ -624,13 +681,4 @@ fn pitch_remedy(table: &Table) -> String {
         "the circle of the external sleeves is `gear.pin_circle_radius_m` (m), or gear.shortening = e zk/R{}",
         product.unwrap_or_default()
     )
-}
-
-/// Line number of a byte offset, the first being 1.
-pub(super) fn line_of(text: &str, offset: usize) -> usize {
-    let offset = offset.min(text.len());
-    1 + text.as_bytes()[..offset]
-        .iter()
-        .filter(|&&byte| byte == b'\n')
-        .count()
 }

@@ -1,22 +1,27 @@
 //! The characteristic sizes of a gear under its largest static load: forces, penetrations, frequencies.
 //!
 //! They set error scales, steps, samples and windows, so that a gear of millimetres and one of metres are treated
-//! alike. Linear springs without clearance: with T the load on one wheel, the largest force of an external sleeve is
-//! about 4 T/(e zs zk), of an internal one 4 T/(zi R_w); its penetration is (F/K)^(2/3) with K after Hertz, its
-//! tangent stiffness 1.5 F/delta. Summed over the loaded half with the levers e zs and R_w, the tangent stiffnesses make
-//! the torsional ones, 1.5 T/(delta/lever), of a wheel against the housing and against the output.
+//! alike. Linear springs without clearance: the most loaded sleeve of a stage carries about F = 4 T/(l z) (T: load on one
+//! wheel, l: lever, e zs or R_w, z: sleeves). Under the scene's own law, F = K delta^n, it is pressed in by
+//! (F/K)^(1/n) and has the tangent stiffness k = n F/delta. A quarter of all sleeves, weighted by their levers, make
+//! the torsional stiffness k l^2 z/4. All wheels in phase and the output are then two masses on two springs:
+//!
+//! ```text
+//! I_w theta'' = -A theta - B (theta - psi),    I_o psi'' = -w B (psi - theta)
+//! ```
+//! whose two modes are in closed form. Impacts press deeper than the load does and are a little stiffer (by the cube root
+//! of the depth's square root for a point contact), which is what the verification of a run is for.
 
-use pinwheel_contact::HertzStiffness;
+use pinwheel_contact::{HertzStiffness, LineContact, NormalLaw as _};
 use serde::Serialize;
 
 use crate::load_course;
-use crate::model::Scene;
+use crate::model::{Contact, Scene};
 
 /// See the module. SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Scales {
-    /// Load torque on one wheel, N m: the largest of the run, or where there is none what makes a penetration of a
-    /// millionth of R.
+    /// Load torque on one wheel, N m: the largest of the run, or where there is none what makes the [`least_depth`].
     pub wheel_torque_n_m: f64,
     /// Largest static force of an external sleeve on a wheel, N.
     pub external_force_n: f64,
@@ -34,8 +39,72 @@ pub struct Scales {
     pub modes_rad_s: [f64; 2],
 }
 
-/// Share of R that is the penetration of a gear without load.
-const UNLOADED: f64 = 1e-6;
+/// Least depth of contact that anything is measured by, as a share of the external sleeves' radius: what stands in for the
+/// load of a gear without any. The paper's unloaded gear is then measured by 1.4 mN.
+const LEAST_DEPTH: f64 = 1e-5;
+
+/// The depth that stands in for no load, m.
+#[must_use]
+pub fn least_depth(scene: &Scene) -> f64 {
+    LEAST_DEPTH * scene.gear.external_sleeve_radius_m
+}
+
+/// Hertz' stiffness of a scene's material.
+#[must_use]
+pub fn hertz(contact: &Contact) -> HertzStiffness {
+    HertzStiffness::new(
+        contact.young_pa,
+        contact.poisson,
+        contact.stiffness_multiplier,
+    )
+}
+
+/// A contact at rest under a law: F = K delta^n.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spring {
+    /// K, N/m^n.
+    pub stiffness: f64,
+    /// n.
+    pub exponent: f64,
+}
+
+impl Spring {
+    /// That of the scene's law where Hertz' stiffness is `hertz`, N/m^1.5.
+    #[must_use]
+    pub fn of(contact: &Contact, hertz: f64) -> Self {
+        let (exponent, stiffness) = match contact.law.as_str() {
+            "constant" | "adams-impact" => (1.5, contact.constant_stiffness_n_m15),
+            "line-contact" => {
+                let law = LineContact::new(
+                    contact.line_length_m,
+                    contact.stiffness_multiplier,
+                    contact.damping_n_s_m,
+                    contact.ramp_m,
+                );
+                (10.0 / 9.0, law.stiffness(hertz))
+            }
+            _ => (1.5, hertz),
+        };
+        Self {
+            stiffness,
+            exponent,
+        }
+    }
+
+    /// delta under a force, m, and at least `least`.
+    #[must_use]
+    pub fn depth(&self, force_n: f64, least: f64) -> f64 {
+        (force_n / self.stiffness)
+            .powf(self.exponent.recip())
+            .max(least)
+    }
+
+    /// dF/d delta, N/m.
+    #[must_use]
+    pub fn tangent(&self, depth: f64) -> f64 {
+        self.exponent * self.stiffness * depth.powf(self.exponent - 1.0)
+    }
+}
 
 /// 4 T/(e zs zk): the largest force of an external sleeve on a wheel under the torque T, N.
 #[must_use]
@@ -60,44 +129,36 @@ impl Scales {
     /// The scales of a scene whose values are in range.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
-        let (gear, contact, mass) = (&scene.gear, &scene.contact, &scene.mass);
-        let hertz = HertzStiffness::new(
-            contact.young_pa,
-            contact.poisson,
-            contact.stiffness_multiplier,
-        );
-        let stiffness = hertz.of_radius(gear.external_sleeve_radius_m);
-        let lever = gear.lever_m();
-        let load = load_course::largest(&scene.drive) / gear.wheels as f64;
-        let torque = if load > 0.0 {
-            load
-        } else {
-            let force = stiffness * (UNLOADED * gear.pitch_radius_m()).powf(1.5);
-            force * lever * gear.external_sleeves as f64 / 4.0
-        };
-        let force = external_force(gear, torque);
-        let penetration = (force / stiffness).powf(2.0 / 3.0);
-        let twist = penetration / lever;
-        // Torsional stiffness of the loaded half of the sleeves.
-        let torsion = 1.5 * torque / twist;
-        let inner_force = internal_force(gear, torque);
+        let (gear, contact) = (&scene.gear, &scene.contact);
+        let hertz = hertz(contact);
+        let outer = Spring::of(contact, hertz.of_radius(gear.external_sleeve_radius_m));
         // A hole that fits tightly is far stiffer; nothing moves faster than in one with the usual clearance of e.
-        let clearance =
-            (gear.hole_radius_m - gear.internal_sleeve_radius_m).max(gear.eccentricity_m);
-        let hole = gear.internal_sleeve_radius_m + clearance;
-        let inner = hertz.of_hole(gear.internal_sleeve_radius_m, hole);
-        let inner_penetration = (inner_force / inner).powf(2.0 / 3.0);
-        let coupling = 1.5 * torque / (inner_penetration / gear.internal_circle_radius_m);
-        let wheel = mass.wheel.moment_kg_m2;
+        let sleeve = gear.internal_sleeve_radius_m;
+        let hole = gear.hole_radius_m.max(sleeve + gear.eccentricity_m);
+        let inner = Spring::of(contact, hertz.of_hole(sleeve, hole));
+        let lever = gear.lever_m();
+        let least = least_depth(scene);
+        let load = load_course::largest(&scene.drive) / gear.wheels as f64;
+        let torsion = |spring: Spring, lever: f64, sleeves: usize| {
+            let sleeves = sleeves as f64;
+            let depth = spring.depth(4.0 * load / (lever * sleeves), least);
+            0.25 * sleeves * spring.tangent(depth) * lever * lever
+        };
+        let unloaded = outer.stiffness * least.powf(outer.exponent);
+        let torque = load.max(0.25 * unloaded * lever * gear.external_sleeves as f64);
+        let force = external_force(gear, torque);
+        let penetration = outer.depth(force, least);
+        let housing = torsion(outer, lever, gear.external_sleeves);
+        let output = torsion(inner, gear.internal_circle_radius_m, gear.internal_sleeves);
         Self {
             wheel_torque_n_m: torque,
             external_force_n: force,
-            internal_force_n: inner_force,
+            internal_force_n: internal_force(gear, torque),
             penetration_m: penetration,
-            twist_rad: twist,
-            contact_stiffness_n_m: 1.5 * force / penetration,
-            wheel_rad_s: (torsion / wheel).sqrt(),
-            modes_rad_s: modes(scene, torsion, coupling),
+            twist_rad: penetration / lever,
+            contact_stiffness_n_m: outer.tangent(penetration),
+            wheel_rad_s: (housing / scene.mass.wheel.moment_kg_m2).sqrt(),
+            modes_rad_s: modes(scene, housing, output),
         }
     }
 
@@ -111,22 +172,23 @@ impl Scales {
     }
 }
 
-/// All wheels alike against housing and output, with the output against them; and the wheels against each other, the
-/// output at rest: frequencies of [[n I, 0], [0, J]] with [[n (k + c), -n c], [-n c, n c]], and of I with k + c.
-fn modes(scene: &Scene, torsion: f64, coupling: f64) -> [f64; 2] {
+/// Frequencies of [[n I, 0], [0, J]] with [[n (k + c), -n c], [-n c, n c]]: the wheels with the output and against it.
+fn modes(scene: &Scene, housing: f64, coupling: f64) -> [f64; 2] {
     let (gear, mass) = (&scene.gear, &scene.mass);
+    let radius = gear.internal_circle_radius_m;
     let wheels = gear.wheels as f64;
-    let circle = gear.internal_circle_radius_m;
-    let output = mass.output_shaft.moment_kg_m2
-        + gear.internal_sleeves as f64 * mass.internal_sleeve.mass_kg * circle * circle;
+    let carried = mass.internal_sleeve.mass_kg * radius * radius * gear.internal_sleeves as f64;
+    let output = mass.output_shaft.moment_kg_m2 + carried;
     let wheel = mass.wheel.moment_kg_m2;
-    let a = (torsion + coupling) / wheel;
-    let d = wheels * coupling / output;
-    let product = wheels * coupling * coupling / (wheel * output);
-    let half = 0.5 * (a + d);
-    let root = (0.25 * (a - d) * (a - d) + product).sqrt();
-    let slow = (a * d - product) / (half + root);
-    [slow.sqrt(), (half + root).max(a).sqrt()]
+    let (a, b, c) = (
+        (housing + coupling) / wheel,
+        wheels * coupling / output,
+        coupling / wheel,
+    );
+    // Roots of (a - x)(b - x) = c b; their product is a b - c b = b k/I.
+    let fast = 0.5 * (a + b + ((a - b) * (a - b) + 4.0 * c * b).sqrt());
+    let slow = b * (housing / wheel) / fast;
+    [slow.sqrt(), fast.sqrt()]
 }
 
 #[cfg(test)]
@@ -142,6 +204,19 @@ mod tests {
         assert!((fast / 1740.0 - 1.0).abs() < 0.3, "{fast}");
         let settled = scales.settling_s(8.0).unwrap();
         assert!((0.1..0.4).contains(&settled), "{settled}");
+    }
+
+    /// A hundred times the Hertzian stiffness, and a law whose stiffness is not Hertz'.
+    #[test]
+    fn the_law_decides() {
+        let mut scene = Scene::paper();
+        let [_, soft] = Scales::of(&scene).modes_rad_s;
+        scene.contact.stiffness_multiplier = 1.0;
+        // k grows with K^(2/3) at a given force.
+        let [_, stiff] = Scales::of(&scene).modes_rad_s;
+        assert!((stiff / soft - 100.0_f64.powf(1.0 / 3.0)).abs() < 1e-9);
+        scene.contact.law = "line-contact".to_owned();
+        assert!(Scales::of(&scene).modes_rad_s[1] > 1.5 * stiff);
     }
 
     /// Lengths, masses, times and forces of a gear scaled together: every ratio stays.

@@ -27,6 +27,10 @@ pub fn schema() -> Value {
         }
         at["properties"][*name] = of(row);
     }
+    root["properties"][crate::uncertain::UNCERTAIN] = json!({
+        "type": "object",
+        "description": "how well values are known, by key: gear.backlash_m = { plus_minus = 5e-6 }",
+    });
     root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
     root["title"] = json!("A scene of pinwheel");
     root["properties"]["base"] = json!({
@@ -83,9 +87,6 @@ fn of(row: &Key) -> Value {
 
 fn number(range: Range) -> Value {
     match range {
-        Range::Above(low, high) => {
-            json!({ "type": "number", "exclusiveMinimum": low, "maximum": high })
-        }
         Range::From(low, high) => json!({ "type": "number", "minimum": low, "maximum": high }),
         Range::Between(low, high) => {
             json!({ "type": "number", "exclusiveMinimum": low, "exclusiveMaximum": high })

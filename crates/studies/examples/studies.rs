@@ -5,6 +5,7 @@
     reason = "a program that prints its tables"
 )]
 
+use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
 use pinwheel_studies::{Control, Progress, divergence, drift, paper, published, stability};
 
@@ -37,8 +38,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "horizon" => {
             for name in names {
                 match divergence::horizon(
-                    &Scene::load(name, &[])?.into_scene(),
-                    divergence::STEP,
+                    &Gearbox::new(&Scene::load(name, &[])?)?,
+                    divergence::STEP_RAD,
                     &mut |_| false,
                 ) {
                     Ok(found) => println!(

@@ -39,6 +39,8 @@ pub fn find(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
             ("rapier", "rapier"),
             ("exudyn", "crossval"),
             ("mujoco", "crossval"),
+            ("simbody", "crossval"),
+            ("ida", "crossval"),
         ];
         let left_out = optional.iter().find(|(prefix, _)| {
             name.starts_with(prefix) && !registry().iter().any(|e| e.name().starts_with(prefix))

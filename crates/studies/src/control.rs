@@ -172,7 +172,7 @@ pub(crate) fn run_compiled(
     }
 }
 
-fn of_scene(scene: &Scene, source: GearboxError) -> StudyError {
+pub(crate) fn of_scene(scene: &Scene, source: GearboxError) -> StudyError {
     StudyError::Scene {
         scene: scene.name.clone(),
         source,

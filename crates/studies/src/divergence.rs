@@ -8,11 +8,12 @@
 //! and then measures its own tolerance.
 
 use pinwheel_courses::{Courses, columns};
-use pinwheel_scene::{FrictionLaw, Scene};
+use pinwheel_gearbox::{Frequencies, Gearbox};
+use pinwheel_scene::{Fault, FrictionLaw, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
-use crate::control::{Ended, run};
+use crate::control::{Ended, of_scene, run_compiled};
 use crate::measure::level;
 
 /// Share of the largest force that counts as visible.
@@ -58,13 +59,11 @@ impl Horizon {
     }
 }
 
-/// Step of both runs in a study, s.
-pub const STEP: f64 = 2e-6;
+/// Step of both runs in a study, in radians of the fastest oscillation on the contacts: 2e-6 s for the paper's gear.
+pub const STEP_RAD: f64 = 0.02;
 
-/// Largest force below which there is nothing to compare, N.
-const FORCE_FLOOR: f64 = 1.0;
-
-/// Runs `scene` twice, with RK4 or, under friction, with `imex2`, and steps of `step_s` (or the scene's, if shorter);
+/// Runs a scene twice, with RK4 or, under friction, with `imex2`, and steps of `step_rad` radians of its fastest oscillation
+/// on the contacts (or the scene's, if shorter);
 /// `watch` receives the simulated time and returns true to stop.
 ///
 /// A run that does not reach its end, or has no forces to speak of, is an answer with the reason.
@@ -72,16 +71,28 @@ const FORCE_FLOOR: f64 = 1.0;
 /// # Errors
 /// Cancelled, or a scene that cannot be modelled.
 pub fn horizon(
-    scene: &Scene,
-    step_s: f64,
+    gearbox: &Gearbox,
+    step_rad: f64,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Horizon, StudyError> {
-    let mut scene = scene.clone();
+    let scene = &gearbox.scene;
     let rubs = scene.contact.friction_coefficient > 0.0;
     let convex = scene.contact.friction_law == FrictionLaw::Regularised;
     let method = if rubs && convex { "imex2" } else { "rk4" };
-    method.clone_into(&mut scene.solver.integrator);
-    scene.solver.step_s = scene.solver.step_s.min(step_s);
+    let refused = |fault: Fault| of_scene(scene, fault.into());
+    let step_s = step_rad / Frequencies::of(scene).contact_rad_s;
+    let still = gearbox
+        .with_solver(|solver| {
+            method.clone_into(&mut solver.integrator);
+            solver.step_s = solver.step_s.min(step_s);
+        })
+        .map_err(refused)?;
+    let mut moved = still.clone();
+    let nudge = |scene: &mut Scene| {
+        let moment = &mut scene.mass.wheel.moment_kg_m2;
+        *moment = moment.next_up();
+    };
+    moved.scene = still.scene.changed(nudge).map_err(refused)?;
     let mut found = Horizon {
         scene: scene.name.clone(),
         horizon_s: None,
@@ -92,11 +103,9 @@ pub fn horizon(
         duration_s: scene.solver.duration_s,
         refused: None,
     };
-    let mut moved = scene.clone();
-    moved.mass.wheel.moment_kg_m2 = moved.mass.wheel.moment_kg_m2.next_up();
     let mut both = Vec::new();
-    for scene in [&scene, &moved] {
-        match run(scene, watch)? {
+    for gearbox in [&still, &moved] {
+        match run_compiled(gearbox, watch)? {
             Ended::Whole(run) => both.push(run.courses),
             Ended::Diverged { time_s, quantity } => {
                 found.refused = Some(format!("the run ends at t = {time_s:.4} s: {quantity}"));
@@ -105,7 +114,7 @@ pub fn horizon(
         }
     }
     let size = level(&both[0]).peak_force_n;
-    if size < FORCE_FLOOR {
+    if size < still.least_force_n() {
         found.refused = Some("there are no forces to speak of".to_owned());
         return Ok(found);
     }

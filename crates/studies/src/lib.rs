@@ -8,10 +8,37 @@
 //!
 //! [`single::run`] runs one scene on one engine, [`comparison::run`] on several and compares them, [`sweep`] runs a
 //! scene with lists and ranges of its keys, [`paper::run`] computes the paper's figures again, [`baseline::check`]
-//! says what a change of the solver moved, [`bench::run`] what accuracy costs. A [`Control`] stops them and sees
-//! their progress; `write` of an outcome keeps it as files in a folder, with a [`Provenance`].
+//! says what a change of the solver moved, [`bench::run`] what accuracy costs, [`calibration::run`] and
+//! [`calibration::power::run`] what verdicts are worth. A [`Control`] stops them and sees
+//! their progress; `write` of an outcome keeps it as files in a [`folder`], with a [`Provenance`].
 //!
-//! [`survey::Survey`] studies what the native solver does on scenes that are hard on integrators, on several threads, and goes on where it was stopped. Alone,
+//! One run, and whether its step resolves the scene:
+//!
+//! ```
+//! use pinwheel_gearbox::Gearbox;
+//! use pinwheel_scene::Scene;
+//! use pinwheel_studies::{Control, choice, single};
+//!
+//! let paper = Scene::load("paper", &["solver.duration_s=0.01".parse()?])?;
+//! let engine = choice::find("native", &paper)?;
+//! let found = single::run(&Gearbox::new(&paper)?, engine.as_ref(), true, &Control::quiet())?;
+//! assert!(found.ending.is_finished() && found.resolution.is_some_and(|r| r.holds()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A sweep as data; [`sweep::execute`] runs it on all cores and keeps every run that is done:
+//!
+//! ```
+//! use pinwheel_studies::sweep::{Plan, Sweep};
+//!
+//! let text = "scene = 'paper'\n[vary]\ngear.backlash_m = { from = 0.0, to = 6e-4, points = 4 }";
+//! let plan = Plan::new(Sweep::from_toml(text, "mine.toml".as_ref())?, &[])?;
+//! assert_eq!((plan.runs.len(), plan.runs[1].scene.gear.backlash_m), (4, 2e-4));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`survey::Survey`] studies what the native solver does on scenes that are hard on integrators, on several threads, and
+//! goes on where it was stopped. Alone,
 //! [`stability::run`] gives the atlas of all hard scenes, formulations and integrators;
 //! [`divergence::horizon`] how long two runs that differ by a rounding stay together;
 //! [`drift::measure`] what long runs do to joints, phases and forces; [`published::run`] which of the
@@ -20,10 +47,12 @@
 
 pub mod baseline;
 pub mod bench;
+pub mod calibration;
 pub mod choice;
 pub mod comparison;
 pub mod conformance;
 mod control;
+pub mod design;
 pub mod divergence;
 pub mod drift;
 mod error;

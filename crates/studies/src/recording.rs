@@ -1,9 +1,9 @@
-//! Courses of the Python engines, kept for builds and machines without them.
+//! Courses of engines that need Python or a compiler, kept for builds and machines without them.
 
 use std::fs;
 use std::path::Path;
 
-use pinwheel_engines::recorded::{RECORDED_SCENES, Recording, worth_keeping};
+use pinwheel_engines::recorded::{RECORDED_SCENES, Recording, may_be_missing, worth_keeping};
 use pinwheel_engines::{Engine, EngineError, registry};
 use pinwheel_scene::{CheckedScene, Scene};
 
@@ -26,7 +26,7 @@ pub fn scenes(names: &[String]) -> Result<Vec<CheckedScene>, StudyError> {
     names.iter().map(|name| load(name)).collect()
 }
 
-/// The engines named, or all Python engines of this build.
+/// The engines named, or all that may be missing elsewhere.
 ///
 /// # Errors
 /// An engine that this build does not have.
@@ -35,14 +35,9 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
         let named = names.iter().map(|name| choice::find(name.trim(), scene));
         return Ok(named.collect::<Result<_, _>>()?);
     }
-    let python = |engine: &dyn Engine| {
-        ["exudyn", "mujoco"]
-            .iter()
-            .any(|peer| engine.name().starts_with(peer))
-    };
     Ok(registry()
         .into_iter()
-        .filter(|engine| python(engine.as_ref()))
+        .filter(|engine| may_be_missing(engine.name()))
         .collect())
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::stability::{self, Failure, Options};
 use pinwheel_studies::survey::{Plan, Survey};
@@ -147,13 +148,24 @@ fn studies_stop_when_asked() {
 #[test]
 fn a_rounding_stays_one_on_the_paper() {
     let scene = scene("paper", &["solver.duration_s=0.1"]);
-    let found = divergence::horizon(&scene, divergence::STEP, &mut |_| false).unwrap();
+    let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+    let found = divergence::horizon(&gearbox, divergence::STEP_RAD, &mut |_| false).unwrap();
     assert_eq!(found.horizon_s, None, "{}", found.sentence());
     assert!(
         found.largest_share > 0.0,
         "the change must reach the forces"
     );
     assert!(found.largest_share < 1e-9, "{:e}", found.largest_share);
+}
+
+/// Small forces are no reason to look away: nothing is measured by a newton.
+#[test]
+fn regress_horizons_do_not_depend_on_the_size() {
+    let sets = ["solver.duration_s=0.005", "drive.output_torque_n_m=0.0022"];
+    let gearbox = Gearbox::new(&scene("paper", &sets).check().unwrap()).unwrap();
+    let found = divergence::horizon(&gearbox, divergence::STEP_RAD, &mut |_| false).unwrap();
+    assert_eq!(found.refused, None, "{}", found.sentence());
+    assert!(found.largest_share < 1e-9, "{found:?}");
 }
 
 /// The joints of the Lagrange form: rounding with projection, 1e-9 m and more without.

@@ -13,6 +13,8 @@ use crate::screen;
 
 mod baseline;
 mod bench;
+mod calibrate;
+mod design;
 mod paper;
 mod solver;
 mod stability;
@@ -20,6 +22,8 @@ mod sweep;
 
 pub(crate) use baseline::{Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
 pub(crate) use bench::BenchArgs;
+pub(crate) use calibrate::CalibrateArgs;
+pub(crate) use design::{DesignArgs, InitArgs, flag};
 pub(crate) use paper::PaperArgs;
 pub(crate) use solver::{SolverAction, SolverArgs, Solvers};
 pub(crate) use stability::StabilityArgs;
@@ -33,8 +37,12 @@ Examples:
   pinwheel compare paper --set gear.backlash_m=0.0006 --out out/backlash
   pinwheel bench paper               what accuracy costs, native and peers
   pinwheel explain my-gear.toml      what is modelled and to be expected
+  pinwheel init mine.toml --ratio 39 --pin-circle-diameter-mm 104 \\
+      --torque-n-m 200 --speed-rpm 1500
+  pinwheel design mine.toml          lost motion, stiffness, stress
   pinwheel sweep my-sweep.toml       lists and ranges of keys over all cores
   pinwheel stability --quick         which method survives which hard scene
+  pinwheel calibrate                 what verdicts are worth
   pinwheel engines                   what there is to compare with
   pinwheel compare paper --solver mine/solver.toml
                                      your own solver beside them (docs/solvers.md)
@@ -60,16 +68,20 @@ struct Program {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run a scene on one engine and keep its courses.
+    /// Run a scene on one engine and keep its time series.
     Run(RunArgs),
     /// Run a scene on several engines, compare them and write a report.
     Compare(CompareArgs),
     /// Measure what accuracy costs: error against time of every engine, integrator and step.
     Bench(BenchArgs),
-    /// Keep courses of the Python engines for builds and machines without them.
+    /// Keep time series of the Python engines for builds and machines without them.
     Record(RecordArgs),
     /// Say what a scene models, what it leaves out and what to expect of it.
     Explain(ExplainArgs),
+    /// Make a scene of a catalogue's data: ratio, pin circle, torque, speed, and what else is known.
+    Init(InitArgs),
+    /// Answer a designer: lost motion, stiffness, transmission error, pressure, bearing forces, efficiency.
+    Design(DesignArgs),
     /// Run a scene with lists or ranges of keys over all cores and tabulate the figures.
     Sweep(SweepArgs),
     /// List the engines of this build.
@@ -90,6 +102,8 @@ pub(crate) enum Command {
     Solver(SolverArgs),
     /// Keep accepted results, and say what a change of the solver moved.
     Baseline(BaselineArgs),
+    /// Hold stated uncertainties against true errors, and see which faults a comparison tells.
+    Calibrate(CalibrateArgs),
     /// Open a page in the browser: the newest in out/, or that of a folder.
     Open(OpenArgs),
     /// Print the completions of a shell.
@@ -164,12 +178,13 @@ with the reason on the page.
 
 Every engine also runs at coarser settings, which show how far its numbers may
 be off (docs/verdicts.md). Steps and tolerances that your file or --set states
-are obeyed; others are refined until a pair is known to 1 %, or until an engine
-has taken --longest.
+are obeyed; others are refined until a pair is known to --resolution, or until
+an engine has taken --longest.
 
-Status 0: every statement holds, or is not resolved for a reason that no setting
-changes (a recording, an engine that has spent its time). 1: engines differ, a
-limit is exceeded, or a pair is not resolved that a finer setting would resolve.")]
+Status 0: every statement holds, or is not resolved for a reason that no
+setting changes (a recording, an engine that has spent its time). 1: engines
+differ, a limit is exceeded, or a pair is not resolved that a finer setting
+would resolve.")]
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
@@ -179,6 +194,9 @@ pub(crate) struct CompareArgs {
     /// Seconds that the runs of one engine may take before it is refined no further.
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
     pub(crate) longest: f64,
+    /// How sharp statements are to be: the largest U of a pair that counts as resolved, relative.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
+    pub(crate) resolution: f64,
     #[command(flatten)]
     pub(crate) solvers: Solvers,
     /// Write the verdicts as a JUnit file, too, for CI systems.

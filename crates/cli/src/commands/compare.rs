@@ -81,9 +81,18 @@ fn effort(args: &CompareArgs, scene: &CheckedScene) -> Result<Effort, Failure> {
             .iter()
             .any(|key| set.trim_start().starts_with(key))
     };
+    if !(args.resolution > 0.0 && args.resolution <= 1.0) {
+        return Err(Failure::input(
+            "--resolution: give a share above 0 and at most 1, e.g. 0.001",
+        ));
+    }
     let preset = PRESETS.iter().any(|p| p.name == args.scene.scene);
     let obey = args.scene.set.iter().any(asked) || !preset && Effort::of(scene).obey;
-    Ok(Effort { longest, obey })
+    Ok(Effort {
+        longest,
+        obey,
+        resolution: args.resolution,
+    })
 }
 
 /// Reads the maps and files, before anything long is run.

@@ -2,7 +2,9 @@
 
 pub(crate) mod baseline;
 pub(crate) mod bench;
+pub(crate) mod calibrate;
 pub(crate) mod compare;
+pub(crate) mod design;
 pub(crate) mod engines;
 pub(crate) mod explain;
 pub(crate) mod laws;

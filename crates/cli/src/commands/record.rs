@@ -13,7 +13,7 @@ pub(crate) fn record(args: &RecordArgs) -> Result<u8, Failure> {
         let engines = recording::engines(&args.engines, scene)?;
         if engines.is_empty() {
             return Err(Failure::engine(
-                "this build has no Python engines to record; build with --features crossval",
+                "this build has no engines to record; build with --features crossval",
             ));
         }
         for engine in engines {

@@ -3,7 +3,7 @@
 use pinwheel::pages;
 use pinwheel::studies::Provenance;
 use pinwheel::studies::folder::beside;
-use pinwheel::studies::sweep::{self, Journal, Outcome, Plan, Sweep, SweepError, execute};
+use pinwheel::studies::sweep::{self, Journal, Plan, Sweep, SweepError, execute};
 
 use crate::args::{self, SweepArgs};
 use crate::failure::{ENGINE, Failure};
@@ -58,19 +58,14 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let results = out.join("results.csv").display().to_string();
     let text = pages::sweep::text(&plan, &records, &results);
     screen::show_with_page(&text, &folder::page(&out))?;
-    let broken = records
-        .iter()
-        .find(|record| record.outcome != Outcome::Finished);
-    if let Some(record) = broken {
-        let count = records
-            .iter()
-            .filter(|record| record.outcome != Outcome::Finished)
-            .count();
+    let broken: Vec<_> = records.iter().filter(|r| !r.ending.is_finished()).collect();
+    if let Some(record) = broken.first() {
         screen::complain(&format!(
-            "{count} of {} runs did not finish, the first on {}: {}; see {}",
+            "{} of {} runs did not finish, the first on {}: {}; see {}",
+            broken.len(),
             records.len(),
             record.engine,
-            record.outcome.reason(),
+            record.reason(),
             out.join("results.csv").display()
         ));
         return Ok(ENGINE);

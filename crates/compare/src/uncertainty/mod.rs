@@ -121,6 +121,8 @@ pub struct Evidence {
     /// Why a number that is not sharp enough has to be accepted: a recording has no ladder, a time limit is spent.
     /// What is then not resolved is stated and no failure. `None` where a setting would do.
     pub excuse: Option<String>,
+    /// Share of a quantity's size that no refinement takes off: what the engine's own iterations leave. 0 for none.
+    pub floor: f64,
 }
 
 /// Where an uncertainty comes from.
@@ -145,6 +147,7 @@ impl Evidence {
             engine: engine.into(),
             source: Source::Ladder(ladder),
             excuse: None,
+            floor: 0.0,
         }
     }
 
@@ -161,7 +164,14 @@ impl Evidence {
                 remedy: remedy.into(),
             }),
             excuse: None,
+            floor: 0.0,
         }
+    }
+
+    /// The same of an engine whose iterations leave this share of every quantity.
+    #[must_use]
+    pub fn with_floor(self, floor: f64) -> Self {
+        Self { floor, ..self }
     }
 
     /// The same with an excuse.

@@ -1,14 +1,14 @@
 //! Small gearbox-like courses for the tests of this crate; each test file uses a part.
 #![allow(dead_code)]
 
-use pinwheel_compare::{Context, Cost, Participant, Scales, Status};
+use pinwheel_compare::{Context, Cost, Participant, Scales, Status, Track};
 use pinwheel_courses::Courses;
 
 /// A participant with these courses at a step of 1e-5 s.
-pub(crate) fn participant(name: &str, track: &str, courses: Courses) -> Participant {
+pub(crate) fn participant(name: &str, track: Track, courses: Courses) -> Participant {
     Participant {
         name: name.to_owned(),
-        track: track.to_owned(),
+        track,
         version: "1.0".to_owned(),
         summary: String::new(),
         differences: String::new(),

@@ -115,6 +115,20 @@ pub(crate) fn ramped_integral(x: f64, width: f64) -> f64 {
     }
 }
 
+/// The same in lanes.
+#[must_use]
+#[inline(always)]
+pub(crate) fn ramped_integral_lanes<S: Simd>(x: Lanes<S>, width: f64) -> Lanes<S> {
+    let c = |value: f64| x.like(value);
+    // x^3.5 up to the width of S, x^2.5 from there on.
+    let inside = x.min(c(width));
+    let power = |x: Lanes<S>| x * x * x.sqrt();
+    let risen = power(inside);
+    let ramped = risen * inside * c(1.0 / (3.5 * width));
+    let beyond = (power(x) - risen) * c(1.0 / 2.5);
+    ramped + beyond
+}
+
 /// STEP of the Adams solver: h0 below x0, h1 above x1, a smooth cubic between.
 #[must_use]
 #[inline]

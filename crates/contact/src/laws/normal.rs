@@ -61,4 +61,15 @@ pub trait NormalLaw: Copy + Send + Sync + 'static {
         }
         stored
     }
+
+    /// [`along`](Self::along) of several contacts; lanes without contact may hold anything.
+    #[must_use]
+    #[inline(always)]
+    fn along_lanes<S: Simd>(&self, penetration: Lanes<S>) -> Option<Lanes<S>> {
+        let mut along = penetration;
+        for along in along.as_mut_slice() {
+            *along = self.along(*along)?;
+        }
+        Some(along)
+    }
 }

@@ -6,7 +6,7 @@
 
 use pulp::Simd;
 
-use super::{LawInfo, LawParameters, NormalLaw, ramp, ramped_integral};
+use super::{LawInfo, LawParameters, NormalLaw, ramp, ramped_integral, ramped_integral_lanes};
 use crate::lanes::Lanes;
 
 /// Eq. 20.
@@ -50,14 +50,7 @@ impl NormalLaw for PaperLaw {
 
     #[inline(always)]
     fn stored_lanes<S: Simd>(&self, stiffness: Lanes<S>, penetration: Lanes<S>) -> Lanes<S> {
-        let c = |x: f64| penetration.like(x);
-        // The integral of S x^1.5: x^3.5 up to the width of S, x^2.5 from there on.
-        let inside = penetration.min(c(self.ramp));
-        let power = |x: Lanes<S>| x * x * x.sqrt();
-        let risen = power(inside);
-        let ramped = risen * inside * c(1.0 / (3.5 * self.ramp));
-        let beyond = (power(penetration) - risen) * c(1.0 / 2.5);
-        stiffness * (ramped + beyond)
+        stiffness * ramped_integral_lanes(penetration, self.ramp)
     }
 }
 

@@ -9,7 +9,10 @@
 //! that centre, with its reaction on the wheel at the same point; the part along the profile is what
 //! the paper leaves out. It needs dK/da, so it exists for exact detection only.
 
-use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, ramped_integral};
+use pulp::Simd;
+
+use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, ramped_integral, ramped_integral_lanes};
+use crate::lanes::Lanes;
 
 /// Eq. 20 with the missing part of the gradient.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,24 +23,51 @@ pub struct PaperConservative {
     pub ramp: f64,
 }
 
+impl PaperConservative {
+    /// The normal part.
+    #[inline(always)]
+    fn normal(&self) -> PaperLaw {
+        PaperLaw {
+            damping: self.damping,
+            ramp: self.ramp,
+        }
+    }
+}
+
 impl NormalLaw for PaperConservative {
     #[inline]
     fn force(&self, stiffness: f64, penetration: f64, rate: f64) -> f64 {
-        let paper = PaperLaw {
-            damping: self.damping,
-            ramp: self.ramp,
-        };
-        paper.force(stiffness, penetration, rate)
+        self.normal().force(stiffness, penetration, rate)
     }
 
     #[inline]
     fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
-        stiffness * ramped_integral(penetration, self.ramp)
+        self.normal().stored(stiffness, penetration)
     }
 
     #[inline]
     fn along(&self, penetration: f64) -> Option<f64> {
         Some(ramped_integral(penetration, self.ramp))
+    }
+
+    #[inline(always)]
+    fn force_lanes<S: Simd>(
+        &self,
+        stiffness: Lanes<S>,
+        penetration: Lanes<S>,
+        rate: Lanes<S>,
+    ) -> Lanes<S> {
+        self.normal().force_lanes(stiffness, penetration, rate)
+    }
+
+    #[inline(always)]
+    fn stored_lanes<S: Simd>(&self, stiffness: Lanes<S>, penetration: Lanes<S>) -> Lanes<S> {
+        self.normal().stored_lanes(stiffness, penetration)
+    }
+
+    #[inline(always)]
+    fn along_lanes<S: Simd>(&self, penetration: Lanes<S>) -> Option<Lanes<S>> {
+        Some(ramped_integral_lanes(penetration, self.ramp))
     }
 }
 

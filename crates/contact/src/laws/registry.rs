@@ -91,6 +91,13 @@ macro_rules! registry {
                     $(Self::$law(law) => law.stored_lanes(stiffness, penetration)),*
                 }
             }
+
+            #[inline(always)]
+            fn along_lanes<S: Simd>(&self, penetration: Lanes<S>) -> Option<Lanes<S>> {
+                match self {
+                    $(Self::$law(law) => law.along_lanes(penetration)),*
+                }
+            }
         }
     };
 }

@@ -1,6 +1,13 @@
 //! What can be wrong with a map or a foreign file. Every message is one line with its remedy.
 
-use super::read::BadRow;
+/// A row that could not be read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BadRow {
+    /// Line of the file, the first being 1.
+    pub line: usize,
+    /// Why.
+    pub reason: String,
+}
 
 /// Faults of mapping and reading.
 #[derive(Debug, thiserror::Error)]

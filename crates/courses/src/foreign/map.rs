@@ -27,6 +27,14 @@ const MOST_LINES: usize = 1_000_000;
 /// Files beside the participants' folders in an output; compared without case, as some file systems do.
 const RESERVED: [&str; 3] = ["index.html", "summary.json", ".pinwheel"];
 
+/// Whether a participant of that name would take the place of a file of the report.
+#[must_use]
+pub fn is_reserved(name: &str) -> bool {
+    RESERVED
+        .iter()
+        .any(|taken| name.eq_ignore_ascii_case(taken))
+}
+
 /// A map.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -380,11 +388,7 @@ impl Map {
                 "write something like \"adams-2020\"",
             );
         }
-        if let Some(name) = &self.name
-            && RESERVED
-                .iter()
-                .any(|taken| name.eq_ignore_ascii_case(taken))
-        {
+        if self.name.as_deref().is_some_and(is_reserved) {
             return wrong(
                 "name",
                 "is the name of a file of the report",

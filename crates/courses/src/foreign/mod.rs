@@ -13,10 +13,10 @@ mod resample;
 mod units;
 
 pub use align::{Shift, shift};
-pub use error::ForeignError;
+pub use error::{BadRow, ForeignError};
 pub use map::{
     BadRows, ColumnRef, ColumnUncertainty, FileFormat, Map, Method, Offset, Resampling, Source,
-    StatedLimit, TimeColumn,
+    StatedLimit, TimeColumn, is_reserved,
 };
-pub use read::{BadRow, Foreign, read};
+pub use read::{Foreign, read};
 pub use resample::{Resampled, resample};

@@ -2,7 +2,7 @@
 
 use std::io::{BufRead as _, BufReader, Read};
 
-use super::error::{ForeignError, short};
+use super::error::{BadRow, ForeignError, short};
 use super::map::{BadRows, ColumnRef, FileFormat, Map};
 use super::units;
 use crate::Courses;
@@ -14,15 +14,6 @@ const FEWEST_ROWS: usize = 10;
 
 /// Largest magnitude of a value in our units: squares and sums of such stay finite.
 const LARGEST: f64 = 1e100;
-
-/// A row that could not be read.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct BadRow {
-    /// Line of the file, the first being 1.
-    pub line: usize,
-    /// Why.
-    pub reason: String,
-}
 
 /// What a foreign file holds.
 #[derive(Debug, Clone, PartialEq)]

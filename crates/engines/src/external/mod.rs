@@ -50,6 +50,8 @@ pub struct Solver {
     here: PathBuf,
     /// How the names of its job folders begin.
     prefix: &'static str,
+    /// What `{python}` stands for, if not the user's.
+    python: Option<PathBuf>,
     log_bytes: u64,
     folder_bytes: u64,
 }
@@ -66,6 +68,7 @@ impl Solver {
             manifest,
             here: absolute.parent().unwrap_or(Path::new("/")).to_owned(),
             prefix: "pinwheel-job-",
+            python: None,
             log_bytes: LOG_BYTES,
             folder_bytes: FOLDER_BYTES,
         })
@@ -88,6 +91,14 @@ impl Solver {
     #[must_use]
     pub fn with_spaces(mut self) -> Self {
         self.prefix = "pinwheel job ";
+        self
+    }
+
+    /// The same solver under an engine's name, with an interpreter for `{python}` if it needs its own.
+    #[cfg(feature = "crossval")]
+    pub(crate) fn known_as(mut self, name: &str, python: Option<PathBuf>) -> Self {
+        name.clone_into(&mut self.manifest.name);
+        self.python = python;
         self
     }
 
@@ -129,7 +140,8 @@ impl Solver {
             .map_err(io)?;
         fill(folder.path(), library.as_deref()).map_err(|error| self.failed(error.to_string()))?;
         let handle = JobFolder::open(folder.path()).map_err(io)?;
-        let (nothing, python) = (Path::new(""), manifest::python());
+        let python = self.python.clone().unwrap_or_else(manifest::python);
+        let nothing = Path::new("");
         let argv = self.manifest.argv(&[
             ("here", self.here.as_path()),
             ("job", folder.path()),

@@ -6,7 +6,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::CheckedScene;
 use pyo3::prelude::*;
 
-use super::law::Published;
+use super::published::Published;
 use super::{convert, engine, host};
 use crate::engine::EngineError;
 

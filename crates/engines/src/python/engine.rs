@@ -6,8 +6,8 @@ use pinwheel_scene::Scene;
 use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
 
-use super::law::Published;
 use super::mujoco::{Addresses, Attached, Place, attach, detach};
+use super::published::Published;
 use super::watch::{Watch, watched};
 use super::{PythonError, border, convert, host};
 use crate::cards::Card;
@@ -26,9 +26,10 @@ impl PythonEngine {
     }
 
     fn not_ready(&self, error: &PythonError) -> EngineError {
-        match error {
-            PythonError::Stopped => EngineError::Cancelled,
-            other => self.failed(other),
+        if error.is_stop() {
+            EngineError::Cancelled
+        } else {
+            self.failed(error)
         }
     }
 

@@ -1,30 +1,21 @@
 //! The virtual environment of the Python engines: made at the first use, reused ever after.
 //!
-//! It lives in the user's cache folder under a name that depends on the interpreter and on every
-//! pinned package, so that a change of either makes another one. It is built beside its place and
-//! renamed when it is whole; a lock lets one process build while others wait. What an interrupted
-//! build leaves is removed by the next.
+//! It lives in the user's [cache folder](crate::cache) under a name that depends on the interpreter and on every
+//! pinned package, so that a change of either makes another one.
 
 use std::ffi::{OsStr, OsString};
-use std::fs::{self, File, TryLockError};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
-use std::time::Duration;
 
 use super::error::PythonError;
 use super::host;
-
-mod process;
-
-use process::{Note, call, python_of};
+use crate::cache::{self, Note, call, fingerprint};
 
 /// Names an existing environment, which is used as it is.
 pub(super) const ENVIRONMENT: &str = "PINWHEEL_PYTHON_ENV";
 /// Names a folder of wheels to install from, without a network.
 pub(super) const WHEELS: &str = "PINWHEEL_WHEELS";
-/// Names the folder to keep environments in, instead of the user's cache folder.
-pub(super) const CACHE: &str = "PINWHEEL_CACHE";
 
 /// Written last into an environment: its requirements.
 const MARKER: &str = "pinwheel-requirements.txt";
@@ -100,7 +91,7 @@ pub fn environment(
     ensure(
         requirements,
         &interpreter,
-        &cache()?,
+        &cache::folder()?,
         wheels.as_deref(),
         cancel,
     )
@@ -116,25 +107,6 @@ pub(super) fn is_named() -> bool {
     name().is_some()
 }
 
-/// The folder of all that is made once and kept.
-pub(super) fn cache() -> Result<PathBuf, PythonError> {
-    let named = std::env::var_os(CACHE).filter(|value| !value.is_empty());
-    let folder = match named {
-        Some(folder) => PathBuf::from(folder),
-        None => match dirs::cache_dir() {
-            Some(folder) => folder.join("pinwheel"),
-            None => {
-                return Err(PythonError::storage(
-                    Path::new("~"),
-                    "there is no home folder",
-                ));
-            }
-        },
-    };
-    fs::create_dir_all(&folder).map_err(|error| PythonError::storage(&folder, error))?;
-    fs::canonicalize(&folder).map_err(|error| PythonError::storage(&folder, error))
-}
-
 /// The environment that the user named.
 fn named(
     folder: &Path,
@@ -147,7 +119,7 @@ fn named(
     };
     let (found, version, _) = probe(folder, cancel).map_err(|reason| {
         if cancel.load(Ordering::Relaxed) {
-            PythonError::Stopped
+            PythonError::STOPPED
         } else {
             refuse(reason)
         }
@@ -207,43 +179,16 @@ fn ensure(
     wheels: Option<&Path>,
     cancel: &AtomicBool,
 ) -> Result<Environment, PythonError> {
-    let name = name_of(requirements, interpreter);
-    let folder = cache.join(&name);
-    if let Some(found) = whole(&folder, requirements, cancel) {
-        return Ok(found);
-    }
-    let _lock = lock(&cache.join(format!("{name}.lock")), cancel)?;
-    // Another process may have made it meanwhile.
-    if let Some(found) = whole(&folder, requirements, cancel) {
-        return Ok(found);
-    }
-    remove_leftovers(cache, &name);
-    let executable = executable(interpreter, cancel)?;
-    let draft = draft_of(cache, &name);
-    let note = Note::new("Python packages (once)");
-    let made = make(&draft, &executable, requirements, wheels, &note, cancel);
-    drop(note);
-    if let Err(error) = made {
-        let _ = fs::remove_dir_all(&draft);
-        return Err(if cancel.load(Ordering::Relaxed) {
-            PythonError::Stopped
-        } else {
-            error
-        });
-    }
-    if folder.exists() {
-        fs::remove_dir_all(&folder).map_err(|error| PythonError::storage(&folder, error))?;
-    }
-    fs::rename(&draft, &folder).map_err(|error| PythonError::storage(&folder, error))?;
-    whole(&folder, requirements, cancel).ok_or_else(|| {
-        if cancel.load(Ordering::Relaxed) {
-            PythonError::Stopped
-        } else {
-            let reason =
-                "the environment just made does not start, or lacks packages it was asked for";
-            PythonError::storage(&folder, reason)
-        }
-    })
+    let made = cache::Made {
+        name: &name_of(requirements, interpreter),
+        title: "Python packages (once)",
+        whole: &|folder: &Path| whole(folder, requirements, cancel),
+        build: &|draft: &Path, note: &Note| {
+            let executable = executable(interpreter, cancel)?;
+            make(draft, &executable, requirements, wheels, note, cancel)
+        },
+    };
+    made.once(cache, cancel)
 }
 
 /// Folder name of an environment: another interpreter or another list of packages has another.
@@ -279,46 +224,6 @@ fn whole(folder: &Path, requirements: Requirements, cancel: &AtomicBool) -> Opti
         .then_some(found)
 }
 
-/// Where an environment is built; a prefix of its own tells it from whole ones.
-fn draft_of(cache: &Path, name: &str) -> PathBuf {
-    cache.join(format!(".{name}.{}.part", std::process::id()))
-}
-
-/// Drafts of builds that were cut off: nobody else builds while we hold the lock.
-fn remove_leftovers(cache: &Path, name: &str) {
-    let prefix = format!(".{name}.");
-    for entry in fs::read_dir(cache).into_iter().flatten().flatten() {
-        if entry.file_name().to_string_lossy().starts_with(&prefix) {
-            let _ = fs::remove_dir_all(entry.path());
-        }
-    }
-}
-
-/// An exclusive lock, held as long as the file lives; the system frees it when a process dies.
-fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, PythonError> {
-    let file = File::options()
-        .create(true)
-        .truncate(false)
-        .write(true)
-        .open(path)
-        .map_err(|error| PythonError::storage(path, error))?;
-    let mut note = None;
-    loop {
-        match file.try_lock() {
-            Ok(()) => return Ok(file),
-            Err(TryLockError::WouldBlock) => {
-                note.get_or_insert_with(|| Note::new("Python packages"))
-                    .say("another process installs them");
-                if cancel.load(Ordering::Relaxed) {
-                    return Err(PythonError::Stopped);
-                }
-                thread::sleep(Duration::from_millis(100));
-            }
-            Err(TryLockError::Error(error)) => return Err(PythonError::storage(path, error)),
-        }
-    }
-}
-
 /// The executable of the embedded interpreter.
 fn executable(interpreter: &Interpreter, cancel: &AtomicBool) -> Result<PathBuf, PythonError> {
     let ask = "import sys; print('%d.%d.%d' % sys.version_info[:3])";
@@ -332,7 +237,7 @@ fn executable(interpreter: &Interpreter, cancel: &AtomicBool) -> Result<PathBuf,
         .cloned()
         .ok_or_else(|| {
             if cancel.load(Ordering::Relaxed) {
-                PythonError::Stopped
+                PythonError::STOPPED
             } else {
                 PythonError::NoInterpreter {
                     version: interpreter.version.clone(),
@@ -413,14 +318,13 @@ fn make(
     fs::write(&marker, requirements.text).map_err(|error| PythonError::storage(&marker, error))
 }
 
-/// FNV-1a, 64 bits: tells versions of a text apart in a name; stable across compilers, unlike std's.
-pub(super) fn fingerprint(parts: &[&str]) -> u64 {
-    parts
-        .iter()
-        .flat_map(|part| part.bytes().chain([0xff]))
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        })
+/// The interpreter of an environment.
+fn python_of(folder: &Path) -> PathBuf {
+    if cfg!(windows) {
+        folder.join("Scripts").join("python.exe")
+    } else {
+        folder.join("bin").join("python")
+    }
 }
 
 #[cfg(test)]

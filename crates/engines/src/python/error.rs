@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::environment::{CACHE, ENVIRONMENT, WHEELS};
+use super::environment::{ENVIRONMENT, WHEELS};
+use crate::cache::CacheError;
 
 /// Why there is no Python environment.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -56,14 +57,6 @@ pub enum PythonError {
         /// pip's arguments that name the packages.
         packages: String,
     },
-    /// The file system refused.
-    #[error("{path}: {reason}; make room there, or choose another folder with {CACHE}")]
-    Storage {
-        /// Where.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
     /// The environment is there, and the package cannot be loaded all the same.
     #[error("the Python package cannot be loaded: {reason}; {}", remedy(.folder, *.named))]
     Load {
@@ -74,9 +67,9 @@ pub enum PythonError {
         /// Whether the user named it: then it is the user's.
         named: bool,
     },
-    /// The user asked to stop.
-    #[error("stopped")]
-    Stopped,
+    /// The cache folder, or the user asked to stop.
+    #[error(transparent)]
+    Cache(#[from] CacheError),
 }
 
 /// What helps against an environment that is there and of no use.
@@ -92,10 +85,15 @@ fn remedy(folder: &Path, named: bool) -> String {
 }
 
 impl PythonError {
+    /// The user asked to stop.
+    pub(crate) const STOPPED: Self = Self::Cache(CacheError::Stopped);
+
     pub(super) fn storage(path: &Path, reason: impl ToString) -> Self {
-        Self::Storage {
-            path: path.to_owned(),
-            reason: reason.to_string(),
-        }
+        CacheError::storage(path, reason).into()
+    }
+
+    /// Whether the user asked to stop.
+    pub(crate) fn is_stop(&self) -> bool {
+        matches!(self, Self::Cache(CacheError::Stopped))
     }
 }

@@ -4,8 +4,7 @@
 //! begins with our copy of the package and the environment's packages, so that nothing the user has
 //! installed elsewhere takes their place.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
@@ -13,8 +12,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyModule;
 
 use super::convert::text_of;
-use super::environment::{self, ENGINES, Environment, Interpreter, fingerprint};
+use super::environment::{self, ENGINES, Environment, Interpreter};
 use super::error::PythonError;
+use crate::cache;
 use crate::cards::pins;
 
 /// The package's files: path below its folder, text.
@@ -38,7 +38,7 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<(), PythonError> {
         return known.clone();
     }
     let outcome = environment::environment(ENGINES, cancel).and_then(|found| load(&found));
-    if !matches!(outcome, Err(PythonError::Stopped)) {
+    if !outcome.as_ref().is_err_and(PythonError::is_stop) {
         *ready = Some(outcome.clone());
     }
     outcome
@@ -90,7 +90,11 @@ pub(super) fn interpreter() -> Result<Interpreter, PythonError> {
 
 /// Starts Python on an environment and loads the package.
 fn load(environment: &Environment) -> Result<(), PythonError> {
-    let sources = lay_out(&environment::cache()?)?;
+    let files: Vec<(String, &str)> = SOURCES
+        .iter()
+        .map(|&(name, text)| (format!("{PACKAGE}/{name}"), text))
+        .collect();
+    let sources = cache::laid_out("sources", &files)?;
     let failed = |reason: String| PythonError::Load {
         reason,
         folder: environment.folder.clone(),
@@ -123,30 +127,4 @@ fn load(environment: &Environment) -> Result<(), PythonError> {
             Err(error) => Err(failed(text_of(py, &error))),
         }
     })
-}
-
-/// Writes the package's files below the cache folder, under a name that depends on their text.
-fn lay_out(cache: &Path) -> Result<PathBuf, PythonError> {
-    let texts: Vec<&str> = SOURCES
-        .iter()
-        .flat_map(|&(name, text)| [name, text])
-        .collect();
-    let folder = cache.join(format!("sources-{:016x}", fingerprint(&texts)));
-    for (name, text) in SOURCES {
-        let path = folder.join(PACKAGE).join(name);
-        if fs::read_to_string(&path).is_ok_and(|there| there == *text) {
-            continue;
-        }
-        let write = || {
-            if let Some(parent) = path.parent() {
-                fs::create_dir_all(parent)?;
-            }
-            // Whole or not at all, also for a process that reads at this moment.
-            let draft = path.with_extension(format!("{}.part", std::process::id()));
-            fs::write(&draft, text)?;
-            fs::rename(&draft, &path)
-        };
-        write().map_err(|error| PythonError::storage(&path, error))?;
-    }
-    Ok(folder)
 }

@@ -7,11 +7,8 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::ContactField;
 use pinwheel_mbs::{BodyState, Wrench};
-
-use super::mujoco::detach;
 
 /// A law and the arrays it works on.
 pub(super) struct Law {
@@ -21,6 +18,15 @@ pub(super) struct Law {
 }
 
 impl Law {
+    /// On so many bodies.
+    pub(super) fn new(field: Box<dyn ContactField>, bodies: usize) -> Self {
+        Self {
+            field,
+            bodies: vec![BodyState::default(); bodies],
+            loads: vec![Wrench::default(); bodies],
+        }
+    }
+
     /// Reads states (x, y, angle, vx, vy, rate per body), writes loads (fx, fy, moment per body).
     pub(super) fn evaluate(&mut self, states: &[f64], loads: &mut [f64]) {
         for (body, state) in self.bodies.iter_mut().zip(states.as_chunks::<6>().0) {
@@ -67,42 +73,18 @@ pub(super) fn find(number: usize) -> Option<Entry> {
     locked(&LAWS).get(&number).cloned()
 }
 
-/// A law that engines can call; stale from the moment this is dropped.
-pub(super) struct Published {
-    pub(super) number: usize,
-    pub(super) bodies: usize,
-    pub(super) law: SharedLaw,
+/// Hands out a number for a law on so many bodies.
+pub(super) fn enter(law: &SharedLaw, bodies: usize) -> usize {
+    let mut laws = locked(&LAWS);
+    let number = laws.last_key_value().map_or(1, |(last, _)| last + 1);
+    let law = Some(Arc::clone(law));
+    laws.insert(number, Entry { bodies, law });
+    number
 }
 
-impl Published {
-    pub(super) fn new(gearbox: &Gearbox, field: Box<dyn ContactField>) -> Self {
-        let bodies = gearbox.layout.bodies();
-        let law = Arc::new(Mutex::new(Law {
-            field,
-            bodies: vec![BodyState::default(); bodies],
-            loads: vec![Wrench::default(); bodies],
-        }));
-        let mut laws = locked(&LAWS);
-        let number = laws.last_key_value().map_or(1, |(last, _)| last + 1);
-        let entry = Entry {
-            bodies,
-            law: Some(Arc::clone(&law)),
-        };
-        laws.insert(number, entry);
-        Self {
-            number,
-            bodies,
-            law,
-        }
-    }
-}
-
-impl Drop for Published {
-    fn drop(&mut self) {
-        // However the run ended, by a panic too: MuJoCo may call no more.
-        detach(self.number);
-        if let Some(entry) = locked(&LAWS).get_mut(&self.number) {
-            entry.law = None;
-        }
+/// From now on nothing stands behind the number.
+pub(super) fn leave(number: usize) {
+    if let Some(entry) = locked(&LAWS).get_mut(&number) {
+        entry.law = None;
     }
 }

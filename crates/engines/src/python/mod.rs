@@ -15,8 +15,10 @@ mod law;
 mod mujoco;
 #[cfg(feature = "provoke")]
 pub mod provoke;
+mod published;
 mod watch;
 
+pub use crate::cache::CacheError;
 pub use agreement::{Agreement, law_agreement};
 pub use environment::{Environment, Requirements, environment};
 pub use error::PythonError;

@@ -15,7 +15,8 @@ use pinwheel_scene::Scene;
 use pinwheel_scene::{Layout, Sleeve};
 use rapier2d_f64::prelude::*;
 
-use super::march::{Contacts, Grid, Sums, friction_refusal, march, sleeve_slot};
+use super::march::{Contacts, Grid, friction_refusal, march};
+use super::sums::{Sums, sleeve_slot};
 use super::unsupported;
 use super::world::World;
 use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};

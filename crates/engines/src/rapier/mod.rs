@@ -11,6 +11,7 @@ mod outlines;
 mod reactions;
 mod shared_law;
 mod spring;
+mod sums;
 mod world;
 
 use std::fmt::Display;

@@ -7,7 +7,7 @@
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Layout;
 
-use super::march::Sums;
+use super::sums::Sums;
 use super::world::World;
 
 /// Force of the revolute that carries each body, N, ground frame, in [`Layout`] order; the samples'

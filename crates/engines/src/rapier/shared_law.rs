@@ -6,7 +6,8 @@ use pinwheel_gearbox::contacts::ContactField;
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::Scene;
 
-use super::march::{Contacts, Grid, Sums, march};
+use super::march::{Contacts, Grid, march};
+use super::sums::Sums;
 use super::unsupported;
 use super::world::World;
 use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};

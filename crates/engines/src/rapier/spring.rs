@@ -35,13 +35,15 @@ pub(super) fn contact_frequency(
             states[wheel].angle = start[wheel].angle + twist;
         }
     };
+    let gear = &gearbox.scene.gear;
     let twist = balance(torque, limit, |twist| {
         wheels_at(twist, &mut states);
         moment(field, &states, |pair| match pair.sleeve {
             Sleeve::External(_) => Some(start[layout.wheel_bodies().start + pair.wheel]),
             Sleeve::Internal(_) => None,
         })
-    })?;
+    })
+    .map_err(|fault| fault.told("external", "gear.backlash_m", gear.backlash_m))?;
     wheels_at(twist, &mut states);
     let output_at = |turn: f64, states: &mut [BodyState]| {
         let (sin, cos) = turn.sin_cos();
@@ -58,7 +60,8 @@ pub(super) fn contact_frequency(
             Sleeve::External(_) => None,
             Sleeve::Internal(_) => Some(start[Layout::OUTPUT]),
         })
-    })?;
+    })
+    .map_err(|fault| fault.told("internal", "gear.hole_radius_m", gear.hole_radius_m))?;
     output_at(twist + further, &mut states);
 
     let mass = &gearbox.scene.mass;
@@ -100,16 +103,42 @@ pub(super) fn spring_load(scene: &Scene) -> f64 {
     }
 }
 
+/// Why no turn within a quarter of a pitch carries the load.
+enum Fault {
+    /// More than half of it is free play.
+    Play,
+    /// What touches is too soft.
+    Soft,
+}
+
+impl Fault {
+    /// In words; `play`: the key and the value, m, of what leaves these sleeves their play.
+    fn told(&self, sleeves: &str, play: &str, value: f64) -> String {
+        match self {
+            Self::Play => format!(
+                "its {sleeves} sleeves have so much play that a quarter of a pitch brings none to bear on the load; make \
+                 {play} smaller than {value} m{}",
+                if sleeves == "internal" {
+                    ": a hole without play has the radius of its sleeve and the eccentricity together"
+                } else {
+                    ""
+                }
+            ),
+            Self::Soft => format!(
+                "the contacts of its {sleeves} sleeves are too soft to carry drive.output_torque_n_m within a quarter of a \
+                 pitch; raise contact.stiffness_multiplier or lower the load"
+            ),
+        }
+    }
+}
+
 /// The angle between 0 and `limit`, in the direction of `torque`, at which `resisting` equals it.
-fn balance(torque: f64, limit: f64, mut resisting: impl FnMut(f64) -> f64) -> Result<f64, String> {
+fn balance(torque: f64, limit: f64, mut resisting: impl FnMut(f64) -> f64) -> Result<f64, Fault> {
     let sign = torque.signum();
     let (mut low, mut high) = (0.0, limit);
     if sign * resisting(sign * high) < torque.abs() {
-        return Err(
-            "its contacts are too soft to carry drive.output_torque_n_m within a quarter of a pitch; \
-             raise contact.stiffness_multiplier"
-                .to_owned(),
-        );
+        let free = sign * resisting(sign * 0.5 * high) <= 0.0;
+        return Err(if free { Fault::Play } else { Fault::Soft });
     }
     // Each halving adds a bit; beyond 60 there are none left.
     for _ in 0..60 {
@@ -187,10 +216,18 @@ mod tests {
 
     #[test]
     fn refuses_contacts_that_carry_nothing() {
-        let refusal = frequency(|scene| scene.contact.stiffness_multiplier = 1e-12).unwrap_err();
+        let refusal = frequency(|scene| scene.contact.stiffness_multiplier = 1e-9).unwrap_err();
         assert!(
             refusal.contains("contact.stiffness_multiplier"),
             "{refusal}"
         );
+    }
+
+    /// A hole that is too large is no soft contact.
+    #[test]
+    fn blames_the_hole_where_it_is_wrong() {
+        let refusal = frequency(|scene| scene.gear.hole_radius_m += 4.5e-3).unwrap_err();
+        assert!(refusal.contains("gear.hole_radius_m"), "{refusal}");
+        assert!(!refusal.contains("stiffness"), "{refusal}");
     }
 }

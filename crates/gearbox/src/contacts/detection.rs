@@ -1,8 +1,10 @@
 //! How the contact point is found: the exact curve, or discrete points as published.
 
 use pinwheel_contact::{
-    Complex, Epitrochoid, Foot, HertzStiffness, Hole, HolePoints, ProfilePoints,
+    Complex, Epitrochoid, Foot, HertzStiffness, Hole, HolePoints, NormalLaw, ProfilePoints,
 };
+
+use pinwheel_scene::scales::hertz;
 
 use crate::GearboxError;
 use crate::geometry::Geometry;
@@ -49,11 +51,7 @@ struct Shapes {
 impl Shapes {
     fn new(scene: &Scene, geometry: &Geometry) -> Self {
         let (gear, contact) = (&scene.gear, &scene.contact);
-        let hertz = HertzStiffness::new(
-            contact.young_pa,
-            contact.poisson,
-            contact.stiffness_multiplier,
-        );
+        let hertz = hertz(contact);
         let radius = gear.hole_radius_m;
         Self {
             curve: geometry.curve.clone(),
@@ -93,13 +91,9 @@ impl Shapes {
 pub(super) struct Exact(Shapes, bool);
 
 impl Exact {
-    pub(super) fn new(scene: &Scene, geometry: &Geometry) -> Self {
-        Self(Shapes::new(scene, geometry), false)
-    }
-
-    /// With the slope of K, which only some laws need.
-    pub(super) fn with_slope(scene: &Scene, geometry: &Geometry) -> Self {
-        Self(Shapes::new(scene, geometry), true)
+    /// The slope of K is only found for laws with a force along the profile.
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: &impl NormalLaw) -> Self {
+        Self(Shapes::new(scene, geometry), law.along(0.0).is_some())
     }
 }
 

@@ -4,6 +4,7 @@ mod detection;
 mod field;
 mod lanes;
 mod pairs;
+mod small;
 
 use pinwheel_contact::{Law, LawParameters, LawVisitor, NormalLaw};
 
@@ -88,11 +89,15 @@ pub(crate) fn field(
     kernel: Kernel,
 ) -> Result<Box<dyn ContactField>, GearboxError> {
     let law = law_of(scene).ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
-    law.visit(Build {
+    let field = law.visit(Build {
         scene,
         geometry,
         kernel,
         any: law,
+    })?;
+    Ok(match geometry.small_sleeve {
+        Some((sleeve, less)) => Box::new(small::Small::new(field, scene, sleeve, less)),
+        None => field,
     })
 }
 
@@ -122,21 +127,16 @@ impl LawVisitor for Build<'_> {
         } = self;
         let in_lanes =
             kernel != Kernel::Scalar && scene.contact.friction_law == FrictionLaw::Regularised;
-        // A force along the profile needs the slope of K, which lanes do not have and points cannot.
-        let along = law.along(0.0).is_some();
         Ok(match scene.contact.detection {
-            Detection::Exact if along => {
-                let exact = Exact::with_slope(scene, geometry);
-                Box::new(Pairs::new(scene, geometry, law, exact))
-            }
             Detection::Exact if in_lanes => {
                 Box::new(LaneField::new(scene, geometry, any, kernel.arch()))
             }
             Detection::Exact => {
-                let exact = Exact::new(scene, geometry);
+                let exact = Exact::new(scene, geometry, &law);
                 Box::new(Pairs::new(scene, geometry, law, exact))
             }
-            Detection::Points if along => {
+            // A force along the profile needs the slope of K, which points do not have.
+            Detection::Points if law.along(0.0).is_some() => {
                 return Err(GearboxError::Geometry(format!(
                     "contact.detection = \"points\" has no slope of the stiffness, which the law `{}` needs; \
                      use contact.detection = \"exact\"",

@@ -10,8 +10,9 @@
 //! made only for steps in which somebody looks. What a rejected step computed is thrown away; the step after a
 //! rejection does not grow.
 
+use super::clock::{Adaptive, Clock};
 use super::dop853_coefficients::{A, C, D, E3, E5, EXTENDED, Row, STAGES};
-use super::{MethodInfo, StepCounts, StepError, Stepper, short_step};
+use super::{MethodInfo, StepError};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
@@ -33,11 +34,7 @@ const DENSE: usize = 7;
 #[derive(Debug, Clone)]
 pub struct Dop853 {
     tolerance: f64,
-    time: f64,
-    /// Next step to try, and the last one taken.
-    h: f64,
-    taken: f64,
-    counts: StepCounts,
+    clock: Clock,
     y: Vec<f64>,
     /// State at the start of the last step.
     before: Vec<f64>,
@@ -60,10 +57,7 @@ impl Dop853 {
         let zeros = vec![0.0; y.len()];
         Self {
             tolerance,
-            time: t,
-            h,
-            taken: h,
-            counts: StepCounts::default(),
+            clock: Clock::new(h, t),
             y: y.to_vec(),
             before: y.to_vec(),
             k: vec![zeros.clone(); EXTENDED],
@@ -79,8 +73,8 @@ impl Dop853 {
     /// f at the current state.
     fn refresh<S: OdeSystem>(&mut self, system: &mut S) {
         if !self.fresh {
-            system.derivative(self.time, &self.y, &mut self.k[STAGES]);
-            self.counts.evaluations += 1;
+            system.derivative(self.clock.time, &self.y, &mut self.k[STAGES]);
+            self.clock.counts.evaluations += 1;
             self.fresh = true;
         }
     }
@@ -88,10 +82,14 @@ impl Dop853 {
     /// All stages from `trial[0]`; the result is in `next`.
     fn stages<S: OdeSystem>(&mut self, system: &mut S) {
         for i in 1..=STAGES {
-            combine(&self.y, self.h, A[i], &self.trial, &mut self.next);
+            combine(&self.y, self.clock.h, A[i], &self.trial, &mut self.next);
             if i < STAGES {
-                system.derivative(self.time + C[i] * self.h, &self.next, &mut self.trial[i]);
-                self.counts.evaluations += 1;
+                system.derivative(
+                    self.clock.time + C[i] * self.clock.h,
+                    &self.next,
+                    &mut self.trial[i],
+                );
+                self.clock.counts.evaluations += 1;
             }
         }
     }
@@ -112,7 +110,7 @@ impl Dop853 {
         if fifth == 0.0 && third == 0.0 {
             return 0.0;
         }
-        let norm = self.h * fifth / ((fifth + 0.01 * third) * self.y.len() as f64).sqrt();
+        let norm = self.clock.h * fifth / ((fifth + 0.01 * third) * self.y.len() as f64).sqrt();
         if norm.is_finite() && self.next.iter().all(|x| x.is_finite()) {
             norm
         } else {
@@ -123,11 +121,11 @@ impl Dop853 {
     /// Makes the continuous extension of the last step.
     fn extend<S: OdeSystem>(&mut self, system: &mut S) {
         self.refresh(system);
-        let (h, start) = (self.taken, self.time - self.taken);
+        let (h, start) = (self.clock.taken, self.clock.time - self.clock.taken);
         for i in STAGES + 1..EXTENDED {
             combine(&self.before, h, A[i], &self.k, &mut self.next);
             system.derivative(start + C[i] * h, &self.next, &mut self.k[i]);
-            self.counts.evaluations += 1;
+            self.clock.counts.evaluations += 1;
         }
         for c in 0..self.y.len() {
             let change = self.y[c] - self.before[c];
@@ -152,69 +150,57 @@ fn combine(y: &[f64], h: f64, row: Row, k: &[Vec<f64>], out: &mut [f64]) {
     }
 }
 
-impl<S: OdeSystem> Stepper<S> for Dop853 {
-    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+impl Adaptive for Dop853 {
+    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
         self.refresh(system);
         self.trial[0].copy_from_slice(&self.k[STAGES]);
         if !self.trial[0].iter().all(|x| x.is_finite()) {
-            return Err(StepError::NotFinite { time: self.time });
+            return Err(StepError::NotFinite {
+                time: self.clock.time,
+            });
         }
         let mut limit = GROW;
         loop {
-            if !(self.h > 4.0 * f64::EPSILON * self.time.abs().max(f64::MIN_POSITIVE)) {
-                return Err(StepError::StepTooSmall { time: self.time });
-            }
+            self.clock.room()?;
             self.stages(system);
             let error = self.error(system);
             if error <= 1.0 {
                 std::mem::swap(&mut self.k, &mut self.trial);
                 std::mem::swap(&mut self.before, &mut self.y);
                 std::mem::swap(&mut self.y, &mut self.next);
-                self.taken = self.h;
-                self.time += self.h;
                 let factor = SAFETY * error.max(1e-12).powf(-EXPONENT);
-                self.h = short_step(self.h * factor.clamp(SHRINK, limit));
-                system.settle(self.time, &mut self.y);
+                self.clock.accept(factor.clamp(SHRINK, limit));
+                system.settle(self.clock.time, &mut self.y);
                 (self.fresh, self.extended) = (false, false);
-                self.counts.steps += 1;
                 return Ok(());
             }
-            self.counts.rejected += 1;
             let factor = if error.is_finite() {
                 (SAFETY * error.powf(-EXPONENT)).max(SHRINK)
             } else {
                 SHRINK
             };
-            self.h = short_step(self.h * factor);
+            self.clock.reject(factor);
             limit = 1.0;
         }
     }
 
-    fn time(&self) -> f64 {
-        self.time
+    fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    fn clock_mut(&mut self) -> &mut Clock {
+        &mut self.clock
     }
 
     fn state(&self) -> &[f64] {
         &self.y
     }
 
-    fn next_step(&self) -> f64 {
-        self.h
-    }
-
-    fn shorten(&mut self, longest: f64) {
-        self.h = self.h.min(longest);
-    }
-
-    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
-        if self.counts.steps == 0 || (self.time - t).abs() < 1e-9 * self.taken {
-            y.copy_from_slice(&self.y);
-            return;
-        }
+    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         if !self.extended {
             self.extend(system);
         }
-        let s = 1.0 - (self.time - t) / self.taken;
+        let s = 1.0 - (self.clock.time - t) / self.clock.taken;
         let u = 1.0 - s;
         for (c, y) in y.iter_mut().enumerate() {
             let mut sum = 0.0;
@@ -223,10 +209,5 @@ impl<S: OdeSystem> Stepper<S> for Dop853 {
             }
             *y = self.before[c] + sum;
         }
-        system.settle(t, y);
-    }
-
-    fn counts(&self) -> StepCounts {
-        self.counts
     }
 }

@@ -95,8 +95,44 @@ pub struct Dopri5 {
     /// `k[0]` holds f at the current state.
     fresh: bool,
     scale: Vec<f64>,
-    /// y0, then the continuous extension's coefficients of the last step.
-    dense: [Vec<f64>; 5],
+    dense: Dense,
+}
+
+/// The continuous extension of a step.
+#[derive(Debug, Clone)]
+pub(super) struct Dense {
+    /// The step's end and its length, s.
+    pub(super) end: f64,
+    pub(super) taken: f64,
+    /// y0, then the coefficients.
+    coefficients: [Vec<f64>; 5],
+}
+
+impl Dense {
+    pub(super) fn new(dimension: usize) -> Self {
+        Self {
+            end: 0.0,
+            taken: 0.0,
+            coefficients: std::array::from_fn(|_| vec![0.0; dimension]),
+        }
+    }
+
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        (self.end, self.taken) = (other.end, other.taken);
+        for (to, from) in self.coefficients.iter_mut().zip(&other.coefficients) {
+            to.copy_from_slice(from);
+        }
+    }
+
+    /// The state at `t`, which lies inside the step.
+    pub(super) fn interpolate(&self, t: f64, y: &mut [f64]) {
+        let s = 1.0 - (self.end - t) / self.taken;
+        let u = 1.0 - s;
+        for (c, y) in y.iter_mut().enumerate() {
+            let d = |k: usize| self.coefficients[k][c];
+            *y = d(0) + s * (d(1) + u * (d(2) + s * (d(3) + u * d(4))));
+        }
+    }
 }
 
 impl Dopri5 {
@@ -116,8 +152,20 @@ impl Dopri5 {
             k: vec![zeros.clone(); STAGES],
             fresh: false,
             scale: zeros.clone(),
-            dense: std::array::from_fn(|_| zeros.clone()),
+            dense: Dense::new(y.len()),
         }
+    }
+
+    /// Starts anew at (t, y) with a first step `h` (s); counts go on.
+    pub(super) fn restart(&mut self, h: f64, t: f64, y: &[f64]) {
+        (self.time, self.h, self.taken) = (t, h, h);
+        (self.last_error, self.fresh) = (1e-4, false);
+        self.y.copy_from_slice(y);
+    }
+
+    /// The last step's continuous extension.
+    pub(super) fn dense(&self) -> &Dense {
+        &self.dense
     }
 
     /// All stages from `k[0]`; the result is in `next`.
@@ -157,12 +205,14 @@ impl Dopri5 {
             let change = self.next[c] - self.y[c];
             let bend = h * self.k[0][c] - change;
             let fourth: f64 = D.iter().zip(&self.k).map(|(d, k)| d * k[c]).sum();
-            self.dense[0][c] = self.y[c];
-            self.dense[1][c] = change;
-            self.dense[2][c] = bend;
-            self.dense[3][c] = change - h * self.k[6][c] - bend;
-            self.dense[4][c] = h * fourth;
+            let dense = &mut self.dense.coefficients;
+            dense[0][c] = self.y[c];
+            dense[1][c] = change;
+            dense[2][c] = bend;
+            dense[3][c] = change - h * self.k[6][c] - bend;
+            dense[4][c] = h * fourth;
         }
+        (self.dense.end, self.dense.taken) = (self.time + h, h);
     }
 }
 
@@ -234,12 +284,7 @@ impl<S: OdeSystem> Stepper<S> for Dopri5 {
             y.copy_from_slice(&self.y);
             return;
         }
-        let s = 1.0 - (self.time - t) / self.taken;
-        let u = 1.0 - s;
-        for (c, y) in y.iter_mut().enumerate() {
-            let d = |k: usize| self.dense[k][c];
-            *y = d(0) + s * (d(1) + u * (d(2) + s * (d(3) + u * d(4))));
-        }
+        self.dense.interpolate(t, y);
         system.settle(t, y);
     }
 

@@ -12,8 +12,9 @@
 //! `target` is tolerance^(3/2): a method of order 2 then needs about tolerance^(-1/2) steps, and the error
 //! of the whole run, not that of one step, is proportional to the tolerance.
 
+use super::clock::{Adaptive, Clock};
 use super::imex::{Point, advance};
-use super::{MethodInfo, StepCounts, StepError, Stepper, short_step};
+use super::{MethodInfo, StepError};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
@@ -33,11 +34,8 @@ const GROW: f64 = 2.0;
 #[derive(Debug, Clone)]
 pub struct ImexAdaptive {
     target: f64,
-    /// Length of the next step.
-    h: f64,
+    clock: Clock,
     time_before: f64,
-    time: f64,
-    counts: StepCounts,
     before: Point,
     now: Point,
     stage: Point,
@@ -53,10 +51,8 @@ impl ImexAdaptive {
         let point = Point::new(y);
         Self {
             target: tolerance * tolerance.sqrt(),
-            h,
+            clock: Clock::new(h, t),
             time_before: t,
-            time: t,
-            counts: StepCounts::default(),
             before: point.clone(),
             now: point.clone(),
             stage: point.clone(),
@@ -66,12 +62,12 @@ impl ImexAdaptive {
         }
     }
 
-    fn accept<S: OdeSystem>(&mut self, system: &mut S, end: f64) {
-        system.settle(end, &mut self.next.y);
+    fn accept<S: OdeSystem>(&mut self, system: &mut S, factor: f64) {
+        self.time_before = self.clock.time;
+        self.clock.accept(factor);
+        system.settle(self.clock.time, &mut self.next.y);
         std::mem::swap(&mut self.before, &mut self.now);
         std::mem::swap(&mut self.now, &mut self.next);
-        (self.time_before, self.time) = (self.time, end);
-        self.counts.steps += 1;
     }
 
     /// The estimate above; NaN or infinite when anything is.
@@ -95,31 +91,31 @@ impl ImexAdaptive {
     }
 }
 
-impl<S: OdeSystem> Stepper<S> for ImexAdaptive {
-    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+impl Adaptive for ImexAdaptive {
+    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
         if !self.fresh {
-            self.now.evaluate(system, self.time);
-            self.counts.evaluations += 1;
+            self.now.evaluate(system, self.clock.time);
+            self.clock.counts.evaluations += 1;
             self.fresh = true;
         }
         let known = self.now.e.iter().chain(&self.now.i);
         if !known.into_iter().all(|x| x.is_finite()) {
-            return Err(StepError::NotFinite { time: self.time });
+            return Err(StepError::NotFinite {
+                time: self.clock.time,
+            });
         }
         loop {
-            let h = self.h;
-            if !(h > 4.0 * f64::EPSILON * self.time.abs().max(f64::MIN_POSITIVE)) {
-                return Err(StepError::StepTooSmall { time: self.time });
-            }
+            self.clock.room()?;
+            let h = self.clock.h;
             advance(
                 system,
-                self.time,
+                self.clock.time,
                 h,
                 &self.now,
                 &mut self.stage,
                 &mut self.next,
             );
-            self.counts.evaluations += 2;
+            self.clock.counts.evaluations += 2;
             let share = self.error(system, h) / self.target;
             // A step that cannot be evaluated is far too long.
             let factor = if share.is_finite() {
@@ -128,37 +124,26 @@ impl<S: OdeSystem> Stepper<S> for ImexAdaptive {
                 SHRINK
             };
             if share <= 1.0 {
-                self.h = short_step(h * factor);
-                self.accept(system, self.time + h);
+                self.accept(system, factor);
                 return Ok(());
             }
-            self.h = short_step(h * factor.min(SAFETY));
-            self.counts.rejected += 1;
+            self.clock.reject(factor.min(SAFETY));
         }
     }
 
-    fn time(&self) -> f64 {
-        self.time
+    fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    fn clock_mut(&mut self) -> &mut Clock {
+        &mut self.clock
     }
 
     fn state(&self) -> &[f64] {
         &self.now.y
     }
 
-    fn next_step(&self) -> f64 {
-        self.h
-    }
-
-    fn shorten(&mut self, longest: f64) {
-        self.h = self.h.min(longest);
-    }
-
-    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
-        let whole = self.time - self.time_before;
-        if self.counts.steps == 0 || (self.time - t).abs() < 1e-9 * whole {
-            y.copy_from_slice(&self.now.y);
-            return;
-        }
+    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         advance(
             system,
             self.time_before,
@@ -168,10 +153,5 @@ impl<S: OdeSystem> Stepper<S> for ImexAdaptive {
             &mut self.next,
         );
         y.copy_from_slice(&self.next.y);
-        system.settle(t, y);
-    }
-
-    fn counts(&self) -> StepCounts {
-        self.counts
     }
 }

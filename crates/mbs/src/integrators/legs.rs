@@ -25,6 +25,8 @@ pub struct Legs<S: OdeSystem> {
     past: StepCounts,
     /// No step of a method that chooses its steps is longer, s.
     longest: f64,
+    /// The next time asked for, s.
+    aim: f64,
 }
 
 impl<S: OdeSystem> Legs<S> {
@@ -45,6 +47,7 @@ impl<S: OdeSystem> Legs<S> {
             ends: coming.filter(|&end| end > t).collect(),
             past: StepCounts::default(),
             longest: f64::INFINITY,
+            aim: f64::INFINITY,
         })
     }
 
@@ -102,9 +105,11 @@ impl<S: OdeSystem> Stepper<S> for Legs<S> {
         }
         self.enter(system);
         self.stepper.shorten(self.longest);
+        self.stepper.aim(self.aim);
         let (time, step, end) = (self.stepper.time(), self.stepper.next_step(), self.end());
         if time + step > end + THERE * step {
             self.restart(time, end - time);
+            self.stepper.aim(self.aim);
         }
         self.stepper.step(system)
     }
@@ -119,6 +124,10 @@ impl<S: OdeSystem> Stepper<S> for Legs<S> {
 
     fn next_step(&self) -> f64 {
         self.stepper.next_step()
+    }
+
+    fn aim(&mut self, time: f64) {
+        self.aim = time;
     }
 
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {

@@ -2,11 +2,44 @@
 //! are made of.
 //!
 //! All methods hand out the state at any time inside the last step, so that samples never cut
-//! steps: a run takes the same steps whatever is recorded.
+//! steps: a run takes the same steps whatever is recorded. Multistep methods, whose steps cost no more than a sample, end
+//! steps at samples instead ([`Stepper::aim`]).
+//!
+//! Any y' = f(t, y) can be integrated. Here y' = -y, to 1e-8 a step:
+//!
+//! ```
+//! use pinwheel_mbs::OdeSystem;
+//! use pinwheel_mbs::integrators::{StepSettings, start};
+//!
+//! struct Decay;
+//! impl OdeSystem for Decay {
+//!     fn dimension(&self) -> usize {
+//!         1
+//!     }
+//!     fn derivative(&mut self, _t: f64, y: &[f64], dydt: &mut [f64]) {
+//!         dydt[0] = -y[0];
+//!     }
+//! }
+//!
+//! let settings = StepSettings { step: 1e-2, tolerance: 1e-8 };
+//! let mut stepper = start("dop853", settings, 0.0, &[1.0]).ok_or("no such method")?;
+//! loop {
+//!     stepper.step(&mut Decay)?;
+//!     if stepper.time() > 1.0 {
+//!         break;
+//!     }
+//! }
+//! let mut y = [0.0];
+//! stepper.interpolate(&mut Decay, 1.0, &mut y);
+//! assert!((y[0] - (-1.0_f64).exp()).abs() < 1e-7);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod clock;
 mod dop853;
 mod dop853_coefficients;
 mod dopri5;
+mod etd_adams;
 mod explicit;
 mod heun;
 mod imex;
@@ -19,6 +52,7 @@ mod rodas5p_coefficients;
 
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
+pub use etd_adams::EtdAdams;
 pub use explicit::{FixedStep, Tableau};
 pub use imex::ImexFixed;
 pub use imex_adaptive::ImexAdaptive;
@@ -81,6 +115,9 @@ pub trait Stepper<S: OdeSystem> {
     fn next_step(&self) -> f64;
     /// Lets the next step be no longer than `longest`, s, where the method chooses it; else nothing happens.
     fn shorten(&mut self, _longest: f64) {}
+    /// The state at `time` (s) will be asked for next. Methods whose step takes a single evaluation end one there: the sample
+    /// needs an evaluation anyway, and both share it. All others go on as they would.
+    fn aim(&mut self, _time: f64) {}
     /// Writes the state at `t`, which lies inside the last accepted step.
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]);
     /// Counts so far.
@@ -128,6 +165,7 @@ methods! { |settings, t, y|
     rk4 => FixedStep::new(&rk4::TABLEAU, settings.step, t, y),
     dopri5 => Dopri5::new(settings.step, settings.tolerance, t, y),
     dop853 => Dop853::new(settings.step, settings.tolerance, t, y),
+    etd_adams => EtdAdams::new(settings.step, settings.tolerance, t, y),
     imex => ImexFixed::new(settings.step, t, y),
     imex_adaptive => ImexAdaptive::new(settings.step, settings.tolerance, t, y),
     rodas5p => Rodas5p::new(settings.step, settings.tolerance, t, y),

@@ -13,10 +13,12 @@
 //! A narrow ramp of f (regularised friction) is only treated implicitly by steps that land on it: tolerance times the scale of
 //! the rates must be smaller than the ramp, or the method jumps to and fro over it.
 
+use super::clock::{Adaptive, Clock};
 use super::rodas5p_coefficients::{A, C, D, GAMMA, H, STAGES, TIMES};
-use super::{MethodInfo, StepCounts, StepError, Stepper, short_step};
+use super::{MethodInfo, StepError};
 use crate::OdeSystem;
-use crate::jacobian::{Differences, Jacobian};
+use crate::differences::Differences;
+use crate::jacobian::Jacobian;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
     name: "rodas5p",
@@ -43,11 +45,7 @@ struct Slopes {
 #[derive(Debug, Clone)]
 pub struct Rodas5p {
     tolerance: f64,
-    time: f64,
-    /// Next step to try, and the last one taken.
-    h: f64,
-    taken: f64,
-    counts: StepCounts,
+    clock: Clock,
     y: Vec<f64>,
     /// State at the start of the last step.
     before: Vec<f64>,
@@ -70,10 +68,7 @@ impl Rodas5p {
         let zeros = vec![0.0; y.len()];
         Self {
             tolerance,
-            time: t,
-            h,
-            taken: h,
-            counts: StepCounts::default(),
+            clock: Clock::new(h, t),
             y: y.to_vec(),
             before: y.to_vec(),
             f: zeros.clone(),
@@ -88,10 +83,12 @@ impl Rodas5p {
 
     /// f, J and df/dt at the current state.
     fn linearise<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
-        system.derivative(self.time, &self.y, &mut self.f);
-        self.counts.evaluations += 1;
+        system.derivative(self.clock.time, &self.y, &mut self.f);
+        self.clock.counts.evaluations += 1;
         if !self.f.iter().all(|x| x.is_finite()) {
-            return Err(StepError::NotFinite { time: self.time });
+            return Err(StepError::NotFinite {
+                time: self.clock.time,
+            });
         }
         let n = self.y.len();
         let slopes = self.slopes.get_or_insert_with(|| Slopes {
@@ -99,20 +96,21 @@ impl Rodas5p {
             differences: None,
         });
         slopes.jacobian.clear();
-        self.counts.jacobians += 1;
-        if !system.jacobian(self.time, &self.y, &mut slopes.jacobian) {
+        self.clock.counts.jacobians += 1;
+        if !system.jacobian(self.clock.time, &self.y, &mut slopes.jacobian) {
             let own = slopes
                 .differences
                 .get_or_insert_with(|| Differences::new(n));
-            let (t, y) = (self.time, &self.y);
-            self.counts.evaluations += own.write(system, t, y, self.h, &mut slopes.jacobian);
+            let (t, y) = (self.clock.time, &self.y);
+            self.clock.counts.evaluations +=
+                own.write(system, t, y, self.clock.h, &mut slopes.jacobian);
         }
         Ok(())
     }
 
     /// All stages of a step; `argument` becomes y+. False if a stage has no solution.
     fn stages<S: OdeSystem>(&mut self, system: &mut S) -> bool {
-        let h = self.h;
+        let h = self.clock.h;
         let Some(Slopes { jacobian, .. }) = &mut self.slopes else {
             return false;
         };
@@ -132,8 +130,8 @@ impl Rodas5p {
             if i == 0 {
                 u.copy_from_slice(&self.f);
             } else {
-                system.derivative(self.time + TIMES[i] * h, &self.argument, u);
-                self.counts.evaluations += 1;
+                system.derivative(self.clock.time + TIMES[i] * h, &self.argument, u);
+                self.clock.counts.evaluations += 1;
             }
             add(C[i], 1.0 / h, known, u);
             if D[i] != 0.0 {
@@ -180,14 +178,12 @@ fn add(row: &[f64], factor: f64, u: &[Vec<f64>], sum: &mut [f64]) {
     }
 }
 
-impl<S: OdeSystem> Stepper<S> for Rodas5p {
-    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+impl Adaptive for Rodas5p {
+    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
         self.linearise(system)?;
         let mut limit = GROW;
         loop {
-            if !(self.h > 4.0 * f64::EPSILON * self.time.abs().max(f64::MIN_POSITIVE)) {
-                return Err(StepError::StepTooSmall { time: self.time });
-            }
+            self.clock.room()?;
             let error = if self.stages(system) {
                 self.error(system)
             } else {
@@ -197,54 +193,37 @@ impl<S: OdeSystem> Stepper<S> for Rodas5p {
             if error <= 1.0 {
                 std::mem::swap(&mut self.before, &mut self.y);
                 std::mem::swap(&mut self.y, &mut self.argument);
-                self.taken = self.h;
-                self.time += self.h;
-                self.h = short_step(self.h * factor.clamp(SHRINK, limit));
-                system.settle(self.time, &mut self.y);
+                self.clock.accept(factor.clamp(SHRINK, limit));
+                system.settle(self.clock.time, &mut self.y);
                 self.extended = false;
-                self.counts.steps += 1;
                 return Ok(());
             }
-            self.counts.rejected += 1;
-            self.h = short_step(self.h * factor.max(SHRINK));
+            self.clock.reject(factor.max(SHRINK));
             limit = 1.0;
         }
     }
 
-    fn time(&self) -> f64 {
-        self.time
+    fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    fn clock_mut(&mut self) -> &mut Clock {
+        &mut self.clock
     }
 
     fn state(&self) -> &[f64] {
         &self.y
     }
 
-    fn next_step(&self) -> f64 {
-        self.h
-    }
-
-    fn shorten(&mut self, longest: f64) {
-        self.h = self.h.min(longest);
-    }
-
-    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
-        if self.counts.steps == 0 || (self.time - t).abs() < 1e-9 * self.taken {
-            y.copy_from_slice(&self.y);
-            return;
-        }
+    fn inside<S: OdeSystem>(&mut self, _system: &mut S, t: f64, y: &mut [f64]) {
         if !self.extended {
             self.extend();
         }
-        let s = 1.0 - (self.time - t) / self.taken;
+        let s = 1.0 - (self.clock.time - t) / self.clock.taken;
         let u = 1.0 - s;
         for (c, y) in y.iter_mut().enumerate() {
             let bend = self.dense[0][c] + s * (self.dense[1][c] + s * self.dense[2][c]);
             *y = u * self.before[c] + s * (self.y[c] + u * bend);
         }
-        system.settle(t, y);
-    }
-
-    fn counts(&self) -> StepCounts {
-        self.counts
     }
 }

@@ -12,7 +12,7 @@
 use nalgebra::Vector3;
 
 use super::Lagrange;
-use crate::mechanism::Forces;
+use crate::Forces;
 use crate::state::{BodyState, Wrench};
 
 /// Adds the force (fx, fy) at `point` to the load of a body, and its opposite to the other's.

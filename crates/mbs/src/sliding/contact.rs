@@ -1,6 +1,6 @@
 //! A touching pair as data, and what it is in generalised velocities.
 
-use crate::mechanism::BodyId;
+use crate::BodyId;
 
 /// Two touching bodies, seen by an implicit treatment of their friction.
 #[derive(Debug, Clone, Copy, PartialEq)]

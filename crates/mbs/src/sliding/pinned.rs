@@ -6,8 +6,8 @@
 use super::contact::{Contact, Row};
 use super::rates::RateStage;
 use super::stage::SlidingStage;
-use crate::mechanism::{BodyId, Forces};
-use crate::state::BodyState;
+use crate::forces::Forces;
+use crate::state::{BodyId, BodyState};
 
 /// What moves a body's angle.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -72,6 +72,7 @@ fn headline(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Same => "Nothing moved but roundings",
         Verdict::Changed => "Results moved, within their limits",
+        Verdict::New => "Some results are not in the baseline",
         Verdict::Better => "Something is better, nothing is worse",
         Verdict::Worse => "Something is worse",
     }
@@ -80,7 +81,7 @@ fn headline(verdict: Verdict) -> &'static str {
 fn mark(verdict: Verdict) -> Mark {
     match verdict {
         Verdict::Same => Mark::Muted,
-        Verdict::Changed => Mark::Warn,
+        Verdict::Changed | Verdict::New => Mark::Warn,
         Verdict::Better => Mark::Good,
         Verdict::Worse => Mark::Bad,
     }

@@ -82,7 +82,7 @@ fn cells(verdict: Verdict, row: &[String]) -> Vec<Cell> {
     let style = match verdict {
         Verdict::Worse => BAD,
         Verdict::Better => GOOD,
-        Verdict::Changed => TITLE,
+        Verdict::Changed | Verdict::New => TITLE,
         Verdict::Same => QUIET,
     };
     let one = |(column, text): (usize, &String)| match column {

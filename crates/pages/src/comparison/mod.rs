@@ -29,7 +29,7 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
     Ok(pinwheel_report::render(&ReportInput {
         comparison: &found.comparison,
         participants: &found.participants,
-        animation: animation::of(&found.scene, cancel)?,
+        animation: animation::of(&found.gearbox, cancel)?,
         modelled: facts(&found.model.modelled),
         left_out: facts(&found.model.left_out),
         assumptions: found
@@ -40,7 +40,7 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
         versions,
         machine: made.machine.rows(),
         command: made.command.clone(),
-        scene_toml: found.scene.to_toml(),
+        scene_toml: found.gearbox.scene.to_toml(),
         made: Some(made.date.clone()),
     })?)
 }

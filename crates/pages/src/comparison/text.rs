@@ -1,7 +1,7 @@
 //! What `pinwheel compare` says on stdout: figures of every engine, verdicts of every pair.
 
 use pinwheel_compare::quantities::INPUT_TORQUE;
-use pinwheel_compare::{Comparison, Outcome, Verdict, WindowKind, track};
+use pinwheel_compare::{Comparison, Outcome, Track, Verdict, WindowKind};
 use pinwheel_report::statement;
 use pinwheel_report::terminal::{BAD, Cell, GOOD, QUIET, TITLE, lines, paragraph, styled};
 use pinwheel_scene::Scene;
@@ -29,7 +29,7 @@ pub fn text(scene: &Scene, comparison: &Comparison) -> String {
         let rigs = comparison
             .engines
             .iter()
-            .filter(|e| e.track == track::MEASURED);
+            .filter(|e| e.track == Track::Measured);
         for (name, note) in rigs.flat_map(|e| e.cost.notes.iter().map(|note| (&e.name, note))) {
             text.push_str(&format!("{}\n", paragraph(&format!("{name}: {note}"))));
         }
@@ -52,8 +52,12 @@ pub fn text(scene: &Scene, comparison: &Comparison) -> String {
             ))
         ));
     }
-    for reason in unresolved(comparison) {
-        text.push_str(&format!("\n{}", paragraph(&reason)));
+    for line in sharpened(comparison)
+        .into_iter()
+        .chain(budgets(comparison))
+        .chain(unresolved(comparison))
+    {
+        text.push_str(&format!("\n{}", paragraph(&line)));
     }
     format!("{text}\n{}", total(comparison))
 }
@@ -188,7 +192,7 @@ fn measured(comparison: &Comparison) -> Vec<Vec<Cell>> {
     let pairs = comparison
         .pairs
         .iter()
-        .filter(|p| p.track == track::MEASURED);
+        .filter(|p| p.track == Track::Measured);
     for pair in pairs {
         for entry in &pair.entries {
             let Some(metrics) = &entry.metrics else {
@@ -255,6 +259,61 @@ fn brief(quantity: &str) -> String {
         .replace("external_sleeve", "ext")
         .replace("internal_sleeve", "int")
         .replace('_', " ")
+}
+
+/// What taking off the leading error term makes of pairs whose orders were confirmed: the sharpest and the bluntest.
+fn sharpened(comparison: &Comparison) -> Option<String> {
+    let mut sharper: Vec<(f64, f64)> = Vec::new();
+    for entry in comparison.pairs.iter().flat_map(|pair| &pair.entries) {
+        let plain = entry.judgements.iter().find(|j| j.counts);
+        let both = entry.extrapolated.as_ref().zip(plain);
+        let bounds = both.and_then(|(new, old)| Some((new.combined()?, old.combined()?)));
+        sharper.extend(bounds.filter(|(new, old)| new < old));
+    }
+    let all = sharper.len();
+    if all == 0 {
+        return None;
+    }
+    sharper.sort_by(|a, b| (a.0 / a.1).total_cmp(&(b.0 / b.1)));
+    let (new, old) = sharper[all / 2];
+    Some(format!(
+        "extrapolated (Richardson): {all} statements are sharper, in the median U = {new:.0e} instead of {old:.0e}"
+    ))
+}
+
+/// Signs of a bar.
+const BAR: usize = 20;
+
+/// The shares of numerics, inputs and data in the uncertainty of a comparison with measured data, as bars.
+fn budgets(comparison: &Comparison) -> Vec<String> {
+    let mut told = Vec::new();
+    for pair in &comparison.pairs {
+        for entry in &pair.entries {
+            let counting = entry.judgements.iter().find(|j| j.counts);
+            let Some((budget, shares)) = counting
+                .and_then(|j| j.budget)
+                .and_then(|budget| Some((budget, budget.shares()?)))
+            else {
+                continue;
+            };
+            let signs = |share: f64| (share * BAR as f64).round() as usize;
+            let bar: String = shares
+                .iter()
+                .zip(['n', 'i', 'd'])
+                .map(|(share, sign)| sign.to_string().repeat(signs(*share)))
+                .collect();
+            let [numerical, input, data] = shares.map(|share| 100.0 * share);
+            told.push(format!(
+                "{} / {}, {}, {}: u_val = {:.1e} [{bar:BAR$}] numerics {numerical:.0} %, inputs {input:.0} %, data {data:.0} %",
+                statement::short(&pair.a),
+                statement::short(&pair.b),
+                brief(&entry.quantity),
+                entry.window.word(),
+                budget.validation()
+            ));
+        }
+    }
+    told
 }
 
 /// Who is not resolved, why, and what would do: once for each reason.

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_report::animation::markup as animate;
 use pinwheel_report::format::significant;
 use pinwheel_report::study::{
@@ -141,7 +142,10 @@ fn motion(cancel: &AtomicBool) -> Result<Vec<Section>, PageError> {
         } else {
             "without backlash".to_owned()
         };
-        views.extend(animation::window(&scene, &title, TURN, cancel)?);
+        let built = scene.check().map_err(GearboxError::from);
+        if let Ok(gearbox) = built.and_then(|scene| Gearbox::new(&scene)) {
+            views.extend(animation::window(&gearbox, &title, TURN, cancel)?);
+        }
     }
     if views.is_empty() {
         return Ok(Vec::new());

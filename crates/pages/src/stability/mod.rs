@@ -128,6 +128,7 @@ fn tiles(survey: &Survey) -> Vec<Tile> {
         ));
     }
     if let Some(projected) = survey.drift.as_ref().and_then(|d| d.last())
+        && projected.failure.is_none()
         && let Some(joint) = projected.joint_m
     {
         tiles.push(tile(

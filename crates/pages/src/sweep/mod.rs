@@ -6,7 +6,7 @@ use pinwheel_report::study::{
     Block, Cell, Column as Heading, Grid, GridAxis, GridFigure, Mark, Section, Study, Table, Tile,
     Verdict, render,
 };
-use pinwheel_studies::sweep::{Axis, Column, Outcome, Plan, Results, RunRecord, Value};
+use pinwheel_studies::sweep::{Axis, Column, Plan, Results, RunRecord, Value};
 
 use pinwheel_studies::Provenance;
 
@@ -33,7 +33,7 @@ pub fn page(
 ) -> Result<String, PageError> {
     let unfinished = records
         .iter()
-        .filter(|record| record.outcome != Outcome::Finished)
+        .filter(|record| !record.ending.is_finished())
         .count();
     let cpu: f64 = records.iter().map(|record| record.cpu_s).sum();
     let tile = |label: &str, value: String, detail: String| Tile {
@@ -140,7 +140,15 @@ fn figures<'a>(table: &'a Results) -> Vec<Figure<'a>> {
             continue;
         };
         let (label, unit) = if name == "efficiency" {
-            ("Efficiency, by means".to_owned(), String::new())
+            (
+                "Efficiency, by means, with what the contact law creates".to_owned(),
+                String::new(),
+            )
+        } else if name == "efficiency_accounted" {
+            (
+                "Efficiency, what the contact law creates taken out".to_owned(),
+                String::new(),
+            )
         } else if let Some((word, quantity)) = WORDS
             .iter()
             .find_map(|(prefix, word)| name.strip_prefix(prefix).map(|rest| (word, rest)))
@@ -166,7 +174,7 @@ fn figures<'a>(table: &'a Results) -> Vec<Figure<'a>> {
         "peak_external_sleeve_force_n" => 0,
         "peak_internal_sleeve_force_n" => 1,
         "mean_input_torque_n_m" => 2,
-        "efficiency" => 3,
+        "efficiency_accounted" => 3,
         name if name.starts_with("rms_") || name.ends_with("_rad") => 5,
         _ => 4,
     };
@@ -319,7 +327,7 @@ fn runs(plan: &Plan, table: &Results) -> Vec<Block> {
         ["mean_", "peak_", "rms_"]
             .iter()
             .any(|prefix| name.starts_with(prefix))
-            || name == "efficiency"
+            || name.starts_with("efficiency")
     };
     let ends: Vec<Option<(f64, f64)>> = columns
         .iter()

@@ -30,7 +30,7 @@ pub fn text(plan: &Plan, records: &[RunRecord], results: &str) -> String {
     let count = |wanted: &str| {
         records
             .iter()
-            .filter(|record| record.outcome.word() == wanted)
+            .filter(|record| record.ending.word() == wanted)
             .count()
     };
     let mut runs = vec![format!("{} finished", count("finished"))];

@@ -3,6 +3,20 @@
 //! A [`Study`] is data: sections of text, tables and charts. [`render`] turns it into one
 //! self-contained page with the comparison page's look: it opens without a network, reads without
 //! a script (but for the charts), and works on a phone, in the dark and on paper.
+//!
+//! ```
+//! use pinwheel_report::study::{Block, Cell, Column, Section, Study, Table, render};
+//!
+//! let table = Table {
+//!     caption: "Driver torque".into(),
+//!     columns: vec![Column::text("engine"), Column::number("N m")],
+//!     rows: vec![vec![Cell::text("native"), Cell::number("1.4529", 1.4529)]],
+//! };
+//! let section = Section { id: "torque".into(), title: "Torque".into(), blocks: vec![Block::Table(table)] };
+//! let page = render(&Study { title: "mine".into(), sections: vec![section], ..Study::default() })?;
+//! assert!(page.contains("Torque") && page.contains("1.4529"));
+//! # Ok::<(), pinwheel_report::ReportError>(())
+//! ```
 
 mod chart;
 mod grid;

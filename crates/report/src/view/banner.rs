@@ -1,7 +1,7 @@
 //! The top of the page: the verdict in one sentence, and the figures people come for.
 
 use pinwheel_compare::comparison::EngineSummary;
-use pinwheel_compare::{Comparison, Outcome, Quantity, WindowKind, quantities, track};
+use pinwheel_compare::{Comparison, Outcome, Quantity, Track, WindowKind, quantities};
 
 use super::{Mark, mark, pairs, quantity_label, window_label};
 use crate::{format, statement};
@@ -48,10 +48,10 @@ pub(super) struct Difference {
 pub(super) fn differences(comparison: &Comparison) -> Vec<Difference> {
     let mut found = Vec::new();
     for (track, title) in [
-        (track::MEASURED, "Measured data"),
-        (track::OWN_CONTACT, "Own contact"),
-        (track::SHARED_LAW, "Shared law"),
-        (track::NATIVE, "Native"),
+        (Track::Measured, "Measured data"),
+        (Track::OwnContact, "Own contact"),
+        (Track::SharedLaw, "Shared law"),
+        (Track::Native, "Native"),
     ] {
         let of_track = comparison.pairs.iter().enumerate();
         let of_track = of_track.filter(|(_, pair)| pair.track == track);
@@ -205,7 +205,7 @@ pub(super) fn tiles(comparison: &Comparison) -> Vec<Tile> {
     let one_law: Vec<&EngineSummary> = finished
         .iter()
         .copied()
-        .filter(|e| e.track == track::NATIVE || e.track == track::SHARED_LAW)
+        .filter(|e| e.track == Track::Native || e.track == Track::SharedLaw)
         .collect();
     let engines = if one_law.is_empty() {
         &finished

@@ -1,6 +1,6 @@
 //! What every run cost. Wall times are of this machine; counts are not.
 
-use pinwheel_compare::{Comparison, Cost, track};
+use pinwheel_compare::{Comparison, Cost, Track};
 
 use crate::format;
 
@@ -15,7 +15,7 @@ pub(super) struct Costs {
 pub(super) struct CostRow {
     pub(super) engine: String,
     pub(super) style: usize,
-    pub(super) track: String,
+    pub(super) track: Track,
     pub(super) status: &'static str,
     /// When and why, for a recorded run.
     pub(super) recorded: Option<String>,
@@ -58,7 +58,7 @@ fn rows(comparison: &Comparison, styles: &[usize]) -> Vec<CostRow> {
         .map(|(engine, &style)| {
             let cost = &engine.cost;
             // Measured data cost this machine nothing.
-            let measured = engine.track == track::MEASURED;
+            let measured = engine.track == Track::Measured;
             let or_none = |text: String, key: String| {
                 if measured {
                     (format::NONE.to_owned(), String::new())
@@ -72,7 +72,7 @@ fn rows(comparison: &Comparison, styles: &[usize]) -> Vec<CostRow> {
             CostRow {
                 engine: engine.name.clone(),
                 style,
-                track: engine.track.clone(),
+                track: engine.track,
                 status: if cost.recorded.is_some() {
                     "recorded"
                 } else {

@@ -29,7 +29,11 @@ pub(super) fn rows(comparison: &Comparison, styles: &[usize]) -> Vec<EnergyRow> 
                 ];
                 // Tenths of a millijoule of tens of joules: below that a remainder is rounding.
                 let mut values: Vec<String> = joules.iter().map(|x| format!("{x:.4}")).collect();
-                values.push(format!("{:.4} %", 100.0 * e.remainder_share));
+                let share = e.remainder_share.filter(|share| share.is_finite());
+                values.push(share.map_or_else(
+                    || "no work".to_owned(),
+                    |share| format!("{:.4} %", 100.0 * share),
+                ));
                 EnergyRow {
                     engine: engine.name.clone(),
                     style,

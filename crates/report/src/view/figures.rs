@@ -2,7 +2,7 @@
 
 use pinwheel_compare::comparison::EngineSummary;
 use pinwheel_compare::statistics::Statistics;
-use pinwheel_compare::{Comparison, Quantity, quantities, track};
+use pinwheel_compare::{Comparison, Quantity, Track, quantities};
 
 use super::banner::VISIBLE_SHARE;
 use super::window_label;
@@ -46,7 +46,7 @@ fn columns(quantity: &Quantity) -> &'static [Column] {
     }
 }
 
-pub(super) fn tables(comparison: &Comparison, track: &str, styles: &[usize]) -> Vec<FigureTable> {
+pub(super) fn tables(comparison: &Comparison, track: Track, styles: &[usize]) -> Vec<FigureTable> {
     let loads: Vec<&Quantity> = comparison
         .quantities
         .iter()
@@ -60,7 +60,7 @@ pub(super) fn tables(comparison: &Comparison, track: &str, styles: &[usize]) -> 
                 .engines
                 .iter()
                 .zip(styles)
-                .filter(|(e, _)| e.track == track || e.track == track::NATIVE)
+                .filter(|(e, _)| e.track == track || e.track == Track::Native)
                 .filter_map(|(engine, &style)| row(engine, style, window.kind, &loads))
                 .collect();
             FigureTable {

@@ -1,7 +1,7 @@
 //! The pairwise matrices: numbers on a ground whose depth is their magnitude.
 
 use pinwheel_compare::comparison::{Cell, Matrix};
-use pinwheel_compare::{Comparison, WindowKind};
+use pinwheel_compare::{Comparison, Track, WindowKind};
 
 use super::pairs::pair_id;
 use super::{Mark, mark, quantity_label, window_label};
@@ -39,7 +39,7 @@ pub(super) struct CellView {
     pub(super) spoken: String,
 }
 
-pub(super) fn of_track(comparison: &Comparison, track: &str) -> Vec<MatrixView> {
+pub(super) fn of_track(comparison: &Comparison, track: Track) -> Vec<MatrixView> {
     comparison
         .matrices
         .iter()

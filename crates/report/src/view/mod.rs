@@ -10,7 +10,7 @@ mod pairs;
 mod tracks;
 
 use askama::Template;
-use pinwheel_compare::{Comparison, Outcome, Verdict, WindowKind};
+use pinwheel_compare::{Comparison, Outcome, Track, Verdict, WindowKind};
 
 use crate::assets::{ASSETS, Assets};
 use crate::chart_data::{ChartData, json_for_script};
@@ -55,7 +55,7 @@ pub(crate) struct Page<'a> {
 struct EngineCard {
     name: String,
     version: String,
-    track: String,
+    track: Track,
     summary: String,
     differences: String,
     /// Colour and dash.
@@ -124,7 +124,7 @@ fn engine_cards(comparison: &Comparison, styles: &[usize]) -> Vec<EngineCard> {
         .map(|(engine, &style)| EngineCard {
             name: engine.name.clone(),
             version: engine.version.clone(),
-            track: engine.track.clone(),
+            track: engine.track,
             summary: engine.summary.clone(),
             differences: engine.differences.clone(),
             style,

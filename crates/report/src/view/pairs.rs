@@ -2,7 +2,7 @@
 
 use pinwheel_compare::comparison::{EngineEntry, Judgement, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
-use pinwheel_compare::{Check, Comparison, Outcome, Quantity, Verdict};
+use pinwheel_compare::{Check, Comparison, Outcome, Quantity, Track, Verdict};
 
 use super::{Mark, mark, quantity_label};
 use crate::format::{self, NONE, relative, relative_or_none, significant};
@@ -81,7 +81,7 @@ pub(super) fn pair_id(pair: usize) -> String {
 }
 
 /// The track's pairs and what was judged of its engines alone; those that did not pass first.
-pub(super) fn of_track(comparison: &Comparison, track: &str) -> Vec<PairView> {
+pub(super) fn of_track(comparison: &Comparison, track: Track) -> Vec<PairView> {
     let pairs = comparison.pairs.iter().enumerate();
     let mut found: Vec<PairView> = pairs
         .filter(|(_, pair)| pair.track == track)
@@ -238,7 +238,7 @@ fn share_label(share: f64) -> String {
 }
 
 /// Why the limits of a track are what they are, each reason once.
-pub(super) fn reasons(comparison: &Comparison, track: &str) -> Vec<String> {
+pub(super) fn reasons(comparison: &Comparison, track: Track) -> Vec<String> {
     let pairs = comparison.pairs.iter().filter(|p| p.track == track);
     let of_pairs = pairs.flat_map(|p| &p.entries).flat_map(|e| &e.checks);
     let engines = comparison.engines.iter().filter(|e| e.track == track);

@@ -1,6 +1,6 @@
 //! One section per track: figures, matrices, verdicts and details, never mixed with another's.
 
-use pinwheel_compare::{Comparison, track};
+use pinwheel_compare::{Comparison, Track};
 
 use super::figures::{self, FigureTable};
 use super::matrices::{self, MatrixView};
@@ -10,7 +10,7 @@ use super::pairs::{self, PairView};
 pub(super) struct TrackSection {
     /// Anchor.
     pub(super) id: String,
-    pub(super) title: String,
+    pub(super) title: &'static str,
     pub(super) about: &'static str,
     pub(super) figures: Vec<FigureTable>,
     pub(super) matrices: Vec<MatrixView>,
@@ -19,23 +19,17 @@ pub(super) struct TrackSection {
     pub(super) reasons: Vec<String>,
 }
 
-/// Sections in the order shared law, own contact, others, native: native runs stand in the tables
+/// Sections in the order shared law, own contact, measured, native: native runs stand in the tables
 /// of all others, so that only what they say among themselves is left for the end.
 pub(super) fn sections(comparison: &Comparison, styles: &[usize]) -> Vec<TrackSection> {
     let finished = || comparison.engines.iter().filter(|e| e.status.is_finished());
-    let mut names: Vec<&str> = Vec::new();
+    let mut names: Vec<Track> = Vec::new();
     for engine in finished() {
-        if !names.contains(&engine.track.as_str()) {
-            names.push(&engine.track);
+        if !names.contains(&engine.track) {
+            names.push(engine.track);
         }
     }
-    names.sort_by_key(|name| match *name {
-        track::SHARED_LAW => 0,
-        track::OWN_CONTACT => 1,
-        track::NATIVE => 4,
-        track::MEASURED => 3,
-        _ => 2,
-    });
+    names.sort_by_key(|&name| (name == Track::Native, name));
     let alone = names.len() == 1;
     names
         .into_iter()
@@ -46,40 +40,36 @@ pub(super) fn sections(comparison: &Comparison, styles: &[usize]) -> Vec<TrackSe
 
 fn section(
     comparison: &Comparison,
-    name: &str,
+    name: Track,
     place: usize,
     alone: bool,
     styles: &[usize],
 ) -> TrackSection {
     let (title, about) = match name {
-        track::NATIVE => (
-            "Native".to_owned(),
+        Track::Native => (
+            "Native",
             "Pinwheel's own solver: its runs against each other, and each against the load.",
         ),
-        track::SHARED_LAW => (
-            "Shared law".to_owned(),
+        Track::SharedLaw => (
+            "Shared law",
             "Each engine supplies bodies, joints and time integration; all evaluate the same \
              contact law inside their steps. This checks the multibody side to many digits. It \
              cannot find an error in the law, which all sides share.",
         ),
-        track::OWN_CONTACT => (
-            "Own contact".to_owned(),
+        Track::OwnContact => (
+            "Own contact",
             "Each engine detects and resolves contact itself. This checks geometry and law \
              independently, to a few per cent.",
         ),
-        track::MEASURED => (
-            "Measured".to_owned(),
+        Track::Measured => (
+            "Measured",
             "Data from elsewhere, another program's export or a test rig, by a map of its columns. \
              Model, parameters, units and sampling may differ; what was done to put it beside the \
              others stands in its notes. Only limits and uncertainties that the map states are used.",
         ),
-        other => (
-            other.to_owned(),
-            "Runs of this track against each other and native runs.",
-        ),
     };
     // Native figures stand beside those of every other track; repeat them only if there is none.
-    let figures = if name == track::NATIVE && !alone {
+    let figures = if name == Track::Native && !alone {
         Vec::new()
     } else {
         figures::tables(comparison, name, styles)

@@ -2,8 +2,8 @@
 
 use super::super::error::Fault;
 use super::super::model::Scene;
-use super::number::{above, short};
 use super::output;
+use crate::number::{above, short};
 
 /// Samples kept in memory at most.
 const MOST_SAMPLES: f64 = 5e6;

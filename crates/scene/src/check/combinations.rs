@@ -1,9 +1,9 @@
 //! Values that are each right and do not go together.
 
-use super::number::short;
 use crate::FrictionLaw;
 use crate::error::{Fault, quoted};
 use crate::model::{Detection, Scene};
+use crate::number::short;
 
 /// Laws that do not go with every detection, friction or integrator.
 pub(super) fn check(scene: &Scene) -> Result<(), Fault> {

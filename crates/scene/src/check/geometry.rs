@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use super::super::error::Fault;
 use super::super::model::Gear;
 use super::super::profile::Profile;
-use super::number::{above, below, short};
+use crate::number::{above, below, short};
 
 /// Relative slack for values that meet exactly in decimal but not in binary (6 + 2.8 = 8.8 mm).
 const ROUNDING: f64 = 1e-12;
@@ -180,15 +180,13 @@ fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
 
 /// Every hole must lie inside the profile: its centre farther from C than hole radius + q.
 ///
-/// A hole that stays inside the circle through the pits is inside whatever its angle. Otherwise
-/// each hole of each wheel is measured where it stands between lobe and pit.
+/// A hole that stays inside the circle through the pits is inside whatever its angle.
 fn holes_inside_the_wheel(gear: &Gear) -> Result<(), Fault> {
     let curve = Profile::of(gear);
     let (circle, hole) = (gear.internal_circle_radius_m, gear.hole_radius_m);
     if circle + hole < curve.pit_radius() {
         return Ok(());
     }
-    let needed = hole + gear.external_sleeve_radius_m;
     let leaves = |free: f64| {
         Fault::new(
             &["gear.hole_radius_m", "gear.internal_circle_radius_m"],
@@ -204,11 +202,26 @@ fn holes_inside_the_wheel(gear: &Gear) -> Result<(), Fault> {
             ),
         )
     };
+    let wall = hole_to_profile_m(gear);
+    if wall <= 0.0 {
+        return Err(leaves(wall + hole));
+    }
+    Ok(())
+}
+
+/// What is left between a hole and the wheel's edge, m, of the hole nearest to it; negative where one leaves the wheel.
+///
+/// Each hole of each wheel is measured where it stands between lobe and pit.
+pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {
+    let curve = Profile::of(gear);
+    let (circle, hole) = (gear.internal_circle_radius_m, gear.hole_radius_m);
     // Outside C altogether: the distance alone would not tell.
     if circle >= gear.pitch_radius_m() + gear.eccentricity_m {
-        return Err(leaves(0.0));
+        return -hole;
     }
+    let needed = hole + gear.external_sleeve_radius_m;
     let pitch = TAU / curve.lobes();
+    let mut least = f64::INFINITY;
     for wheel in 0..gear.wheels {
         let phase = TAU * wheel as f64 / gear.wheels as f64;
         let turned = (PI - phase) / curve.lobes();
@@ -220,12 +233,13 @@ fn holes_inside_the_wheel(gear: &Gear) -> Result<(), Fault> {
             // The nearest part of C lies within a lobe's pitch on either side, or half a turn for very few lobes.
             let free = curve.distance(centre, angle, pitch.min(PI), 96);
             let [x, y] = curve.point(parameter_at(&curve, angle));
-            if free <= needed || x.hypot(y) <= circle {
-                return Err(leaves(free - gear.external_sleeve_radius_m));
+            if x.hypot(y) <= circle {
+                return -hole;
             }
+            least = least.min(free - needed);
         }
     }
-    Ok(())
+    least
 }
 
 /// The parameter a at which C(a) has the polar angle `angle`, by fixed-point iteration with half steps:

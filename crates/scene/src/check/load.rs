@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use super::super::error::Fault;
 use super::super::model::Scene;
-use super::number::short;
 use crate::load_course::APART_S;
+use crate::number::short;
 
 const KEY: &str = "drive.load_changes";
 
@@ -87,7 +87,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
                 ),
                 format!(
                     "give at most {} s",
-                    super::number::below(next.time_s - change.time_s)
+                    crate::number::below(next.time_s - change.time_s)
                 ),
             ));
         }

@@ -7,7 +7,6 @@ mod budget;
 mod combinations;
 mod geometry;
 mod load;
-mod number;
 mod output;
 mod ranges;
 mod units;
@@ -33,6 +32,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     combinations::check(scene)?;
     load::check(scene)?;
     gear(&scene.gear)?;
+    crate::uncertain::check(scene)?;
     budget::check(scene)
 }
 
@@ -41,5 +41,5 @@ pub(crate) fn gear(gear: &Gear) -> Result<(), Fault> {
     geometry::check(gear).map_err(|fault| units::guess(gear, fault))
 }
 
-pub(crate) use number::short;
+pub(crate) use geometry::hole_to_profile_m;
 pub(crate) use ranges::check as ranges;

@@ -4,11 +4,14 @@ use std::borrow::Cow;
 
 use toml::{Table, Value};
 
-use super::number::short;
 use crate::error::{Fault, one_line, quoted};
-use crate::fill::lookup;
 use crate::keys::{KEYS, Key, Kind, Range};
+use crate::number::short;
 use crate::suggest::did_you_mean;
+use crate::table::lookup;
+
+/// Smaller numbers are no quantities of a gear; powers and quotients of them are zero or infinite.
+const SMALLEST: f64 = 1e-30;
 
 /// Checks the values there are; what is missing is none of its business.
 pub(crate) fn check(table: &Table) -> Result<(), Fault> {
@@ -27,6 +30,20 @@ fn one(row: &Key, key: Cow<'static, str>, value: &Value) -> Result<(), Fault> {
         remedy,
     };
     match (row.kind, value) {
+        (Kind::Number(range), Value::Float(number))
+            if range.holds(*number) && *number != 0.0 && number.abs() < SMALLEST =>
+        {
+            let remedy = if range.holds(0.0) {
+                "write 0, or a value that means something"
+            } else {
+                row.hint
+            };
+            let what = format!(
+                "is {}, below the roundings of everything it meets",
+                short(*number)
+            );
+            Err(fault(what, remedy.to_owned()))
+        }
         (Kind::Number(range), Value::Float(number)) if !range.holds(*number) => {
             let unit = match row.unit() {
                 "" => String::new(),

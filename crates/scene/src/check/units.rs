@@ -1,9 +1,9 @@
 //! A gear that cannot be built because one length, or all, were typed in millimetres.
 
 use super::geometry;
-use super::number::short;
 use crate::error::Fault;
 use crate::model::Gear;
+use crate::number::short;
 
 type Length = (&'static str, fn(&mut Gear) -> &mut f64);
 

@@ -108,6 +108,13 @@ choice!(
     "solver.tolerance" = "1e-6"
 );
 choice!(
+    ETD,
+    "reduced-etd-adams",
+    "reduced",
+    "etd-adams",
+    "solver.tolerance" = "1e-6"
+);
+choice!(
     DOP853,
     "reduced-dop853",
     "reduced",
@@ -197,6 +204,7 @@ pub const SCENES: &[SceneCase] = &[
             MIDPOINT,
             RK4,
             DOPRI5,
+            ETD,
             DOP853,
             IMEX2,
             IMEX2_ADAPTIVE,
@@ -209,14 +217,14 @@ pub const SCENES: &[SceneCase] = &[
         "every method and both formulations on the main case"
     ),
     scene!(
-        "paper-loaded" from "paper" { "drive.start" = "equilibrium", "drive.load_ramp_s" = "0.01" } &[RK4, DOPRI5],
+        "paper-loaded" from "paper" { "drive.start" = "equilibrium", "drive.load_ramp_s" = "0.01" } &[RK4, DOPRI5, ETD],
         "statics at the start, and a load that rises"
     ),
     scene!("paper-2019", &[RK2, DOPRI5], "other holes and sleeves"),
     scene!("paper-geometric", &[RK2, DOPRI5], "other inertias"),
     scene!(
         "backlash-0.6",
-        &[RK2, DOPRI5],
+        &[RK2, DOPRI5, ETD],
         "contacts that open and close"
     ),
     scene!("one-wheel", &[DOPRI5, LAGRANGE_RK2], "one wheel"),
@@ -225,10 +233,14 @@ pub const SCENES: &[SceneCase] = &[
         &[RK2, DOPRI5, LAGRANGE_RK2],
         "another gear: eleven sleeves, three wheels"
     ),
-    scene!("forty-pins", &[RK2, DOPRI5], "another gear: forty sleeves"),
+    scene!(
+        "forty-pins",
+        &[RK2, DOPRI5, ETD],
+        "another gear: forty sleeves"
+    ),
     scene!(
         "steel",
-        &[RK4_FINE, DOPRI5, DOP853],
+        &[RK4_FINE, DOPRI5, ETD, DOP853],
         "hundred times the stiffness"
     ),
     scene!(
@@ -254,7 +266,7 @@ pub const SCENES: &[SceneCase] = &[
         } &[RK4_FINE, DOPRI5],
         "friction that falls with speed"
     ),
-    scene!("paper-conservative" from "paper" { "contact.law" = "paper-conservative" } &[RK4, DOPRI5], "the law with a potential"),
+    scene!("paper-conservative" from "paper" { "contact.law" = "paper-conservative" } &[RK4, DOPRI5, ETD], "the law with a potential"),
     scene!("flores" from "paper" { "contact.law" = "flores" } &[RK4, DOPRI5], "hysteresis damping"),
     scene!("line-contact" from "paper" { "contact.law" = "line-contact" } &[RK4, DOPRI5], "line contact"),
     scene!(
@@ -274,7 +286,7 @@ pub const SCENES: &[SceneCase] = &[
     ),
     scene!(
         "hard-backlash-1",
-        &[RK4, DOPRI5],
+        &[RK4, DOPRI5, ETD],
         "impacts after a long fall"
     ),
     scene!("hard-damping-64", &[RK4, DOPRI5], "damping that dominates"),
@@ -285,13 +297,13 @@ pub const SCENES: &[SceneCase] = &[
     ),
     scene!(
         "hard-load-reversal",
-        &[RK4, DOPRI5],
+        &[RK4, DOPRI5, ETD],
         "all contacts open at once, and strike"
     ),
     scene!("hard-load-reversed", &[RK4, DOPRI5], "the other flanks"),
     scene!(
         "hard-load-step",
-        &[RK4, DOPRI5],
+        &[RK4, DOPRI5, ETD],
         "a jump that the step control must survive"
     ),
     scene!(
@@ -325,7 +337,11 @@ pub const SCENES: &[SceneCase] = &[
         &[RK4_FINE],
         "steel by a fixed step that just resolves it"
     ),
-    scene!("hard-stiffness-0.1", &[DOPRI5], "ten times the stiffness"),
+    scene!(
+        "hard-stiffness-0.1",
+        &[DOPRI5, ETD],
+        "ten times the stiffness"
+    ),
     scene!(
         "hard-stiffness-0.1-damped",
         &[DOPRI5],

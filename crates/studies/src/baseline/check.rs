@@ -127,7 +127,7 @@ pub fn check(
         after: here,
         time,
         time_is_judged: options.judge_time,
-        verdict: verdict.unwrap_or(Verdict::Same),
+        verdict: verdict.unwrap_or(Verdict::New),
         cases,
     })
 }
@@ -173,7 +173,7 @@ impl CaseCheck {
         };
         let Some((reference, accepted)) = accepted else {
             let trouble = "not in the baseline yet; record it to watch it".to_owned();
-            (self.trouble, self.verdict) = (Some(trouble), Verdict::Changed);
+            (self.trouble, self.verdict) = (Some(trouble), Verdict::New);
             return;
         };
         self.quantities = self.quantities(&run, reference, accepted);
@@ -185,7 +185,8 @@ impl CaseCheck {
             .map(|(a, b)| [a, b]);
         let verdicts = self.quantities.iter().map(|q| q.verdict);
         let verdicts = verdicts.chain(self.costs.iter().map(|c| c.verdict));
-        self.verdict = verdicts.max().unwrap_or(Verdict::Same).max(self.verdict);
+        // Without a number nothing is the same.
+        self.verdict = verdicts.max().unwrap_or(Verdict::New).max(self.verdict);
     }
 
     fn quantities(

@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use crate::StudyError;
 
+/// Version of the layout.
+pub(super) const FORMAT: u32 = 1;
+
 /// Why there is no baseline, or no check of it.
 #[derive(Debug, thiserror::Error)]
 pub enum BaselineError {
@@ -32,7 +35,7 @@ pub enum BaselineError {
         what: String,
     },
     /// A layout of another time.
-    #[error("{}: format {found} is not the one this program writes ({}); record it anew", path.display(), super::file::FORMAT)]
+    #[error("{}: format {found} is not the one this program writes ({}); record it anew", path.display(), FORMAT)]
     Format {
         /// Which file.
         path: PathBuf,

@@ -8,13 +8,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::error::BaselineError;
+use super::error::{BaselineError, FORMAT};
 use super::quantity::{self, SKETCH};
 use super::runner::Costs;
 use crate::output::file_name;
 
-/// Version of the layout.
-pub(super) const FORMAT: u32 = 1;
 /// Name of the file that makes a folder a baseline.
 pub const HEAD: &str = "baseline.toml";
 
@@ -184,6 +182,15 @@ impl Baseline {
 
     /// Reads the baseline `name` in `dir`, the folder of all.
     ///
+    /// ```
+    /// use pinwheel_studies::baseline::Baseline;
+    ///
+    /// let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../reference/baselines");
+    /// let accepted = Baseline::open(folder.as_ref(), "accepted")?;
+    /// assert!(accepted.scenes.iter().any(|scene| scene.name == "paper"));
+    /// # Ok::<(), pinwheel_studies::baseline::BaselineError>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`folder`](Self::folder) and [`read`](Self::read); where there is none, the error names those that there are.
     pub fn open(dir: &Path, name: &str) -> Result<Self, BaselineError> {
@@ -225,6 +232,12 @@ impl Baseline {
             return Err(BaselineError::Format {
                 path: dir.join(HEAD),
                 found: head.format,
+            });
+        }
+        if head.scenes.is_empty() {
+            return Err(BaselineError::Spoiled {
+                path: dir.join(HEAD),
+                what: "it lists no scenes, so that nothing could be compared".to_owned(),
             });
         }
         let mut scenes = Vec::new();

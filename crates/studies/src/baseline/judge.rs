@@ -15,6 +15,8 @@ pub enum Verdict {
     Same,
     /// Moved, and is as good as before.
     Changed,
+    /// Not in the baseline: nothing was compared.
+    New,
     /// Closer to the converged result, or cheaper.
     Better,
     /// Farther from the converged result, or dearer.
@@ -28,6 +30,7 @@ impl Verdict {
         match self {
             Self::Same => "same to rounding",
             Self::Changed => "changed within limits",
+            Self::New => "not in the baseline",
             Self::Better => "better",
             Self::Worse => "worse",
         }

@@ -4,10 +4,10 @@ use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_scene::CheckedScene;
 
 use super::cases::{SceneCase, Way};
-use super::error::BaselineError;
+use super::error::{BaselineError, FORMAT};
 use super::file::{
-    Acceptance, Baseline, CaseQuantity, CaseRecord, FORMAT, Head, Made, ReferenceQuantity,
-    ReferenceRecord, SceneRecord,
+    Acceptance, Baseline, CaseQuantity, CaseRecord, Head, Made, ReferenceQuantity, ReferenceRecord,
+    SceneRecord,
 };
 use super::limits;
 use super::quantised::{quantum, to_line};

@@ -67,6 +67,7 @@ pub fn sentence(check: &Check) -> String {
     for verdict in [
         Verdict::Worse,
         Verdict::Better,
+        Verdict::New,
         Verdict::Changed,
         Verdict::Same,
     ] {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pinwheel_compare::limits::fits;
 use pinwheel_compare::{
-    Cost, DataUncertainty, Metric, Participant, StatedLimit, Status, WindowKind, quantities, track,
+    Cost, DataUncertainty, Metric, Participant, StatedLimit, Status, Track, WindowKind, quantities,
 };
 use pinwheel_courses::foreign::{self, ForeignError, Map, Offset, Resampled};
 use pinwheel_courses::{Courses, group_of};
@@ -101,10 +101,21 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
         .name
         .clone()
         .unwrap_or_else(|| stem.chars().map(plain).collect());
+    let name = match name.trim_start_matches('.') {
+        "" => "data",
+        name => name,
+    };
+    if foreign::is_reserved(name) {
+        let what = format!(
+            "`{name}` is the name of a file of the report; give the data another `name` in {}",
+            map_path.display()
+        );
+        return Err(fail(path, &what));
+    }
     Ok(Data {
         path: path.to_owned(),
         map_path: map_path.to_owned(),
-        name: name.trim_start_matches('.').to_owned(),
+        name: name.to_owned(),
         map,
         foreign,
     })
@@ -154,10 +165,8 @@ pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyEr
         return Ok(gearbox);
     }
     // Hundreds of single names make one pattern a family: the scene's own limit is on patterns.
-    let asking = |scene: &mut Scene| scene.output.channels = patterns(&channels);
-    let refuse = |error: &dyn std::fmt::Display| StudyError::Input(error.to_string());
-    let scene = gearbox.scene.changed(asking).map_err(|e| refuse(&e))?;
-    Gearbox::new(&scene).map_err(|e| refuse(&e))
+    let recording = gearbox.with_channels(patterns(&channels));
+    recording.map_err(|error| StudyError::Input(error.to_string()))
 }
 
 /// The names without those that a few patterns cover: where more than 50 are asked for, whole families.
@@ -215,7 +224,7 @@ impl Data {
         };
         let participant = Participant {
             name: self.name.clone(),
-            track: track::MEASURED.to_owned(),
+            track: Track::Measured,
             version: or(&self.map.version, "unknown"),
             summary: or(&self.map.summary, "data from elsewhere"),
             differences: or(
@@ -239,7 +248,7 @@ impl Data {
         let own = &self.foreign.courses;
         let offset = self.map.time.offset_s;
         let finished = others.iter().filter(|other| other.status.is_finished());
-        let run = finished.max_by_key(|other| (other.track == track::NATIVE, other.courses.len()));
+        let run = finished.max_by_key(|other| (other.track == Track::Native, other.courses.len()));
         let found = run.and_then(|run| Some((&run.name, foreign::shift(&run.courses, own)?)));
         match (offset, found) {
             (Offset::Align, None) => Err(StudyError::Input(format!(
@@ -359,7 +368,12 @@ impl Data {
     }
 
     /// The uncertainties of the map, relative to what was measured: of a group of columns the root mean square.
-    pub(super) fn uncertainties(&self, measured: &Courses) -> Vec<DataUncertainty> {
+    /// `inputs`: what the scene's uncertain values make of each quantity, as a share of its RMS.
+    pub(super) fn uncertainties(
+        &self,
+        measured: &Courses,
+        inputs: &[(String, f64)],
+    ) -> Vec<DataUncertainty> {
         let mut groups: Vec<(&str, f64, f64)> = Vec::new();
         for channel in measured.channels() {
             let Some(stated) = self.map.uncertainty_of(&channel.name) else {
@@ -381,7 +395,10 @@ impl Data {
             engine: self.name.clone(),
             quantity: name.to_owned(),
             data: (u / squares).sqrt(),
-            input: 0.0,
+            input: inputs
+                .iter()
+                .find(|(quantity, _)| quantity == name)
+                .map_or(0.0, |(_, share)| *share),
         };
         let found = groups.into_iter().map(relative);
         found.filter(|one| one.data.is_finite()).collect()

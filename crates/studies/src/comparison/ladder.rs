@@ -1,7 +1,7 @@
 //! Every engine on a ladder of settings: what its numbers are uncertain by, refined while time allows.
 //!
 //! The finest run is the one that is shown and compared; two coarser ones (2 and 4 times the step, 10 and 100 times the
-//! tolerance) say how far it may be off. Where a setting is free, and not stated by whoever asks, an engine whose
+//! tolerance; less for RODAS5P) say how far it may be off. Where a setting is free, and not stated by whoever asks, an engine whose
 //! uncertainty is too large is run finer: the finest run so far becomes a rung, so each refinement costs one run.
 
 use std::time::Duration;
@@ -9,12 +9,13 @@ use std::time::Duration;
 use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION};
 use pinwheel_compare::uncertainty::{Method, Source, Unresolved};
 use pinwheel_compare::{
-    Context, Evidence, Ladder, Participant, RESOLUTION, Rules, Rung, Status, Uncertainty,
-    compare_with, track,
+    Context, Evidence, Ladder, Participant, RESOLUTION, Rules, Rung, Status, Track, Uncertainty,
+    compare_with,
 };
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, Native, by_name};
-use pinwheel_gearbox::{Gearbox, auto};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::auto::{self, Plan};
 use pinwheel_mbs::integrators::METHODS;
 use pinwheel_scene::CheckedScene;
 
@@ -23,13 +24,15 @@ use crate::StudyError;
 use crate::control::{Control, Progress};
 
 /// How much is done for sharp statements.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
     /// Wall time that one engine's runs may take before it is refined no further.
     pub longest: Duration,
     /// Whether step, tolerance and integrator of the scene are obeyed as they stand. Otherwise they are where
     /// refinement begins.
     pub obey: bool,
+    /// The largest U of a pair that still counts as resolved, relative.
+    pub resolution: f64,
 }
 
 impl Effort {
@@ -45,12 +48,13 @@ impl Effort {
         Self {
             longest: Self::LONGEST,
             obey: !follows("solver.step_s"),
+            resolution: RESOLUTION,
         }
     }
 }
 
-/// Uncertainty of one engine that leaves room for the other within the resolution.
-const TARGET: f64 = 0.45 * RESOLUTION;
+/// Share of the resolution that one engine's uncertainty may take: it leaves room for the other's.
+const TARGET: f64 = 0.45;
 /// Most that one refinement makes finer.
 const MOST: f64 = 8.0;
 /// How much dearer a run at a tenth of the tolerance is.
@@ -77,7 +81,17 @@ struct Engines<'a> {
     value: f64,
     /// Why more may not be asked of it.
     excuse: Option<&'static str>,
+    /// What its iterations leave, whatever its step.
+    floor: f64,
 }
+
+/// Share of a tolerance below which no error is believed: near rest steps are bounded by stability, whatever the tolerance, and
+/// all runs of a ladder err alike (5e-10 at 5e-7 where their differences said 1.5e-10).
+const STABLE: f64 = 2e-3;
+/// Tolerance of RODAS5P where a comparison begins: ten times looser is as loose as it may be.
+const ROSENBROCK: f64 = 1e-6;
+/// Relative tolerance of exudyn's Newton iterations, which sets what the implicit form leaves.
+const NEWTON: f64 = 1e-8;
 
 const OF_ITS_OWN: &str = "its step and its contacts are its own";
 const EXPLICIT: &str = "its friction is not ours or explicit, and takes steps of about 2e-7 s";
@@ -95,23 +109,26 @@ impl<'a> Engines<'a> {
             knob: Knob::Step(order),
             value: scene.solver.step_s,
             excuse: friction.then_some(EXPLICIT),
+            floor: 0.0,
         };
         match own.name() {
             "native-resolved" => Self::resolved(own, gearbox),
             name if name.starts_with("native") => Self::native(own, gearbox.clone()),
             "rapier-shared-law" | "rapier-own-contact-hook" => Some(foreign(2.0)),
-            "exudyn-shared-law-constrained" => Some(foreign(2.0)),
+            "exudyn-shared-law-constrained" => Some(Self {
+                floor: NEWTON,
+                ..foreign(2.0)
+            }),
             "exudyn-shared-law-explicit" | "mujoco-shared-law" => Some(foreign(4.0)),
-            _ => own.refinement().map(|refinement| Self {
-                knob: match refinement.knob {
-                    pinwheel_engines::Knob::Step => Knob::Step(refinement.order),
-                    pinwheel_engines::Knob::Tolerance => Knob::Tolerance,
+            _ => own.refinement().map(|refinement| match refinement.knob {
+                pinwheel_engines::Knob::Step => foreign(refinement.order),
+                // Error control follows the friction.
+                pinwheel_engines::Knob::Tolerance => Self {
+                    knob: Knob::Tolerance,
+                    value: scene.solver.tolerance,
+                    excuse: None,
+                    ..foreign(refinement.order)
                 },
-                value: match refinement.knob {
-                    pinwheel_engines::Knob::Step => scene.solver.step_s,
-                    pinwheel_engines::Knob::Tolerance => scene.solver.tolerance,
-                },
-                ..foreign(refinement.order)
             }),
         }
     }
@@ -132,6 +149,7 @@ impl<'a> Engines<'a> {
             knob,
             value,
             excuse: None,
+            floor: 0.0,
         })
     }
 
@@ -151,6 +169,7 @@ impl<'a> Engines<'a> {
             knob,
             value,
             excuse: None,
+            floor: 0.0,
         })
     }
 
@@ -165,10 +184,14 @@ impl<'a> Engines<'a> {
             // Where friction was too stiff for one method, explicit steps get through and chatter.
             others.sort_by_key(|plan| matches!(plan.integrator, "dopri5" | "rk4"));
         }
-        plans
-            .iter()
-            .filter_map(|plan| Self::native(own, plan.applied(gearbox).ok()?))
-            .collect()
+        let way = |plan: &Plan| {
+            let mut way = Self::native(own, plan.applied(gearbox).ok()?)?;
+            if plan.integrator == "rodas5p" {
+                way.value = way.value.min(ROSENBROCK);
+            }
+            Some(way)
+        };
+        plans.iter().filter_map(way).collect()
     }
 
     fn method(&self) -> Method {
@@ -187,12 +210,13 @@ impl<'a> Engines<'a> {
         let (Knob::Step(_), solver) = (&self.knob, &self.gearbox.scene.solver) else {
             // The resolved form is dear, and its error small: its rungs are further apart.
             let smooth = solver_of(&self.gearbox) == "dopri5";
-            let decades = if self.rungs.is_some() && smooth {
-                100.0
-            } else {
-                10.0
+            let factor = match solver_of(&self.gearbox) {
+                // Looser than 1e-5 it does not land on the friction's ramp.
+                "rodas5p" => 10_f64.sqrt(),
+                _ if self.rungs.is_some() && smooth => 100.0,
+                _ => 10.0,
             };
-            return vec![value * decades, value * decades * decades];
+            return vec![value * factor, value * factor * factor];
         };
         let steps = solver.sample_s / value;
         let whole = (steps - steps.round()).abs() < 1e-6 && steps > 2.5;
@@ -230,6 +254,14 @@ impl<'a> Engines<'a> {
         take_part(engine, &gearbox, at, control)
     }
 
+    /// What no run of its ladder shows, as a share of a quantity, where the finest has this setting.
+    fn left(&self, value: f64) -> f64 {
+        match self.knob {
+            Knob::Step(_) => self.floor,
+            Knob::Tolerance => self.floor.max(STABLE * value),
+        }
+    }
+
     /// How much dearer a run is whose setting is `factor` times finer.
     fn dearer(&self, factor: f64) -> f64 {
         match self.knob {
@@ -251,7 +283,7 @@ struct At {
 }
 
 /// Runs an engine on its ladder.
-pub(super) fn climb(
+pub(crate) fn climb(
     engine: &dyn Engine,
     gearbox: &Gearbox,
     context: &Context,
@@ -319,7 +351,7 @@ pub(super) fn climb(
     let mut excuse = engines.excuse.filter(|_| effort.obey).map(str::to_owned);
     loop {
         let evidence = evidence(&engines, value, &rungs);
-        let found = refinement(context, &finest, &evidence)?;
+        let found = refinement(context, &finest, &evidence, TARGET * effort.resolution)?;
         let Some(needed) = found.factor.filter(|_| free) else {
             return Ok((finest, excused(evidence, excuse, found)));
         };
@@ -342,7 +374,7 @@ pub(super) fn climb(
         };
         let Some(finer) = finer else {
             // Foreign engines do what they can in the time they have; ours must do.
-            if finest.track != track::NATIVE {
+            if finest.track != Track::Native {
                 excuse = Some(format!(
                     "refined as far as {longest} s allow; the next run would take {next:.0} s (--longest)"
                 ));
@@ -405,6 +437,7 @@ fn evidence(engines: &Engines<'_>, value: f64, rungs: &[At]) -> Evidence {
             coarser: coarser.collect(),
         },
     )
+    .with_floor(engines.left(value))
 }
 
 /// The evidence with its excuse. An engine that rubs, or did its best, and does not converge in one quantity is outside of the
@@ -426,9 +459,9 @@ fn excused(evidence: Evidence, excuse: Option<String>, found: Needed) -> Evidenc
         None => evidence.source,
     };
     Evidence {
-        engine: evidence.engine,
         source,
         excuse,
+        ..evidence
     }
 }
 
@@ -444,6 +477,7 @@ fn refinement(
     context: &Context,
     participant: &Participant,
     evidence: &Evidence,
+    target: f64,
 ) -> Result<Needed, StudyError> {
     let rules = Rules {
         evidence: std::slice::from_ref(evidence),
@@ -458,8 +492,8 @@ fn refinement(
     let all = found.engines.iter().flat_map(|e| &e.uncertainty);
     for one in all.filter(|u| pointwise(u.window)) {
         match (&one.l2, one.relative_l2) {
-            (Uncertainty::Resolved(estimate), Some(share)) if share > TARGET => {
-                let factor = estimate.refinement_for(estimate.u * TARGET / share);
+            (Uncertainty::Resolved(estimate), Some(share)) if share > target => {
+                let factor = estimate.refinement_for(estimate.u * target / share);
                 most = most.max(factor.unwrap_or(1.0));
             }
             (Uncertainty::NotResolved(missing), _) => {

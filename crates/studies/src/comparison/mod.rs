@@ -3,6 +3,7 @@
 //! [`run`] gives an [`Outcome`]: data only. [`Outcome::write`] keeps it as files.
 
 pub mod foreign;
+mod inputs;
 mod ladder;
 
 use std::path::Path;
@@ -10,14 +11,14 @@ use std::path::Path;
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction, TOLERANCES};
 use pinwheel_compare::{
-    Comparison, Context, Divergence, Metric, Participant, Rules, Scales, Status, WindowKind,
-    compare_with, limits, track,
+    Comparison, Context, Divergence, Metric, Participant, Rules, Scales, Status, Track, WindowKind,
+    compare_with, limits,
 };
 use pinwheel_courses::{Courses, columns};
 use pinwheel_engines::{Engine, EngineError, RunStats, external, recorded};
 use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, Statement};
 use pinwheel_scene::load_course;
-use pinwheel_scene::{Assumption, CheckedScene, Scene, Start, assumptions};
+use pinwheel_scene::{Assumption, Scene, Start, assumptions};
 use serde::Serialize;
 
 use crate::control::{Control, Progress};
@@ -27,6 +28,7 @@ use crate::single::RunRecord;
 use crate::{StudyError, divergence};
 use foreign::Data;
 pub use ladder::Effort;
+pub(crate) use ladder::climb;
 
 /// What is compared.
 #[derive(Clone, Copy)]
@@ -42,8 +44,8 @@ pub struct Input<'a> {
 /// A comparison with everything it rests on.
 #[derive(Debug, Clone)]
 pub struct Outcome {
-    /// The scene as run.
-    pub scene: CheckedScene,
+    /// The scene as run, compiled.
+    pub gearbox: Gearbox,
     /// Figures, distances, limits and verdicts.
     pub comparison: Comparison,
     /// The runs behind it: those of the engines in their order, then the data from elsewhere.
@@ -94,7 +96,7 @@ pub fn run_with(
     let several = input.engines.len() + input.data.len() > 1;
     let mut context = context(scene);
     if several {
-        context.divergence = divergence(scene, at, control)?;
+        context.divergence = divergence(input.gearbox, at, control)?;
     }
     let (mut participants, mut evidence) = (Vec::new(), Vec::new());
     for (done, engine) in input.engines.iter().enumerate() {
@@ -111,9 +113,14 @@ pub fn run_with(
         evidence.push(shown);
     }
     let (mut stated, mut measured) = (Vec::new(), Vec::new());
+    let inputs = if input.data.is_empty() {
+        Vec::new()
+    } else {
+        inputs::uncertainty(scene, control)?
+    };
     for data in input.data {
         let (participant, limits) = data.take_part(scene, &participants)?;
-        measured.extend(data.uncertainties(&participant.courses));
+        measured.extend(data.uncertainties(&participant.courses, &inputs));
         participants.push(participant);
         stated.extend(limits);
     }
@@ -125,11 +132,12 @@ pub fn run_with(
         evidence: &evidence,
         tolerances: &tolerances,
         data: &measured,
+        resolution: effort.resolution,
         ..Rules::default()
     };
     let comparison = compare_with(&context, &participants, &rules)?;
     Ok(Outcome {
-        scene: scene.clone(),
+        gearbox: input.gearbox.clone(),
         comparison,
         participants,
         model,
@@ -153,7 +161,7 @@ impl Outcome {
                 continue;
             }
             let place = output::folder(dir, &participant.name)?;
-            if participant.track == track::MEASURED {
+            if participant.track == Track::Measured {
                 // As they are compared.
                 participant
                     .courses
@@ -168,7 +176,7 @@ impl Outcome {
             );
             RunRecord::new(
                 named,
-                &self.scene,
+                &self.gearbox.scene,
                 &participant.status,
                 &participant.cost,
                 made,
@@ -180,7 +188,7 @@ impl Outcome {
             modelled: &self.model.modelled,
             left_out: &self.model.left_out,
             assumptions: &self.assumptions,
-            scene: &self.scene,
+            scene: &self.gearbox.scene,
         };
         Summary::new(made, found).write(dir)
     }
@@ -241,7 +249,7 @@ fn take_part(
     };
     let participant = Participant {
         name: engine.name().to_owned(),
-        track: engine.track().as_str().to_owned(),
+        track: engine.track(),
         version: engine.version(),
         summary: engine.summary().to_owned(),
         differences: engine.differences().to_owned(),
@@ -252,7 +260,7 @@ fn take_part(
     Ok(participant)
 }
 
-fn context(scene: &Scene) -> Context {
+pub(crate) fn context(scene: &Scene) -> Context {
     let guarded = guarded(scene);
     let scales = pinwheel_scene::Scales::of(scene);
     // The table of limits was measured in windows of its own.
@@ -292,6 +300,7 @@ fn guarded(scene: &Scene) -> Option<String> {
             name: scene.name.clone(),
             description: scene.description.clone(),
             output: scene.output.clone(),
+            uncertain: scene.uncertain.clone(),
             ..preset.into_scene()
         };
         wanted.solver.duration_s = scene.solver.duration_s;
@@ -302,18 +311,19 @@ fn guarded(scene: &Scene) -> Option<String> {
     found.map(|name| (*name).to_owned())
 }
 
-/// Longest step of the two runs that differ by a rounding, s.
-const DIVERGENCE_STEP: f64 = 5e-6;
+/// Longest step of the two runs that differ by a rounding, in radians of the contacts' oscillation: 5e-6 s for the
+/// paper's gear.
+const DIVERGENCE_STEP: f64 = 0.05;
 
 /// What a rounding does to the scene; `None` where nothing is compared or it cannot be measured.
 fn divergence(
-    scene: &Scene,
+    gearbox: &Gearbox,
     at: Progress<'_>,
     control: &Control<'_>,
 ) -> Result<Option<Divergence>, StudyError> {
     control.check()?;
-    let mut watch = control.watch(scene, at);
-    match divergence::horizon(scene, DIVERGENCE_STEP, &mut watch) {
+    let mut watch = control.watch(&gearbox.scene, at);
+    match divergence::horizon(gearbox, DIVERGENCE_STEP, &mut watch) {
         Ok(horizon) => Ok(Some(Divergence {
             horizon_s: horizon.horizon_s,
             largest_share: horizon.largest_share,

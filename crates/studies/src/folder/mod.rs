@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use crate::output::OutputError;
-use crate::ownership::{MARKER, Mark, Owner, abandoned, sync};
+use crate::ownership::{MARKER, Mark, Owner, abandoned, stranger, sync};
 
 mod place;
 
@@ -143,7 +143,8 @@ impl Folder {
 
     /// The same although the user asked to stop, for studies whose results say how far they got.
     ///
-    /// An earlier output that is complete stays: the part goes beside it, `out/bench.partial` for `out/bench`.
+    /// An earlier output that is complete stays: the part goes beside it, `out/bench.partial` for `out/bench`, or where
+    /// that is taken `out/bench.partial-2` and so on.
     ///
     /// # Errors
     /// As [`publish`](Self::publish).
@@ -152,8 +153,18 @@ impl Folder {
         let replaceable = Mark::of(target).is_some_and(|mark| !mark.complete);
         let empty = fs::read_dir(target).map_or(true, |mut entries| entries.next().is_none());
         if !replaceable && !empty {
-            self.place.target = beside(target, ".partial");
-            self.place.shown = beside(&self.place.shown, ".partial");
+            // Beside what others have put in its place: a part is not lost either.
+            let endings = std::iter::once(".partial".to_owned())
+                .chain((2..100).map(|number| format!(".partial-{number}")));
+            let free = |ending: &String| {
+                let place = beside(target, ending);
+                fs::symlink_metadata(&place).is_err()
+                    || Mark::of(&place).is_some_and(|mark| !mark.complete)
+                        && stranger(&place).is_ok_and(|name| name.is_none())
+            };
+            let ending = endings.into_iter().find(free).unwrap_or_default();
+            self.place.target = beside(target, &ending);
+            self.place.shown = beside(&self.place.shown, &ending);
         }
         self.finish(false)
     }
@@ -318,6 +329,15 @@ mod tests {
         assert_eq!(one("d", false), part);
         assert_eq!((at(&out), at(&part)), ("c".to_owned(), "d".to_owned()));
         assert_eq!(names(base.path()), ["x", "x.partial"]);
+        // What others put in its place stays, and costs nothing.
+        fs::write(part.join("notes.txt"), "precious").unwrap();
+        let next = base.path().join("x.partial-2");
+        #[cfg(unix)]
+        std::os::unix::fs::symlink("nowhere", &next).unwrap();
+        #[cfg(unix)]
+        let next = base.path().join("x.partial-3");
+        assert_eq!(one("e", false), next);
+        assert_eq!((at(&part), at(&next)), ("d".to_owned(), "e".to_owned()));
     }
 
     #[test]

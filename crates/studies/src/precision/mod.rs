@@ -109,7 +109,7 @@ pub fn run(
         .collect();
     let total = tasks.len() + 3;
     let mut done = 0;
-    let (reference, windows, courses) = reference::run(scene, control, &mut |piece| {
+    let (reference, windows, least, courses) = reference::run(scene, control, &mut |piece| {
         (control.progress)(Progress::new(done, total, piece));
         done += 1;
     })?;
@@ -122,6 +122,7 @@ pub fn run(
         let truth = series::Truth {
             courses: &courses,
             windows: &windows,
+            least,
             error: reference.error(0).force_l2,
         };
         all.push(series::run(

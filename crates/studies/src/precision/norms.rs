@@ -4,9 +4,11 @@
 //! L2   = sqrt(sum (a - b)^2 / sum b^2)      over all sleeves and all samples of the window
 //! Linf = max |a - b| / max |b|
 //! ```
+//! Where b is next to nothing, [`Least`] stands in for it.
 
 use pinwheel_compare::windows::{SETTLING_S, windows};
 use pinwheel_courses::{Courses, columns};
+use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::load_course;
 use pinwheel_scene::{Scene, Start};
 use serde::Serialize;
@@ -72,9 +74,25 @@ pub(super) fn spans(scene: &Scene, courses: &Courses) -> Vec<Span> {
     spans
 }
 
-/// Errors of `a` against `b` in a window. Both hold the same samples; a run without forces has errors
-/// of 0 or infinity.
-pub(super) fn errors(a: &Courses, b: &Courses, span: &Span) -> Errors {
+/// Loads that a gear does not notice; errors are shares of no less.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Least {
+    pub(super) force_n: f64,
+    pub(super) torque_n_m: f64,
+}
+
+impl Least {
+    pub(super) fn of(gearbox: &Gearbox) -> Self {
+        let force_n = gearbox.least_force_n();
+        Self {
+            force_n,
+            torque_n_m: force_n * gearbox.scene.gear.eccentricity_m,
+        }
+    }
+}
+
+/// Errors of `a` against `b` in a window. Both hold the same samples.
+pub(super) fn errors(a: &Courses, b: &Courses, span: &Span, least: Least) -> Errors {
     let (mut force, mut torque) = (Sums::default(), Sums::default());
     let range = b.window(span.from_s, span.to_s);
     for prefix in [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE] {
@@ -87,19 +105,16 @@ pub(super) fn errors(a: &Courses, b: &Courses, span: &Span) -> Errors {
         torque.add(&x[range.clone()], &y[range]);
     }
     Errors {
-        force_l2: share(force.square, force.size).sqrt(),
-        force_max: share(force.most, force.largest),
-        torque_l2: share(torque.square, torque.size).sqrt(),
-        torque_max: share(torque.most, torque.largest),
+        force_l2: force.l2(least.force_n),
+        force_max: force.most / force.largest.max(least.force_n),
+        torque_l2: torque.l2(least.torque_n_m),
+        torque_max: torque.most / torque.largest.max(least.torque_n_m),
     }
-}
-
-fn share(error: f64, size: f64) -> f64 {
-    if error == 0.0 { 0.0 } else { error / size }
 }
 
 #[derive(Default)]
 struct Sums {
+    samples: usize,
     square: f64,
     size: f64,
     most: f64,
@@ -107,7 +122,13 @@ struct Sums {
 }
 
 impl Sums {
+    /// `least` in one of the channels at every sample.
+    fn l2(&self, least: f64) -> f64 {
+        (self.square / self.size.max(least * least * self.samples as f64)).sqrt()
+    }
+
     fn add(&mut self, a: &[f64], b: &[f64]) {
+        self.samples = a.len();
         for (a, b) in a.iter().zip(b) {
             let difference = (a - b).abs();
             self.square += difference * difference;
@@ -142,12 +163,21 @@ mod tests {
             to_s,
         };
         let (a, b) = (courses([3.0, 4.0, 1.0]), courses([3.0, 4.0, 0.0]));
+        let least = Least {
+            force_n: 0.5,
+            torque_n_m: 1e-3,
+        };
+        let errors = |a: &Courses, b: &Courses, span: &Span| errors(a, b, span, least);
         let whole = errors(&a, &b, &span(0.0, 2.0));
         assert_eq!((whole.force_l2, whole.force_max), (0.2, 0.25));
         assert_eq!((whole.torque_l2, whole.torque_max), (0.0, 0.0));
         let early = errors(&a, &b, &span(0.0, 1.0));
         assert_eq!((early.force_l2, early.force_max), (0.0, 0.0));
         let late = errors(&a, &b, &span(2.0, 2.0));
-        assert!(late.force_l2.is_infinite());
+        assert_eq!(
+            (late.force_l2, late.force_max),
+            (2.0, 2.0),
+            "of the least force"
+        );
     }
 }

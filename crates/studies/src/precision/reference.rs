@@ -14,7 +14,7 @@ use pinwheel_scene::{Detection, Formulation, FrictionLaw, Scene};
 use serde::Serialize;
 
 use super::Knob;
-use super::norms::{Errors, Span, errors, spans};
+use super::norms::{Errors, Least, Span, errors, spans};
 use crate::StudyError;
 use crate::control::{Control, compile};
 
@@ -108,12 +108,12 @@ fn plans(scene: &Scene) -> Result<[Plan; 2], StudyError> {
     ])
 }
 
-/// Runs both methods and the coarser one; returns the windows and the courses too.
+/// Runs both methods and the coarser one; returns the windows, the loads that count as none, and the courses too.
 pub(super) fn run(
     scene: &Scene,
     control: &Control<'_>,
     announce: &mut dyn FnMut(&str),
-) -> Result<(Reference, Vec<Span>, Courses), StudyError> {
+) -> Result<(Reference, Vec<Span>, Least, Courses), StudyError> {
     let [first, second] = plans(scene)?;
     let mut solve = |plan: &Plan, setting: f64| {
         announce(&format!("reference: {}, {setting:.2e}", plan.method));
@@ -130,7 +130,13 @@ pub(super) fn run(
     let (other, others) = solve(&second, second.setting)?;
     let (_, coarser) = solve(&first, first.coarser())?;
     let spans = spans(scene, &courses);
-    let against = |run: &Courses| spans.iter().map(|s| errors(run, &courses, s)).collect();
+    let least = Least::of(&compile(scene)?);
+    let against = |run: &Courses| {
+        let spans = spans.iter();
+        spans
+            .map(|span| errors(run, &courses, span, least))
+            .collect()
+    };
     let reference = Reference {
         solution,
         second: other,
@@ -138,5 +144,5 @@ pub(super) fn run(
         to_coarser: against(&coarser),
         coarser_setting: first.coarser(),
     };
-    Ok((reference, spans, courses))
+    Ok((reference, spans, least, courses))
 }

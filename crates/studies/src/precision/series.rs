@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::front::{CostAt, cost_at};
 use super::ladder::{Knob, State, Stopped, settings};
-use super::norms::{Errors, Span, errors};
+use super::norms::{Errors, Least, Span, errors};
 use super::{Options, WorkPrecision};
 use crate::StudyError;
 use crate::control::Control;
@@ -148,6 +148,8 @@ impl WorkPrecision {
 pub(super) struct Truth<'a> {
     pub(super) courses: &'a Courses,
     pub(super) windows: &'a [Span],
+    /// Loads that count as none.
+    pub(super) least: Least,
     /// Upper estimate of the reference's error.
     pub(super) error: f64,
 }
@@ -297,7 +299,7 @@ fn point(
     let errors = if whole {
         let windows = truth.windows.iter();
         windows
-            .map(|window| errors(&run.courses, truth.courses, window))
+            .map(|window| errors(&run.courses, truth.courses, window, truth.least))
             .collect()
     } else {
         Vec::new()

@@ -9,7 +9,7 @@ mod verdict;
 
 use pinwheel_engines::{Knob, by_name};
 use pinwheel_gearbox::auto;
-use pinwheel_scene::{Formulation, PRESETS, Scene};
+use pinwheel_scene::{Formulation, PRESETS, Scales, Scene};
 use serde::{Deserialize, Serialize};
 
 pub use reference::Reference;
@@ -81,7 +81,7 @@ impl Default for Options {
             formulation,
             integrator: integrator.to_owned(),
             tolerance: match integrator {
-                "dopri5" => Some(1e-6),
+                "dopri5" | "etd-adams" => Some(1e-6),
                 "imex2-adaptive" => Some(1e-3),
                 _ => None,
             },
@@ -93,6 +93,7 @@ impl Default for Options {
                 method(reduced, "rk2"),
                 method(reduced, "rk4"),
                 method(reduced, "dopri5"),
+                method(reduced, "etd-adams"),
                 method(reduced, "imex2"),
                 method(reduced, "imex2-adaptive"),
                 method(lagrange, "rk2"),
@@ -221,6 +222,7 @@ pub fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<Row, 
         let judge = verdict::Judge {
             reference: &courses,
             level: reference.level,
+            scales: Scales::of(&scene),
         };
         row.cells
             .push(cell(&scene, method, options, &judge, control)?);
@@ -275,7 +277,7 @@ fn cell(
     if let Ended::Whole(run) = &ended {
         cell.error = judge.error(&run.courses);
         cell.level = Some(level(&run.courses));
-        cell.energy_remainder_share = run.energy.total().map(|audit| audit.remainder_share);
+        cell.energy_remainder_share = run.energy.total().and_then(|audit| audit.remainder_share);
         cell.joint_drift_m = run.joint_drift_m;
         cell.evaluations = run.counts.evaluations;
     }

@@ -1,6 +1,7 @@
 //! Whether a run gives the right picture, and how it fails if not.
 
 use pinwheel_courses::Courses;
+use pinwheel_scene::Scales;
 use serde::{Deserialize, Serialize};
 
 use crate::control::Ended;
@@ -43,13 +44,14 @@ pub enum Failure {
 const PEAK_RATIO: f64 = 1.5;
 /// The mean torque may be off by this share.
 const MEAN_SHARE: f64 = 0.1;
-/// Joints may be apart by this, m: a hundredth of the paper's ramp, and so of the force in it.
-const JOINT_ERROR: f64 = 1e-7;
+/// Joints may be apart by this share of the penetration under the load: 1e-7 m for the paper's gear, a hundredth of its ramp.
+const JOINT_SHARE: f64 = 0.0015;
 /// Forces may be off by this much: beyond half, a course has nothing to do with the right one.
 const COURSE_ERROR: f64 = 0.5;
-/// Forces (N) and torques (N m) below which nothing is judged: an idle gear has none to speak of.
-const FORCE_FLOOR: f64 = 1.0;
-const TORQUE_FLOOR: f64 = 0.01;
+/// Shares of the largest static force of a sleeve and of a wheel's load below which nothing is judged: an idle gear has none
+/// to speak of. 1 N and 0.01 N m for the paper's gear.
+const FORCE_SHARE: f64 = 0.015;
+const TORQUE_SHARE: f64 = 1e-3;
 
 impl Failure {
     /// One or two words.
@@ -99,12 +101,15 @@ impl Failure {
 pub(super) struct Judge<'a> {
     pub(super) reference: &'a Courses,
     pub(super) level: Level,
+    /// Sizes of the scene.
+    pub(super) scales: Scales,
 }
 
 impl Judge<'_> {
     /// Against the reference; `None` where that has no forces to speak of.
     pub(super) fn error(&self, courses: &Courses) -> Option<Difference> {
-        (self.level.peak_force_n > FORCE_FLOOR).then(|| difference(courses, self.reference))
+        let floor = FORCE_SHARE * self.scales.external_force_n;
+        (self.level.peak_force_n > floor).then(|| difference(courses, self.reference))
     }
 
     /// `None`: the right picture.
@@ -118,19 +123,21 @@ impl Judge<'_> {
             }
             Ended::Whole(run) => run,
         };
-        if !(run.joint_drift_m <= JOINT_ERROR) {
+        if !(run.joint_drift_m <= JOINT_SHARE * self.scales.penetration_m) {
             return Some(Failure::Drift {
                 joint_m: run.joint_drift_m,
             });
         }
         let found = level(&run.courses);
-        let peak = self.level.peak_force_n.max(FORCE_FLOOR);
+        let floor = FORCE_SHARE * self.scales.external_force_n;
+        let peak = self.level.peak_force_n.max(floor);
         let peak_ratio = found.peak_force_n / peak;
         if !(peak_ratio <= PEAK_RATIO) {
             return Some(Failure::Chatter { peak_ratio });
         }
         let off = (found.mean_torque_n_m - self.level.mean_torque_n_m).abs();
-        let share = off / self.level.rms_torque_n_m.max(TORQUE_FLOOR);
+        let floor = TORQUE_SHARE * self.scales.wheel_torque_n_m;
+        let share = off / self.level.rms_torque_n_m.max(floor);
         if !(share <= MEAN_SHARE) {
             return Some(Failure::WrongMean { share });
         }

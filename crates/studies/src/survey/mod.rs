@@ -15,7 +15,7 @@ use pinwheel_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
-use crate::control::{Control, Progress};
+use crate::control::{self, Control, Progress};
 use crate::divergence::{self, Horizon};
 use crate::drift::{self, Drift};
 use crate::pool;
@@ -300,7 +300,9 @@ fn study(piece: Piece, plan: &Plan, control: &Control<'_>) -> Result<Found, Stud
             solver.duration_s = solver.duration_s.min(plan.divergence_longest_s);
             solver.sample_s = solver.sample_s.min(solver.duration_s);
             let mut watch = |_| control.cancel.load(Ordering::Relaxed);
-            Found::Horizon(divergence::horizon(&scene, divergence::STEP, &mut watch)?)
+            let gearbox = control::compile(&scene)?;
+            let step = divergence::STEP_RAD;
+            Found::Horizon(divergence::horizon(&gearbox, step, &mut watch)?)
         }
         Piece::Drift => {
             let mut scene = preset("paper", plan.drift_s.unwrap_or_default())?;

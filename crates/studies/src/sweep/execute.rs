@@ -3,12 +3,13 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
+use pinwheel_courses::Ending;
 use pinwheel_engines::{Engine, EngineError, by_name};
 
 use crate::control::{Control, Progress};
 use crate::pool::{self, lock};
 use crate::sweep::journal::Journal;
-use crate::sweep::record::{Outcome, RunRecord, identity, program};
+use crate::sweep::record::{RunRecord, identity, program};
 use crate::sweep::{Plan, PlannedRun, SweepError};
 
 /// What all threads share.
@@ -141,7 +142,7 @@ impl Shared<'_> {
         reached(duration);
         let nothing = pinwheel_courses::Courses::default();
         let courses = run.as_ref().map_or(&nothing, |run| &run.courses);
-        let how = if record.outcome == Outcome::Finished {
+        let how = if record.ending.is_finished() {
             keep
         } else {
             crate::sweep::KeepCourses::None
@@ -157,11 +158,11 @@ fn judged(
     engine: &dyn Engine,
     ran: Result<pinwheel_engines::Run, EngineError>,
 ) -> Option<(RunRecord, Option<pinwheel_engines::Run>)> {
-    let empty = |outcome: Outcome| RunRecord::empty(planned, engine, outcome);
+    let empty = |ending: Ending| RunRecord::empty(planned, engine, ending);
     Some(match ran {
         Ok(mut run) => {
             run.note_missing_channels(&planned.scene);
-            let record = empty(Outcome::Finished)
+            let record = empty(Ending::Finished)
                 .with_cost(&run)
                 .with_figures(planned, &run);
             (record, Some(run))
@@ -172,13 +173,13 @@ fn judged(
             partial,
             ..
         }) => (
-            empty(Outcome::Diverged { time_s, quantity }).with_cost(&partial),
+            empty(Ending::Diverged { time_s, quantity }).with_cost(&partial),
             None,
         ),
         Err(EngineError::Unsupported { reason, .. }) => {
-            (empty(Outcome::Unsupported { reason }), None)
+            (empty(Ending::Unsupported { reason }), None)
         }
-        Err(EngineError::Failed { reason, .. }) => (empty(Outcome::Failed { reason }), None),
+        Err(EngineError::Failed { reason, .. }) => (empty(Ending::Failed { reason }), None),
         Err(EngineError::Cancelled) => return None,
     })
 }

@@ -19,7 +19,7 @@
 use std::fs;
 use std::path::Path;
 
-use pinwheel_scene::{Override, nearest};
+use pinwheel_scene::{Override, PRESETS, nearest};
 use serde::Serialize;
 use toml_edit::{Document, Item, TableLike, Value as Toml};
 
@@ -236,12 +236,6 @@ impl Reader<'_> {
                 .string(root, "name")?
                 .unwrap_or_else(|| stem.into_owned()),
             description: self.string(root, "description")?.unwrap_or_default(),
-            scene: scene_beside(
-                path,
-                &self
-                    .string(root, "scene")?
-                    .unwrap_or_else(|| "paper".to_owned()),
-            ),
             engines: self
                 .strings(root, "engines")?
                 .unwrap_or_else(|| vec!["native".to_owned()]),
@@ -252,7 +246,22 @@ impl Reader<'_> {
                 .strings(root, "measure")?
                 .unwrap_or_else(|| vec!["*".to_owned()]),
             courses: self.courses(root)?,
+            // Last: a mistyped key is named before a missing one.
+            scene: scene_beside(path, &self.scene(root)?),
             text: self.text.to_owned(),
+        })
+    }
+
+    /// Which gear is varied is never guessed.
+    fn scene(&self, root: &dyn TableLike) -> Result<String, SweepError> {
+        self.string(root, "scene")?.ok_or_else(|| {
+            let soft = PRESETS.iter().filter(|p| !p.name.starts_with("hard-"));
+            let names: Vec<&str> = soft.map(|preset| preset.name).collect();
+            let remedy = format!(
+                "write scene = \"paper\", another preset ({}), or a scene file beside this one",
+                names.join(", ")
+            );
+            self.fault(0, "no key `scene` says what is varied", remedy)
         })
     }
 
@@ -484,7 +493,7 @@ mod tests {
             (&["*_n_m".to_owned()][..], KeepCourses::Csv)
         );
         assert_eq!(sweep.set.len(), 1);
-        let plain = read("").unwrap();
+        let plain = read("scene = \"paper\"").unwrap();
         assert_eq!(
             (plain.name.as_str(), plain.scene.as_str()),
             ("mine", "paper")
@@ -495,6 +504,10 @@ mod tests {
     #[test]
     fn faults_name_line_and_remedy() {
         for (text, part) in [
+            (
+                "[vary]\ngear.wheels = [1, 2]",
+                "line 1: no key `scene` says what is varied; write scene = \"paper\", another preset (",
+            ),
             ("x = 1", "line 1: `x` is no key of a sweep"),
             (
                 "\nengine = [\"native\"]",

@@ -10,12 +10,12 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, Ending};
 
 use crate::ownership::{MARKER, Owner, unlisted};
+use crate::sweep::SweepError;
 use crate::sweep::file::KeepCourses;
 use crate::sweep::record::RunRecord;
-use crate::sweep::{Outcome, SweepError};
 
 /// How files of runs begin.
 const PREFIX: &str = "run-";
@@ -65,7 +65,7 @@ impl Journal {
                     let text = fs::read_to_string(&path).map_err(at(&path))?;
                     let record: Option<RunRecord> = serde_json::from_str(&text).ok();
                     if let Some(record) =
-                        record.filter(|r| !matches!(r.outcome, Outcome::Failed { .. }))
+                        record.filter(|r| !matches!(r.ending, Ending::Failed { .. }))
                     {
                         known.insert(record.identity(), (record, path));
                     }
@@ -138,7 +138,7 @@ impl Journal {
         let known = self.lock();
         let (record, path) = known.get(identity)?;
         let file = extension(courses).map(|extension| path.with_extension(extension));
-        let there = record.outcome != Outcome::Finished || file.is_none_or(|file| file.is_file());
+        let there = !record.ending.is_finished() || file.is_none_or(|file| file.is_file());
         there.then(|| record.clone())
     }
 
@@ -149,7 +149,7 @@ impl Journal {
         courses: &Courses,
         how: KeepCourses,
     ) -> Result<(), SweepError> {
-        if matches!(record.outcome, Outcome::Failed { .. }) {
+        if matches!(record.ending, Ending::Failed { .. }) {
             return Ok(());
         }
         let identity = record.identity();

@@ -22,8 +22,10 @@ pub use execute::execute;
 pub use file::{KeepCourses, Sweep};
 pub use journal::Journal;
 #[cfg(feature = "parquet")]
-pub use parquet_file::{Cells, ParquetFault, load_courses, read_table, save_courses, write_table};
+pub use parquet_file::{
+    Cells, ParquetFault, load_courses, read_courses, read_table, save_courses, write_table,
+};
 pub use plan::{MOST_RUNS, Plan, PlannedRun};
-pub use record::{Outcome, RunRecord, Spread};
+pub use record::{RunRecord, Spread};
 pub use results::{Column, Results, costs, results};
 pub use written::write;

@@ -4,6 +4,7 @@
 //! values repeat. Numbers are doubles, whole numbers 64 bits, texts UTF-8; cells may be empty.
 
 use std::io::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -23,6 +24,9 @@ pub enum ParquetFault {
     /// It cannot be written, or is none.
     #[error("Parquet: {0}")]
     Parquet(#[from] parquet::errors::ParquetError),
+    /// It was one, and the library does not get through what it became.
+    #[error("Parquet: the file is damaged; write it anew")]
+    Damaged,
     /// It is one, but not of courses.
     #[error(transparent)]
     Courses(#[from] CoursesError),
@@ -114,6 +118,11 @@ fn write_column<T: DataType, V>(
 pub fn read_table(
     source: impl ChunkReader + 'static,
 ) -> Result<Vec<(String, Cells)>, ParquetFault> {
+    // The library panics on some damaged files; its state goes with the reader.
+    catch_unwind(AssertUnwindSafe(|| table_of(source))).unwrap_or(Err(ParquetFault::Damaged))
+}
+
+fn table_of(source: impl ChunkReader + 'static) -> Result<Vec<(String, Cells)>, ParquetFault> {
     let reader = SerializedFileReader::new(source)?;
     let schema = reader.metadata().file_metadata().schema().clone();
     let mut columns: Vec<(String, Cells)> = schema
@@ -164,8 +173,16 @@ pub fn save_courses(courses: &Courses, path: &Path) -> Result<(), ParquetFault> 
 /// # Errors
 /// The file cannot be opened, is no Parquet file, has no time or time that does not increase.
 pub fn load_courses(path: &Path) -> Result<Courses, ParquetFault> {
+    read_courses(std::fs::File::open(path)?)
+}
+
+/// The same from an open file, or from memory.
+///
+/// # Errors
+/// See [`load_courses`].
+pub fn read_courses(source: impl ChunkReader + 'static) -> Result<Courses, ParquetFault> {
     let (mut time, mut channels) = (None, Vec::new());
-    for (name, cells) in read_table(std::fs::File::open(path)?)? {
+    for (name, cells) in read_table(source)? {
         if let Cells::Number(values) = cells {
             let values: Vec<f64> = values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect();
             if name == "time_s" {

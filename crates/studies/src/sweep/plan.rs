@@ -2,7 +2,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use pinwheel_compare::limits::fits;
+use pinwheel_courses::{columns, group_of};
 use pinwheel_engines::by_name;
+use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Override, Scene, SceneError, did_you_mean};
 
 use crate::sweep::axis::Value;
@@ -96,6 +99,9 @@ impl Plan {
                     window_s[1]
                 )));
             }
+            if point == 0 {
+                measured(&sweep, &scene).map_err(wrong)?;
+            }
             for name in &sweep.engines {
                 let engine = by_name(name, &scene).ok_or_else(|| {
                     let registry = pinwheel_engines::registry();
@@ -130,6 +136,30 @@ impl Plan {
             .iter()
             .map(|run| run.scene.solver.duration_s)
             .sum()
+    }
+}
+
+/// Refuses a pattern of what is measured that fits no quantity of the scene.
+fn measured(sweep: &Sweep, scene: &CheckedScene) -> Result<(), String> {
+    let channels = Channels::of(scene)?;
+    let asked = channels.names().map(|name| group_of(name).0);
+    let forces = [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE];
+    let mut there: Vec<&str> = columns::HEAD
+        .into_iter()
+        .chain(forces)
+        .chain(asked)
+        .collect();
+    there.dedup();
+    let lost = sweep
+        .measure
+        .iter()
+        .find(|pattern| !there.iter().any(|name| fits(pattern, name)));
+    match lost {
+        None => Ok(()),
+        Some(pattern) => Err(format!(
+            "measure: `{pattern}` fits no quantity of the scene; there are {}",
+            there.join(", ")
+        )),
     }
 }
 
@@ -188,7 +218,13 @@ mod tests {
     use super::*;
 
     fn plan(text: &str) -> Result<Plan, String> {
-        let sweep = Sweep::from_toml(text, Path::new("mine.toml")).unwrap();
+        let scene = if text.contains("scene") {
+            ""
+        } else {
+            "scene = \"paper\"\n"
+        };
+        let text = format!("{scene}{text}");
+        let sweep = Sweep::from_toml(&text, Path::new("mine.toml")).unwrap();
         Plan::new(sweep, &[]).map_err(|error| error.to_string())
     }
 

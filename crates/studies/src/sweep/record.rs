@@ -7,59 +7,11 @@ use std::sync::OnceLock;
 
 use pinwheel_compare::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, derive};
 use pinwheel_compare::statistics::{Statistics, View};
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, Ending, efficiency};
 use pinwheel_engines::{Engine, Run};
 use serde::{Deserialize, Serialize};
 
 use crate::sweep::PlannedRun;
-
-/// How a run ended.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "status", rename_all = "lowercase")]
-pub enum Outcome {
-    /// Complete.
-    Finished,
-    /// The numbers ran away: a result, but one without figures.
-    Diverged {
-        /// When, s.
-        time_s: f64,
-        /// Which quantity.
-        quantity: String,
-    },
-    /// The engine cannot honour the scene.
-    Unsupported {
-        /// Why.
-        reason: String,
-    },
-    /// The engine broke; not kept for another attempt.
-    Failed {
-        /// Its own words.
-        reason: String,
-    },
-}
-
-impl Outcome {
-    /// One word.
-    #[must_use]
-    pub fn word(&self) -> &'static str {
-        match self {
-            Self::Finished => "finished",
-            Self::Diverged { .. } => "diverged",
-            Self::Unsupported { .. } => "unsupported",
-            Self::Failed { .. } => "failed",
-        }
-    }
-
-    /// Why there are no figures; empty when finished.
-    #[must_use]
-    pub fn reason(&self) -> &str {
-        match self {
-            Self::Finished => "",
-            Self::Diverged { quantity, .. } => quantity,
-            Self::Unsupported { reason } | Self::Failed { reason } => reason,
-        }
-    }
-}
 
 /// Figures of one quantity over the window, all its channels together; NaN where one is not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -94,9 +46,6 @@ fn finite(value: f64) -> f64 {
     if value.is_finite() { value } else { f64::NAN }
 }
 
-/// Largest ratio of powers that is still an efficiency.
-const MOST_EFFICIENT: f64 = 2.0;
-
 /// What is kept of a run. All but the two times is the same whenever it is run again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
@@ -115,14 +64,18 @@ pub struct RunRecord {
     pub window_s: [f64; 2],
     /// How it ended.
     #[serde(flatten)]
-    pub outcome: Outcome,
+    pub ending: Ending,
     /// Figures by quantity; empty unless finished.
     pub figures: BTreeMap<String, Spread>,
     /// Quantities in the order of the courses.
     pub quantities: Vec<String>,
     /// Power out over power in, by means over the window; `None` where that is no efficiency.
     pub efficiency: Option<f64>,
-    /// Figures that a finished run has no number for, each with the reason.
+    /// The same with the energy taken out that nothing accounts for, such as what the contact law creates; `None` without an
+    /// account of most of the window.
+    #[serde(default)]
+    pub efficiency_accounted: Option<f64>,
+    /// Figures that a finished run has no number for, or none to be taken at its word, each with the reason.
     #[serde(default)]
     pub undefined: Vec<String>,
     /// Energy that nothing accounts for in the run's second half, as a share of the larger work, where
@@ -145,7 +98,7 @@ pub struct RunRecord {
 
 impl RunRecord {
     /// A record without figures.
-    pub(crate) fn empty(planned: &PlannedRun, engine: &dyn Engine, outcome: Outcome) -> Self {
+    pub(crate) fn empty(planned: &PlannedRun, engine: &dyn Engine, ending: Ending) -> Self {
         Self {
             engine: engine.name().to_owned(),
             engine_version: engine.version(),
@@ -153,10 +106,11 @@ impl RunRecord {
             program: program().to_owned(),
             scene: planned.scene.to_toml(),
             window_s: planned.window_s,
-            outcome,
+            ending,
             figures: BTreeMap::new(),
             quantities: Vec::new(),
             efficiency: None,
+            efficiency_accounted: None,
             undefined: Vec::new(),
             energy_remainder_share: None,
             steps: 0,
@@ -207,15 +161,35 @@ impl RunRecord {
                 self.figures.insert(quantity.name, spread);
             }
         }
-        match self.efficiency_of(planned, &run.courses) {
-            Ok(efficiency) => self.efficiency = Some(efficiency),
-            Err(reason) => self.undefined.push(format!("no efficiency: {reason}")),
-        }
         let share = run.stats.energy.last().map(|audit| audit.remainder_share);
-        self.energy_remainder_share = share.filter(|share| share.is_finite());
-        if share != self.energy_remainder_share {
+        self.energy_remainder_share = share.flatten().filter(|share| share.is_finite());
+        if share.is_some() && self.energy_remainder_share.is_none() {
             let reason = "no share of energy: no work is done in the run's second half";
             self.undefined.push(reason.to_owned());
+        }
+        match self.efficiency_of(planned, &run.courses) {
+            // Powers of rounding have a ratio too.
+            Ok(_) if share == Some(None) => self
+                .undefined
+                .push("no efficiency: no work is done".to_owned()),
+            Ok(efficiency) => {
+                self.efficiency = Some(efficiency);
+                let created = created(run, planned.window_s);
+                self.efficiency_accounted = created.map(|share| efficiency / (1.0 + share));
+                if efficiency > 1.0 {
+                    self.undefined.push(match created {
+                        Some(share) => format!(
+                            "efficiency above 1: {:.2} % of the work comes from nowhere, as the contact law creates it; \
+                             efficiency_accounted is without",
+                            100.0 * share
+                        ),
+                        None => "efficiency above 1: what the contact law creates is in it, and this engine keeps no \
+                                 account of that"
+                            .to_owned(),
+                    });
+                }
+            }
+            Err(reason) => self.undefined.push(format!("no efficiency: {reason}")),
         }
         self
     }
@@ -225,15 +199,7 @@ impl RunRecord {
         let [power_in, power_out] = self
             .powers(planned, courses)
             .ok_or("a torque or the output's angle is missing")?;
-        if !(power_in > 0.0) {
-            return Err("no power goes in");
-        }
-        let efficiency = power_out / power_in;
-        // Far from it, what springs and masses store and give back is larger than what goes through.
-        if !(efficiency.abs() <= MOST_EFFICIENT) {
-            return Err("the output's power does not come from the input in this window");
-        }
-        Ok(efficiency)
+        efficiency(power_in, power_out)
     }
 
     /// Mean power in and out over the window, W; `None` if a channel is missing.
@@ -253,9 +219,9 @@ impl RunRecord {
     /// Why cells of its row are empty; nothing if none is.
     #[must_use]
     pub fn reason(&self) -> String {
-        match &self.outcome {
-            Outcome::Finished => self.undefined.join("; "),
-            other => other.reason().to_owned(),
+        match &self.ending {
+            Ending::Finished => self.undefined.join("; "),
+            ending => ending.reason().unwrap_or_default(),
         }
     }
 
@@ -270,6 +236,19 @@ impl RunRecord {
             &self.scene,
         )
     }
+}
+
+/// Energy that nothing accounts for as a share of the driver's work, from the account that shares most of the window.
+fn created(run: &Run, [from, to]: [f64; 2]) -> Option<f64> {
+    let shared = |from_s: f64, to_s: f64| {
+        (to.min(to_s) - from.max(from_s)) / (to.max(to_s) - from.min(from_s))
+    };
+    let accounts = run.stats.energy.iter();
+    let nearest = accounts
+        .filter(|audit| shared(audit.from_s, audit.to_s) > 0.5)
+        .max_by(|a, b| shared(a.from_s, a.to_s).total_cmp(&shared(b.from_s, b.to_s)))?;
+    let share = nearest.remainder_j / nearest.driver_j;
+    (nearest.driver_j > 0.0 && share.is_finite()).then_some(share)
 }
 
 /// This program, as a hash of its file: a rebuilt solver gives other numbers under the same version. Empty where the

@@ -3,10 +3,10 @@
 use std::io::Write;
 
 use pinwheel_compare::limits::fits;
-use pinwheel_courses::CoursesError;
+use pinwheel_courses::{CoursesError, Ending};
 
 use crate::sweep::axis::Value;
-use crate::sweep::record::{Outcome, RunRecord, Spread};
+use crate::sweep::record::{RunRecord, Spread};
 use crate::sweep::{Plan, PlannedRun};
 
 /// Values of one column, row by row.
@@ -60,18 +60,19 @@ pub fn results(plan: &Plan, records: &[RunRecord]) -> Results {
     for (place, key) in plan.keys().enumerate() {
         push(key, varied(plan, place));
     }
-    push(
-        "status",
-        text(&|_, record| record.outcome.word().to_owned()),
-    );
-    let diverged = |record: &RunRecord| match record.outcome {
-        Outcome::Diverged { time_s, .. } => Some(time_s),
+    push("status", text(&|_, record| record.ending.word().to_owned()));
+    let diverged = |record: &RunRecord| match record.ending {
+        Ending::Diverged { time_s, .. } => Some(time_s),
         _ => None,
     };
     push("diverged_at_s", number(&diverged));
     push("window_from_s", number(&|record| Some(record.window_s[0])));
     push("window_to_s", number(&|record| Some(record.window_s[1])));
     push("efficiency", number(&|record| record.efficiency));
+    push(
+        "efficiency_accounted",
+        number(&|record| record.efficiency_accounted),
+    );
     push(
         "energy_remainder_share",
         number(&|record| record.energy_remainder_share),

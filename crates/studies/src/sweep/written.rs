@@ -61,7 +61,7 @@ pub fn write(
         runs: records.len(),
         finished: records
             .iter()
-            .filter(|record| record.outcome.word() == "finished")
+            .filter(|record| record.ending.word() == "finished")
             .count(),
         rows: rows(table),
     };

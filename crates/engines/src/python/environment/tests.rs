@@ -1,8 +1,11 @@
 //! Environments that are cut off, refused, wanted twice at once, or impossible.
 
 use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
 
 use super::*;
+use crate::cache::{CACHE, CacheError, lock, process};
 
 static GO: AtomicBool = AtomicBool::new(false);
 
@@ -174,7 +177,7 @@ fn who_waits_for_the_lock_can_be_stopped() {
     let path = cache.path().join("x.lock");
     let held = lock(&path, &GO).unwrap();
     let stopped = lock(&path, &AtomicBool::new(true));
-    assert!(matches!(stopped, Err(PythonError::Stopped)));
+    assert!(matches!(stopped, Err(CacheError::Stopped)));
     drop(held);
     assert!(lock(&path, &AtomicBool::new(true)).is_ok());
 }

@@ -29,6 +29,7 @@ impl<S: Simd, L: NormalLaw> Sink<S> for Listing<'_, '_, L> {
         let pressure = self
             .law
             .force_lanes(touching.stiffness, touching.penetration, normal_rate);
+        let along = group.along(&self.law);
         let frame = WheelFrame {
             centre: wheel.centre.lane(0),
             turn: wheel.turn.lane(0),
@@ -58,7 +59,7 @@ impl<S: Simd, L: NormalLaw> Sink<S> for Listing<'_, '_, L> {
                 tangential_rate,
                 normal_force,
                 friction_force: self.friction.force(normal_force, tangential_rate),
-                along_force: 0.0,
+                along_force: along.map_or(0.0, |along| along.as_slice()[k]),
             };
             let sleeve = if group.external {
                 Sleeve::External(number)

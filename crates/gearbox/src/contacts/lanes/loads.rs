@@ -49,10 +49,9 @@ impl<S: Simd, L: NormalLaw, const FRICTION: bool, const ENERGY: bool> Sink<S>
         // Masked lanes may hold anything, NaN included.
         let on_sleeve = on_sleeve.only(touching.mask);
         let point = touching.point.only(touching.mask);
-        wheel.force = wheel.force - on_sleeve;
-        wheel.moment = wheel.moment - point.cross(on_sleeve);
+        let total = wheel.push(&group, &self.law, n, point, on_sleeve);
         let sleeves = group.sleeves;
-        sleeves.force.add(simd, from, on_sleeve * wheel.turn);
+        sleeves.force.add(simd, from, total * wheel.turn);
         if FRICTION {
             let moment = Lanes::load(simd, &sleeves.moment[from..])
                 + arm.only(touching.mask).cross(on_sleeve);

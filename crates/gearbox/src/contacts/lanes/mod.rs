@@ -157,7 +157,7 @@ impl LaneField {
                 external: Sleeves::new(layout.external_bodies()),
                 internal: Sleeves::new(layout.internal_bodies()),
             },
-            scalar: Pairs::new(scene, geometry, law, Exact::new(scene, geometry)),
+            scalar: Pairs::new(scene, geometry, law, Exact::new(scene, geometry, &law)),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Where sleeves touch, several at a time, in the wheel's frame.
 
-use pinwheel_contact::{ComplexLanes, Epitrochoid, FeetLanes, HertzStiffness, Lanes, Mask};
+use pinwheel_contact::{ComplexLanes, Epitrochoid, Lanes, Mask};
+use pinwheel_scene::scales::hertz;
 use pulp::Simd;
 
 use super::columns::Column;
@@ -16,8 +17,16 @@ pub(super) struct Touching<S: Simd> {
     pub(super) stiffness: Lanes<S>,
     /// By how much n turns towards t = R90 n as the sleeve's centre moves along t, 1/m.
     pub(super) turning: Lanes<S>,
-    /// Growth of K as the sleeve's centre moves along t, N/m^2.5.
-    pub(super) stiffness_slope: Lanes<S>,
+    /// kappa of C, 1/m; 0 of holes.
+    curvature: Lanes<S>,
+}
+
+/// How K changes where sleeves touch the profile.
+pub(super) struct StiffnessSlopes<S: Simd> {
+    /// dK by the way of the sleeve's centre along t = R90 n, N/m^2.5.
+    pub(super) along: Lanes<S>,
+    /// And how that changes along t, N/m^3.5.
+    pub(super) bend: Lanes<S>,
 }
 
 /// Geometry of the contacts.
@@ -40,11 +49,7 @@ pub(super) struct Shapes {
 impl Shapes {
     pub(super) fn new(scene: &Scene, geometry: &Geometry) -> Self {
         let (gear, contact) = (&scene.gear, &scene.contact);
-        let hertz = HertzStiffness::new(
-            contact.young_pa,
-            contact.poisson,
-            contact.stiffness_multiplier,
-        );
+        let hertz = hertz(contact);
         let q = gear.external_sleeve_radius_m;
         let holes = geometry.hole_centres.iter();
         Self {
@@ -76,7 +81,6 @@ impl Shapes {
         let stiffness = p.re.like(self.profile_stiffness) * radicand.sqrt();
         // P moves along t by 1 - delta kappa times what the foot moves, and t points towards smaller parameters.
         let closer = (p.re.like(1.0) - feet.curvature * feet.depth).recip();
-        let bend = self.curvature_slope(&feet);
         Touching {
             mask: feet.inside,
             point: feet.normal.scale_add(-q, feet.position),
@@ -84,32 +88,54 @@ impl Shapes {
             penetration: feet.depth,
             stiffness,
             turning: -(feet.curvature * closer),
-            stiffness_slope: stiffness * q * bend * closer * (radicand + radicand).recip(),
+            curvature: feet.curvature,
         }
     }
 
-    /// d kappa/ds along the curve, 1/m^2; see [`Epitrochoid::curvature_slope`].
+    /// How K changes, where external sleeves touch: with c and s the cosine and sine of zs a, which follow from where the
+    /// foot is and where its normal points, g = 1 + m^2 + 2 m c, and ' by the way along C,
     ///
-    /// cos(zs a) and sin(zs a) follow from where the foot is and where its normal points.
+    /// ```text
+    /// kappa'  = -zs N s/(R^2 g^3),    N = m (1 + zk) g - 3 m (1 + m^2 zk + m (1 + zk) c)
+    /// kappa'' = -zs^2 ((m^2 (1 + zk) g + 6 m N) s^2 + N g c)/(R^3 g^(9/2))
+    /// K' = -K q kappa'/(2 r),    K'' = -K q (kappa'' + q kappa'^2/(2 r))/(2 r),    r = 1 - q kappa
+    /// ```
+    /// The sleeve's centre moves along t by -(1 - delta kappa) times the foot's way.
     #[inline(always)]
-    fn curvature_slope<S: Simd>(&self, feet: &FeetLanes<S>) -> Lanes<S> {
-        let c = |x: f64| feet.depth.like(x);
+    pub(super) fn stiffness_slopes<S: Simd>(&self, at: &Touching<S>) -> StiffnessSlopes<S> {
+        let c = |x: f64| at.penetration.like(x);
         let (r, e, zk) = (
             self.curve.pitch_radius(),
             self.eccentricity,
             f64::from(self.zk),
         );
         let m = e * zk / r;
-        let squared = feet.position.dot(feet.position);
-        let cos = (squared - c(r * r + e * e)) * c(0.5 / (r * e));
-        let stretch2 = cos.mul_add(c(2.0 * m), c(1.0 + m * m));
-        let stretch = stretch2.sqrt();
-        let sin = feet.position.cross(feet.normal) * stretch * c(1.0 / (e * (zk - 1.0)));
+        let q = c(self.external_radius);
+        let position = at.normal.scale_add(-q, at.point);
+        let cos = (position.dot(position) - c(r * r + e * e)) * c(0.5 / (r * e));
+        let g = cos.mul_add(c(2.0 * m), c(1.0 + m * m));
+        let root = g.sqrt();
+        // The profile's normal is -n.
+        let sin = at.normal.cross(position) * root * c(1.0 / (e * (zk - 1.0)));
         let bend = cos.mul_add(c(m * (1.0 + zk)), c(1.0 + m * m * zk));
-        let by_cos = stretch2 * c(m * (1.0 + zk)) - bend * c(3.0 * m);
-        // Over R stretch^5 for the slope by cos(zs a), and R stretch for the speed.
-        let inverse = (stretch2 * stretch2 * stretch2 * c(r * r)).recip();
-        -(by_cos * c(zk - 1.0) * sin * inverse)
+        let by_cos = g * c(m * (1.0 + zk)) - bend * c(3.0 * m);
+        let inverse = (g * g * g * c(r * r)).recip();
+        let first = -(by_cos * c(zk - 1.0) * sin * inverse);
+        let squared = (g * c(m * m * (1.0 + zk)) + by_cos * c(6.0 * m)) * sin * sin;
+        let second = -((squared + by_cos * g * cos)
+            * inverse
+            * (g * root * c(r)).recip()
+            * c((zk - 1.0) * (zk - 1.0)));
+
+        let half = (c(2.0) - (q + q) * at.curvature).recip();
+        let share = at.stiffness * q * half;
+        let closer = (c(1.0) - at.curvature * at.penetration).recip();
+        let along = share * first * closer;
+        let curving = -(share * (second + q * first * first * half));
+        StiffnessSlopes {
+            along,
+            bend: (curving - along * at.penetration * first) * closer * closer,
+        }
     }
 
     /// Internal sleeves centred at `p` (wheel frame) in their holes.
@@ -131,7 +157,7 @@ impl Shapes {
             penetration,
             stiffness: p.re.like(self.hole_stiffness),
             turning: distance.recip(),
-            stiffness_slope: p.re.like(0.0),
+            curvature: p.re.like(0.0),
         }
     }
 }

@@ -9,7 +9,8 @@
 //! n turns by     b d(tau) t,               b = -kappa/(1 - kappa delta), or 1/|P - hole|
 //! v_n = P'.n,    v_t = P'.t + rho (sigma' - theta')
 //! dF = F_K K' d(tau) + F_delta d(delta) + F_v dv_n,    dT = -mu (g dF + F g' dv_t),    g = clamp(v_t/v_s, -1, 1)
-//! moments:  theta: -F ln + T (-W.n),   psi: -F ln + T lt,   sigma: T rho
+//! A = -K' I(delta),    dA = -K'' I d(tau) - K' (I' - b I) d(delta)              of laws with a force along the profile
+//! moments:  theta: -F ln + T (-W.n) + A lt,   psi: -F ln + T lt,   sigma: T rho
 //! ```
 //! and the moments are differentiated by the product rule. The slopes of the normal law are differences of the law itself,
 //! right to 1e-9, so that a law needs none of its own. Where friction or law have a kink, one side's slope counts.
@@ -107,6 +108,57 @@ impl<S: Simd> Pressure<S> {
     }
 }
 
+/// How K grows along the profile, and the force that some laws have there.
+struct Profile<S: Simd> {
+    stiffening: Lanes<S>,
+    centre: Option<Centre<S>>,
+}
+
+/// A force on the sleeves' centres along t and its slopes by the way along t and by the depth; 0 where nothing touches.
+struct Centre<S: Simd> {
+    force: Lanes<S>,
+    by_path: Lanes<S>,
+    by_depth: Lanes<S>,
+}
+
+impl<S: Simd> Profile<S> {
+    #[inline(always)]
+    fn new<L: NormalLaw>(law: &L, group: &Group<'_, S>) -> Self {
+        let (touching, mask) = (&group.touching, group.touching.mask);
+        let depth = touching.penetration;
+        let c = |x: f64| depth.like(x);
+        if !group.external {
+            return Self {
+                stiffening: c(0.0),
+                centre: None,
+            };
+        }
+        let slopes = group.shapes.stiffness_slopes(touching);
+        let (more, less) = (c(1.0 + PENETRATION_SHARE), c(1.0 - PENETRATION_SHARE));
+        let three = (
+            law.along_lanes(depth),
+            law.along_lanes(depth * more),
+            law.along_lanes(depth * less),
+        );
+        let centre = if let (Some(along), Some(more), Some(less)) = three {
+            let rise = (more - less) * (depth * c(2.0 * PENETRATION_SHARE)).recip();
+            // K' itself grows with the depth, as the way of the centre shrinks against the foot's: by -b of it.
+            let by_depth = slopes.along * (touching.turning * along - rise);
+            Some(Centre {
+                force: -(slopes.along * along).only(mask),
+                by_path: -(slopes.bend * along).only(mask),
+                by_depth: by_depth.only(mask),
+            })
+        } else {
+            None
+        };
+        Self {
+            stiffening: slopes.along.only(mask),
+            centre,
+        }
+    }
+}
+
 /// Slopes of the three moments of a contact: on the wheel, on the output, on the sleeve.
 type Moments<S> = [Lanes<S>; 3];
 
@@ -166,10 +218,10 @@ impl<S: Simd, L: NormalLaw, const FRICTION: bool> Sink<S> for Slopes<'_, L, FRIC
         let n = touching.normal.only(mask);
         let t = n.turned();
         let turning = touching.turning.only(mask);
-        let stiffening = touching.stiffness_slope.only(mask);
         let (p, centre) = (group.p, wheel.centre * wheel.back);
         let z = p + centre;
         let zero = p.re.like(0.0);
+        let profile = Profile::new(&self.law, &group);
         let (along, across, beside) = (p.dot(n), p.cross(n), p.dot(t));
         let (centre_along, centre_across) = (centre.dot(n), centre.cross(n));
         let rho = group.arm().dot(n).only(mask);
@@ -225,13 +277,22 @@ impl<S: Simd, L: NormalLaw, const FRICTION: bool> Sink<S> for Slopes<'_, L, FRIC
             let faster = over_wheel * depth + centre_across * turn * one.like(over_input)
                 - tilt * closing
                 - depth * spin;
-            let push = pressure.by_stiffness * stiffening * path
+            let push = pressure.by_stiffness * profile.stiffening * path
                 + pressure.by_depth * depth
                 + pressure.by_closing * slower;
             let pull = drag_by_force * push + drag_by_slip * faster;
-            let on_wheel = -(push * normal_levers[WHEEL]) - force * (path - tilt * along)
+            let mut on_wheel = -(push * normal_levers[WHEEL]) - force * (path - tilt * along)
                 + pull * wheel_lever
                 - drag * tilt * beside;
+            if let Some(Centre {
+                force,
+                by_path,
+                by_depth,
+            }) = profile.centre
+            {
+                on_wheel = on_wheel + (by_path * path + by_depth * depth) * levers[WHEEL]
+                    - force * (depth + tilt * beside);
+            }
             let on_output = -(push * normal_levers[CARRIER])
                 - force * (tilt * z.dot(n) - path - by_centre)
                 + pull * levers[CARRIER]

@@ -1,6 +1,6 @@
 //! The walk over all pairs of wheels and sleeves, a group of lanes at a time.
 
-use pinwheel_contact::{Complex, ComplexLanes, Lanes};
+use pinwheel_contact::{Complex, ComplexLanes, Lanes, NormalLaw};
 use pinwheel_mbs::BodyState;
 use pulp::Simd;
 
@@ -39,6 +39,28 @@ impl<S: Simd> Wheel<S> {
             moment: Lanes::splat(simd, 0.0),
         }
     }
+
+    /// Takes the reactions of the force `on_sleeve` at `point`, 0 where nothing touches, and of the law's force along the
+    /// profile at the sleeves' centres; returns what the sleeves receive in all.
+    #[inline(always)]
+    pub(super) fn push<L: NormalLaw>(
+        &mut self,
+        group: &Group<'_, S>,
+        law: &L,
+        n: ComplexLanes<S>,
+        point: ComplexLanes<S>,
+        on_sleeve: ComplexLanes<S>,
+    ) -> ComplexLanes<S> {
+        let mut total = on_sleeve;
+        self.moment = self.moment - point.cross(on_sleeve);
+        if let Some(along) = group.along(law) {
+            // P x t = P.n, and t = R90 n.
+            self.moment = self.moment - group.p.dot(n).only(group.touching.mask) * along;
+            total = n.turned().only(group.touching.mask).scale_add(along, total);
+        }
+        self.force = self.force - total;
+        total
+    }
 }
 
 /// Lanes of one group, some of which touch.
@@ -50,6 +72,7 @@ pub(super) struct Group<'a, S: Simd> {
     /// Sleeve centres in the wheel's frame.
     pub(super) p: ComplexLanes<S>,
     pub(super) touching: Touching<S>,
+    pub(super) shapes: &'a Shapes,
     pub(super) sleeves: &'a mut Sleeves,
 }
 
@@ -58,6 +81,18 @@ impl<S: Simd> Group<'_, S> {
     #[inline(always)]
     pub(super) fn arm(&self) -> ComplexLanes<S> {
         self.touching.point - self.p
+    }
+
+    /// Force on the sleeves at their centres along t, N, in lanes that touch, and 0 in others; `None` where there is none.
+    #[inline(always)]
+    pub(super) fn along<L: NormalLaw>(&self, law: &L) -> Option<Lanes<S>> {
+        if !self.external {
+            return None;
+        }
+        let touching = &self.touching;
+        let along = law.along_lanes(touching.penetration)?;
+        let slopes = self.shapes.stiffness_slopes(touching);
+        Some(-(slopes.along * along).only(touching.mask))
     }
 
     /// Velocity of the sleeves relative to the wheel at W, in the wheel's frame; see `Pairs::load`.
@@ -116,6 +151,7 @@ pub(super) fn walk<S: Simd>(
                     from,
                     p,
                     touching,
+                    shapes,
                     sleeves: external,
                 };
                 sink.group(simd, group, &mut wheel);
@@ -131,6 +167,7 @@ pub(super) fn walk<S: Simd>(
                     from,
                     p,
                     touching,
+                    shapes,
                     sleeves: internal,
                 };
                 sink.group(simd, group, &mut wheel);

@@ -161,12 +161,7 @@ fn time(go: Go<'_>) -> Result<Figure, NativeError> {
 
 fn one_per_cent() -> Figure {
     let scene = Scene::paper();
-    let stiffness = pinwheel_contact::HertzStiffness::new(
-        scene.contact.young_pa,
-        scene.contact.poisson,
-        scene.contact.stiffness_multiplier,
-    )
-    .of_hole(
+    let stiffness = pinwheel_scene::scales::hertz(&scene.contact).of_hole(
         scene.gear.internal_sleeve_radius_m,
         scene.gear.hole_radius_m,
     );

@@ -29,9 +29,8 @@ impl<S: Simd, L: NormalLaw> Sink<S> for Split<'_, L> {
         let pressure = self.law.force_lanes(stiffness, depth, closing).only(mask);
 
         let on_sleeve = n.scale(-pressure);
-        wheel.force = wheel.force - on_sleeve;
-        wheel.moment = wheel.moment - point.cross(on_sleeve);
-        group.sleeves.force.add(simd, from, on_sleeve * wheel.turn);
+        let total = wheel.push(&group, &self.law, n, point, on_sleeve);
+        group.sleeves.force.add(simd, from, total * wheel.turn);
 
         let kind = if group.external { 0 } else { INTERNAL };
         let table = &mut self.sliding.pairs[wheel.number][kind];

@@ -9,12 +9,12 @@ pub(crate) fn short(value: f64) -> String {
 }
 
 /// Four significant digits, never above `value`: advice that keeps its promise.
-pub(super) fn below(value: f64) -> String {
+pub(crate) fn below(value: f64) -> String {
     rounded(value, 4, -LEAN)
 }
 
 /// Four significant digits, never below `value`.
-pub(super) fn above(value: f64) -> String {
+pub(crate) fn above(value: f64) -> String {
     rounded(value, 4, LEAN)
 }
 

@@ -1,8 +1,8 @@
-//! Calls of Python and pip: their last words on failure, their current line as progress.
+//! Calls of Python, pip and compilers: their last words on failure, their current line as progress.
 
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Read as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -20,10 +20,10 @@ const LINE: usize = 70;
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// A line on the terminal with what goes on and for how long; nothing when stderr is no terminal.
-pub(super) struct Note(ProgressBar);
+pub(crate) struct Note(ProgressBar);
 
 impl Note {
-    pub(super) fn new(title: &'static str) -> Self {
+    pub(crate) fn new(title: &'static str) -> Self {
         let bar = ProgressBar::new_spinner();
         if let Ok(style) = ProgressStyle::with_template("{prefix}: {msg} [{elapsed}]") {
             bar.set_style(style);
@@ -33,7 +33,7 @@ impl Note {
         Self(bar)
     }
 
-    pub(super) fn say(&self, text: &str) {
+    pub(crate) fn say(&self, text: &str) {
         self.0
             .set_message(text.chars().take(LINE).collect::<String>());
     }
@@ -66,12 +66,12 @@ const PIP_MAY: [&str; 15] = [
 ];
 
 /// Whether a variable of the user's environment is kept from Python and pip.
-pub(super) fn kept_away(name: &str) -> bool {
+pub(crate) fn kept_away(name: &str) -> bool {
     name.starts_with("PIP_") && !PIP_MAY.contains(&name)
 }
 
 /// Runs to the end and returns standard output; ended as soon as `cancel` is set. The error is the call's own last words.
-pub(super) fn call<S: AsRef<OsStr>>(
+pub(crate) fn call<S: AsRef<OsStr>>(
     program: &Path,
     arguments: impl IntoIterator<Item = S>,
     note: Option<&Note>,
@@ -148,13 +148,4 @@ fn last_words(text: &str) -> Option<String> {
             .take(LAST_WORDS)
             .collect(),
     )
-}
-
-/// The interpreter of an environment.
-pub(super) fn python_of(folder: &Path) -> PathBuf {
-    if cfg!(windows) {
-        folder.join("Scripts").join("python.exe")
-    } else {
-        folder.join("bin").join("python")
-    }
 }

@@ -1,0 +1,155 @@
+//! Arguments of `pinwheel init` and `pinwheel design`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use pinwheel::scene::catalogue::{Catalogue, MATERIALS, Material};
+
+use super::{OutArgs, SceneArgs};
+
+/// `pinwheel init`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  pinwheel init mine.toml --ratio 39 --pin-circle-diameter-mm 104 \\
+      --torque-n-m 200 --speed-rpm 1500
+  pinwheel init small.toml --ratio 20 --pin-circle-diameter-mm 40 \\
+      --torque-n-m 2 --speed-rpm 600 \\
+      --material pom --backlash-mm 0.1 --friction 0.2
+
+What you leave out is suggested: shortening coefficient e zk/R of 0.65 or less,
+pins that fill two thirds of their pitch, the largest output pins that leave
+walls. Every line of the file says whether it was given or suggested. Masses
+follow from the shapes. A gear that cannot be built (undercut, no room for the
+holes) is an error that names the dimension. Then: pinwheel explain mine.toml;
+pinwheel design mine.toml; pinwheel compare mine.toml")]
+pub(crate) struct InitArgs {
+    /// Scene file to write; `-` for standard output.
+    pub(crate) file: PathBuf,
+    /// Input turns per output turn, the housing fixed: the number of lobes.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(2..=999))]
+    ratio: u16,
+    /// Diameter of the circle on which the pins stand.
+    #[arg(long, value_name = "MM")]
+    pin_circle_diameter_mm: f64,
+    /// Rated torque of the output.
+    #[arg(long, value_name = "NM")]
+    torque_n_m: f64,
+    /// Rated speed of the input.
+    #[arg(long, value_name = "RPM")]
+    speed_rpm: f64,
+    /// Diameter of a pin with its sleeve.
+    #[arg(long, value_name = "MM")]
+    pin_diameter_mm: Option<f64>,
+    /// Eccentricity.
+    #[arg(long, value_name = "MM")]
+    eccentricity_mm: Option<f64>,
+    /// Cycloidal discs.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=64))]
+    wheels: Option<u16>,
+    /// Number of output pins.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(3..=1000))]
+    output_pins: Option<u16>,
+    /// Diameter of an output pin with its sleeve; holes are larger by twice the eccentricity.
+    #[arg(long, value_name = "MM")]
+    output_pin_diameter_mm: Option<f64>,
+    /// Diameter of the circle on which the output pins stand.
+    #[arg(long, value_name = "MM")]
+    output_circle_diameter_mm: Option<f64>,
+    /// Thickness of a disc.
+    #[arg(long, value_name = "MM")]
+    face_width_mm: Option<f64>,
+    /// Radial backlash at the pins.
+    #[arg(long, value_name = "MM")]
+    backlash_mm: Option<f64>,
+    /// Coefficient of friction.
+    #[arg(long, value_name = "MU")]
+    friction: Option<f64>,
+    /// Material of all parts.
+    #[arg(long, default_value = "steel", value_parser = material)]
+    material: Material,
+    /// Replace the file if it is there.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+fn material(name: &str) -> Result<Material, String> {
+    let found = MATERIALS.iter().find(|material| material.name == name);
+    found.copied().ok_or_else(|| {
+        let names: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
+        format!("there are {}", names.join(", "))
+    })
+}
+
+/// Flags of what a message names by its key.
+const FLAGS: &[(&str, &str)] = &[
+    ("gear.pin_circle_radius_m", "--pin-circle-diameter-mm"),
+    ("gear.shortening", "--pin-circle-diameter-mm"),
+    ("gear.external_sleeves", "--ratio"),
+    ("gear.external_sleeve_radius_m", "--pin-diameter-mm"),
+    ("gear.eccentricity_m", "--eccentricity-mm"),
+    ("gear.internal_sleeves", "--output-pins"),
+    ("gear.internal_sleeve_radius_m", "--output-pin-diameter-mm"),
+    ("gear.hole_radius_m", "--output-pin-diameter-mm"),
+    (
+        "gear.internal_circle_radius_m",
+        "--output-circle-diameter-mm",
+    ),
+    ("gear.face_width_m", "--face-width-mm"),
+    ("contact.line_length_m", "--face-width-mm"),
+    ("gear.backlash_m", "--backlash-mm"),
+    ("drive.input_speed_rad_s", "--speed-rpm"),
+    ("drive.output_torque_n_m", "--torque-n-m"),
+    ("contact.friction_coefficient", "--friction"),
+];
+
+/// The flag that gives a key.
+pub(crate) fn flag(key: &str) -> Option<&'static str> {
+    let found = FLAGS.iter().find(|(known, _)| *known == key);
+    found.map(|(_, flag)| *flag)
+}
+
+impl InitArgs {
+    pub(crate) fn catalogue(&self, name: String) -> Catalogue {
+        let mm = |length: f64| 1e-3 * length;
+        Catalogue {
+            name,
+            ratio: usize::from(self.ratio),
+            pin_circle_diameter_m: mm(self.pin_circle_diameter_mm),
+            torque_n_m: self.torque_n_m,
+            speed_rad_s: self.speed_rpm * std::f64::consts::PI / 30.0,
+            material: self.material,
+            pin_diameter_m: self.pin_diameter_mm.map(mm),
+            eccentricity_m: self.eccentricity_mm.map(mm),
+            wheels: self.wheels.map(usize::from),
+            output_pins: self.output_pins.map(usize::from),
+            output_pin_diameter_m: self.output_pin_diameter_mm.map(mm),
+            output_circle_diameter_m: self.output_circle_diameter_mm.map(mm),
+            face_width_m: self.face_width_mm.map(mm),
+            backlash_m: self.backlash_mm.map(mm),
+            friction_coefficient: self.friction,
+        }
+    }
+}
+
+/// `pinwheel design`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  pinwheel design paper
+  pinwheel design mine.toml --statics --out out/mine
+
+Lost motion at 3 % of the rated torque, torsional stiffness, transmission error
+with its orders, load sharing, pressure and sliding of the contacts, bearing
+forces, hysteresis and efficiency. The rated torque is the scene's largest
+load. Writes DIR/index.html, DIR/summary.json, DIR/torsion.csv, DIR/period.csv
+and DIR/hysteresis.csv.")]
+pub(crate) struct DesignArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// Leave out what takes runs: hysteresis and efficiency.
+    #[arg(long)]
+    pub(crate) statics: bool,
+    #[command(flatten)]
+    pub(crate) out: OutArgs,
+}

@@ -1,0 +1,66 @@
+//! `pinwheel init` and `pinwheel design`: from a catalogue to a scene, and from a scene to a designer's figures.
+
+use std::path::Path;
+
+use pinwheel::pages;
+use pinwheel::scene::Fault;
+use pinwheel::studies::output::replace_text;
+use pinwheel::studies::{Provenance, design};
+
+use crate::args::{self, DesignArgs, InitArgs, quoted};
+use crate::failure::Failure;
+use crate::folder::{self, Folder};
+use crate::progress::watched;
+use crate::screen;
+
+pub(crate) fn init(args: &InitArgs) -> Result<u8, Failure> {
+    let to_screen = args.file == Path::new("-");
+    let stem = args.file.file_stem().filter(|_| !to_screen);
+    let name = stem.map_or_else(|| "mine".into(), |stem| stem.to_string_lossy().into_owned());
+    let draft = args
+        .catalogue(name)
+        .draft()
+        .map_err(|fault| by_flag(&fault))?;
+    if to_screen {
+        screen::show(&draft.text)?;
+        return Ok(0);
+    }
+    if args.file.exists() && !args.force {
+        return Err(Failure::input(format!(
+            "{} is there already; name another file, or replace it with --force",
+            args.file.display()
+        )));
+    }
+    replace_text(&args.file, &draft.text)?;
+    let file = quoted(&args.file.display().to_string());
+    screen::show(&format!(
+        "{}\nscene   {}\nnext    pinwheel design {file}",
+        pages::design::draft(&draft),
+        args.file.display()
+    ))?;
+    Ok(0)
+}
+
+/// The fault with the flag that gives the dimension.
+fn by_flag(fault: &Fault) -> Failure {
+    let key = fault.keys.first().map_or("", AsRef::as_ref);
+    match args::flag(key) {
+        Some(flag) => Failure::input(format!("{flag}: {fault}")),
+        None => Failure::input(fault.to_string()),
+    }
+}
+
+pub(crate) fn design(args: &DesignArgs) -> Result<u8, Failure> {
+    let gearbox = args.scene.load()?;
+    let place = args.out.folder(&gearbox.scene.name, "design");
+    let folder = Folder::prepare(&place, args.out.force)?;
+    let found = watched("design", |control| {
+        design::run(&gearbox, !args.statics, control)
+    })?;
+    let made = Provenance::here(args::typed());
+    found.write(folder.path(), &made)?;
+    folder.write_page(&pages::design::page(&found, &made)?)?;
+    let out = folder.publish()?;
+    screen::show_with_page(&pages::design::text(&found), &folder::page(&out))?;
+    Ok(0)
+}

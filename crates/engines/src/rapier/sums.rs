@@ -1,0 +1,102 @@
+//! Contact forces added up body by body.
+
+use pinwheel_mbs::BodyState;
+use pinwheel_scene::{Layout, Sleeve};
+
+/// Contact forces in the ground frame, N, summed over the pairs.
+pub(super) struct Sums {
+    layout: Layout,
+    /// On each sleeve, external then internal.
+    pub(super) sleeves: Vec<[f64; 2]>,
+    /// On each wheel.
+    wheels: Vec<[f64; 2]>,
+}
+
+impl Sums {
+    pub(super) fn new(layout: Layout) -> Self {
+        Self {
+            layout,
+            sleeves: vec![[0.0; 2]; layout.external_sleeves + layout.internal_sleeves],
+            wheels: vec![[0.0; 2]; layout.wheels],
+        }
+    }
+
+    /// Adds the force of a pair on its sleeve; the wheel takes the opposite.
+    pub(super) fn add(&mut self, wheel: usize, sleeve: Sleeve, force: [f64; 2]) {
+        let slot = sleeve_slot(self.layout, sleeve);
+        let [fx, fy] = force;
+        self.sleeves[slot][0] += fx;
+        self.sleeves[slot][1] += fy;
+        self.wheels[wheel][0] -= fx;
+        self.wheels[wheel][1] -= fy;
+    }
+
+    /// Force on a body, N; 0 for the shafts, which touch nothing.
+    pub(super) fn on_body(&self, body: usize) -> [f64; 2] {
+        let (wheels, sleeves) = (
+            self.layout.wheel_bodies(),
+            self.layout.external_bodies().start,
+        );
+        if body >= sleeves {
+            self.sleeves[body - sleeves]
+        } else if wheels.contains(&body) {
+            self.wheels[body - wheels.start]
+        } else {
+            [0.0; 2]
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.sleeves.fill([0.0; 2]);
+        self.wheels.fill([0.0; 2]);
+    }
+
+    /// Torque the driver exerts on the input shaft, N m, by virtual work: each eccentric hands its
+    /// wheel's contact force F on to the shaft, T = -sum E x F. The wheel's own inertia force
+    /// points along E and does no work at constant speed.
+    pub(super) fn driver_torque(&self, bodies: &[BodyState]) -> f64 {
+        let shaft = &bodies[Layout::INPUT];
+        -self
+            .layout
+            .wheel_bodies()
+            .zip(&self.wheels)
+            .map(|(wheel, [fx, fy])| {
+                (bodies[wheel].x - shaft.x) * fy - (bodies[wheel].y - shaft.y) * fx
+            })
+            .sum::<f64>()
+    }
+}
+
+/// Place of a sleeve among all sleeves, external before internal.
+pub(super) fn sleeve_slot(layout: Layout, sleeve: Sleeve) -> usize {
+    match sleeve {
+        Sleeve::External(j) => j,
+        Sleeve::Internal(k) => layout.external_sleeves + k,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn driver_torque_is_the_virtual_work_of_the_wheels() {
+        let mut sums = Sums::new(Layout {
+            wheels: 2,
+            external_sleeves: 3,
+            internal_sleeves: 2,
+        });
+        let mut bodies = vec![BodyState::default(); sums.layout.bodies()];
+        (bodies[2].x, bodies[3].x) = (0.5, -0.5);
+        // 10 N upwards on the sleeves: the wheels are pushed down, 5 N m each way, then one of them less.
+        sums.add(0, Sleeve::External(1), [0.0, 10.0]);
+        sums.add(1, Sleeve::Internal(1), [0.0, 10.0]);
+        assert_eq!(sums.driver_torque(&bodies), 0.0);
+        sums.add(1, Sleeve::Internal(1), [3.0, -4.0]);
+        assert_eq!(sums.driver_torque(&bodies), 0.5 * 4.0);
+        assert_eq!(
+            sums.sleeves,
+            [[0.0; 2], [0.0, 10.0], [0.0; 2], [0.0; 2], [3.0, 6.0]]
+        );
+    }
+}

@@ -1,0 +1,169 @@
+//! A shipped solver as an engine: made ready at its first run, then run as any solver from outside.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use pinwheel_gearbox::Gearbox;
+
+use super::cards::{CARDS, IDA, SIMBODY};
+use super::{ida, simbody};
+use crate::cache::CacheError;
+use crate::cards::Card;
+use crate::engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, Track};
+use crate::external::Solver;
+
+/// Why a solver cannot be used here.
+#[derive(Debug, Clone)]
+pub(super) enum Missing {
+    /// One line with the remedy.
+    Because(String),
+    /// The user asked to stop.
+    Stopped,
+}
+
+impl Missing {
+    /// A failure, unless it is the user's wish.
+    pub(super) fn of(cancel: &AtomicBool, because: impl FnOnce() -> String) -> Self {
+        if cancel.load(Ordering::Relaxed) {
+            Self::Stopped
+        } else {
+            Self::Because(because())
+        }
+    }
+}
+
+impl From<CacheError> for Missing {
+    fn from(error: CacheError) -> Self {
+        match error {
+            CacheError::Stopped => Self::Stopped,
+            other => Self::Because(other.to_string()),
+        }
+    }
+}
+
+/// What a solver needs to run.
+#[derive(Debug, Clone)]
+pub(super) struct Ready {
+    /// The folder of its manifests and of what they start.
+    pub(super) here: PathBuf,
+    /// Its interpreter, if it needs one.
+    pub(super) python: Option<PathBuf>,
+}
+
+/// One shipped solver.
+struct Shipped {
+    card: &'static Card,
+    version: fn() -> String,
+    /// Order of the error in `solver.tolerance`, measured.
+    order: f64,
+    /// Makes it ready.
+    make: fn(&AtomicBool) -> Result<Ready, Missing>,
+    /// What became of it, once a process: asking again for every engine of a comparison would only take time.
+    made: &'static Mutex<Option<Result<Ready, Missing>>>,
+    /// Its manifest for scenes without friction, and with.
+    manifests: [&'static str; 2],
+}
+
+static MADE_SIMBODY: Mutex<Option<Result<Ready, Missing>>> = Mutex::new(None);
+static MADE_IDA: Mutex<Option<Result<Ready, Missing>>> = Mutex::new(None);
+
+/// All of them, in the order of their cards.
+pub(crate) fn engines() -> impl Iterator<Item = Box<dyn Engine>> {
+    CARDS.iter().filter_map(|card| {
+        let shipped = match card.name {
+            SIMBODY => Shipped {
+                card,
+                version: simbody::version,
+                order: 0.9,
+                make: simbody::ready,
+                made: &MADE_SIMBODY,
+                manifests: simbody::MANIFESTS,
+            },
+            IDA => Shipped {
+                card,
+                version: ida::version,
+                order: 0.7,
+                make: ida::ready,
+                made: &MADE_IDA,
+                manifests: [ida::MANIFEST; 2],
+            },
+            _ => return None,
+        };
+        Some(Box::new(shipped) as Box<dyn Engine>)
+    })
+}
+
+impl Shipped {
+    fn failed(&self, reason: String) -> EngineError {
+        EngineError::Failed {
+            engine: self.card.name.to_owned(),
+            reason,
+        }
+    }
+
+    /// The solver for a scene, made ready if it is not.
+    fn solver(&self, gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Solver, EngineError> {
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        let outcome = match made.as_ref() {
+            Some(known) => known.clone(),
+            None => (self.make)(cancel),
+        };
+        if !matches!(outcome, Err(Missing::Stopped)) {
+            *made = Some(outcome.clone());
+        }
+        drop(made);
+        let ready = outcome.map_err(|missing| match missing {
+            Missing::Stopped => EngineError::Cancelled,
+            Missing::Because(reason) => self.failed(reason),
+        })?;
+        let manifest = ready
+            .here
+            .join(self.manifests[usize::from(gearbox.has_friction())]);
+        Solver::open(&manifest)
+            .map(|solver| solver.known_as(self.card.name, ready.python))
+            .map_err(|error| self.failed(error.to_string()))
+    }
+
+    fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, EngineError> {
+        self.solver(gearbox, control.cancel)?
+            .prepare(gearbox)?
+            .run(control)
+    }
+}
+
+impl Engine for Shipped {
+    fn name(&self) -> &str {
+        self.card.name
+    }
+
+    fn track(&self) -> Track {
+        self.card.track
+    }
+
+    fn version(&self) -> String {
+        (self.version)()
+    }
+
+    fn summary(&self) -> &str {
+        self.card.summary
+    }
+
+    fn differences(&self) -> &str {
+        self.card.differences
+    }
+
+    fn refinement(&self) -> Option<Refinement> {
+        Some(Refinement {
+            knob: Knob::Tolerance,
+            order: self.order,
+        })
+    }
+
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+        let gearbox = gearbox.clone();
+        Ok(Box::new(move |control: &Control<'_>| {
+            self.run(&gearbox, control)
+        }))
+    }
+}

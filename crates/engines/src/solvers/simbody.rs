@@ -1,0 +1,129 @@
+//! Simbody: a C++ program, compiled by the system's compiler at the first use and kept in the cache folder.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::{env, fs};
+
+use super::shipped::{Missing, Ready};
+use crate::cache::{self, CacheError, Made, Note, call, fingerprint};
+
+/// Its manifests for scenes without friction, and with: an explicit method, and one for stiff equations.
+pub(super) const MANIFESTS: [&str; 2] = ["merson.toml", "cpodes.toml"];
+
+/// What its folder holds besides the program.
+static FILES: [(&str, &str); 4] = [
+    (
+        "simbody.cpp",
+        include_str!("../../../../solvers/simbody/simbody.cpp"),
+    ),
+    (
+        "pinwheel_law.h",
+        include_str!("../../../law/include/pinwheel_law.h"),
+    ),
+    (
+        MANIFESTS[0],
+        include_str!("../../../../solvers/simbody/merson.toml"),
+    ),
+    (
+        MANIFESTS[1],
+        include_str!("../../../../solvers/simbody/cpodes.toml"),
+    ),
+];
+
+/// Where distributions put the headers, for systems without pkg-config.
+const HEADERS: [&str; 2] = ["/usr/include/simbody", "/usr/local/include/simbody"];
+
+const REMEDY: &str = "Debian: apt install libsimbody-dev g++";
+
+/// The installed Simbody.
+struct Installed {
+    /// `3.7`, where the system says so.
+    version: Option<String>,
+    /// The compiler's arguments.
+    flags: Vec<String>,
+}
+
+/// Looks for it.
+fn installed() -> Option<Installed> {
+    static NEVER: AtomicBool = AtomicBool::new(false);
+    let ask = |arguments: &[&str]| call(Path::new("pkg-config"), arguments, None, &NEVER).ok();
+    if let Some(version) = ask(&["--modversion", "simbody"]) {
+        let flags = ask(&["--cflags", "--libs", "simbody"])?;
+        // Its own choice of a language standard is older than the program's.
+        let words = flags
+            .split_whitespace()
+            .filter(|word| !word.starts_with("-std="));
+        return Some(Installed {
+            version: Some(version.trim().to_owned()),
+            flags: words.map(str::to_owned).collect(),
+        });
+    }
+    let headers = HEADERS.iter().find(|folder| Path::new(folder).is_dir())?;
+    let libraries = ["-lSimTKsimbody", "-lSimTKmath", "-lSimTKcommon"];
+    Some(Installed {
+        version: None,
+        flags: std::iter::once(format!("-I{headers}"))
+            .chain(libraries.map(str::to_owned))
+            .collect(),
+    })
+}
+
+/// Name and version of what is installed.
+pub(super) fn version() -> String {
+    match installed().and_then(|found| found.version) {
+        Some(version) => format!("Simbody {version}"),
+        None => "Simbody".to_owned(),
+    }
+}
+
+/// Compiles its program if need be.
+pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Missing> {
+    let installed = installed().ok_or_else(|| {
+        Missing::Because(format!("Simbody is not installed; install it ({REMEDY})"))
+    })?;
+    let compiler = PathBuf::from(env::var_os("CXX").unwrap_or_else(|| "c++".into()));
+    let described = call(&compiler, ["--version"], None, cancel).map_err(|reason| {
+        Missing::of(cancel, || {
+            format!(
+                "its program is compiled at the first use, and the C++ compiler does not answer ({reason}); install one \
+                 ({REMEDY}), or name it with CXX"
+            )
+        })
+    })?;
+    let flags = installed.flags.join(" ");
+    let version = installed.version.unwrap_or_default();
+    let mut key: Vec<&str> = FILES.iter().map(|&(_, text)| text).collect();
+    key.extend([described.as_str(), flags.as_str(), version.as_str()]);
+    let compile = |draft: &Path, note: &Note| -> Result<(), Missing> {
+        note.say("compiling");
+        for (name, text) in &FILES {
+            let path = draft.join(name);
+            fs::write(&path, text).map_err(|error| CacheError::storage(&path, error))?;
+        }
+        let (program, source) = (draft.join("simbody"), draft.join("simbody.cpp"));
+        let own = ["-std=c++17", "-O2", "-w", "-o"].map(OsStr::new);
+        let files = [program.as_os_str(), source.as_os_str()];
+        let libraries = installed.flags.iter().map(OsStr::new);
+        let arguments = own.into_iter().chain(files).chain(libraries);
+        let arguments = arguments.chain([OsStr::new("-ldl")]);
+        let done = call(&compiler, arguments, None, cancel);
+        done.map(|_| ()).map_err(|reason| {
+            Missing::of(cancel, || {
+                format!(
+                    "its program cannot be compiled ({reason}); install Simbody whole ({REMEDY})"
+                )
+            })
+        })
+    };
+    let made = Made {
+        name: &format!("simbody-{:016x}", fingerprint(&key)),
+        title: "Simbody's program (once)",
+        whole: &|folder: &Path| folder.join("simbody").is_file().then(|| folder.to_owned()),
+        build: &compile,
+    };
+    Ok(Ready {
+        here: made.once(&cache::folder()?, cancel)?,
+        python: None,
+    })
+}

@@ -1,0 +1,98 @@
+//! Newton's method for the angles in balance.
+//!
+//! A wheel's moment depends on its own angle and the output's, so with a_i = dM_i/d theta_i, b_i = dM_i/d psi,
+//! c_i = dM_out/d theta_i and d = dM_out/d psi the step is
+//!
+//! ```text
+//! (d - sum c_i b_i/a_i) d psi = -(M_out - sum c_i M_i/a_i),    d theta_i = -(M_i + b_i d psi)/a_i
+//! ```
+//! It begins beyond the free play, pressed in deeper than the load will press: forces that stiffen with the depth then lead
+//! back without passing the balance, and all that will carry touches from the start.
+
+use pinwheel_mbs::{Jacobian, Structure};
+use pinwheel_scene::free_play;
+
+use super::{ANGLE, Statics};
+use crate::{Gearbox, Layout};
+
+/// Steps at most; a gear takes 5 to 10.
+const MOST_STEPS: usize = 40;
+/// Twist to begin with, in those of the load by the estimate for adaptive steps.
+const TWIST: f64 = 2.0;
+/// Steps that no longer shrink have ended at rounding if they are shorter than this, rad.
+const ROUNDING: f64 = 1e-12;
+
+/// Of the free bodies; the wheels follow.
+const OUTPUT: usize = Layout::OUTPUT - 1;
+
+/// Of wheels and output, as they are free without friction.
+pub(super) fn slopes(gearbox: &Gearbox) -> Jacobian {
+    let free = 1 + gearbox.layout.wheels;
+    let is_leaf = vec![false; free];
+    Jacobian::new(&Structure::SecondOrder { is_leaf }, 2 * free)
+}
+
+impl Statics<'_> {
+    /// The output's angle in balance, the wheels' in `wheels`, which holds the ideal mesh on entry and, after a failure,
+    /// again. `None`: the contacts have no slopes, or the way led out of the brackets.
+    pub(super) fn newton(&mut self, phi: f64, load: f64, wheels: &mut [f64]) -> Option<f64> {
+        let ideal = wheels.to_vec();
+        let psi = self.approach(phi, load, wheels);
+        if psi.is_none() {
+            wheels.copy_from_slice(&ideal);
+        }
+        psi
+    }
+
+    fn approach(&mut self, phi: f64, load: f64, wheels: &mut [f64]) -> Option<f64> {
+        let gear = &self.gearbox.scene.gear;
+        let middle = self.gearbox.geometry.ideal_output_angle(phi);
+        let (half_wheel, half) = self.brackets();
+        let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
+        let twist = TWIST * self.gearbox.error_scales().angle;
+        let wheel = free_play(gear) + twist;
+        let mut psi = middle
+            + load.signum() * (wheel + twist + clearance.max(0.0) / gear.internal_circle_radius_m);
+        let ideal = wheels.to_vec();
+        for wheel_angle in wheels.iter_mut() {
+            *wheel_angle += load.signum() * wheel;
+        }
+        let mut moments = vec![0.0; wheels.len()];
+        let mut last = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let output = self.moments(phi, wheels, psi, &mut moments) + load;
+            self.slopes.clear();
+            if !self.field.add_slopes(&self.bodies, &mut self.slopes) {
+                return None;
+            }
+            let slopes = self.slopes.position()?;
+            let (mut slope, mut moment) = (slopes.entry(OUTPUT, OUTPUT), output);
+            for (i, own) in moments.iter().enumerate() {
+                let hub = OUTPUT + 1 + i;
+                let share = slopes.entry(OUTPUT, hub) / slopes.entry(hub, hub);
+                slope -= share * slopes.entry(hub, OUTPUT);
+                moment -= share * own;
+            }
+            let step = -moment / slope;
+            let mut moved = step.abs();
+            let mut inside = slope < 0.0 && (psi + step - middle).abs() < half;
+            psi += step;
+            for (i, (angle, ideal)) in wheels.iter_mut().zip(&ideal).enumerate() {
+                let hub = OUTPUT + 1 + i;
+                let own = slopes.entry(hub, hub);
+                let step = -(moments[i] + slopes.entry(hub, OUTPUT) * step) / own;
+                *angle += step;
+                moved = moved.max(step.abs());
+                inside &= own < 0.0 && (*angle - ideal).abs() < half_wheel;
+            }
+            if !inside {
+                return None;
+            }
+            if moved < ANGLE || (moved < ROUNDING && moved >= 0.5 * last) {
+                return Some(psi);
+            }
+            last = moved;
+        }
+        None
+    }
+}

@@ -1,0 +1,100 @@
+//! The exponential multistep method on gears: against Dormand-Prince at a tight tolerance, whatever is sampled.
+
+use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::contacts::Kernel;
+use pinwheel_gearbox::native::{self, NativeRun};
+use pinwheel_scene::{Override, Scene};
+
+fn run(preset: &str, kernel: Kernel, sets: &[(&str, &str)]) -> NativeRun {
+    let sets: Vec<Override> = sets.iter().map(|&(k, v)| Override::new(k, v)).collect();
+    let mut gearbox = Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap();
+    gearbox.kernel = kernel;
+    native::run(&gearbox, &mut |_| false).unwrap()
+}
+
+fn by(preset: &str, method: &str, tolerance: &str, sets: &[(&str, &str)]) -> NativeRun {
+    let solver = [
+        ("solver.integrator", method),
+        ("solver.tolerance", tolerance),
+    ];
+    run(preset, Kernel::Lanes, &[&solver, sets].concat())
+}
+
+/// Relative L2 distance of all sleeve forces together.
+fn distance(a: &NativeRun, b: &NativeRun) -> f64 {
+    let (mut difference, mut size) = (0.0, 0.0);
+    for channel in b.courses.channels() {
+        if channel.name.contains("sleeve_force") {
+            let values = a.courses.channel(&channel.name).unwrap();
+            for (a, b) in values.iter().zip(&channel.values) {
+                difference += (a - b) * (a - b);
+                size += b * b;
+            }
+        }
+    }
+    f64::sqrt(difference / size)
+}
+
+/// Kernel passes: evaluations, Jacobians and samples, which the multistep method's evaluations mostly are.
+fn passes(run: &NativeRun) -> u64 {
+    run.counts.evaluations + run.counts.jacobians
+}
+
+#[test]
+fn gears_are_resolved_in_fewer_passes() {
+    for (preset, sets) in [
+        ("paper", &[("solver.duration_s", "0.1")][..]),
+        ("forty-pins", &[("solver.duration_s", "0.05")]),
+        ("backlash-0.6", &[("solver.duration_s", "0.1")]),
+        ("steel", &[("solver.duration_s", "0.03")]),
+        (
+            "paper",
+            &[
+                ("solver.duration_s", "0.05"),
+                ("solver.sample_s", "1.03e-4"),
+            ],
+        ),
+        (
+            "paper",
+            &[("solver.duration_s", "0.05"), ("solver.sample_s", "7e-4")],
+        ),
+        ("hard-load-step", &[]),
+        ("hard-load-reversal", &[("solver.duration_s", "0.1")]),
+    ] {
+        let exact = by(preset, "dopri5", "1e-11", sets);
+        for tolerance in ["1e-5", "1e-6", "1e-7", "1e-8"] {
+            let etd = by(preset, "etd-adams", tolerance, sets);
+            let plain = by(preset, "dopri5", tolerance, sets);
+            println!(
+                "{preset} {sets:?} {tolerance}: {:.1e} {:?}; dopri5 {:.1e} {} and {} samples",
+                distance(&etd, &exact),
+                etd.counts,
+                distance(&plain, &exact),
+                passes(&plain),
+                exact.courses.len()
+            );
+        }
+    }
+}
+
+/// All processors take the same steps.
+#[test]
+fn regress_the_steps_do_not_depend_on_the_processor() {
+    for preset in ["paper", "backlash-0.6"] {
+        let sets = [
+            ("solver.integrator", "etd-adams"),
+            ("solver.tolerance", "1e-6"),
+            ("solver.duration_s", "0.1"),
+        ];
+        let here = run(preset, Kernel::Lanes, &sets);
+        for kernel in [Kernel::Avx2, Kernel::Portable] {
+            let there = run(preset, kernel, &sets);
+            let error = distance(&there, &here);
+            println!(
+                "{preset} {kernel:?}: {error:.1e} {:?} {:?}",
+                there.counts, here.counts
+            );
+            assert_eq!(there.counts, here.counts, "{preset}, {kernel:?}");
+        }
+    }
+}

@@ -1,0 +1,661 @@
+//! Exponential Adams: a multistep method that is exact for the system's linear part and extrapolates the rest.
+//!
+//! ```text
+//! y' = L y + g(t),    g = f - L y at the last evaluations
+//! predict:  y* = phi_0(h L) y + h sum_{j<K} Gamma_j(h L) D^j g_n,        D^j: backward differences
+//! evaluate: f(t + h, y*),    g_n+1 = f - L y*
+//! correct:  y+ = y* + h Gamma_K D^K g_n+1,      error = h (Gamma_K+1 - Gamma_K) D^(K+1) g_n+1
+//! Gamma_j = int_0^1 exp((1 - s) h L) s (s + 1) ... (s + j - 1)/j! ds
+//! ```
+//! [Norsett 1969; Calvo & Palencia, Numer. Math. 102 (2006) 367; Hochbruck & Ostermann, Acta Numerica 19 (2010) 209, 2.6].
+//! L is the system's own Jacobian, taken now and then. Oscillations that L describes are exact whatever their phase in a step,
+//! so steps are as long as what is left of f allows: mostly the contacts that come and go. A step costs one evaluation, where
+//! an explicit Runge-Kutta method of order five takes six for a step a little longer.
+//!
+//! Every leg begins with Dormand-Prince, whose dense output gives the history; it takes over again where steps would become
+//! shorter than a sixth of its own, and where the system has no Jacobian it does all.
+//!
+//! Steps end at the times the caller asks for next ([`Stepper::aim`]): the step to a sample takes the evaluation that the
+//! sample takes anyway, so that both cost one. The sample is then the predicted state, unless it is too far off. Steps change
+//! by factors of two (and to whatever an uneven distance to the next sample asks for), so that all processors take the same.
+
+mod history;
+mod propagator;
+
+use self::history::{History, Line, POWERS, shift};
+use self::propagator::{Linear, Propagator, dot};
+use super::dopri5::{Dense, Dopri5};
+use super::{MethodInfo, StepCounts, StepError, Stepper, short_step};
+use crate::OdeSystem;
+use crate::jacobian::Jacobian;
+
+pub(super) const INFO: MethodInfo = MethodInfo {
+    name: "etd-adams",
+    summary: "exponential Adams, exact for the linear part, steps from the tolerance, one evaluation a step: for gears without \
+              friction",
+    order: 4,
+    adaptive: true,
+};
+
+/// K: the lower where contacts come and go, the higher on what is smooth; each step takes the one with the smaller error.
+const ORDERS: [usize; 2] = [3, 5];
+const HIGHEST: usize = ORDERS[1];
+/// Coefficients of polynomials through the points of the highest order and one more.
+const TERMS: usize = HIGHEST + 2;
+/// Errors, in tolerances, above which a step is not taken, and above which the next is half as long; and what the error of a
+/// step twice as long must be expected below.
+const REJECT: f64 = 3.0;
+const HALVE: f64 = 1.0;
+const GROW: f64 = 0.5;
+/// Predicted states as near to the corrected ones as this, in tolerances, stand for samples.
+const SHOWN: f64 = 10.0;
+/// Steps from one look at the Jacobian to the next, and the share by which it must have moved to be taken: a linear part
+/// that is renewed at every step makes the method unstable at the higher order.
+const LOOK: u64 = 16;
+const MOVED: f64 = 0.1;
+/// Longest step, as |h| |L| with the size of [`Linear`]; half as much again where a new Jacobian is stiffer.
+const TURNS: f64 = 3.0;
+/// Shortest step, of those that Dormand-Prince took: a contact that begins takes few of them, which are cheaper than to begin
+/// anew.
+const LEAST: f64 = 0.02;
+/// Steps of Dormand-Prince before the method is tried; after a failure twice as many, up to the second.
+const WAIT: u64 = 4;
+const LONGEST_WAIT: u64 = 64;
+/// Steps that make a trial no failure.
+const SUCCESS: u64 = 16;
+
+/// Steps of Dormand-Prince that are remembered.
+const PIECES: usize = 8;
+/// Step matrices kept: steps go to and fro between few lengths.
+const KEPT: usize = 4;
+/// Share of a step within which two lengths, or two times, are the same.
+const SAME: f64 = 1e-9;
+
+/// A step's matrices.
+#[derive(Debug, Clone)]
+struct Step {
+    propagator: Propagator,
+    /// By order: h Gamma_K and h (Gamma_K+1 - Gamma_K), states by remainders.
+    corrections: [Vec<f64>; 2],
+    errors: [Vec<f64>; 2],
+}
+
+/// What exists once the system has told its Jacobian.
+#[derive(Debug, Clone)]
+struct Multistep {
+    jacobian: Jacobian,
+    linear: Linear,
+    /// A newer one, to compare with.
+    newer: Linear,
+    line: Line,
+    history: History,
+    steps: Vec<Step>,
+    /// Of the steps, the one last made.
+    last_built: usize,
+    /// For times inside steps and before the present.
+    between: Propagator,
+    /// x, then coefficients of the remainder.
+    known: Vec<f64>,
+    x: Vec<f64>,
+}
+
+impl Multistep {
+    fn new<S: OdeSystem>(system: &S, jacobian: Jacobian) -> Self {
+        let (structure, n) = (system.structure(), system.dimension());
+        let linear = Linear::new(&structure, n);
+        let count = linear.remainders();
+        let matrix = vec![0.0; n * count];
+        let step = Step {
+            propagator: Propagator::new(&linear, TERMS),
+            corrections: [matrix.clone(), matrix.clone()],
+            errors: [matrix.clone(), matrix],
+        };
+        Self {
+            jacobian,
+            newer: linear.clone(),
+            line: Line::new(n),
+            history: History::new(&linear, 2 * HIGHEST + 3, TERMS),
+            steps: vec![step; KEPT],
+            last_built: 0,
+            between: Propagator::new(&linear, TERMS),
+            known: vec![0.0; n + TERMS * count],
+            x: vec![0.0; n],
+            linear,
+        }
+    }
+
+    /// The remainders of all points, the newest of which is at `time`, beside the present linear part.
+    fn set_remainders(&mut self, time: f64, h: f64) {
+        for k in 0..self.history.known {
+            self.set_remainder(k, time - k as f64 * h);
+        }
+    }
+
+    fn set_remainder(&mut self, k: usize, time: f64) {
+        self.history.change();
+        let point = &mut self.history.points[k];
+        self.line.measure(time, &point.y, &mut self.x);
+        for (i, (g, f)) in point.g.iter_mut().zip(&point.f).enumerate() {
+            *g = f - self.linear.product(i, &self.x);
+        }
+    }
+
+    /// Takes the newest Jacobian as the linear part, with the line through `y`.
+    fn renew(&mut self, time: f64, h: f64, y: &[f64]) {
+        std::mem::swap(&mut self.linear, &mut self.newer);
+        self.line.set(&self.linear, time, y);
+        self.set_remainders(time, h);
+        for step in &mut self.steps {
+            step.propagator.tau = f64::NAN;
+        }
+    }
+
+    /// The matrices of a step `h`, made if they are not kept.
+    fn matrices(&mut self, h: f64) -> usize {
+        if let Some(k) = self
+            .steps
+            .iter()
+            .position(|s| (s.propagator.tau - h).abs() <= SAME * h)
+        {
+            return k;
+        }
+        self.last_built = (self.last_built + 1) % KEPT;
+        let step = &mut self.steps[self.last_built];
+        step.propagator.build(&self.linear, h, h);
+        for (which, &order) in ORDERS.iter().enumerate() {
+            let (correction, error) = (&mut step.corrections[which], &mut step.errors[which]);
+            correction.fill(0.0);
+            error.fill(0.0);
+            for (k, (this, next)) in POWERS[order]
+                .iter()
+                .zip(&POWERS[order + 1])
+                .enumerate()
+                .take(order + 2)
+            {
+                step.propagator.add_term(&self.linear, k, *this, correction);
+                step.propagator
+                    .add_term(&self.linear, k, next - this, error);
+            }
+        }
+        self.last_built
+    }
+
+    /// Puts `x` of `y` and the polynomial through `count` points where `advance` reads them.
+    fn know(&mut self, time: f64, y: &[f64], count: usize) {
+        let n = self.linear.dimension;
+        self.known.fill(0.0);
+        self.line.measure(time, y, &mut self.known[..n]);
+        self.history.coefficients(count, &mut self.known[n..]);
+    }
+
+    /// The state a time `tau` from `time`, where it is `y`, by the remainder of the points that are known.
+    fn state_at(&mut self, time: f64, y: &[f64], h: f64, tau: f64, out: &mut [f64]) {
+        let count = self.history.known.min(TERMS);
+        self.history.differ(count);
+        self.know(time, y, count);
+        self.between.build(&self.linear, tau, h);
+        self.between.advance(&self.linear, &self.known, out);
+        self.line.restore(time + tau, out);
+    }
+
+    /// Moves the points from the distance `h` to the shorter `to`, without evaluations: the remainder is interpolated, and
+    /// the states are those that it leads to, back from `y` at `time`.
+    fn respace(&mut self, time: f64, y: &[f64], h: f64, to: f64) {
+        let (n, width) = (self.linear.dimension, self.linear.remainders());
+        let count = self.history.known.min(TERMS);
+        self.history.differ(count);
+        self.know(time, y, count);
+        self.between.build(&self.linear, -to, h);
+        for k in 1..count.min(HIGHEST + 1) {
+            self.between.advance(&self.linear, &self.known, &mut self.x);
+            self.known[..n].copy_from_slice(&self.x);
+            shift(&mut self.known[n..], width, -to / h);
+            let point = &mut self.history.points[k];
+            point.g.copy_from_slice(&self.known[n..n + width]);
+            for (i, f) in point.f.iter_mut().enumerate() {
+                *f = point.g[i] + self.linear.product(i, &self.x);
+            }
+            point.y.copy_from_slice(&self.x);
+            self.line.restore(time - k as f64 * to, &mut point.y);
+        }
+        self.history.change();
+        self.history.known = count.min(HIGHEST + 1);
+    }
+}
+
+/// out = matrix d, of states by remainders.
+fn transform(matrix: &[f64], d: &[f64], out: &mut [f64]) {
+    for (row, out) in matrix.chunks_exact(d.len()).zip(out) {
+        *out = dot(row, d);
+    }
+}
+
+/// A run with steps from a tolerance.
+#[derive(Debug, Clone)]
+pub struct EtdAdams {
+    tolerance: f64,
+    time: f64,
+    y: Vec<f64>,
+    /// The next time asked for, s; infinite: none.
+    aim: f64,
+    /// No step is longer, s.
+    longest: f64,
+    counts: StepCounts,
+    /// Dormand-Prince, and its last steps, the newest first.
+    start: Dopri5,
+    pieces: Vec<Dense>,
+    known_pieces: usize,
+    /// Its steps since it began, and how many there must be.
+    begun: u64,
+    wait: u64,
+    /// True while the multistep method has its history.
+    runs: bool,
+    /// The system has no Jacobian.
+    refused: bool,
+    multistep: Option<Box<Multistep>>,
+    /// Distance of the points, and the step wanted next, s.
+    h: f64,
+    wanted: f64,
+    /// Typical step of Dormand-Prince, s.
+    explicit: f64,
+    /// Whether its last step ended at a time asked for.
+    at_aim: bool,
+    /// Steps since the multistep method took over, and since the last look at the Jacobian.
+    taken: u64,
+    since_look: u64,
+    /// Of the orders, the one of the next step.
+    which: usize,
+    /// Predicted state, at which f was evaluated, and whether it stands for the sample.
+    seen: Vec<f64>,
+    shown: bool,
+    /// f of all rows, and errors.
+    f: Vec<f64>,
+    scale: Vec<f64>,
+}
+
+impl EtdAdams {
+    /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` a step.
+    #[must_use]
+    pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
+        let zeros = vec![0.0; y.len()];
+        Self {
+            tolerance,
+            time: t,
+            y: y.to_vec(),
+            aim: f64::INFINITY,
+            longest: f64::INFINITY,
+            counts: StepCounts::default(),
+            start: Dopri5::new(h, tolerance, t, y),
+            pieces: vec![Dense::new(y.len()); PIECES],
+            known_pieces: 0,
+            begun: 0,
+            wait: WAIT,
+            runs: false,
+            refused: false,
+            multistep: None,
+            h,
+            wanted: f64::INFINITY,
+            explicit: 0.0,
+            at_aim: false,
+            taken: 0,
+            since_look: 0,
+            which: 0,
+            seen: zeros.clone(),
+            shown: false,
+            f: zeros.clone(),
+            scale: zeros,
+        }
+    }
+
+    /// Whether the multistep method may be tried after the next step of the other, or now.
+    fn is_due(&self) -> bool {
+        !self.refused && self.begun >= self.wait
+    }
+
+    /// Steps from here to the next time asked for, none longer than `most`; 0 if none is asked for.
+    fn count_to_aim(&self, most: f64) -> f64 {
+        let distance = self.aim - self.time;
+        if distance.is_finite() && distance > SAME * most {
+            (distance / most - SAME).ceil().max(1.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// Takes over from Dormand-Prince if its last steps reach back far enough and the system has a Jacobian.
+    fn take_over<S: OdeSystem>(&mut self, system: &mut S) -> bool {
+        let begins = self.at_aim || self.aim.is_infinite();
+        if !self.is_due() || self.known_pieces < 2 || !begins {
+            return false;
+        }
+        let mut multistep = match self.multistep.take() {
+            Some(mut multistep) => {
+                multistep.jacobian.clear();
+                system.jacobian(self.time, &self.y, &mut multistep.jacobian);
+                multistep
+            }
+            None => {
+                let mut jacobian = Jacobian::new(&system.structure(), self.y.len());
+                if !system.jacobian(self.time, &self.y, &mut jacobian) {
+                    self.refused = true;
+                    return false;
+                }
+                Box::new(Multistep::new(system, jacobian))
+            }
+        };
+        self.counts.jacobians += 1;
+        multistep.newer.read(&multistep.jacobian);
+        self.runs = self.begin(&mut multistep, system);
+        self.multistep = Some(multistep);
+        self.runs
+    }
+
+    /// Makes the history from the last steps of Dormand-Prince, at whose end the newest Jacobian was taken.
+    fn begin<S: OdeSystem>(&mut self, multistep: &mut Multistep, system: &mut S) -> bool {
+        let order = ORDERS[0];
+        let oldest = &self.pieces[self.known_pieces - 1];
+        let span = self.time - (oldest.end - oldest.taken);
+        let steps = self.pieces[..self.known_pieces]
+            .iter()
+            .map(|piece| piece.taken);
+        let explicit = steps.fold(0.0, f64::max);
+        let most = self
+            .wanted
+            .min(self.longest)
+            .min(explicit)
+            .min(span / order as f64)
+            .min(TURNS / multistep.newer.size);
+        if !(most > LEAST * explicit) {
+            self.wait += self.begun;
+            return false;
+        }
+        let count = self.count_to_aim(most);
+        let h = if count > 0.0 {
+            (self.aim - self.time) / (count as u64).next_power_of_two() as f64
+        } else {
+            short_step(most)
+        };
+        let first = multistep.linear.first;
+        for k in 0..=order {
+            let time = self.time - k as f64 * h;
+            let point = &mut multistep.history.points[k];
+            if k == 0 {
+                point.y.copy_from_slice(&self.y);
+            } else {
+                let pieces = self.pieces[..self.known_pieces].iter();
+                let reaches = |piece: &&Dense| time >= piece.end - piece.taken - SAME * h;
+                let Some(piece) = pieces.clone().find(reaches) else {
+                    return false;
+                };
+                piece.interpolate(time, &mut point.y);
+            }
+            system.derivative(time, &point.y, &mut self.f);
+            point.f.copy_from_slice(&self.f[first..]);
+        }
+        self.counts.evaluations += order as u64 + 1;
+        multistep.history.known = order + 1;
+        multistep.renew(self.time, h, &self.y);
+        (self.h, self.wanted, self.explicit) = (h, h, explicit);
+        (self.taken, self.since_look, self.which) = (0, 0, 0);
+        true
+    }
+
+    /// The step to take, s: the wanted one, or what divides the way to the next time asked for.
+    fn fitting(&self, multistep: &Multistep) -> f64 {
+        let room = multistep.history.known > 2 * ORDERS[self.which];
+        let largest = if self.wanted > self.h && !room {
+            self.h
+        } else {
+            self.wanted
+        };
+        let fit = |most: f64| {
+            let count = self.count_to_aim(most);
+            if count > 0.0 {
+                (self.aim - self.time) / count
+            } else {
+                most
+            }
+        };
+        let h = fit(largest.min(self.longest));
+        let alike = |a: f64, b: f64| (a - b).abs() <= 10.0 * SAME * b;
+        let doubled = alike(h, 2.0 * self.h);
+        // Between once and twice the step there is no history.
+        let h = if h > self.h && !doubled {
+            fit(self.h.min(self.longest))
+        } else {
+            h
+        };
+        if alike(h, self.h) { self.h } else { h }
+    }
+
+    /// Looks at the Jacobian from time to time, and takes it if the stiffness has moved.
+    fn look<S: OdeSystem>(&mut self, system: &mut S) {
+        self.since_look += 1;
+        let Some(multistep) = &mut self.multistep else {
+            return;
+        };
+        if self.since_look < LOOK {
+            return;
+        }
+        self.since_look = 0;
+        multistep.jacobian.clear();
+        self.counts.jacobians += 1;
+        if system.jacobian(self.time, &self.y, &mut multistep.jacobian) {
+            multistep.newer.read(&multistep.jacobian);
+            if multistep.newer.distance(&multistep.linear) > MOVED {
+                multistep.renew(self.time, self.h, &self.y);
+            }
+        }
+    }
+
+    /// RMS of `f`, an error by component, in tolerances; `scale` is that of the state.
+    fn norm(&self) -> f64 {
+        let square = |(e, s): (&f64, &f64)| (e / (self.tolerance * s)) * (e / (self.tolerance * s));
+        let sum: f64 = self.f.iter().zip(&self.scale).map(square).sum();
+        let norm = (sum / self.f.len() as f64).sqrt();
+        if norm.is_finite() {
+            norm
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// One step of the multistep method. False: Dormand-Prince must go on from here.
+    fn multistep_step<S: OdeSystem>(&mut self, system: &mut S) -> bool {
+        self.look(system);
+        let Some(mut multistep) = self.multistep.take() else {
+            return false;
+        };
+        let done = loop {
+            let h = self.fitting(&multistep);
+            if h < LEAST * self.explicit {
+                break false;
+            }
+            if h * multistep.linear.size > 1.5 * TURNS {
+                self.wanted = 0.5 * h;
+                continue;
+            }
+            self.space(&mut multistep, h);
+            if let Some(done) = self.attempt(&mut multistep, system) {
+                break done;
+            }
+        };
+        self.multistep = Some(multistep);
+        done
+    }
+
+    /// Brings the points to the distance `h`.
+    fn space(&mut self, multistep: &mut Multistep, h: f64) {
+        if h > self.h {
+            multistep.history.thin();
+        } else if h < self.h {
+            multistep.respace(self.time, &self.y, self.h, h);
+        }
+        if multistep.history.known <= ORDERS[self.which] {
+            self.which = 0;
+        }
+        self.h = h;
+    }
+
+    /// Tries a step of the points' distance: true if it was taken, false if the method should give up, `None` if a shorter one
+    /// should be tried.
+    fn attempt<S: OdeSystem>(&mut self, multistep: &mut Multistep, system: &mut S) -> Option<bool> {
+        let (which, h) = (self.which, self.h);
+        let order = ORDERS[which];
+        let lands = ((self.aim - self.time) / h - 1.0).abs() < 1e-3;
+        let end = if lands { self.aim } else { self.time + h };
+        let matrices = multistep.matrices(h);
+        multistep.history.differ(order);
+        multistep.know(self.time, &self.y, order);
+        let (linear, step) = (&multistep.linear, &multistep.steps[matrices]);
+        step.propagator
+            .advance(linear, &multistep.known, &mut self.seen);
+        multistep.line.restore(end, &mut self.seen);
+        if lands {
+            system.derivative_to_observe(end, &self.seen, &mut self.f);
+        } else {
+            system.derivative(end, &self.seen, &mut self.f);
+        }
+        self.counts.evaluations += 1;
+        let point = multistep.history.push();
+        point.y.copy_from_slice(&self.seen);
+        point.f.copy_from_slice(&self.f[linear.first..]);
+        multistep.set_remainder(0, end);
+        let known = multistep.history.known;
+        multistep.history.differ(known.min(TERMS));
+        let (step, differences) = (&multistep.steps[matrices], &multistep.history.differences);
+        system.scale(&self.seen, &mut self.scale);
+        let errors: [f64; 2] = std::array::from_fn(|k| {
+            let order = ORDERS[k];
+            if order + 1 < known {
+                transform(&step.errors[k], &differences[order + 1], &mut self.f);
+                self.norm()
+            } else {
+                f64::INFINITY
+            }
+        });
+        let error = errors[which];
+        if error > REJECT {
+            self.counts.rejected += 1;
+            multistep.history.pop();
+            (self.wanted, self.which) = (0.5 * h, 0);
+            return error.is_infinite().then_some(false);
+        }
+        transform(&step.corrections[which], &differences[order], &mut self.f);
+        for ((y, seen), change) in self.y.iter_mut().zip(&self.seen).zip(&self.f) {
+            *y = seen + change;
+        }
+        self.shown = self.norm() <= SHOWN;
+        self.time = end;
+        self.taken += 1;
+        self.counts.steps += 1;
+        system.settle(self.time, &mut self.y);
+        self.which = usize::from(errors[1] < errors[0]);
+        let error = errors[self.which];
+        let gain = 2.0_f64.powi(ORDERS[self.which] as i32 + 2);
+        let may_grow = 2.0 * h * multistep.linear.size <= TURNS;
+        self.wanted = if error > HALVE {
+            0.5 * h
+        } else if may_grow && error * gain < GROW {
+            2.0 * h
+        } else {
+            h
+        };
+        Some(true)
+    }
+
+    /// One step of Dormand-Prince.
+    fn explicit_step<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
+        let stepper: &mut dyn Stepper<S> = &mut self.start;
+        stepper.shorten(self.longest);
+        let distance = self.aim - self.time;
+        let same = SAME * stepper.next_step();
+        if !self.refused && self.begun + 1 >= self.wait && distance > same {
+            // The multistep method begins at a time asked for.
+            stepper.shorten(distance);
+        }
+        stepper.step(system)?;
+        self.time = stepper.time();
+        self.at_aim = (self.time - self.aim).abs() <= same;
+        self.y.copy_from_slice(stepper.state());
+        self.begun += 1;
+        self.pieces.rotate_right(1);
+        self.pieces[0].copy_from(self.start.dense());
+        self.known_pieces = (self.known_pieces + 1).min(PIECES);
+        Ok(())
+    }
+}
+
+impl<S: OdeSystem> Stepper<S> for EtdAdams {
+    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+        if !self.runs {
+            self.take_over(system);
+        }
+        if self.runs {
+            if self.multistep_step(system) {
+                return Ok(());
+            }
+            self.runs = false;
+            // What was short-lived is tried again later.
+            self.wait = if self.taken < SUCCESS {
+                (2 * self.wait).min(LONGEST_WAIT)
+            } else {
+                WAIT
+            };
+            self.begun = 0;
+            self.known_pieces = 0;
+            self.wanted = f64::INFINITY;
+            let h = 0.5 * self.explicit;
+            self.start.restart(h, self.time, &self.y);
+        }
+        self.explicit_step(system)
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn state(&self) -> &[f64] {
+        &self.y
+    }
+
+    fn next_step(&self) -> f64 {
+        match &self.multistep {
+            Some(multistep) if self.runs => self.fitting(multistep),
+            _ => Stepper::<S>::next_step(&self.start),
+        }
+    }
+
+    fn shorten(&mut self, longest: f64) {
+        self.longest = longest;
+    }
+
+    fn aim(&mut self, time: f64) {
+        self.aim = time;
+    }
+
+    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+        let is_here = (t - self.time).abs() <= SAME * self.h;
+        match &mut self.multistep {
+            Some(multistep) if self.runs && self.taken > 0 => {
+                if is_here {
+                    y.copy_from_slice(if self.shown { &self.seen } else { &self.y });
+                } else {
+                    multistep.state_at(self.time, &self.y, self.h, t - self.time, y);
+                    system.settle(t, y);
+                }
+            }
+            _ => self.start.interpolate(system, t, y),
+        }
+    }
+
+    fn counts(&self) -> StepCounts {
+        let start = Stepper::<S>::counts(&self.start);
+        StepCounts {
+            steps: self.counts.steps + start.steps,
+            rejected: self.counts.rejected + start.rejected,
+            evaluations: self.counts.evaluations + start.evaluations,
+            jacobians: self.counts.jacobians,
+        }
+    }
+}

@@ -1,0 +1,532 @@
+//! From the data of a catalogue to a scene: what a data sheet gives, what is suggested for the rest, and what it leaves.
+//!
+//! ```text
+//!  catalogue ─> dimensions, each given or suggested ─> text of a scene with comments ─> checked like any other scene
+//! ```
+//!
+//! Suggestions follow three rules. The shortening coefficient e zk/R is 0.65, less where the pins would undercut the wheel:
+//! high values carry more and bend the profile sharply. Pins leave a third of their pitch free. Holes leave walls of a
+//! tenth of their radius, and the largest pins that fit are taken. They are where a design starts, not where it ends.
+
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+
+use crate::checked::CheckedScene;
+use crate::error::{Fault, SceneError};
+use crate::model::{Gear, Scene};
+use crate::profile::Profile;
+
+/// A material: name as typed, E (Pa), Poisson's ratio, density (kg/m^3).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Name as typed.
+    pub name: &'static str,
+    /// Young's modulus, Pa.
+    pub young_pa: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+    /// Density, kg/m^3.
+    pub density_kg_m3: f64,
+}
+
+const fn material(name: &'static str, young_pa: f64, poisson: f64, density_kg_m3: f64) -> Material {
+    Material {
+        name,
+        young_pa,
+        poisson,
+        density_kg_m3,
+    }
+}
+
+/// Materials that a catalogue can name. Round values within the ranges of M. F. Ashby, Materials Selection in Mechanical
+/// Design, 4th ed. (2011), appendix A; printed parts have less than the plastic they are printed of.
+pub const MATERIALS: &[Material] = &[
+    material("steel", 2.1e11, 0.30, 7850.0),
+    material("cast-iron", 1.7e11, 0.27, 7150.0),
+    material("bronze", 1.1e11, 0.34, 8800.0),
+    material("aluminium", 7.0e10, 0.33, 2700.0),
+    material("pom", 3.0e9, 0.35, 1410.0),
+    material("nylon", 2.8e9, 0.40, 1140.0),
+    material("pla", 3.5e9, 0.36, 1240.0),
+];
+
+/// The data of a catalogue. Lengths are diameters, as catalogues give them; what is `None` is suggested.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Catalogue {
+    /// Name of the scene.
+    pub name: String,
+    /// Input turns per output turn, the housing fixed: the number of lobes.
+    pub ratio: usize,
+    /// Circle of the pins (external sleeves), m.
+    pub pin_circle_diameter_m: f64,
+    /// Rated torque of the output, N m.
+    pub torque_n_m: f64,
+    /// Rated speed of the input, rad/s.
+    pub speed_rad_s: f64,
+    /// Material of all bodies.
+    pub material: Material,
+    /// Pin, m.
+    pub pin_diameter_m: Option<f64>,
+    /// Eccentricity, m.
+    pub eccentricity_m: Option<f64>,
+    /// Cycloidal discs.
+    pub wheels: Option<usize>,
+    /// Output pins (internal sleeves).
+    pub output_pins: Option<usize>,
+    /// Output pin, m.
+    pub output_pin_diameter_m: Option<f64>,
+    /// Circle of the output pins, m.
+    pub output_circle_diameter_m: Option<f64>,
+    /// Thickness of a disc, m.
+    pub face_width_m: Option<f64>,
+    /// Radial backlash at the pins, m.
+    pub backlash_m: Option<f64>,
+    /// Coefficient of friction.
+    pub friction_coefficient: Option<f64>,
+}
+
+/// A scene made of a catalogue's data.
+#[derive(Debug, Clone)]
+pub struct Draft {
+    /// The scene as a file, with a comment for every line.
+    pub text: String,
+    /// The same, checked.
+    pub scene: CheckedScene,
+    /// Keys that were suggested, not given.
+    pub suggested: Vec<&'static str>,
+}
+
+/// Shortening coefficient that is suggested, and the least one.
+const SHORTENING: [f64; 2] = [0.65, 0.35];
+/// Largest pin as a share of half the pitch, and of the radius at which the wheel is undercut.
+const PIN: [f64; 2] = [0.65, 0.8];
+/// Wall beside a hole as a share of its radius, at the least.
+const WALL: f64 = 0.1;
+/// Circle of the output pins as a share of the pits' radius that is tried first.
+const CIRCLE: f64 = 0.62;
+/// Largest hole as a share of its circle: the rest is for the eccentric's bearing.
+const INWARDS: f64 = 0.45;
+/// Numbers of output pins in the order they are tried.
+const OUTPUT_PINS: [usize; 5] = [8, 6, 10, 5, 4];
+/// Face width as a share of R.
+const FACE: f64 = 0.15;
+
+/// The gear's numbers, and which of them nobody gave.
+struct Plan {
+    gear: Gear,
+    suggested: Vec<&'static str>,
+}
+
+impl Catalogue {
+    /// Makes the scene.
+    ///
+    /// # Errors
+    /// What is given cannot be built, or leaves no room for what is to be suggested; the message names the dimension.
+    pub fn draft(&self) -> Result<Draft, Fault> {
+        let plan = self.plan()?;
+        let text = self.write(&plan);
+        // Where in the text it stands would help nobody: nobody has seen it yet.
+        let scene = Scene::from_toml(&text, "draft", &[]).map_err(|error| match error {
+            SceneError::Key {
+                key, what, remedy, ..
+            } => Fault {
+                keys: vec![key.into()],
+                what,
+                remedy,
+            },
+            other => Fault::new(&["scene"], other.to_string(), "give other dimensions"),
+        })?;
+        let text = with_what_follows(text, &scene);
+        Ok(Draft {
+            text,
+            scene,
+            suggested: plan.suggested,
+        })
+    }
+
+    fn plan(&self) -> Result<Plan, Fault> {
+        let mut suggested = Vec::new();
+        let mut take = |given: Option<f64>, key: &'static str, suggest: &dyn Fn() -> f64| {
+            given.unwrap_or_else(|| {
+                suggested.push(key);
+                suggest()
+            })
+        };
+        let pins = self.ratio + 1;
+        let radius = 0.5 * self.pin_circle_diameter_m;
+        let half_pitch = radius * (PI / pins as f64).sin();
+        let mut gear = Gear {
+            external_sleeves: pins,
+            wheels: self.wheels.unwrap_or(2),
+            backlash_m: self.backlash_m.unwrap_or(0.0),
+            ..Scene::paper().gear
+        };
+        let eccentricity = |shortening: f64| shortening * radius / pins as f64;
+        let undercut = |e: f64, gear: &Gear| {
+            let gear = Gear {
+                eccentricity_m: e,
+                shortening: e * pins as f64 / radius,
+                ..gear.clone()
+            };
+            Profile::of(&gear).smallest_convex_radius()
+        };
+        gear.eccentricity_m = take(self.eccentricity_m, "gear.eccentricity_m", &|| {
+            let [most, least] = SHORTENING;
+            let fits = |e: &f64| {
+                self.pin_diameter_m
+                    .is_none_or(|pin| 0.5 * pin <= PIN[1] * undercut(*e, &gear))
+            };
+            let tried = (0..=12).map(|k| most - (most - least) * f64::from(k) / 12.0);
+            let mut tried = tried.map(|m| rounded_down(eccentricity(m)));
+            tried
+                .find(fits)
+                .unwrap_or(rounded_down(eccentricity(least)))
+        });
+        gear.shortening = gear.eccentricity_m * pins as f64 / radius;
+        if gear.shortening >= 1.0 {
+            return Err(Fault::new(
+                &["gear.eccentricity_m"],
+                format!(
+                    "is {} mm: {pins} pins on a circle of {} mm allow less than {} mm, or the profile crosses itself",
+                    millimetres(gear.eccentricity_m),
+                    millimetres(2.0 * radius),
+                    millimetres(eccentricity(1.0)),
+                ),
+                "make it smaller, or leave it out to have one suggested",
+            ));
+        }
+        let pin = take(
+            self.pin_diameter_m,
+            "gear.external_sleeve_radius_m",
+            &|| {
+                let most = (PIN[0] * half_pitch).min(PIN[1] * undercut(gear.eccentricity_m, &gear));
+                rounded_down(2.0 * most)
+            },
+        );
+        gear.external_sleeve_radius_m = 0.5 * pin;
+        self.output_stage(&mut gear, &mut suggested)?;
+        gear.face_width_m = self.face_width_m.or_else(|| {
+            suggested.push("gear.face_width_m");
+            Some(rounded_down(FACE * radius))
+        });
+        if self.wheels.is_none() {
+            suggested.push("gear.wheels");
+        }
+        Ok(Plan { gear, suggested })
+    }
+
+    /// Output pins, their circle and the holes: what is given, and the largest that fits for what is not.
+    fn output_stage(
+        &self,
+        gear: &mut Gear,
+        suggested: &mut Vec<&'static str>,
+    ) -> Result<(), Fault> {
+        let pit = Profile::of(gear).pit_radius();
+        let counts = self.output_pins.map_or(OUTPUT_PINS.to_vec(), |n| vec![n]);
+        let circles: Vec<f64> = match self.output_circle_diameter_m {
+            Some(diameter) => vec![0.5 * diameter],
+            // From the usual one outwards on both sides.
+            None => (0..=20)
+                .map(|k| {
+                    CIRCLE + 0.01 * f64::from((k + 1) / 2) * if k % 2 == 0 { 1.0 } else { -1.0 }
+                })
+                .map(|share| 0.5 * rounded_down(2.0 * share * pit))
+                .collect(),
+        };
+        let e = gear.eccentricity_m;
+        let least = self.output_pin_diameter_m.map_or(0.5 * e, |pin| 0.5 * pin);
+        let mut best: Option<(usize, f64, f64)> = None;
+        'search: for &count in &counts {
+            for &circle in &circles {
+                let most = ((pit - circle) / (1.0 + WALL))
+                    .min(circle * (PI / count as f64).sin() / (1.0 + 0.5 * WALL))
+                    .min(INWARDS * circle);
+                let sleeve = match self.output_pin_diameter_m {
+                    Some(pin) => 0.5 * pin,
+                    None => 0.5 * rounded_down(2.0 * (most - e)),
+                };
+                // Of what is given in full the checks of the scene say what is wrong.
+                let given = self.output_pin_diameter_m.is_some()
+                    && self.output_circle_diameter_m.is_some()
+                    && self.output_pins.is_some();
+                if given || (sleeve >= least && sleeve + e <= most) {
+                    best = Some((count, circle, sleeve));
+                    break 'search;
+                }
+            }
+        }
+        let Some((count, circle, sleeve)) = best else {
+            return Err(Fault::new(
+                &["gear.internal_sleeve_radius_m"],
+                format!(
+                    "finds no place: the wheel's pits leave a radius of {} mm for holes of pin + 2 e and their walls",
+                    millimetres(pit)
+                ),
+                "give smaller or fewer output pins, another circle for them, or a smaller eccentricity",
+            ));
+        };
+        gear.internal_sleeves = count;
+        gear.internal_circle_radius_m = circle;
+        gear.internal_sleeve_radius_m = sleeve;
+        gear.hole_radius_m = sleeve + e;
+        for (given, key) in [
+            (self.output_pins.is_some(), "gear.internal_sleeves"),
+            (
+                self.output_pin_diameter_m.is_some(),
+                "gear.internal_sleeve_radius_m",
+            ),
+            (
+                self.output_circle_diameter_m.is_some(),
+                "gear.internal_circle_radius_m",
+            ),
+        ] {
+            if !given {
+                suggested.push(key);
+            }
+        }
+        Ok(())
+    }
+
+    /// The scene's file.
+    fn write(&self, plan: &Plan) -> String {
+        let gear = &plan.gear;
+        let mut text = format!(
+            "# A gear of ratio {} for {} N m at {} rpm of the input, in SI units. Lines marked `suggested` were not given.\n\
+             # What a scene leaves out is computed or usual; `pinwheel explain` lists it with its formula.\n",
+            self.ratio,
+            short(self.torque_n_m),
+            short(self.speed_rad_s * 30.0 / PI)
+        );
+        let _ = writeln!(text, "name = {:?}\n\n[gear]", self.name);
+        let mut line = |key: &'static str, value: String, about: String| {
+            let mark = if plan.suggested.contains(&key) {
+                "suggested: "
+            } else {
+                ""
+            };
+            let assignment = format!("{} = {value}", key.rsplit('.').next().unwrap_or(key));
+            let _ = writeln!(text, "{assignment:<44} # {mark}{about}");
+        };
+        let m = metres;
+        line(
+            "gear.pin_circle_radius_m",
+            m(0.5 * self.pin_circle_diameter_m),
+            "R, circle of the pins".to_owned(),
+        );
+        line(
+            "gear.external_sleeves",
+            gear.external_sleeves.to_string(),
+            "pins on the housing: ratio + 1".to_owned(),
+        );
+        line(
+            "gear.external_sleeve_radius_m",
+            m(gear.external_sleeve_radius_m),
+            "radius of a pin with its sleeve".to_owned(),
+        );
+        line(
+            "gear.eccentricity_m",
+            m(gear.eccentricity_m),
+            format!("e; shortening coefficient e zk/R = {:.3}", gear.shortening),
+        );
+        line(
+            "gear.wheels",
+            gear.wheels.to_string(),
+            "cycloidal discs, evenly phased".to_owned(),
+        );
+        line(
+            "gear.internal_sleeves",
+            gear.internal_sleeves.to_string(),
+            "output pins".to_owned(),
+        );
+        line(
+            "gear.internal_sleeve_radius_m",
+            m(gear.internal_sleeve_radius_m),
+            "radius of an output pin with its sleeve; holes are larger by e".to_owned(),
+        );
+        line(
+            "gear.internal_circle_radius_m",
+            m(gear.internal_circle_radius_m),
+            "circle of the output pins".to_owned(),
+        );
+        line(
+            "gear.face_width_m",
+            m(gear.face_width_m.unwrap_or_default()),
+            "thickness of a disc; masses follow from it".to_owned(),
+        );
+        if gear.backlash_m > 0.0 {
+            line(
+                "gear.backlash_m",
+                m(gear.backlash_m),
+                "the pins stand on R + this".to_owned(),
+            );
+        }
+        let _ = write!(
+            text,
+            "\n[drive]\ninput_speed_rad_s = {:<24} # {} rpm\noutput_torque_n_m = {}\n",
+            metres(self.speed_rad_s),
+            short(self.speed_rad_s * 30.0 / PI),
+            metres(self.torque_n_m)
+        );
+        let Material {
+            name,
+            young_pa,
+            poisson,
+            density_kg_m3,
+        } = self.material;
+        let _ = write!(
+            text,
+            "\n[contact]\nyoung_pa = {:<33} # {name}\npoisson = {poisson}\n",
+            format!("{young_pa:e}")
+        );
+        if let Some(friction) = self.friction_coefficient {
+            let _ = writeln!(text, "friction_coefficient = {friction}");
+        }
+        let _ = write!(
+            text,
+            "\n[mass]\ndensity_kg_m3 = {:<28} # {name}\n",
+            format!("{density_kg_m3:?}")
+        );
+        text
+    }
+}
+
+/// The text with a last remark: masses that follow, and walls.
+fn with_what_follows(mut text: String, scene: &CheckedScene) -> String {
+    let mass = &scene.mass;
+    let _ = writeln!(
+        text,
+        "# From the shapes: a disc has {} kg, the input shaft {} kg, the output shaft {} kg without its pins. Real ones differ:\n\
+         # state what you know as input_shaft, output_shaft, wheel, internal_sleeve, external_sleeve = {{ mass_kg = .., moment_kg_m2 = .. }}",
+        short(mass.wheel.mass_kg),
+        short(mass.input_shaft.mass_kg),
+        short(mass.output_shaft.mass_kg),
+    );
+    text
+}
+
+/// Two significant digits, downwards, of a length in millimetres: what one puts on a drawing. m.
+fn rounded_down(length_m: f64) -> f64 {
+    let mm = 1e3 * length_m;
+    if !(mm > 0.0 && mm.is_finite()) {
+        return length_m;
+    }
+    let unit = 10_f64.powi(mm.log10().floor() as i32 - 1);
+    // A number that is one of two digits already stays it, whatever its last bit.
+    let digits = (mm / unit + 1e-9).floor();
+    metres(digits * unit * 1e-3).parse().unwrap_or(length_m)
+}
+
+/// A number as TOML, without the last bit's noise: 0.0065, not 0.006500000000000001.
+fn metres(value: f64) -> String {
+    let twelve: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    format!("{twelve:?}")
+}
+
+fn millimetres(length_m: f64) -> String {
+    short(1e3 * length_m)
+}
+
+/// Four significant digits.
+fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    rounded.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn catalogue(ratio: usize, diameter_mm: f64) -> Catalogue {
+        Catalogue {
+            name: "mine".to_owned(),
+            ratio,
+            pin_circle_diameter_m: 1e-3 * diameter_mm,
+            torque_n_m: 100.0 * (diameter_mm / 130.0).powi(3),
+            speed_rad_s: 157.0,
+            material: MATERIALS[0],
+            pin_diameter_m: None,
+            eccentricity_m: None,
+            wheels: None,
+            output_pins: None,
+            output_pin_diameter_m: None,
+            output_circle_diameter_m: None,
+            face_width_m: None,
+            backlash_m: None,
+            friction_coefficient: None,
+        }
+    }
+
+    #[test]
+    fn what_is_given_is_kept() {
+        let draft = Catalogue {
+            pin_diameter_m: Some(0.004),
+            eccentricity_m: Some(0.000_75),
+            wheels: Some(3),
+            output_pins: Some(10),
+            output_pin_diameter_m: Some(0.008),
+            output_circle_diameter_m: Some(0.064),
+            face_width_m: Some(0.012),
+            backlash_m: Some(2e-5),
+            friction_coefficient: Some(0.05),
+            ..catalogue(39, 104.0)
+        }
+        .draft()
+        .unwrap();
+        assert_eq!(draft.suggested, [""; 0]);
+        assert!(!draft.text.contains("# suggested"), "{}", draft.text);
+        let gear = &draft.scene.gear;
+        assert_eq!((gear.external_sleeves, gear.wheels), (40, 3));
+        assert_eq!(gear.eccentricity_m, 0.000_75);
+        assert_eq!(gear.external_sleeve_radius_m, 0.002);
+        assert_eq!(gear.hole_radius_m, 0.004_75);
+        assert!((gear.pitch_radius_m() - 0.052).abs() < 1e-12);
+        assert_eq!(draft.scene.contact.friction_coefficient, 0.05);
+    }
+
+    #[test]
+    fn bad_input_of_a_catalogue() {
+        let crossing = Catalogue {
+            eccentricity_m: Some(0.002),
+            ..catalogue(39, 104.0)
+        };
+        let said = crossing.draft().unwrap_err().to_string();
+        assert!(said.contains("less than 1.3 mm"), "{said}");
+        let full = Catalogue {
+            output_pin_diameter_m: Some(0.08),
+            ..catalogue(39, 104.0)
+        };
+        let said = full.draft().unwrap_err().to_string();
+        assert!(said.contains("finds no place"), "{said}");
+    }
+
+    #[test]
+    fn lengths_are_rounded_as_on_a_drawing() {
+        for (from, to) in [
+            (0.006_51, 0.0065),
+            (0.0065, 0.0065),
+            (0.01, 0.01),
+            (0.123, 0.12),
+        ] {
+            assert_eq!(rounded_down(from), to);
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// Ratio, size, torque and speed are enough for any gear; the suggested one can be built and has walls.
+        #[test]
+        fn four_numbers_make_a_gear(ratio in 5..120_usize, size in 0.5..3.0_f64) {
+            let draft = catalogue(ratio, 10_f64.powf(size)).draft();
+            prop_assert!(draft.is_ok(), "{}", draft.unwrap_err());
+            let draft = draft.unwrap();
+            let again = Scene::from_toml(&draft.text, "mine.toml", &[]).unwrap();
+            prop_assert_eq!(&*again, &*draft.scene);
+            let walls = crate::derived(&draft.scene).walls;
+            let hole = draft.scene.gear.hole_radius_m;
+            prop_assert!(walls.hole_to_profile_m > 0.09 * hole && walls.hole_to_hole_m > 0.09 * hole);
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! What follows for keys that a scene leaves out. Each formula stands in words beside its key ([`crate::keys`]).
+
+use toml::{Table, Value};
+
+use crate::body::{Shape, bore_radius_m};
+use crate::model::{Gear, Scene};
+use crate::scales::{Scales, hertz};
+use crate::table::lookup;
+
+/// The values there are so far: given, or filled in by rows above.
+pub struct Given<'a> {
+    pub(crate) table: &'a Table,
+    /// The scene so far, of placeholders where rows are still missing.
+    pub(crate) scene: &'a Scene,
+    /// Whether all rows of `gear` and `drive` are there and fit together.
+    pub(crate) gear_is_sound: bool,
+}
+
+/// Density of steel, kg/m^3, for masses that are left out together with it.
+const STEEL: f64 = 7850.0;
+/// Face width as a share of R, for masses that are left out together with it; usual are 0.1 to 0.2.
+const FACE: f64 = 0.15;
+/// Share of critical damping of the fastest mode.
+const DAMPING: f64 = 0.05;
+
+impl Given<'_> {
+    fn number(&self, name: &str) -> Option<f64> {
+        match lookup(self.table, name)? {
+            Value::Float(number) => Some(*number),
+            Value::Integer(whole) => Some(*whole as f64),
+            _ => None,
+        }
+    }
+
+    fn gear(&self) -> Option<&Gear> {
+        self.gear_is_sound.then_some(&self.scene.gear)
+    }
+
+    fn scales(&self) -> Option<Scales> {
+        self.gear()?;
+        Some(Scales::of(self.scene))
+    }
+
+    fn density(&self) -> f64 {
+        self.number("mass.density_kg_m3").unwrap_or(STEEL)
+    }
+
+    /// Mass of a flat shape so many face widths thick, kg.
+    fn mass(
+        &self,
+        shape: impl FnOnce(&Gear) -> Shape,
+        widths: impl FnOnce(&Gear) -> f64,
+    ) -> Option<f64> {
+        let gear = self.gear()?;
+        Some(self.density() * face_width(self)? * widths(gear) * shape(gear).area_m2)
+    }
+
+    /// Moment of a body of that shape whose mass stands at `name`, kg m^2.
+    fn moment(&self, name: &str, shape: impl FnOnce(&Gear) -> Shape) -> Option<f64> {
+        Some(self.number(name)? * shape(self.gear()?).gyration_m2())
+    }
+}
+
+fn one(_: &Gear) -> f64 {
+    1.0
+}
+
+fn all_wheels(gear: &Gear) -> f64 {
+    gear.wheels as f64
+}
+
+fn input_shaft(gear: &Gear) -> Shape {
+    Shape::disc(bore_radius_m(gear))
+}
+
+fn output_shaft(gear: &Gear) -> Shape {
+    Shape::disc(gear.internal_circle_radius_m + gear.internal_sleeve_radius_m)
+}
+
+fn internal_sleeve(gear: &Gear) -> Shape {
+    Shape::disc(gear.internal_sleeve_radius_m)
+}
+
+fn external_sleeve(gear: &Gear) -> Shape {
+    Shape::disc(gear.external_sleeve_radius_m)
+}
+
+pub(crate) fn shortening(given: &Given<'_>) -> Option<f64> {
+    let radius = given.number("gear.pin_circle_radius_m")?;
+    Some(given.number("gear.eccentricity_m")? * given.number("gear.external_sleeves")? / radius)
+}
+
+pub(crate) fn hole_radius(given: &Given<'_>) -> Option<f64> {
+    Some(given.number("gear.internal_sleeve_radius_m")? + given.number("gear.eccentricity_m")?)
+}
+
+pub(crate) fn face_width(given: &Given<'_>) -> Option<f64> {
+    let gear = given.gear()?;
+    let stated = given.number("gear.face_width_m");
+    Some(stated.unwrap_or_else(|| FACE * gear.pitch_radius_m()))
+}
+
+macro_rules! bodies {
+    ($($mass:ident $moment:ident $name:literal, $shape:expr, $widths:expr;)*) => {
+        $(
+            pub(crate) fn $mass(given: &Given<'_>) -> Option<f64> {
+                given.mass($shape, $widths)
+            }
+
+            pub(crate) fn $moment(given: &Given<'_>) -> Option<f64> {
+                given.moment($name, $shape)
+            }
+        )*
+    };
+}
+
+bodies! {
+    input_shaft_mass input_shaft_moment "mass.input_shaft.mass_kg", input_shaft, all_wheels;
+    output_shaft_mass output_shaft_moment "mass.output_shaft.mass_kg", output_shaft, one;
+    wheel_mass wheel_moment "mass.wheel.mass_kg", Shape::wheel, one;
+    internal_sleeve_mass internal_sleeve_moment "mass.internal_sleeve.mass_kg", internal_sleeve, all_wheels;
+    external_sleeve_mass external_sleeve_moment "mass.external_sleeve.mass_kg", external_sleeve, all_wheels;
+}
+
+pub(crate) fn damping(given: &Given<'_>) -> Option<f64> {
+    let scales = given.scales()?;
+    Some(short(
+        2.0 * DAMPING * scales.contact_stiffness_n_m / scales.modes_rad_s[1],
+    ))
+}
+
+pub(crate) fn ramp(given: &Given<'_>) -> Option<f64> {
+    Some(short(0.1 * given.scales()?.penetration_m))
+}
+
+pub(crate) fn friction_ramp(given: &Given<'_>) -> Option<f64> {
+    let speed = given.number("drive.input_speed_rad_s")?.abs();
+    let speed = if speed > 0.0 { speed } else { 1.0 };
+    let ramp = 1e-3 * speed * given.number("gear.eccentricity_m")?;
+    // The least that the key may have.
+    Some(short(ramp.max(1e-18)))
+}
+
+pub(crate) fn friction_dynamic_speed(given: &Given<'_>) -> Option<f64> {
+    Some(20.0 * given.number("contact.friction_ramp_m_s")?)
+}
+
+pub(crate) fn constant_stiffness(given: &Given<'_>) -> Option<f64> {
+    let contact = &given.scene.contact;
+    let hertz = hertz(contact);
+    Some(short(
+        hertz.of_radius(given.gear()?.external_sleeve_radius_m),
+    ))
+}
+
+pub(crate) fn wheel_points(given: &Given<'_>) -> Option<f64> {
+    Some((100.0 * given.gear()?.lobes() as f64).max(4000.0))
+}
+
+/// A turn of the input, s; of a gear that stands still ten periods of its slowest mode.
+fn turn(given: &Given<'_>, scales: &Scales) -> Option<f64> {
+    let speed = given.number("drive.input_speed_rad_s")?.abs();
+    let tau = std::f64::consts::TAU;
+    Some(if speed > 0.0 {
+        tau / speed
+    } else {
+        10.0 * tau / scales.modes_rad_s[0]
+    })
+}
+
+pub(crate) fn duration(given: &Given<'_>) -> Option<f64> {
+    let scales = given.scales()?;
+    let turn = turn(given, &scales)?;
+    let last = crate::load_course::last_change_s(given.scene).unwrap_or(0.0);
+    let settled = scales.settling_s(given.scene.contact.damping_n_s_m);
+    let quiet = settled.map_or(10.0 * turn, |settled| settled + 2.0 * turn);
+    Some(short(last + quiet.clamp(3.0 * turn, 10.0 * turn)))
+}
+
+pub(crate) fn sample(given: &Given<'_>) -> Option<f64> {
+    let scales = given.scales()?;
+    let mesh = turn(given, &scales)? / given.gear()?.external_sleeves as f64;
+    let fast = std::f64::consts::TAU / scales.modes_rad_s[1];
+    let duration = given.number("solver.duration_s")?;
+    let wanted = (mesh / 40.0).min(fast / 4.0).max(duration / 20_000.0);
+    // A whole number of samples, so that the last is like the others.
+    Some(duration / (duration / wanted).ceil())
+}
+
+pub(crate) fn step(given: &Given<'_>) -> Option<f64> {
+    let fast = std::f64::consts::TAU / given.scales()?.modes_rad_s[1];
+    let sample = given.number("solver.sample_s")?;
+    // Engines of fixed steps want their samples on steps.
+    Some(sample / (sample / (fast / 50.0)).ceil())
+}
+
+/// Three significant digits: a formula's estimate is no exact figure.
+fn short(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,36 @@
+//! TOML tables by dotted names.
+
+use std::str::FromStr as _;
+
+use toml::{Table, Value};
+
+/// The value at a dotted name.
+pub(crate) fn lookup<'t>(table: &'t Table, name: &str) -> Option<&'t Value> {
+    let mut parts = name.split('.');
+    let last = parts.next_back()?;
+    let mut table = table;
+    for part in parts {
+        table = table.get(part)?.as_table()?;
+    }
+    table.get(last)
+}
+
+/// Puts a value at a path, making the tables on the way.
+pub(crate) fn insert(table: &mut Table, path: &[&str], value: Value) {
+    let Some((last, tables)) = path.split_last() else {
+        return;
+    };
+    let mut table = table;
+    for part in tables {
+        let inner = table.entry(*part);
+        let inner = inner.or_insert_with(|| Value::Table(Table::new()));
+        let Value::Table(inner) = inner else { return };
+        table = inner;
+    }
+    table.insert((*last).to_owned(), value);
+}
+
+/// A usual value of [`crate::keys`], which tests read.
+pub(crate) fn usual(text: &str) -> Value {
+    Value::from_str(text).unwrap_or(Value::Boolean(false))
+}

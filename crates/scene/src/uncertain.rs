@@ -1,0 +1,128 @@
+//! `[uncertain]`: how well the values of a scene are known.
+//!
+//! ```toml
+//! [uncertain]
+//! gear.backlash_m = { plus_minus = 5e-6 }
+//! contact.young_pa = { plus_minus = 1e10 }
+//! ```
+//! The value lies within plus or minus that of what the scene says, anywhere alike: its standard uncertainty is the half-width
+//! over the root of three (type B of the Guide to the Expression of Uncertainty in Measurement, JCGM 100:2008, 4.3.7).
+
+use serde::{Deserialize, Serialize};
+use toml::{Table, Value};
+
+use crate::checked::CheckedScene;
+use crate::error::Fault;
+use crate::keys::{self, Key, Kind};
+use crate::model::Scene;
+use crate::number::short;
+use crate::table::{insert, lookup};
+
+/// The table's name.
+pub(crate) const UNCERTAIN: &str = "uncertain";
+/// How it is written.
+pub(crate) const EXAMPLE: &str = "write it like gear.backlash_m = { plus_minus = 5e-6 }";
+/// Sections whose numbers are inputs of the model.
+const SECTIONS: [&str; 4] = ["gear", "mass", "drive", "contact"];
+
+/// Half of an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlusMinus {
+    /// In the unit of the key.
+    pub plus_minus: f64,
+}
+
+impl PlusMinus {
+    /// Standard uncertainty of a value that is as likely anywhere within.
+    #[must_use]
+    pub fn standard(self) -> f64 {
+        self.plus_minus / 3.0_f64.sqrt()
+    }
+}
+
+/// Only numbers that the model depends on, and intervals that a scene may have.
+pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
+    if scene.uncertain.is_empty() {
+        return Ok(());
+    }
+    let table = Table::try_from(scene).unwrap_or_default();
+    for (key, half) in &scene.uncertain {
+        let fault = |what: String, remedy: &str| Fault {
+            keys: vec![format!("{UNCERTAIN}.{key}").into()],
+            what,
+            remedy: remedy.to_owned(),
+        };
+        let Some((
+            Key {
+                kind: Kind::Number(range),
+                ..
+            },
+            value,
+        )) = keys::key(key).zip(lookup(&table, key).and_then(Value::as_float))
+        else {
+            return Err(fault(
+                "is no number of this scene".to_owned(),
+                "only lengths, masses, loads and properties of the contact are uncertain; leave it out",
+            ));
+        };
+        if !SECTIONS.contains(&key.split('.').next().unwrap_or_default()) {
+            return Err(fault(
+                "is a setting and no input of the model".to_owned(),
+                "what settings do to the numbers is found by the comparison itself; leave it out",
+            ));
+        }
+        if !(half.plus_minus > 0.0 && half.plus_minus.is_finite()) {
+            return Err(fault(
+                format!("is {}, but must be above 0", short(half.plus_minus)),
+                EXAMPLE,
+            ));
+        }
+        for end in [value - half.plus_minus, value + half.plus_minus] {
+            if !range.holds(end) {
+                return Err(fault(
+                    format!(
+                        "reaches {}, but {key} must be {}",
+                        short(end),
+                        range.words()
+                    ),
+                    "make it smaller, or write the middle of the interval as the value",
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+impl CheckedScene {
+    /// The number at a key, if it holds one.
+    #[must_use]
+    pub fn number(&self, key: &str) -> Option<f64> {
+        let scene: &Scene = self;
+        let table = Table::try_from(scene).ok()?;
+        lookup(&table, key).and_then(Value::as_float)
+    }
+
+    /// The scene with another value of a number, checked again.
+    ///
+    /// # Errors
+    /// A key that holds no number here, or a value that the scene's checks refuse.
+    pub fn with_number(&self, key: &str, value: f64) -> Result<Self, Fault> {
+        let fault = |what: String| Fault {
+            keys: vec![key.to_owned().into()],
+            what,
+            remedy: "give a key of this scene that holds a number".to_owned(),
+        };
+        let scene: &Scene = self;
+        let mut table = Table::try_from(scene).map_err(|error| fault(error.to_string()))?;
+        if lookup(&table, key).and_then(Value::as_float).is_none() {
+            return Err(fault("holds no number".to_owned()));
+        }
+        let path: Vec<&str> = key.split('.').collect();
+        insert(&mut table, &path, Value::Float(value));
+        let changed: Scene = table
+            .try_into()
+            .map_err(|error: toml::de::Error| fault(error.message().to_owned()))?;
+        self.changed(|scene| *scene = changed)
+    }
+}

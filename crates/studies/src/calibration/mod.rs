@@ -1,0 +1,340 @@
+//! What verdicts are worth: the stated uncertainties held against true errors, and the faults that are found.
+//!
+//! [`run`] lets every engine run gears as a comparison does, with its ladder and its refinement, and holds each stated u
+//! against the distance to a converged run by another method. [`coverage`](Row::coverage) is the share of cases in which u
+//! is at least that distance; sharpness is u over it, of which 1 would be perfect knowledge. [`power::run`] makes
+//! small faults on purpose and asks which a comparison tells.
+
+pub mod gears;
+pub mod power;
+pub mod reference;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use pinwheel_compare::uncertainty::Source;
+use pinwheel_compare::{
+    Comparison, Context, Cost, Evidence, Metric, Participant, Rules, Status, Track, WindowKind,
+    compare_with,
+};
+use pinwheel_courses::Courses;
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::CheckedScene;
+use serde::Serialize;
+
+use crate::StudyError;
+use crate::choice;
+use crate::comparison::{Effort, climb, context};
+use crate::control::{Control, Progress};
+use crate::output::OutputError;
+use crate::provenance::{Provenance, Summary};
+
+/// What is held against what.
+#[derive(Debug, Clone)]
+pub struct Input {
+    /// Gears.
+    pub scenes: Vec<CheckedScene>,
+    /// Engines, all of the native or the shared-law track.
+    pub engines: Vec<String>,
+    /// How much every engine does for sharp statements.
+    pub effort: Effort,
+}
+
+/// The presets that stand beside random gears, each with the duration that is enough of it, s.
+pub const PRESETS: [(&str, f64); 8] = [
+    ("paper", 0.05),
+    ("backlash-0.6", 0.05),
+    ("steel", 0.01),
+    ("one-wheel", 0.05),
+    ("eleven-pins", 0.05),
+    ("forty-pins", 0.02),
+    ("paper-friction", 0.01),
+    ("paper-rough", 0.01),
+];
+
+/// Engines whose uncertainty comes from ladders of their own.
+pub const ENGINES: [&str; 7] = [
+    "native-reduced",
+    "native-lagrange",
+    "native-resolved",
+    "rapier-shared-law",
+    "mujoco-shared-law",
+    "exudyn-shared-law-explicit",
+    "exudyn-shared-law-constrained",
+];
+
+/// Least share of the errors that are to be within what was stated.
+pub const COVERAGE: f64 = 0.95;
+/// What was stated is to be below so many times the error, in the median.
+pub const SHARPNESS: f64 = 5.0;
+
+/// A reference is one where it is itself known this much better than what is held against it.
+const TRUTH: f64 = 0.1;
+/// Name of the reference among the participants.
+const NAME: &str = "reference";
+
+/// One stated uncertainty and the error it was stated for, both as shares of the quantity's size.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Case {
+    /// The engine.
+    pub engine: String,
+    /// The gear.
+    pub scene: String,
+    /// The quantity.
+    pub quantity: String,
+    /// The window.
+    pub window: WindowKind,
+    /// The figure: the series (relative L2 and L-infinity), or its mean, peak or RMS.
+    pub metric: Metric,
+    /// What the engine stated.
+    pub u: f64,
+    /// How far it was off.
+    pub error: f64,
+}
+
+impl Case {
+    /// Whether the error is within what was stated.
+    #[must_use]
+    pub fn covered(&self) -> bool {
+        self.error <= self.u
+    }
+}
+
+/// The result.
+#[derive(Debug, Clone, PartialEq, Serialize, Default)]
+pub struct Outcome {
+    /// Everything that was stated and could be judged.
+    pub cases: Vec<Case>,
+    /// Series that an engine said it does not resolve, by engine.
+    pub not_resolved: BTreeMap<String, usize>,
+    /// Series whose reference is not known a tenth as well as what was stated, by engine.
+    pub without_truth: BTreeMap<String, usize>,
+    /// Gears or engines that were left out, with the reason.
+    pub left_out: Vec<String>,
+    /// How many gears there were.
+    pub gears: usize,
+}
+
+/// Coverage and sharpness of one group of cases.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// The engine, or `all`.
+    pub engine: String,
+    /// Cases.
+    pub cases: usize,
+    /// Those covered.
+    pub covered: usize,
+    /// Median of u over the error; NaN without cases.
+    pub sharpness: f64,
+    /// The largest error over u.
+    pub worst: f64,
+}
+
+impl Row {
+    fn of<'a>(engine: &str, cases: impl Iterator<Item = &'a Case>) -> Self {
+        let cases: Vec<&Case> = cases.collect();
+        let mut ratios: Vec<f64> = cases.iter().map(|c| c.u / c.error).collect();
+        ratios.sort_by(f64::total_cmp);
+        Self {
+            engine: engine.to_owned(),
+            cases: cases.len(),
+            covered: cases.iter().filter(|c| c.covered()).count(),
+            sharpness: ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN),
+            worst: ratios.first().map_or(0.0, |least| 1.0 / least),
+        }
+    }
+
+    /// Share of the cases that are covered.
+    #[must_use]
+    pub fn coverage(&self) -> f64 {
+        self.covered as f64 / self.cases as f64
+    }
+}
+
+impl Outcome {
+    /// Of the series (`figures` false) or of their means, peaks and RMS: a row for each engine, and one for all.
+    #[must_use]
+    pub fn rows(&self, figures: bool) -> Vec<Row> {
+        let wanted = |case: &&Case| match case.metric {
+            Metric::RelativeL2 => !figures,
+            Metric::Mean | Metric::Peak | Metric::Rms => figures,
+            _ => false,
+        };
+        let mut names: Vec<&str> = Vec::new();
+        for case in &self.cases {
+            if !names.contains(&case.engine.as_str()) {
+                names.push(&case.engine);
+            }
+        }
+        let of = |name: &str| {
+            let own = self.cases.iter().filter(|c| c.engine == name);
+            Row::of(name, own.filter(wanted))
+        };
+        let mut rows: Vec<Row> = names.into_iter().map(of).collect();
+        rows.push(Row::of("all", self.cases.iter().filter(wanted)));
+        rows
+    }
+
+    /// Whether the series of all engines together are covered and sharp.
+    #[must_use]
+    pub fn is_honest(&self) -> bool {
+        self.rows(false)
+            .last()
+            .is_some_and(|all| all.coverage() >= COVERAGE && all.sharpness < SHARPNESS)
+    }
+
+    /// Writes `summary.json` with every case into the folder `dir`.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+        Summary::new(made, self).write(dir)
+    }
+}
+
+/// Runs every gear on every engine. What an engine does not honour, and gears without a reference, are left out with the reason.
+///
+/// # Errors
+/// Cancelled; a name that is no engine's; a scene that cannot be modelled.
+pub fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> {
+    let mut found = Outcome {
+        gears: input.scenes.len(),
+        ..Outcome::default()
+    };
+    let total = input.scenes.len() * input.engines.len();
+    for (k, scene) in input.scenes.iter().enumerate() {
+        let of_scene = |source| StudyError::Scene {
+            scene: scene.name.clone(),
+            source,
+        };
+        let gearbox = Gearbox::new(scene).map_err(of_scene)?;
+        let context = Context {
+            guarded: None,
+            ..context(scene)
+        };
+        for (n, name) in input.engines.iter().enumerate() {
+            let at = Progress::new(k * input.engines.len() + n, total, &scene.name);
+            control.check()?;
+            let engine = choice::find(name, scene)?;
+            let (participant, evidence) = climb(
+                engine.as_ref(),
+                &gearbox,
+                &context,
+                input.effort,
+                at,
+                control,
+            )?;
+            if !participant.status.is_finished() {
+                let reason = participant.status.reason().unwrap_or_default();
+                found
+                    .left_out
+                    .push(format!("{} on {name}: {reason}", scene.name));
+                continue;
+            }
+            found.hold(&context, scene, participant, evidence)?;
+        }
+    }
+    Ok(found)
+}
+
+impl Outcome {
+    /// Holds what an engine states of one gear against the truth.
+    fn hold(
+        &mut self,
+        context: &Context,
+        scene: &CheckedScene,
+        participant: Participant,
+        evidence: Evidence,
+    ) -> Result<(), StudyError> {
+        let engine = participant.name.clone();
+        let by = match &evidence.source {
+            Source::Ladder(_) => participant.cost.settings.as_str(),
+            _ => "",
+        };
+        let by = if by.contains("dopri5") { "dopri5" } else { "" };
+        let references = reference::settings(scene, by).map(|way| reference::run(scene, way));
+        let [Some(other), Some(truth)] = references else {
+            self.left_out
+                .push(format!("{}: no reference gets through", scene.name));
+            return Ok(());
+        };
+        let own = against(context, participant, Some(evidence), truth.clone())?;
+        let known = against(context, as_run(NAME, other), None, truth)?;
+        let (Some(pair), Some(of_truth)) = (own.pairs.first(), known.pairs.first()) else {
+            return Ok(());
+        };
+        for entry in &pair.entries {
+            let same = |e: &&pinwheel_compare::comparison::PairEntry| {
+                e.quantity == entry.quantity && e.window == entry.window
+            };
+            let sure = of_truth.entries.iter().find(same);
+            let sure = sure.and_then(|e| e.metrics.as_ref());
+            for judgement in &entry.judgements {
+                let metric = judgement.metric;
+                let series = metric == Metric::RelativeL2;
+                let (Some(error), Some(of_truth)) = (
+                    judgement.distance.map(f64::abs),
+                    sure.and_then(|m| (metric.row().of)(m)),
+                ) else {
+                    continue;
+                };
+                match judgement.u_a {
+                    None if series => {
+                        *self.not_resolved.entry(engine.clone()).or_default() += 1;
+                    }
+                    Some(u) if of_truth.abs() <= TRUTH * u => self.cases.push(Case {
+                        engine: engine.clone(),
+                        scene: scene.name.clone(),
+                        quantity: entry.quantity.clone(),
+                        window: entry.window,
+                        metric,
+                        u,
+                        error,
+                    }),
+                    Some(_) if series => {
+                        *self.without_truth.entry(engine.clone()).or_default() += 1;
+                    }
+                    _ => {}
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A run beside the truth; the truth is taken as exact.
+fn against(
+    context: &Context,
+    participant: Participant,
+    evidence: Option<Evidence>,
+    truth: Courses,
+) -> Result<Comparison, StudyError> {
+    let exact = Evidence {
+        engine: "truth".to_owned(),
+        source: Source::Exact(0.0),
+        excuse: None,
+        floor: 0.0,
+    };
+    let evidence: Vec<Evidence> = evidence.into_iter().chain([exact]).collect();
+    let rules = Rules {
+        limits: &[],
+        evidence: &evidence,
+        ..Rules::default()
+    };
+    let both = [participant, as_run("truth", truth)];
+    Ok(compare_with(context, &both, &rules)?)
+}
+
+/// Time series as a native run.
+fn as_run(name: &str, courses: Courses) -> Participant {
+    Participant {
+        name: name.to_owned(),
+        track: Track::Native,
+        version: String::new(),
+        summary: String::new(),
+        differences: String::new(),
+        courses,
+        cost: Cost::default(),
+        status: Status::Finished,
+    }
+}

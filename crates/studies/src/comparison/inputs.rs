@@ -1,0 +1,131 @@
+//! u_input of ASME V&V 20: how far the uncertain values of a scene move its own time series.
+//!
+//! Few keys are moved one at a time to both ends of their intervals: half of the distance, over the root of three, is what the
+//! key contributes, and the keys' contributions add as squares. Where there are many, all are moved at once by a Latin
+//! hypercube (McKay, Beckman, Conover 1979), and what counts is the standard deviation of the series at every sample.
+
+use pinwheel_compare::quantities::derive;
+use pinwheel_compare::statistics::View;
+use pinwheel_courses::Courses;
+use pinwheel_scene::CheckedScene;
+
+use crate::StudyError;
+use crate::calibration::gears::Dice;
+use crate::control::{Control, Progress};
+
+/// Keys that are moved one at a time.
+const FEW: usize = 8;
+/// Runs of a hypercube: the standard deviation of so many is known to an eighth.
+const SAMPLES: usize = 32;
+
+/// Standard uncertainty of every quantity over the whole run, as a share of its RMS; nothing for a scene without
+/// uncertain values.
+pub(super) fn uncertainty(
+    scene: &CheckedScene,
+    control: &Control<'_>,
+) -> Result<Vec<(String, f64)>, StudyError> {
+    if scene.uncertain.is_empty() {
+        return Ok(Vec::new());
+    }
+    let variants = if scene.uncertain.len() <= FEW {
+        ends(scene)
+    } else {
+        hypercube(scene)
+    };
+    let total = variants.len() + 1;
+    let mut done = 0;
+    let mut run = |moves: &[(&str, f64)]| {
+        let at = Progress::new(done, total, "uncertain inputs");
+        (control.progress)(at);
+        done += 1;
+        control.check()?;
+        let mut moved = scene.clone();
+        for (key, value) in moves {
+            moved = moved.with_number(key, *value).map_err(|fault| {
+                StudyError::Input(format!(
+                    "uncertain.{key}: at {value} the scene cannot be: {fault}"
+                ))
+            })?;
+        }
+        control.complete(&moved).map(|run| run.courses)
+    };
+    let middle = run(&[])?;
+    let runs = variants
+        .iter()
+        .map(|moves| run(moves))
+        .collect::<Result<Vec<Courses>, _>>()?;
+    let few = scene.uncertain.len() <= FEW;
+    let found = derive([&middle]).into_iter().filter_map(|quantity| {
+        let whole = 0..middle.len();
+        let view = |courses| {
+            let view = View::of(courses, &quantity, whole.clone())?;
+            Some(view.values().collect::<Vec<f64>>())
+        };
+        let size = square(&view(&middle)?);
+        let series: Vec<Vec<f64>> = runs.iter().map(view).collect::<Option<_>>()?;
+        let variance = if few {
+            series.chunks(2).map(|pair| between(pair) / 12.0).sum()
+        } else {
+            scatter(&series)
+        };
+        let share: f64 = (variance / size).sqrt();
+        share.is_finite().then_some((quantity.name.clone(), share))
+    });
+    Ok(found.collect())
+}
+
+fn square(values: &[f64]) -> f64 {
+    values.iter().map(|v| v * v).sum()
+}
+
+/// Square of the distance of both ends of an interval: the whole width of a uniform distribution has twelve times its variance.
+fn between(pair: &[Vec<f64>]) -> f64 {
+    let [low, high] = pair else { return f64::NAN };
+    low.iter().zip(high).map(|(a, b)| (a - b) * (a - b)).sum()
+}
+
+/// Sum of the variances at every sample.
+fn scatter(series: &[Vec<f64>]) -> f64 {
+    let count = series.len() as f64;
+    let samples = series.first().map_or(0, Vec::len);
+    let variance = |k: usize| {
+        let mean = series.iter().map(|s| s[k]).sum::<f64>() / count;
+        series.iter().map(|s| (s[k] - mean).powi(2)).sum::<f64>() / (count - 1.0)
+    };
+    (0..samples).map(variance).sum()
+}
+
+/// A run's keys and their values.
+type Moves<'a> = Vec<(&'a str, f64)>;
+
+fn value(scene: &CheckedScene, key: &str) -> f64 {
+    scene.number(key).unwrap_or(f64::NAN)
+}
+
+/// Every key at the lower and at the upper end of its interval, the others in the middle.
+fn ends(scene: &CheckedScene) -> Vec<Moves<'_>> {
+    let mut runs = Vec::new();
+    for (key, half) in &scene.uncertain {
+        let middle = value(scene, key);
+        runs.extend([-1.0, 1.0].map(|sign| vec![(key.as_str(), middle + sign * half.plus_minus)]));
+    }
+    runs
+}
+
+/// Every key once in each of [`SAMPLES`] equal parts of its interval, in an order of its own, the same on every machine.
+fn hypercube(scene: &CheckedScene) -> Vec<Moves<'_>> {
+    let mut dice = Dice::new(1);
+    let mut runs: Vec<Moves<'_>> = vec![Vec::new(); SAMPLES];
+    for (key, half) in &scene.uncertain {
+        let mut parts: Vec<usize> = (0..SAMPLES).collect();
+        for last in (1..SAMPLES).rev() {
+            parts.swap(last, dice.whole(0, last));
+        }
+        let middle = value(scene, key);
+        for (run, part) in runs.iter_mut().zip(parts) {
+            let at = (part as f64 + dice.share()) / SAMPLES as f64;
+            run.push((key.as_str(), middle + (2.0 * at - 1.0) * half.plus_minus));
+        }
+    }
+    runs
+}

@@ -1,0 +1,118 @@
+//! The hysteresis loop: the input locked, the load taken slowly to the rated torque, to its opposite, and back.
+
+use std::f64::consts::TAU;
+
+use pinwheel_courses::columns;
+use pinwheel_engines::Native;
+use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_scene::{LoadChange, Scales};
+use serde::Serialize;
+
+use super::{ARCMIN, LOST};
+use crate::{Control, StudyError, single};
+
+/// Periods of the slowest mode from no load to the rated one: slow enough that the gear follows.
+const SLOW: f64 = 60.0;
+/// Samples from no load to the rated one.
+const SAMPLES: f64 = 200.0;
+/// Rest between two ramps, as a share of a ramp.
+const REST: f64 = 0.25;
+
+/// The loop of a slow run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cycle {
+    /// Mean of both branches at +3 % of the rated torque less that at -3 %, arcmin; `None` if the run diverged.
+    pub lost_motion_arcmin: Option<f64>,
+    /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping.
+    pub width_arcmin: Option<f64>,
+    /// How the run ended.
+    pub status: &'static str,
+    /// Sample times, s.
+    #[serde(skip)]
+    pub time_s: Vec<f64>,
+    /// Load, N m, positive in the direction that turns the output on.
+    #[serde(skip)]
+    pub torque_n_m: Vec<f64>,
+    /// Output angle, arcmin.
+    #[serde(skip)]
+    pub angle_arcmin: Vec<f64>,
+    /// First sample of the closed loop: before that the load rises for the first time.
+    #[serde(skip)]
+    pub closed_from: usize,
+}
+
+/// Runs the loop of a gear with that rated torque.
+pub(super) fn run(
+    gearbox: &Gearbox,
+    rated: f64,
+    control: &Control<'_>,
+) -> Result<Cycle, StudyError> {
+    let name = &gearbox.scene.name;
+    let of_scene = |source: GearboxError| StudyError::Scene {
+        scene: name.clone(),
+        source,
+    };
+    let ramp = SLOW * TAU / Scales::of(&gearbox.scene).modes_rad_s[0];
+    let rest = REST * ramp;
+    let to = |time_s: f64, output_torque_n_m: f64, ramps: f64| LoadChange {
+        time_s,
+        output_torque_n_m,
+        ramp_s: ramps * ramp,
+    };
+    let changed = gearbox.scene.changed(|scene| {
+        scene.drive.input_speed_rad_s = 0.0;
+        scene.drive.output_torque_n_m = 0.0;
+        scene.drive.load_ramp_s = 0.0;
+        scene.drive.start = pinwheel_scene::Start::Kinematic;
+        scene.drive.load_changes = vec![
+            to(rest, rated, 1.0),
+            to(2.0 * rest + ramp, -rated, 2.0),
+            to(3.0 * rest + 3.0 * ramp, rated, 2.0),
+        ];
+        scene.solver.duration_s = 4.0 * rest + 5.0 * ramp;
+        scene.solver.sample_s = scene.solver.duration_s / (6.0 * SAMPLES);
+        scene.solver.step_s = scene.solver.step_s.min(scene.solver.sample_s);
+        scene.solver.integrator = "auto".to_owned();
+        scene.output.channels.clear();
+    });
+    let slow = changed.map_err(GearboxError::from);
+    let slow = slow
+        .and_then(|scene| Gearbox::new(&scene))
+        .map_err(of_scene)?;
+    let found = single::run(&slow, &Native::REDUCED, false, control)?;
+    let courses = &found.run.courses;
+    let time_s = courses.time_s().to_vec();
+    let angle = courses.channel(columns::OUTPUT_ANGLE).unwrap_or_default();
+    let torque_n_m: Vec<f64> = time_s.iter().map(|&t| slow.load_torque(t)).collect();
+    let angle_arcmin: Vec<f64> = angle.iter().map(|angle| ARCMIN * angle).collect();
+    let from = |t: f64| time_s.partition_point(|&at| at < t);
+    // The branch down, and the branch up again.
+    let down = from(2.0 * rest + ramp)..from(2.0 * rest + 3.0 * ramp) + 1;
+    let up = from(3.0 * rest + 3.0 * ramp)..from(3.0 * rest + 5.0 * ramp) + 1;
+    let whole = found.ending.is_finished();
+    let at = |branch: std::ops::Range<usize>, torque: f64| -> Option<f64> {
+        let branch = branch.start.min(angle_arcmin.len())..branch.end.min(angle_arcmin.len());
+        crossing(&torque_n_m[branch.clone()], &angle_arcmin[branch], torque)
+    };
+    let both = |torque: f64| Some((at(down.clone(), torque)?, at(up.clone(), torque)?));
+    let mean = |torque: f64| both(torque).map(|(a, b)| 0.5 * (a + b));
+    let lost = mean(LOST * rated).zip(mean(-LOST * rated));
+    Ok(Cycle {
+        lost_motion_arcmin: lost.filter(|_| whole).map(|(high, low)| (high - low).abs()),
+        width_arcmin: both(0.0).filter(|_| whole).map(|(a, b)| (a - b).abs()),
+        status: found.ending.word(),
+        closed_from: down.start,
+        time_s,
+        torque_n_m,
+        angle_arcmin,
+    })
+}
+
+/// The angle where a monotone course of the torque passes `torque`.
+fn crossing(torques: &[f64], angles: &[f64], torque: f64) -> Option<f64> {
+    let k = torques
+        .windows(2)
+        .position(|pair| (pair[0] - torque) * (pair[1] - torque) <= 0.0 && pair[0] != pair[1])?;
+    let share = (torque - torques[k]) / (torques[k + 1] - torques[k]);
+    Some(angles[k] + share * (angles[k + 1] - angles[k]))
+}

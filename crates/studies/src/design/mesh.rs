@@ -1,0 +1,298 @@
+//! Balances over one period of the mesh, and what is read off them.
+
+use std::f64::consts::{PI, TAU};
+
+use pinwheel_gearbox::contacts::PairContact;
+use pinwheel_gearbox::statics::Statics;
+use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_scene::{Gear, Sleeve};
+use serde::Serialize;
+
+use super::Spread;
+
+/// Poses for one passage of a sleeve.
+const PER_MESH: usize = 16;
+/// Poses at most.
+const MOST: usize = 4096;
+/// Places around the eccentric at which the sharing is kept, of each side of it.
+const PLACES: usize = 180;
+
+/// The poses of one period.
+///
+/// From the eccentric an external sleeve follows the other after 2 pi/zk of the input, an internal one after
+/// 2 pi zs/(zi zk). Both come round together after 2 pi zs/(g zk), g = gcd(zs, zi): less than a turn of the input.
+pub(super) struct Poses {
+    /// Input angles, rad.
+    pub(super) angles: Vec<f64>,
+    /// Of the input, rad.
+    pub(super) period: f64,
+    /// Passages of external and internal sleeves in it.
+    pub(super) meshes: [usize; 2],
+    /// Periods per turn of the input.
+    pub(super) per_turn: f64,
+    /// Input turns per output turn.
+    pub(super) ratio: f64,
+}
+
+impl Poses {
+    pub(super) fn of(gear: &Gear) -> Self {
+        let (mut g, mut rest) = (gear.lobes(), gear.internal_sleeves);
+        while rest > 0 {
+            (g, rest) = (rest, g % rest);
+        }
+        let meshes = [gear.lobes() / g, gear.internal_sleeves / g];
+        let period = TAU * meshes[0] as f64 / gear.external_sleeves as f64;
+        let most = meshes[0].max(meshes[1]);
+        let count = most * PER_MESH.min(MOST / most).max(4);
+        Self {
+            angles: (0..count)
+                .map(|k| period * k as f64 / count as f64)
+                .collect(),
+            period,
+            meshes,
+            per_turn: TAU / period,
+            ratio: gear.lobes() as f64,
+        }
+    }
+}
+
+/// Which sleeves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stage {
+    /// On the housing.
+    External,
+    /// On the output.
+    Internal,
+}
+
+impl Stage {
+    /// Both, external first.
+    pub const BOTH: [Self; 2] = [Self::External, Self::Internal];
+
+    fn has(self, sleeve: Sleeve) -> bool {
+        matches!(
+            (self, sleeve),
+            (Self::External, Sleeve::External(_)) | (Self::Internal, Sleeve::Internal(_))
+        )
+    }
+}
+
+/// A touching pair of a balance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pair {
+    /// Wheel.
+    pub wheel: usize,
+    /// Sleeve.
+    pub sleeve: Sleeve,
+    /// Where the sleeve stands from the wheel's eccentric about the gear's axis, -pi to pi, rad.
+    pub place_rad: f64,
+    /// F_n, N.
+    pub force_n: f64,
+    /// p0 of the line contact, Pa.
+    pub pressure_pa: f64,
+    /// Of the wheel on a pin that does not turn, m/s.
+    pub sliding_m_s: f64,
+}
+
+/// A balance.
+pub(super) struct Pose {
+    /// Output angle less the ideal mesh's, rad.
+    pub(super) error_rad: f64,
+    pub(super) pairs: Vec<Pair>,
+    /// Force of the contacts on every wheel, N: away from the input's axis, and counter-clockwise about it.
+    pub(super) bearings: Vec<[f64; 2]>,
+}
+
+impl Pose {
+    pub(super) fn find(
+        statics: &mut Statics<'_>,
+        gearbox: &Gearbox,
+        phi: f64,
+        load: f64,
+    ) -> Result<Self, GearboxError> {
+        let found = statics.solve(phi, load)?;
+        let touching = statics.touching(&found);
+        let wheels = gearbox.layout.wheels;
+        let phases = &gearbox.geometry.wheel_phases;
+        let mut bearings = vec![[0.0; 2]; wheels];
+        for contact in &touching {
+            let (s, c) = (phi + phases[contact.wheel]).sin_cos();
+            let [fx, fy] = contact.force_on_sleeve();
+            let sum = &mut bearings[contact.wheel];
+            sum[0] -= fx * c + fy * s;
+            sum[1] -= fy * c - fx * s;
+        }
+        Ok(Self {
+            error_rad: found.output - gearbox.geometry.ideal_output_angle(phi),
+            pairs: touching
+                .iter()
+                .map(|contact| pair(gearbox, phi + phases[contact.wheel], contact))
+                .collect(),
+            bearings,
+        })
+    }
+
+    fn of(&self, stage: Stage) -> impl Iterator<Item = &Pair> {
+        self.pairs.iter().filter(move |pair| stage.has(pair.sleeve))
+    }
+}
+
+/// Place, pressure and sliding of a contact; `eccentric`: the wheel's eccentric, rad.
+fn pair(gearbox: &Gearbox, eccentric: f64, contact: &PairContact) -> Pair {
+    let (gear, material) = (&gearbox.scene.gear, &gearbox.scene.contact);
+    let [x, y] = contact.centre;
+    let place = (y.atan2(x) - eccentric + PI).rem_euclid(TAU) - PI;
+    let radius = match contact.sleeve {
+        // On the rigid mesh the curve's parameter at the sleeve is a with cos(zs a) = -cos(place).
+        Sleeve::External(_) => {
+            let q = gear.external_sleeve_radius_m;
+            q * (1.0 - q * gearbox.geometry.curve.curvature(-place.cos()))
+        }
+        Sleeve::Internal(_) => {
+            let (hole, sleeve) = (gear.hole_radius_m, gear.internal_sleeve_radius_m);
+            hole * sleeve / (hole - sleeve)
+        }
+    };
+    let modulus = material.young_pa / (2.0 * (1.0 - material.poisson * material.poisson));
+    let line = contact.normal_force_n / material.line_length_m;
+    // Velocity of the wheel at W: about its centre at -omega/zs, and with it along the eccentric's circle.
+    let omega = gearbox.scene.drive.input_speed_rad_s;
+    let rate = -omega / gearbox.geometry.ratio();
+    let (s, c) = eccentric.sin_cos();
+    let e = gear.eccentricity_m;
+    let [wx, wy] = contact.point;
+    let mut velocity = [
+        -omega * e * s - rate * (wy - e * s),
+        omega * e * c + rate * (wx - e * c),
+    ];
+    if let Sleeve::Internal(_) = contact.sleeve {
+        velocity[0] += rate * wy;
+        velocity[1] -= rate * wx;
+    }
+    let [nx, ny] = contact.normal;
+    Pair {
+        wheel: contact.wheel,
+        sleeve: contact.sleeve,
+        place_rad: place,
+        force_n: contact.normal_force_n,
+        pressure_pa: (line * modulus / (PI * radius)).sqrt(),
+        sliding_m_s: (velocity[1] * nx - velocity[0] * ny).abs(),
+    }
+}
+
+/// Who carries the load.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sharing {
+    /// Which sleeves.
+    pub stage: Stage,
+    /// Largest force of a pair in a pose, N.
+    pub largest_force_n: Spread,
+    /// Touching pairs of a wheel.
+    pub touching: Spread,
+    /// Places around the eccentric, degrees: -180 to 180.
+    pub place_deg: Vec<f64>,
+    /// Largest force of a pair at that place, N; 0 where none touches.
+    pub force_n: Vec<f64>,
+}
+
+impl Sharing {
+    pub(super) fn of(poses: &[Pose], stage: Stage) -> Self {
+        let wheels = poses.first().map_or(1, |pose| pose.bearings.len());
+        let mut force = vec![0.0_f64; 2 * PLACES];
+        for pair in poses.iter().flat_map(|pose| pose.of(stage)) {
+            let place = ((pair.place_rad / PI + 1.0) * PLACES as f64) as usize;
+            let place = &mut force[place.min(2 * PLACES - 1)];
+            *place = place.max(pair.force_n);
+        }
+        let largest = |pose: &Pose| {
+            pose.of(stage)
+                .map(|pair| pair.force_n)
+                .fold(0.0_f64, f64::max)
+        };
+        Self {
+            stage,
+            largest_force_n: Spread::of(poses.iter().map(largest)),
+            touching: Spread::of(
+                poses
+                    .iter()
+                    .map(|pose| pose.of(stage).count() as f64 / wheels as f64),
+            ),
+            place_deg: (0..2 * PLACES)
+                .map(|k| 180.0 * ((k as f64 + 0.5) / PLACES as f64 - 1.0))
+                .collect(),
+            force_n: force,
+        }
+    }
+}
+
+/// Pressure and sliding over the poses.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Pressure {
+    /// Which sleeves.
+    pub stage: Stage,
+    /// Largest p0, Pa.
+    pub largest_pa: f64,
+    /// Where, from the eccentric, degrees.
+    pub largest_at_deg: f64,
+    /// Largest sliding speed of a loaded pair on a pin that does not turn, m/s.
+    pub sliding_m_s: f64,
+    /// Largest product of both in one pair, W/m^2.
+    pub pressure_sliding_w_m2: f64,
+}
+
+impl Pressure {
+    pub(super) fn of(poses: &[Pose], stage: Stage) -> Self {
+        let mut found = Self {
+            stage,
+            largest_pa: 0.0,
+            largest_at_deg: 0.0,
+            sliding_m_s: 0.0,
+            pressure_sliding_w_m2: 0.0,
+        };
+        for pair in poses.iter().flat_map(|pose| pose.of(stage)) {
+            if pair.pressure_pa > found.largest_pa {
+                found.largest_pa = pair.pressure_pa;
+                found.largest_at_deg = pair.place_rad.to_degrees();
+            }
+            found.sliding_m_s = found.sliding_m_s.max(pair.sliding_m_s);
+            let product = pair.pressure_pa * pair.sliding_m_s;
+            found.pressure_sliding_w_m2 = found.pressure_sliding_w_m2.max(product);
+        }
+        found
+    }
+}
+
+/// Force of the contacts on a wheel, which its bearing on the eccentric carries.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Bearing {
+    /// Wheel.
+    pub wheel: usize,
+    /// Its size, N.
+    pub force_n: Spread,
+    /// Away from the input's axis, N, over the period.
+    pub radial_n: Vec<f64>,
+    /// Counter-clockwise about the input's axis, N, over the period: times e, the torque this wheel takes.
+    pub tangential_n: Vec<f64>,
+}
+
+impl Bearing {
+    pub(super) fn all(poses: &[Pose]) -> Vec<Self> {
+        let wheels = poses.first().map_or(0, |pose| pose.bearings.len());
+        let part = |wheel: usize, part: usize| {
+            let forces = poses.iter().map(move |pose| pose.bearings[wheel][part]);
+            forces.collect::<Vec<f64>>()
+        };
+        (0..wheels)
+            .map(|wheel| Self {
+                wheel,
+                force_n: Spread::of(poses.iter().map(|pose| {
+                    let [radial, tangential] = pose.bearings[wheel];
+                    radial.hypot(tangential)
+                })),
+                radial_n: part(wheel, 0),
+                tangential_n: part(wheel, 1),
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,365 @@
+//! What a designer asks of a gear: lost motion, stiffness, transmission error, load sharing, pressure, bearings, efficiency.
+//!
+//! ```text
+//!                 ┌─ balances at poses over one period of the mesh ─> stiffness, lost motion, transmission error,
+//!  checked scene ─┤                                                   load sharing, pressure, bearings
+//!                 └─ runs: a slow loop of the load, speeds and torques ─> hysteresis, efficiency
+//! ```
+//!
+//! What statics decides is computed by statics: the balance of the contacts at rest, exact geometry, the scene's own law. Lost
+//! motion and stiffness are computed both ways where both can, and the difference is given. Conventions:
+//!
+//! * **Lost motion**: angle of the output between +3 % and -3 % of the rated torque, the input locked, arcmin.
+//! * **Torsional stiffness**: secant between 50 and 100 % of the rated torque, N m/arcmin, the input locked.
+//! * **Transmission error**: output angle less the ideal mesh's, arcmin; its harmonics in cycles per turn of the input.
+//! * **Pressure**: of a line contact after Hertz over the face width, p0 = sqrt(F E*/(pi L R)) with E* = E/(2 (1 - nu^2))
+//!   (K. L. Johnson, Contact Mechanics, 1985, section 4.2). Edges are left out.
+//! * **Sliding**: of the wheel on pins that do not turn. Sleeves that turn slide on their own pins instead.
+//!
+//! The rated torque is the largest load of the scene, the rated speed its input speed.
+
+mod cycle;
+mod mesh;
+mod orders;
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use pinwheel_engines::Native;
+use pinwheel_gearbox::statics::Statics;
+use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError};
+use pinwheel_scene::{CheckedScene, Derived, derived, load_course};
+use serde::Serialize;
+
+use crate::output::{OutputError, write_with};
+use crate::provenance::{Provenance, Summary};
+use crate::{Control, Progress, StudyError, single};
+
+pub use cycle::Cycle;
+pub use mesh::{Bearing, Pair, Pressure, Sharing, Stage};
+pub use orders::Harmonic;
+
+use mesh::{Pose, Poses};
+
+/// Arc minutes in a radian.
+const ARCMIN: f64 = 10_800.0 / PI;
+/// Shares of the rated torque between which lost motion is counted.
+const LOST: f64 = 0.03;
+/// Shares of the rated torque between which stiffness is counted.
+const STIFF: [f64; 2] = [0.5, 1.0];
+/// Share of the rated torque that stands for no load: contacts still decide where the output is.
+const NO_LOAD: f64 = 1e-4;
+/// Poses at which stiffness and lost motion are found.
+const POSES: usize = 24;
+/// Points of the curve of torsion, on either side of 0.
+const CURVE: usize = 20;
+/// Shares of the rated speed and torque of the efficiency's map.
+const SPEEDS: [f64; 2] = [0.5, 1.0];
+const TORQUES: [f64; 3] = [0.25, 0.5, 1.0];
+
+/// Least, mean and largest over the poses.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spread {
+    /// Least.
+    pub min: f64,
+    /// Mean.
+    pub mean: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+impl Spread {
+    fn of(values: impl IntoIterator<Item = f64>) -> Self {
+        let (mut min, mut max, mut sum, mut count) = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0_u32);
+        for value in values {
+            (min, max) = (min.min(value), max.max(value));
+            sum += value;
+            count += 1;
+        }
+        Self {
+            min,
+            mean: sum / f64::from(count),
+            max,
+        }
+    }
+}
+
+/// How the output twists against the locked input.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Torsion {
+    /// Between +3 % and -3 % of the rated torque, arcmin.
+    pub lost_motion_arcmin: Spread,
+    /// Between 50 and 100 % of the rated torque, both directions, N m/arcmin.
+    pub stiffness_n_m_per_arcmin: Spread,
+    /// The curve at the input angle 0: torque, N m.
+    pub torque_n_m: Vec<f64>,
+    /// Twist at these torques, arcmin.
+    pub twist_arcmin: Vec<f64>,
+}
+
+/// Transmission error over one period of the mesh.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Transmission {
+    /// Torque on the output, N m.
+    pub torque_n_m: f64,
+    /// Largest less least, arcmin.
+    pub peak_to_peak_arcmin: f64,
+    /// Mean, arcmin: free play and elastic twist.
+    pub mean_arcmin: f64,
+    /// Its largest harmonics, largest first.
+    pub harmonics: Vec<Harmonic>,
+    /// Course over the period's input angles, arcmin.
+    pub error_arcmin: Vec<f64>,
+}
+
+/// Efficiency of one run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Operating {
+    /// Input speed, rad/s.
+    pub input_speed_rad_s: f64,
+    /// Load, N m.
+    pub output_torque_n_m: f64,
+    /// `None` where no work passes, or the run diverged.
+    pub efficiency: Option<Efficiency>,
+    /// How the run ended.
+    pub status: &'static str,
+}
+
+/// Everything found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Outcome {
+    /// The scene.
+    #[serde(skip)]
+    pub scene: CheckedScene,
+    /// Largest load of the scene, N m.
+    pub rated_torque_n_m: f64,
+    /// What follows from the dimensions.
+    pub dimensions: Derived,
+    /// Lost motion and stiffness.
+    pub torsion: Torsion,
+    /// Input angles of one period of the mesh, rad.
+    pub input_angle_rad: Vec<f64>,
+    /// Transmission error under the rated load and under next to none.
+    pub transmission: [Transmission; 2],
+    /// Who carries the rated load.
+    pub sharing: [Sharing; 2],
+    /// Pressure and sliding under the rated load.
+    pub pressure: [Pressure; 2],
+    /// Force on the eccentric's bearing of every wheel.
+    pub bearings: Vec<Bearing>,
+    /// The hysteresis loop of a slow run; `None` if runs were not asked for.
+    pub cycle: Option<Cycle>,
+    /// Efficiency over speed and torque; empty if runs were not asked for.
+    pub efficiency: Vec<Operating>,
+}
+
+/// Answers all of it for the scene of `gearbox`; `runs`: also what takes dynamic runs.
+///
+/// # Errors
+/// Cancelled; no load or more of it than the teeth carry; a scene that cannot be modelled.
+pub fn run(gearbox: &Gearbox, runs: bool, control: &Control<'_>) -> Result<Outcome, StudyError> {
+    let scene = &gearbox.scene;
+    let rated = load_course::largest(&scene.drive);
+    if rated <= 0.0 {
+        return Err(StudyError::Input(format!(
+            "{}: `drive.output_torque_n_m` is 0, and a design is judged under its rated torque; give it",
+            scene.name
+        )));
+    }
+    let of_scene = |source: GearboxError| StudyError::Scene {
+        scene: scene.name.clone(),
+        source,
+    };
+    let total = 3 + if runs {
+        1 + SPEEDS.len() * TORQUES.len()
+    } else {
+        0
+    };
+    let step = |done: usize, what: &str| -> Result<(), StudyError> {
+        (control.progress)(Progress::new(done, total, what));
+        control.check()
+    };
+    // The direction in which the gear works, as a moment on the output.
+    let working = match gearbox.load_torque(scene.solver.duration_s) {
+        torque if torque != 0.0 => rated.copysign(torque),
+        _ => -rated.copysign(scene.drive.input_speed_rad_s),
+    };
+    let poses = Poses::of(&scene.gear);
+    let mut statics = Statics::new(gearbox).map_err(of_scene)?;
+    step(0, "torsion")?;
+    let torsion = torsion(&mut statics, &poses, gearbox, working).map_err(of_scene)?;
+    step(1, "rated load")?;
+    let at = |statics: &mut Statics<'_>, load: f64| -> Result<Vec<Pose>, StudyError> {
+        let mut found = Vec::with_capacity(poses.angles.len());
+        for &phi in &poses.angles {
+            found.push(Pose::find(statics, gearbox, phi, load).map_err(of_scene)?);
+            control.check()?;
+        }
+        Ok(found)
+    };
+    let loaded = at(&mut statics, working)?;
+    step(2, "no load")?;
+    let unloaded = at(&mut statics, NO_LOAD * working)?;
+    let transmission = [(&loaded, rated), (&unloaded, NO_LOAD * rated)].map(|(found, torque)| {
+        let error: Vec<f64> = found.iter().map(|pose| ARCMIN * pose.error_rad).collect();
+        let spread = Spread::of(error.iter().copied());
+        Transmission {
+            torque_n_m: torque,
+            peak_to_peak_arcmin: spread.max - spread.min,
+            mean_arcmin: spread.mean,
+            harmonics: orders::largest(&error, &poses),
+            error_arcmin: error,
+        }
+    });
+    let mut done = 3;
+    let (mut cycle, mut efficiency) = (None, Vec::new());
+    if runs {
+        step(done, "hysteresis loop")?;
+        cycle = Some(cycle::run(gearbox, rated, control)?);
+        for speed in SPEEDS {
+            for torque in TORQUES {
+                done += 1;
+                step(done, "efficiency")?;
+                efficiency.push(operating(gearbox, speed, torque * rated, control)?);
+            }
+        }
+    }
+    Ok(Outcome {
+        scene: scene.clone(),
+        rated_torque_n_m: rated,
+        dimensions: derived(scene),
+        torsion,
+        sharing: Stage::BOTH.map(|stage| Sharing::of(&loaded, stage)),
+        pressure: Stage::BOTH.map(|stage| Pressure::of(&loaded, stage)),
+        bearings: Bearing::all(&loaded),
+        input_angle_rad: poses.angles,
+        transmission,
+        cycle,
+        efficiency,
+    })
+}
+
+fn torsion(
+    statics: &mut Statics<'_>,
+    poses: &Poses,
+    gearbox: &Gearbox,
+    working: f64,
+) -> Result<Torsion, GearboxError> {
+    let mut twist = |phi: f64, share: f64| -> Result<f64, GearboxError> {
+        let found = statics.solve(phi, share * working)?;
+        let ideal = gearbox.geometry.ideal_output_angle(phi);
+        Ok(ARCMIN * (found.output - ideal) * working.signum())
+    };
+    let (mut lost, mut stiffness) = (Vec::new(), Vec::new());
+    for k in 0..POSES {
+        let phi = poses.period * k as f64 / POSES as f64;
+        lost.push(twist(phi, LOST)? - twist(phi, -LOST)?);
+        for sign in [1.0, -1.0] {
+            let [low, high] = STIFF;
+            let turned = (twist(phi, sign * high)? - twist(phi, sign * low)?).abs();
+            stiffness.push((high - low) * working.abs() / turned);
+        }
+    }
+    // No point at 0: with backlash the output has no place there.
+    let shares = (1..=CURVE).map(|k| k as f64 / CURVE as f64);
+    let shares: Vec<f64> = shares
+        .clone()
+        .rev()
+        .map(|share| -share)
+        .chain([-LOST, LOST])
+        .chain(shares)
+        .collect();
+    let twists = shares.iter().map(|&share| twist(0.0, share));
+    Ok(Torsion {
+        lost_motion_arcmin: Spread::of(lost),
+        stiffness_n_m_per_arcmin: Spread::of(stiffness),
+        twist_arcmin: twists.collect::<Result<_, _>>()?,
+        torque_n_m: shares.iter().map(|share| share * working.abs()).collect(),
+    })
+}
+
+/// A run at a share of the rated speed under the load `torque`, as many turns as the scene's own.
+fn operating(
+    gearbox: &Gearbox,
+    speed: f64,
+    torque: f64,
+    control: &Control<'_>,
+) -> Result<Operating, StudyError> {
+    let rated = &gearbox.scene;
+    let scene = rated.changed(|scene| {
+        scene.drive.input_speed_rad_s *= speed;
+        scene.drive.output_torque_n_m = torque.copysign(rated.drive.output_torque_n_m);
+        scene.drive.load_changes.clear();
+        scene.solver.duration_s /= speed;
+        scene.solver.sample_s /= speed;
+        scene.solver.integrator = "auto".to_owned();
+    });
+    let scene = scene.map_err(GearboxError::from);
+    let gearbox = scene.and_then(|scene| Gearbox::new(&scene));
+    let gearbox = gearbox.map_err(|source| StudyError::Scene {
+        scene: rated.name.clone(),
+        source,
+    })?;
+    let found = single::run(&gearbox, &Native::REDUCED, false, control)?;
+    let account = found.run.stats.energy.last();
+    Ok(Operating {
+        input_speed_rad_s: gearbox.scene.drive.input_speed_rad_s,
+        output_torque_n_m: torque,
+        efficiency: account
+            .filter(|_| found.ending.is_finished())
+            .and_then(Efficiency::of),
+        status: found.ending.word(),
+    })
+}
+
+impl Outcome {
+    /// Writes `summary.json`, `torsion.csv`, `period.csv` and, of runs, `hysteresis.csv` into the folder `dir`.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+        Summary::new(made, self).write(dir)?;
+        let torsion = [&self.torsion.torque_n_m, &self.torsion.twist_arcmin];
+        table(
+            dir,
+            "torsion.csv",
+            &["torque_n_m", "twist_arcmin"],
+            &torsion,
+        )?;
+        let mut names = vec![
+            "input_angle_rad".to_owned(),
+            "transmission_error_arcmin".to_owned(),
+            "transmission_error_unloaded_arcmin".to_owned(),
+        ];
+        let mut columns = vec![
+            &self.input_angle_rad,
+            &self.transmission[0].error_arcmin,
+            &self.transmission[1].error_arcmin,
+        ];
+        for (k, bearing) in self.bearings.iter().enumerate() {
+            names.push(format!("eccentric_bearing_radial_force_n_{k}"));
+            names.push(format!("eccentric_bearing_tangential_force_n_{k}"));
+            columns.extend([&bearing.radial_n, &bearing.tangential_n]);
+        }
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        table(dir, "period.csv", &names, &columns)?;
+        if let Some(cycle) = &self.cycle {
+            let names = ["time_s", "torque_n_m", "output_angle_arcmin"];
+            let columns = [&cycle.time_s, &cycle.torque_n_m, &cycle.angle_arcmin];
+            table(dir, "hysteresis.csv", &names, &columns)?;
+        }
+        Ok(())
+    }
+}
+
+fn table(dir: &Path, name: &str, names: &[&str], columns: &[&Vec<f64>]) -> Result<(), OutputError> {
+    write_with(dir, name, |sink| {
+        let mut table = csv::Writer::from_writer(sink);
+        table.write_record(names)?;
+        let rows = columns.first().map_or(0, |column| column.len());
+        for row in 0..rows {
+            table.write_record(columns.iter().map(|column| column[row].to_string()))?;
+        }
+        table.flush().map_err(csv::Error::from)
+    })
+}

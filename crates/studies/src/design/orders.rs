@@ -1,0 +1,58 @@
+//! Harmonics of what repeats with the mesh.
+
+use realfft::RealFftPlanner;
+use serde::Serialize;
+
+use super::mesh::Poses;
+
+/// Harmonics that are kept.
+const KEPT: usize = 12;
+/// Of the largest: below that a harmonic is the balance's rounding.
+const LEAST: f64 = 1e-6;
+
+/// One harmonic.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Harmonic {
+    /// Cycles per turn of the input.
+    pub input_order: f64,
+    /// Cycles per turn of the output.
+    pub output_order: f64,
+    /// Amplitude, half of its peak to peak, arcmin.
+    pub amplitude_arcmin: f64,
+    /// What repeats that often: `external mesh`, `internal mesh`, a multiple of both, or neither.
+    pub of: &'static str,
+}
+
+/// The largest harmonics of a course over one period, largest first.
+pub(super) fn largest(course: &[f64], poses: &Poses) -> Vec<Harmonic> {
+    let mut samples = course.to_vec();
+    let transform = RealFftPlanner::new().plan_fft_forward(samples.len());
+    let mut spectrum = transform.make_output_vec();
+    // It fails on lengths only, and both come from it.
+    if transform.process(&mut samples, &mut spectrum).is_err() {
+        return Vec::new();
+    }
+    let scale = 2.0 / course.len() as f64;
+    let [external, internal] = poses.meshes;
+    let mut found: Vec<Harmonic> = spectrum
+        .iter()
+        .enumerate()
+        .skip(1)
+        .map(|(k, value)| Harmonic {
+            input_order: k as f64 * poses.per_turn,
+            output_order: k as f64 * poses.per_turn * poses.ratio,
+            amplitude_arcmin: scale * value.norm(),
+            of: match (k.is_multiple_of(external), k.is_multiple_of(internal)) {
+                (true, true) => "both meshes",
+                (true, false) => "external mesh",
+                (false, true) => "internal mesh",
+                (false, false) => "neither mesh",
+            },
+        })
+        .collect();
+    found.sort_by(|a, b| b.amplitude_arcmin.total_cmp(&a.amplitude_arcmin));
+    let least = LEAST * found.first().map_or(0.0, |first| first.amplitude_arcmin);
+    found.retain(|harmonic| harmonic.amplitude_arcmin > least);
+    found.truncate(KEPT);
+    found
+}

@@ -1,0 +1,216 @@
+//! Inputs to begin with: the project's own files, cut short where they are long, and those under `fuzz/corpus`.
+
+use std::path::{Path, PathBuf};
+
+use pinwheel_courses::Courses;
+use pinwheel_scene::KEYS;
+use pinwheel_studies::sweep::save_courses;
+
+use crate::targets::PARTS;
+
+/// Longer seeds would spend the time on copying.
+const LONGEST: usize = 6000;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Files of a folder of the repository, in the order of their names; a folder that is not there has none.
+fn files(folder: &str, ending: &str) -> Vec<Vec<u8>> {
+    let entries = std::fs::read_dir(root().join(folder))
+        .into_iter()
+        .flatten()
+        .flatten();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    paths.sort();
+    paths.retain(|path| path.to_string_lossy().ends_with(ending));
+    paths
+        .iter()
+        .filter_map(|path| std::fs::read(path).ok())
+        .collect()
+}
+
+/// `first` and `second` as one input.
+fn joined(first: &str, second: &str) -> Vec<u8> {
+    [first, PARTS, second].concat().into_bytes()
+}
+
+/// The first lines of a text, whole ones.
+fn beginning(text: &str, most: usize) -> String {
+    let lines = text.split_inclusive('\n');
+    let mut kept = String::new();
+    for line in lines.take_while(|line| line.len() <= LONGEST) {
+        if kept.len() + line.len() > most {
+            break;
+        }
+        kept.push_str(line);
+    }
+    kept
+}
+
+fn strings(list: Vec<Vec<u8>>) -> Vec<String> {
+    list.into_iter()
+        .filter_map(|bytes| String::from_utf8(bytes).ok())
+        .collect()
+}
+
+/// Presets.
+#[must_use]
+pub fn scenes() -> Vec<Vec<u8>> {
+    [
+        files("reference/scenes", ".toml"),
+        files("fuzz/corpus/scene", ""),
+    ]
+    .concat()
+}
+
+/// A line for every key of a scene.
+#[must_use]
+pub fn settings() -> Vec<Vec<u8>> {
+    let values = [
+        "0.01",
+        "16",
+        "\"auto\"",
+        "1e-5",
+        "true",
+        "[0.0, 1.0]",
+        "-0.0",
+    ];
+    let lines = KEYS.iter().enumerate().map(|(k, key)| {
+        let other = &KEYS[(7 * k + 3) % KEYS.len()];
+        format!(
+            "{}={}\n{}={}\n",
+            key.name,
+            values[k % 7],
+            other.name,
+            values[(k + 3) % 7]
+        )
+    });
+    lines
+        .map(String::into_bytes)
+        .chain(files("fuzz/corpus/settings", ""))
+        .collect()
+}
+
+/// Example maps.
+#[must_use]
+pub fn maps() -> Vec<Vec<u8>> {
+    [
+        files("reference/maps", ".toml"),
+        files("fuzz/corpus/map", ""),
+    ]
+    .concat()
+}
+
+/// Maps with a file for each.
+#[must_use]
+pub fn foreign() -> Vec<Vec<u8>> {
+    const MAP: &str = "[columns]\ninput_torque_n_m = \"a\"\n\"external_sleeve_force_n_*\" = { magnitude_of = [\"x_*\", \"y_*\"], unit = \"kN\" }\n";
+    const RIG: &str = "name = \"rig\"\n[file]\nseparator = \";\"\ndecimal = \",\"\ncomment = \"#\"\nlines_after_header = 1\n[time]\ncolumn = \"t\"\nunit = \"ms\"\n\
+        [columns]\ninput_torque_n_m = { column = \"M\", unit = \"N mm\", factor = -1.0 }\n[rows]\nbad = \"skip\"\n\
+        [resample]\nmethod = \"linear\"\n";
+    let mut plain = "time_s,a,x_0,y_0\n".to_owned();
+    let mut rig = "# rig\nt;M\nms;N mm\n".to_owned();
+    for k in 0..30 {
+        plain.push_str(&format!(
+            "{:.4},{},{}.5,-{}e-3\n",
+            1e-4 * f64::from(k),
+            k,
+            k % 3,
+            k % 7
+        ));
+        rig.push_str(&format!("{},{:02};{}\n", k / 10, 10 * (k % 10), 40 - k));
+    }
+    [joined(MAP, &plain), joined(RIG, &rig)]
+        .into_iter()
+        .chain(files("fuzz/corpus/foreign", ""))
+        .collect()
+}
+
+/// Example sweeps.
+#[must_use]
+pub fn sweeps() -> Vec<Vec<u8>> {
+    [
+        files("reference/sweeps", ".toml"),
+        files("fuzz/corpus/sweep", ""),
+    ]
+    .concat()
+}
+
+/// A head with one scene, and each of the accepted scenes cut short.
+#[must_use]
+pub fn baselines() -> Vec<Vec<u8>> {
+    let folder = "reference/baselines/accepted";
+    let head = strings(files(folder, "baseline.toml")).concat();
+    let start = head.find("scenes = [");
+    let end = start.and_then(|start| Some(start + head[start..].find(']')?));
+    let head = match start.zip(end) {
+        Some((start, end)) => format!("{}scenes = [\"s\"{}", &head[..start], &head[end..]),
+        None => head,
+    };
+    let scenes = strings(files(folder, ".toml"));
+    let short = scenes.iter().filter(|text| text.contains("[[case]]"));
+    let mut seeds: Vec<Vec<u8>> = short.map(|text| joined(&head, text)).collect();
+    seeds.sort_by_key(Vec::len);
+    seeds.truncate(8);
+    seeds
+        .into_iter()
+        .chain(files("fuzz/corpus/baseline", ""))
+        .collect()
+}
+
+/// Recordings, of which the courses are cut short.
+#[must_use]
+pub fn recordings() -> Vec<Vec<u8>> {
+    let folder = "reference/recorded/paper";
+    let pairs = strings(files(folder, ".toml"))
+        .into_iter()
+        .zip(strings(files(folder, ".csv")));
+    let short = pairs.map(|(description, csv)| joined(&description, &beginning(&csv, LONGEST)));
+    short.chain(files("fuzz/corpus/recording", "")).collect()
+}
+
+fn few_courses() -> Option<Courses> {
+    let mut courses = Courses::new(vec![0.0, 1e-4, 0.1 + 0.2]).ok()?;
+    courses
+        .push("input_torque_n_m", vec![1.0 / 3.0, -1e-300, f64::MAX])
+        .ok()?;
+    courses
+        .push("external_sleeve_force_n_0", vec![1.0, 1.0, -0.0])
+        .ok()?;
+    Some(courses)
+}
+
+/// Courses as CSV.
+#[must_use]
+pub fn courses() -> Vec<Vec<u8>> {
+    let mut written = Vec::new();
+    if let Some(courses) = few_courses() {
+        let _ = courses.write_csv(&mut written);
+    }
+    let recorded = strings(files("reference/recorded/paper", ".csv"));
+    let recorded = recorded
+        .iter()
+        .map(|csv| beginning(csv, LONGEST).into_bytes());
+    [written]
+        .into_iter()
+        .chain(recorded)
+        .chain(files("fuzz/corpus/courses", ""))
+        .collect()
+}
+
+/// Courses as Parquet.
+#[must_use]
+pub fn parquet() -> Vec<Vec<u8>> {
+    let written = few_courses()
+        .zip(tempfile::tempdir().ok())
+        .and_then(|(courses, dir)| {
+            let path = dir.path().join("c.parquet");
+            save_courses(&courses, &path).ok()?;
+            std::fs::read(path).ok()
+        });
+    written
+        .into_iter()
+        .chain(files("fuzz/corpus/parquet", ""))
+        .collect()
+}

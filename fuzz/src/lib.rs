@@ -1,0 +1,76 @@
+//! Fuzzing of everything that reads what others wrote.
+//!
+//! A target ([`targets`]) takes any bytes and panics where the reader does, or where what it accepts is unsound. The same
+//! functions run in two ways:
+//!
+//! * `cargo test -p pinwheel-fuzz` needs nothing else: inputs are mutated from the files of `reference/` and `fuzz/corpus/`
+//!   by fixed seeds, for a few seconds or as long as `PINWHEEL_FUZZ_S` says.
+//! * `cargo +nightly fuzz run scene --features libfuzzer fuzz/corpus/scene reference/scenes` follows coverage.
+
+pub mod corpus;
+pub mod mutate;
+pub mod targets;
+
+/// A reader under test.
+pub struct Target {
+    /// Its name, as in [`targets`].
+    pub name: &'static str,
+    /// Takes any bytes; true if they were accepted. Panics on a finding.
+    pub run: fn(&[u8]) -> bool,
+    /// Inputs to begin with.
+    pub seeds: fn() -> Vec<Vec<u8>>,
+}
+
+/// All of them.
+pub const TARGETS: &[Target] = &[
+    Target {
+        name: "scene",
+        run: targets::scene,
+        seeds: corpus::scenes,
+    },
+    Target {
+        name: "settings",
+        run: targets::settings,
+        seeds: corpus::settings,
+    },
+    Target {
+        name: "first_steps",
+        run: targets::first_steps,
+        seeds: corpus::scenes,
+    },
+    Target {
+        name: "map",
+        run: targets::map,
+        seeds: corpus::maps,
+    },
+    Target {
+        name: "foreign",
+        run: targets::foreign,
+        seeds: corpus::foreign,
+    },
+    Target {
+        name: "sweep",
+        run: targets::sweep,
+        seeds: corpus::sweeps,
+    },
+    Target {
+        name: "baseline",
+        run: targets::baseline,
+        seeds: corpus::baselines,
+    },
+    Target {
+        name: "recording",
+        run: targets::recording,
+        seeds: corpus::recordings,
+    },
+    Target {
+        name: "courses",
+        run: targets::courses,
+        seeds: corpus::courses,
+    },
+    Target {
+        name: "parquet",
+        run: targets::parquet,
+        seeds: corpus::parquet,
+    },
+];

@@ -1,0 +1,334 @@
+//! One function a reader: any bytes in, true if they were accepted. What must hold is asserted.
+
+use std::path::Path;
+
+use pinwheel_courses::Courses;
+use pinwheel_courses::foreign::{Map, read, resample};
+use pinwheel_engines::recorded::Recording;
+use pinwheel_gearbox::native::{self, NativeError};
+use pinwheel_gearbox::{Frequencies, Gearbox, explain};
+use pinwheel_scene::{CheckedScene, Override, Scales, Scene};
+use pinwheel_studies::baseline::Baseline;
+use pinwheel_studies::sweep::{Plan, Sweep, read_courses};
+
+/// Stands between the parts of an input that is two files.
+pub const PARTS: &str = "\n%%%%\n";
+
+/// Steps of [`first_steps`].
+const STEPS: f64 = 40.0;
+/// Runs of a sweep that are planned.
+const RUNS: usize = 64;
+
+fn text(bytes: &[u8]) -> Option<&str> {
+    std::str::from_utf8(bytes).ok()
+}
+
+fn parts(bytes: &[u8]) -> Option<(&str, &str)> {
+    text(bytes)?.split_once(PARTS)
+}
+
+/// A message says something.
+fn told(error: &dyn std::fmt::Display) {
+    assert!(!error.to_string().trim().is_empty());
+}
+
+fn finite(what: &str, values: impl IntoIterator<Item = f64>) {
+    for value in values {
+        assert!(value.is_finite(), "{what}: {value}");
+    }
+}
+
+/// No word of what is shown is a number that there is none of.
+fn no_numberless(what: &str, shown: &str) {
+    let mut words = shown.split(|c: char| !c.is_alphanumeric());
+    let found = words.find(|word| ["inf", "NaN", "infinity"].contains(word));
+    assert!(found.is_none(), "{what}: {shown}");
+}
+
+fn load(text: &str, sets: &[Override]) -> Option<CheckedScene> {
+    // Seeds come without `base`, and what mutation makes of it is looked for here.
+    match Scene::from_toml(text, "/nonexistent/fuzz.toml", sets) {
+        Ok(scene) => Some(scene),
+        Err(error) => {
+            told(&error);
+            None
+        }
+    }
+}
+
+/// What is accepted can be written and read again, has finite scales, and is compiled or refused.
+fn sound(scene: &CheckedScene) -> Option<Gearbox> {
+    let again = Scene::from_toml(&scene.to_toml(), "/nonexistent/fuzz.toml", &[]);
+    match again {
+        Ok(again) => assert!(
+            again.clone().into_scene() == scene.clone().into_scene(),
+            "read again"
+        ),
+        Err(error) => panic!("what was accepted is refused when read again: {error}"),
+    }
+    let scales = Scales::of(scene);
+    let sizes = [
+        scales.wheel_torque_n_m,
+        scales.external_force_n,
+        scales.internal_force_n,
+        scales.penetration_m,
+        scales.twist_rad,
+        scales.contact_stiffness_n_m,
+        scales.wheel_rad_s,
+    ];
+    finite("scales", sizes.into_iter().chain(scales.modes_rad_s));
+    assert!(sizes.iter().all(|size| *size > 0.0), "{scales:?}");
+    finite("longest step", [Frequencies::of(scene).longest_step_s()]);
+    match Gearbox::new(scene) {
+        Ok(gearbox) => {
+            no_numberless("explain", &format!("{:?}", explain(&gearbox)));
+            Some(gearbox)
+        }
+        Err(error) => {
+            told(&error);
+            None
+        }
+    }
+}
+
+/// A scene file.
+pub fn scene(bytes: &[u8]) -> bool {
+    let scene = text(bytes).and_then(|text| load(text, &[]));
+    scene.as_ref().and_then(sound).is_some()
+}
+
+/// `--set KEY=VALUE`, one a line, on the preset `paper`.
+pub fn settings(bytes: &[u8]) -> bool {
+    let Some(text) = text(bytes) else {
+        return false;
+    };
+    let mut sets = Vec::new();
+    for line in text.lines().filter(|line| !line.trim().is_empty()) {
+        match line.parse::<Override>() {
+            Ok(set) => sets.push(set),
+            Err(error) => told(&error),
+        }
+    }
+    match Scene::load("paper", &sets) {
+        Ok(scene) => sound(&scene).is_some(),
+        Err(error) => {
+            told(&error);
+            false
+        }
+    }
+}
+
+/// A scene file, and the first steps of its run: they end, and what they give is finite or said to have diverged.
+pub fn first_steps(bytes: &[u8]) -> bool {
+    let Some(scene) = text(bytes).and_then(|text| load(text, &[])) else {
+        return false;
+    };
+    let short = scene.changed(|scene| {
+        let solver = &mut scene.solver;
+        solver.duration_s = solver.duration_s.min(STEPS * solver.step_s);
+        solver.sample_s = solver.sample_s.min(0.25 * solver.duration_s);
+    });
+    let Ok(scene) = short else { return false };
+    let Ok(gearbox) = Gearbox::new(&scene) else {
+        return false;
+    };
+    let mut samples = 0;
+    let run = native::run(&gearbox, &mut |_| {
+        samples += 1;
+        samples > 200
+    });
+    match run {
+        Ok(run) => {
+            for channel in run.courses.channels() {
+                finite(&channel.name, channel.values.iter().copied());
+            }
+            let shares = run.energy.total().and_then(|audit| audit.remainder_share);
+            finite("share of the account", shares);
+            true
+        }
+        Err(NativeError::Diverged { quantity, .. }) => {
+            told(&quantity);
+            false
+        }
+        Err(error) => {
+            told(&error);
+            false
+        }
+    }
+}
+
+/// A map of foreign data.
+pub fn map(bytes: &[u8]) -> bool {
+    match text(bytes).map(|text| Map::from_toml(text, "map.toml")) {
+        Some(Ok(_)) => true,
+        Some(Err(error)) => {
+            told(&error);
+            false
+        }
+        None => false,
+    }
+}
+
+/// A map and its file: what is read is finite, and so is what it gives at the times of a run.
+pub fn foreign(bytes: &[u8]) -> bool {
+    let Some((map, csv)) = parts(bytes) else {
+        return false;
+    };
+    let Ok(map) = Map::from_toml(map, "map.toml") else {
+        return false;
+    };
+    let found = match read(csv.as_bytes(), &map) {
+        Ok(found) => found,
+        Err(error) => {
+            told(&error);
+            return false;
+        }
+    };
+    finite("time", found.courses.time_s().iter().copied());
+    for channel in found.courses.channels() {
+        finite(&channel.name, channel.values.iter().copied());
+    }
+    let times: Vec<f64> = (0..50).map(|k| f64::from(k) * 1e-4).collect();
+    match resample(&found.courses, &times, map.resample) {
+        Ok(on) => {
+            assert_eq!(on.courses.len(), times.len());
+            let values = on.courses.channels().iter().flat_map(|c| &c.values);
+            // NaN says that the file says nothing at that time.
+            assert!(values.clone().all(|value| !value.is_infinite()));
+            true
+        }
+        Err(error) => {
+            told(&error);
+            false
+        }
+    }
+}
+
+/// A sweep file, and the plan of a small one.
+pub fn sweep(bytes: &[u8]) -> bool {
+    let Some(text) = text(bytes) else {
+        return false;
+    };
+    let sweep = match Sweep::from_toml(text, Path::new("/nonexistent/fuzz.toml")) {
+        Ok(sweep) => sweep,
+        Err(error) => {
+            told(&error);
+            return false;
+        }
+    };
+    let lengths = sweep.axes.iter().map(|axis| axis.len());
+    let runs = lengths.fold(sweep.engines.len(), usize::saturating_mul);
+    if runs > RUNS {
+        return true;
+    }
+    match Plan::new(sweep, &[]) {
+        Ok(plan) => {
+            assert_eq!(plan.runs.len(), runs);
+            true
+        }
+        Err(error) => {
+            told(&error);
+            false
+        }
+    }
+}
+
+/// A baseline: its head and the file of one scene, `s.toml`.
+pub fn baseline(bytes: &[u8]) -> bool {
+    let Some((head, scene)) = parts(bytes) else {
+        return false;
+    };
+    let Ok(dir) = tempfile::tempdir() else {
+        return false;
+    };
+    for (name, text) in [("baseline.toml", head), ("s.toml", scene)] {
+        if std::fs::write(dir.path().join(name), text).is_err() {
+            return false;
+        }
+    }
+    match Baseline::read(dir.path()) {
+        Ok(found) => {
+            for scene in &found.scenes {
+                for quantity in &scene.reference.quantities {
+                    finite(&quantity.key, [quantity.scale, quantity.quantum]);
+                    let samples = quantity.samples().unwrap_or_default();
+                    finite(&quantity.key, samples.into_iter().flatten());
+                }
+            }
+            true
+        }
+        Err(error) => {
+            told(&error);
+            false
+        }
+    }
+}
+
+/// A recording: its description and its courses.
+pub fn recording(bytes: &[u8]) -> bool {
+    let Some((description, csv)) = parts(bytes) else {
+        return false;
+    };
+    match Recording::read(description, csv) {
+        Ok(found) => {
+            if let Err(error) = found.write() {
+                told(&error);
+            }
+            true
+        }
+        Err(error) => {
+            told(&error);
+            false
+        }
+    }
+}
+
+/// Courses as CSV: what is read is written and read the same again.
+pub fn courses(bytes: &[u8]) -> bool {
+    let found = match Courses::read_csv(bytes) {
+        Ok(found) => found,
+        Err(error) => {
+            told(&error);
+            return false;
+        }
+    };
+    let mut written = Vec::new();
+    match found
+        .write_csv(&mut written)
+        .map(|()| Courses::read_csv(written.as_slice()))
+    {
+        Ok(Ok(again)) => assert!(alike(&found, &again), "read again"),
+        Ok(Err(error)) => panic!("what was written is refused: {error}"),
+        Err(error) => told(&error),
+    }
+    true
+}
+
+/// Courses as Parquet.
+pub fn parquet(bytes: &[u8]) -> bool {
+    match read_courses(bytes::Bytes::copy_from_slice(bytes)) {
+        Ok(found) => found.len() > 0,
+        Err(error) => {
+            told(&error);
+            false
+        }
+    }
+}
+
+/// Equal, NaN being equal to itself.
+fn alike(a: &Courses, b: &Courses) -> bool {
+    let bits = |courses: &Courses| -> Vec<(String, Vec<u64>)> {
+        let bits = |values: &[f64]| {
+            values
+                .iter()
+                .map(|v| if v.is_nan() { 0 } else { v.to_bits() })
+                .collect()
+        };
+        let time = [("time_s".to_owned(), bits(courses.time_s()))];
+        let channels = courses.channels().iter();
+        time.into_iter()
+            .chain(channels.map(|c| (c.name.clone(), bits(&c.values))))
+            .collect()
+    };
+    bits(a) == bits(b)
+}

@@ -1,0 +1,93 @@
+//! Every number of a scene, one at a time, at the ends of what can be written: refused by its name, or a sound run.
+
+use pinwheel_fuzz::targets;
+use pinwheel_scene::Scene;
+use pinwheel_scene::keys::{KEYS, Key, Kind, Range};
+
+const VALUES: [&str; 16] = [
+    "1e-320",
+    "1e-307",
+    "1e-100",
+    "1e-12",
+    "-0.0",
+    "0",
+    "-1e-307",
+    "1e12",
+    "1e100",
+    "1e300",
+    "-1e300",
+    "inf",
+    "nan",
+    "9223372036854775807",
+    "-9223372036854775808",
+    "1.7976931348623157e308",
+];
+
+/// The ends of a key's own range, and their neighbours.
+fn ends(kind: Kind) -> Vec<String> {
+    match kind {
+        Kind::Number(Range::From(low, high) | Range::Between(low, high)) => {
+            let near = [low, 1.001 * low, 10.0 * low, 0.1 * high, 0.999 * high, high];
+            near.map(|value| format!("{value:?}")).to_vec()
+        }
+        Kind::Count(low, high) => [low, low + 1, high - 1, high]
+            .map(|whole| whole.to_string())
+            .to_vec(),
+        _ => Vec::new(),
+    }
+}
+
+/// Keys of numbers as they are written in a file, with a place for the value.
+fn lines() -> Vec<(&'static Key, String)> {
+    let number = |key: &&Key| matches!(key.kind, Kind::Number(_) | Kind::Count(..));
+    let mut lines = Vec::new();
+    for key in KEYS {
+        if number(&key) {
+            lines.push((key, format!("{} = @", key.name)));
+        }
+        if let Kind::Tables(rows) = key.kind {
+            for row in rows.iter().filter(number) {
+                let name = |key: &Key| key.name.rsplit('.').next().unwrap_or(key.name).to_owned();
+                let cells = rows.iter().filter(number).map(|other| {
+                    let value = if other.name == row.name { "@" } else { "1e-5" };
+                    format!("{} = {value}", name(other))
+                });
+                let cells: Vec<String> = cells.collect();
+                lines.push((row, format!("{} = [{{ {} }}]", key.name, cells.join(", "))));
+            }
+        }
+    }
+    lines
+}
+
+#[test]
+fn bad_input_every_number_at_its_ends() {
+    let (mut refused, mut ran, mut total) = (0, 0, 0);
+    for preset in ["paper", "backlash-0.6", "paper-friction"] {
+        for (key, line) in lines() {
+            let own = ends(key.kind);
+            for value in VALUES.iter().copied().chain(own.iter().map(String::as_str)) {
+                let text = format!("base = \"{preset}\"\n{}\n", line.replace('@', value));
+                total += 1;
+                println!("{text}");
+                match Scene::from_toml(&text, "/nonexistent/e.toml", &[]) {
+                    Ok(_) => {
+                        ran += usize::from(targets::scene(text.as_bytes()));
+                        targets::first_steps(text.as_bytes());
+                    }
+                    Err(error) => {
+                        let said = error.to_string();
+                        let name = key.name.rsplit('.').next().unwrap_or(key.name);
+                        // An end of its own range may clash with another key, which is named then.
+                        let clash = own.iter().any(|end| end == value) && said.contains('`');
+                        assert!(clash || said.contains(name), "{text}{said}");
+                        assert!(said.len() < 1000, "{said}");
+                        refused += 1;
+                    }
+                }
+            }
+        }
+    }
+    println!("{total} scenes: {refused} refused, {ran} compiled");
+    assert!(total > 1500 && ran > 100, "{total} {ran}");
+}

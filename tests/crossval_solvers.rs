@@ -1,0 +1,241 @@
+//! Simbody and SUNDIALS IDA against the native solver, through the protocol for solvers.
+//!
+//! Limits are measured figures times a margin; each stands beside its measurement.
+
+#![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
+
+use std::fs;
+
+use pinwheel_courses::Courses;
+use pinwheel_engines::{EngineError, by_name};
+use pinwheel_scene::Scene;
+use pinwheel_tests::runs::{self, attempt, run, scene};
+use pinwheel_tests::{Outcome, names_in, pinwheel};
+
+const SIMBODY: &str = "simbody-shared-law";
+const IDA: &str = "ida-shared-law";
+
+const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];
+const TORQUE: [&str; 1] = ["input_torque_n_m"];
+
+/// Where Simbody is not installed its tests say so; where it must be (`PINWHEEL_REQUIRE_SIMBODY`), that is a failure.
+fn simbody() -> bool {
+    let nothing = scene("paper", &[("solver.duration_s", "0.0001")]);
+    match attempt(SIMBODY, &nothing) {
+        Err(EngineError::Failed { reason, .. }) => {
+            let required = std::env::var_os("PINWHEEL_REQUIRE_SIMBODY").is_some();
+            assert!(!required, "{reason}");
+            println!("skipped: {reason}");
+            false
+        }
+        _ => true,
+    }
+}
+
+/// Errors of forces and driver torque against the resolved native run.
+fn errors(engine: &str, scene: &Scene, window: (f64, f64), reference: &Courses) -> [f64; 2] {
+    let run = attempt(engine, scene).unwrap_or_else(|error| panic!("{engine}: {error}"));
+    let error = |quantities: &[&str]| runs::relative(&run.courses, reference, quantities, window);
+    let errors = [error(&FORCES), error(&TORQUE)];
+    let stats = run.stats;
+    println!(
+        "{} {engine} {}-{} s: forces {:.1e}, driver torque {:.1e}; {:.2} s CPU, {} steps, {} right-hand sides; {}",
+        scene.name,
+        window.0,
+        window.1,
+        errors[0],
+        errors[1],
+        stats.cpu_s,
+        stats.steps,
+        stats.rhs_calls,
+        stats.settings
+    );
+    errors
+}
+
+fn assert_within(errors: [f64; 2], limits: [f64; 2]) {
+    for (error, limit) in errors.into_iter().zip(limits) {
+        assert!(error < limit, "{error:e}, limit {limit:e}");
+    }
+}
+
+/// Start-up and steady state, and the same with the tolerance ten times smaller.
+fn paper(engine: &str, transient: [f64; 2], steady: [f64; 2], gain: std::ops::Range<f64>) {
+    let start = scene("paper", &[("solver.duration_s", "0.05")]);
+    let resolved = run("native-resolved", &start);
+    let window = (0.0, 0.05);
+    let coarse = errors(engine, &start, window, &resolved);
+    assert_within(coarse, transient);
+    let mut finer = start.clone();
+    finer.solver.tolerance *= 0.1;
+    let fine = errors(engine, &finer, window, &resolved);
+    let found = coarse[0] / fine[0];
+    assert!(
+        gain.contains(&found),
+        "{found} for a tenth of the tolerance"
+    );
+
+    let long = scene("paper", &[("solver.duration_s", "0.32")]);
+    let resolved = run("native-resolved", &long);
+    assert_within(errors(engine, &long, (0.3, 0.32), &resolved), steady);
+}
+
+/// Measured 2.9e-7 (forces) and 3.0e-7 (driver torque) in the transient, 1.6e-7 and 1.8e-7 steady; 8 times nearer at a tenth
+/// of the tolerance. Times 4.
+#[test]
+fn crossval_simbody_paper() {
+    if simbody() {
+        paper(SIMBODY, [1.2e-6; 2], [8e-7; 2], 3.0..20.0);
+    }
+}
+
+/// Measured 5.3e-6 and 5.8e-6 in the transient, 2.5e-6 and 2.6e-6 steady; 4 times nearer at a tenth of the tolerance. Times 4.
+#[test]
+fn crossval_ida_paper() {
+    paper(IDA, [2.4e-5; 2], [1e-5; 2], 2.0..20.0);
+}
+
+fn friction() -> (Scene, Courses) {
+    let scene = scene("paper-friction", &[("solver.duration_s", "0.01")]);
+    let resolved = run("native-resolved", &scene);
+    (scene, resolved)
+}
+
+/// The sharpest reference for friction: CPodes, measured 3.2e-7 and 1.4e-6, which is what native-resolved states of itself
+/// (1.4e-6 and 6.3e-6). Times 4 of that.
+#[test]
+fn crossval_simbody_friction() {
+    if simbody() {
+        let (scene, resolved) = friction();
+        let found = errors(SIMBODY, &scene, (0.0, 0.01), &resolved);
+        assert_within(found, [6e-6, 2.5e-5]);
+    }
+}
+
+/// Measured 2.6e-6 and 9.1e-6. Times 4.
+#[test]
+fn crossval_ida_friction() {
+    let (scene, resolved) = friction();
+    let found = errors(IDA, &scene, (0.0, 0.01), &resolved);
+    assert_within(found, [1e-5, 4e-5]);
+}
+
+/// Loads that jump, a start in equilibrium with friction, other gears, backlash and full stiffness. Measured 3e-8 to 1.2e-6
+/// for Simbody, 1.3e-6 to 1e-5 for IDA, of which steel's 4.5e-4 is the largest: its 1.3 kHz ring for many periods. Times 4.
+#[test]
+fn crossval_solvers_other_scenes() {
+    let simbody = simbody();
+    let equilibrium = [
+        ("drive.start", "equilibrium"),
+        ("contact.friction_coefficient", "0.05"),
+        ("solver.duration_s", "0.005"),
+    ];
+    let short = [("solver.duration_s", "0.012")];
+    for (preset, settings, limits) in [
+        ("hard-load-doubled", &short[..], [2e-6, 1.2e-5]),
+        ("hard-load-reversal", &short, [4e-6, 2e-5]),
+        ("paper", &equilibrium, [4e-6, 2.5e-5]),
+        ("eleven-pins", &short, [4e-6, 1.2e-5]),
+        ("forty-pins", &short, [2e-6, 1e-5]),
+        ("one-wheel", &short, [2e-6, 4e-5]),
+        ("backlash-0.6", &short, [3e-6, 5e-5]),
+        ("steel", &short, [2e-6, 2e-3]),
+    ] {
+        let scene = scene(preset, settings);
+        let resolved = run("native-resolved", &scene);
+        let window = (0.0, scene.solver.duration_s);
+        for (engine, limit) in [SIMBODY, IDA].into_iter().zip(limits) {
+            if engine == IDA || simbody {
+                let found = errors(engine, &scene, window, &resolved);
+                assert_within(found, [limit; 2]);
+            }
+        }
+    }
+}
+
+/// The same run twice gives the same courses to the last bit.
+#[test]
+fn crossval_solvers_repeat_to_the_bit() {
+    let simbody = simbody();
+    let scene = scene("paper-friction", &[("solver.duration_s", "0.002")]);
+    for engine in [SIMBODY, IDA] {
+        if engine == IDA || simbody {
+            let [a, b] = [(); 2].map(|()| run(engine, &scene));
+            assert_eq!(a, b, "{engine}");
+        }
+    }
+}
+
+/// What is missing is named with its remedy, and `compare` shows the recordings, saying so.
+#[test]
+fn crossval_solvers_missing_fall_back_on_recordings() {
+    let folder = tempfile::tempdir().unwrap();
+    let wheels = tempfile::tempdir().unwrap();
+    let cache = tempfile::tempdir().unwrap();
+    let ran = |arguments: &[&str]| -> Outcome {
+        let mut command = pinwheel();
+        command
+            .args(arguments)
+            .current_dir(folder.path())
+            .env("PINWHEEL_CACHE", cache.path())
+            .env("CXX", "no-such-compiler")
+            .env("PINWHEEL_WHEELS", wheels.path())
+            .env_remove("PINWHEEL_PYTHON_ENV")
+            .env_remove("PIP_FIND_LINKS");
+        command.output().unwrap().into()
+    };
+    // A scene that nothing was recorded of.
+    for (engine, remedy) in [
+        (SIMBODY, "apt install libsimbody-dev g++"),
+        (IDA, "solvers/ida/requirements.txt"),
+    ] {
+        let alone = ran(&["run", "one-wheel", "--engine", engine, "--out", "run"]);
+        assert_eq!(alone.code, Some(3), "{alone:?}");
+        assert!(alone.stderr.contains(remedy), "{}", alone.stderr);
+        assert_eq!(alone.stderr.trim().lines().count(), 1, "{}", alone.stderr);
+    }
+    let engines = format!("native-resolved,{SIMBODY},{IDA}");
+    let compared = ran(&["compare", "paper", "--engines", &engines, "--out", "out"]);
+    assert_eq!(compared.code, Some(0), "{compared:?}");
+    let page = fs::read_to_string(folder.path().join("out/index.html")).unwrap();
+    assert!(page.contains("Recorded on") && page.contains("libsimbody-dev"));
+    assert_eq!(names_in(folder.path()), ["out"]);
+    let left = names_in(cache.path());
+    assert!(
+        left.iter().all(|name| name.ends_with(".lock")),
+        "half a program or environment: {left:?}"
+    );
+}
+
+/// A live run stays on its recording: both within their own errors of the same solution, and the recording's digits.
+#[test]
+fn crossval_solvers_recordings_are_of_these_programs() {
+    let simbody = simbody();
+    for (preset, engine) in pinwheel_engines::recorded::list() {
+        if engine != IDA && !(engine == SIMBODY && simbody) {
+            continue;
+        }
+        let recording = pinwheel_engines::recorded::find(preset, engine)
+            .unwrap()
+            .unwrap();
+        let mut scene = recording.scene.clone();
+        scene.solver.duration_s = 0.008;
+        scene.solver.sample_s = 1e-3;
+        let live = run(engine, &scene);
+        let found = by_name(engine, &scene).unwrap().version();
+        if found != recording.version {
+            println!(
+                "skipped: {preset} was recorded with {}, here is {found}",
+                recording.version
+            );
+            continue;
+        }
+        let rows: Vec<usize> = (0..live.len()).collect();
+        let recorded = recording.courses.select(&rows);
+        for quantities in [&FORCES[..], &TORQUE] {
+            let error = runs::relative(&live, &recorded, quantities, (0.0, 0.008));
+            println!("{preset} {engine}: {error:.1e}");
+            assert!(error < 1e-3, "{preset} {engine}: {error:e}");
+        }
+    }
+}

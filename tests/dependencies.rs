@@ -1,0 +1,193 @@
+//! Every crate that is built in: where it comes from, its licence, and no version beside another but those that
+//! `deny.toml` names. `cargo deny check` reads the same file and looks for advisories too; this needs no tool.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
+
+use pinwheel_tests::repository;
+use toml::Table;
+
+/// A crate that is built in.
+struct Package {
+    name: String,
+    version: String,
+    /// Where it comes from, unless from the public index or this repository.
+    elsewhere: bool,
+    licence: String,
+}
+
+/// What builds of this machine's kind are made of, with all features where their crates are at hand.
+fn packages() -> Vec<Package> {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let mut said = String::new();
+    for features in [&["--all-features"][..], &["--offline"]] {
+        let mut command = Command::new(&cargo);
+        let tree = ["tree", "--workspace", "--locked", "--edges", "normal,build"];
+        command
+            .current_dir(repository("."))
+            .args(tree)
+            .args(features);
+        command.args(["--prefix", "none", "--format", "{p}|{l}"]);
+        let output = command.output().expect("cargo runs");
+        if output.status.success() {
+            let lines = String::from_utf8_lossy(&output.stdout).into_owned();
+            let lines: BTreeSet<&str> = lines
+                .lines()
+                .map(|line| line.trim_end_matches(" (*)"))
+                .collect();
+            return lines.iter().filter_map(|line| package(line)).collect();
+        }
+        said = String::from_utf8_lossy(&output.stderr).into_owned();
+    }
+    panic!("cargo tree fails: {said}");
+}
+
+/// `name v1.2.3 (where from)|licence`; a folder and `proc-macro` stand in brackets too.
+fn package(line: &str) -> Option<Package> {
+    let (what, licence) = line.split_once('|')?;
+    let mut words = what.splitn(3, ' ');
+    let (name, version) = (words.next()?, words.next()?.strip_prefix('v')?);
+    Some(Package {
+        name: name.to_owned(),
+        version: version.to_owned(),
+        elsewhere: words
+            .next()
+            .is_some_and(|rest| rest.contains("://") || rest.contains("registry")),
+        licence: licence.to_owned(),
+    })
+}
+
+/// Whether an SPDX expression (or the older `A/B`) can be satisfied by licences that are allowed.
+fn satisfied(expression: &str, allowed: &dyn Fn(&str) -> bool) -> bool {
+    let spaced = expression
+        .replace('(', " ( ")
+        .replace(')', " ) ")
+        .replace('/', " OR ")
+        .replace(" WITH ", "+WITH+");
+    let words: Vec<&str> = spaced.split_whitespace().collect();
+    let mut at = 0;
+    any(&words, &mut at, allowed) && at == words.len()
+}
+
+fn any(words: &[&str], at: &mut usize, allowed: &dyn Fn(&str) -> bool) -> bool {
+    let mut found = all(words, at, allowed);
+    while words.get(*at) == Some(&"OR") {
+        *at += 1;
+        found |= all(words, at, allowed);
+    }
+    found
+}
+
+fn all(words: &[&str], at: &mut usize, allowed: &dyn Fn(&str) -> bool) -> bool {
+    let mut found = one(words, at, allowed);
+    while words.get(*at) == Some(&"AND") {
+        *at += 1;
+        found &= one(words, at, allowed);
+    }
+    found
+}
+
+fn one(words: &[&str], at: &mut usize, allowed: &dyn Fn(&str) -> bool) -> bool {
+    let Some(word) = words.get(*at) else {
+        return false;
+    };
+    *at += 1;
+    if *word == "(" {
+        let found = any(words, at, allowed);
+        let closed = words.get(*at) == Some(&")");
+        *at += 1;
+        return found && closed;
+    }
+    allowed(&word.replace("+WITH+", " WITH "))
+}
+
+fn strings(value: Option<&toml::Value>) -> Vec<String> {
+    let list = value.and_then(toml::Value::as_array).into_iter().flatten();
+    list.filter_map(|text| Some(text.as_str()?.to_owned()))
+        .collect()
+}
+
+#[test]
+fn regress_dependencies_are_those_that_were_judged() {
+    let rules: Table = std::fs::read_to_string(repository("deny.toml"))
+        .unwrap()
+        .parse()
+        .unwrap();
+    let licences = rules["licenses"].as_table().unwrap();
+    let everywhere = strings(licences.get("allow"));
+    let list = |value: &toml::Value, key: &str| -> Vec<Table> {
+        let entries = value
+            .get(key)
+            .and_then(toml::Value::as_array)
+            .cloned()
+            .unwrap_or_default();
+        entries
+            .into_iter()
+            .filter_map(|entry| entry.as_table().cloned())
+            .collect()
+    };
+    let exceptions = list(&rules["licenses"], "exceptions");
+    let skipped = list(&rules["bans"], "skip");
+    assert!(skipped.iter().all(|entry| entry.contains_key("reason")));
+    let packages = packages();
+    assert!(packages.len() > 50, "{}", packages.len());
+    let mut faults = Vec::new();
+    let mut versions: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for package in packages {
+        let Package {
+            name,
+            version,
+            elsewhere,
+            licence,
+        } = package;
+        if elsewhere {
+            faults.push(format!("{name} does not come from the public index"));
+        }
+        let named = exceptions
+            .iter()
+            .filter(|entry| entry["crate"].as_str() == Some(&name));
+        let named: Vec<String> = named
+            .flat_map(|entry| strings(entry.get("allow")))
+            .collect();
+        let allowed = |id: &str| everywhere.iter().chain(&named).any(|known| known == id);
+        if !satisfied(&licence, &allowed) {
+            faults.push(format!("{name} {version}: licence `{licence}`"));
+        }
+        let known = skipped
+            .iter()
+            .filter_map(|entry| entry["crate"].as_str()?.split_once('@'));
+        let mut known = known.filter(|(of, _)| *of == name);
+        if !known.any(|(_, begin)| version.starts_with(&format!("{begin}."))) {
+            versions.entry(name).or_default().push(version);
+        }
+    }
+    let twice = versions.iter().filter(|(_, versions)| versions.len() > 1);
+    faults.extend(
+        twice.map(|(name, versions)| format!("{name} in versions {}", versions.join(", "))),
+    );
+    assert!(
+        faults.is_empty(),
+        "deny.toml says nothing of\n{}",
+        faults.join("\n")
+    );
+}
+
+#[test]
+fn licences_are_read_as_they_are_meant() {
+    let allowed = |id: &str| ["MIT", "Zlib", "Apache-2.0 WITH LLVM-exception"].contains(&id);
+    for (expression, wanted) in [
+        ("MIT", true),
+        ("GPL-3.0", false),
+        ("GPL-3.0 OR MIT", true),
+        ("GPL-3.0/MIT", true),
+        ("GPL-3.0 AND MIT", false),
+        ("(GPL-3.0 OR Zlib) AND MIT", true),
+        ("MIT OR GPL-3.0 AND LGPL-3.0", true),
+        ("Apache-2.0 WITH LLVM-exception", true),
+        ("Apache-2.0", false),
+        ("(MIT", false),
+        ("", false),
+    ] {
+        assert_eq!(satisfied(expression, &allowed), wanted, "{expression}");
+    }
+}
