@@ -187,7 +187,7 @@ struct Served {
     bound: f64,
 }
 
-/// One row a hard preset. What `auto` begins with is `etd-adams` without friction, `rodas5p` with it, RK4 for points; it
+/// One row a hard preset. What `auto` begins with is `dopri5` without friction, `rodas5p` with it, RK4 for points; it
 /// promises 1e-3.
 #[rustfmt::skip]
 const SERVED: &[Served] = &[

@@ -177,3 +177,68 @@ fn a_killed_sweep_goes_on() {
     let results = |name: &str| read(&dir.path().join(name).join("results.csv"));
     assert_eq!(results("long"), results("whole"));
 }
+
+/// Shards in processes of their own, one killed and begun again, give what one process gives.
+#[test]
+fn shards_are_gathered() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("small.toml"), SWEEP).unwrap();
+    let sweep = |more: &[&str]| {
+        let all = ["sweep", "small.toml", "--out", "parts"];
+        run_in(dir.path(), all.iter().chain(more))
+    };
+    let nothing = sweep(&["--gather"]);
+    assert!(
+        nothing.code == Some(2) && nothing.stderr.contains("no shard"),
+        "{nothing:?}"
+    );
+    let child = |shard: &str| {
+        pinwheel()
+            .current_dir(dir.path())
+            .args(["sweep", "small.toml", "--out", "parts", "--shard", shard])
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .unwrap()
+    };
+    let mut both = [child("1/3"), child("3/3")];
+    for process in &mut both {
+        assert!(process.wait().unwrap().success());
+    }
+    let early = sweep(&["--gather"]);
+    assert!(
+        early.code == Some(2)
+            && early
+                .stderr
+                .contains("3 of 8 runs are not there, the first of them run 2"),
+        "{early:?}"
+    );
+    assert_eq!(
+        sweep(&["--shard", "2/3"]).code,
+        Some(0),
+        "with other shards beside it"
+    );
+    assert_eq!(
+        sweep(&["--shard", "2/3"]).code,
+        Some(0),
+        "again, with nothing to do"
+    );
+    let refused = sweep(&[]);
+    assert!(
+        refused.code == Some(2) && refused.stderr.contains("--resume"),
+        "{refused:?}"
+    );
+    let gathered = sweep(&["--gather"]);
+    assert_eq!(gathered.code, Some(0), "{gathered:?}");
+    let whole = run_in(dir.path(), ["sweep", "small.toml", "--out", "whole"]);
+    assert_eq!(whole.code, Some(0));
+    let results = |name: &str| read(&dir.path().join(name).join("results.csv"));
+    assert_eq!(results("parts"), results("whole"));
+    assert_eq!(names_in(dir.path()), ["parts", "small.toml", "whole"]);
+    for wrong in ["0/3", "4/3", "3", "a/b"] {
+        let outcome = sweep(&["--shard", wrong]);
+        assert!(
+            outcome.code == Some(2) && outcome.stderr.contains("like 1/8"),
+            "{outcome:?}"
+        );
+    }
+}

@@ -5,7 +5,7 @@ Messages are one line and carry the remedy. A run that diverged keeps what it ha
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     from pinwheel_engines.result import Result
@@ -14,9 +14,26 @@ if TYPE_CHECKING:
 class PinwheelError(Exception):
     """Root of all errors raised by this package."""
 
+    @classmethod
+    def _of(cls, message: str) -> Self:
+        """An error that is worded elsewhere, its attributes to be set."""
+        return cls.__new__(cls, message)
 
-class SceneError(PinwheelError):
-    """The scene file is faulty: names the key, its value and the remedy."""
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Errors travel between processes, whatever their constructors ask for."""
+        return type(self)._of, (str(self),), self.__dict__
+
+
+class InputError(PinwheelError, ValueError):
+    """Input that cannot be used: what is wrong and the remedy."""
+
+
+class SceneError(InputError):
+    """The scene is faulty: names the key, its value and the remedy."""
+
+    key: str | None = None
+    """Full name of the key at fault, where there is one."""
+    remedy: str = ""
 
 
 class Unsupported(PinwheelError):

@@ -10,7 +10,7 @@ pub(crate) struct Card {
     pub(crate) name: &'static str,
     /// Package whose version counts.
     #[cfg_attr(
-        not(feature = "crossval"),
+        not(feature = "python"),
         expect(dead_code, reason = "asked for by live engines")
     )]
     pub(crate) package: &'static str,
@@ -97,7 +97,7 @@ pub(crate) fn card(name: &str) -> Option<&'static Card> {
     all().find(|card| card.name == name)
 }
 
-#[cfg(feature = "crossval")]
+#[cfg(feature = "python")]
 impl Card {
     /// Name and pinned version of what is behind the engine.
     pub(crate) fn version(&self) -> String {
@@ -109,14 +109,14 @@ impl Card {
 }
 
 /// A pinned package.
-#[cfg(feature = "crossval")]
+#[cfg(feature = "python")]
 pub(crate) struct Pin {
     pub(crate) package: &'static str,
     pub(crate) version: &'static str,
 }
 
 /// The pinned packages, from the list of what we ask for.
-#[cfg(feature = "crossval")]
+#[cfg(feature = "python")]
 pub(crate) fn pins() -> impl Iterator<Item = Pin> {
     include_str!("../../../python/requirements.in")
         .lines()

@@ -28,7 +28,7 @@ mod cache;
 mod cards;
 mod engine;
 pub mod external;
-#[cfg(feature = "crossval")]
+#[cfg(feature = "python")]
 pub mod python;
 #[cfg(feature = "rapier")]
 mod rapier;

@@ -35,10 +35,10 @@ fn of_build() -> impl Iterator<Item = Box<dyn Engine>> {
     let engines = native.into_iter();
     #[cfg(feature = "rapier")]
     let engines = engines.chain(crate::rapier::engines());
+    #[cfg(feature = "python")]
+    let engines = engines.chain(crate::python::engines());
     #[cfg(feature = "crossval")]
-    let engines = engines
-        .chain(crate::python::engines())
-        .chain(crate::solvers::engines());
+    let engines = engines.chain(crate::solvers::engines());
     engines
 }
 

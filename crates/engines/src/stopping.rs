@@ -12,7 +12,7 @@ pub fn stop_preparing() {
 }
 
 /// The flag that preparations watch.
-#[cfg(feature = "crossval")]
+#[cfg(feature = "python")]
 pub(crate) fn flag() -> &'static AtomicBool {
     &STOP
 }

@@ -17,11 +17,9 @@ pub use pinwheel_scene::names::AUTO;
 /// are the model's own.
 pub const PROMISE: f64 = 1e-3;
 
-/// Tolerance of Dormand-Prince and of the exponential method for a promise, as a share of it. Their errors are some 15 times
-/// the tolerance on gears whose contacts stay closed, and up to hundreds of times where wheels bounce.
+/// Tolerance of Dormand-Prince for a promise, as a share of it. Its error is some 15 times the tolerance on gears whose
+/// contacts stay closed, and up to hundreds of times where wheels bounce.
 const SMOOTH: f64 = 5e-4;
-/// Longest step of the exponential method, in those of the others: two evaluations a touch, where a step takes one.
-const EVALUATIONS_A_STEP: f64 = 1.5;
 /// The tolerance with friction, where steps follow its rate and digits cost next to nothing: `paper-friction` takes 3 % more
 /// evaluations at 1e-7 than at 1e-5, and its torque is 500 times better.
 const RUBBING: f64 = 1e-4;
@@ -223,18 +221,11 @@ impl<'a> Planner<'a> {
             };
         }
         if !self.rubs() {
-            let hertz = contact / std::f64::consts::TAU;
-            return if self.has_slopes() {
-                self.exponential(&format!(
-                    "without friction wheels and output are oscillators of up to {hertz:.0} Hz, exact by their Jacobian: \
-                     what is left of the forces is slow and takes one evaluation a step"
-                ))
-            } else {
-                self.explicit(&format!(
-                    "without friction the forces are smooth between contacts: order five with steps from a tolerance, \
-                     on oscillations of {hertz:.0} Hz"
-                ))
-            };
+            return self.explicit(&format!(
+                "without friction the forces are smooth between contacts: order five with steps from a tolerance, \
+                 on oscillations of {:.0} Hz",
+                contact / std::f64::consts::TAU
+            ));
         }
         let most = RELAXATIONS_A_RADIAN * contact * (PROMISE / self.promise).sqrt();
         if !self.may_be_implicit() {
@@ -268,21 +259,12 @@ impl<'a> Planner<'a> {
         self.plan("dopri5", share * self.twist(), reason)
     }
 
-    fn exponential(&self, reason: &str) -> Plan {
-        let plan = self.plan("etd-adams", SMOOTH * self.twist(), reason);
-        Plan {
-            longest_step_s: EVALUATIONS_A_STEP * plan.longest_step_s,
-            ..plan
-        }
-    }
-
     /// A law stiffer than Hertz' twists less than errors are weighed by.
     fn twist(&self) -> f64 {
         Frequencies::depth_share(self.scene).min(1.0)
     }
 
-    /// Whether the equations know their Jacobian in closed form: exponential methods need it, and a Rosenbrock step costs ten
-    /// times as much without.
+    /// Whether the equations know their Jacobian in closed form, without which a Rosenbrock step costs ten times as much.
     fn has_slopes(&self) -> bool {
         self.scene.solver.formulation == Formulation::Reduced
             && self.scene.contact.friction_law == FrictionLaw::Regularised
@@ -330,10 +312,7 @@ mod tests {
         let mut scene = Scene::paper();
         assert_eq!(integrator(&scene).integrator, "rk2", "named");
         scene.solver.integrator = AUTO.to_owned();
-        assert_eq!(integrator(&scene).integrator, "etd-adams");
-        scene.solver.formulation = Formulation::Lagrange;
         assert_eq!(integrator(&scene).integrator, "dopri5");
-        scene.solver.formulation = Formulation::Reduced;
         scene.contact.detection = Detection::Points;
         assert_eq!(integrator(&scene).integrator, "rk4");
         scene.contact.friction_coefficient = 0.1;

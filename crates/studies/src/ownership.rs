@@ -14,6 +14,8 @@ use crate::output::OutputError;
 /// Name of the marker.
 pub const MARKER: &str = ".pinwheel";
 const PROGRAM: &str = "pinwheel";
+/// From this many files on it is cheaper to wait for the whole disk once: each file alone takes milliseconds.
+const MANY: usize = 64;
 /// Version of the marker's layout.
 const FORMAT: u32 = 1;
 
@@ -147,8 +149,10 @@ impl Owner {
         let failed = |error: io::Error| OutputError::new(folder, &error);
         let mut files = below(folder).map_err(failed)?;
         files.retain(|name| name != MARKER);
-        for name in &files {
-            sync(&folder.join(name)).map_err(failed)?;
+        if files.len() < MANY || !sync_all(folder) {
+            for name in &files {
+                sync(&folder.join(name)).map_err(failed)?;
+            }
         }
         self.mark.files = files;
         self.mark.complete = complete;
@@ -163,6 +167,17 @@ impl Owner {
         self.file.set_len(0)?;
         self.file.rewind()?;
         self.file.write_all(text.as_bytes())
+    }
+}
+
+/// Waits until all of a file system is on the disk; false where the system cannot do that.
+fn sync_all(folder: &Path) -> bool {
+    #[cfg(target_os = "linux")]
+    return File::open(folder).is_ok_and(|folder| rustix::fs::syncfs(folder).is_ok());
+    #[cfg(not(target_os = "linux"))]
+    {
+        let _ = folder;
+        false
     }
 }
 

@@ -51,6 +51,14 @@ module pinwheel
   real(dp), allocatable :: seat(:, :), mass(:), moment(:), states(:, :), loads(:, :)
   real(dp) :: rate, output_moment
 contains
+  ! Says why, on the last line of stderr, and ends with a status of the protocol: 3 diverged, 4 unsupported, 1 else.
+  subroutine give_up(status, what)
+    integer, intent(in) :: status
+    character(*), intent(in) :: what
+    write (0, '(a)') what
+    call leave(status)
+  end subroutine
+
   ! Moment about the origin of the contact force on body k.
   pure real(dp) function turning(k)
     integer, intent(in) :: k
@@ -75,10 +83,7 @@ contains
       states(5, k) = spin * states(1, k)
       states(6, k) = merge(rate, y(k, 2), k == 1)
     end do
-    if (law_loads(law, states, loads) /= 0) then
-      write (0, '(a)') 'no forces: the states are no numbers any more'
-      call leave(3)
-    end if
+    if (law_loads(law, states, loads) /= 0) call give_up(3, 'no forces: the states are no numbers any more')
     torque = loads(3, 2) + law_load_torque(law, t)
     do k = 1, n
       if (carrier(k) == 1) torque = torque + turning(k)
@@ -100,13 +105,14 @@ program solver
   real(dp), allocatable :: times(:), y(:, :), first(:, :), second(:, :)
 
   call get_command_argument(1, job)
-  if (law_open(trim(job) // c_null_char, law) /= 0) error stop 'give a job folder'
+  if (law_open(trim(job) // c_null_char, law) /= 0) call give_up(1, 'give a job folder whose scene.json can be read')
   n = law_bodies(law)
   rate = law_rate(law)
   samples = law_samples(law, nothing, 0_c_int64_t)
   allocate (carrier(n), seat(2, n), mass(n), moment(n), states(6, n), loads(3, n), times(samples))
   allocate (y(n, 2), first(n, 2), second(n, 2))
-  if (law_samples(law, times, samples) /= samples .or. law_start(law, states) /= 0) error stop 'no start'
+  if (law_samples(law, times, samples) /= samples .or. law_start(law, states) /= 0) &
+    call give_up(1, 'no start')
   y(:, 1) = states(3, :)
   y(:, 2) = states(6, :)
 
@@ -114,7 +120,8 @@ program solver
   write (file, '(a)', advance='no') 'time_s,input_torque_n_m,output_torque_n_m,output_angle_rad'
   external_sleeves = 0; internal_sleeves = 0
   do k = 1, n
-    if (law_body(law, k - 1, carrier(k), seat(:, k), mass(k), moment(k)) /= 0) error stop 'no such body'
+    if (law_body(law, k - 1, carrier(k), seat(:, k), mass(k), moment(k)) /= 0) &
+      call give_up(1, 'no such body')
     if (k > 2 .and. carrier(k) == -1) then
       write (file, '(a, i0)', advance='no') ',external_sleeve_force_n_', external_sleeves
       external_sleeves = external_sleeves + 1

@@ -1,9 +1,13 @@
 //! `pinwheel sweep`: a study as data.
 
+use std::path::Path;
+
 use pinwheel::pages;
 use pinwheel::studies::Provenance;
 use pinwheel::studies::folder::beside;
-use pinwheel::studies::sweep::{self, Journal, Plan, Sweep, SweepError, execute};
+use pinwheel::studies::sweep::{
+    self, Guests, Journal, Plan, RunRecord, Shard, Sweep, SweepError, execute, execute_some, gather,
+};
 
 use crate::args::{self, SweepArgs};
 use crate::failure::{ENGINE, Failure};
@@ -22,11 +26,20 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     drop(Folder::prepare(&out, args.out.force)?);
     // `out/backlash.unfinished` for `out/backlash`.
     let place = beside(&out, ".unfinished");
+    if let Some(part) = args.shard {
+        return shard(args, &plan, &place, part);
+    }
     let there = place.exists();
+    if args.gather && !there {
+        return Err(Failure::input(format!(
+            "{} is not there: no shard of this sweep has begun; run them with --shard and the same --out",
+            place.display()
+        )));
+    }
     let earlier = out.join("runs");
     let earlier = args.resume.then_some(earlier.as_path());
     let journal = Journal::open(&place, earlier, &args::typed())?;
-    if there && !args.resume {
+    if there && !args.resume && !args.gather {
         if !args.out.force {
             return Err(Failure::input(format!(
                 "{} holds runs of an earlier attempt; go on with --resume, or start over with --force",
@@ -35,8 +48,13 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
         }
         journal.clear()?;
     }
-    let jobs = args.jobs.map_or_else(args::cores, usize::from);
-    let records = watched("sweep", |control| execute(&plan, &journal, jobs, control));
+    let records = if args.gather {
+        gather(&plan, &journal)
+    } else {
+        watched("sweep", |control| {
+            execute(&plan, &journal, jobs(args), control)
+        })
+    };
     let records = match records {
         Err(SweepError::Stopped { .. }) if journal.in_its_folder() == 0 => {
             journal.remove()?;
@@ -58,19 +76,49 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let results = out.join("results.csv").display().to_string();
     let text = pages::sweep::text(&plan, &records, &results);
     screen::show_with_page(&text, &folder::page(&out))?;
-    let broken: Vec<_> = records.iter().filter(|r| !r.ending.is_finished()).collect();
-    if let Some(record) = broken.first() {
-        screen::complain(&format!(
-            "{} of {} runs did not finish, the first on {}: {}; see {}",
-            broken.len(),
-            records.len(),
-            record.engine,
-            record.reason(),
-            out.join("results.csv").display()
-        ));
-        return Ok(ENGINE);
-    }
-    Ok(0)
+    Ok(ended(
+        &records,
+        &format!("see {}", out.join("results.csv").display()),
+    ))
+}
+
+fn jobs(args: &SweepArgs) -> usize {
+    args.jobs.map_or_else(args::cores, usize::from)
+}
+
+/// Runs one shard; its records stay in the journal until they are gathered.
+fn shard(args: &SweepArgs, plan: &Plan, place: &Path, shard: Shard) -> Result<u8, Failure> {
+    let picks = shard.picks(plan.runs.len());
+    let journal = Journal::shard(place, None, shard, &args::typed())?;
+    let records = watched("sweep", |control| {
+        execute_some(plan, &picks, &journal, jobs(args), control)
+    })?;
+    screen::show(&format!(
+        "shard {shard}: {} of {} runs are in {}; when all shards are done, the same command with --gather writes the results",
+        records.len(),
+        plan.runs.len(),
+        place.display()
+    ))?;
+    Ok(ended(
+        &records,
+        "the results say which; one that failed runs again when its shard does",
+    ))
+}
+
+/// 3 if a run did not finish.
+fn ended(records: &[RunRecord], see: &str) -> u8 {
+    let broken = |record: &&RunRecord| !record.ending.is_finished();
+    let Some(first) = records.iter().find(broken) else {
+        return 0;
+    };
+    screen::complain(&format!(
+        "{} of {} runs did not finish, the first on {}: {}; {see}",
+        records.iter().filter(broken).count(),
+        records.len(),
+        first.engine,
+        first.reason(),
+    ));
+    ENGINE
 }
 
 fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
@@ -86,6 +134,7 @@ fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
     Ok(Plan::within(
         sweep,
         &args::overrides(&args.set)?,
+        Guests::default(),
         interrupt::flag(),
     )?)
 }

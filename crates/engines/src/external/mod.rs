@@ -325,8 +325,8 @@ impl Engine for Solver {
 
 /// The last thing it said, for a message.
 fn last_line(log: &str) -> Option<String> {
-    let lines = log.lines().map(|line| plain(line, WORDS));
-    lines.filter(|line| !line.is_empty()).next_back()
+    let mut lines = log.lines().map(|line| plain(line, WORDS));
+    lines.rfind(|line| !line.is_empty())
 }
 
 fn last_words(said: Option<&str>) -> String {

@@ -46,7 +46,7 @@ pub fn law_agreement(
         engine: NAME.to_owned(),
         reason,
     };
-    host::ready(&AtomicBool::new(false)).map_err(|error| failed(error.to_string()))?;
+    host::ready(&AtomicBool::new(false)).map_err(|error| failed(format!("{error:?}")))?;
     let gearbox = Gearbox::new(scene).map_err(|error| failed(error.to_string()))?;
     let field = gearbox
         .contact_field()

@@ -6,10 +6,11 @@ use pinwheel_scene::Scene;
 use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
 
+use super::host::NotReady;
 use super::mujoco::{Addresses, Attached, Place, attach, detach};
 use super::published::Published;
 use super::watch::{Watch, watched};
-use super::{PythonError, border, convert, host};
+use super::{border, convert, host};
 use crate::cards::Card;
 use crate::engine::{Control, Engine, EngineError, Prepared, Run, Track};
 
@@ -25,11 +26,10 @@ impl PythonEngine {
         }
     }
 
-    fn not_ready(&self, error: &PythonError) -> EngineError {
-        if error.is_stop() {
-            EngineError::Cancelled
-        } else {
-            self.failed(error)
+    fn not_ready(&self, error: NotReady) -> EngineError {
+        match error {
+            NotReady::Stopped => EngineError::Cancelled,
+            NotReady::Because(reason) => self.failed(reason),
         }
     }
 
@@ -51,7 +51,7 @@ impl PythonEngine {
         every: u64,
     ) -> Result<Run, EngineError> {
         let field = self.field(gearbox)?;
-        host::ready(control.cancel).map_err(|error| self.not_ready(&error))?;
+        host::ready(control.cancel).map_err(|error| self.not_ready(error))?;
         let law =
             (self.0.track == Track::SharedLaw).then(|| Published::new(gearbox, disguise(field)));
         let scene_toml = gearbox.scene.to_toml();
@@ -204,7 +204,7 @@ impl Engine for PythonEngine {
 impl PythonEngine {
     /// Whether the package's engine honours the scene.
     fn check(&self, scene: &Scene) -> Result<(), EngineError> {
-        host::ready(crate::stopping::flag()).map_err(|error| self.not_ready(&error))?;
+        host::ready(crate::stopping::flag()).map_err(|error| self.not_ready(error))?;
         let scene_toml = scene.to_toml();
         Python::attach(|py| {
             host::package(py)

@@ -8,8 +8,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::embedded;
 use super::error::PythonError;
-use super::host;
 use crate::cache::{self, Note, call, fingerprint};
 
 /// Names an existing environment, which is used as it is.
@@ -81,7 +81,7 @@ pub fn environment(
     requirements: Requirements,
     cancel: &AtomicBool,
 ) -> Result<Environment, PythonError> {
-    let interpreter = host::interpreter()?;
+    let interpreter = embedded::interpreter()?;
     if let Some(folder) = name() {
         return named(Path::new(&folder), &interpreter, cancel);
     }

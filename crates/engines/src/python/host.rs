@@ -1,47 +1,64 @@
-//! The embedded interpreter with the package `pinwheel_engines` loaded, once per process.
-//!
-//! Python is started without signal handlers, so Ctrl-C stays the program's own. Its search path
-//! begins with our copy of the package and the environment's packages, so that nothing the user has
-//! installed elsewhere takes their place.
+//! The interpreter that engines run in, with the package `pinwheel_engines` loaded.
 
-use std::path::PathBuf;
-use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use pyo3::prelude::*;
 use pyo3::types::PyModule;
 
-use super::convert::text_of;
-use super::environment::{self, ENGINES, Environment, Interpreter};
-use super::error::PythonError;
-use crate::cache;
-use crate::cards::pins;
+use crate::cards::Card;
 
-/// The package's files: path below its folder, text.
-const SOURCES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/sources.rs"));
 /// Name of the package.
 pub(super) const PACKAGE: &str = "pinwheel_engines";
 
-/// What the process knows of its Python so far. A failure is kept: asking pip again for every
-/// engine of a comparison would only take time.
-static READY: Mutex<Option<Result<(), PythonError>>> = Mutex::new(None);
+/// Set when Python has imported us and not we Python.
+static HERE: AtomicBool = AtomicBool::new(false);
 
-/// Makes the environment if need be, starts Python and loads the package.
-///
-/// # Errors
-/// See [`PythonError`]; the same one again at every later call, but for a stop by the user.
-pub(super) fn ready(cancel: &AtomicBool) -> Result<(), PythonError> {
-    let mut ready = READY
-        .lock()
-        .unwrap_or_else(|poisoned| poisoned.into_inner());
-    if let Some(known) = ready.as_ref() {
-        return known.clone();
+/// Engines run in the interpreter that has loaded this library, with what its user has installed. For an extension
+/// module, at its start.
+pub fn use_this_interpreter() {
+    HERE.store(true, Ordering::Relaxed);
+}
+
+fn is_here() -> bool {
+    HERE.load(Ordering::Relaxed) || cfg!(not(feature = "crossval"))
+}
+
+/// Why Python engines cannot run.
+#[derive(Debug)]
+pub(super) enum NotReady {
+    /// The user asked to stop while an environment was made.
+    #[cfg_attr(
+        not(feature = "crossval"),
+        expect(dead_code, reason = "only an environment takes time to make")
+    )]
+    Stopped,
+    /// The reason, with the remedy.
+    Because(String),
+}
+
+/// Makes the interpreter ready to run engines.
+pub(super) fn ready(cancel: &AtomicBool) -> Result<(), NotReady> {
+    if is_here() {
+        return Python::attach(|py| {
+            package(py)
+                .map(|_| ())
+                .map_err(|error| NotReady::Because(super::convert::text_of(py, &error)))
+        });
     }
-    let outcome = environment::environment(ENGINES, cancel).and_then(|found| load(&found));
-    if !outcome.as_ref().is_err_and(PythonError::is_stop) {
-        *ready = Some(outcome.clone());
+    #[cfg(feature = "crossval")]
+    return super::embedded::ready(cancel).map_err(|error| {
+        if error.is_stop() {
+            NotReady::Stopped
+        } else {
+            NotReady::Because(error.to_string())
+        }
+    });
+    #[cfg(not(feature = "crossval"))]
+    {
+        let _ = cancel;
+        Ok(())
     }
-    outcome
 }
 
 /// The loaded package.
@@ -49,82 +66,30 @@ pub(super) fn package(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
     py.import(PACKAGE)
 }
 
-/// The interpreter this process embeds.
-pub(super) fn interpreter() -> Result<Interpreter, PythonError> {
-    if let Some(home) = std::env::var_os("PYTHONHOME").filter(|value| !value.is_empty()) {
-        return Err(PythonError::Home(home.to_string_lossy().into_owned()));
+/// Whether the engine of a card can be had: an embedded interpreter gets what it lacks, another has it or not. Recorded
+/// courses and limits belong to one version, so another one does not count. Asked once: it takes a millisecond.
+pub(crate) fn has(card: &Card) -> bool {
+    static FOUND: OnceLock<Vec<&'static str>> = OnceLock::new();
+    if !is_here() {
+        return true;
     }
-    let asked = Python::attach(|py| -> PyResult<Interpreter> {
-        let sys = py.import("sys")?;
-        let (major, minor, micro): (u8, u8, u8) = sys
-            .getattr("version_info")?
-            .get_item(pyo3::types::PySlice::new(py, 0, 3, 1))?
-            .extract()?;
-        let folder = py
-            .import("sysconfig")?
-            .call_method1("get_config_var", ("BINDIR",))?
-            .extract::<Option<PathBuf>>()?;
-        let prefix: PathBuf = sys.getattr("base_exec_prefix")?.extract()?;
-        let names = [
-            format!("python{major}.{minor}"),
-            "python3".to_owned(),
-            "python.exe".to_owned(),
-        ];
-        let folders = folder.into_iter().chain([prefix.join("bin"), prefix]);
-        let mut candidates: Vec<PathBuf> = folders
-            .flat_map(|folder| names.each_ref().map(|name| folder.join(name)))
-            .chain([PathBuf::from(env!("PINWHEEL_PYTHON_AT_BUILD"))])
-            .filter(|path| path.is_file())
-            .collect();
-        candidates.dedup();
-        Ok(Interpreter {
-            version: format!("{major}.{minor}.{micro}"),
-            candidates,
+    if let Some(found) = FOUND.get() {
+        return found.contains(&card.package);
+    }
+    let there = |pin: &crate::cards::Pin| {
+        Python::attach(|py| -> PyResult<bool> {
+            let found: String = py
+                .import("importlib.metadata")?
+                .call_method1("version", (pin.package,))?
+                .extract()?;
+            Ok(pin.version == found)
         })
-    });
-    asked.map_err(|error| PythonError::NoInterpreter {
-        version: "3".to_owned(),
-        tried: Python::attach(|py| text_of(py, &error)),
-    })
-}
-
-/// Starts Python on an environment and loads the package.
-fn load(environment: &Environment) -> Result<(), PythonError> {
-    let files: Vec<(String, &str)> = SOURCES
-        .iter()
-        .map(|&(name, text)| (format!("{PACKAGE}/{name}"), text))
-        .collect();
-    let sources = cache::laid_out("sources", &files)?;
-    let failed = |reason: String| PythonError::Load {
-        reason,
-        folder: environment.folder.clone(),
-        named: environment::is_named(),
+        .unwrap_or(false)
     };
-    Python::attach(|py| {
-        let start = || -> PyResult<Result<(), String>> {
-            let path = py.import("sys")?.getattr("path")?;
-            // As text: the search path ignores path objects.
-            path.call_method1("insert", (0, environment.packages.as_os_str()))?;
-            path.call_method1("insert", (0, sources.as_os_str()))?;
-            let metadata = py.import("importlib.metadata")?;
-            for pin in pins() {
-                let found: String = metadata
-                    .call_method1("version", (pin.package,))
-                    .and_then(|version| version.extract())?;
-                if found != pin.version {
-                    return Ok(Err(format!(
-                        "it has {} {found}, and recorded courses and limits belong to {}",
-                        pin.package, pin.version
-                    )));
-                }
-            }
-            package(py)?;
-            Ok(Ok(()))
-        };
-        match start() {
-            Ok(Ok(())) => Ok(()),
-            Ok(Err(reason)) => Err(failed(reason)),
-            Err(error) => Err(failed(text_of(py, &error))),
-        }
-    })
+    let found = crate::cards::pins().filter(there).map(|pin| pin.package);
+    let found: Vec<&'static str> = found.collect();
+    let has = found.contains(&card.package);
+    // Two threads may both ask; waiting for one another with the interpreter's lock they might wait for ever.
+    let _ = FOUND.set(found);
+    has
 }

@@ -105,11 +105,13 @@ impl<S: OdeSystem> Stepper<S> for Legs<S> {
         }
         self.enter(system);
         self.stepper.shorten(self.longest);
-        self.stepper.aim(self.aim);
+        // The end of a leg is asked for, too.
+        let aim = self.aim.min(self.end());
+        self.stepper.aim(aim);
         let (time, step, end) = (self.stepper.time(), self.stepper.next_step(), self.end());
         if time + step > end + THERE * step {
             self.restart(time, end - time);
-            self.stepper.aim(self.aim);
+            self.stepper.aim(aim);
         }
         self.stepper.step(system)
     }

@@ -297,7 +297,7 @@ pub const SCENES: &[SceneCase] = &[
     ),
     scene!(
         "hard-load-reversal",
-        &[RK4, DOPRI5, ETD],
+        &[RK4, DOPRI5],
         "all contacts open at once, and strike"
     ),
     scene!("hard-load-reversed", &[RK4, DOPRI5], "the other flanks"),

@@ -178,7 +178,7 @@ fn scene_record(
                 .fold(0.0, f64::max),
             quantities: (0..plain.values.len())
                 .filter_map(|k| {
-                    let reference = reference.quantities.get(k)?;
+                    let reference = reference.quantity(plain.values[k].quantity.key)?;
                     let others: Vec<&Values> =
                         varied.iter().filter_map(|run| run.values.get(k)).collect();
                     Some(case_quantity(&plain.values[k], &others, reference))

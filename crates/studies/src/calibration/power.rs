@@ -83,7 +83,7 @@ impl Kind {
         match self {
             Self::Sleeve => format!("{:.2} um", 1e6 * size),
             Self::Phase => format!("{:.4} mrad", 1e3 * size),
-            _ => format!("{:.3} %", 100.0 * size),
+            _ => format!("{:.1e} %", 100.0 * size),
         }
     }
 

@@ -76,6 +76,19 @@ pub enum SweepError {
         /// The reason.
         source: pinwheel_courses::CoursesError,
     },
+    /// Runs that were to be gathered and are not there.
+    #[error(
+        "{missing} of {runs} runs are not there, the first of them run {first}; run the shards that did not end, or run what is missing \
+         here with --resume in place of --gather"
+    )]
+    Missing {
+        /// Runs that are not there.
+        missing: usize,
+        /// All runs.
+        runs: usize,
+        /// Number of the first that is not.
+        first: usize,
+    },
     /// The user asked to stop; finished runs are kept.
     #[error("stopped after {finished} of {runs} runs")]
     Stopped {

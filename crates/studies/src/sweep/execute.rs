@@ -1,20 +1,24 @@
 //! Runs over all cores: threads take the next run until there is none.
 
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
-use pinwheel_courses::Ending;
-use pinwheel_engines::{Engine, EngineError, by_name};
+use pinwheel_courses::{Courses, Ending};
+use pinwheel_engines::{Engine, EngineError};
 
 use crate::control::{Control, Progress};
 use crate::pool::{self, lock};
-use crate::sweep::journal::Journal;
-use crate::sweep::record::{RunRecord, identity, program};
+use crate::sweep::file::KeepCourses;
+use crate::sweep::journal::{Journal, keep_courses};
+use crate::sweep::record::{RunRecord, wanted};
 use crate::sweep::{Plan, PlannedRun, SweepError};
 
 /// What all threads share.
 struct Shared<'a> {
     plan: &'a Plan,
+    /// Places in the plan of the runs to make.
+    picks: &'a [usize],
     journal: &'a Journal,
     control: &'a Control<'a>,
     duration_s: f64,
@@ -36,17 +40,34 @@ pub fn execute(
     jobs: usize,
     control: &Control<'_>,
 ) -> Result<Vec<RunRecord>, SweepError> {
+    let all: Vec<usize> = (0..plan.runs.len()).collect();
+    execute_some(plan, &all, journal, jobs, control)
+}
+
+/// The same for the runs at some places of the plan; the records are in the order of `picks`.
+///
+/// # Errors
+/// As [`execute`].
+pub fn execute_some(
+    plan: &Plan,
+    picks: &[usize],
+    journal: &Journal,
+    jobs: usize,
+    control: &Control<'_>,
+) -> Result<Vec<RunRecord>, SweepError> {
+    let durations = picks.iter().map(|&k| plan.runs[k].scene.solver.duration_s);
     let shared = Shared {
         plan,
+        picks,
         journal,
         control,
-        duration_s: plan.duration_s(),
+        duration_s: durations.sum(),
         finished: AtomicUsize::new(0),
         simulated_us: AtomicU64::new(0),
-        records: Mutex::new(vec![None; plan.runs.len()]),
+        records: Mutex::new(vec![None; picks.len()]),
         fault: Mutex::new(None),
     };
-    pool::each(jobs, plan.runs.len(), || (), |(), k| shared.work(k));
+    pool::each(jobs, picks.len(), || (), |(), k| shared.work(k));
     let fault = shared
         .fault
         .into_inner()
@@ -62,17 +83,93 @@ pub fn execute(
     let whole: Option<Vec<RunRecord>> = records.into_iter().collect();
     whole.ok_or(SweepError::Stopped {
         finished,
-        runs: plan.runs.len(),
+        runs: picks.len(),
     })
 }
 
+/// The records of all runs from the journal, and none computed.
+///
+/// # Errors
+/// [`SweepError::Missing`] where the journal lacks any.
+pub fn gather(plan: &Plan, journal: &Journal) -> Result<Vec<RunRecord>, SweepError> {
+    let mut records = Vec::with_capacity(plan.runs.len());
+    let mut missing = Vec::new();
+    for planned in &plan.runs {
+        match find(plan, planned, journal)? {
+            Some(record) => records.push(record),
+            None => missing.push(planned.number),
+        }
+    }
+    match missing.first() {
+        None => Ok(records),
+        Some(&first) => Err(SweepError::Missing {
+            missing: missing.len(),
+            runs: plan.runs.len(),
+            first,
+        }),
+    }
+}
+
+/// The record of a run, if the journal holds it with its courses.
+///
+/// # Errors
+/// An engine that is gone.
+pub fn find(
+    plan: &Plan,
+    planned: &PlannedRun,
+    journal: &Journal,
+) -> Result<Option<RunRecord>, SweepError> {
+    Ok(journal.find(&wanted_of(plan, planned)?, plan.sweep.courses))
+}
+
+/// The [`RunRecord::identity`] that a run's record will have.
+///
+/// # Errors
+/// An engine that is gone.
+pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<String, SweepError> {
+    let engine = plan.engine(planned)?;
+    Ok(wanted(planned, engine.as_ref(), &planned.scene.to_toml()))
+}
+
+/// Makes a run, and keeps its courses in the folder `courses` as is asked for; `None` when cancelled.
+///
+/// # Errors
+/// Courses cannot be written.
+pub fn perform(
+    planned: &PlannedRun,
+    engine: &dyn Engine,
+    courses: (&Path, KeepCourses),
+    control: &pinwheel_engines::Control<'_>,
+) -> Result<Option<RunRecord>, SweepError> {
+    perform_as(planned, engine, &planned.scene.to_toml(), courses, control)
+}
+
+fn perform_as(
+    planned: &PlannedRun,
+    engine: &dyn Engine,
+    scene: &str,
+    (folder, keep): (&Path, KeepCourses),
+    control: &pinwheel_engines::Control<'_>,
+) -> Result<Option<RunRecord>, SweepError> {
+    let ran = engine.run(&planned.scene, control);
+    let Some((record, run)) = judged(planned, engine, scene, ran) else {
+        return Ok(None);
+    };
+    if record.ending.is_finished() {
+        let nothing = Courses::default();
+        let courses = run.as_ref().map_or(&nothing, |run| &run.courses);
+        keep_courses(folder, &record.identity(), courses, keep)?;
+    }
+    Ok(Some(record))
+}
+
 impl Shared<'_> {
-    /// Run `k`; false when no other is to begin.
+    /// Run `k` of the picks; false when no other is to begin.
     fn work(&self, k: usize) -> bool {
         if self.control.is_cancelled() {
             return false;
         }
-        match self.one(&self.plan.runs[k]) {
+        match self.one(&self.plan.runs[self.picks[k]]) {
             Ok(Some(record)) => {
                 lock(&self.records)[k] = Some(record);
                 self.finished.fetch_add(1, Ordering::Relaxed);
@@ -92,7 +189,7 @@ impl Shared<'_> {
         let done = self.finished.load(Ordering::Relaxed);
         (self.control.progress)(Progress {
             simulated_s: Some([simulated, self.duration_s]),
-            ..Progress::new(done, self.plan.runs.len(), &self.plan.sweep.name)
+            ..Progress::new(done, self.picks.len(), &self.plan.sweep.name)
         });
     }
 
@@ -100,25 +197,10 @@ impl Shared<'_> {
     fn one(&self, planned: &PlannedRun) -> Result<Option<RunRecord>, SweepError> {
         let duration = planned.scene.solver.duration_s;
         let keep = self.plan.sweep.courses;
-        let Some(engine) = by_name(&planned.engine, &planned.scene) else {
-            // Planned, so it was there; a registry does not change while the program runs.
-            return Err(SweepError::Run {
-                number: planned.number,
-                values: crate::sweep::plan::in_words(&planned.values),
-                what: format!("engine `{}` is gone", planned.engine),
-            });
-        };
+        let engine = self.plan.engine(planned)?;
         let scene = planned.scene.to_toml();
-        let version = env!("CARGO_PKG_VERSION");
-        let wanted = identity(
-            engine.name(),
-            &engine.version(),
-            version,
-            program(),
-            planned.window_s,
-            &scene,
-        );
-        if let Some(record) = self.journal.find(&wanted, keep) {
+        let identity = wanted(planned, engine.as_ref(), &scene);
+        if let Some(record) = self.journal.find(&identity, keep) {
             self.simulated_us
                 .fetch_add((duration * 1e6) as u64, Ordering::Relaxed);
             return Ok(Some(record));
@@ -135,20 +217,13 @@ impl Shared<'_> {
             cancel: self.control.cancel,
             progress: &reached,
         };
-        let ran = engine.run(&planned.scene, &control);
-        let Some((record, run)) = judged(planned, engine.as_ref(), ran) else {
-            return Ok(None);
-        };
-        reached(duration);
-        let nothing = pinwheel_courses::Courses::default();
-        let courses = run.as_ref().map_or(&nothing, |run| &run.courses);
-        let how = if record.ending.is_finished() {
-            keep
-        } else {
-            crate::sweep::KeepCourses::None
-        };
-        self.journal.keep(&record, courses, how)?;
-        Ok(Some(record))
+        let place = (self.journal.folder(), keep);
+        let made = perform_as(planned, engine.as_ref(), &scene, place, &control)?;
+        if let Some(record) = &made {
+            reached(duration);
+            self.journal.keep(record)?;
+        }
+        Ok(made)
     }
 }
 
@@ -156,9 +231,10 @@ impl Shared<'_> {
 fn judged(
     planned: &PlannedRun,
     engine: &dyn Engine,
+    scene: &str,
     ran: Result<pinwheel_engines::Run, EngineError>,
 ) -> Option<(RunRecord, Option<pinwheel_engines::Run>)> {
-    let empty = |ending: Ending| RunRecord::empty(planned, engine, ending);
+    let empty = |ending: Ending| RunRecord::empty(planned, engine, scene, ending);
     Some(match ran {
         Ok(mut run) => {
             run.note_missing_channels(&planned.scene);

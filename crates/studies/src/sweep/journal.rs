@@ -3,12 +3,23 @@
 //! A record is written beside its place and then renamed: it is there whole or not at all. What a
 //! record belongs to is its whole content (scene, engine, versions, window), so a sweep may be changed
 //! between two attempts: runs it still asks for are found again, others are run.
+//!
+//! ```text
+//!  out.unfinished/              one process writes, by its lock
+//!    .pinwheel  run-*.json      records; run-*.csv or .parquet: courses
+//!    shard-2-of-8/              a folder like it for each shard, so that many processes write at once
+//! ```
+//!
+//! Records are not waited for to be on the disk, which would cost more than a short run: a kill loses nothing by it, and
+//! after a power cut a file that is not whole is no record. Courses are waited for, as a record says that they are there.
 
 use std::collections::HashMap;
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 use pinwheel_courses::{Courses, Ending};
 
@@ -21,37 +32,132 @@ use crate::sweep::record::RunRecord;
 const PREFIX: &str = "run-";
 /// How unfinished files begin.
 const UNFINISHED: &str = ".unfinished-";
+/// How folders of shards begin.
+const SHARD: &str = "shard-";
+/// A process that makes a shard's folder holds the whole for a moment only.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// A part of a sweep that a process of its own runs: every `of`-th run, beginning with run `number`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    number: usize,
+    of: usize,
+}
+
+impl Shard {
+    /// Places in a plan of `runs` runs.
+    #[must_use]
+    pub fn picks(self, runs: usize) -> Vec<usize> {
+        (self.number - 1..runs).step_by(self.of).collect()
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('/');
+        let numbers = parts.and_then(|(number, of)| {
+            let number: usize = number.trim().parse().ok()?;
+            Some((number, of.trim().parse::<usize>().ok()?))
+        });
+        match numbers {
+            Some((number, of)) if (1..=of).contains(&number) => Ok(Self { number, of }),
+            _ => Err("write the shard and how many there are, like 1/8 to 8/8".to_owned()),
+        }
+    }
+}
+
+impl std::fmt::Display for Shard {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}/{}", self.number, self.of)
+    }
+}
 
 /// A folder of finished runs.
 #[derive(Debug)]
 pub struct Journal {
     folder: PathBuf,
-    /// Keeps other processes from writing the same runs.
-    _owner: Owner,
+    /// Keep other processes from writing the same runs.
+    _owners: Vec<Owner>,
+    /// Folders of shards that are this journal's to remove.
+    shards: Vec<PathBuf>,
     /// Where each identity's record and courses stand.
     known: Mutex<HashMap<String, (RunRecord, PathBuf)>>,
 }
 
 impl Journal {
-    /// Opens `folder`, made if it is not there, and reads its runs; those of `earlier` too, for reading only.
+    /// Opens `folder`, made if it is not there, and reads its runs and those of its shards; those of `earlier` too, for
+    /// reading only.
     ///
     /// Files that are no records, or of runs that failed, are passed over.
     ///
     /// # Errors
-    /// The folder cannot be made or read, is not a journal, or another process writes it.
+    /// The folder cannot be made or read, is not a journal, or another process writes it or a shard of it.
     pub fn open(folder: &Path, earlier: Option<&Path>, command: &str) -> Result<Self, SweepError> {
-        let at = |path: &Path| {
-            let path = path.to_owned();
-            move |source| SweepError::Io { path, source }
-        };
         fs::create_dir_all(folder).map_err(at(folder))?;
-        let owner = Owner::take(folder, command)?;
-        let mut known = HashMap::new();
-        for place in earlier
+        let mut owners = vec![Owner::take(folder, command)?];
+        let shards = shards_of(folder)?;
+        for shard in &shards {
+            owners.push(Owner::take(shard, command)?);
+        }
+        let places = earlier
             .into_iter()
-            .filter(|place| place.is_dir())
-            .chain([folder])
-        {
+            .chain(shards.iter().map(PathBuf::as_path));
+        let known = Self::read(folder, places)?;
+        Ok(Self {
+            folder: folder.to_owned(),
+            _owners: owners,
+            shards,
+            known,
+        })
+    }
+
+    /// Opens the part of the journal `folder` that a shard writes, made if it is not there. It knows the runs of the
+    /// whole, and shares the whole with other shards.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open); another process runs this shard, or the whole sweep.
+    pub fn shard(
+        folder: &Path,
+        earlier: Option<&Path>,
+        shard: Shard,
+        command: &str,
+    ) -> Result<Self, SweepError> {
+        fs::create_dir_all(folder).map_err(at(folder))?;
+        let begun = Instant::now();
+        let whole = loop {
+            match Owner::take(folder, command) {
+                Ok(owner) => break owner,
+                Err(_) if begun.elapsed() < PATIENCE => {
+                    std::thread::sleep(Duration::from_millis(20));
+                }
+                Err(error) => return Err(error.into()),
+            }
+        };
+        let own = folder.join(format!("{SHARD}{}-of-{}", shard.number, shard.of));
+        fs::create_dir_all(&own).map_err(at(&own))?;
+        let owner = Owner::take(&own, command)?;
+        let others = shards_of(folder)?;
+        drop(whole);
+        let places = earlier.into_iter().chain([folder]);
+        let known = Self::read(&own, places.chain(others.iter().map(PathBuf::as_path)))?;
+        Ok(Self {
+            folder: own,
+            _owners: vec![owner],
+            shards: Vec::new(),
+            known,
+        })
+    }
+
+    /// The records of `own`, whose unfinished files go, and of other places.
+    fn read<'a>(
+        own: &'a Path,
+        others: impl Iterator<Item = &'a Path>,
+    ) -> Result<Mutex<HashMap<String, (RunRecord, PathBuf)>>, SweepError> {
+        let mut known = HashMap::new();
+        let others = others.filter(|place| place.is_dir() && *place != own);
+        for place in others.chain([own]) {
             for entry in fs::read_dir(place).map_err(at(place))? {
                 let path = entry.map_err(at(place))?.path();
                 let name = path
@@ -59,11 +165,11 @@ impl Journal {
                     .unwrap_or_default()
                     .to_string_lossy()
                     .into_owned();
-                if name.starts_with(UNFINISHED) && place == folder {
+                if name.starts_with(UNFINISHED) && place == own {
                     fs::remove_file(&path).map_err(at(&path))?;
                 } else if name.starts_with(PREFIX) && name.ends_with(".json") {
-                    let text = fs::read_to_string(&path).map_err(at(&path))?;
-                    let record: Option<RunRecord> = serde_json::from_str(&text).ok();
+                    let bytes = fs::read(&path).map_err(at(&path))?;
+                    let record: Option<RunRecord> = serde_json::from_slice(&bytes).ok();
                     if let Some(record) =
                         record.filter(|r| !matches!(r.ending, Ending::Failed { .. }))
                     {
@@ -72,11 +178,13 @@ impl Journal {
                 }
             }
         }
-        Ok(Self {
-            folder: folder.to_owned(),
-            _owner: owner,
-            known: Mutex::new(known),
-        })
+        Ok(Mutex::new(known))
+    }
+
+    /// Where courses go.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// Runs it holds.
@@ -109,12 +217,14 @@ impl Journal {
             path: self.folder.clone(),
             source,
         };
-        for entry in fs::read_dir(&self.folder).map_err(io)? {
-            let entry = entry.map_err(io)?;
-            let name = entry.file_name();
-            let name = name.to_string_lossy();
-            if name.starts_with(PREFIX) || name.starts_with(UNFINISHED) {
-                fs::remove_file(entry.path()).map_err(io)?;
+        for folder in self.shards.iter().chain([&self.folder]) {
+            for entry in fs::read_dir(folder).map_err(io)? {
+                let entry = entry.map_err(io)?;
+                let name = entry.file_name();
+                let name = name.to_string_lossy();
+                if name.starts_with(PREFIX) || name.starts_with(UNFINISHED) {
+                    fs::remove_file(entry.path()).map_err(io)?;
+                }
             }
         }
         Ok(())
@@ -126,6 +236,12 @@ impl Journal {
     /// A run cannot be removed.
     pub fn remove(self) -> Result<(), SweepError> {
         self.clear()?;
+        for shard in &self.shards {
+            if unlisted(shard, &[]).is_ok_and(|others| others.is_empty()) {
+                let _ = fs::remove_file(shard.join(MARKER));
+                let _ = fs::remove_dir(shard);
+            }
+        }
         if unlisted(&self.folder, &[]).is_ok_and(|others| others.is_empty()) {
             let _ = fs::remove_file(self.folder.join(MARKER));
             let _ = fs::remove_dir(&self.folder);
@@ -142,41 +258,18 @@ impl Journal {
         there.then(|| record.clone())
     }
 
-    /// Keeps a run; of one that failed nothing.
-    pub(crate) fn keep(
-        &self,
-        record: &RunRecord,
-        courses: &Courses,
-        how: KeepCourses,
-    ) -> Result<(), SweepError> {
+    /// Keeps the record of a run whose courses, where they are kept, are there already; of one that failed nothing.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn keep(&self, record: &RunRecord) -> Result<(), SweepError> {
         if matches!(record.ending, Ending::Failed { .. }) {
             return Ok(());
         }
         let identity = record.identity();
-        let path = self
-            .folder
-            .join(format!("{PREFIX}{:016x}.json", fnv(&identity)));
-        if let Some(extension) = extension(how) {
-            // The record comes last: where it is, its courses are.
-            let file = path.with_extension(extension);
-            self.whole(&file, |sink| {
-                #[cfg(feature = "parquet")]
-                if how == KeepCourses::Parquet {
-                    let written = crate::sweep::save_courses(courses, sink.path());
-                    return written.map_err(|fault| SweepError::Io {
-                        path: file.clone(),
-                        source: std::io::Error::other(fault),
-                    });
-                }
-                let written = courses.write_csv(sink.as_file_mut());
-                written.map_err(|source| SweepError::Courses {
-                    path: file.clone(),
-                    source,
-                })
-            })?;
-        }
+        let path = place(&self.folder, &identity, "json");
         let text = serde_json::to_string_pretty(record).unwrap_or_default();
-        self.whole(&path, |sink| {
+        whole(&path, false, |sink| {
             sink.write_all(text.as_bytes())
                 .map_err(|source| SweepError::Io {
                     path: path.clone(),
@@ -193,10 +286,6 @@ impl Journal {
     /// A file cannot be read or written. A record that is not kept (a run that failed) is written anew.
     pub fn copy(&self, record: &RunRecord, number: usize, folder: &Path) -> Result<(), SweepError> {
         let target = folder.join(format!("{PREFIX}{number:04}.json"));
-        let at = |path: &Path| {
-            let path = path.to_owned();
-            move |source| SweepError::Io { path, source }
-        };
         let place = self
             .lock()
             .get(&record.identity())
@@ -218,34 +307,87 @@ impl Journal {
         Ok(())
     }
 
-    /// Writes a file beside its place and renames it.
-    fn whole(
-        &self,
-        path: &Path,
-        write: impl FnOnce(&mut tempfile::NamedTempFile) -> Result<(), SweepError>,
-    ) -> Result<(), SweepError> {
-        let io = |source| SweepError::Io {
-            path: path.to_owned(),
-            source,
-        };
-        let mut builder = tempfile::Builder::new();
-        let mut sink = builder
-            .prefix(UNFINISHED)
-            .tempfile_in(&self.folder)
-            .map_err(io)?;
-        write(&mut sink)?;
-        // On the disk before it has its name.
-        sink.as_file().sync_all().map_err(io)?;
-        sink.persist(path).map_err(|error| io(error.error))?;
-        Ok(())
-    }
-
     fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<String, (RunRecord, PathBuf)>> {
         // A thread that panicked while it held the map has not left it half changed.
         self.known
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner)
     }
+}
+
+fn at(path: &Path) -> impl Fn(std::io::Error) -> SweepError {
+    let path = path.to_owned();
+    move |source| SweepError::Io {
+        path: path.clone(),
+        source,
+    }
+}
+
+/// The folders of a journal's shards, sorted.
+fn shards_of(folder: &Path) -> Result<Vec<PathBuf>, SweepError> {
+    let mut shards = Vec::new();
+    for entry in fs::read_dir(folder).map_err(at(folder))? {
+        let path = entry.map_err(at(folder))?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if name.starts_with(SHARD) && path.is_dir() {
+            shards.push(path);
+        }
+    }
+    shards.sort();
+    Ok(shards)
+}
+
+/// The file of a run in a journal's folder.
+fn place(folder: &Path, identity: &str, extension: &str) -> PathBuf {
+    folder.join(format!("{PREFIX}{:016x}.{extension}", fnv(identity)))
+}
+
+/// Keeps the courses of a run in a journal's folder. Its record comes last: where it is, its courses are.
+pub(crate) fn keep_courses(
+    folder: &Path,
+    identity: &str,
+    courses: &Courses,
+    how: KeepCourses,
+) -> Result<(), SweepError> {
+    let Some(extension) = extension(how) else {
+        return Ok(());
+    };
+    let file = place(folder, identity, extension);
+    whole(&file, true, |sink| {
+        #[cfg(feature = "parquet")]
+        if how == KeepCourses::Parquet {
+            let written = crate::sweep::save_courses(courses, sink.path());
+            return written.map_err(|fault| SweepError::Io {
+                path: file.clone(),
+                source: std::io::Error::other(fault),
+            });
+        }
+        let written = courses.write_csv(sink.as_file_mut());
+        written.map_err(|source| SweepError::Courses {
+            path: file.clone(),
+            source,
+        })
+    })
+}
+
+/// Writes a file beside its place and renames it; `synced`: it is on the disk before it has its name.
+fn whole(
+    path: &Path,
+    synced: bool,
+    write: impl FnOnce(&mut tempfile::NamedTempFile) -> Result<(), SweepError>,
+) -> Result<(), SweepError> {
+    let folder = path.parent().unwrap_or(path);
+    let mut builder = tempfile::Builder::new();
+    let mut sink = builder
+        .prefix(UNFINISHED)
+        .tempfile_in(folder)
+        .map_err(at(path))?;
+    write(&mut sink)?;
+    if synced {
+        sink.as_file().sync_all().map_err(at(path))?;
+    }
+    sink.persist(path).map_err(|error| at(path)(error.error))?;
+    Ok(())
 }
 
 fn extension(courses: KeepCourses) -> Option<&'static str> {

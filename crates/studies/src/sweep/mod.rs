@@ -18,14 +18,14 @@ mod written;
 
 pub use axis::{Axis, Value};
 pub use error::SweepError;
-pub use execute::execute;
+pub use execute::{execute, execute_some, find, gather, perform, wanted_of};
 pub use file::{KeepCourses, Sweep};
-pub use journal::Journal;
+pub use journal::{Journal, Shard};
 #[cfg(feature = "parquet")]
 pub use parquet_file::{
     Cells, ParquetFault, load_courses, read_courses, read_table, save_courses, write_table,
 };
-pub use plan::{MOST_RUNS, Plan, PlannedRun};
+pub use plan::{Guests, MOST_RUNS, Plan, PlannedRun};
 pub use record::{RunRecord, Spread};
 pub use results::{Column, Results, costs, results};
 pub use written::write;

@@ -1,10 +1,12 @@
 //! From a sweep to its runs: every combination as a checked scene, before anything is run.
 
+use std::fmt;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_compare::limits::fits;
 use pinwheel_courses::{columns, group_of};
-use pinwheel_engines::by_name;
+use pinwheel_engines::{Engine, by_name};
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Override, Scene, SceneError, did_you_mean};
 
@@ -29,6 +31,49 @@ pub struct PlannedRun {
     pub window_s: [f64; 2],
 }
 
+impl PlannedRun {
+    /// A run as another process planned it: `number`, `engine`, its complete scene as TOML, and its window.
+    ///
+    /// # Errors
+    /// A scene that is refused.
+    pub fn from_parts(
+        number: usize,
+        engine: String,
+        scene: &str,
+        window_s: [f64; 2],
+    ) -> Result<Self, SceneError> {
+        Ok(Self {
+            number,
+            engine,
+            values: Vec::new(),
+            scene: Scene::from_toml(scene, "a run of a sweep", &[])?,
+            window_s,
+        })
+    }
+}
+
+/// Engines that a caller brings beside those of the build; a name of theirs comes first.
+#[derive(Clone, Default)]
+pub struct Guests(pub Vec<Arc<dyn Engine>>);
+
+impl Guests {
+    /// The engine of a name, for a scene.
+    #[must_use]
+    pub fn engine(&self, name: &str, scene: &Scene) -> Option<Arc<dyn Engine>> {
+        let guest = self.0.iter().find(|guest| guest.name() == name);
+        guest
+            .cloned()
+            .or_else(|| by_name(name, scene).map(Arc::from))
+    }
+}
+
+impl fmt::Debug for Guests {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names = self.0.iter().map(|guest| guest.name());
+        f.debug_list().entries(names).finish()
+    }
+}
+
 /// A sweep and all of its runs.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -36,6 +81,8 @@ pub struct Plan {
     pub sweep: Sweep,
     /// Its runs; the engine changes fastest, then the last axis.
     pub runs: Vec<PlannedRun>,
+    /// Engines beside those of the build.
+    pub guests: Guests,
 }
 
 impl Plan {
@@ -44,16 +91,17 @@ impl Plan {
     /// # Errors
     /// A scene that is refused, an engine that does not exist, a window that no run reaches, too many runs.
     pub fn new(sweep: Sweep, overrides: &[Override]) -> Result<Self, SweepError> {
-        Self::within(sweep, overrides, &AtomicBool::new(false))
+        Self::within(sweep, overrides, Guests::default(), &AtomicBool::new(false))
     }
 
-    /// The same, stopped as soon as `cancel` is set: many runs are many scenes to check.
+    /// The same with engines of the caller's, stopped as soon as `cancel` is set: many runs are many scenes to check.
     ///
     /// # Errors
     /// Those of [`new`](Self::new), and [`SweepError::Stopped`].
     pub fn within(
         sweep: Sweep,
         overrides: &[Override],
+        guests: Guests,
         cancel: &AtomicBool,
     ) -> Result<Self, SweepError> {
         let points = sweep
@@ -103,7 +151,7 @@ impl Plan {
                 measured(&sweep, &scene).map_err(wrong)?;
             }
             for name in &sweep.engines {
-                let engine = by_name(name, &scene).ok_or_else(|| {
+                let engine = guests.engine(name, &scene).ok_or_else(|| {
                     let registry = pinwheel_engines::registry();
                     let known: Vec<&str> = registry.iter().map(|engine| engine.name()).collect();
                     wrong(format!(
@@ -120,7 +168,22 @@ impl Plan {
                 });
             }
         }
-        Ok(Self { sweep, runs })
+        Ok(Self {
+            sweep,
+            runs,
+            guests,
+        })
+    }
+
+    /// The engine of a run.
+    pub(crate) fn engine(&self, planned: &PlannedRun) -> Result<Arc<dyn Engine>, SweepError> {
+        let engine = self.guests.engine(&planned.engine, &planned.scene);
+        // Planned, so it was there; a registry does not change while the program runs.
+        engine.ok_or_else(|| SweepError::Run {
+            number: planned.number,
+            values: in_words(&planned.values),
+            what: format!("engine `{}` is gone", planned.engine),
+        })
     }
 
     /// Names of the keys that are varied, in the order of the axes.

@@ -1,9 +1,6 @@
 //! What is kept of a run.
 
 use std::collections::BTreeMap;
-use std::hash::{DefaultHasher, Hasher as _};
-use std::path::Path;
-use std::sync::OnceLock;
 
 use pinwheel_compare::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, derive};
 use pinwheel_compare::statistics::{Statistics, View};
@@ -55,7 +52,7 @@ pub struct RunRecord {
     pub engine_version: String,
     /// This program's version.
     pub pinwheel_version: String,
-    /// Hash of the program that made it.
+    /// Hash of the sources of the program that made it.
     #[serde(default)]
     pub program: String,
     /// The whole scene, TOML.
@@ -98,13 +95,18 @@ pub struct RunRecord {
 
 impl RunRecord {
     /// A record without figures.
-    pub(crate) fn empty(planned: &PlannedRun, engine: &dyn Engine, ending: Ending) -> Self {
+    pub(crate) fn empty(
+        planned: &PlannedRun,
+        engine: &dyn Engine,
+        scene: &str,
+        ending: Ending,
+    ) -> Self {
         Self {
             engine: engine.name().to_owned(),
             engine_version: engine.version(),
             pinwheel_version: env!("CARGO_PKG_VERSION").to_owned(),
-            program: program().to_owned(),
-            scene: planned.scene.to_toml(),
+            program: SOURCES.to_owned(),
+            scene: scene.to_owned(),
             window_s: planned.window_s,
             ending,
             figures: BTreeMap::new(),
@@ -225,8 +227,9 @@ impl RunRecord {
         }
     }
 
-    /// Everything that the figures depend on, as text.
-    pub(crate) fn identity(&self) -> String {
+    /// Everything that the figures depend on, as text: two records with one identity have the same figures.
+    #[must_use]
+    pub fn identity(&self) -> String {
         identity(
             &self.engine,
             &self.engine_version,
@@ -251,24 +254,24 @@ fn created(run: &Run, [from, to]: [f64; 2]) -> Option<f64> {
     (nearest.driver_j > 0.0 && share.is_finite()).then_some(share)
 }
 
-/// This program, as a hash of its file: a rebuilt solver gives other numbers under the same version. Empty where the
-/// file cannot be read.
-pub(crate) fn program() -> &'static str {
-    static PROGRAM: OnceLock<String> = OnceLock::new();
-    PROGRAM.get_or_init(|| {
-        // Linux: the file that runs, even if another has its name by now.
-        let running = Path::new("/proc/self/exe");
-        let bytes = std::fs::read(running)
-            .or_else(|_| std::env::current_exe().and_then(std::fs::read))
-            .unwrap_or_default();
-        let mut hasher = DefaultHasher::new();
-        hasher.write(&bytes);
-        format!("{:016x}", hasher.finish())
-    })
+/// The sources that figures come from, as a hash (see `build.rs`): a changed solver gives other numbers under the same
+/// version.
+pub(crate) const SOURCES: &str = env!("PINWHEEL_SOURCES");
+
+/// The [`RunRecord::identity`] of a run that is planned; `scene` is its complete scene as TOML.
+pub(crate) fn wanted(planned: &PlannedRun, engine: &dyn Engine, scene: &str) -> String {
+    identity(
+        engine.name(),
+        &engine.version(),
+        env!("CARGO_PKG_VERSION"),
+        SOURCES,
+        planned.window_s,
+        scene,
+    )
 }
 
 /// Everything that the figures of a run depend on, as text.
-pub(crate) fn identity(
+fn identity(
     engine: &str,
     version: &str,
     pinwheel: &str,

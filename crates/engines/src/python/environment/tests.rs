@@ -18,7 +18,7 @@ const NOTHING: Requirements = Requirements {
 };
 
 fn interpreter() -> Interpreter {
-    host::interpreter().unwrap()
+    embedded::interpreter().unwrap()
 }
 
 fn names(folder: &Path) -> Vec<String> {

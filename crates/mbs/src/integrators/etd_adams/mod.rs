@@ -61,6 +61,8 @@ const LEAST: f64 = 0.02;
 /// Steps of Dormand-Prince before the method is tried; after a failure twice as many, up to the second.
 const WAIT: u64 = 4;
 const LONGEST_WAIT: u64 = 64;
+/// Steps of Dormand-Prince to the next time asked for beyond which the method does not wait for it to begin.
+const FAR: f64 = 8.0;
 /// Steps that make a trial no failure.
 const SUCCESS: u64 = 16;
 
@@ -324,7 +326,8 @@ impl EtdAdams {
 
     /// Takes over from Dormand-Prince if its last steps reach back far enough and the system has a Jacobian.
     fn take_over<S: OdeSystem>(&mut self, system: &mut S) -> bool {
-        let begins = self.at_aim || self.aim.is_infinite();
+        // At a time asked for, or where the next one is far.
+        let begins = self.at_aim || self.aim - self.time > FAR * self.pieces[0].taken;
         if !self.is_due() || self.known_pieces < 2 || !begins {
             return false;
         }
@@ -570,8 +573,9 @@ impl EtdAdams {
         stepper.shorten(self.longest);
         let distance = self.aim - self.time;
         let same = SAME * stepper.next_step();
-        if !self.refused && self.begun + 1 >= self.wait && distance > same {
-            // The multistep method begins at a time asked for.
+        let waits = !self.refused && self.begun + 1 >= self.wait;
+        if (waits || self.begun == 0) && distance > same {
+            // The multistep method begins at a time asked for, and its failed step, which went no farther, is replaced.
             stepper.shorten(distance);
         }
         stepper.step(system)?;

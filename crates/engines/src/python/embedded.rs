@@ -1,0 +1,122 @@
+//! The embedded interpreter with the package `pinwheel_engines` loaded, once per process.
+//!
+//! Python is started without signal handlers, so Ctrl-C stays the program's own. Its search path
+//! begins with our copy of the package and the environment's packages, so that nothing the user has
+//! installed elsewhere takes their place.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+
+use pyo3::prelude::*;
+
+use super::convert::text_of;
+use super::environment::{self, ENGINES, Environment, Interpreter};
+use super::error::PythonError;
+use super::host::{PACKAGE, package};
+use crate::cache;
+use crate::cards::pins;
+
+/// The package's files: path below its folder, text.
+const SOURCES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/sources.rs"));
+/// What the process knows of its Python so far. A failure is kept: asking pip again for every
+/// engine of a comparison would only take time.
+static READY: Mutex<Option<Result<(), PythonError>>> = Mutex::new(None);
+
+/// Makes the environment if need be, starts Python and loads the package.
+///
+/// # Errors
+/// See [`PythonError`]; the same one again at every later call, but for a stop by the user.
+pub(super) fn ready(cancel: &AtomicBool) -> Result<(), PythonError> {
+    let mut ready = READY
+        .lock()
+        .unwrap_or_else(|poisoned| poisoned.into_inner());
+    if let Some(known) = ready.as_ref() {
+        return known.clone();
+    }
+    let outcome = environment::environment(ENGINES, cancel).and_then(|found| load(&found));
+    if !outcome.as_ref().is_err_and(PythonError::is_stop) {
+        *ready = Some(outcome.clone());
+    }
+    outcome
+}
+
+/// The interpreter this process embeds.
+pub(super) fn interpreter() -> Result<Interpreter, PythonError> {
+    if let Some(home) = std::env::var_os("PYTHONHOME").filter(|value| !value.is_empty()) {
+        return Err(PythonError::Home(home.to_string_lossy().into_owned()));
+    }
+    let asked = Python::attach(|py| -> PyResult<Interpreter> {
+        let sys = py.import("sys")?;
+        let (major, minor, micro): (u8, u8, u8) = sys
+            .getattr("version_info")?
+            .get_item(pyo3::types::PySlice::new(py, 0, 3, 1))?
+            .extract()?;
+        let folder = py
+            .import("sysconfig")?
+            .call_method1("get_config_var", ("BINDIR",))?
+            .extract::<Option<PathBuf>>()?;
+        let prefix: PathBuf = sys.getattr("base_exec_prefix")?.extract()?;
+        let names = [
+            format!("python{major}.{minor}"),
+            "python3".to_owned(),
+            "python.exe".to_owned(),
+        ];
+        let folders = folder.into_iter().chain([prefix.join("bin"), prefix]);
+        let mut candidates: Vec<PathBuf> = folders
+            .flat_map(|folder| names.each_ref().map(|name| folder.join(name)))
+            .chain([PathBuf::from(env!("PINWHEEL_PYTHON_AT_BUILD"))])
+            .filter(|path| path.is_file())
+            .collect();
+        candidates.dedup();
+        Ok(Interpreter {
+            version: format!("{major}.{minor}.{micro}"),
+            candidates,
+        })
+    });
+    asked.map_err(|error| PythonError::NoInterpreter {
+        version: "3".to_owned(),
+        tried: Python::attach(|py| text_of(py, &error)),
+    })
+}
+
+/// Starts Python on an environment and loads the package.
+fn load(environment: &Environment) -> Result<(), PythonError> {
+    let files: Vec<(String, &str)> = SOURCES
+        .iter()
+        .map(|&(name, text)| (format!("{PACKAGE}/{name}"), text))
+        .collect();
+    let sources = cache::laid_out("sources", &files)?;
+    let failed = |reason: String| PythonError::Load {
+        reason,
+        folder: environment.folder.clone(),
+        named: environment::is_named(),
+    };
+    Python::attach(|py| {
+        let start = || -> PyResult<Result<(), String>> {
+            let path = py.import("sys")?.getattr("path")?;
+            // As text: the search path ignores path objects.
+            path.call_method1("insert", (0, environment.packages.as_os_str()))?;
+            path.call_method1("insert", (0, sources.as_os_str()))?;
+            let metadata = py.import("importlib.metadata")?;
+            for pin in pins() {
+                let found: String = metadata
+                    .call_method1("version", (pin.package,))
+                    .and_then(|version| version.extract())?;
+                if found != pin.version {
+                    return Ok(Err(format!(
+                        "it has {} {found}, and recorded courses and limits belong to {}",
+                        pin.package, pin.version
+                    )));
+                }
+            }
+            package(py)?;
+            Ok(Ok(()))
+        };
+        match start() {
+            Ok(Ok(())) => Ok(()),
+            Ok(Err(reason)) => Err(failed(reason)),
+            Err(error) => Err(failed(text_of(py, &error))),
+        }
+    })
+}

@@ -1,0 +1,143 @@
+//! A solver that a user wrote in Python, behind the one trait.
+//!
+//! ```text
+//!  drive(scene_toml, options) -> result        a Python callable
+//!    options: on_progress(time_s) -> stop      asked at every sample
+//!             initial_states                   (bodies, 6)
+//!             loads(states, loads)             our contact law, into arrays of doubles: (bodies, 6) -> (bodies, 3)
+//!    result:  columns, stats                   as those of the package's own engines
+//! ```
+
+use std::sync::{Arc, Mutex};
+
+use pinwheel_gearbox::Gearbox;
+use pyo3::buffer::PyBuffer;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyCFunction, PyDict};
+
+use super::convert;
+use super::law::{SharedLaw, locked};
+use super::published::Published;
+use super::watch::watched;
+use crate::engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, Track};
+
+/// A solver of the user's.
+#[derive(Debug)]
+pub struct Guest {
+    /// Name as typed by users.
+    pub name: String,
+    /// Which comparison it belongs to.
+    pub track: Track,
+    /// Version; what it computes must not change under one version.
+    pub version: String,
+    /// One line.
+    pub summary: String,
+    /// How it differs from the native solver.
+    pub differences: String,
+    /// Order of convergence in `solver.step_s`; `None` where the step is its own.
+    pub order: Option<f64>,
+    /// The callable.
+    pub drive: Py<PyAny>,
+    /// What it raised last that is not one of the package's errors, for whoever shows a traceback.
+    pub raised: Mutex<Option<PyErr>>,
+}
+
+impl Guest {
+    fn failed(&self, reason: impl ToString) -> EngineError {
+        EngineError::Failed {
+            engine: self.name.clone(),
+            reason: reason.to_string(),
+        }
+    }
+
+    fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, EngineError> {
+        let field = gearbox
+            .contact_field()
+            .map_err(|error| self.failed(error))?;
+        let law = Published::new(gearbox, field);
+        let scene_toml = gearbox.scene.to_toml();
+        let start: Vec<[f64; 6]> = gearbox
+            .initial_states()
+            .iter()
+            .map(|b| [b.x, b.y, b.angle, b.vx, b.vy, b.rate])
+            .collect();
+        let run = watched(control, |watch| {
+            Python::attach(|py| {
+                let driven = || -> PyResult<Result<Run, String>> {
+                    let options = PyDict::new(py);
+                    options.set_item("on_progress", watch.into_python(py)?)?;
+                    options.set_item("initial_states", start)?;
+                    options.set_item("loads", loads(py, &law)?)?;
+                    convert::run(&self.drive.bind(py).call1((scene_toml, options))?)
+                };
+                driven().map_err(|error| {
+                    let told = convert::error(py, &self.name, &error);
+                    if matches!(told, EngineError::Failed { .. }) {
+                        *locked(&self.raised) = Some(error);
+                    }
+                    told
+                })
+            })
+        });
+        // A law that Python keeps must not outlive its run.
+        drop(law);
+        run.map_err(|error| self.failed(error))??
+            .map_err(|reason| self.failed(reason))
+    }
+}
+
+/// The law as a Python function that works in the caller's arrays.
+fn loads<'py>(py: Python<'py>, law: &Published) -> PyResult<Bound<'py, PyCFunction>> {
+    let (bodies, law): (usize, SharedLaw) = (law.bodies, Arc::clone(&law.law));
+    PyCFunction::new_closure(py, None, None, move |args, _| -> PyResult<()> {
+        let py = args.py();
+        let states = PyBuffer::<f64>::get(&args.get_item(0)?)?;
+        let loads = PyBuffer::<f64>::get(&args.get_item(1)?)?;
+        if states.item_count() != 6 * bodies || loads.item_count() != 3 * bodies {
+            return Err(PyValueError::new_err(format!(
+                "states must be ({bodies}, 6) and loads ({bodies}, 3)"
+            )));
+        }
+        let states = states.to_vec(py)?;
+        let mut found = vec![0.0; 3 * bodies];
+        locked(&law).evaluate(&states, &mut found);
+        loads.copy_from_slice(py, &found)
+    })
+}
+
+impl Engine for Guest {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn track(&self) -> Track {
+        self.track
+    }
+
+    fn version(&self) -> String {
+        self.version.clone()
+    }
+
+    fn summary(&self) -> &str {
+        &self.summary
+    }
+
+    fn differences(&self) -> &str {
+        &self.differences
+    }
+
+    fn refinement(&self) -> Option<Refinement> {
+        self.order.map(|order| Refinement {
+            knob: Knob::Step,
+            order,
+        })
+    }
+
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+        let gearbox = gearbox.clone();
+        Ok(Box::new(move |control: &Control<'_>| {
+            self.run(&gearbox, control)
+        }))
+    }
+}

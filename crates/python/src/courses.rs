@@ -1,0 +1,58 @@
+//! Time series as bytes that numpy takes as they are.
+
+use pinwheel::Courses;
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+/// Columns of a run.
+#[pyclass(frozen, module = "pinwheel._core")]
+pub(crate) struct Columns(pub(crate) Courses);
+
+#[pymethods]
+impl Columns {
+    /// Names of the columns after the time, each ending in its unit, and in a number where there are several.
+    fn names(&self) -> Vec<&str> {
+        self.0
+            .channels()
+            .iter()
+            .map(|channel| channel.name.as_str())
+            .collect()
+    }
+
+    /// Sample times, s: doubles of this machine.
+    fn time<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        bytes(py, std::iter::once(self.0.time_s()), self.0.len())
+    }
+
+    /// All columns one after the other: doubles, (columns, samples).
+    fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let channels = self.0.channels();
+        let count = channels.len() * self.0.len();
+        bytes(
+            py,
+            channels.iter().map(|channel| channel.values.as_slice()),
+            count,
+        )
+    }
+
+    /// Writes the file that the program calls `courses.csv`.
+    fn save_csv(&self, path: &str) -> PyResult<()> {
+        let saved = self.0.save_csv(std::path::Path::new(path));
+        saved.map_err(|error| PyOSError::new_err(error.to_string()))
+    }
+}
+
+fn bytes<'py, 'a>(
+    py: Python<'py>,
+    columns: impl Iterator<Item = &'a [f64]>,
+    count: usize,
+) -> PyResult<Bound<'py, PyBytes>> {
+    PyBytes::new_with(py, 8 * count, |place| {
+        let (slots, _) = place.as_chunks_mut::<8>();
+        for (slot, value) in slots.iter_mut().zip(columns.flatten()) {
+            *slot = value.to_ne_bytes();
+        }
+        Ok(())
+    })
+}

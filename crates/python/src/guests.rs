@@ -1,0 +1,93 @@
+//! Engines by name, and solvers written in Python.
+
+use std::sync::{Arc, Mutex};
+
+use pinwheel::engines::python::Guest;
+use pinwheel::engines::{Engine, Track};
+use pinwheel::scene::Scene;
+use pinwheel::studies::choice;
+use pyo3::prelude::*;
+
+use crate::errors;
+
+/// An engine as it is asked for.
+pub(crate) enum Asked {
+    Name(String),
+    Own(Guest),
+}
+
+impl Asked {
+    /// A name, or a `pinwheel.Engine`.
+    pub(crate) fn of(engine: &Bound<'_, PyAny>) -> PyResult<Self> {
+        if let Ok(name) = engine.extract::<String>() {
+            return Ok(Self::Name(name));
+        }
+        let py = engine.py();
+        let Ok(drive) = engine.getattr("_drive") else {
+            let kind = engine.get_type().name()?;
+            return Err(errors::input(
+                py,
+                &format!("an engine is a name or a function with @pinwheel.engine, not {kind}"),
+            ));
+        };
+        let text = |name: &str| -> PyResult<String> { engine.getattr(name)?.extract() };
+        let track = match text("track")?.as_str() {
+            "own-contact" => Track::OwnContact,
+            _ => Track::SharedLaw,
+        };
+        Ok(Self::Own(Guest {
+            name: text("name")?,
+            track,
+            version: text("version")?,
+            summary: text("summary")?,
+            differences: text("differences")?,
+            order: engine.getattr("order")?.extract()?,
+            drive: drive.unbind(),
+            raised: Mutex::new(None),
+        }))
+    }
+
+    pub(crate) fn each(engines: &[Bound<'_, PyAny>]) -> PyResult<Vec<Self>> {
+        engines.iter().map(Self::of).collect()
+    }
+}
+
+/// The engines asked for; without any all that there are for the scene.
+pub(crate) fn engines(
+    py: Python<'_>,
+    asked: Vec<Asked>,
+    scene: &Scene,
+) -> PyResult<Vec<Box<dyn Engine>>> {
+    let wrong = |error: choice::ChoiceError| errors::choice(py, &error);
+    if asked.is_empty() {
+        let none: [&str; 0] = [];
+        return choice::engines(&none, scene).map_err(wrong);
+    }
+    let mut found: Vec<Box<dyn Engine>> = Vec::new();
+    for engine in asked {
+        let engine: Box<dyn Engine> = match engine {
+            Asked::Name(name) => choice::find_or_recorded(name.trim(), scene).map_err(wrong)?,
+            Asked::Own(guest) => Box::new(guest),
+        };
+        if found.iter().any(|other| other.name() == engine.name()) {
+            return Err(wrong(choice::ChoiceError::Twice(engine.name().to_owned())));
+        }
+        found.push(engine);
+    }
+    Ok(found)
+}
+
+/// The guests among the engines asked for, and the names of all.
+pub(crate) fn split(asked: Vec<Asked>) -> (Vec<String>, Vec<Arc<dyn Engine>>) {
+    let (mut names, mut guests) = (Vec::new(), Vec::<Arc<dyn Engine>>::new());
+    for engine in asked {
+        match engine {
+            Asked::Name(name) => names.push(name),
+            Asked::Own(guest) => {
+                names.push(guest.name.clone());
+                guests.push(Arc::new(guest));
+            }
+        }
+    }
+    (names, guests)
+}

@@ -1,0 +1,84 @@
+//! Contact laws on arrays.
+
+use pinwheel::contact::laws::{LAWS, Law as Normal, LawParameters, NormalLaw as _};
+use pinwheel::scene::did_you_mean;
+use pyo3::buffer::PyBuffer;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::errors;
+use crate::scene::Core;
+
+/// A normal contact law with its parameters.
+#[pyclass(frozen, module = "pinwheel._core")]
+pub(crate) struct Law(Normal);
+
+#[pymethods]
+impl Law {
+    /// The law called `name` with the parameters of a scene.
+    #[new]
+    fn new(py: Python<'_>, name: &str, scene: &Core) -> PyResult<Self> {
+        let contact = &scene.checked.contact;
+        let parameters = LawParameters {
+            damping: contact.damping_n_s_m,
+            ramp: contact.ramp_m,
+            constant_stiffness: contact.constant_stiffness_n_m15,
+            stiffness_multiplier: contact.stiffness_multiplier,
+            line_length: contact.line_length_m,
+            restitution: contact.restitution,
+            impact_speed: contact.impact_speed_m_s,
+        };
+        let known: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
+        Normal::named(name, &parameters).map(Self).ok_or_else(|| {
+            let remedy = did_you_mean(name, &known);
+            errors::input(py, &format!("there is no contact law `{name}`; {remedy}"))
+        })
+    }
+
+    /// Forces into `out`; all arrays are doubles of one length. K in N/m^1.5, penetration in m, its rate in m/s.
+    fn forces(
+        &self,
+        py: Python<'_>,
+        stiffness: PyBuffer<f64>,
+        depth: PyBuffer<f64>,
+        rate: PyBuffer<f64>,
+        out: PyBuffer<f64>,
+    ) -> PyResult<()> {
+        let [stiffness, depth, rate] = [stiffness, depth, rate].map(|array| array.to_vec(py));
+        let (stiffness, depth, rate) = (stiffness?, depth?, rate?);
+        if [depth.len(), rate.len(), out.item_count()] != [stiffness.len(); 3] {
+            return Err(PyValueError::new_err("all arrays must have one length"));
+        }
+        let law = self.0;
+        let forces: Vec<f64> = py.detach(|| {
+            let pairs = stiffness.iter().zip(&depth).zip(&rate);
+            // Apart there is no force, whatever a law's formula gives there.
+            let force = |((&k, &d), &v)| if d > 0.0 { law.force(k, d, v) } else { 0.0 };
+            pairs.map(force).collect()
+        });
+        out.copy_from_slice(py, &forces)
+    }
+}
+
+/// All laws: (name, summary, formula, source, keys).
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+pub(crate) fn laws() -> Vec<(
+    &'static str,
+    &'static str,
+    &'static str,
+    &'static str,
+    Vec<&'static str>,
+)> {
+    LAWS.iter()
+        .map(|law| {
+            (
+                law.name,
+                law.summary,
+                law.formula,
+                law.source,
+                law.keys.to_vec(),
+            )
+        })
+        .collect()
+}

@@ -1,0 +1,93 @@
+//! One scene on one engine.
+
+use pinwheel::courses::Ending;
+use pinwheel::engines::Engine;
+use pinwheel::engines::EngineError;
+use pinwheel::studies::{StudyError, choice, single};
+use pyo3::prelude::*;
+
+use crate::courses::Columns;
+use crate::errors;
+use crate::guests::Asked;
+use crate::scene::Core;
+use crate::supervise::supervised;
+
+/// A run, its courses apart.
+#[pyclass(frozen, module = "pinwheel._core")]
+pub(crate) struct Ran {
+    #[pyo3(get)]
+    engine: String,
+    #[pyo3(get)]
+    version: String,
+    #[pyo3(get)]
+    track: &'static str,
+    /// Cost, settings and notes, JSON.
+    #[pyo3(get)]
+    stats: String,
+    /// What a run at twice the step shows, JSON; `None` where that was not looked at.
+    #[pyo3(get)]
+    resolution: Option<String>,
+    /// What the engine itself knows of its numerical uncertainty, JSON.
+    #[pyo3(get)]
+    uncertainty: Option<String>,
+    #[pyo3(get)]
+    columns: Py<Columns>,
+}
+
+impl Ran {
+    fn of(py: Python<'_>, found: single::Outcome) -> PyResult<Self> {
+        Ok(Self {
+            engine: found.engine,
+            version: found.version,
+            track: found.track.as_str(),
+            stats: json(&found.run.stats)?,
+            resolution: found.resolution.as_ref().map(json).transpose()?,
+            uncertainty: found.run.uncertainty.as_ref().map(json).transpose()?,
+            columns: Py::new(py, Columns(found.run.courses))?,
+        })
+    }
+}
+
+fn json(value: &impl serde::Serialize) -> PyResult<String> {
+    serde_json::to_string(value).map_err(|error| errors::json(&error))
+}
+
+/// Runs a scene; `check`: a native run is repeated at twice its step.
+#[pyfunction]
+pub(crate) fn run(
+    py: Python<'_>,
+    scene: &Core,
+    engine: &Bound<'_, PyAny>,
+    check: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Ran> {
+    let checked = &scene.checked;
+    let asked = Asked::of(engine)?;
+    let named;
+    let (engine, guest): (&dyn Engine, _) = match &asked {
+        Asked::Name(name) => {
+            named = choice::find(name, checked).map_err(|error| errors::choice(py, &error))?;
+            (named.as_ref(), None)
+        }
+        Asked::Own(guest) => (guest, Some(guest)),
+    };
+    let found = supervised(py, progress.as_ref(), |control| {
+        single::run(&pinwheel::compile(checked)?, engine, check, control)
+    })?;
+    let found = found.map_err(|error| {
+        let told = errors::study(py, &error);
+        let raised = guest.and_then(|guest| guest.raised.lock().ok()?.take());
+        if matches!(error, StudyError::Engine(EngineError::Failed { .. })) {
+            told.set_cause(py, raised);
+        }
+        told
+    })?;
+    let ending = found.ending.clone();
+    let ran = Ran::of(py, found)?;
+    if let Ending::Diverged { time_s, quantity } = ending {
+        let engine = ran.engine.clone();
+        let partial = Py::new(py, ran)?.into_any();
+        return Err(errors::diverged(py, &engine, time_s, &quantity, partial));
+    }
+    Ok(ran)
+}

@@ -1,0 +1,145 @@
+//! Scenes: what `pinwheel.Scene` holds.
+
+use pinwheel::scene::{CheckedScene, KEYS, Override, PRESETS, Scene, did_you_mean, preset};
+use pyo3::prelude::*;
+
+use crate::errors;
+
+/// A checked scene and what it was made of, so that a change derives again what follows from what is written.
+#[pyclass(frozen, module = "pinwheel._core", name = "Scene")]
+pub(crate) struct Core {
+    pub(crate) checked: CheckedScene,
+    name: String,
+    text: String,
+    sets: Vec<(String, String)>,
+}
+
+fn overrides(sets: &[(String, String)]) -> Vec<Override> {
+    let each = |(key, value): &(String, String)| Override::new(key.clone(), value.clone());
+    sets.iter().map(each).collect()
+}
+
+impl Core {
+    fn of(name: String, text: String, sets: Vec<(String, String)>) -> PyResult<Self> {
+        let checked = Scene::from_toml(&text, &name, &overrides(&sets));
+        let checked = checked.map_err(|error| Python::attach(|py| errors::scene(py, &error)))?;
+        Ok(Self {
+            checked,
+            name,
+            text,
+            sets,
+        })
+    }
+}
+
+#[pymethods]
+impl Core {
+    /// A scene from TOML text; `name` is its file, beside which a base is looked for. `sets`: (dotted key, TOML value).
+    #[new]
+    fn new(name: String, text: String, sets: Vec<(String, String)>) -> PyResult<Self> {
+        Self::of(name, text, sets)
+    }
+
+    /// A preset or a file.
+    #[staticmethod]
+    fn load(py: Python<'_>, spec: String, sets: Vec<(String, String)>) -> PyResult<Self> {
+        if let Some(text) = preset(&spec) {
+            return Self::of(spec, text.to_owned(), sets);
+        }
+        // Small plain files are read here; what cannot be read is told as the program does.
+        let small = std::fs::metadata(&spec)
+            .is_ok_and(|file| file.is_file() && file.len() <= pinwheel::scene::MOST_BYTES as u64);
+        match small.then(|| std::fs::read_to_string(&spec)) {
+            Some(Ok(text)) => {
+                let path = std::path::absolute(&spec);
+                Self::of(
+                    path.map_or(spec, |path| path.display().to_string()),
+                    text,
+                    sets,
+                )
+            }
+            _ => match Scene::load(&spec, &overrides(&sets)) {
+                Err(error) => Err(errors::scene(py, &error)),
+                Ok(_) => Err(errors::input(py, &format!("{spec}: is no plain file"))),
+            },
+        }
+    }
+
+    /// The same scene with more keys set; what follows from written values is derived again.
+    fn changed(&self, sets: Vec<(String, String)>) -> PyResult<Self> {
+        let all = self.sets.iter().cloned().chain(sets).collect();
+        Self::of(self.name.clone(), self.text.clone(), all)
+    }
+
+    /// What it was made of: name, text, settings.
+    fn spec(&self) -> (String, String, Vec<(String, String)>) {
+        (self.name.clone(), self.text.clone(), self.sets.clone())
+    }
+
+    /// Every key written out, TOML.
+    fn to_toml(&self) -> String {
+        self.checked.to_toml()
+    }
+
+    /// Keys that nobody wrote: (key, value as TOML, where it comes from).
+    fn origins(&self) -> Vec<(&'static str, String, String)> {
+        let origins = self.checked.origins();
+        let each = origins
+            .iter()
+            .map(|o| (o.key, o.value.to_string(), o.source.words()));
+        each.collect()
+    }
+}
+
+/// The full name of a key that is given in full or by its last part.
+#[pyfunction]
+pub(crate) fn key(py: Python<'_>, name: &str) -> PyResult<String> {
+    if ["name", "description", "base"].contains(&name) || KEYS.iter().any(|key| key.name == name) {
+        return Ok(name.to_owned());
+    }
+    let last = |full: &'static str| full.rsplit('.').next().unwrap_or(full);
+    let found: Vec<&str> = KEYS
+        .iter()
+        .map(|key| key.name)
+        .filter(|full| last(full) == name)
+        .collect();
+    let wrong = |what: String| {
+        let fault = pinwheel::scene::SceneError::Key {
+            place: pinwheel::scene::Place::Set(String::new()),
+            key: name.to_owned(),
+            what: "is no key of a scene".to_owned(),
+            remedy: what,
+        };
+        Err(errors::scene(py, &fault))
+    };
+    match found.as_slice() {
+        [one] => Ok((*one).to_owned()),
+        [] => {
+            let known: Vec<&str> = if name.contains('.') {
+                KEYS.iter().map(|key| key.name).collect()
+            } else {
+                KEYS.iter().map(|key| last(key.name)).collect()
+            };
+            wrong(did_you_mean(name, &known))
+        }
+        several => {
+            let list: Vec<String> = several.iter().map(|full| format!("`{full}`")).collect();
+            wrong(format!(
+                "it stands for several; write one of {} in full",
+                list.join(", ")
+            ))
+        }
+    }
+}
+
+/// All keys: (name, what it means, remedy that says its range or unit).
+#[pyfunction]
+pub(crate) fn keys() -> Vec<(&'static str, &'static str)> {
+    KEYS.iter().map(|key| (key.name, key.about)).collect()
+}
+
+/// Names of the presets.
+#[pyfunction]
+pub(crate) fn presets() -> Vec<&'static str> {
+    PRESETS.iter().map(|preset| preset.name).collect()
+}

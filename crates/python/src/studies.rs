@@ -1,0 +1,206 @@
+//! Comparison, bench, explanation, and the list of engines.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+use pinwheel::pages;
+use pinwheel::studies::comparison::foreign;
+use pinwheel::studies::precision::{self, Options};
+use pinwheel::studies::{Provenance, bench as benches, choice, comparison, explained};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::courses::Columns;
+use crate::errors;
+use crate::guests::{self, Asked};
+use crate::scene::Core;
+use crate::supervise::supervised;
+
+/// How pages name what made them.
+pub(crate) fn made() -> Provenance {
+    Provenance::here("python: import pinwheel")
+}
+
+/// A comparison.
+#[pyclass(frozen, module = "pinwheel._core")]
+pub(crate) struct Compared(comparison::Outcome);
+
+#[pymethods]
+impl Compared {
+    /// Figures, distances and verdicts: the program's `summary.json`.
+    fn json(&self) -> PyResult<String> {
+        serde_json::to_string(&self.0.comparison).map_err(|error| errors::json(&error))
+    }
+
+    /// Name and courses of every participant that ran.
+    fn courses(&self, py: Python<'_>) -> PyResult<Vec<(String, Py<Columns>)>> {
+        let each = self.0.participants.iter().map(|participant| {
+            let columns = Columns(participant.courses.clone());
+            Ok((participant.name.clone(), Py::new(py, columns)?))
+        });
+        each.collect()
+    }
+
+    /// The page that opens offline.
+    fn page(&self, py: Python<'_>) -> PyResult<String> {
+        let page = py.detach(|| pages::comparison::page(&self.0, &made(), &AtomicBool::new(false)));
+        page.map_err(|error| errors::page(&error))
+    }
+
+    /// What a terminal shows.
+    fn text(&self) -> String {
+        pages::comparison::text(&self.0.gearbox.scene, &self.0.comparison)
+    }
+}
+
+/// Runs a scene on several engines and compares them; without names on all there are.
+#[pyfunction]
+pub(crate) fn compare(
+    py: Python<'_>,
+    scene: &Core,
+    engines: Vec<Bound<'_, PyAny>>,
+    against: Vec<(PathBuf, PathBuf)>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Compared> {
+    let checked = &scene.checked;
+    let engines = guests::engines(py, Asked::each(&engines)?, checked)?;
+    let pairs = against.iter().map(|(file, map)| (&**file, &**map));
+    let data = foreign::open(pairs).map_err(|error| errors::study(py, &error))?;
+    let found = supervised(py, progress.as_ref(), |control| {
+        let gearbox = foreign::with_channels(&data, pinwheel::compile(checked)?)?;
+        let input = comparison::Input {
+            gearbox: &gearbox,
+            engines: &engines,
+            data: &data,
+        };
+        comparison::run(&input, control)
+    })?;
+    found
+        .map(Compared)
+        .map_err(|error| errors::study(py, &error))
+}
+
+/// What accuracy costs.
+#[pyclass(frozen, module = "pinwheel._core")]
+pub(crate) struct Benched(benches::Outcome);
+
+#[pymethods]
+impl Benched {
+    /// The rows of the program's `bench.csv`.
+    fn csv(&self) -> PyResult<Vec<u8>> {
+        let mut rows = Vec::new();
+        if let Some(study) = &self.0.study {
+            let written = precision::write_csv(study, &mut rows);
+            written.map_err(|error| errors::study_text(&error))?;
+        }
+        Ok(rows)
+    }
+
+    fn page(&self) -> PyResult<String> {
+        pages::bench::page(&self.0, &made()).map_err(|error| errors::page(&error))
+    }
+
+    fn text(&self) -> String {
+        pages::bench::text(&self.0)
+    }
+}
+
+/// Measures what accuracy costs in the engines named, on one scene.
+#[pyfunction]
+pub(crate) fn bench(
+    py: Python<'_>,
+    scene: &Core,
+    engines: Vec<Bound<'_, PyAny>>,
+    options: (f64, usize, f64),
+    methods: Vec<String>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Benched> {
+    let checked = &scene.checked;
+    let (target, repeats, longest_s) = options;
+    for (name, value) in [("target", target), ("longest_s", longest_s)] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(errors::input(
+                py,
+                &format!("{name} = {value}: give a positive number"),
+            ));
+        }
+    }
+    if repeats == 0 {
+        return Err(errors::input(
+            py,
+            "repeats = 0 measures nothing; use 1 or more",
+        ));
+    }
+    let known = precision::method_names();
+    if let Some(name) = methods.iter().find(|name| !known.contains(&name.as_str())) {
+        let remedy = pinwheel::scene::did_you_mean(name, &known);
+        return Err(errors::input(
+            py,
+            &format!("there is no integrator `{name}`; {remedy}"),
+        ));
+    }
+    let (mut names, mut own) = (Vec::new(), Vec::new());
+    for engine in Asked::each(&engines)? {
+        match engine {
+            Asked::Name(name) => names.push(name),
+            Asked::Own(guest) => own.push(guest),
+        }
+    }
+    let mut engines = if names.is_empty() && !own.is_empty() {
+        Vec::new()
+    } else {
+        benches::engines(&names, checked).map_err(|error| errors::study(py, &error))?
+    };
+    for guest in own {
+        engines.push(Box::new(guest));
+    }
+    let options = Options {
+        target,
+        repeats,
+        longest_s,
+        longest_native_s: 0.1 * longest_s,
+        methods,
+        ..Options::default()
+    };
+    let found = supervised(py, progress.as_ref(), |control| {
+        benches::run(
+            checked,
+            &engines,
+            &options,
+            &[benches::Part::Scene],
+            control,
+        )
+    })?;
+    found
+        .map(Benched)
+        .map_err(|error| errors::study(py, &error))
+}
+
+/// What a scene models and assumes: (for programs, JSON; for people, text).
+#[pyfunction]
+pub(crate) fn explain(py: Python<'_>, scene: &Core) -> PyResult<(String, String)> {
+    let wrong = |error: &dyn std::fmt::Display| errors::input(py, &error.to_string());
+    let gearbox = pinwheel::compile(&scene.checked).map_err(|error| errors::study(py, &error))?;
+    let found = explained::explain(&gearbox).map_err(|error| wrong(&error))?;
+    let json = serde_json::to_string(&found).map_err(|error| errors::json(&error))?;
+    Ok((json, pages::explain::text(&found)))
+}
+
+/// The engines there are: name, track, version, summary, differences.
+#[pyfunction]
+pub(crate) fn engines(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
+    let each = choice::listed().into_iter().map(|engine| {
+        let text = |text: &str| pyo3::types::PyString::new(py, text).into_any();
+        errors::dict(
+            py,
+            &[
+                ("name", text(&engine.name)),
+                ("track", text(engine.track.as_str())),
+                ("version", text(&engine.version)),
+                ("summary", text(&engine.summary)),
+                ("differences", text(&engine.differences)),
+            ],
+        )
+    });
+    each.collect()
+}

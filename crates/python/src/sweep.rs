@@ -1,0 +1,320 @@
+//! Sweeps: planned and kept here, run by threads here or, batch by batch, by workers elsewhere.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use pinwheel::pages;
+use pinwheel::scene::Override;
+use pinwheel::studies::folder::{Folder, FolderError, Request, beside};
+use pinwheel::studies::output::write_text;
+use pinwheel::studies::sweep::{
+    self as sweeps, Column, Guests, Journal, KeepCourses, Plan, PlannedRun, RunRecord,
+};
+use pyo3::exceptions::{PyOSError, PyRuntimeError};
+use pyo3::prelude::*;
+
+use crate::errors;
+use crate::guests::{self, Asked};
+use crate::studies::made;
+use crate::supervise::supervised;
+
+/// How the marker of folders names who wrote them.
+const COMMAND: &str = "pinwheel.sweep in Python";
+
+/// A sweep with its journal, from its plan to its files.
+#[pyclass(frozen, module = "pinwheel._core")]
+pub(crate) struct Sweep {
+    plan: Plan,
+    out: PathBuf,
+    force: bool,
+    /// `None` after the results are written.
+    journal: Mutex<Option<Journal>>,
+    records: Mutex<Vec<Option<RunRecord>>>,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn folder(error: &FolderError) -> PyErr {
+    PyOSError::new_err(format!("{error}; choose another `out`"))
+}
+
+/// What came too late.
+fn over() -> PyErr {
+    PyRuntimeError::new_err("the results of this sweep are written")
+}
+
+fn request(force: bool) -> Request {
+    Request {
+        command: COMMAND.to_owned(),
+        force,
+        ..Request::default()
+    }
+}
+
+#[pymethods]
+impl Sweep {
+    /// Plans a sweep from the text of the file `path`, checks its output folder, and opens its journal.
+    #[new]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        py: Python<'_>,
+        text: &str,
+        path: &str,
+        sets: Vec<(String, String)>,
+        engines: Vec<Bound<'_, PyAny>>,
+        out: Option<PathBuf>,
+        resume: bool,
+        force: bool,
+    ) -> PyResult<Self> {
+        let wrong = |error: sweeps::SweepError| errors::sweep(py, &error);
+        let mut sweep = sweeps::Sweep::from_toml(text, Path::new(path)).map_err(wrong)?;
+        let (names, own) = guests::split(Asked::each(&engines)?);
+        if !names.is_empty() {
+            sweep.engines = names;
+        }
+        let sets: Vec<Override> = sets
+            .into_iter()
+            .map(|(key, value)| Override::new(key, value))
+            .collect();
+        let never = AtomicBool::new(false);
+        let plan = py.detach(|| Plan::within(sweep, &sets, Guests(own), &never));
+        let plan = plan.map_err(wrong)?;
+        let out =
+            out.unwrap_or_else(|| Path::new("out").join(format!("{}-sweep", plan.sweep.name)));
+        drop(Folder::prepare(&out, request(force)).map_err(|error| folder(&error))?);
+        let place = beside(&out, ".unfinished");
+        let there = place.exists();
+        let earlier = out.join("runs");
+        let earlier = resume.then_some(earlier.as_path());
+        let journal = Journal::open(&place, earlier, COMMAND).map_err(wrong)?;
+        if there && !resume {
+            if !force {
+                return Err(errors::input(
+                    py,
+                    &format!(
+                        "{} holds runs of an earlier attempt; go on with resume=True, or start over with force=True",
+                        place.display()
+                    ),
+                ));
+            }
+            journal.clear().map_err(wrong)?;
+        }
+        let records = Mutex::new(vec![None; plan.runs.len()]);
+        Ok(Self {
+            plan,
+            out,
+            force,
+            journal: Mutex::new(Some(journal)),
+            records,
+        })
+    }
+
+    fn __len__(&self) -> usize {
+        self.plan.runs.len()
+    }
+
+    /// Name of the sweep.
+    fn name(&self) -> &str {
+        &self.plan.sweep.name
+    }
+
+    /// Where the results go.
+    fn out(&self) -> String {
+        self.out.display().to_string()
+    }
+
+    /// Keys that are varied.
+    fn keys(&self) -> Vec<&str> {
+        self.plan.keys().collect()
+    }
+
+    /// Runs everything that the journal lacks on `jobs` threads.
+    fn execute(&self, py: Python<'_>, jobs: usize, progress: Option<Py<PyAny>>) -> PyResult<()> {
+        let found = supervised(py, progress.as_ref(), |control| {
+            let journal = lock(&self.journal);
+            let journal = journal.as_ref()?;
+            Some(sweeps::execute(&self.plan, journal, jobs, control))
+        })?;
+        let found = found.ok_or_else(over)?;
+        let records = found.map_err(|error| errors::sweep(py, &error))?;
+        *lock(&self.records) = records.into_iter().map(Some).collect();
+        Ok(())
+    }
+
+    /// Places of the runs that the journal lacks.
+    fn pending(&self, py: Python<'_>) -> PyResult<Vec<usize>> {
+        let journal = lock(&self.journal);
+        let journal = journal.as_ref().ok_or_else(over)?;
+        let mut records = lock(&self.records);
+        let mut pending = Vec::new();
+        for (k, planned) in self.plan.runs.iter().enumerate() {
+            let found = sweeps::find(&self.plan, planned, journal);
+            records[k] = found.map_err(|error| errors::sweep(py, &error))?;
+            if records[k].is_none() {
+                pending.push(k);
+            }
+        }
+        Ok(pending)
+    }
+
+    /// Run `k` for a worker: number, engine, complete scene, window.
+    fn task(&self, k: usize) -> PyResult<(usize, String, String, [f64; 2])> {
+        let planned = self.plan.runs.get(k).ok_or_else(over)?;
+        let scene = planned.scene.to_toml();
+        Ok((
+            planned.number,
+            planned.engine.clone(),
+            scene,
+            planned.window_s,
+        ))
+    }
+
+    /// Where workers write courses, and how; `None` where none are kept.
+    fn courses(&self) -> Option<(String, &'static str)> {
+        let how = match self.plan.sweep.courses {
+            KeepCourses::None => return None,
+            KeepCourses::Csv => "csv",
+            KeepCourses::Parquet => "parquet",
+        };
+        let journal = lock(&self.journal);
+        let place = std::path::absolute(journal.as_ref()?.folder()).ok()?;
+        Some((place.display().to_string(), how))
+    }
+
+    /// Takes the record of run `k` from a worker, and keeps it.
+    fn accept(&self, py: Python<'_>, k: usize, record: &str) -> PyResult<()> {
+        let mut record: RunRecord =
+            serde_json::from_str(record).map_err(|error| errors::json(&error))?;
+        let planned = self.plan.runs.get(k).ok_or_else(over)?;
+        record.scene = planned.scene.to_toml();
+        let ours =
+            sweeps::wanted_of(&self.plan, planned).map_err(|error| errors::sweep(py, &error))?;
+        if record.identity() != ours {
+            return Err(errors::input(
+                py,
+                "a worker has another build of pinwheel, or of an engine, than this process; install the same on all machines",
+            ));
+        }
+        let journal = lock(&self.journal);
+        let journal = journal.as_ref().ok_or_else(over)?;
+        let kept = journal.keep(&record);
+        kept.map_err(|error| errors::sweep(py, &error))?;
+        lock(&self.records)[k] = Some(record);
+        Ok(())
+    }
+
+    /// Writes the output folder, as the program does, and removes the journal.
+    fn finish(&self, py: Python<'_>) -> PyResult<()> {
+        let records = self.records()?;
+        let wrong = |error: sweeps::SweepError| errors::sweep(py, &error);
+        let mut journal = lock(&self.journal);
+        let held = journal.as_ref().ok_or_else(over)?;
+        let target = Folder::prepare(&self.out, request(self.force));
+        let target = target.map_err(|error| folder(&error))?;
+        let (table, made) = (sweeps::results(&self.plan, &records), made());
+        sweeps::write(target.path(), &self.plan, &records, &table, held, &made).map_err(wrong)?;
+        let page = pages::sweep::page(&self.plan, &records, &table, &made);
+        let page = page.map_err(|error| errors::page(&error))?;
+        let index = target.path().join("index.html");
+        write_text(&index, &page).map_err(|error| PyOSError::new_err(error.to_string()))?;
+        target.publish().map_err(|error| folder(&error))?;
+        match journal.take() {
+            Some(journal) => journal.remove().map_err(wrong),
+            None => Ok(()),
+        }
+    }
+
+    /// Lets go of the journal, whose runs stay; an empty one goes.
+    fn close(&self, py: Python<'_>) -> PyResult<usize> {
+        let Some(journal) = lock(&self.journal).take() else {
+            return Ok(0);
+        };
+        let kept = journal.in_its_folder();
+        if kept == 0 {
+            journal
+                .remove()
+                .map_err(|error| errors::sweep(py, &error))?;
+        }
+        Ok(kept)
+    }
+
+    /// The results as columns: (name, values), numbers or texts, `None` where there is none.
+    fn columns<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
+        let table = sweeps::results(&self.plan, &self.records()?);
+        let each = table.columns.into_iter().map(|(name, column)| {
+            let values = match column {
+                Column::Number(values) => values.into_pyobject(py)?,
+                Column::Whole(values) => values.into_pyobject(py)?,
+                Column::Text(values) => values.into_pyobject(py)?,
+            };
+            Ok((name, values.into_any()))
+        });
+        each.collect()
+    }
+
+    /// Runs that did not finish, and why the first did not: engine and reason.
+    fn broken(&self) -> PyResult<(usize, Option<(String, String)>)> {
+        let records = self.records()?;
+        let broken = records.iter().filter(|r| !r.ending.is_finished());
+        let first = broken.clone().next();
+        let first = first.map(|r| (r.engine.clone(), r.reason()));
+        Ok((broken.count(), first))
+    }
+
+    /// What a terminal shows.
+    fn text(&self) -> PyResult<String> {
+        let files = [("results", "results.csv"), ("report", "index.html")]
+            .map(|(word, name)| (word, self.out.join(name).display().to_string()));
+        Ok(pages::sweep::text(&self.plan, &self.records()?, &files))
+    }
+
+    /// CPU time of all runs, s.
+    fn cpu_s(&self) -> PyResult<f64> {
+        Ok(self.records()?.iter().map(|record| record.cpu_s).sum())
+    }
+}
+
+impl Sweep {
+    /// All records.
+    fn records(&self) -> PyResult<Vec<RunRecord>> {
+        let records: Option<Vec<RunRecord>> = lock(&self.records).iter().cloned().collect();
+        records.ok_or_else(|| PyRuntimeError::new_err("this sweep has runs that are not done"))
+    }
+}
+
+/// Makes a run that another process planned, and gives its record as JSON, without its scene; `courses`: the folder that
+/// they go to, and how.
+#[pyfunction]
+pub(crate) fn perform(
+    py: Python<'_>,
+    task: (usize, String, String, [f64; 2]),
+    engines: Vec<Bound<'_, PyAny>>,
+    courses: Option<(PathBuf, String)>,
+) -> PyResult<String> {
+    let (number, engine, scene, window_s) = task;
+    let wrong = |error: &sweeps::SweepError| errors::sweep(py, error);
+    let planned = PlannedRun::from_parts(number, engine, &scene, window_s)
+        .map_err(|error| errors::scene(py, &error))?;
+    let (_, own) = guests::split(Asked::each(&engines)?);
+    let Some(engine) = Guests(own).engine(&planned.engine, &planned.scene) else {
+        let text = format!("this machine has no engine `{}`", planned.engine);
+        return Err(errors::input(py, &text));
+    };
+    let keep = match courses.as_ref().map(|(_, how)| how.as_str()) {
+        None => KeepCourses::None,
+        Some("csv") => KeepCourses::Csv,
+        Some(_) => KeepCourses::Parquet,
+    };
+    let place = courses.map(|(folder, _)| folder).unwrap_or_default();
+    let made = py.detach(|| {
+        let control = pinwheel::engines::Control::quiet();
+        sweeps::perform(&planned, engine.as_ref(), (&place, keep), &control)
+    });
+    let record = made.map_err(|error| wrong(&error))?;
+    let mut record = record.ok_or_else(|| PyRuntimeError::new_err("stopped"))?;
+    record.scene = String::new();
+    serde_json::to_string(&record).map_err(|error| errors::json(&error))
+}

@@ -1,0 +1,61 @@
+//! What numbers come from: a hash of all sources that a run's figures depend on, of the locked versions of libraries, and
+//! of the compiler and machine.
+//!
+//! The program and the Python package, built from the same sources, know each other's runs by it; the file of the program
+//! itself would tell them apart.
+
+use std::hash::{DefaultHasher, Hasher as _};
+use std::path::{Path, PathBuf};
+use std::{env, fs, io};
+
+/// Crates that show or drive and compute nothing.
+const SHOWN: [&str; 7] = [
+    "benches", "cli", "law", "pages", "pinwheel", "python", "report",
+];
+
+fn main() -> io::Result<()> {
+    let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");
+    let mut places = vec![
+        root.join("Cargo.lock"),
+        root.join("python/pinwheel_engines"),
+    ];
+    for entry in fs::read_dir(root.join("crates"))? {
+        let entry = entry?;
+        if !SHOWN.iter().any(|name| entry.file_name() == *name) {
+            places.push(entry.path().join("src"));
+        }
+    }
+    let mut files = Vec::new();
+    for place in places {
+        // A folder's own time changes when files come and go.
+        println!("cargo:rerun-if-changed={}", place.display());
+        walk(&place, &mut files)?;
+    }
+    files.sort();
+    let mut hasher = DefaultHasher::new();
+    for file in &files {
+        let name = file.strip_prefix(&root).unwrap_or(file);
+        hasher.write(name.to_string_lossy().as_bytes());
+        hasher.write(&fs::read(file)?);
+    }
+    let compiler = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let version = std::process::Command::new(compiler).arg("-V").output()?;
+    hasher.write(&version.stdout);
+    hasher.write(env::var("TARGET").unwrap_or_default().as_bytes());
+    println!("cargo:rustc-env=PINWHEEL_SOURCES={:016x}", hasher.finish());
+    Ok(())
+}
+
+fn walk(path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
+    if path.is_file() {
+        let ending = path.extension().and_then(|ending| ending.to_str());
+        if matches!(ending, Some("rs" | "py" | "lock")) {
+            files.push(path.to_owned());
+        }
+    } else if path.is_dir() {
+        for entry in fs::read_dir(path)? {
+            walk(&entry?.path(), files)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,43 @@
+"""Shared by the tests of the package pinwheel. They run where it is installed, from this folder."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="session")
+def program():
+    """Runs the program of the same sources; `PINWHEEL_PROGRAM` names it."""
+    named = os.environ.get("PINWHEEL_PROGRAM") or shutil.which("pinwheel")
+    if named is None:
+        pytest.fail("name the program with PINWHEEL_PROGRAM")
+
+    def run(*arguments, cwd, status=0):
+        done = subprocess.run([named, *arguments], cwd=cwd, capture_output=True, text=True, check=False)
+        assert done.returncode == status, done.stderr
+        return done.stdout
+
+    return run
+
+
+SWEEP = """\
+name = "small"
+engines = ["native-reduced"]
+[set]
+solver.duration_s = 0.004
+[vary]
+gear.backlash_m = { from = 0.0, to = 3.0e-4, points = 20 }
+contact.damping_n_s_m = [8.0, 16.0]
+"""
+
+
+@pytest.fixture
+def sweep_file(tmp_path):
+    path = tmp_path / "small.toml"
+    path.write_text(SWEEP)
+    return path

@@ -1,0 +1,182 @@
+"""Sweeps by threads, by shards and by a Dask cluster: one journal, one result."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import pinwheel
+from pinwheel import ClusterError, Scene
+
+distributed = pytest.importorskip("distributed")
+
+
+def results(folder):
+    return (folder / "results.csv").read_bytes()
+
+
+@pytest.fixture
+def expected(program, sweep_file, tmp_path):
+    program("sweep", sweep_file.name, "--out", "program", cwd=tmp_path)
+    return results(tmp_path / "program")
+
+
+@pytest.fixture
+def cluster(monkeypatch, tmp_path):
+    monkeypatch.setenv("DASK_TEMPORARY_DIRECTORY", str(tmp_path))
+    made = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
+    with made, distributed.Client(made) as client:
+        yield client
+
+
+def test_threads(expected, sweep_file, tmp_path):
+    found = pinwheel.sweep(sweep_file, jobs=2, out=tmp_path / "ours")
+    assert results(tmp_path / "ours") == expected
+    assert found["gear.backlash_m"].shape == (40,) and not found.unfinished
+    assert np.isfinite(found["mean_input_torque_n_m"]).all()
+    assert not (tmp_path / "ours.unfinished").exists()
+    assert found.to_pandas().shape[0] == 40 and found.to_polars().height == 40
+    assert "small" in found.page() and "<table>" in found._repr_html_()
+    again = pinwheel.sweep(
+        Scene("paper", duration_s=0.004),
+        vary={"backlash_m": {"from": 0.0, "to": 3e-4, "points": 20}, "damping_n_s_m": np.array([8.0, 16.0])},
+        engines=["native-reduced"],
+        out=tmp_path / "scene",
+    )
+    assert results(again.out) == expected
+
+
+def test_each_resumes_the_others_journal(program, expected, sweep_file, tmp_path):
+    program("sweep", sweep_file.name, "--shard", "1/2", "--out", "a", cwd=tmp_path)
+    seen = []
+    pinwheel.sweep(sweep_file, out=tmp_path / "a", resume=True, progress=lambda *at: seen.append(at))
+    assert results(tmp_path / "a") == expected
+    # The shard's twenty were taken over, with what they cost there.
+    first = set((tmp_path / "a/costs.csv").read_text().splitlines())
+    program("sweep", sweep_file.name, "--out", "a", "--resume", cwd=tmp_path)
+    assert set((tmp_path / "a/costs.csv").read_text().splitlines()) == first
+    assert results(tmp_path / "a") == expected
+
+
+def test_bad_input(program, sweep_file, tmp_path):
+    program("sweep", sweep_file.name, "--shard", "1/2", "--out", "a", cwd=tmp_path)
+    with pytest.raises(pinwheel.InputError, match="resume=True"):
+        pinwheel.sweep(sweep_file, out=tmp_path / "a")
+    with pytest.raises(pinwheel.InputError, match="give a sweep file"):
+        pinwheel.sweep(tmp_path / "none.toml")
+    with pytest.raises(pinwheel.SceneError, match="run 2") as caught:
+        pinwheel.sweep("paper", vary={"wheels": [1, 0]}, out=tmp_path / "b")
+    assert caught.value.key == "gear.wheels" and "--" not in str(caught.value)
+    with pytest.raises(pinwheel.InputError, match="varies over one value"):
+        pinwheel.sweep("paper", vary={"wheels": 1})
+    (tmp_path / "c").mkdir()
+    (tmp_path / "c/notes.txt").write_text("precious")
+    with pytest.raises(OSError, match="another `out`"):
+        pinwheel.sweep(sweep_file, out=tmp_path / "c")
+
+
+def test_a_worker_killed_in_the_middle(cluster, expected, sweep_file, tmp_path):
+    victims = []
+
+    def kill(done, total, *_):
+        if not victims and 0 < done < total:
+            victims.append(next(iter(cluster.run(os.getpid).values())))
+            os.kill(victims[0], signal.SIGKILL)
+
+    pinwheel.sweep(sweep_file, client=cluster, batch=2, out=tmp_path / "ours", progress=kill)
+    assert victims and results(tmp_path / "ours") == expected
+
+
+def test_courses_and_divergence_on_a_cluster(cluster, program, tmp_path):
+    file = tmp_path / "wild.toml"
+    file.write_text('courses = "csv"\n[set]\nsolver.duration_s = 0.01\n[vary]\nsolver.step_s = [1e-5, 1e-4]\n')
+    program("sweep", "wild.toml", "--out", "program", cwd=tmp_path, status=3)
+    found = pinwheel.sweep(file, client=cluster, out=tmp_path / "ours")
+    assert list(found["status"]) == ["finished", "diverged"] and found.unfinished == 1
+    for name in ("results.csv", "runs/run-0001.csv"):
+        assert (tmp_path / "ours" / name).read_bytes() == (tmp_path / "program" / name).read_bytes()
+
+
+def test_own_solvers_travel(cluster, tmp_path):
+    @pinwheel.engine(order=1)
+    def euler(job):
+        """Semi-implicit Euler."""
+        angles, rates = job.angles, job.rates
+        job.sample(angles, rates)
+        for steps in job.intervals():
+            for t, h in steps:
+                job.at(t, h)
+                accelerations = job.torques(t, angles, rates) / job.moments
+                accelerations[job.INPUT] = 0.0
+                rates = rates + h * accelerations
+                angles = angles + h * rates
+            job.sample(angles, rates)
+
+    scene = Scene("paper", duration_s=5e-4)
+    vary = {"backlash_m": [0.0, 1e-4, 2e-4]}
+    there = pinwheel.sweep(scene, vary=vary, engines=[euler], client=cluster, out=tmp_path / "there")
+    here = pinwheel.sweep(scene, vary=vary, engines=[euler], out=tmp_path / "here")
+    assert not here.unfinished and results(there.out) == results(here.out)
+
+
+def test_a_scheduler_that_goes_away(expected, sweep_file, tmp_path):
+    scheduler = subprocess.Popen(
+        [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard",
+         "--scheduler-file", str(tmp_path / "scheduler.json")],
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    worker = subprocess.Popen(
+        [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(tmp_path / "scheduler.json"),
+         "--nthreads", "1", "--no-dashboard", "--no-nanny", "--local-directory", str(tmp_path)],
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        client = distributed.Client(scheduler_file=str(tmp_path / "scheduler.json"), timeout=30)
+
+        def stop(done, total, *_):
+            if 0 < done < total:
+                scheduler.kill()
+
+        with pytest.raises(ClusterError, match="resume=True"):
+            pinwheel.sweep(sweep_file, client=client, batch=2, out=tmp_path / "ours", progress=stop)
+        client.close(timeout=2)
+    finally:
+        for process in (worker, scheduler):
+            process.kill()
+            process.wait()
+    kept = len(list((tmp_path / "ours.unfinished").glob("run-*.json")))
+    assert 0 < kept < 40
+    pinwheel.sweep(sweep_file, out=tmp_path / "ours", resume=True)
+    assert results(tmp_path / "ours") == expected
+
+
+def test_command_line(expected, sweep_file, tmp_path):
+    def run(*arguments):
+        return subprocess.run(
+            [sys.executable, "-m", "pinwheel.sweep", *arguments], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
+        done = run("small.toml", "--scheduler", cluster.scheduler_address, "--out", "ours")
+    assert (done.returncode, "40 finished" in done.stdout) == (0, True), done
+    assert results(tmp_path / "ours") == expected
+    gone = run("small.toml", "--scheduler", "tcp://127.0.0.1:1", "--out", "b")
+    assert gone.returncode == 3 and gone.stderr.startswith("error: --scheduler") and gone.stderr.count("\n") == 1, gone
+    wrong = run("small.toml", "--set", "solver.duratin_s=1")
+    assert wrong.returncode == 2 and "did you mean" in wrong.stderr, wrong
+
+
+def test_ctrl_c_keeps_finished_runs(sweep_file, expected, tmp_path):
+    def stop(done, total, *_):
+        if 0 < done < total:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    long = tmp_path / "long.toml"
+    long.write_text(sweep_file.read_text().replace("0.004", "0.05"))
+    with pytest.raises(KeyboardInterrupt):
+        pinwheel.sweep(long, jobs=1, out=tmp_path / "long", progress=stop)
+    assert list((tmp_path / "long.unfinished").glob("run-*.json"))
+    assert not pinwheel.sweep(long, out=tmp_path / "long", resume=True).unfinished

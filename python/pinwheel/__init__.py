@@ -1,0 +1,124 @@
+"""Dynamics of cycloidal gearboxes, computed by several engines and compared.
+
+A cycloidal gearbox turns an eccentric input into a slow output: discs with lobes (*wheels*) roll inside a ring of rollers
+(*external sleeves*), and rollers in the discs' holes (*internal sleeves*) carry the load to the output. A `Scene` says which
+gear, load, contact law and solver; an *engine* turns it into time series of forces, torques and angles. All values are SI;
+names of keys and columns end in their unit.
+
+>>> import pinwheel
+>>> s = pinwheel.Scene("paper", backlash_m=6e-4, duration_s=0.02)
+>>> r = s.run("native-reduced")
+>>> r["external_sleeve_force_n"].shape
+(201, 16)
+>>> c = pinwheel.compare(s.with_(backlash_m=0.0), ["native-reduced", "native-lagrange"])
+>>> c.passed
+True
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from pinwheel._core import __version__
+from pinwheel._scene import Scene
+from pinwheel.errors import (
+    Cancelled,
+    ClusterError,
+    Diverged,
+    EngineFailed,
+    InputError,
+    NoEngine,
+    PinwheelError,
+    SceneError,
+    Unsupported,
+)
+
+if TYPE_CHECKING:
+    from pinwheel._bench import Bench, bench
+    from pinwheel._columns import Columns
+    from pinwheel._compare import Comparison, Verdict, compare
+    from pinwheel._engine import Engine, EngineInfo, Job, engine, engines
+    from pinwheel._explain import Explanation, explain
+    from pinwheel._law import Law, LawInfo, laws
+    from pinwheel._run import Run, run
+    from pinwheel._sweep import Sweep, sweep
+else:
+    # numpy takes a tenth of a second to import: what needs it comes when it is asked for.
+    _LATER = {
+        "_bench": ("Bench", "bench"),
+        "_columns": ("Columns",),
+        "_compare": ("Comparison", "Verdict", "compare"),
+        "_engine": ("Engine", "EngineInfo", "Job", "engine", "engines"),
+        "_explain": ("Explanation", "explain"),
+        "_law": ("Law", "LawInfo", "laws"),
+        "_run": ("Run", "run"),
+        "_sweep": ("Sweep", "sweep"),
+    }
+
+    def __getattr__(name):
+        for module, names in _LATER.items():
+            if name in names:
+                globals()[name] = getattr(import_module(f"pinwheel.{module}"), name)
+                return globals()[name]
+        raise AttributeError(f"module 'pinwheel' has no attribute {name!r}")
+
+    def __dir__():
+        return [*globals(), *__all__]
+
+
+__all__ = [
+    "Bench",
+    "Cancelled",
+    "ClusterError",
+    "Columns",
+    "Comparison",
+    "Diverged",
+    "Engine",
+    "EngineFailed",
+    "EngineInfo",
+    "Explanation",
+    "InputError",
+    "Job",
+    "Law",
+    "LawInfo",
+    "NoEngine",
+    "PinwheelError",
+    "Run",
+    "Scene",
+    "SceneError",
+    "Sweep",
+    "Unsupported",
+    "Verdict",
+    "__version__",
+    "bench",
+    "compare",
+    "engine",
+    "engines",
+    "explain",
+    "keys",
+    "laws",
+    "presets",
+    "run",
+    "sweep",
+]
+
+
+def presets() -> list[str]:
+    """Names of the scenes that come with the package.
+
+    >>> presets()[0]
+    'paper'
+    """
+    from pinwheel import _core
+
+    return _core.presets()
+
+
+def keys() -> dict[str, str]:
+    """Every key of a scene, and what it means.
+
+    >>> keys()["gear.backlash_m"]
+    'd: external sleeves sit at R + d'
+    """
+    from pinwheel import _core
+
+    return dict(_core.keys())

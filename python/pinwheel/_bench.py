@@ -1,0 +1,78 @@
+"""What accuracy costs."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pinwheel import _core
+from pinwheel._columns import wanted
+from pinwheel._compare import STYLES
+from pinwheel._engine import EngineLike
+from pinwheel._page import show
+from pinwheel._progress import Told, telling
+from pinwheel._scene import Scene
+
+if TYPE_CHECKING:
+    import pandas
+
+
+class Bench:
+    """Error against cost of every engine, method and step."""
+
+    def __init__(self, core: _core.Benched) -> None:
+        self._core = core
+        self.rows: list[dict[str, Any]] = [
+            {key: _number(value) for key, value in row.items()}
+            for row in csv.DictReader(io.StringIO(bytes(core.csv()).decode()))
+        ]
+        """A row a run, as the program's `bench.csv`: None where there is no value."""
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The rows as a DataFrame."""
+        return wanted("pandas", "frames").DataFrame(self.rows)
+
+    def page(self) -> str:
+        """The page that opens offline, HTML."""
+        return self._core.page()
+
+    def show(self, path: str | Path | None = None) -> Path:
+        """Opens the page in the browser, or writes it to `path`; where it is."""
+        return show(self.page(), "bench", path)
+
+    def __str__(self) -> str:
+        return STYLES.sub("", self._core.text())
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(str(self))}</pre>"
+
+
+def _number(text: str) -> Any:
+    try:
+        return float(text)
+    except ValueError:
+        return text or None
+
+
+def bench(
+    scene: Scene | str,
+    engines: Sequence[EngineLike] = (),
+    *,
+    target: float = 1e-3,
+    methods: Sequence[str] = (),
+    repeats: int = 3,
+    longest_s: float = 10.0,
+    progress: bool | Told | None = None,
+) -> Bench:
+    """Runs a scene with ever smaller steps and tolerances and measures error and cost, engine by engine.
+
+    `target`: the error, relative L2, at which costs are compared; `methods`: integrators of the native solver, all without;
+    `repeats`: timings of each run; `longest_s`: of one run of a foreign engine.
+    """
+    made = scene if isinstance(scene, Scene) else Scene(scene)
+    with telling(progress, "bench") as told:
+        return Bench(_core.bench(made._inner, list(engines), (target, repeats, longest_s), list(methods), told))

@@ -1,0 +1,102 @@
+"""A sweep by the workers of a Dask cluster.
+
+The client plans, keeps the journal and writes the results; workers get batches of runs, each with its complete scene, and
+send records back. Courses, where they are kept, go from the worker to the journal's folder, which must be on a disk that
+all machines share. Dask gives batches of a lost worker to others; nothing else is tried again.
+"""
+
+from __future__ import annotations
+
+import pickle
+import time
+import uuid
+from asyncio import CancelledError
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from pinwheel import _core
+from pinwheel._engine import Engine
+from pinwheel._progress import Told
+from pinwheel.errors import ClusterError
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+# A batch takes about this long, s: far more than the scheduler's milliseconds, little enough to lose with a worker.
+BATCH_S = 0.5
+# Batches that wait for a thread while one is worked on: it never idles, and little is sent in vain.
+AHEAD = 2
+# Runs of the first batches, before it is known how long one takes.
+FIRST = 4
+MOST = 256
+
+
+def run_batch(batch: bytes) -> tuple[float, list[str]]:
+    """On a worker: makes the runs; wall time, s, and records."""
+    tasks, engines, courses = pickle.loads(batch)
+    begun = time.perf_counter()
+    records = [_core.perform(task, engines, courses) for task in tasks]
+    return time.perf_counter() - begun, records
+
+
+def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch: int | None, told: Told | None) -> None:
+    """Makes every run that the journal lacks."""
+    import cloudpickle
+    from distributed import wait
+    from distributed.comm import CommClosedError
+    from distributed.scheduler import KilledWorker
+
+    total, pending = len(core), core.pending()
+    pending.reverse()
+    courses = core.courses()
+    name = f"pinwheel-{uuid.uuid4().hex[:8]}"
+    flying: dict[Future, list[int]] = {}
+    size, count, done = batch or FIRST, 0, total - len(pending)
+    try:
+        while pending or flying:
+            threads = max(1, sum(client.nthreads().values()))
+            while pending and len(flying) < AHEAD * threads:
+                # At the end all threads have something to do.
+                share = max(1, len(pending) // (2 * threads)) if batch is None else size
+                places = [pending.pop() for _ in range(min(size, share, len(pending)))]
+                # One piece of bytes: Dask would look into lists for tasks of its own.
+                data = cloudpickle.dumps(([core.task(k) for k in places], list(engines), courses))
+                future = client.submit(run_batch, data, key=f"{name}-{count}", pure=False, retries=0)
+                flying[future] = places
+                count += 1
+            try:
+                with client.as_current():
+                    ready = wait(list(flying), timeout=0.2, return_when="FIRST_COMPLETED").done
+            except TimeoutError:
+                ready = {future for future in flying if future.status in ("cancelled", "lost")}
+            if client.status not in ("running", "connecting"):
+                raise CommClosedError("the client is closed")
+            for future in ready:
+                places = flying.pop(future)
+                wall_s, records = future.result(timeout=30)
+                for k, record in zip(places, records, strict=True):
+                    core.accept(k, record)
+                done += len(places)
+                if batch is None and wall_s > 0.0:
+                    size = max(1, min(MOST, 2 * size, round(BATCH_S * len(places) / wall_s)))
+            if told is not None:
+                told(done, total, core.name(), 0.0, 0.0)
+    except KilledWorker as error:
+        raise ClusterError(
+            f"runs of one batch lost several workers one after the other: {error}; {_kept(done, total)}; give workers more "
+            "memory, or smaller batches with batch=1"
+        ) from error
+    except (CancelledError, CommClosedError, TimeoutError, OSError) as error:
+        raise ClusterError(f"the scheduler is gone ({_words(error)}); {_kept(done, total)}") from error
+    except BaseException:
+        client.cancel(list(flying), force=True)
+        raise
+
+
+def _kept(done: int, total: int) -> str:
+    return f"{done} of {total} runs are kept: go on with resume=True"
+
+
+def _words(error: BaseException) -> str:
+    text: Any = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text[:200]}" if text else type(error).__name__

@@ -1,0 +1,145 @@
+"""Tables of numbers, and what becomes of them in other libraries."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel import _core
+from pinwheel.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
+    import xarray
+
+Floats = npt.NDArray[np.float64]
+_NUMBERED = re.compile(r"(.+)_(\d+)")
+
+
+def wanted(package: str, extra: str) -> Any:
+    """An optional package, or an error that says how to have it."""
+    import importlib
+
+    try:
+        return importlib.import_module(package)
+    except ImportError as error:
+        raise ImportError(f"{package} is not installed; pip install {package}, or pinwheel[{extra}]") from error
+
+
+class Columns(Mapping[str, Floats]):
+    """Time series on common sample times.
+
+    A name of a column gives an array (samples,); the name that numbered columns share gives (samples, columns), the
+    columns in the order of their numbers. Arrays are read-only views of one block.
+    """
+
+    def __init__(self, core: _core.Columns) -> None:
+        self._core = core
+        self.names: tuple[str, ...] = tuple(core.names())
+        """Columns after `time_s`, each ending in its unit, and in a number where there are several."""
+        self.time_s: Floats = np.frombuffer(core.time())
+        """Sample times, s, (samples,)."""
+        self._block: Floats = np.frombuffer(core.values()).reshape(len(self.names), self.time_s.size)
+        self._index = {name: k for k, name in enumerate(self.names)}
+        self._groups: dict[str, list[int]] = {}
+        for k, name in enumerate(self.names):
+            if (match := _NUMBERED.fullmatch(name)) is not None:
+                self._groups.setdefault(match[1], []).append(k)
+
+    def __getitem__(self, name: str) -> Floats:
+        if name == "time_s":
+            return self.time_s
+        if name in self._index:
+            return np.asarray(self._block[self._index[name]])
+        if (group := self._groups.get(name)) is not None:
+            first, count = group[0], len(group)
+            if group == list(range(first, first + count)):
+                return np.asarray(self._block[first : first + count].T)
+            return np.asarray(self._block[group].T)
+        import difflib
+
+        near = difflib.get_close_matches(name, [*self._groups, *self.names], n=1)
+        hint = f"did you mean `{near[0]}`?" if near else f"there are {', '.join(self)}"
+        raise KeyError(f"no column `{name}`; {hint}")
+
+    def __iter__(self) -> Iterator[str]:
+        yield "time_s"
+        grouped = {k for group in self._groups.values() for k in group}
+        seen: set[str] = set()
+        for k, name in enumerate(self.names):
+            short = _NUMBERED.sub(r"\1", name) if k in grouped else name
+            if short not in seen:
+                seen.add(short)
+                yield short
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __contains__(self, name: object) -> bool:
+        return name == "time_s" or name in self._index or name in self._groups
+
+    def to_dict(self) -> dict[str, Floats]:
+        """Every column by its full name, `time_s` first."""
+        return {"time_s": self.time_s, **{name: self._block[k] for k, name in enumerate(self.names)}}
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A DataFrame: a row a sample, `time_s` as its index."""
+        pandas = wanted("pandas", "frames")
+        frame = pandas.DataFrame(self._block.T, columns=list(self.names))
+        frame.index = pandas.Index(self.time_s, name="time_s")
+        return frame
+
+    def to_polars(self) -> polars.DataFrame:
+        """A polars DataFrame: a row a sample, `time_s` first."""
+        polars = wanted("polars", "frames")
+        return polars.DataFrame(self.to_dict())
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A Dataset over `time_s`; numbered columns are one variable with a second dimension, units as attributes."""
+        xarray = wanted("xarray", "frames")
+        variables = {}
+        for name in list(self)[1:]:
+            values = self[name]
+            dims = ["time_s"] if values.ndim == 1 else ["time_s", f"{name.split('_force')[0].split('_penetration')[0]}"]
+            variables[name] = (dims, values, {"units": unit(name)})
+        return xarray.Dataset(variables, {"time_s": ("time_s", self.time_s, {"units": "s"})})
+
+    def to_csv(self, path: str) -> None:
+        """Writes the file that the program calls `courses.csv`: the same bytes."""
+        self._core.save_csv(str(path))
+
+
+def unit(name: str) -> str:
+    """The unit that a column's name ends in.
+
+    >>> unit("input_torque_n_m"), unit("output_angle_rad"), unit("efficiency")
+    ('N m', 'rad', '1')
+    """
+    known = {
+        "_n_m": "N m", "_arcmin": "arcmin", "_rad_s": "rad/s", "_m_s": "m/s", "_rad": "rad", "_n": "N", "_m": "m",
+        "_s": "s", "_w": "W", "_j": "J", "_pa": "Pa",
+    }  # fmt: skip
+    base = _NUMBERED.sub(r"\1", name)
+    return next((symbol for ending, symbol in known.items() if base.endswith(ending)), "1")
+
+
+def plot(columns: Columns, names: tuple[str, ...], title: str) -> Any:
+    """Draws columns over the time with matplotlib; the figure."""
+    pyplot = wanted("matplotlib.pyplot", "plot")
+    chosen = names or tuple(name for name in columns if name.endswith(("_n_m", "_force_n")))
+    if not chosen:
+        raise InputError("there is nothing to draw; name columns")
+    figure, axes = pyplot.subplots(len(chosen), 1, sharex=True, figsize=(8, 2.2 * len(chosen)), squeeze=False)
+    for axis, name in zip(axes[:, 0], chosen, strict=True):
+        axis.plot(columns.time_s, columns[name], linewidth=0.8)
+        axis.set_ylabel(f"{name.rsplit('_n', 1)[0].replace('_', ' ')}\n{unit(name)}", fontsize=8)
+        axis.grid(alpha=0.3)
+    axes[-1, 0].set_xlabel("time, s")
+    axes[0, 0].set_title(title, fontsize=9)
+    figure.tight_layout()
+    return figure

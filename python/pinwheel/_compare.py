@@ -1,0 +1,144 @@
+"""One scene on several engines, compared pair by pair."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pinwheel import _core
+from pinwheel._columns import Columns, wanted
+from pinwheel._engine import EngineLike
+from pinwheel._page import show
+from pinwheel._progress import Told, telling
+from pinwheel._scene import Scene
+
+if TYPE_CHECKING:
+    import pandas
+
+STYLES = re.compile(r"\x1b\[[0-9;]*m")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was found of one quantity of two engines in one window of time."""
+
+    a: str
+    b: str
+    track: str
+    """What the two have in common."""
+    window: str
+    quantity: str
+    verdict: str
+    """`agree`, `differ`, `not-resolved`, `model-difference`, `within`, `exceeded`, `not-judged`."""
+    distance: float | None
+    """Relative L2 of the difference, where it could be compared."""
+    uncertainty: float | None
+    """U = u_a + u_b, the numerical uncertainty of both, relative."""
+    reason: str
+    """Why, where a reason belongs to the verdict."""
+
+
+class Comparison:
+    """A comparison: verdicts, the runs behind them, and the page."""
+
+    def __init__(self, scene: Scene, core: _core.Compared) -> None:
+        self.scene = scene
+        self._core = core
+        self.data: dict[str, Any] = json.loads(core.json())
+        """The program's `summary.json`."""
+        self.runs: dict[str, Columns] = {name: Columns(columns) for name, columns in core.courses()}
+        """Time series of every engine that ran."""
+        self.verdicts: tuple[Verdict, ...] = tuple(
+            _verdict(pair, entry) for pair in self.data["pairs"] for entry in pair["entries"]
+        )
+        """A verdict a pair of engines, window and quantity."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether something was judged and everything judged holds."""
+        return bool(self.data["passed"])
+
+    @property
+    def engines(self) -> dict[str, str]:
+        """How every engine's run ended: `finished`, `diverged`, `unsupported`, `failed`."""
+        return {engine["name"]: engine["status"]["state"] for engine in self.data["engines"]}
+
+    def __getitem__(self, engine: str) -> Columns:
+        return self.runs[engine]
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The verdicts as a DataFrame."""
+        return wanted("pandas", "frames").DataFrame([vars(verdict) for verdict in self.verdicts])
+
+    def page(self) -> str:
+        """The page that opens offline, HTML."""
+        return self._core.page()
+
+    def show(self, path: str | Path | None = None) -> Path:
+        """Opens the page in the browser, or writes it to `path`; where it is."""
+        return show(self.page(), "compare", path)
+
+    def __str__(self) -> str:
+        return STYLES.sub("", self._core.text())
+
+    def __repr__(self) -> str:
+        counts = {word: count for word, count in self.data["counts"].items() if count}
+        told = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in counts.items()) or "nothing judged"
+        return f"<Comparison of {self.scene.name} in {len(self.engines)} engines: {told}>"
+
+    def _repr_html_(self) -> str:
+        head = "".join(f"<th>{word}</th>" for word in ("a", "b", "window", "quantity", "verdict", "D", "U"))
+        rows = []
+        for v in self.verdicts:
+            numbers = ("" if x is None else f"{x:.2g}" for x in (v.distance, v.uncertainty))
+            cells = (v.a, v.b, v.window, v.quantity, v.verdict.replace("-", " "), *numbers)
+            text = "".join(f"<td>{html.escape(cell)}</td>" for cell in cells)
+            rows.append(f'<tr title="{html.escape(v.reason)}">{text}</tr>')
+        return f"<p>{html.escape(repr(self)[1:-1])}</p><table><tr>{head}</tr>{''.join(rows)}</table>"
+
+
+def _verdict(pair: dict[str, Any], entry: dict[str, Any]) -> Verdict:
+    counting = [judged for judged in entry.get("judgements", ()) if judged["counts"]]
+    parts = [judged[side] for judged in counting[:1] for side in ("u_a", "u_b")]
+    return Verdict(
+        a=pair["a"],
+        b=pair["b"],
+        track=pair["track"],
+        window=entry["window"],
+        quantity=entry["quantity"],
+        verdict=entry["verdict"],
+        distance=(entry["metrics"] or {}).get("relative_l2"),
+        uncertainty=None if None in parts or not parts else sum(parts),
+        reason=str(entry.get("reason", "")),
+    )
+
+
+def compare(
+    scene: Scene | str,
+    engines: Sequence[EngineLike] = (),
+    *,
+    against: Sequence[tuple[str | os.PathLike[str], str | os.PathLike[str]]] = (),
+    progress: bool | Told | None = None,
+) -> Comparison:
+    """Runs a scene on several engines and compares every pair; without names on all that this Python has.
+
+    Each engine also runs at coarser settings, which shows its numerical uncertainty; see docs/verdicts.md. What an engine
+    does wrong is its status in the result, and no exception.
+
+    `against`: measured data or another program's, as (file, map); the map says which column is what, with its
+    uncertainty (docs/foreign-data.md).
+
+    >>> c = compare(Scene("paper", duration_s=0.01), ["native-reduced", "native-lagrange"])
+    >>> c.passed, {v.verdict for v in c.verdicts} <= {"agree", "within"}
+    (True, True)
+    """
+    made = scene if isinstance(scene, Scene) else Scene(scene)
+    with telling(progress, "compare") as told:
+        files = [(os.fspath(file), os.fspath(table)) for file, table in against]
+        return Comparison(made, _core.compare(made._inner, list(engines), files, told))

@@ -1,0 +1,39 @@
+"""What a scene models, assumes and lets one expect, without running it."""
+
+from __future__ import annotations
+
+import html
+import json
+from typing import Any
+
+from pinwheel import _core
+from pinwheel._compare import STYLES
+from pinwheel._scene import Scene
+
+
+class Explanation:
+    """What is said of a scene: `str(...)` for people, `data` for programs."""
+
+    def __init__(self, data: dict[str, Any], text: str) -> None:
+        self.data = data
+        self._text = text
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"<Explanation of {self.data['scene']['name']}>"
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(self._text)}</pre>"
+
+
+def explain(scene: Scene | str) -> Explanation:
+    """What is modelled and left out, what follows from the dimensions, and which values are assumptions.
+
+    >>> explain("paper").data["derived"]["ratio"]
+    15
+    """
+    made = scene if isinstance(scene, Scene) else Scene(scene)
+    data, text = _core.explain(made._inner)
+    return Explanation(json.loads(data), STYLES.sub("", text))

@@ -1,0 +1,195 @@
+"""Sweeps: one scene with many values of its keys, by threads here or by workers of a cluster."""
+
+from __future__ import annotations
+
+import html
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from pinwheel import _core
+from pinwheel._columns import wanted
+from pinwheel._compare import STYLES
+from pinwheel._engine import Engine, EngineLike
+from pinwheel._page import show
+from pinwheel._progress import Told, telling
+from pinwheel._scene import Scene, settings, toml_value
+from pinwheel.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
+    from distributed import Client
+
+
+class Sweep(Mapping[str, npt.NDArray[Any]]):
+    """The results of a sweep: a row a run, in the order of the plan.
+
+    `sweep["mean_input_torque_n_m"]` is an array (runs,): numbers with NaN, texts with "", where there is no value.
+    """
+
+    def __init__(self, core: _core.Sweep) -> None:
+        self.name = core.name()
+        self.out = Path(core.out())
+        """The output folder, as `pinwheel sweep` writes it."""
+        self.keys_varied: tuple[str, ...] = tuple(core.keys())
+        self._columns: dict[str, npt.NDArray[Any]] = {name: _array(values) for name, values in core.columns()}
+        self.unfinished, self._first = core.broken()
+        """Runs that did not finish; their rows say why."""
+        self.cpu_s = core.cpu_s()
+        """CPU time of all runs, s."""
+        self._text = STYLES.sub("", core.text())
+
+    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+        return self._columns[name]
+
+    def __iter__(self) -> Any:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The results as a DataFrame."""
+        return wanted("pandas", "frames").DataFrame(self._columns)
+
+    def to_polars(self) -> polars.DataFrame:
+        """The results as a polars DataFrame."""
+        return wanted("polars", "frames").DataFrame(self._columns)
+
+    def page(self) -> str:
+        """The page that opens offline, HTML."""
+        return (self.out / "index.html").read_text(encoding="utf-8")
+
+    def show(self, path: str | Path | None = None) -> Path:
+        """Opens the page in the browser, or writes it to `path`; where it is."""
+        return show(self.page(), "sweep", path)
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        count = self._columns["run"].size
+        left = f", {self.unfinished} did not finish" if self.unfinished else ""
+        return f"<Sweep {self.name}: {count} runs{left}; {self.out}>"
+
+    def _repr_html_(self) -> str:
+        names = ["run", "engine", *self.keys_varied, "status"]
+        names += [name for name in self if name.startswith(("mean_", "peak_"))][:6]
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
+        rows = []
+        for row in range(min(self["run"].size, 20)):
+            cells = (self[name][row] for name in names)
+            texts = (f"{cell:.5g}" if isinstance(cell, float) else str(cell) for cell in cells)
+            rows.append("<tr>" + "".join(f"<td>{html.escape(text)}</td>" for text in texts) + "</tr>")
+        return f"<p>{html.escape(repr(self)[1:-1])}</p><table><tr>{head}</tr>{''.join(rows)}</table>"
+
+
+def _array(values: Sequence[Any]) -> npt.NDArray[Any]:
+    if any(isinstance(value, str) for value in values):
+        return np.array(["" if value is None else value for value in values])
+    if all(isinstance(value, int) for value in values):
+        return np.array(values, dtype=np.int64)
+    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+
+
+def _text(
+    scene: Scene, vary: Mapping[str, Any], measure: Sequence[str] | None, window_s: Sequence[float] | None, folder: str
+) -> str:
+    """A sweep file for a scene and what varies."""
+    name, _, sets = scene._inner.spec()
+    if name not in _core.presets():
+        # The scene as it is, whatever it came from.
+        path = Path(folder) / "scene.toml"
+        path.write_text(scene.to_toml(), encoding="utf-8")
+        name, sets = str(path), []
+    lines = [f"name = {toml_value(scene.name)}", f"scene = {toml_value(name)}"]
+    if measure is not None:
+        lines.append(f"measure = {toml_value(list(measure))}")
+    if window_s is not None:
+        lines.append(f"window_s = {toml_value([float(x) for x in window_s])}")
+    varied = [
+        (_core.key(key), toml_value(values if isinstance(values, Mapping) else _values(key, values)))
+        for key, values in vary.items()
+    ]
+    names = {key for key, _ in varied}
+    lines += ["[set]", *(f"{key} = {value}" for key, value in dict(sets).items() if key not in names)]
+    return "\n".join([*lines, "[vary]", *(f"{key} = {value}" for key, value in varied), ""])
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _values(key: str, values: Any) -> list[Any]:
+    if isinstance(values, str) or not hasattr(values, "__iter__"):
+        raise InputError(f'`{key}` varies over one value; give a list, or {{"from": 0.0, "to": 1.0, "points": 11}}')
+    return [value.item() if hasattr(value, "item") else value for value in values]
+
+
+def sweep(
+    source: Scene | str | os.PathLike[str],
+    *,
+    vary: Mapping[str, Any] | None = None,
+    engines: Sequence[EngineLike] = (),
+    measure: Sequence[str] | None = None,
+    window_s: Sequence[float] | None = None,
+    client: Client | None = None,
+    jobs: int | None = None,
+    batch: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    force: bool = False,
+    progress: bool | Told | None = None,
+    **keys: Any,
+) -> Sweep:
+    """Runs a sweep and writes its output folder, which is the same byte for byte however it is run.
+
+    `source`: a sweep file (docs/sweeps.md), or a scene with `vary`: keys with lists, arrays, or ranges
+    `{"from": 0.0, "to": 1e-3, "points": 11}`; all combinations are run. `keys` are set in every run.
+    `client`: a `distributed.Client`, whose workers then do the runs in batches (of `batch` runs; by itself about half a
+    second of work); without it `jobs` threads do. Finished runs are kept beside the output, in `OUT.unfinished`, in the
+    same form as the program keeps them: `resume` goes on with those, and with the runs of an earlier output in `out`.
+    `force` begins anew, and replaces a folder of other origin.
+
+    A run that diverges has a row that says so, and is not tried again. Raises `SceneError`, `InputError`, `ClusterError`,
+    `OSError`; after `KeyboardInterrupt` and `ClusterError` finished runs are kept.
+    """
+    with ExitStack() as stack:
+        if isinstance(source, Scene) or vary is not None:
+            scene = source if isinstance(source, Scene) else Scene(source)
+            if not vary:
+                raise InputError("nothing varies; give vary={...}, or a sweep file")
+            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="pinwheel-"))
+            text, path = _text(scene.with_(**keys) if keys else scene, vary, measure, window_s, folder), "sweep.toml"
+            sets: list[tuple[str, str]] = []
+        else:
+            if measure is not None or window_s is not None:
+                raise InputError("a sweep file has `measure` and `window_s` itself; write them there")
+            path = os.fspath(source)
+            try:
+                text = Path(path).read_text(encoding="utf-8")
+            except (OSError, UnicodeDecodeError) as error:
+                raise InputError(f"{path}: cannot be read: {error}; give a sweep file (TOML), see docs/sweeps.md") from error
+            sets = settings(keys)
+        core = _core.Sweep(text, path, sets, list(engines), None if out is None else os.fspath(out), resume, force)
+        try:
+            with telling(progress, core.name()) as told:
+                if client is None:
+                    core.execute(max(1, jobs if jobs is not None else _cores()), told)
+                else:
+                    from pinwheel._cluster import execute
+
+                    own = tuple(engine for engine in engines if isinstance(engine, Engine))
+                    execute(client, core, own, batch, told)
+            core.finish()
+        finally:
+            core.close()
+        return Sweep(core)

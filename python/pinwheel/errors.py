@@ -1,0 +1,45 @@
+"""What can go wrong, as types that a caller can tell apart. Every message is one line and carries the remedy.
+
+    PinwheelError
+      InputError (ValueError)     input that cannot be used
+        SceneError                a scene: .key, .remedy
+        NoEngine                  there is no such engine here
+      EngineFailed                an engine broke: .engine, .reason
+      Unsupported                 an engine cannot honour the scene: .engine, .reason
+      Diverged                    the numbers ran away: .engine, .time_s, .quantity, .partial (the run until then)
+      ClusterError                workers or their scheduler were lost
+
+Ctrl-C is `KeyboardInterrupt`, a file that cannot be written `OSError`.
+"""
+
+from __future__ import annotations
+
+from pinwheel_engines.errors import (
+    Cancelled,
+    Diverged,
+    EngineFailed,
+    InputError,
+    PinwheelError,
+    SceneError,
+    Unsupported,
+)
+
+__all__ = [
+    "Cancelled",
+    "ClusterError",
+    "Diverged",
+    "EngineFailed",
+    "InputError",
+    "NoEngine",
+    "PinwheelError",
+    "SceneError",
+    "Unsupported",
+]
+
+
+class NoEngine(InputError):
+    """There is no such engine in this Python."""
+
+
+class ClusterError(PinwheelError):
+    """Workers or their scheduler were lost; runs that were finished are kept."""
