@@ -73,7 +73,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let out = folder.publish()?;
     // Only now: had it failed, --resume would still find every run.
     journal.remove()?;
-    let results = out.join("results.csv").display().to_string();
+    let results = [("results", out.join("results.csv").display().to_string())];
     let text = pages::sweep::text(&plan, &records, &results);
     screen::show_with_page(&text, &folder::page(&out))?;
     Ok(ended(

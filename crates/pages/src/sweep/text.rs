@@ -24,9 +24,9 @@ pub fn list(plan: &Plan) -> String {
     format!("{}\n{}", styled(TITLE, &plan.sweep.name), lines(&rows))
 }
 
-/// How the runs ended, and where their results are.
+/// How the runs ended and where the results are; `files`: pairs of a word and a place.
 #[must_use]
-pub fn text(plan: &Plan, records: &[RunRecord], results: &str) -> String {
+pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> String {
     let count = |wanted: &str| {
         records
             .iter()
@@ -49,6 +49,6 @@ pub fn text(plan: &Plan, records: &[RunRecord], results: &str) -> String {
             format!("{cpu:.1} s CPU for {:.3} s simulated", plan.duration_s()),
         ),
     ];
-    rows.push(row("results", results.to_owned()));
+    rows.extend(files.iter().map(|(word, place)| row(word, place.clone())));
     format!("{}\n{}", styled(TITLE, &plan.sweep.name), lines(&rows))
 }
