@@ -39,7 +39,7 @@ struct Writer {
     resume: Option<&'static str>,
 }
 
-const SWEEP: &str = "name = \"s\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.02\n\
+const SWEEP: &str = "name = \"s\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.02\n\
     [vary]\ngear.backlash_m = { from = 0.0, to = 3.0e-4, points = 12 }\n";
 
 const SET: [&str; 2] = ["--set", "solver.duration_s=0.004"];

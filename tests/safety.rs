@@ -478,7 +478,7 @@ fn visible(text: &str) -> String {
 #[test]
 fn regress_what_matches_nothing_does_not_pass() {
     let dir = tempfile::tempdir().unwrap();
-    let text = "engines = [\"native-reduced\"]\nmeasure = [\"*_torque_n_m\", \"nonsense*\"]\n[set]\n\
+    let text = "scene = \"paper\"\nengines = [\"native-reduced\"]\nmeasure = [\"*_torque_n_m\", \"nonsense*\"]\n[set]\n\
         solver.duration_s = 0.002\n[vary]\ngear.backlash_m = [0.0]\n";
     fs::write(dir.path().join("s.toml"), text).unwrap();
     let outcome = run_in(dir.path(), ["sweep", "s.toml", "--out", "o"]);

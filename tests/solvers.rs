@@ -1,6 +1,7 @@
 //! Solvers from outside, through the program: the examples in every language that is here, and one that was written against
 //! the header alone.
 #![cfg(unix)]
+#![allow(clippy::print_stdout)] // what was skipped, and the table of trials
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

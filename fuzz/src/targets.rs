@@ -307,7 +307,7 @@ pub fn courses(bytes: &[u8]) -> bool {
 /// Courses as Parquet.
 pub fn parquet(bytes: &[u8]) -> bool {
     match read_courses(bytes::Bytes::copy_from_slice(bytes)) {
-        Ok(found) => found.len() > 0,
+        Ok(found) => !found.is_empty(),
         Err(error) => {
             told(&error);
             false

@@ -27,6 +27,7 @@ def program():
 
 SWEEP = """\
 name = "small"
+scene = "paper"
 engines = ["native-reduced"]
 [set]
 solver.duration_s = 0.004

@@ -92,7 +92,8 @@ def test_a_worker_killed_in_the_middle(cluster, expected, sweep_file, tmp_path):
 
 def test_courses_and_divergence_on_a_cluster(cluster, program, tmp_path):
     file = tmp_path / "wild.toml"
-    file.write_text('courses = "csv"\n[set]\nsolver.duration_s = 0.01\n[vary]\nsolver.step_s = [1e-5, 1e-4]\n')
+    head = 'scene = "paper"\ncourses = "csv"\n'
+    file.write_text(f"{head}[set]\nsolver.duration_s = 0.01\n[vary]\nsolver.step_s = [1e-5, 1e-4]\n")
     program("sweep", "wild.toml", "--out", "program", cwd=tmp_path, status=3)
     found = pinwheel.sweep(file, client=cluster, out=tmp_path / "ours")
     assert list(found["status"]) == ["finished", "diverged"] and found.unfinished == 1

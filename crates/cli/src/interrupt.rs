@@ -60,7 +60,7 @@ pub(crate) fn install() -> Result<(), Failure> {
         if let Ok(place) = UNFINISHED.lock()
             && let Some(folder) = place.as_deref()
         {
-            let _ = std::fs::remove_dir_all(folder);
+            pinwheel::studies::folder::remove(folder);
         }
         std::process::exit(i32::from(STOPPED));
     })

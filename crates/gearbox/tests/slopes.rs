@@ -218,7 +218,6 @@ proptest! {
                 for row in 0..n {
                     let (exact, found) = (exact[k * n + row], whole[n + row] - normal[n + row]);
                     let off = (exact - found).abs();
-                    if std::env::var_os("SHOW").is_some() { println!("OFF {:e} {:e}", off / largest, off / all); }
                     prop_assert!(off < 1e-2 * largest + 1e-9 * all, "row {row} column {k} of {n}: {exact:e} {found:e}, largest {largest:e}");
                 }
             }

@@ -133,7 +133,6 @@ pub fn run_with(
         tolerances: &tolerances,
         data: &measured,
         resolution: effort.resolution,
-        ..Rules::default()
     };
     let comparison = compare_with(&context, &participants, &rules)?;
     Ok(Outcome {

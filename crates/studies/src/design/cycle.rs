@@ -12,7 +12,7 @@ use super::{ARCMIN, LOST};
 use crate::{Control, StudyError, single};
 
 /// Periods of the slowest mode from no load to the rated one: slow enough that the gear follows.
-const SLOW: f64 = 60.0;
+const SLOW: f64 = 300.0;
 /// Samples from no load to the rated one.
 const SAMPLES: f64 = 200.0;
 /// Rest between two ramps, as a share of a ramp.

@@ -80,7 +80,7 @@ const STAGING: &str = ".pinwheel-";
 pub struct Folder {
     place: Place,
     owner: Owner,
-    staging: TempDir,
+    staging: Staging,
 }
 
 impl Folder {
@@ -104,9 +104,11 @@ impl Folder {
             // As a plain mkdir would: the user's umask decides.
             builder.permissions(fs::Permissions::from_mode(0o777));
         }
-        let staging = builder
-            .tempdir_in(&beside)
-            .map_err(|error| OutputError::new(&beside, &error))?;
+        let staging = Staging(
+            builder
+                .tempdir_in(&beside)
+                .map_err(|error| OutputError::new(&beside, &error))?,
+        );
         #[cfg(unix)]
         {
             use std::os::unix::fs::MetadataExt as _;
@@ -199,8 +201,42 @@ impl Folder {
 fn remove_abandoned(beside: &Path) {
     for entry in fs::read_dir(beside).into_iter().flatten().flatten() {
         if entry.file_name().to_string_lossy().starts_with(STAGING) && abandoned(&entry.path()) {
-            let _ = fs::remove_dir_all(entry.path());
+            remove(&entry.path());
         }
+    }
+}
+
+/// Removes a folder in the making, as far as possible. Its marker goes last: what a kill leaves is still known as ours.
+pub fn remove(folder: &Path) {
+    clear(folder);
+    let _ = fs::remove_dir_all(folder);
+}
+
+/// Removes everything in a folder but the marker.
+fn clear(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if entry.file_name() != MARKER {
+            let _ = match entry.file_type() {
+                Ok(kind) if kind.is_dir() => fs::remove_dir_all(entry.path()),
+                _ => fs::remove_file(entry.path()),
+            };
+        }
+    }
+}
+
+/// The folder in the making, which goes when it is dropped.
+#[derive(Debug)]
+struct Staging(TempDir);
+
+impl Staging {
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+}
+
+impl Drop for Staging {
+    fn drop(&mut self) {
+        clear(self.path());
     }
 }
 
@@ -338,6 +374,20 @@ mod tests {
         let next = base.path().join("x.partial-3");
         assert_eq!(one("e", false), next);
         assert_eq!((at(&part), at(&next)), ("d".to_owned(), "e".to_owned()));
+    }
+
+    #[test]
+    fn the_marker_goes_last() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = plain(&base.path().join("x")).unwrap();
+        write(&folder, "summary.json", "{}");
+        fs::create_dir(folder.path().join("a")).unwrap();
+        write(&folder, "a/courses.csv", "");
+        clear(folder.path());
+        assert_eq!(names(folder.path()), [MARKER]);
+        assert!(Mark::of(folder.path()).is_some());
+        remove(folder.path());
+        assert!(names(base.path()).is_empty());
     }
 
     #[test]
