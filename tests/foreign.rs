@@ -148,6 +148,58 @@ fn our_own_courses_come_back() {
     assert!(page.contains("Measured") && page.contains("rig"));
 }
 
+/// A clock that began elsewhere: found where the map asks for it, told where the map says something else.
+#[test]
+fn a_shift_in_time_is_found_told_and_offered() {
+    let (dir, _) = folder(1);
+    let with = |offset: &str| {
+        let map = MAP.replace("offset_s = 0.5", &format!("offset_s = {offset}"));
+        std::fs::write(dir.path().join("rig.toml"), map).unwrap();
+        let outcome = compare(dir.path());
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        (outcome.stdout, summary(dir.path()))
+    };
+    let (shown, aligned) = with("\"align\"");
+    let said = notes(&aligned);
+    assert!(said.contains("s were added to its times"), "{said}");
+    let seconds: f64 = said
+        .split(" s were added")
+        .next()
+        .unwrap()
+        .rsplit(' ')
+        .next()
+        .unwrap()
+        .parse()
+        .unwrap();
+    assert!((seconds - 0.5).abs() < 1e-5, "{said}");
+    // A parabola through three samples finds the peak of an even correlation to a hundredth of a sample.
+    let off = difference(&aligned, "input_torque_n_m").unwrap();
+    assert!(off < 0.02, "{off:e}");
+    // The terminal says so too, with the distances.
+    let shown: Vec<&str> = shown.split_whitespace().collect();
+    let shown = shown.join(" ");
+    assert!(
+        shown.contains("s were added to its times") && shown.contains("measured"),
+        "{shown}"
+    );
+    let (_, apart) = with("0.503");
+    let said = notes(&apart);
+    assert!(
+        said.contains("offset_s = 0.500") && said.contains("\"align\""),
+        "{said}"
+    );
+    assert!(difference(&apart, "input_torque_n_m").unwrap() > 0.1);
+    let (_, right) = with("0.5");
+    assert!(!notes(&right).contains("align"), "{}", notes(&right));
+    std::fs::write(dir.path().join("rig.toml"), MAP.replace("0.5", "\"algin\"")).unwrap();
+    let refused = compare(dir.path());
+    assert_eq!(refused.code, Some(2), "{refused:?}");
+    assert!(
+        refused.stderr.contains("neither a number of seconds nor"),
+        "{refused:?}"
+    );
+}
+
 /// Half the samples: the others are interpolated, and what that may cost is said.
 #[test]
 fn other_sample_times_are_interpolated_and_told() {

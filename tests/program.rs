@@ -77,7 +77,7 @@ fn program_compare_writes_report_summary_and_courses() {
         "reduced / lagrange",
         "agree to ",
         "every statement holds",
-        "report: r/index.html",
+        "page: r/index.html",
     ] {
         assert!(shown.contains(part), "{part} is not in:\n{shown}");
     }
@@ -491,5 +491,61 @@ fn program_stopped_twice_ends_at_once_and_leaves_nothing() {
         names_in(dir.path()).is_empty(),
         "{:?}",
         names_in(dir.path())
+    );
+}
+
+/// The program alone, in a folder where nothing of the project is.
+#[test]
+fn program_works_from_any_folder() {
+    let dir = tempfile::tempdir().unwrap();
+    let explained = done(run_in(dir.path(), ["explain", "steel"]));
+    assert!(explained.contains("Modelled"), "{explained}");
+    for line in explained.lines() {
+        assert!(line.chars().count() <= 80, "{line}");
+    }
+    let listed = done(run_in(dir.path(), ["engines"]));
+    assert!(listed.contains("native-reduced"), "{listed}");
+    // Recordings are embedded too; with live engines they are not needed.
+    #[cfg(not(feature = "crossval"))]
+    {
+        let words = [
+            "compare",
+            "paper",
+            "--engines",
+            "native-reduced,mujoco-own-contact",
+        ];
+        let shown = done(run_in(dir.path(), words));
+        assert!(shown.contains("recorded"), "{shown}");
+    }
+}
+
+#[test]
+fn program_opens_completes_and_has_a_manual() {
+    let dir = tempfile::tempdir().unwrap();
+    let nothing = run_in(dir.path(), ["open", "--print"]);
+    assert_eq!(nothing.code, Some(2), "{nothing:?}");
+    assert!(nothing.stderr.contains("no page in out/"), "{nothing:?}");
+    for (name, age) in [("old", 100), ("new", 0)] {
+        let page = dir.path().join("out").join(name).join("index.html");
+        std::fs::create_dir_all(page.parent().unwrap()).unwrap();
+        let file = std::fs::File::create(&page).unwrap();
+        let when = std::time::SystemTime::now() - Duration::from_secs(age);
+        file.set_modified(when).unwrap();
+    }
+    let newest = done(run_in(dir.path(), ["open", "--print"]));
+    assert_eq!(newest, "page: out/new/index.html\n");
+    let named = done(run_in(dir.path(), ["open", "out/old", "--print"]));
+    assert_eq!(named, "page: out/old/index.html\n");
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = done(run_in(dir.path(), ["completions", shell]));
+        assert!(script.contains("stability"), "{shell}");
+    }
+    let page = done(run_in(dir.path(), ["man"]));
+    assert!(page.contains(".TH pinwheel 1"), "{page}");
+    done(run_in(dir.path(), ["man", "--out", "man1"]));
+    let pages = names_in(&dir.path().join("man1"));
+    assert!(
+        pages.iter().any(|name| name == "pinwheel-compare.1"),
+        "{pages:?}"
     );
 }

@@ -30,7 +30,7 @@ fn program_bench_writes_page_tables_and_summary() {
     for part in [
         "native-lagrange dopri5",
         "times faster than rapier-shared-law",
-        "report: b/index.html",
+        "page: b/index.html",
     ] {
         assert!(outcome.stdout.contains(part), "{part}: {}", outcome.stdout);
     }

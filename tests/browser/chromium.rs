@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 use tungstenite::{Message, WebSocket};
@@ -43,6 +45,8 @@ pub(crate) struct Chromium {
     /// What went wrong on the page since it was opened.
     complaints: Vec<String>,
     loaded: bool,
+    /// The script that pages run first.
+    first: Option<String>,
 }
 
 /// The browser's program: `PINWHEEL_CHROMIUM`, or the first installed one.
@@ -112,6 +116,7 @@ impl Chromium {
             session: None,
             complaints: Vec::new(),
             loaded: false,
+            first: None,
         };
         let target = browser.call("Target.createTarget", json!({"url": "about:blank"}));
         let attached = browser.call(
@@ -129,20 +134,11 @@ impl Chromium {
 
     /// Opens a file and waits until it is loaded. Returns what the console complained of.
     pub(crate) fn open(&mut self, page: &Path, look: Look) {
-        let scheme = if look.dark { "dark" } else { "light" };
-        let motion = if look.still {
-            "reduce"
-        } else {
-            "no-preference"
-        };
         self.call(
             "Emulation.setDeviceMetricsOverride",
             json!({"width": look.width, "height": 900, "deviceScaleFactor": 1, "mobile": look.width < 600}),
         );
-        self.call(
-            "Emulation.setEmulatedMedia",
-            json!({"features": [{"name": "prefers-color-scheme", "value": scheme}, {"name": "prefers-reduced-motion", "value": motion}]}),
-        );
+        self.theme(look);
         self.complaints.clear();
         self.loaded = false;
         let page = page.canonicalize().unwrap();
@@ -154,6 +150,102 @@ impl Chromium {
         while !self.loaded {
             self.read();
         }
+    }
+
+    /// The other theme, without opening the page anew.
+    pub(crate) fn theme(&mut self, look: Look) {
+        let scheme = if look.dark { "dark" } else { "light" };
+        let motion = if look.still {
+            "reduce"
+        } else {
+            "no-preference"
+        };
+        self.call(
+            "Emulation.setEmulatedMedia",
+            json!({"features": [{"name": "prefers-color-scheme", "value": scheme}, {"name": "prefers-reduced-motion", "value": motion}]}),
+        );
+    }
+
+    /// `print`, or nothing for the screen.
+    pub(crate) fn media(&mut self, media: &str) {
+        self.call("Emulation.setEmulatedMedia", json!({"media": media}));
+    }
+
+    /// What the mouse does: kinds of events with their places; `clicks`: 0 without a button, 2 for a double click.
+    pub(crate) fn mouse(&mut self, events: &[(&str, f64, f64)], clicks: u32) {
+        for (kind, x, y) in events {
+            let button = if clicks > 0 { "left" } else { "none" };
+            let held = u32::from(clicks > 0 && *kind != "mouseReleased");
+            self.call(
+                "Input.dispatchMouseEvent",
+                json!({"type": kind, "x": x, "y": y, "button": button, "buttons": held, "clickCount": clicks}),
+            );
+        }
+        // What follows from it is done in tasks of their own.
+        self.evaluate("new Promise((r) => setTimeout(r, 60))");
+    }
+
+    /// A key on what has the focus.
+    pub(crate) fn key(&mut self, key: &str) {
+        let code = match key {
+            "ArrowRight" => 39,
+            "Enter" => 13,
+            "Escape" => 27,
+            "+" => 187,
+            _ => 48,
+        };
+        let text = match key {
+            "Enter" => "\r",
+            "ArrowRight" | "Escape" => "",
+            other => other,
+        };
+        let name = if key.len() == 1 { "" } else { key };
+        let mut down =
+            json!({"type": "keyDown", "key": key, "code": name, "windowsVirtualKeyCode": code});
+        if !text.is_empty() {
+            down["text"] = json!(text);
+        }
+        self.call("Input.dispatchKeyEvent", down);
+        self.call(
+            "Input.dispatchKeyEvent",
+            json!({"type": "keyUp", "key": key, "code": name, "windowsVirtualKeyCode": code}),
+        );
+        self.evaluate("new Promise((r) => setTimeout(r, 60))");
+    }
+
+    /// A script that every page opened from now on runs first, instead of the one before.
+    pub(crate) fn before_pages(&mut self, script: &str) {
+        if let Some(old) = self.first.take() {
+            self.call(
+                "Page.removeScriptToEvaluateOnNewDocument",
+                json!({"identifier": old}),
+            );
+        }
+        let set = self.call(
+            "Page.addScriptToEvaluateOnNewDocument",
+            json!({"source": script}),
+        );
+        self.first = set["identifier"].as_str().map(str::to_owned);
+    }
+
+    /// Sheets of A4 that the page takes in print.
+    pub(crate) fn sheets(&mut self) -> usize {
+        let options = json!({"printBackground": true, "paperWidth": 8.27, "paperHeight": 11.69, "preferCSSPageSize": true});
+        let printed = self.call("Page.printToPDF", options);
+        let pdf = STANDARD.decode(printed["data"].as_str().unwrap()).unwrap();
+        let pdf = String::from_utf8_lossy(&pdf);
+        pdf.matches("/Type /Page").count() - pdf.matches("/Type /Pages").count()
+    }
+
+    /// The whole page as a picture in `file`.
+    pub(crate) fn picture(&mut self, file: &Path) {
+        let taken = self.call(
+            "Page.captureScreenshot",
+            json!({"format": "png", "captureBeyondViewport": true}),
+        );
+        std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+        let bytes = STANDARD.decode(taken["data"].as_str().unwrap()).unwrap();
+        std::fs::write(file, bytes).unwrap();
     }
 
     /// The value of a script, promises awaited.
@@ -229,7 +321,9 @@ impl Chromium {
                 self.complaints.push(format!("console: {}", params["args"]));
             }
             Some("Log.entryAdded")
-                if matches!(params["entry"]["level"].as_str(), Some("error" | "warning")) =>
+                if matches!(params["entry"]["level"].as_str(), Some("error" | "warning"))
+                    // It is the tests that read pixels back.
+                    && !params["entry"]["text"].to_string().contains("willReadFrequently") =>
             {
                 self.complaints
                     .push(format!("log: {}", params["entry"]["text"]));

@@ -5,33 +5,21 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
+mod access;
 mod chromium;
+mod interact;
 mod motion;
 mod studies;
 
 use std::path::{Path, PathBuf};
 
+use access::ACCESS;
 use chromium::{Chromium, Look};
 use pinwheel_tests::run_in;
 use serde_json::Value;
 
-const LOOKS: [Look; 3] = [
-    Look {
-        width: 390,
-        dark: false,
-        still: true,
-    },
-    Look {
-        width: 1280,
-        dark: true,
-        still: true,
-    },
-    Look {
-        width: 1600,
-        dark: false,
-        still: true,
-    },
-];
+/// A phone, a tablet, a laptop and a desk.
+const WIDTHS: [u32; 4] = [390, 768, 1280, 1600];
 
 /// What a page looks like from inside, once all that can be opened is open.
 const LOOK_AT: &str = r#"(async () => {
@@ -47,7 +35,7 @@ const LOOK_AT: &str = r#"(async () => {
     pen.fillRect(0, 0, 1, 1);
     return [...pen.getImageData(0, 0, 1, 1).data];
   };
-  const lines = Array.from({ length: 8 }, (_, k) => rgb(`var(--line-${k})`));
+  const lines = Array.from({ length: 16 }, (_, k) => rgb(`var(--line-${k})`));
   const near = (a, b) => Math.abs(a[0] - b[0]) + Math.abs(a[1] - b[1]) + Math.abs(a[2] - b[2]) < 24;
   const ground = rgb(getComputedStyle(document.body).backgroundColor);
   probe.remove();
@@ -82,10 +70,11 @@ const LOOK_AT: &str = r#"(async () => {
   };
 })()"#;
 
-/// Everything that is wrong with a page in one look.
-fn faults(browser: &mut Chromium, page: &Path, look: Look) -> (Vec<String>, Value) {
-    browser.open(page, look);
-    let seen = browser.evaluate(LOOK_AT);
+/// Everything that is wrong with the open page in one look.
+fn faults(browser: &mut Chromium, look: Look) -> (Vec<String>, Value) {
+    browser.theme(look);
+    let mut seen = browser.evaluate(LOOK_AT);
+    seen["access"] = browser.evaluate(ACCESS);
     let mut faults: Vec<String> = browser.complaints().to_vec();
     let mut list = |what: &str, key: &str| {
         let found = seen[key].as_array().unwrap();
@@ -93,6 +82,7 @@ fn faults(browser: &mut Chromium, page: &Path, look: Look) -> (Vec<String>, Valu
     };
     list("not drawn", "blank");
     list("too wide", "wide");
+    list("not for everyone", "access");
     if seen["overflow"].as_i64().unwrap() > 0 {
         faults.push(format!("{} px wider than the screen", seen["overflow"]));
     }
@@ -109,18 +99,31 @@ fn faults(browser: &mut Chromium, page: &Path, look: Look) -> (Vec<String>, Valu
     (faults, seen)
 }
 
-/// A page in all looks, with at least so many plots and moving gearboxes.
-fn flawless(browser: &mut Chromium, page: &Path, plots: u64, gearboxes: u64) {
-    for look in LOOKS {
-        let (faults, seen) = faults(browser, page, look);
-        assert!(
-            faults.is_empty(),
-            "{} at {look:?}: {faults:#?}",
-            page.display()
-        );
-        assert!(seen["plots"].as_u64().unwrap() >= plots, "{seen}");
-        assert_eq!(seen["gearboxes"].as_u64().unwrap(), gearboxes, "{seen}");
+/// A page at all widths in both themes, with at least so many plots and moving gearboxes; pictures of it are kept in
+/// `target/screenshots`.
+fn flawless(browser: &mut Chromium, name: &str, page: &Path, plots: u64, gearboxes: u64) {
+    let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("screenshots");
+    let mut wrong = Vec::new();
+    for width in WIDTHS {
+        for dark in [false, true] {
+            let still = true;
+            let look = Look { width, dark, still };
+            let theme = if dark { "dark" } else { "light" };
+            // The theme is changed as a reader does: with the page open.
+            if dark {
+                browser.theme(look);
+            } else {
+                browser.open(page, look);
+            }
+            browser.evaluate("new Promise((r) => setTimeout(r, 250))");
+            browser.picture(&kept.join(format!("{name}-{width}-{theme}.png")));
+            let (faults, seen) = faults(browser, look);
+            wrong.extend(faults.iter().map(|f| format!("{width} {theme}: {f}")));
+            assert!(seen["plots"].as_u64().unwrap() >= plots, "{seen}");
+            assert_eq!(seen["gearboxes"].as_u64().unwrap(), gearboxes, "{seen}");
+        }
     }
+    assert!(wrong.is_empty(), "{}: {wrong:#?}", page.display());
 }
 
 #[test]
@@ -133,11 +136,22 @@ fn browser_sees_what_is_wrong() {
     std::fs::write(
         &page,
         "<!doctype html><title>x</title><body style='background:#fff'><main><canvas width=40 height=40></canvas>\
-         <div style='width:3000px'>wide</div></main><header></header><script>absent()</script>",
+         <div style='width:3000px'>wide</div><p style='color:#e08a00'>pale</p><button></button></main><header></header>\
+         <script>absent()</script>",
     )
     .unwrap();
-    let (found, _) = faults(&mut browser, &page, LOOKS[1]);
+    let look = Look {
+        width: 1280,
+        dark: true,
+        still: true,
+    };
+    browser.open(&page, look);
+    let (found, _) = faults(&mut browser, look);
     for part in [
+        "contrast 2.6",
+        "no name: <button>",
+        "not one h1",
+        "no nav",
         "exception",
         "not drawn",
         "too wide",
@@ -174,7 +188,27 @@ fn browser_shows_the_comparison() {
         return;
     };
     let dir = tempfile::tempdir().unwrap();
-    flawless(&mut browser, &comparison(dir.path()), 4, 1);
+    let page = comparison(dir.path());
+    flawless(&mut browser, "compare", &page, 2, 1);
+    assert!(std::fs::metadata(&page).unwrap().len() < 2_000_000);
+}
+
+#[test]
+fn browser_does_what_is_asked() {
+    let questions = [
+        interact::charts_answer,
+        interact::keys_do_it_all,
+        interact::phones_are_served,
+        interact::paper_is_spared,
+        interact::old_browsers_read_it,
+    ];
+    let dir = tempfile::tempdir().unwrap();
+    let page = comparison(dir.path());
+    for question in questions {
+        if let Some(mut browser) = Chromium::start() {
+            question(&mut browser, &page);
+        }
+    }
 }
 
 /// Four questions side by side, each in a browser of its own: what they do most is wait for frames.
@@ -208,7 +242,13 @@ fn browser_shows_the_paper() {
     let dir = tempfile::tempdir().unwrap();
     let done = run_in(dir.path(), ["paper", "--figures", "9", "--out", "p"]);
     assert_eq!(done.code, Some(0), "{done:?}");
-    flawless(&mut browser, &dir.path().join("p/index.html"), 2, 1);
+    flawless(
+        &mut browser,
+        "paper",
+        &dir.path().join("p/index.html"),
+        2,
+        1,
+    );
     let summary: Value =
         serde_json::from_str(&std::fs::read_to_string(dir.path().join("p/summary.json")).unwrap())
             .unwrap();

@@ -23,7 +23,7 @@ fn browser_shows_the_bench() {
     let words = "bench paper --engines native,rapier-shared-law --methods rk4,dopri5 --repeats 1 --parts scene \
                  --set solver.duration_s=0.005";
     let page = page(dir.path(), &words.split_whitespace().collect::<Vec<_>>());
-    flawless(&mut browser, &page, 1, 0);
+    flawless(&mut browser, "bench", &page, 1, 0);
 }
 
 #[test]
@@ -36,7 +36,33 @@ fn browser_shows_a_sweep() {
                  gear.backlash_m = [0.0, 2.0e-4, 4.0e-4]\ncontact.damping_n_s_m = [8.0, 64.0]\n";
     std::fs::write(dir.path().join("small.toml"), sweep).unwrap();
     let page = page(dir.path(), &["sweep", "small.toml"]);
-    flawless(&mut browser, &page, 1, 0);
+    flawless(&mut browser, "sweep", &page, 0, 0);
+    // Two axes are a map; lines, other axes and figures are a choice away.
+    let seen = browser.evaluate(
+        "(async () => {
+          const rest = () => new Promise((r) => setTimeout(r, 200));
+          const maps = () => document.querySelectorAll('.heat-map').length;
+          const plots = () => document.querySelectorAll('.grid .uplot').length;
+          const select = (k, value) => { const s = document.querySelectorAll('.grid select')[k]; s.value = value; s.dispatchEvent(new Event('change')); };
+          const seen = [maps(), plots(), document.querySelectorAll('.heat-map td.map').length];
+          document.querySelectorAll('.grid .buttons button')[0].click();
+          await rest();
+          seen.push(maps(), plots(), document.querySelectorAll('.grid .chip').length);
+          select(1, '1');
+          await rest();
+          seen.push(document.querySelectorAll('.grid .chip').length);
+          select(0, '1');
+          await rest();
+          seen.push(plots(), document.querySelectorAll('.grid select')[0].value);
+          return seen;
+        })()",
+    );
+    assert_eq!(seen, serde_json::json!([1, 0, 6, 0, 1, 2, 3, 1, "1"]));
+    assert!(
+        browser.complaints().is_empty(),
+        "{:?}",
+        browser.complaints()
+    );
 }
 
 #[test]
@@ -55,7 +81,7 @@ fn browser_shows_the_stability() {
         dir.path(),
         &["stability", "soft.toml", "stiff.toml", "--quick"],
     );
-    flawless(&mut browser, &page, 1, 0);
+    flawless(&mut browser, "stability", &page, 1, 0);
 }
 
 #[test]
@@ -87,5 +113,5 @@ fn browser_shows_a_baseline() {
         "1",
     ];
     let page = page(dir.path(), &words);
-    flawless(&mut browser, &page, 2, 0);
+    flawless(&mut browser, "baseline", &page, 2, 0);
 }

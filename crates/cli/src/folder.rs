@@ -74,11 +74,11 @@ impl Folder {
 }
 
 /// The page in a folder.
-const PAGE: &str = "index.html";
+pub(crate) const PAGE: &str = "index.html";
 
-/// Where the page of a published folder is, in words.
-pub(crate) fn page(out: &Path) -> String {
-    out.join(PAGE).display().to_string()
+/// Where the page of a published folder is.
+pub(crate) fn page(out: &Path) -> PathBuf {
+    out.join(PAGE)
 }
 
 /// Files that the command line names, whatever they are for.

@@ -52,5 +52,8 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Calibrate(args) => commands::calibrate::calibrate(args),
         Command::Stability(args) => commands::stability::stability(args),
         Command::Record(args) => commands::record::record(args),
+        Command::Open(args) => commands::open::open(args),
+        Command::Completions(args) => commands::shell::completions(args),
+        Command::Man(args) => commands::shell::man(args),
     }
 }

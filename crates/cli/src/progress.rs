@@ -70,7 +70,7 @@ impl Bar {
         let bar = self.bar.get_or_init(|| {
             let bar = ProgressBar::new(PARTS);
             if let Ok(style) =
-                ProgressStyle::with_template("{prefix} [{bar:24}] {elapsed}: {wide_msg}")
+                ProgressStyle::with_template("{prefix} [{bar:12}] {elapsed}: {wide_msg}")
             {
                 bar.set_style(style.progress_chars("=> "));
             }
@@ -88,43 +88,32 @@ impl Bar {
     }
 }
 
-/// The piece, its number, and the simulated time where that passes.
+/// The piece, its number, and the time left where simulated time passes; short, because what a terminal has no room for
+/// is cut off.
 fn words(progress: &Progress<'_>, elapsed_s: f64) -> String {
-    let mut text = progress.piece.to_owned();
+    let mut text = String::new();
     if progress.total > 1 {
         let number = (progress.done + 1).min(progress.total);
-        text.push_str(&format!(" ({number} of {})", progress.total));
+        text.push_str(&format!("{number} of {}, ", progress.total));
     }
+    text.push_str(progress.piece);
     if let Some([at, of]) = progress.simulated_s {
-        text.push_str(&format!(", {}", message(at, of, elapsed_s)));
+        let left = elapsed_s * (of - at).max(0.0) / at;
+        if left.is_finite() {
+            text.push_str(&format!(", {} left", short(left)));
+        }
     }
     text
 }
 
-/// `0.310 of 0.600 s, 0.12 s per second, 3 s left`.
-fn message(time_s: f64, duration_s: f64, elapsed_s: f64) -> String {
-    let rate = time_s / elapsed_s;
-    let mut text = format!("{time_s:.3} of {duration_s:.3} s");
-    if rate > 0.0 && rate.is_finite() {
-        let left = ((duration_s - time_s) / rate).max(0.0);
-        let left = if left < 90.0 {
-            format!("{left:.0} s")
-        } else if left < 5400.0 {
-            format!("{:.0} min", left / 60.0)
-        } else {
-            format!("{:.1} h", left / 3600.0)
-        };
-        text.push_str(&format!(", {} simulated s per s, {left} left", short(rate)));
-    }
-    text
-}
-
-/// Two significant digits.
-fn short(value: f64) -> String {
-    if (0.1..1000.0).contains(&value) {
-        format!("{value:.2}")
+/// Seconds, minutes or hours.
+fn short(left_s: f64) -> String {
+    if left_s < 90.0 {
+        format!("{left_s:.0} s")
+    } else if left_s < 5400.0 {
+        format!("{:.0} min", left_s / 60.0)
     } else {
-        format!("{value:.1e}")
+        format!("{:.1} h", left_s / 3600.0)
     }
 }
 
@@ -133,26 +122,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pieces_are_counted() {
+    fn pieces_are_counted_and_fit() {
         let piece = Progress::new(1, 4, "atlas of steel");
-        assert_eq!(words(&piece, 1.0), "atlas of steel (2 of 4)");
-        let run = Progress {
-            simulated_s: Some([0.3, 0.6]),
-            ..Progress::new(0, 1, "native")
+        assert_eq!(words(&piece, 1.0), "2 of 4, atlas of steel");
+        let run = |at| Progress {
+            simulated_s: Some([at, 0.6]),
+            ..Progress::new(6, 12, "rapier-own-contact-colliders")
         };
-        assert!(words(&run, 1.0).starts_with("native, 0.300 of 0.600 s"));
-    }
-
-    #[test]
-    fn messages() {
-        assert_eq!(
-            message(0.3, 0.6, 1.0),
-            "0.300 of 0.600 s, 0.30 simulated s per s, 1 s left"
-        );
-        assert_eq!(
-            message(1e-4, 0.6, 1.0),
-            "0.000 of 0.600 s, 1.0e-4 simulated s per s, 1.7 h left"
-        );
-        assert_eq!(message(0.0, 0.6, 1.0), "0.000 of 0.600 s");
+        let line = words(&run(0.3), 12.0);
+        assert_eq!(line, "7 of 12, rapier-own-contact-colliders, 12 s left");
+        // `stability [============] 99m: ` stands before it.
+        assert!(line.len() + 28 <= 80);
+        assert!(words(&run(1e-4), 1.0).ends_with(", 1.7 h left"));
+        assert!(words(&run(0.0), 1.0).ends_with("colliders"));
     }
 }

@@ -3,6 +3,7 @@
 
 use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};
+use std::path::Path;
 
 use pinwheel::report::terminal::{BAD, styled};
 use pinwheel::studies::output::reason;
@@ -24,6 +25,45 @@ pub(crate) fn show(text: &str) -> Result<(), Failure> {
         ))),
         Ok(()) => Ok(()),
     }
+}
+
+/// Writes results and where their page is; on terminals that know links, one to click.
+pub(crate) fn show_with_page(text: &str, page: &Path) -> Result<(), Failure> {
+    if !text.is_empty() {
+        show(text)?;
+    }
+    let place = page.display().to_string();
+    let place = harmless(&place, false);
+    let linked = supports_hyperlinks::on(supports_hyperlinks::Stream::Stdout);
+    let line = match address(page).filter(|_| linked) {
+        Some(address) => format!("\u{1b}]8;;{address}\u{1b}\\{place}\u{1b}]8;;\u{1b}\\"),
+        None => place,
+    };
+    let mut stdout = std::io::stdout().lock();
+    // The results are out already.
+    let _ = writeln!(stdout, "page: {line}").and_then(|()| stdout.flush());
+    Ok(())
+}
+
+/// A file as browsers and terminals name it, `file:///...`; nothing but what a link may hold.
+pub(crate) fn address(file: &Path) -> Option<String> {
+    let file = file.canonicalize().ok()?;
+    let path = file
+        .to_str()?
+        .trim_start_matches(r"\\?\")
+        .replace('\\', "/");
+    let mut address = "file://".to_owned();
+    if !path.starts_with('/') {
+        address.push('/'); // a drive's letter
+    }
+    for byte in path.bytes() {
+        if byte.is_ascii_alphanumeric() || b"/-_.~:".contains(&byte) {
+            address.push(char::from(byte));
+        } else {
+            let _ = write!(address, "%{byte:02X}");
+        }
+    }
+    Some(address)
 }
 
 /// The same for what another program reads.
@@ -140,6 +180,17 @@ mod tests {
         let json = serde_json::to_string("\u{9b}\u{1b}").unwrap();
         let back: String = serde_json::from_str(&harmless(&json, true)).unwrap();
         assert_eq!(back, "\u{9b}\u{1b}");
+    }
+
+    #[test]
+    fn links_hold_nothing_that_ends_them() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("a b\u{e9}%;.html");
+        std::fs::write(&file, "").unwrap();
+        let address = address(&file).unwrap();
+        assert!(address.starts_with("file:///"), "{address}");
+        assert!(address.ends_with("/a%20b%C3%A9%25%3B.html"), "{address}");
+        assert_eq!(super::address(Path::new("/no/such/file")), None);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The engines of a build, as a table.
 
-use pinwheel_report::terminal::{Cell, TITLE, lines};
+use pinwheel_report::terminal::{Cell, TITLE, lines, paragraph};
 use pinwheel_studies::choice::Listed;
 
 /// One line an engine, and what their tracks mean.
@@ -16,8 +16,10 @@ pub fn text(listed: &[Listed]) -> String {
             Cell::text(&engine.summary),
         ]
     }));
-    format!(
-        "{}\n`native` stands for the native engine in the formulation that the scene asks for.\nshared-law engines share the contact law and check the multibody side to many digits;\nown-contact engines find contact themselves and check geometry and law to a few per cent.",
-        lines(&rows)
-    )
+    let tracks = [
+        "`native` stands for the native engine in the formulation that the scene asks for.",
+        "shared-law engines share the contact law and check the multibody side to many digits;",
+        "own-contact engines find contact themselves and check geometry and law to a few per cent.",
+    ];
+    format!("{}\n{}", lines(&rows), paragraph(&tracks.join(" ")))
 }

@@ -1,13 +1,14 @@
 //! What a scene models, assumes and lets one expect.
 
-use pinwheel_report::terminal::{Cell, TITLE, lines, styled};
+use pinwheel_report::terminal::{Cell, TITLE, lines, paragraph, styled};
 use pinwheel_scene::{Derived, Scene};
 use pinwheel_studies::explained::Explanation;
 
 /// The whole text.
 #[must_use]
 pub fn text(explanation: &Explanation<'_>) -> String {
-    let mut text = format!("{}\n", styled(TITLE, &crate::title(explanation.scene)));
+    let title = paragraph(&crate::title(explanation.scene));
+    let mut text = format!("{}\n", styled(TITLE, &title));
     let mut section = |title: &str, rows: Vec<Vec<Cell>>| {
         if !rows.is_empty() {
             text.push_str(&format!("\n{}\n{}", styled(TITLE, title), lines(&rows)));

@@ -37,7 +37,7 @@ fn results(found: &Outcome) -> Vec<(&'static str, String)> {
     // Relative uncertainty of the forces and of the torque, where the run knows it.
     let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
     let give = |value: f64, share: Option<f64>| match share {
-        Some(share) => format!("+- {:.1e}", value.abs() * share),
+        Some(share) => format!(" \u{b1} {:.1e}", value.abs() * share),
         None => String::new(),
     };
     let mut rows = Vec::new();
@@ -46,7 +46,7 @@ fn results(found: &Outcome) -> Vec<(&'static str, String)> {
         rows.push((
             "driver torque",
             format!(
-                "mean {} {} N m, {} to {}, from {:.4} s on",
+                "mean {}{} N m, {} to {}, from {:.4} s on",
                 digits(torque.mean),
                 give(torque.rms, share),
                 digits(torque.min),
@@ -64,7 +64,7 @@ fn results(found: &Outcome) -> Vec<(&'static str, String)> {
             rows.push((
                 label,
                 format!(
-                    "peak {} {} N, mean {} N",
+                    "peak {}{} N, mean {} N",
                     digits(force.peak),
                     give(force.peak, share),
                     digits(force.mean)
@@ -76,8 +76,9 @@ fn results(found: &Outcome) -> Vec<(&'static str, String)> {
         rows.push((
             "efficiency",
             format!(
-                "{:.2} % by what contacts lose; {:.2} % by the works, {:+.2} % of them created by the law",
+                "{:.2}{} % by what contacts lose; {:.2} % by the works, {:+.2} % of them created by the law",
                 100.0 * efficiency.of_losses,
+                give(100.0 * efficiency.of_losses, error.map(|e| e.driver_torque)),
                 100.0 * efficiency.measured,
                 100.0 * efficiency.created_share
             ),
@@ -91,7 +92,12 @@ fn results(found: &Outcome) -> Vec<(&'static str, String)> {
 pub fn text(found: &Outcome, courses: &str) -> String {
     let stats = &found.run.stats;
     let row = |label: &str, value: String| vec![Cell::text(label), Cell::text(value)];
-    let mut rows = vec![
+    // What one runs it for comes first.
+    let mut rows: Vec<Vec<Cell>> = results(found)
+        .into_iter()
+        .map(|(label, value)| row(label, value))
+        .collect();
+    rows.extend([
         row(
             "engine",
             format!(
@@ -122,12 +128,7 @@ pub fn text(found: &Outcome, courses: &str) -> String {
             "freedom",
             format!("{} velocities integrated", stats.degrees_of_freedom),
         ),
-    ];
-    rows.extend(
-        results(found)
-            .into_iter()
-            .map(|(label, value)| row(label, value)),
-    );
+    ]);
     if let Some(resolution) = &found.resolution {
         rows.push(row("resolution", resolution.sentence()));
     }

@@ -79,9 +79,12 @@ document.addEventListener('DOMContentLoaded', () => {
   }
 
   // ---- A block: views with one clock ----------------------------------------------------------
-  function block(host) {
+  async function block(host) {
     const data = JSON.parse(host.querySelector('script').textContent);
-    const boxes = data.views.map(gearbox);
+    const boxes = await Promise.all(data.views.map(async (view) => {
+      const read = PinwheelPacked.reader(await PinwheelPacked.unpack(view.samples));
+      return gearbox(view, Array.from({ length: view.channels }, () => Float32Array.from(read.column())));
+    }));
     const first = boxes[0];
     const last = first.view.count - 1;
     const options = { forces: true, wheels: Array(first.gear.wheels).fill(true) };

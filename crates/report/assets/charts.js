@@ -2,23 +2,35 @@
 //
 // PinwheelCharts.chart(host, spec) -> handle
 // spec = {
-//   x: { values, label, log },              values: numbers; log: logarithmic axis
-//   y: { label, log, floor, zero },         floor: smallest value a log axis need show
-//   series: [{ label, values, style, visible, points, markers, thin }],
-//                                           style: number of colour and dash; points: dots, no line;
-//                                           markers: dots on the line; thin: a thin dashed line
+//   x: { values, label, log, ticks, name },  values: numbers; log: logarithmic axis; ticks: the only places with a number;
+//                                           name(index): what stands above the values at the cursor
+//   y: { label, log, floor, zero, span, include },
+//                                           floor: smallest value a log axis need show; span: smallest height of a linear one;
+//                                           include: [low, high] that are always in sight
+//   series: [{ label, values, style, visible, points, markers, marks, thin, band, more }],
+//                                           style: number of colour and dash; points: dots, no line; marks: small ones;
+//                                           markers: dots on the line; thin: a thin dashed line;
+//                                           band: half width of a band about the values, a number each;
+//                                           more(index): what stands behind the value at the cursor
 //   height, group, describe,                group: charts that share crosshair and zoom
-//   onCursor(index | null)
+//   bands: [{ style, low, high }],          strips across the whole chart
+//   onZoom(from, to)
 // }
 // handle = { update(part of a spec), show(k, on), range(from, to), redraw(), destroy() }
 'use strict';
 const PinwheelCharts = (() => {
-  // Told apart by dash as well as by colour (Okabe and Ito's palette, see report.css).
+  // Told apart by dash as well as by colour (see report.css).
   const DASHES = [[], [10, 4], [3, 3], [12, 3, 3, 3], [6, 2], [2, 5], [14, 3, 2, 3, 2, 3], [1, 2]];
-  const STYLES = DASHES.length;
-  // Past the last colour they begin again, with other dashes.
-  const dashOf = (style) => DASHES[(style + 3 * Math.floor(style / STYLES)) % STYLES];
+  const COLOURS = 16;
+  // Past the last dash and the last colour they begin again, with others.
+  const dashOf = (style) => DASHES[(style + 3 * Math.floor(style / 8) + 2 * Math.floor(style / COLOURS)) % DASHES.length];
+  // Values shown at the cursor at most.
+  const MOST = 14;
+  // How far from the cursor a curve's sample may be to be read, pixels.
+  const REACH = 14;
   const groups = new Map();
+  // Of each group the chart that is pointed at: it alone says values.
+  const pointed = new Map();
 
   // Custom properties may hold light-dark() or color-mix(): let the browser resolve them.
   const probe = document.createElement('i');
@@ -32,7 +44,7 @@ const PinwheelCharts = (() => {
     }
     return known.get(name);
   }
-  const lineColour = (style) => colour(`--line-${style % STYLES}`);
+  const lineColour = (style) => colour(`--line-${style % COLOURS}`);
 
   function swatch(style) {
     const dash = dashOf(style).join(' ');
@@ -44,7 +56,7 @@ const PinwheelCharts = (() => {
     svg.setAttribute('aria-hidden', 'true');
     const line = document.createElementNS(ns, 'path');
     line.setAttribute('d', 'M1 4H27');
-    line.setAttribute('stroke', `var(--line-${style % STYLES})`);
+    line.setAttribute('stroke', `var(--line-${style % COLOURS})`);
     line.setAttribute('stroke-width', '2.5');
     if (dash) line.setAttribute('stroke-dasharray', dash);
     svg.append(line);
@@ -75,15 +87,23 @@ const PinwheelCharts = (() => {
     if (!whole(decimals) && whole(decimals + 1)) decimals += 1; // 0.0025, 0.005, 0.0075
     return values.map((v) => (v === null || v === undefined ? '' : v.toFixed(decimals).replace('-', '−')));
   }
-  // On a log axis only whole decades have a line and a number, and not all where there are many.
+  // On a log axis whole decades have a line and a number, not all where there are many; 1, 2 and 5 where there are few.
   const decades = (most) => (plot, axis, low, high) => {
     const [from, to] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
+    const places = [];
+    if (to - from < 2) {
+      for (let power = from - 1; power <= to; power += 1) for (const part of [1, 2, 5]) places.push(part * 10 ** power);
+      return places.filter((v) => v >= low * (1 - 1e-9) && v <= high * (1 + 1e-9));
+    }
     const every = Math.max(1, Math.ceil((to - from + 1) / Math.max(2, Math.floor(most(plot)))));
-    const powers = [];
-    for (let power = Math.ceil(from / every) * every; power <= to; power += every) powers.push(10 ** power);
-    return powers;
+    for (let power = Math.ceil(from / every) * every; power <= to; power += every) places.push(10 ** power);
+    return places;
   };
-  const powers = (values) => values.map((v) => `10${[...String(Math.round(Math.log10(v)))].map((c) => SUPERSCRIPT[c]).join('')}`);
+  const powers = (values) => values.map((v) => {
+    const [mantissa, exponent] = v.toExponential(0).split('e').map(Number);
+    if (exponent >= -3 && exponent < 4) return String(Number(v.toPrecision(1)));
+    return `${mantissa === 1 ? '' : `${mantissa}·`}10${[...String(exponent)].map((c) => SUPERSCRIPT[c]).join('')}`;
+  });
 
   function yRange(state) {
     return (plot, low, high) => {
@@ -97,9 +117,25 @@ const PinwheelCharts = (() => {
       }
       if (low === null || high === null || low === undefined) return [-1, 1];
       if (spec.y.zero) { low = Math.min(low, 0); high = Math.max(high, 0); }
+      for (const { band, values } of spec.series) {
+        if (band) values.forEach((v, k) => { if (v !== null && band[k] !== null) { low = Math.min(low, v - band[k]); high = Math.max(high, v + band[k]); } });
+      }
+      for (const strip of spec.bands || []) { low = Math.min(low, strip.low); high = Math.max(high, strip.high); }
+      if (spec.y.include) { low = Math.min(low, spec.y.include[0]); high = Math.max(high, spec.y.include[1]); }
+      const short = (spec.y.span || 0) - (high - low);
+      if (short > 0) { low -= short / 2; high += short / 2; }
       const breadth = high - low || Math.abs(high) * 0.01 || 1;
       return [low - 0.06 * breadth, high + 0.06 * breadth];
     };
+  }
+
+  // Places for numbers that do not run into each other.
+  function thinned(places, width, log) {
+    const at = (v) => (log ? Math.log10(v) : v);
+    const span = at(places[places.length - 1]) - at(places[0]) || 1;
+    const kept = [];
+    for (const v of places) if (kept.length === 0 || ((at(v) - at(kept[kept.length - 1])) / span) * width > 64) kept.push(v);
+    return kept;
   }
 
   function options(host, state) {
@@ -120,7 +156,7 @@ const PinwheelCharts = (() => {
       width: Math.max(host.clientWidth, 120),
       height: spec.height,
       legend: { show: false },
-      padding: [10, 18, 0, 0],
+      padding: [12, 26, 0, 0],
       scales: {
         x: { time: false, distr: spec.x.log ? 3 : 1 },
         y: { distr: spec.y.log ? 3 : 1, range: yRange(state) },
@@ -131,7 +167,7 @@ const PinwheelCharts = (() => {
         points: { size: 7, width: 0 },
       },
       axes: [
-        { ...axis, label: spec.x.label, size: 34, values: (u, v) => (spec.x.log ? powers(v) : ticks(v)), ...(spec.x.log ? { splits: decades((u) => u.width / 70), filter: (u, v) => v } : {}) },
+        { ...axis, label: spec.x.label, size: 34, values: (u, v) => (spec.x.log && !spec.x.ticks ? powers(v) : ticks(v)), ...(spec.x.ticks ? { splits: () => thinned(spec.x.ticks, host.clientWidth, spec.x.log), filter: (u, v) => v } : spec.x.log ? { splits: decades((u) => u.width / 70), filter: (u, v) => v } : {}) },
         {
           ...axis,
           label: spec.y.label,
@@ -145,21 +181,94 @@ const PinwheelCharts = (() => {
         label: series.label,
         show: series.visible !== false,
         stroke: () => lineColour(series.style),
-        width: series.points ? 0 : series.thin ? 1 : 1.6,
+        width: series.points || series.marks ? 0 : series.thin ? 1 : 1.6,
         dash: series.thin ? [4, 4] : dashOf(series.style),
-        points: series.points || series.markers ? { show: true, size: series.points ? 9 : 7, fill: () => lineColour(series.style) } : { show: false },
-        spanGaps: series.sparse === true,
+        points: series.points || series.markers || series.marks ? { show: true, size: series.points ? 9 : series.marks ? 3.5 : 7, width: series.marks ? 0 : undefined, fill: () => lineColour(series.style) } : { show: false },
       }))),
       hooks: {
-        setCursor: [(u) => {
-          const index = u.cursor.left >= 0 ? u.cursor.idx : null;
-          if (state.spec.onCursor) state.spec.onCursor(index === undefined ? null : index);
-        }],
+        drawClear: [(u) => strips(u, state)],
+        setCursor: [(u) => tip(u, state)],
         setScale: [(u, key) => {
           if (key === 'x' && !state.told) follow(state, u.scales.x.min, u.scales.x.max);
         }],
       },
     };
+  }
+
+  // Bands lie under the lines: of a series about its values, or across the whole chart.
+  function strips(u, state) {
+    const { ctx } = u;
+    const fill = (style, edge) => {
+      ctx.save();
+      ctx.beginPath();
+      ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
+      ctx.clip();
+      ctx.beginPath();
+      edge();
+      ctx.closePath();
+      ctx.globalAlpha = 0.2;
+      ctx.fillStyle = lineColour(style);
+      ctx.fill();
+      ctx.restore();
+    };
+    const y = (v) => u.valToPos(v, 'y', true);
+    for (const { style, low, high } of state.spec.bands || []) fill(style, () => ctx.rect(u.bbox.left, y(high), u.bbox.width, y(low) - y(high)));
+    const xs = state.spec.x.values;
+    state.spec.series.forEach((series) => {
+      if (!series.band || series.visible === false) return;
+      const some = xs.map((x, k) => [x, series.values[k], series.band[k]]).filter(([, v, b]) => Number.isFinite(v) && Number.isFinite(b) && !(state.spec.y.log && v <= b));
+      const side = (sign) => ([x, v, b]) => ctx.lineTo(u.valToPos(x, 'x', true), y(v + sign * b));
+      fill(series.style, () => { some.forEach(side(1)); some.reverse().forEach(side(-1)); });
+    });
+  }
+
+  // The sample of a series nearest to the cursor: its own one there, or one that is within reach.
+  function near(u, values, index) {
+    const x = u.data[0];
+    const left = u.valToPos(x[index], 'x');
+    const close = (k) => Math.abs(u.valToPos(x[k], 'x') - left) <= REACH;
+    for (let away = 0, open = true; open; away += 1) {
+      open = false;
+      for (const k of [index - away, index + away]) {
+        if (k < 0 || k >= x.length || !close(k)) continue;
+        if (values[k] !== null && values[k] !== undefined) return k;
+        open = true;
+      }
+    }
+    return null;
+  }
+
+  // Every visible value at the cursor, in the order in which the lines lie there.
+  function tip(u, state) {
+    const { box, spec } = state;
+    const index = u.cursor.left >= 0 ? u.cursor.idx : null;
+    const other = spec.group && pointed.get(spec.group) !== state;
+    if (other || index === null || index === undefined) { box.hidden = true; return; }
+    const rows = [];
+    spec.series.forEach((series, k) => {
+      if (series.visible === false || !u.series[k + 1].show) return;
+      const at = near(u, series.values, index);
+      if (at !== null) rows.push({ series, at, value: series.values[at] });
+    });
+    if (rows.length > MOST) {
+      const level = u.posToVal(u.cursor.top, 'y');
+      rows.sort((a, b) => Math.abs(a.value - level) - Math.abs(b.value - level));
+      rows.length = MOST;
+    }
+    rows.sort((a, b) => b.value - a.value);
+    const cell = (name, text) => { const e = document.createElement('span'); e.className = name; e.textContent = text; return e; };
+    const name = spec.x.name ? spec.x.name(index) : `${number(u.data[0][index], 5)}`;
+    box.replaceChildren(cell('at', name), ...rows.flatMap(({ series, at, value }) => [
+      swatch(series.style), cell('who', series.label), cell('value', number(value, 5)), cell('more', series.more ? series.more(at) : ''),
+    ]));
+    box.hidden = false;
+    // Beside the cursor, on the side where there is room.
+    const [wide, high] = [box.offsetWidth, box.offsetHeight];
+    const { clientWidth: width, clientHeight: height } = u.over;
+    const right = u.cursor.left + 18 + wide <= width + 20;
+    box.style.left = `${u.over.offsetLeft + (right ? u.cursor.left + 18 : Math.max(-u.over.offsetLeft, u.cursor.left - wide - 18))}px`;
+    box.style.top = `${u.over.offsetTop + Math.max(0, Math.min(u.cursor.top - high / 2, Math.max(0, height - high)))}px`;
+    state.text = `${name}: ${rows.map(({ series, value }) => `${series.label} ${number(value, 5)}`).join(', ')}`;
   }
 
   // Charts of a group show the same stretch, whichever of them was zoomed.
@@ -179,6 +288,7 @@ const PinwheelCharts = (() => {
 
   function keys(host, state) {
     host.addEventListener('keydown', (event) => {
+      pointed.set(state.spec.group, state);
       const { plot } = state;
       const { min, max } = plot.scales.x;
       const breadth = max - min;
@@ -187,6 +297,7 @@ const PinwheelCharts = (() => {
       const cursor = (index) => {
         const bounded = Math.min(plot.valToIdx(max), Math.max(plot.valToIdx(min), index));
         plot.setCursor({ left: plot.valToPos(plot.data[0][bounded], 'x'), top: plot.over.clientHeight / 2 }, true, true);
+        state.said.textContent = state.text;
       };
       const actions = {
         ArrowLeft: () => cursor(current - step),
@@ -205,6 +316,8 @@ const PinwheelCharts = (() => {
   function touch(state) {
     const { over } = state.plot;
     over.style.touchAction = 'pan-y';
+    // Before the plotting library sees it, and so before values are said.
+    for (const kind of ['pointerenter', 'pointerdown', 'pointermove', 'mousemove']) over.addEventListener(kind, () => pointed.set(state.spec.group, state), { capture: true });
     const move = (event) => {
       if (event.pointerType !== 'touch') return;
       const box = over.getBoundingClientRect();
@@ -222,10 +335,19 @@ const PinwheelCharts = (() => {
       if (state.plot) state.plot.destroy();
       state.told = true;
       state.plot = new uPlot(options(host, state), data(), host);
+      state.plot.root.querySelector('.u-wrap').append(state.box);
+      state.box.hidden = true;
       if (kept && kept.min !== undefined && kept.min !== null) state.plot.setScale('x', { min: kept.min, max: kept.max });
       queueMicrotask(() => queueMicrotask(() => { state.told = false; }));
       touch(state);
     }
+    state.box = document.createElement('div');
+    state.box.className = 'tip';
+    // Read aloud when keys move the cursor, not when a mouse does.
+    state.said = document.createElement('span');
+    state.said.className = 'unseen';
+    state.said.setAttribute('aria-live', 'polite');
+    host.after(state.said);
     host.tabIndex = 0;
     host.setAttribute('role', 'img');
     if (state.spec.describe) host.setAttribute('aria-label', state.spec.describe);
@@ -246,9 +368,9 @@ const PinwheelCharts = (() => {
         const log = state.spec.y.log;
         state.spec = { ...state.spec, ...part };
         if (part.describe) host.setAttribute('aria-label', part.describe);
-        if (part.series === undefined && part.y === undefined) return;
+        if (part.series === undefined && part.y === undefined && part.x === undefined) return;
         if (Boolean(log) !== Boolean(state.spec.y.log) || (part.y && part.y.label !== state.plot.axes[1].label)
-          || state.spec.series.length + 1 !== state.plot.series.length) {
+          || part.x !== undefined || state.spec.series.length + 1 !== state.plot.series.length) {
           build();
           return;
         }
@@ -280,6 +402,7 @@ const PinwheelCharts = (() => {
         observer.disconnect();
         if (state.spec.group) groups.get(state.spec.group).delete(state);
         state.plot.destroy();
+        state.said.remove();
       },
     };
     return state.handle;

@@ -1,22 +1,12 @@
 // A gearbox at any sample of its courses: where its parts are and what pushes them. Lengths in mm.
 //
-// A view holds the gear's dimensions and, packed as 16-bit numbers, angles (less the ideal mesh's) and
+// A view holds the gear's dimensions; its channels are angles (less the ideal mesh's) and
 // the force of every pair of wheel and sleeve. Where a force acts and in which direction is found here
 // on the same curve the solver uses: a sleeve is pushed along the epitrochoid's normal at the point
 // closest to its centre.
 'use strict';
 const PinwheelGearbox = (() => {
   const TAU = 2 * Math.PI;
-
-  function unpack(view) {
-    const bytes = Uint8Array.from(atob(view.samples), (c) => c.charCodeAt(0));
-    const words = new DataView(bytes.buffer);
-    return view.channels.map(({ offset, step }, n) => {
-      const values = new Float32Array(view.count);
-      for (let k = 0; k < view.count; k += 1) values[k] = offset + step * words.getUint16(2 * (n * view.count + k), true);
-      return values;
-    });
-  }
 
   // Values between samples lie on the straight line between them.
   const between = (values, at) => {
@@ -50,13 +40,12 @@ const PinwheelGearbox = (() => {
     return here;
   }
 
-  /** A gearbox of a view. `move(sample)` changes `state` in place: nothing is allocated per frame. */
-  function gearbox(view) {
+  /** A gearbox of a view and its unpacked channels. `move(sample)` changes `state` in place: nothing is allocated per frame. */
+  function gearbox(view, channels) {
     const { gear } = view;
     const zs = gear.zk - 1;
     const radius = (gear.e * gear.zk) / gear.m;
     const at = curve(gear);
-    const channels = unpack(view);
     const [input, output, error] = channels;
     const wheels = channels.slice(3, 3 + gear.wheels);
     const pair = (i, n) => channels[3 + gear.wheels + i * (gear.zk + gear.zi) + n];

@@ -44,6 +44,19 @@ const PinwheelPage = (() => {
   }
   document.querySelectorAll('table.sortable').forEach(sortable);
 
+  // ---- A link to what is folded opens it ------------------------------------------------------
+  const openTarget = () => {
+    const target = location.hash.length > 1 && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    if (!target) return;
+    const folds = [target.closest('details'), target.querySelector(':scope > details.depth')].filter(Boolean);
+    for (const fold of folds) for (let e = fold; e; e = e.parentElement) if (e.tagName === 'DETAILS') e.open = true;
+    if (folds.length) target.scrollIntoView();
+  };
+  window.addEventListener('hashchange', openTarget);
+  // The same link again changes nothing in the address.
+  document.addEventListener('click', (event) => { if (event.target.closest?.('a[href^="#"]')?.hash === location.hash) openTarget(); });
+  openTarget();
+
   // ---- Copying the command --------------------------------------------------------------------
   const copy = $('copy');
   if (copy && navigator.clipboard) {

@@ -1,5 +1,4 @@
-// A study's charts: curves on grids of their own, joined on one horizontal axis, with a legend that
-// shows what the reader points at and hides curves at a click.
+// A study's charts: curves on grids of their own, joined on one horizontal axis, with a legend that hides curves at a click.
 'use strict';
 (() => {
   const { $, make, onRedraw } = PinwheelPage;
@@ -9,16 +8,6 @@
     const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
     const view = new DataView(bytes.buffer);
     return Array.from({ length: bytes.length / 4 }, (_, k) => view.getFloat32(4 * k, true));
-  }
-
-  // The nearest value of a curve to the place pointed at; curves without a point near have none.
-  function nearest(values, index) {
-    for (let away = 0; away < values.length; away += 1) {
-      for (const k of [index - away, index + away]) {
-        if (k >= 0 && k < values.length && values[k] !== undefined && values[k] !== null) return k;
-      }
-    }
-    return null;
   }
 
   function draw(host, legend, chart) {
@@ -49,34 +38,23 @@
         values[place.get(x)] = tables[k].ys[n];
         if (s.tags) tags.set(place.get(x), s.tags[tables[k].seen[n]]);
       });
-      return { label: s.label, style: s.colour, values, tags, points: s.style === 'points', markers: s.style === 'both', thin: s.style === 'dashed' };
+      return { label: s.label, style: s.colour, values, more: (at) => tags.get(at) ?? '', points: s.style === 'points', markers: s.style === 'both', thin: s.style === 'dashed' };
     });
-
-    const cells = series.map((s, k) => {
-      const value = make('b', {}, '');
-      const tag = make('em', {}, '');
-      const item = make('button', { type: 'button', class: 'reading toggle', 'aria-pressed': 'true', title: s.label }, PinwheelCharts.swatch(s.style), make('span', { class: 'who' }, s.label), value, tag);
+    series.forEach((s, k) => {
+      const item = make('button', { type: 'button', class: 'chip', 'aria-pressed': 'true' }, PinwheelCharts.swatch(s.style), make('span', {}, s.label));
       item.addEventListener('click', () => {
         const on = item.getAttribute('aria-pressed') !== 'true';
         item.setAttribute('aria-pressed', String(on));
         handle.show(k, on);
       });
       legend.append(item);
-      return { value, tag };
     });
     const handle = PinwheelCharts.chart(host, {
       height: 300,
-      x: { values: [...union], label: chart.x.label, log: chart.x.log },
+      x: { values: [...union], label: chart.x.label, log: chart.x.log, name: (k) => `${chart.x.label}: ${PinwheelCharts.number(union[k], 4)}` },
       y: { label: chart.y.label, log: chart.y.log },
       series,
       describe: `${chart.title}: ${chart.y.label} over ${chart.x.label}, ${series.length} curves`,
-      onCursor(index) {
-        series.forEach((s, k) => {
-          const near = index === null ? null : nearest(s.values, index);
-          cells[k].value.textContent = near === null ? '' : PinwheelCharts.number(s.values[near], 4);
-          cells[k].tag.textContent = near === null ? '' : s.tags.get(near) ?? `at ${PinwheelCharts.number(union[near], 4)}`;
-        });
-      },
     });
     onRedraw(() => handle.redraw());
   }

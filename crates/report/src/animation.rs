@@ -1,19 +1,17 @@
 //! The gearbox in motion: an engine's courses, packed for the page's script.
 //!
-//! Angles travel as what parts them from the ideal mesh, forces pair by pair, each channel as 16-bit
-//! steps between its least and its largest value (an angle to 1e-5 of its own deviation, a force to
-//! 0.01 N). The script finds points and directions of contact on the same curve as the solver.
+//! Angles travel as what parts them from the ideal mesh, forces pair by pair, [packed](crate::packed): each to 1 in 16 000 of
+//! its channel's largest value. The script finds points and directions of contact on the same curve as the solver.
 
 use std::fmt::Write as _;
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use pinwheel_courses::{Courses, columns};
 use pinwheel_scene::{Gear, Scene};
 use serde::Serialize;
 
 use crate::ReportError;
 use crate::chart_data::json_for_script;
+use crate::packed::{Rounding, Writer};
 
 /// Channels that an animation needs beside the contract's (`output.channels` of the scene).
 pub const CHANNELS: [&str; 4] = [
@@ -23,7 +21,9 @@ pub const CHANNELS: [&str; 4] = [
     "wheel_*_internal_normal_force_n_*",
 ];
 
-/// Bytes that the samples of one gearbox may take before they are encoded.
+/// Binary digits of a channel's largest value that are kept.
+const DIGITS: i32 = 14;
+/// Bytes that the samples of one gearbox may take as 16-bit numbers, before they are packed.
 const BUDGET: usize = 360_000;
 /// Samples in the time a wheel takes from sleeve to sleeve: forces must not lose their shape.
 const PER_SLEEVE: f64 = 24.0;
@@ -65,7 +65,8 @@ struct View {
     /// Force of a full arrow, N: 99 in 100 samples of the loaded sleeves lie below in the second half.
     full: f64,
     least: f64,
-    channels: Vec<Scale>,
+    /// How many channels there are, one after the other in `samples`.
+    channels: usize,
     samples: String,
 }
 
@@ -81,13 +82,6 @@ struct GearJson {
     rh: f64,
     wheels: usize,
     d: f64,
-}
-
-/// `value = offset + step * number`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-struct Scale {
-    offset: f64,
-    step: f64,
 }
 
 #[derive(Serialize)]
@@ -140,12 +134,11 @@ impl Animation {
                 }
             }
         }
-        let mut channels = Vec::new();
-        let mut bytes = Vec::with_capacity(2 * columns.len() * time.len());
+        let mut writer = Writer::default();
         for column in &columns {
-            let (scale, packed) = pack(column);
-            channels.push(scale);
-            bytes.extend(packed.into_iter().flat_map(u16::to_le_bytes));
+            let finite = |v: &f64| if v.is_finite() { *v } else { 0.0 };
+            let column: Vec<f64> = column.iter().map(finite).collect();
+            writer.column(&column, Rounding::OfPeak(DIGITS));
         }
         let later = time.len() / 2;
         let mut loads: Vec<f64> = columns[forces..]
@@ -178,34 +171,11 @@ impl Animation {
                 count: time.len(),
                 full,
                 least: LEAST * full,
-                channels,
-                samples: STANDARD.encode(bytes),
+                channels: columns.len(),
+                samples: writer.finish(),
             },
         })
     }
-}
-
-/// The values in 65 535 steps from the least to the largest; what is not a number lies at the least.
-fn pack(values: &[f64]) -> (Scale, Vec<u16>) {
-    let finite = || values.iter().copied().filter(|v| v.is_finite());
-    let low = finite().fold(f64::INFINITY, f64::min);
-    let high = finite().fold(f64::NEG_INFINITY, f64::max);
-    if !(high > low) {
-        let offset = if low.is_finite() { low } else { 0.0 };
-        return (Scale { offset, step: 0.0 }, vec![0; values.len()]);
-    }
-    let step = (high - low) / f64::from(u16::MAX);
-    let number = |v: &f64| {
-        if v.is_finite() {
-            ((v - low) / step).round() as u16
-        } else {
-            0
-        }
-    };
-    (
-        Scale { offset: low, step },
-        values.iter().map(number).collect(),
-    )
 }
 
 /// Markup of one block with a clock for all of `views`, which must have the same sample times; style and script
@@ -235,7 +205,7 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
             "<figure class=\"gearbox-view\"><canvas tabindex=\"0\" role=\"img\" aria-label=\"{title}: {} wheels with {} lobes between {} external and {} internal sleeves, arrows for the contact forces. Space plays and pauses, arrow keys step.\"></canvas>\
              <figcaption>{title}</figcaption><dl class=\"gearbox-read\">\
              <dt>Input</dt><dd></dd><dt>Output</dt><dd></dd><dt>Input torque</dt><dd></dd><dt>Output torque</dt><dd></dd>\
-             <dt>Largest external force</dt><dd></dd><dt>Largest internal force</dt><dd></dd><dt>External sleeves loaded, by wheel</dt><dd></dd></dl></figure>",
+             <dt>Ext. peak</dt><dd></dd><dt>Int. peak</dt><dd></dd><dt>Loaded ext.</dt><dd></dd></dl></figure>",
             view.gear.wheels,
             view.gear.zk - 1,
             view.gear.zk,
@@ -272,7 +242,7 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
     let _ = write!(
         html,
         "</div></div><div class=\"gearbox-key\"><span>0</span><span class=\"ramp\"></span><span>{full}\u{202f}N, a full arrow. Strip: largest force of a pair over time, \
-         <span style=\"color:var(--accent)\">external</span> and <span style=\"color:var(--force-middle)\">internal</span>. Point at a sleeve for its force.</span></div>\n\
+         <span style=\"color:var(--accent)\">external</span> and <span style=\"color:var(--force-middle-ink)\">internal</span>. Point at a sleeve for its force.</span></div>\n\
          <script type=\"application/json\">{}</script></div>\n<script>{}{}{}</script>",
         json_for_script(&block)?,
         include_str!("../assets/gearbox.js"),
@@ -329,36 +299,17 @@ mod tests {
     }
 
     #[test]
-    fn values_come_back_to_a_step() {
-        let values = [1.0, -3.0, 2.5, f64::NAN, 100.0];
-        let (scale, packed) = pack(&values);
-        for (v, k) in values.iter().zip(&packed).filter(|(v, _)| v.is_finite()) {
-            assert!(
-                (scale.offset + scale.step * f64::from(*k) - v).abs() <= 0.5 * scale.step + 1e-12
-            );
-        }
-        assert_eq!(
-            pack(&[7.0, 7.0]).0,
-            Scale {
-                offset: 7.0,
-                step: 0.0
-            }
-        );
-        assert_eq!(pack(&[f64::NAN]).1, [0]);
-    }
-
-    #[test]
     fn a_window_is_packed_channel_by_channel() {
         let made = Animation::of("a <gear>", &scene(), &courses(), (0.002, 0.006)).unwrap();
         assert_eq!(
-            (made.view.count, made.view.channels.len()),
+            (made.view.count, made.view.channels),
             (5, channels(&scene().gear))
         );
-        let bytes = STANDARD.decode(&made.view.samples).unwrap();
-        assert_eq!(bytes.len(), 2 * 5 * channels(&scene().gear));
         // The first channel rises from 3 to 7 N m.
-        assert!((made.view.channels[0].offset - 3.0).abs() < 1e-12);
-        assert_eq!(u16::from_le_bytes([bytes[8], bytes[9]]), u16::MAX);
+        let first = crate::packed::tests::Reader::new(&made.view.samples).column();
+        for (value, wanted) in first.iter().zip([3.0, 4.0, 5.0, 6.0, 7.0]) {
+            assert!((value - wanted).abs() < 7.0 / 16_000.0, "{first:?}");
+        }
         let html = markup(&[made], 0.004).unwrap();
         assert!(html.contains("a &lt;gear&gt;") && html.contains("\"begin\":2"));
         assert!(!html.contains("http:") && !html.contains("https:"));

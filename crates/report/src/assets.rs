@@ -6,6 +6,7 @@ pub(crate) struct Assets {
     pub(crate) css: &'static str,
     pub(crate) plot_js: &'static str,
     pub(crate) charts_js: &'static str,
+    pub(crate) packed_js: &'static str,
     pub(crate) shell_js: &'static str,
 }
 
@@ -14,5 +15,6 @@ pub(crate) const ASSETS: Assets = Assets {
     css: include_str!("../assets/report.css"),
     plot_js: include_str!("../assets/vendor/uplot/uPlot.iife.min.js"),
     charts_js: include_str!("../assets/charts.js"),
+    packed_js: include_str!("../assets/packed.js"),
     shell_js: include_str!("../assets/shell.js"),
 };

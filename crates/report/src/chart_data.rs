@@ -1,22 +1,31 @@
-//! The courses as the page carries them: one engine's values and the others' differences to it,
-//! base64 of little-endian 32-bit floats.
+//! The courses as the page carries them: one engine's values and the others' differences to it, [packed](crate::packed).
 //!
-//! Differences are taken in 64 bits before they are shortened: of two engines that agree to 1e-9
-//! the page still shows what parts them. Metrics never come from here.
+//! Differences are taken in 64 bits before they are rounded: of two engines that agree to 1e-9 the page still shows what
+//! parts them. What can be read is kept: values to five digits of the largest, differences to two digits or more of the
+//! millisecond around them. Every engine keeps its own samples: those of a recording are marks, not a line. Of runs with
+//! more samples than a page holds, those stay in which a stretch is smallest, largest, and its engines furthest apart:
+//! no peak is lost. Metrics never come from here.
 
-use std::borrow::Cow;
-
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-use pinwheel_compare::{Participant, Quantity, Track, Window, WindowKind, quantities};
-use pinwheel_courses::Courses;
+use pinwheel_compare::comparison::Comparison;
+use pinwheel_compare::validation::COVERAGE;
+use pinwheel_compare::{Outcome, Participant, Quantity, Track, WindowKind, quantities};
 use serde::Serialize;
 
-/// Base64 characters the courses of one page may take; with styles, scripts and tables the page
-/// stays below 6 MB.
-const BUDGET: usize = 5_000_000;
-/// Channels of one group that are always worth drawing before samples are skipped.
+use crate::colours;
+use crate::packed::{Rounding, Writer};
+
+/// Base64 characters the courses of one page may take; with the rest it stays below 2 MB.
+const BUDGET: usize = 1_180_000;
+/// Channels of one group that are always worth drawing before samples are left out.
 const FEW_CHANNELS: usize = 4;
+/// Samples of a channel that are always worth keeping before the budget is broken: two a pixel.
+const FEW_SAMPLES: usize = 2400;
+/// Binary digits of values, of the channel's largest.
+const VALUE_DIGITS: i32 = 16;
+/// Binary digits of differences, of their root mean square nearby: the most, and what two decimal digits need.
+const DIFFERENCE_DIGITS: [i32; 3] = [7, 6, 5];
+/// Sample times this close, relative to the time, are one.
+const SAME_TIME: f64 = 1e-9;
 
 /// What the page's script reads.
 #[derive(Debug, Serialize)]
@@ -25,11 +34,13 @@ pub(crate) struct ChartData {
     engines: Vec<Line>,
     quantities: Vec<ChartQuantity>,
     windows: Vec<ChartWindow>,
+    /// What is drawn first: a quantity, one of its channels, and the engine that differences are taken to.
+    first: [usize; 3],
     /// What is left out of the charts, for the reader.
     pub(crate) notes: Vec<String>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 enum Time {
     Even { start: f64, step: f64, count: usize },
@@ -40,10 +51,26 @@ enum Time {
 struct Line {
     name: String,
     track: Track,
-    /// Position among all participants: colour and dash of its line.
+    /// Colour and dash.
     style: usize,
-    /// Samples lie apart with gaps between them, over which the line is drawn.
-    sparse: bool,
+    /// Places of its samples among the times.
+    places: Places,
+    /// Its samples are too far apart for a line.
+    marks: bool,
+}
+
+/// Every so many times from one on, or a list.
+#[derive(Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+enum Places {
+    Even {
+        from: usize,
+        every: usize,
+        count: usize,
+    },
+    Listed {
+        at: Vec<usize>,
+    },
 }
 
 #[derive(Debug, Serialize)]
@@ -51,6 +78,9 @@ struct ChartQuantity {
     name: String,
     label: String,
     unit: String,
+    /// Uncertainty of an engine of track `measured` against another, about 95 %, in the unit: `[engine, other, half width]`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    bands: Vec<(usize, usize, f64)>,
     channels: Vec<ChartChannel>,
 }
 
@@ -58,10 +88,10 @@ struct ChartQuantity {
 struct ChartChannel {
     /// Number within the group, or empty.
     label: String,
-    /// The first engine's values.
-    base: String,
-    /// Per further engine its difference to the first; `None` without this channel.
-    others: Vec<Option<String>>,
+    /// Which engines have it, by number.
+    engines: Vec<usize>,
+    /// Places of the samples kept (none: all), values of the first engine, differences of the others to it.
+    packed: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -71,128 +101,106 @@ struct ChartWindow {
     to: f64,
 }
 
+/// A participant and where its samples stand among the times of the first.
+struct Drawn<'a> {
+    participant: &'a Participant,
+    places: Vec<usize>,
+}
+
 impl ChartData {
-    /// Chooses engines, channels and samples and encodes them; `None` if nobody has courses.
-    pub(crate) fn of(participants: &[Participant], windows: &[Window]) -> Option<Self> {
+    /// Chooses engines, channels and samples and packs them; `None` if nobody has courses.
+    pub(crate) fn of(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
         let mut notes = Vec::new();
-        let participants = &spread(participants);
         let drawn = drawn(participants, &mut notes);
-        let &(_, base) = drawn.first()?;
+        let base = drawn.first()?.participant;
         let time_s = base.courses.time_s();
-        let quantities = quantities::derive(drawn.iter().map(|(_, p)| &p.courses));
-        let plan = Plan::within_budget(&quantities, drawn.len(), time_s.len());
+        let quantities = quantities::derive(drawn.iter().map(|d| &d.participant.courses));
+        let (plan, quantities) = fitting(&quantities, &drawn);
         plan.tell(&mut notes);
-        let windows = windows
+        let names: Vec<&str> = participants.iter().map(|p| p.name.as_str()).collect();
+        let styles = colours::styles(&names);
+        let style = |name: &str| {
+            names
+                .iter()
+                .position(|n| *n == name)
+                .map_or(0, |k| styles[k])
+        };
+        let engines: Vec<Line> = drawn
             .iter()
-            .map(|w| ChartWindow {
-                kind: w.kind,
-                from: w.from_s,
-                to: w.to_s,
+            .map(|d| Line {
+                name: d.participant.name.clone(),
+                track: d.participant.track,
+                style: style(&d.participant.name),
+                marks: 2 * d.places.len() < time_s.len(),
+                places: places(&d.places),
             })
             .collect();
+        let mut quantities = quantities;
+        for quantity in &mut quantities {
+            quantity.bands = bands(comparison, &engines, &quantity.name);
+        }
+        let windows = comparison.windows.iter().map(|w| ChartWindow {
+            kind: w.kind,
+            from: w.from_s,
+            to: w.to_s,
+        });
         Some(Self {
-            time: time(time_s, plan.every),
-            engines: drawn
-                .iter()
-                .map(|&(style, p)| Line {
-                    name: p.name.clone(),
-                    track: p.track,
-                    style,
-                    sparse: p.cost.recorded.is_some(),
-                })
-                .collect(),
-            quantities: quantities
-                .iter()
-                .map(|q| quantity(q, &drawn, plan))
-                .filter(|q| !q.channels.is_empty())
-                .collect(),
-            windows,
+            time: time(time_s),
+            first: first(comparison, &engines, &quantities),
+            windows: windows.collect(),
+            engines,
+            quantities,
             notes,
         })
     }
 }
 
-/// Recordings hold fewer samples than live runs: on the finest grid the others are gaps, not numbers.
-fn spread(participants: &[Participant]) -> Vec<Cow<'_, Participant>> {
-    let finest = participants
+/// Participants with something to draw, the first being what the others are stored against: a finished native run if there
+/// is one, because that differs least from most; the one with most samples, so that the others' stand among its times.
+fn drawn<'a>(participants: &'a [Participant], notes: &mut Vec<String>) -> Vec<Drawn<'a>> {
+    let mut list: Vec<(usize, &Participant)> = participants
         .iter()
-        .map(|p| p.courses.time_s())
-        .max_by_key(|time| time.len())
-        .unwrap_or_default();
-    let spread = |participant: &Participant| -> Option<Participant> {
-        participant.cost.recorded.as_ref()?;
-        let mut whole = Courses::new(finest.to_vec()).ok()?;
-        let time = participant.courses.time_s();
-        let rows: Vec<Option<usize>> = finest
-            .iter()
-            .map(|t| {
-                let row = time.partition_point(|other| *other < t - 1e-9 * t.max(1e-9));
-                time.get(row)
-                    .is_some_and(|other| (other - t).abs() <= 1e-9 * t.max(1e-9))
-                    .then_some(row)
-            })
-            .collect();
-        for channel in participant.courses.channels() {
-            let values = rows
-                .iter()
-                .map(|row| row.map_or(f64::NAN, |row| channel.values[row]));
-            whole.push(channel.name.clone(), values.collect()).ok()?;
-        }
-        Some(Participant {
-            courses: whole,
-            ..participant.clone()
-        })
-    };
-    participants
-        .iter()
-        .map(|p| spread(p).map_or(Cow::Borrowed(p), Cow::Owned))
-        .collect()
-}
-
-/// Participants with something to draw, the first being what the others are stored against:
-/// a finished native run if there is one, because that is what differs least from most.
-fn drawn<'a>(
-    participants: &'a [Cow<'a, Participant>],
-    notes: &mut Vec<String>,
-) -> Vec<(usize, &'a Participant)> {
-    let mut drawn: Vec<(usize, &Participant)> = participants
-        .iter()
-        .map(Cow::as_ref)
         .enumerate()
         .filter(|(_, p)| !p.courses.is_empty())
         .collect();
-    drawn.sort_by_key(|(place, p)| {
+    list.sort_by_key(|(place, p)| {
         let finished = p.status.is_finished();
-        (
-            !finished,
-            p.track != Track::Native,
-            if finished {
-                *place
-            } else {
-                usize::MAX - p.courses.len()
-            },
-        )
+        let samples = usize::MAX - p.courses.len();
+        let native = p.track == Track::Native;
+        (!finished, samples, !native, *place)
     });
-    if let Some(&(_, base)) = drawn.first() {
-        // Courses on other times cannot share an axis of samples.
-        drawn.retain(|(_, p)| {
-            let (time, whole) = (p.courses.time_s(), base.courses.time_s());
-            let fits = time.len() <= whole.len()
-                && time
-                    .iter()
-                    .zip(whole)
-                    .all(|(a, b)| (a - b).abs() <= 1e-9 * b.abs().max(1e-9));
-            if !fits {
-                notes.push(format!("{} is not drawn: its sample times differ.", p.name));
-            }
-            fits
-        });
-    }
+    let Some(&(_, base)) = list.first() else {
+        return Vec::new();
+    };
     // In the legend engines keep the order they were given in; only the first stays first.
-    if let Some((_, rest)) = drawn.split_first_mut() {
-        rest.sort_by_key(|(place, _)| *place);
+    list[1..].sort_by_key(|(place, _)| *place);
+    let mut drawn = Vec::new();
+    for (_, participant) in list {
+        match standing(participant.courses.time_s(), base.courses.time_s()) {
+            Some(places) => drawn.push(Drawn {
+                participant,
+                places,
+            }),
+            None => notes.push(format!(
+                "{} is not drawn: its sample times differ.",
+                participant.name
+            )),
+        }
     }
     drawn
+}
+
+/// Where each of `times` stands in `whole`; `None` if one does not.
+fn standing(times: &[f64], whole: &[f64]) -> Option<Vec<usize>> {
+    let mut at = 0;
+    let place = |t: &f64| {
+        let near = SAME_TIME * t.abs().max(SAME_TIME);
+        while at < whole.len() && whole[at] < t - near {
+            at += 1;
+        }
+        (at < whole.len() && (whole[at] - t).abs() <= near).then_some(at)
+    };
+    times.iter().map(place).collect()
 }
 
 /// How much of the courses is drawn.
@@ -200,55 +208,79 @@ fn drawn<'a>(
 struct Plan {
     /// Channels of a group at most.
     channels: usize,
-    /// Every so many samples.
-    every: usize,
-    /// Whether a group was cut.
-    cut: bool,
+    /// Samples of a channel at most.
+    samples: usize,
+    /// Binary digits of differences.
+    digits: i32,
+    /// Whether groups or samples were cut.
+    cut: [bool; 2],
+}
+
+/// All that fits: digits that nobody reads go first, then channels, then samples.
+fn fitting(quantities: &[Quantity], drawn: &[Drawn<'_>]) -> (Plan, Vec<ChartQuantity>) {
+    let samples = drawn.first().map_or(0, |d| d.places.len());
+    let most = quantities.iter().map(|q| q.channels.len()).max();
+    let mut plan = Plan {
+        channels: most.unwrap_or(0),
+        samples,
+        digits: DIFFERENCE_DIGITS[0],
+        cut: [false; 2],
+    };
+    // Packing the whole of a long run only to see that it is too long would take its time: a value is never
+    // smaller than a quarter of a byte.
+    let columns = quantities.iter().map(|q| q.channels.len()).sum::<usize>() * drawn.len();
+    let most = (4 * BUDGET / columns.max(1)).max(FEW_SAMPLES);
+    if samples > most {
+        plan.samples = most;
+        plan.cut[1] = true;
+    }
+    loop {
+        let packed: Vec<ChartQuantity> = quantities
+            .iter()
+            .map(|q| quantity(q, drawn, plan))
+            .filter(|q| !q.channels.is_empty())
+            .collect();
+        let channels = packed.iter().flat_map(|q| &q.channels);
+        let size: usize = channels.map(|c| c.packed.len()).sum();
+        if size <= BUDGET {
+            return (plan, packed);
+        }
+        // A little less than in proportion, so that a few rounds do.
+        let fit = |count: usize| count.saturating_mul(BUDGET) / size * 49 / 50;
+        let digits = DIFFERENCE_DIGITS.iter().find(|d| **d < plan.digits);
+        if let Some(&digits) = digits {
+            plan.digits = digits;
+        } else if plan.channels > FEW_CHANNELS {
+            plan.channels = fit(plan.channels).max(FEW_CHANNELS);
+            plan.cut[0] = true;
+        } else if plan.samples > FEW_SAMPLES {
+            plan.samples = fit(plan.samples).max(FEW_SAMPLES);
+            plan.cut[1] = true;
+        } else {
+            return (plan, packed);
+        }
+    }
 }
 
 impl Plan {
-    fn within_budget(quantities: &[Quantity], engines: usize, samples: usize) -> Self {
-        let most = quantities
-            .iter()
-            .map(|q| q.channels.len())
-            .max()
-            .unwrap_or(0);
-        let size = |channels: usize, every: usize| {
-            let columns: usize = quantities
-                .iter()
-                .map(|q| q.channels.len().min(channels))
-                .sum();
-            columns
-                .saturating_mul(engines)
-                .saturating_mul(samples.div_ceil(every) * 16 / 3)
-        };
-        let mut channels = most;
-        while channels > FEW_CHANNELS && size(channels, 1) > BUDGET {
-            channels -= 1;
-        }
-        let mut every = 1;
-        while size(channels, every) > BUDGET && every < samples {
-            every += 1;
-        }
-        Self {
-            channels,
-            every,
-            cut: channels < most,
-        }
-    }
-
     fn tell(self, notes: &mut Vec<String>) {
-        if self.cut {
+        notes.push(format!(
+            "Drawn are values to five digits of the largest and differences to {:.1}\u{202f}% of those nearby; metrics use \
+             all digits and samples.",
+            100.0 * 0.5f64.powi(self.digits + 1)
+        ));
+        let [channels, samples] = self.cut;
+        if channels {
             notes.push(format!(
-                "To keep this page small, {} evenly spaced channels of larger groups are drawn; \
-                 metrics use all.",
+                "To keep this page small, {} evenly spaced channels of larger groups are drawn.",
                 self.channels
             ));
         }
-        if self.every > 1 {
+        if samples {
             notes.push(format!(
-                "To keep this page small, one sample in {} is drawn; metrics use all.",
-                self.every
+                "To keep this page small, of every stretch only the samples are drawn in which a channel is smallest or \
+                 largest or its engines are furthest apart, {} in all: no peak is lost.",
+                self.samples
             ));
         }
     }
@@ -260,72 +292,168 @@ impl Plan {
     }
 }
 
-fn time(time_s: &[f64], every: usize) -> Time {
-    let values: Vec<f64> = time_s.iter().copied().step_by(every).collect();
-    if let [start, .., end] = values[..] {
-        let step = (end - start) / (values.len() - 1) as f64;
-        let even = values
-            .iter()
-            .enumerate()
-            .all(|(k, t)| (t - (start + k as f64 * step)).abs() <= 1e-6 * step);
-        if even {
-            return Time::Even {
-                start,
-                step,
-                count: values.len(),
-            };
+fn time(values: &[f64]) -> Time {
+    if let [start, .., end] = *values {
+        let count = values.len();
+        let step = (end - start) / (count - 1) as f64;
+        let off = |(k, t): (usize, &f64)| (t - (start + k as f64 * step)).abs();
+        if values.iter().enumerate().map(off).all(|d| d <= 1e-6 * step) {
+            return Time::Even { start, step, count };
         }
     }
-    Time::Listed { values }
+    Time::Listed {
+        values: values.to_vec(),
+    }
 }
 
-fn quantity(quantity: &Quantity, drawn: &[(usize, &Participant)], plan: Plan) -> ChartQuantity {
-    let channels = plan
-        .chosen(quantity.channels.len())
-        .into_iter()
-        .filter_map(|k| channel(&quantity.channels[k], &quantity.name, drawn, plan.every))
+fn places(at: &[usize]) -> Places {
+    let every = match at {
+        [a, b, ..] => b - a,
+        _ => 1,
+    };
+    let from = at.first().copied().unwrap_or(0);
+    if at.iter().enumerate().all(|(k, p)| *p == from + k * every) {
+        let count = at.len();
+        return Places::Even { from, every, count };
+    }
+    Places::Listed { at: at.to_vec() }
+}
+
+/// What to look at first: measured data against the first engine; else what differs, else the first quantity.
+fn first(comparison: &Comparison, engines: &[Line], quantities: &[ChartQuantity]) -> [usize; 3] {
+    let measured = engines.iter().position(|e| e.track == Track::Measured);
+    if let Some(engine) = measured {
+        let shown = quantities.iter().enumerate().find_map(|(q, quantity)| {
+            let has = |c: &ChartChannel| c.engines.contains(&engine);
+            Some([q, quantity.channels.iter().position(has)?, engine])
+        });
+        if let Some(shown) = shown {
+            return shown;
+        }
+    }
+    let entries = comparison.pairs.iter().flat_map(|pair| &pair.entries);
+    let differs = entries
+        .filter(|e| e.verdict.outcome() == Outcome::Finding)
+        .find_map(|e| quantities.iter().position(|q| q.name == e.quantity));
+    [differs.unwrap_or(0), 0, 0]
+}
+
+/// The budget of every comparison with measured data, in the quantity's unit.
+fn bands(comparison: &Comparison, engines: &[Line], quantity: &str) -> Vec<(usize, usize, f64)> {
+    let place = |name: &str| engines.iter().position(|e| e.name == name);
+    let mut found = Vec::new();
+    for pair in &comparison.pairs {
+        for entry in pair.entries.iter().filter(|e| e.quantity == quantity) {
+            let rms = |name: &str| {
+                let engine = comparison.engines.iter().find(|e| e.name == name)?;
+                let figures = engine.figures.iter().find(|f| f.window == entry.window)?;
+                Some(figures.quantities.get(quantity)?.rms)
+            };
+            let budget = entry.judgements.iter().find_map(|j| j.budget);
+            let scale = rms(&pair.a).zip(rms(&pair.b)).map(|(a, b)| a.max(b));
+            if let (Some(budget), Some(scale), Some(a), Some(b)) =
+                (budget, scale, place(&pair.a), place(&pair.b))
+                && !found.iter().any(|(x, y, _)| (*x, *y) == (a, b))
+            {
+                found.push((a, b, COVERAGE * budget.validation() * scale));
+            }
+        }
+    }
+    found
+}
+
+fn quantity(quantity: &Quantity, drawn: &[Drawn<'_>], plan: Plan) -> ChartQuantity {
+    // What was measured is always there.
+    let measured = |name: &String| {
+        let rig = |d: &&Drawn<'_>| d.participant.track == Track::Measured;
+        let has = |d: &Drawn<'_>| d.participant.courses.channel(name).is_some();
+        drawn.iter().filter(rig).any(has)
+    };
+    let chosen = plan.chosen(quantity.channels.len());
+    let channels = quantity
+        .channels
+        .iter()
+        .enumerate()
+        .filter(|(k, name)| chosen.contains(k) || measured(name))
+        .filter_map(|(_, name)| channel(name, &quantity.name, drawn, plan))
         .collect();
     ChartQuantity {
         name: quantity.name.clone(),
         label: quantity.label.clone(),
         unit: quantity.unit.clone(),
+        bands: Vec::new(),
         channels,
     }
 }
 
 /// `None` if the first engine lacks the channel: there is nothing to store the others against.
-fn channel(
-    name: &str,
-    group: &str,
-    drawn: &[(usize, &Participant)],
-    every: usize,
-) -> Option<ChartChannel> {
-    let (&(_, first), rest) = drawn.split_first()?;
-    let base = first.courses.channel(name)?;
-    let others = rest
+fn channel(name: &str, group: &str, drawn: &[Drawn<'_>], plan: Plan) -> Option<ChartChannel> {
+    let base = drawn.first()?.participant.courses.channel(name)?;
+    // Differences to the first at an engine's own places.
+    let having = drawn.iter().enumerate().filter_map(|(k, d)| {
+        let values = d.participant.courses.channel(name)?;
+        let off = |(value, &place): (&f64, &usize)| (place, value - base[place]);
+        let differences: Vec<(usize, f64)> = values.iter().zip(&d.places).map(off).collect();
+        Some((k, differences))
+    });
+    let having: Vec<(usize, Vec<(usize, f64)>)> = having.collect();
+    let kept = kept(base, &having, plan.samples);
+    let stays = |place: usize| kept.is_empty() || kept.binary_search(&place).is_ok();
+    let mut writer = Writer::default();
+    writer.places(&kept);
+    let (_, own) = having.first()?;
+    let values: Vec<f64> = own
         .iter()
-        .map(|(_, participant)| {
-            let values = participant.courses.channel(name)?;
-            Some(encode(
-                values.iter().zip(base).map(|(a, b)| a - b).step_by(every),
-            ))
-        })
+        .filter(|(place, _)| stays(*place))
+        .map(|(place, _)| base[*place])
         .collect();
-    let label = name
-        .strip_prefix(group)
-        .unwrap_or_default()
-        .trim_start_matches('_')
-        .to_owned();
+    writer.column(&values, Rounding::OfPeak(VALUE_DIGITS));
+    for (_, differences) in &having[1..] {
+        let values = differences.iter().filter(|(place, _)| stays(*place));
+        let values: Vec<f64> = values.map(|(_, value)| *value).collect();
+        writer.column(&values, Rounding::OfBlock(plan.digits));
+    }
+    let label = name.strip_prefix(group).unwrap_or_default();
     Some(ChartChannel {
-        label,
-        base: encode(base.iter().copied().step_by(every)),
-        others,
+        label: label.trim_start_matches('_').to_owned(),
+        engines: having.iter().map(|(k, _)| *k).collect(),
+        packed: writer.finish(),
     })
 }
 
-fn encode(values: impl Iterator<Item = f64>) -> String {
-    let bytes: Vec<u8> = values.flat_map(|v| (v as f32).to_le_bytes()).collect();
-    STANDARD.encode(bytes)
+/// The samples that stay where there are more than `most`, rising; none where all do.
+fn kept(base: &[f64], having: &[(usize, Vec<(usize, f64)>)], most: usize) -> Vec<usize> {
+    if base.len() <= most {
+        return Vec::new();
+    }
+    // At most three of every stretch; its first too, so that ends stay.
+    let stretch = (4 * base.len()).div_ceil(most);
+    let mut apart = vec![0.0f64; base.len()];
+    let mut kept: Vec<usize> = Vec::new();
+    for (_, differences) in &having[1..] {
+        for (place, value) in differences {
+            apart[*place] = apart[*place].max(value.abs());
+        }
+        // Few samples, as of a recording, all stay.
+        if 8 * differences.len() < most {
+            kept.extend(differences.iter().map(|(place, _)| place));
+        }
+    }
+    for from in (0..base.len()).step_by(stretch) {
+        let range = from..(from + stretch).min(base.len());
+        let largest = |values: &[f64], sign: f64| {
+            let of = |k: &usize| sign * values[*k];
+            range.clone().max_by(|a, b| of(a).total_cmp(&of(b)))
+        };
+        kept.push(from);
+        kept.extend(largest(base, 1.0));
+        kept.extend(largest(base, -1.0));
+        kept.extend(largest(&apart, 1.0));
+    }
+    kept.push(base.len() - 1);
+    kept.sort_unstable();
+    kept.dedup();
+    kept
 }
 
 /// JSON that may stand inside a script element: no character can end it or begin a comment.
@@ -353,20 +481,12 @@ mod tests {
     }
 
     #[test]
-    fn floats_round_trip() {
-        let bytes = STANDARD.decode(encode([1.5, -0.25].into_iter())).unwrap();
-        assert_eq!(
-            bytes,
-            [1.5f32.to_le_bytes(), (-0.25f32).to_le_bytes()].concat()
-        );
-    }
-
-    #[test]
     fn channels_are_evenly_spaced() {
         let plan = Plan {
             channels: 4,
-            every: 1,
-            cut: true,
+            samples: 1,
+            digits: 6,
+            cut: [true; 2],
         };
         assert_eq!(plan.chosen(16), [0, 4, 8, 12]);
         assert_eq!(plan.chosen(3), [0, 1, 2]);
@@ -374,46 +494,126 @@ mod tests {
     }
 
     #[test]
-    fn budget() {
-        let group = |count: usize| {
-            let mut courses = pinwheel_courses::Courses::new(vec![0.0]).unwrap();
-            for k in 0..count {
-                courses.push(format!("force_n_{k}"), vec![0.0]).unwrap();
+    fn samples_find_their_times() {
+        let whole: Vec<f64> = (0..=100).map(|k| f64::from(k) * 1e-4).collect();
+        let every: Vec<f64> = (0..=10).map(|k| f64::from(k) * 1e-3).collect();
+        let found = standing(&every, &whole).unwrap();
+        assert_eq!(
+            places(&found),
+            Places::Even {
+                from: 0,
+                every: 10,
+                count: 11
             }
-            quantities::derive([&courses])
+        );
+        assert_eq!(standing(&whole[40..], &whole).unwrap()[0], 40);
+        assert_eq!(standing(&[1.5e-4], &whole), None);
+        assert_eq!(places(&[1, 5, 6]), Places::Listed { at: vec![1, 5, 6] });
+    }
+
+    #[test]
+    fn no_peak_is_lost() {
+        let mut base: Vec<f64> = (0..100_000).map(|k| (1e-3 * f64::from(k)).sin()).collect();
+        base[45_678] = 9.0;
+        let mut other: Vec<(usize, f64)> = (0..100_000).map(|k| (k, 1e-6)).collect();
+        other[77_777].1 = 1.0;
+        let none = vec![(0, Vec::new()), (1, other)];
+        let few = kept(&base, &none, 3000);
+        assert!(few.len() <= 3002, "{}", few.len());
+        for place in [0, 45_678, 77_777, 99_999] {
+            assert!(few.contains(&place), "{place}");
+        }
+        assert!(kept(&base, &none, 100_000).is_empty());
+    }
+
+    fn engine(name: &str, track: Track, scale: f64, every: usize) -> Participant {
+        let time: Vec<f64> = (0..601).step_by(every).map(|k| k as f64 * 1e-3).collect();
+        let of = |k: usize| move |t: &f64| scale * (2.0 + (90.0 * t + k as f64).sin());
+        let mut courses = pinwheel_courses::Courses::new(time.clone()).unwrap();
+        for k in 0..3 {
+            let values = time.iter().map(of(k)).collect();
+            courses
+                .push(format!("external_sleeve_force_n_{k}"), values)
+                .unwrap();
+        }
+        Participant {
+            name: name.to_owned(),
+            track,
+            version: String::new(),
+            summary: String::new(),
+            differences: String::new(),
+            courses,
+            cost: pinwheel_compare::Cost::default(),
+            status: pinwheel_compare::Status::Finished,
+        }
+    }
+
+    #[test]
+    fn courses_can_be_read_back() {
+        let mut rig = engine("rig", Track::Measured, 1.02, 1);
+        let mut gapped = rig.courses.clone();
+        let late = pinwheel_courses::Courses::new(gapped.time_s().to_vec()).unwrap();
+        let whole = std::mem::replace(&mut gapped, late);
+        for channel in whole.channels() {
+            let mut values = channel.values.clone();
+            values[..100].fill(f64::NAN);
+            gapped.push(channel.name.clone(), values).unwrap();
+        }
+        rig.courses = gapped;
+        let mut recorded = engine("mujoco-own-contact", Track::OwnContact, 1.01, 10);
+        recorded.cost.recorded = Some("recorded".to_owned());
+        let participants = [
+            rig,
+            recorded,
+            engine("native-reduced", Track::Native, 1.0, 1),
+            engine("rapier-shared-law", Track::SharedLaw, 1.0 + 1e-6, 1),
+        ];
+        let context = pinwheel_compare::Context {
+            duration_s: 0.6,
+            ..pinwheel_compare::Context::default()
         };
-        let plan =
-            |channels, engines, samples| Plan::within_budget(&group(channels), engines, samples);
+        let comparison = pinwheel_compare::compare(&context, &participants, &[]).unwrap();
+        let data = ChartData::of(&comparison, &participants).unwrap();
+        let names: Vec<&str> = data.engines.iter().map(|e| e.name.as_str()).collect();
         assert_eq!(
-            plan(24, 5, 6001),
-            Plan {
-                channels: 24,
-                every: 1,
-                cut: false
-            }
+            names,
+            [
+                "native-reduced",
+                "rig",
+                "mujoco-own-contact",
+                "rapier-shared-law"
+            ]
         );
-        let many = plan(200, 10, 6001);
-        assert!(
-            many.cut && many.every == 1 && many.channels >= FEW_CHANNELS,
-            "{many:?}"
-        );
-        let long = plan(24, 10, 600_001);
-        assert!(long.channels == FEW_CHANNELS && long.every > 1, "{long:?}");
+        assert_eq!(data.first, [0, 0, 1], "what was measured comes first");
+        let marks: Vec<bool> = data.engines.iter().map(|e| e.marks).collect();
+        assert_eq!(marks, [false, false, true, false]);
+        let channel = &data.quantities[0].channels[1];
+        assert_eq!(channel.engines, [0, 1, 2, 3]);
+        let mut read = crate::packed::tests::Reader::new(&channel.packed);
+        assert_eq!(read.places(), [0usize; 0], "all samples are kept");
+        let [base, rig, marks, peer] = [(); 4].map(|()| read.column());
+        let name = "external_sleeve_force_n_1";
+        let wanted = participants[2].courses.channel(name).unwrap();
         assert_eq!(
-            plan(0, 0, 0),
-            Plan {
-                channels: 0,
-                every: 1,
-                cut: false
-            }
+            (base.len(), rig.len(), marks.len(), peer.len()),
+            (601, 601, 61, 601)
         );
+        for k in 0..601 {
+            assert!((base[k] - wanted[k]).abs() < 3e-5, "{k}");
+            // Stored as a difference it keeps digits of its own.
+            assert!((peer[k] - 1e-6 * wanted[k]).abs() < 2e-8, "{k}");
+            assert_eq!(rig[k].is_nan(), k < 100, "{k}");
+        }
+        for k in 0..61 {
+            assert!((marks[k] - 0.01 * wanted[10 * k]).abs() < 5e-4, "{k}");
+        }
     }
 
     #[test]
     fn even_times_are_short() {
         let times: Vec<f64> = (0..=100).map(|k| f64::from(k) * 1e-4).collect();
-        assert!(matches!(time(&times, 10), Time::Even { count: 11, .. }));
-        assert!(matches!(time(&[0.0, 1.0, 3.0], 1), Time::Listed { .. }));
-        assert!(matches!(time(&[], 1), Time::Listed { .. }));
+        assert!(matches!(time(&times), Time::Even { count: 101, .. }));
+        assert!(matches!(time(&[0.0, 1.0, 3.0]), Time::Listed { .. }));
+        assert!(matches!(time(&[]), Time::Listed { .. }));
     }
 }

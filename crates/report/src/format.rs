@@ -98,6 +98,54 @@ pub fn metres(value: f64) -> String {
     format!("{}\u{202f}{unit}", significant(scaled, 2))
 }
 
+/// A setting as it was meant, without the digits that binary arithmetic has added: `1e-6`, not `1.0000000000000002e-6`.
+pub fn plain(value: f64) -> String {
+    let meant: f64 = format!("{value:.9e}").parse().unwrap_or(value);
+    if value != 0.0 && !(1e-4..1e6).contains(&meant.abs()) {
+        return format!("{meant:e}");
+    }
+    minus(&meant.to_string())
+}
+
+/// A figure that may be nothing but rounding: below its uncertainty, or below what double precision holds of `scale`, it
+/// is 0, and the bound is said. Returns the figure and what stands behind it (`± 3·10⁻⁷`), which may be empty.
+pub fn bounded(value: f64, uncertainty: Option<f64>, scale: f64) -> (String, String) {
+    let rounding = ROUNDING * scale.abs();
+    let uncertainty = uncertainty.filter(|u| u.is_finite());
+    let bound = uncertainty.unwrap_or(0.0).max(rounding);
+    if value.is_finite() && value.abs() <= bound {
+        let said = if bound > 0.0 {
+            format!("\u{b1}\u{202f}{}", significant(bound, 1))
+        } else {
+            String::new()
+        };
+        return ("0".to_owned(), said);
+    }
+    let said = uncertainty
+        .map(|u| format!("\u{b1}\u{202f}{}", significant(u, 1)))
+        .unwrap_or_default();
+    (figure(value), said)
+}
+
+/// What sums of many terms keep of double precision.
+const ROUNDING: f64 = 1e-12;
+
+/// A unit that people use for values of that size, and the factor to it: micrometres, minutes of arc.
+pub fn humane(unit: &str, largest: f64) -> (String, f64) {
+    const ARCMIN: f64 = 60.0 * 180.0 / std::f64::consts::PI;
+    let steps: &[(f64, &str, f64)] = match unit {
+        "m" => &[(1e-3, "\u{b5}m", 1e6), (1.0, "mm", 1e3)],
+        "s" => &[(1e-3, "\u{b5}s", 1e6), (0.1, "ms", 1e3)],
+        "rad" => &[(0.02, "arcmin", ARCMIN)],
+        _ => &[],
+    };
+    let fits = |(most, ..): &&(f64, &str, f64)| largest < *most;
+    let found = steps.iter().find(fits).filter(|_| largest > 0.0);
+    found.map_or((unit.to_owned(), 1.0), |(_, unit, factor)| {
+        ((*unit).to_owned(), *factor)
+    })
+}
+
 /// A count in groups of three.
 pub fn count(value: u64) -> String {
     let digits = value.to_string();
@@ -193,6 +241,43 @@ mod tests {
         assert_eq!(limit(1.5e-2), "1.5\u{202f}%");
         assert_eq!(limit(2.5e-9), "2.5\u{b7}10\u{207b}\u{2079}");
         assert_eq!(limit(0.1), "10\u{202f}%");
+    }
+
+    #[test]
+    fn settings_and_what_is_nothing() {
+        assert_eq!(plain(1.000_000_000_000_000_2e-6), "1e-6");
+        assert_eq!(plain(0.1 + 0.2), "0.3");
+        assert_eq!(plain(-0.000_25), "\u{2212}0.00025");
+        assert_eq!(plain(0.0), "0");
+        let zero = |text: &str| ("0".to_owned(), text.to_owned());
+        assert_eq!(
+            bounded(-3.5867e-30, None, 0.0),
+            (
+                "\u{2212}3.5867\u{b7}10\u{207b}\u{b3}\u{2070}".to_owned(),
+                String::new()
+            )
+        );
+        assert_eq!(
+            bounded(-3.5867e-30, None, 22.0),
+            zero("\u{b1}\u{202f}2\u{b7}10\u{207b}\u{b9}\u{b9}")
+        );
+        assert_eq!(
+            bounded(0.003, Some(0.004), 1.0),
+            zero("\u{b1}\u{202f}0.004")
+        );
+        assert_eq!(
+            bounded(1.5, Some(0.004), 1.0),
+            ("1.5000".to_owned(), "\u{b1}\u{202f}0.004".to_owned())
+        );
+    }
+
+    #[test]
+    fn units_that_people_use() {
+        assert_eq!(humane("m", 6e-4), ("\u{b5}m".to_owned(), 1e6));
+        assert_eq!(humane("m", 0.05), ("mm".to_owned(), 1e3));
+        assert_eq!(humane("N m", 1e-9), ("N m".to_owned(), 1.0));
+        assert_eq!(humane("rad", 1e-3).0, "arcmin");
+        assert_eq!(humane("s", 0.0), ("s".to_owned(), 1.0));
     }
 
     #[test]

@@ -12,9 +12,12 @@
 pub mod animation;
 mod assets;
 mod chart_data;
+pub mod colours;
 mod error;
 pub mod format;
 mod input;
+mod packed;
+pub mod statement;
 pub mod study;
 pub mod terminal;
 mod view;

@@ -1,4 +1,4 @@
-//! Text for terminals: styles, and plain tables aligned by characters and styled after alignment.
+//! Text for terminals: styles, and plain tables that fit their width, aligned by characters and styled after alignment.
 
 use anstyle::{AnsiColor, Style};
 
@@ -57,63 +57,123 @@ impl Cell {
     }
 }
 
-/// Characters of a line, beyond which the text in a row's last cell goes on below its beginning.
-const LINE: usize = 110;
-/// Characters the last cell gets at least, however wide the others are.
-const LAST: usize = 40;
+/// Characters of a line where nobody's screen says otherwise.
+const USUAL: usize = 80;
+/// Widths that a table is set to: narrower ones cut words, on wider ones the eye loses the line.
+const WIDTHS: std::ops::RangeInclusive<usize> = 60..=120;
+/// Characters that a column of text keeps, if it has as many.
+const LEAST: usize = 12;
 
-/// Rows of cells as lines, two spaces between columns; shorter rows are allowed.
+/// Characters of a line on the terminal that shows stdout, stdin or stderr; 80 where there is none.
+#[must_use]
+pub fn width() -> usize {
+    let found = terminal_size::terminal_size();
+    let columns = found.map_or(USUAL, |(columns, _)| usize::from(columns.0));
+    columns.clamp(*WIDTHS.start(), *WIDTHS.end())
+}
+
+/// Rows of cells as lines that fit the terminal, two spaces between columns; shorter rows are allowed. Text that finds no
+/// room goes on below its beginning.
 #[must_use]
 pub fn lines(rows: &[Vec<Cell>]) -> String {
+    lines_within(rows, width())
+}
+
+/// [`lines`] of at most `room` characters.
+#[must_use]
+pub fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |column: usize| {
-        let cells = rows.iter().filter_map(|row| row.get(column));
-        cells
-            .map(|cell| cell.text.chars().count())
-            .max()
-            .unwrap_or(0)
+    let of = |column: usize| rows.iter().filter_map(move |row| row.get(column));
+    let longest = |column: usize| of(column).map(|c| c.text.chars().count()).max();
+    let mut widths: Vec<usize> = (0..columns).map(|k| longest(k).unwrap_or(0)).collect();
+    // What gives way: the widest column of text, and figures only to their longest word.
+    let least = |column: usize| {
+        let words = of(column).flat_map(|cell| cell.text.split(' '));
+        let word = words.map(|word| word.chars().count()).max().unwrap_or(0);
+        if of(column).any(|cell| cell.right) {
+            word
+        } else {
+            word.min(LEAST)
+        }
     };
-    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let least: Vec<usize> = (0..columns).map(least).collect();
+    while widths.iter().sum::<usize>() + 2 * columns.saturating_sub(1) > room {
+        let gives = (0..columns).filter(|&k| widths[k] > least[k]);
+        let Some(widest) = gives.max_by_key(|&k| widths[k]) else {
+            break;
+        };
+        widths[widest] -= 1;
+    }
     let mut text = String::new();
     for row in rows {
-        let mut line = String::new();
-        let mut indent = 0;
-        for (column, cell) in row.iter().enumerate() {
-            let padding = " ".repeat(widths[column].saturating_sub(cell.text.chars().count()));
-            let last = column + 1 == row.len();
-            if cell.right {
-                line.push_str(&format!("{padding}{}", styled(cell.style, &cell.text)));
-            } else if last {
-                let parts = wrapped(&cell.text, LINE.saturating_sub(indent).max(LAST));
-                let parts: Vec<String> =
-                    parts.iter().map(|part| styled(cell.style, part)).collect();
-                line.push_str(&parts.join(&format!("\n{}", " ".repeat(indent))));
-            } else {
-                line.push_str(&format!("{}{padding}", styled(cell.style, &cell.text)));
+        let cells: Vec<Vec<String>> = row
+            .iter()
+            .zip(&widths)
+            .map(|(cell, width)| wrapped(&cell.text, *width))
+            .collect();
+        let high = cells.iter().map(Vec::len).max().unwrap_or(0);
+        for line in 0..high {
+            let mut whole = String::new();
+            for ((cell, parts), width) in row.iter().zip(&cells).zip(&widths) {
+                let part = parts.get(line).map_or("", String::as_str);
+                let padding = " ".repeat(width.saturating_sub(part.chars().count()));
+                let part = if part.is_empty() {
+                    String::new()
+                } else {
+                    styled(cell.style, part)
+                };
+                whole.push_str(&if cell.right {
+                    format!("{padding}{part}  ")
+                } else {
+                    format!("{part}{padding}  ")
+                });
             }
-            if !last {
-                line.push_str("  ");
-            }
-            indent += widths[column] + 2;
+            text.push_str(whole.trim_end());
+            text.push('\n');
         }
-        text.push_str(line.trim_end());
-        text.push('\n');
     }
     text
 }
 
-/// The text in parts of at most `width` characters, broken at spaces where there are any.
+/// A paragraph that fits the terminal.
+#[must_use]
+pub fn paragraph(text: &str) -> String {
+    wrapped(text, width()).join("\n")
+}
+
+/// The text in parts of at most `width` characters: broken at spaces, a longer word after a hyphen or a slash, else
+/// anywhere.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let width = width.max(1);
     let mut parts = vec![String::new()];
     for word in text.split(' ') {
         let used = parts.last().map_or(0, |part| part.chars().count());
-        match parts.last_mut() {
-            Some(part) if used == 0 => part.push_str(word),
-            Some(part) if used + 1 + word.chars().count() <= width => {
+        let mut rest = word;
+        if used > 0 && used + 1 + word.chars().count() <= width {
+            if let Some(part) = parts.last_mut() {
                 part.push(' ');
                 part.push_str(word);
             }
-            _ => parts.push(word.to_owned()),
+            continue;
+        }
+        if used > 0 {
+            parts.push(String::new());
+        }
+        while rest.chars().count() > width {
+            let end = rest
+                .char_indices()
+                .nth(width)
+                .map_or(rest.len(), |(k, _)| k);
+            let joint = rest[..end].rfind(['-', '/', ',']).map(|k| k + 1);
+            let cut = joint.filter(|k| *k > 1).unwrap_or(end);
+            if let Some(part) = parts.last_mut() {
+                part.push_str(&rest[..cut]);
+            }
+            parts.push(String::new());
+            rest = &rest[cut..];
+        }
+        if let Some(part) = parts.last_mut() {
+            part.push_str(rest);
         }
     }
     parts
@@ -144,14 +204,44 @@ mod tests {
             Cell::text("key"),
             Cell::text("word ".repeat(50).trim_end()),
         ]];
-        let text = lines(&rows);
+        let text = lines_within(&rows, 80);
         assert!(text.lines().count() > 1);
         for line in text.lines().skip(1) {
             assert!(
-                line.starts_with("     word") && line.len() <= LINE,
+                line.starts_with("     word") && line.len() <= 80,
                 "{line:?}"
             );
         }
         assert_eq!(text.matches("word").count(), 50);
+    }
+
+    #[test]
+    fn tables_fit_their_room() {
+        let row = |name: &str, note: &str| {
+            vec![
+                Cell::text(name),
+                Cell::figure("-1.4529e-12"),
+                Cell::figure("100.36"),
+                Cell::text(note),
+            ]
+        };
+        let rows = [
+            row("exudyn-shared-law-constrained", "load balance within"),
+            row("x", &"z".repeat(90)),
+        ];
+        for room in [60, 72, 80, 100] {
+            let text = lines_within(&rows, room);
+            for line in text.lines() {
+                assert!(line.chars().count() <= room, "{room}: {line:?}");
+            }
+            let squeezed: String = text.split_whitespace().collect();
+            assert_eq!(squeezed.matches('z').count(), 90);
+            assert!(text.contains("-1.4529e-12"), "{text}");
+        }
+        assert_eq!(
+            wrapped("exudyn-shared-law", 8),
+            ["exudyn-", "shared-", "law"]
+        );
+        assert_eq!(wrapped("\u{e9}\u{e9}\u{e9}", 2), ["\u{e9}\u{e9}", "\u{e9}"]);
     }
 }

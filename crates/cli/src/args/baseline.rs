@@ -9,14 +9,16 @@ use pinwheel::gearbox::contacts::Kernel;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  pinwheel baseline check                          what moved since the accepted results?
-  pinwheel baseline record before                  keep the present state under a name of your own,
-  pinwheel baseline check before                   and see what your change does to it
+  pinwheel baseline check          what moved since the accepted results?
+  pinwheel baseline record before  keep the present state under a name,
+  pinwheel baseline check before   and see what your change does to it
   pinwheel baseline record --accept \"dopri5: other step control, errors halved\"
-  pinwheel baseline record mine --solver mine/solver.toml    the same for your own solver (docs/solvers.md)
+  pinwheel baseline record mine --solver mine/solver.toml
+      the same for your own solver (docs/solvers.md)
 
-A baseline is a folder of text files in reference/baselines/: results, errors against converged runs
-and counts of a fixed set of short scenes. Run it in the project's folder, or name --dir.")]
+A baseline is a folder of text files in reference/baselines/: results, errors
+against converged runs and counts of a fixed set of short scenes. Run it in the
+project's folder, or name --dir.")]
 pub(crate) struct BaselineArgs {
     #[command(subcommand)]
     pub(crate) action: Action,
@@ -62,10 +64,11 @@ pub(crate) struct Running {
 #[command(after_help = "\
 Examples:
   pinwheel baseline record mine
-  pinwheel baseline record --accept \"sleeves of Fig. 3 instead of the assumed ones\"
+  pinwheel baseline record --accept \"sleeves of Fig. 3, not assumed ones\"
 
-An existing baseline is only replaced with --accept; the reason joins the dated list in its
-baseline.toml. Look at `pinwheel baseline check` first, and at the diff before you commit it.")]
+An existing baseline is only replaced with --accept; the reason joins the dated
+list in its baseline.toml. Look at `pinwheel baseline check` first, and at the
+diff before you commit it.")]
 pub(crate) struct RecordBaselineArgs {
     #[command(flatten)]
     pub(crate) which: Which,
@@ -82,10 +85,12 @@ pub(crate) struct RecordBaselineArgs {
 Examples:
   pinwheel baseline check
   pinwheel baseline check before --only paper,steel --out out/my-change
-  pinwheel baseline check --loop scalar            the same results without vector instructions?
+  pinwheel baseline check --loop scalar
+      the same results without vector instructions?
 
-Writes DIR/index.html (before and after, overlaid, by what moved most) and DIR/summary.json.
-Exit status 1 if anything is worse: an error or a count above its limit, or a run that diverges.")]
+Writes DIR/index.html (before and after, overlaid, by what moved most) and
+DIR/summary.json. Exit status 1 if anything is worse: an error or a count above
+its limit, or a run that diverges.")]
 pub(crate) struct CheckArgs {
     #[command(flatten)]
     pub(crate) which: Which,

@@ -8,14 +8,16 @@ use super::{OutArgs, SceneArgs};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  pinwheel bench paper                                  native and rapier, within three minutes
+  pinwheel bench paper                native and rapier, within three minutes
   pinwheel bench backlash-0.6 --engines native,rapier-shared-law
-  pinwheel bench steel --longest 300                    let the peers take the steps they need
+  pinwheel bench steel --longest 300  let the peers take the steps they need
   pinwheel bench paper --parts scaling --out out/scaling
 
-Writes DIR/index.html (open it in a browser), DIR/summary.json and, beside them, DIR/bench.csv with a line a
-run, DIR/scaling.csv and DIR/mechanisms.csv. Ctrl-C ends the measurement and writes what there is; a second
-one leaves nothing. CPU times are those of one thread; close other programs for figures to rely on.")]
+Writes DIR/index.html (`pinwheel open` shows it), DIR/summary.json and, beside
+them, DIR/bench.csv with a line a run, DIR/scaling.csv and DIR/mechanisms.csv.
+Ctrl-C ends the measurement and writes what there is; a second one leaves
+nothing. CPU times are those of one thread; close other programs for figures to
+rely on.")]
 pub(crate) struct BenchArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,

@@ -8,15 +8,17 @@ use super::OutArgs;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  pinwheel calibrate                             stated uncertainties against true errors: some minutes
+  pinwheel calibrate  stated uncertainties against true errors: some minutes
   pinwheel calibrate --gears 100..140            the same on other random gears
-  pinwheel calibrate --power                     the smallest faults that a comparison tells
+  pinwheel calibrate --power  the smallest faults that a comparison tells
   pinwheel calibrate --power my-gear.toml --engines rapier-shared-law
 
-Writes DIR/summary.json with every case. docs/verdicts.md says what the tables mean.
+Writes DIR/summary.json with every case. docs/verdicts.md says what the tables
+mean.
 
-Exit status 1: less than 95 of 100 errors are within what was stated, what was stated is 5 times the error or more in the
-median, or (--power) a fault of the size in the table is not told, or a right gear is said to differ.")]
+Exit status 1: less than 95 of 100 errors are within what was stated, what was
+stated is 5 times the error or more in the median, or (--power) a fault of the
+size in the table is not told, or a right gear is said to differ.")]
 pub(crate) struct CalibrateArgs {
     /// Scene files or presets [default: the study's own].
     #[arg(value_name = "SCENE")]

@@ -31,26 +31,30 @@ pub(crate) use sweep::SweepArgs;
 
 const EXAMPLES: &str = "\
 Examples:
-  pinwheel compare paper                         the paper's gearbox, every engine, one report
-  pinwheel run paper --engine native             one engine: courses.csv and run.json
+  pinwheel compare paper             the paper's gear in every engine, one page
+  pinwheel open                      the newest page, in the browser
+  pinwheel run paper                 one engine: courses.csv and run.json
   pinwheel compare paper --set gear.backlash_m=0.0006 --out out/backlash
-  pinwheel bench paper                           what accuracy costs, native and peers
-  pinwheel explain my-gear.toml                  what is modelled, assumed and to be expected
-  pinwheel init mine.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500
-  pinwheel design mine.toml                      lost motion, stiffness, transmission error, stress
-  pinwheel sweep reference/sweeps/backlash.toml  lists and ranges of keys over all cores
-  pinwheel stability --quick                     which method survives which hard scene
-  pinwheel calibrate                             what verdicts are worth: uncertainty against true error
-  pinwheel engines                               what there is to compare with
-  pinwheel compare paper --solver mine/solver.toml   your own solver beside them (docs/solvers.md)
-  pinwheel laws                                  contact laws that a scene can name
+  pinwheel bench paper               what accuracy costs, native and peers
+  pinwheel explain my-gear.toml      what is modelled and to be expected
+  pinwheel init mine.toml --ratio 39 --pin-circle-diameter-mm 104 \\
+      --torque-n-m 200 --speed-rpm 1500
+  pinwheel design mine.toml          lost motion, stiffness, stress
+  pinwheel sweep my-sweep.toml       lists and ranges of keys over all cores
+  pinwheel stability --quick         which method survives which hard scene
+  pinwheel calibrate                 what verdicts are worth
+  pinwheel engines                   what there is to compare with
+  pinwheel compare paper --solver mine/solver.toml
+                                     your own solver beside them (docs/solvers.md)
+  pinwheel laws                      contact laws that a scene can name
 
-A SCENE is the path of a TOML file or the name of a preset: paper, paper-2019, paper-friction,
-paper-rough, paper-refined, paper-geometric, backlash-0.6, steel, one-wheel, eleven-pins, forty-pins,
-and the hard cases hard-* of reference/scenes, e.g. hard-adhesive.
+A SCENE is the path of a TOML file or the name of a preset: paper, paper-2019,
+paper-friction, paper-rough, paper-refined, paper-geometric, backlash-0.6,
+steel, one-wheel, eleven-pins, forty-pins, and the hard cases hard-* of
+reference/scenes, e.g. hard-adhesive.
 
-Exit status: 0 done and within limits; 1 a limit was exceeded; 2 bad input or usage;
-3 an engine is missing, diverged or failed; 130 stopped.";
+Exit status: 0 done and within limits; 1 a limit was exceeded; 2 bad input or
+usage; 3 an engine is missing, diverged or failed; 130 stopped.";
 
 /// Cross-validation of cycloidal gearbox dynamics: one scene, several engines, one report.
 #[derive(Debug, Parser)]
@@ -100,6 +104,12 @@ pub(crate) enum Command {
     Baseline(BaselineArgs),
     /// Hold stated uncertainties against true errors, and see which faults a comparison tells.
     Calibrate(CalibrateArgs),
+    /// Open a page in the browser: the newest in out/, or that of a folder.
+    Open(OpenArgs),
+    /// Print the completions of a shell.
+    Completions(CompletionsArgs),
+    /// Print the man page, or write those of all commands.
+    Man(ManArgs),
 }
 
 /// Which scene.
@@ -128,11 +138,12 @@ pub(crate) struct OutArgs {
 #[command(after_help = "\
 Examples:
   pinwheel run paper
-  pinwheel run paper --engine native-lagrange --set solver.integrator=rk4 --out out/rk4
+  pinwheel run paper --set solver.integrator=rk4 --out out/rk4
 
-Writes DIR/courses.csv and DIR/run.json. A run that diverges ends with status 3 and leaves what
-was computed until then in DIR/courses.partial.csv. A native run whose forces move by more than 30 % when it is
-repeated at twice its step ends with status 1: its step does not resolve the scene.")]
+Writes DIR/courses.csv and DIR/run.json. A run that diverges ends with status 3
+and leaves what was computed until then in DIR/courses.partial.csv. A native run
+whose forces move by more than 30 % when it is repeated at twice its step ends
+with status 1: its step does not resolve the scene.")]
 pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
@@ -158,18 +169,22 @@ pub(crate) struct RunArgs {
 #[command(after_help = "\
 Examples:
   pinwheel compare paper
-  pinwheel compare paper --engines native-reduced,native-lagrange --set solver.duration_s=0.05
+  pinwheel compare paper --engines native-reduced,native-lagrange
+  pinwheel compare paper --against rig.csv --map rig.toml   measured data
 
-  pinwheel compare paper --against rig.csv --map rig.toml     a foreign CSV beside the engines
+Writes DIR/index.html (`pinwheel open` shows it), DIR/summary.json and
+DIR/<engine>/courses.csv. Engines that cannot honour the scene are left out,
+with the reason on the page.
 
-Writes DIR/index.html (open it in a browser), DIR/summary.json and DIR/<engine>/courses.csv.
-Engines that cannot honour the scene are left out, with the reason in the report.
+Every engine also runs at coarser settings, which show how far its numbers may
+be off (docs/verdicts.md). Steps and tolerances that your file or --set states
+are obeyed; others are refined until a pair is known to --resolution, or until
+an engine has taken --longest.
 
-Every engine also runs at coarser settings, which show how far its numbers may be off (docs/verdicts.md). Steps and
-tolerances that your file or --set states are obeyed; others are refined until a pair is known to --resolution, or until an
-engine has taken --longest.
-Status 0: every statement holds, or is not resolved for a reason that no setting changes (a recording, an engine that
-has spent its time). 1: engines differ, a limit is exceeded, or a pair is not resolved that a finer setting would resolve.")]
+Status 0: every statement holds, or is not resolved for a reason that no
+setting changes (a recording, an engine that has spent its time). 1: engines
+differ, a limit is exceeded, or a pair is not resolved that a finer setting
+would resolve.")]
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
@@ -211,9 +226,10 @@ Examples:
   pinwheel record
   pinwheel record paper steel --engines mujoco-shared-law
 
-Writes DIR/SCENE/ENGINE.toml (what, how and when) and DIR/SCENE/ENGINE.csv (courses, thinned and rounded).
-A build embeds the recordings it finds in reference/recorded and compares with them where it has no live engine.
-Engines that cannot run a scene, or diverge on it, are left out with the reason.")]
+Writes DIR/SCENE/ENGINE.toml (what, how and when) and DIR/SCENE/ENGINE.csv
+(courses, thinned and rounded). A build embeds the recordings it finds in
+reference/recorded and compares with them where it has no live engine. Engines
+that cannot run a scene, or diverge on it, are left out with the reason.")]
 pub(crate) struct RecordArgs {
     /// Presets or scene files [default: the scenes that recordings are kept of].
     pub(crate) scenes: Vec<String>,
@@ -258,6 +274,49 @@ pub(crate) struct EnginesArgs {
     pub(crate) json: bool,
 }
 
+/// `pinwheel open`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  pinwheel open
+  pinwheel open out/paper-compare")]
+pub(crate) struct OpenArgs {
+    /// Output folder or page [default: what was written last in out/].
+    pub(crate) place: Option<PathBuf>,
+    /// Only say which page, and start no browser.
+    #[arg(long)]
+    pub(crate) print: bool,
+}
+
+/// `pinwheel completions`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  source <(pinwheel completions bash)
+  pinwheel completions zsh > ~/.zfunc/_pinwheel
+  pinwheel completions fish > ~/.config/fish/completions/pinwheel.fish")]
+pub(crate) struct CompletionsArgs {
+    /// Which shell.
+    pub(crate) shell: clap_complete::Shell,
+}
+
+/// `pinwheel man`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  pinwheel man | man -l -
+  pinwheel man --out ~/.local/share/man/man1")]
+pub(crate) struct ManArgs {
+    /// Folder for the pages of the program and all its commands.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+/// What can be typed, for completions and manuals.
+pub(crate) fn definition() -> clap::Command {
+    <Program as clap::CommandFactory>::command()
+}
+
 /// The command to carry out; `None` when help or version was asked for and shown.
 pub(crate) fn parse() -> Result<Option<Command>, Failure> {
     match Program::try_parse() {
@@ -280,12 +339,19 @@ pub(crate) fn parse() -> Result<Option<Command>, Failure> {
 fn on_one_line(message: &str) -> String {
     let mut what: Vec<&str> = Vec::new();
     let mut tips: Vec<&str> = Vec::new();
+    let mut help = "pinwheel".to_owned();
     for line in message
         .lines()
         .map(str::trim)
         .filter(|line| !line.is_empty())
     {
-        if line.starts_with("Usage:") || line.starts_with("For more information") {
+        if let Some(usage) = line.strip_prefix("Usage:") {
+            let bare = |word: &&str| word.starts_with(|c: char| c.is_ascii_lowercase());
+            let words: Vec<&str> = usage.split_whitespace().take_while(bare).collect();
+            help = words.join(" ");
+            break;
+        }
+        if line.starts_with("For more information") {
             break;
         }
         match line.strip_prefix("tip: ") {
@@ -293,7 +359,8 @@ fn on_one_line(message: &str) -> String {
             None => what.push(line.strip_prefix("error: ").unwrap_or(line)),
         }
     }
-    tips.push("see `pinwheel --help`");
+    let see = format!("see `{help} --help`");
+    tips.push(&see);
     format!("{}; {}", what.join(" "), tips.join("; "))
 }
 
@@ -375,6 +442,19 @@ mod tests {
     }
 
     #[test]
+    fn examples_fit_a_screen() {
+        fn look(command: &clap::Command) {
+            let examples = command.get_after_help().map(ToString::to_string);
+            for line in examples.unwrap_or_default().lines() {
+                let wide = line.chars().count();
+                assert!(wide <= 80, "{}: {wide}: {line}", command.get_name());
+            }
+            command.get_subcommands().for_each(look);
+        }
+        look(&definition());
+    }
+
+    #[test]
     fn every_preset_is_in_the_help() {
         for preset in pinwheel::scene::PRESETS {
             let named = preset.name.starts_with("hard-") || EXAMPLES.contains(preset.name);
@@ -384,19 +464,25 @@ mod tests {
 
     #[test]
     fn usage_errors_fit_on_a_line() {
-        for words in [
-            &["pinwheel", "rnu"][..],
-            &["pinwheel", "run"],
-            &["pinwheel", "run", "paper", "--egnine", "x"],
-            &["pinwheel", "run", "paper", "--set"],
-            &["pinwheel", "run", "paper", "more"],
+        for (words, help) in [
+            (&["pinwheel", "rnu"][..], "see `pinwheel --help`"),
+            (&["pinwheel", "run"], "see `pinwheel run --help`"),
+            (
+                &["pinwheel", "compare", "paper", "--egnines", "x"],
+                "see `pinwheel compare --help`",
+            ),
+            (
+                &["pinwheel", "run", "paper", "--set"],
+                "see `pinwheel --help`",
+            ),
+            (
+                &["pinwheel", "baseline", "check", "more", "and"],
+                "see `pinwheel baseline check --help`",
+            ),
         ] {
             let error = Program::try_parse_from(words).unwrap_err();
             let line = on_one_line(&error.render().to_string());
-            assert!(
-                !line.contains('\n') && line.ends_with("see `pinwheel --help`"),
-                "{line}"
-            );
+            assert!(!line.contains('\n') && line.ends_with(help), "{line}");
         }
     }
 

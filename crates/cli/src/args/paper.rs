@@ -11,12 +11,13 @@ use crate::failure::Failure;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  pinwheel paper                            every figure and every claim, a few minutes
-  pinwheel paper --figures 9,12,spectra     these figures alone, without the claims
+  pinwheel paper  every figure and every claim, a few minutes
+  pinwheel paper --figures 9,12,spectra
+      these figures alone, without the claims
   pinwheel paper --against rapier-own-contact-hook
 
-Writes DIR/index.html (open it in a browser), DIR/summary.json (numbers and verdicts) and the
-curves of every figure, DIR/<figure>/courses.csv.")]
+Writes DIR/index.html (`pinwheel open` shows it), DIR/summary.json (numbers and
+verdicts) and the curves of every figure, DIR/<figure>/courses.csv.")]
 pub(crate) struct PaperArgs {
     /// Figures to draw, separated by commas: 5 to 18, spectra [default: all, and the claims].
     #[arg(long, value_name = "5,6,..", value_delimiter = ',')]

@@ -39,10 +39,10 @@ impl Solvers {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  pinwheel solver new --language c mine              a small solver that works, to begin with
-  pinwheel solver check mine/solver.toml             does it do what comparisons rely on?
-  pinwheel compare paper --solver mine/solver.toml   and then it stands beside all engines
-  pinwheel solver job paper job                      a job folder to try it by hand")]
+  pinwheel solver new --language c mine     a small solver that works
+  pinwheel solver check mine/solver.toml    what comparisons rely on
+  pinwheel compare paper --solver mine/solver.toml
+  pinwheel solver job paper job             a job folder to try it by hand")]
 pub(crate) struct SolverArgs {
     #[command(subcommand)]
     pub(crate) action: SolverAction,

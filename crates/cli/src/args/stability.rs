@@ -8,13 +8,14 @@ use clap::Args;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  pinwheel stability --quick                     everything on short runs: about a minute
-  pinwheel stability                             the whole study: some minutes
-  pinwheel stability hard-steel my-gear.toml     these scenes alone
-  pinwheel stability --resume                    go on with a study that was stopped
+  pinwheel stability --quick  everything on short runs: about a minute
+  pinwheel stability                          the whole study: some minutes
+  pinwheel stability hard-steel my-gear.toml  these scenes alone
+  pinwheel stability --resume  go on with a study that was stopped
 
-Writes DIR/index.html (open it in a browser), DIR/summary.json (everything) and DIR/stability.csv (one line a
-scene and method). Ctrl-C keeps the pieces that are done; --resume does the rest.
+Writes DIR/index.html (see `pinwheel open`), DIR/summary.json (everything) and
+DIR/stability.csv (one line a scene and method). Ctrl-C keeps the pieces that
+are done; --resume does the rest.
 
 Exit status 1: there is a scene that no method gives within 1 %.")]
 pub(crate) struct StabilityArgs {

@@ -109,11 +109,7 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     if let Some(path) = &args.junit {
         junit::write(path, "pinwheel baseline", &junit::of_baseline(name, &found))?;
     }
-    screen::show(&format!(
-        "{}\n{}",
-        pages::baseline::text(&found),
-        folder::page(&out)
-    ))?;
+    screen::show_with_page(&pages::baseline::text(&found), &folder::page(&out))?;
     Ok(if found.verdict == Verdict::Worse {
         EXCEEDED
     } else {

@@ -31,11 +31,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
     } else {
         folder.publish_partial()?
     };
-    screen::show(&format!(
-        "{}report: {}",
-        pages::bench::text(&measured),
-        folder::page(&out)
-    ))?;
+    screen::show_with_page(&pages::bench::text(&measured), &folder::page(&out))?;
     if !measured.complete {
         screen::complain(&format!(
             "stopped; what had been measured until then is in {}",

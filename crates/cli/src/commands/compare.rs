@@ -45,11 +45,8 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
             &junit::of_comparison(&found.comparison),
         )?;
     }
-    screen::show(&format!(
-        "{}\nreport: {}",
-        pages::comparison::text(scene, &found.comparison),
-        folder::page(&out)
-    ))?;
+    let text = pages::comparison::text(scene, &found.comparison);
+    screen::show_with_page(&text, &folder::page(&out))?;
 
     let broken = found
         .participants

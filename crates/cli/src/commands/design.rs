@@ -61,10 +61,6 @@ pub(crate) fn design(args: &DesignArgs) -> Result<u8, Failure> {
     found.write(folder.path(), &made)?;
     folder.write_page(&pages::design::page(&found, &made)?)?;
     let out = folder.publish()?;
-    screen::show(&format!(
-        "{}report  {}",
-        pages::design::text(&found),
-        folder::page(&out)
-    ))?;
+    screen::show_with_page(&pages::design::text(&found), &folder::page(&out))?;
     Ok(0)
 }

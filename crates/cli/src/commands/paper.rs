@@ -40,10 +40,6 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<u8, Failure> {
     let page = pages::paper::page(&found, &made, interrupt::flag())?;
     folder.write_page(&page)?;
     let out = folder.publish()?;
-    screen::show(&format!(
-        "{}; page: {}",
-        pages::paper::text(&found),
-        folder::page(&out)
-    ))?;
+    screen::show_with_page(&pages::paper::text(&found), &folder::page(&out))?;
     Ok(0)
 }

@@ -92,11 +92,7 @@ fn check(
     if let Some(path) = junit {
         junit::write(path, "pinwheel solver check", &[found.suite()])?;
     }
-    screen::show(&format!(
-        "{}\nreport: {}",
-        pages::conformance::text(&found),
-        folder::page(&out)
-    ))?;
+    screen::show_with_page(&pages::conformance::text(&found), &folder::page(&out))?;
     Ok(if found.passed() { 0 } else { EXCEEDED })
 }
 

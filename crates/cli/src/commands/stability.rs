@@ -64,11 +64,7 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
         return Ok(STOPPED);
     }
     let out = folder.publish()?;
-    screen::show(&format!(
-        "{}\nreport  {}",
-        pages::stability::text(&survey),
-        folder::page(&out)
-    ))?;
+    screen::show_with_page(&pages::stability::text(&survey), &folder::page(&out))?;
     let unserved = judged::unserved(&survey);
     if unserved.is_empty() {
         return Ok(0);

@@ -11,7 +11,7 @@ use pinwheel::studies::sweep::{
 
 use crate::args::{self, SweepArgs};
 use crate::failure::{ENGINE, Failure};
-use crate::folder::Folder;
+use crate::folder::{self, Folder};
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -73,9 +73,9 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let out = folder.publish()?;
     // Only now: had it failed, --resume would still find every run.
     journal.remove()?;
-    let files = [("results", "results.csv"), ("report", "index.html")]
-        .map(|(word, name)| (word, out.join(name).display().to_string()));
-    screen::show(&pages::sweep::text(&plan, &records, &files))?;
+    let results = [("results", out.join("results.csv").display().to_string())];
+    let text = pages::sweep::text(&plan, &records, &results);
+    screen::show_with_page(&text, &folder::page(&out))?;
     Ok(ended(
         &records,
         &format!("see {}", out.join("results.csv").display()),

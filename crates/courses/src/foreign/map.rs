@@ -121,8 +121,51 @@ pub struct TimeColumn {
     pub unit: String,
     /// A further factor.
     pub factor: f64,
-    /// Added, s.
-    pub offset_s: f64,
+    /// Added.
+    pub offset_s: Offset,
+}
+
+/// What is added to the times of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "Stated")]
+pub enum Offset {
+    /// So many seconds.
+    Seconds(f64),
+    /// As many as make it fit the run best (`"align"`).
+    Align,
+}
+
+impl Offset {
+    /// What is known before there is a run.
+    #[must_use]
+    pub fn seconds(self) -> f64 {
+        match self {
+            Self::Seconds(seconds) => seconds,
+            Self::Align => 0.0,
+        }
+    }
+}
+
+/// As a map writes it.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "offset_s is a number of seconds or \"align\"")]
+enum Stated {
+    Seconds(f64),
+    Word(String),
+}
+
+impl TryFrom<Stated> for Offset {
+    type Error = String;
+
+    fn try_from(stated: Stated) -> Result<Self, String> {
+        match stated {
+            Stated::Seconds(seconds) => Ok(Self::Seconds(seconds)),
+            Stated::Word(word) if word == "align" => Ok(Self::Align),
+            Stated::Word(word) => Err(format!(
+                "offset_s = \"{word}\" is neither a number of seconds nor \"align\""
+            )),
+        }
+    }
 }
 
 impl Default for TimeColumn {
@@ -131,7 +174,7 @@ impl Default for TimeColumn {
             column: ColumnRef::Name("time_s".to_owned()),
             unit: "s".to_owned(),
             factor: 1.0,
-            offset_s: 0.0,
+            offset_s: Offset::Seconds(0.0),
         }
     }
 }
@@ -390,7 +433,7 @@ impl Map {
                 "write \"s\", \"ms\", \"us\" or \"min\"",
             );
         }
-        if !(time.factor > 0.0 && time.factor.is_finite() && time.offset_s.is_finite()) {
+        if !(time.factor > 0.0 && time.factor.is_finite() && time.offset_s.seconds().is_finite()) {
             return wrong(
                 "time",
                 "needs a positive factor and a finite offset",

@@ -81,7 +81,7 @@ pub fn read(source: impl Read, map: &Map) -> Result<Foreign, ForeignError> {
                 }
                 Err(format!("`{}` is too large: {value:e}", short(name)))
             };
-            let time = cell(time_column)? * time_factor + map.time.offset_s;
+            let time = cell(time_column)? * time_factor + map.time.offset_s.seconds();
             let time = bounded("time_s", time)?;
             if let Some(&before) = times.last()
                 && !(time > before)

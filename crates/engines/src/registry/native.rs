@@ -232,7 +232,11 @@ fn settings(scene: &Scene, uncertainty: Option<&Uncertainty>) -> String {
     if adaptive {
         format!("{form}, {named}, tolerance {:e}", solver.tolerance)
     } else {
-        format!("{form}, {named}, {:e} s", solver.step_s)
+        // As it was meant: a part of a step is not always a short number.
+        let step: f64 = format!("{:.9e}", solver.step_s)
+            .parse()
+            .unwrap_or(solver.step_s);
+        format!("{form}, {named}, {step:e} s")
     }
 }
 

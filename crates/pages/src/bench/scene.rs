@@ -1,6 +1,7 @@
 //! The scene's sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
 
 use pinwheel_engines::Track;
+use pinwheel_report::colours;
 use pinwheel_report::format::{limit, relative, seconds};
 use pinwheel_report::study::{
     Axis, Block, Cell, Chart, Column, Mark, Section, Series, Style, Table,
@@ -175,6 +176,11 @@ fn chart(
     measure: Measure,
     take: &dyn Fn(&precision::Series) -> bool,
 ) -> Chart {
+    // An engine and method has one colour on all charts.
+    let labels: Vec<String> = study.series.iter().map(precision::Series::label).collect();
+    let names: Vec<&str> = labels.iter().map(String::as_str).collect();
+    let styles = colours::styles(&names);
+    let colour = |label: &str| Some(styles[names.iter().position(|name| *name == label)?]);
     let series = study
         .series
         .iter()
@@ -197,7 +203,7 @@ fn chart(
                 tags: finished
                     .map(|p| format!("{name} {}", figures::setting(p.setting)))
                     .collect(),
-                colour: None,
+                colour: colour(&series.label()),
             })
         });
     let mut series: Vec<Series> = series.collect();

@@ -1,29 +1,55 @@
 //! What `pinwheel compare` says on stdout: figures of every engine, verdicts of every pair.
 
-use pinwheel_compare::comparison::PairEntry;
 use pinwheel_compare::quantities::INPUT_TORQUE;
-use pinwheel_compare::{Check, Comparison, Outcome, Verdict, WindowKind};
-use pinwheel_report::terminal::{BAD, Cell, GOOD, QUIET, TITLE, lines, styled};
+use pinwheel_compare::{Comparison, Outcome, Track, Verdict, WindowKind};
+use pinwheel_report::statement;
+use pinwheel_report::terminal::{BAD, Cell, GOOD, QUIET, TITLE, lines, paragraph, styled};
 use pinwheel_scene::Scene;
 
 /// The whole text, without the place of the page.
 #[must_use]
 pub fn text(scene: &Scene, comparison: &Comparison) -> String {
-    let mut text = format!("{}\n\n", styled(TITLE, &crate::title(scene)));
+    let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::title(scene))));
     text.push_str(&lines(&engines(comparison)));
+    if let Some(window) = shown_window(comparison) {
+        text.push_str(&styled(
+            QUIET,
+            &paragraph(&format!(
+                "Mean driver torque and largest external and internal sleeve force in the {} window; load: the output \
+                 torque's balance with it.",
+                window.word()
+            )),
+        ));
+        text.push('\n');
+    }
+    let measured = measured(comparison);
+    if measured.len() > 1 {
+        text.push('\n');
+        text.push_str(&lines(&measured));
+        let rigs = comparison
+            .engines
+            .iter()
+            .filter(|e| e.track == Track::Measured);
+        for (name, note) in rigs.flat_map(|e| e.cost.notes.iter().map(|note| (&e.name, note))) {
+            text.push_str(&format!("{}\n", paragraph(&format!("{name}: {note}"))));
+        }
+    }
     let judged = pairs(comparison);
     if judged.len() > 1 {
         text.push('\n');
         text.push_str(&lines(&judged));
     }
     for remark in comparison.windows.iter().filter_map(|w| w.remark()) {
-        text.push_str(&format!("\n{remark}"));
+        text.push_str(&format!("\n{}", paragraph(&remark)));
     }
     for absent in &comparison.absent_windows {
         text.push_str(&format!(
-            "\nNo {} window: {}.",
-            absent.kind.word(),
-            absent.reason
+            "\n{}",
+            paragraph(&format!(
+                "No {} window: {}.",
+                absent.kind.word(),
+                absent.reason
+            ))
         ));
     }
     for line in sharpened(comparison)
@@ -31,7 +57,7 @@ pub fn text(scene: &Scene, comparison: &Comparison) -> String {
         .chain(budgets(comparison))
         .chain(unresolved(comparison))
     {
-        text.push_str(&format!("\n{line}"));
+        text.push_str(&format!("\n{}", paragraph(&line)));
     }
     format!("{text}\n{}", total(comparison))
 }
@@ -54,21 +80,24 @@ fn total(comparison: &Comparison) -> String {
     say(counts.model - counts.model_beyond, "of models");
     say(counts.stated, "not resolved for a stated reason");
     let parts = parts.join(", ");
-    let verdict = match comparison.outcome {
+    let (style, verdict) = match comparison.outcome {
         Outcome::Finding if counts.differ + counts.model_beyond == 0 => {
-            styled(BAD, &format!("LIMIT EXCEEDED: {parts}"))
+            (BAD, format!("LIMIT EXCEEDED: {parts}"))
         }
-        Outcome::Finding => styled(BAD, &format!("ENGINES DIFFER: {parts}")),
-        Outcome::NotResolved => styled(BAD, &format!("NOT RESOLVED: {parts}")),
-        Outcome::Passed => styled(GOOD, &format!("every statement holds: {parts}")),
-        Outcome::Stated => styled(QUIET, &parts),
-        Outcome::Nothing => styled(QUIET, "nothing judged: no limit and no uncertainty applies"),
+        Outcome::Finding => (BAD, format!("ENGINES DIFFER: {parts}")),
+        Outcome::NotResolved => (BAD, format!("NOT RESOLVED: {parts}")),
+        Outcome::Passed => (GOOD, format!("every statement holds: {parts}")),
+        Outcome::Stated => (QUIET, parts),
+        Outcome::Nothing => {
+            let nothing = "nothing judged: no limit and no uncertainty applies";
+            (QUIET, nothing.to_owned())
+        }
     };
     let quiet = match counts.not_judged {
         0 => String::new(),
-        n => styled(QUIET, &format!(" ({n} not judged, see the report)")),
+        n => format!(" ({n} not judged, see the page)"),
     };
-    format!("{verdict}{quiet}")
+    styled(style, &paragraph(&format!("{verdict}{quiet}")))
 }
 
 /// The window figures are shown for: the steady one, or the whole run.
@@ -84,20 +113,19 @@ fn engines(comparison: &Comparison) -> Vec<Vec<Cell>> {
     let heading = |text: &str| Cell::figure(text).styled(TITLE);
     let mut rows = vec![vec![
         title("engine"),
-        title("track"),
-        heading("driver torque, mean"),
-        heading("ext peak"),
-        heading("int peak"),
-        heading("wall"),
-        title(&window.map_or_else(String::new, |kind| format!("({} window)", kind.word()))),
+        heading("torque N m"),
+        heading("ext N"),
+        heading("int N"),
+        heading("wall s"),
+        title("load"),
     ]];
     for engine in &comparison.engines {
-        let mut row = vec![Cell::text(&engine.name), Cell::text(engine.track.as_str())];
+        let mut row = vec![Cell::text(&engine.name)];
         let figures = engine
             .figures
             .iter()
             .find(|figures| Some(figures.window) == window);
-        let figure = |quantity: &str, unit: &str, peak: bool| {
+        let figure = |quantity: &str, peak: bool| {
             let value = figures
                 .and_then(|figures| figures.quantities.get(quantity))
                 .map(|statistics| {
@@ -109,16 +137,16 @@ fn engines(comparison: &Comparison) -> Vec<Vec<Cell>> {
                 });
             Cell::figure(value.map_or_else(
                 || "-".to_owned(),
-                |value| format!("{value:.*} {unit}", if peak { 1 } else { 4 }),
+                |value| format!("{value:.*}", if peak { 1 } else { 4 }),
             ))
         };
-        row.push(figure(INPUT_TORQUE, "N m", false));
-        row.push(figure("external_sleeve_force_n", "N", true));
-        row.push(figure("internal_sleeve_force_n", "N", true));
+        row.push(figure(INPUT_TORQUE, false));
+        row.push(figure("external_sleeve_force_n", true));
+        row.push(figure("internal_sleeve_force_n", true));
         if engine.cost.recorded.is_some() {
             row.push(Cell::figure("recorded"));
         } else if engine.cost.wall_s > 0.0 {
-            row.push(Cell::figure(format!("{:.2} s", engine.cost.wall_s)));
+            row.push(Cell::figure(format!("{:.2}", engine.cost.wall_s)));
         } else {
             row.push(Cell::figure("-"));
         }
@@ -138,12 +166,57 @@ fn own_verdict<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Cell {
     let mut word = Cell::text("");
     for verdict in verdicts {
         match verdict.outcome() {
-            Outcome::Finding => return Cell::text("load balance exceeded").styled(BAD),
-            Outcome::Passed => word = Cell::text("load balance within").styled(GOOD),
+            Outcome::Finding => return Cell::text("exceeded").styled(BAD),
+            Outcome::Passed => word = Cell::text("within").styled(GOOD),
             Outcome::NotResolved | Outcome::Stated | Outcome::Nothing => {}
         }
     }
     word
+}
+
+/// How far measured data are from each engine, quantity by quantity.
+fn measured(comparison: &Comparison) -> Vec<Vec<Cell>> {
+    let title = |text: &str| Cell::text(text).styled(TITLE);
+    let heading = |text: &str| Cell::figure(text).styled(TITLE);
+    let mut rows = vec![vec![
+        title("measured"),
+        title("quantity"),
+        heading("L2"),
+        heading("mean"),
+        heading("peak"),
+        title("verdict"),
+    ]];
+    let percent = |value: Option<f64>| {
+        Cell::figure(value.map_or_else(|| "-".to_owned(), |v| format!("{:.2} %", 100.0 * v)))
+    };
+    let pairs = comparison
+        .pairs
+        .iter()
+        .filter(|p| p.track == Track::Measured);
+    for pair in pairs {
+        for entry in &pair.entries {
+            let Some(metrics) = &entry.metrics else {
+                continue;
+            };
+            rows.push(vec![
+                Cell::text(format!(
+                    "{} / {}",
+                    statement::short(&pair.a),
+                    statement::short(&pair.b)
+                )),
+                Cell::text(format!(
+                    "{}, {}",
+                    brief(&entry.quantity),
+                    entry.window.word()
+                )),
+                percent(metrics.relative_l2),
+                percent(metrics.mean_difference),
+                percent(metrics.peak_difference),
+                Cell::text(statement::entry(entry, |value| format!("{value:.0e}"))),
+            ]);
+        }
+    }
+    rows
 }
 
 /// One row for each pair: the gravest statement on it, and where it was made.
@@ -151,11 +224,7 @@ fn pairs(comparison: &Comparison) -> Vec<Vec<Cell>> {
     let title = |text: &str| Cell::text(text).styled(TITLE);
     let mut rows = vec![vec![title("pair"), title("at worst"), title("of")]];
     for pair in &comparison.pairs {
-        let judged = pair
-            .entries
-            .iter()
-            .filter(|entry| entry.verdict.outcome() != Outcome::Nothing || states(&entry.verdict));
-        let worst = judged.max_by(|a, b| gravity(a).total_cmp(&gravity(b)));
+        let worst = statement::gravest(pair);
         // What engines and recordings cannot say is told once, below.
         let Some(worst) = worst.filter(|w| w.verdict.outcome() != Outcome::Stated) else {
             continue;
@@ -166,8 +235,12 @@ fn pairs(comparison: &Comparison) -> Vec<Vec<Cell>> {
             Outcome::Stated | Outcome::Nothing => QUIET,
         };
         rows.push(vec![
-            Cell::text(format!("{} / {}", short(&pair.a), short(&pair.b))),
-            Cell::text(statement(worst)).styled(style),
+            Cell::text(format!(
+                "{} / {}",
+                statement::short(&pair.a),
+                statement::short(&pair.b)
+            )),
+            Cell::text(statement::entry(worst, |value| format!("{value:.0e}"))).styled(style),
             Cell::text(format!(
                 "{}, {}",
                 brief(&worst.quantity),
@@ -178,21 +251,6 @@ fn pairs(comparison: &Comparison) -> Vec<Vec<Cell>> {
     rows
 }
 
-/// Room for a pair, its statement and its place on a line.
-fn short(engine: &str) -> String {
-    let mut name = engine.to_owned();
-    for (long, brief) in [
-        ("native-", ""),
-        ("-shared-law", ""),
-        ("own-contact-hook", "hook"),
-        ("own-contact-colliders", "colliders"),
-        ("own-contact", "own"),
-    ] {
-        name = name.replace(long, brief);
-    }
-    name
-}
-
 /// `external_sleeve_force_n` as `external sleeve force`.
 fn brief(quantity: &str) -> String {
     let units = ["_n_m", "_n", "_rad_s", "_rad"];
@@ -201,65 +259,6 @@ fn brief(quantity: &str) -> String {
         .replace("external_sleeve", "ext")
         .replace("internal_sleeve", "int")
         .replace('_', " ")
-}
-
-/// Whether a verdict says something although it judges nothing.
-fn states(verdict: &Verdict) -> bool {
-    matches!(verdict, Verdict::ModelDifference { .. })
-}
-
-/// Orders statements: by outcome, and among equals by their number, which is below 1e3.
-fn gravity(entry: &PairEntry) -> f64 {
-    let number = match &entry.verdict {
-        Verdict::Agree { to } => *to,
-        Verdict::Differ { at_least } => *at_least,
-        Verdict::NotResolved { u, .. } => u.unwrap_or(1.0),
-        Verdict::ModelDifference { low, high, .. } => low.abs().max(high.abs()),
-        Verdict::NotDistinguishable { level } => *level,
-        Verdict::ModelError { high, .. } => *high,
-        Verdict::Within | Verdict::Exceeded => {
-            entry.checks.iter().map(Check::share).fold(0.0, f64::max)
-        }
-        Verdict::NotJudged { .. } => 0.0,
-    };
-    1e3 * f64::from(entry.verdict.outcome() as u8) + number.min(999.0)
-}
-
-fn statement(entry: &PairEntry) -> String {
-    match &entry.verdict {
-        Verdict::Agree { to } => format!("agree to {to:.0e}"),
-        Verdict::Differ { at_least } => format!("DIFFER by at least {at_least:.0e}"),
-        Verdict::NotResolved { u: Some(u), .. } => format!("not resolved, u = {u:.0e}"),
-        Verdict::NotResolved { .. } => "not resolved".to_owned(),
-        Verdict::ModelDifference {
-            low,
-            high,
-            predicted,
-            tolerance,
-            ..
-        } => {
-            let interval = format!("model {low:.1e} to {high:.1e}");
-            match tolerance {
-                Some(t) if *predicted != 0.0 => {
-                    format!("{interval}, predicted {predicted:.1e} +- {t:.0e}")
-                }
-                Some(t) => format!("{interval} (+- {t:.0e})"),
-                None => interval,
-            }
-        }
-        Verdict::NotDistinguishable { level } => format!("no model error above {level:.0e}"),
-        Verdict::ModelError { low, high } => format!("model error {low:.0e} to {high:.0e}"),
-        Verdict::Within | Verdict::Exceeded => {
-            let nearest = entry
-                .checks
-                .iter()
-                .max_by(|a, b| a.share().total_cmp(&b.share()));
-            let share = nearest.map_or(0.0, Check::share);
-            let word = entry.verdict.word();
-            format!("{word}, {:.0} % of its limit", 100.0 * share)
-        }
-        Verdict::NotJudged { .. } => "not judged".to_owned(),
-    }
 }
 
 /// What taking off the leading error term makes of pairs whose orders were confirmed: the sharpest and the bluntest.
@@ -306,8 +305,8 @@ fn budgets(comparison: &Comparison) -> Vec<String> {
             let [numerical, input, data] = shares.map(|share| 100.0 * share);
             told.push(format!(
                 "{} / {}, {}, {}: u_val = {:.1e} [{bar:BAR$}] numerics {numerical:.0} %, inputs {input:.0} %, data {data:.0} %",
-                short(&pair.a),
-                short(&pair.b),
+                statement::short(&pair.a),
+                statement::short(&pair.b),
                 brief(&entry.quantity),
                 entry.window.word(),
                 budget.validation()

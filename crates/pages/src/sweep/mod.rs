@@ -1,12 +1,12 @@
 //! A sweep's page: figures over what was varied, and every run in a table.
 
 use pinwheel_compare::quantities;
-use pinwheel_report::format::{count, seconds, significant};
+use pinwheel_report::format::{count, humane, plain, seconds, significant};
 use pinwheel_report::study::{
-    Axis, Block, Cell, Chart, Column as Heading, Mark, Section, Series, Study, Style, Table, Tile,
+    Block, Cell, Column as Heading, Grid, GridAxis, GridFigure, Mark, Section, Study, Table, Tile,
     Verdict, render,
 };
-use pinwheel_studies::sweep::{Column, Plan, Results, RunRecord};
+use pinwheel_studies::sweep::{Axis, Column, Plan, Results, RunRecord, Value};
 
 use pinwheel_studies::Provenance;
 
@@ -18,12 +18,8 @@ pub use text::{list, text};
 
 /// Rows of the table of runs at most; the CSV has all.
 const MOST_ROWS: usize = 500;
-/// Curves of a chart at most: more cannot be told apart.
-const MOST_SERIES: usize = 8;
-/// Charts at most.
-const MOST_CHARTS: usize = 24;
-/// A numeric axis whose values span more than this factor is logarithmic.
-const LOG_SPAN: f64 = 30.0;
+/// Figures to choose from at most.
+const MOST_FIGURES: usize = 40;
 
 /// The page of a finished sweep; `table`: [its results](pinwheel_studies::sweep::results).
 ///
@@ -67,14 +63,12 @@ pub fn page(
         sweep.description.clone()
     };
     let mut sections = Vec::new();
-    let (charts, note) = charts(plan, table);
-    if !charts.is_empty() {
-        let mut blocks = vec![Block::Text(note)];
-        blocks.push(Block::Charts(charts));
+    let grid = grid(plan, records, table);
+    if !grid.figures.is_empty() && grid.axes.iter().any(|axis| axis.values.len() > 1) {
         sections.push(Section {
             id: "figures".to_owned(),
             title: "Figures".to_owned(),
-            blocks,
+            blocks: vec![Block::Grid(grid)],
         });
     }
     sections.push(Section {
@@ -188,143 +182,127 @@ fn figures<'a>(table: &'a Results) -> Vec<Figure<'a>> {
     list
 }
 
-/// The charts and a sentence on how they are laid out.
-fn charts(plan: &Plan, table: &Results) -> (Vec<Chart>, String) {
-    let keys: Vec<&str> = plan.keys().collect();
-    let at = |place: usize, run: usize| plan.runs[run].values[place].1.number();
-    let distinct = |place: usize| {
-        let mut values: Vec<f64> = (0..plan.runs.len())
-            .filter_map(|run| at(place, run))
-            .collect();
-        values.sort_by(f64::total_cmp);
-        values.dedup();
-        values
-    };
-    // The axis with most values lies along x.
-    let numeric =
-        (0..keys.len()).filter(|&place| (0..plan.runs.len()).all(|run| at(place, run).is_some()));
-    let along = numeric
-        .map(|place| (place, distinct(place)))
-        .filter(|(_, values)| values.len() > 1)
-        .max_by(|a, b| {
-            // Of two with as many values the first.
-            a.1.len().cmp(&b.1.len()).then(b.0.cmp(&a.0))
+/// What was varied, and the engines where there are several, with every figure that is not the same in every run.
+fn grid(plan: &Plan, records: &[RunRecord], table: &Results) -> Grid {
+    let mut axes: Vec<GridAxis> = plan.sweep.axes.iter().map(axis).collect();
+    let engines = &plan.sweep.engines;
+    if engines.len() > 1 {
+        axes.push(GridAxis {
+            label: "engine".to_owned(),
+            values: engines.clone(),
+            numbers: None,
         });
-    let Some((along, places)) = along else {
-        return (Vec::new(), String::new());
-    };
-    let log = places[0] > 0.0 && places[places.len() - 1] / places[0] > LOG_SPAN;
-    // Keys that change in step with x say nothing more.
-    let with_x: Vec<usize> = plan
-        .sweep
-        .axes
-        .iter()
-        .scan(0, |start, axis| {
-            let range = *start..*start + axis.keys.len();
-            *start = range.end;
-            Some(range)
-        })
-        .find(|range| range.contains(&along))
-        .map_or_else(Vec::new, Iterator::collect);
-    let name = |run: usize| {
-        let others = plan.runs[run]
+    }
+    // The engine changes fastest, then the last axis.
+    let runs = (0..plan.runs.len()).map(|run| {
+        let mut rest = run;
+        let mut places: Vec<usize> = axes
+            .iter()
+            .rev()
+            .map(|axis| {
+                let count = axis.values.len().max(1);
+                let place = rest % count;
+                rest /= count;
+                place
+            })
+            .collect();
+        places.reverse();
+        places
+    });
+    let runs = runs.collect();
+    let found = figures(table);
+    let figures = found.iter().take(MOST_FIGURES).map(|figure| {
+        let largest = figure
             .values
             .iter()
-            .enumerate()
-            .filter(|(place, _)| !with_x.contains(place));
-        let mut words: Vec<String> = others
-            .map(|(place, (_, value))| {
-                format!(
-                    "{} {value}",
-                    keys[place].rsplit('.').next().unwrap_or_default()
-                )
-            })
-            .collect();
-        if plan.sweep.engines.len() > 1 {
-            words.push(plan.runs[run].engine.clone());
+            .flatten()
+            .fold(0.0, |a: f64, b| a.max(b.abs()));
+        let (unit, factor) = humane(&figure.unit, largest);
+        let scaled = |value: &Option<f64>| value.map(|v| factor * v);
+        let off = records
+            .iter()
+            .zip(figure.values)
+            .map(|(record, value)| Some(factor * uncertainty(record, figure.column, (*value)?)?));
+        GridFigure {
+            label: named(&figure.label, &unit),
+            values: figure.values.iter().map(scaled).collect(),
+            uncertainty: off.collect(),
         }
-        if words.is_empty() {
-            "all runs".to_owned()
-        } else {
-            words.join(", ")
+    });
+    let figures = figures.collect();
+    Grid {
+        axes,
+        figures,
+        runs,
+    }
+}
+
+/// Name and unit.
+fn named(label: &str, unit: &str) -> String {
+    if unit.is_empty() {
+        label.to_owned()
+    } else {
+        format!("{label} ({unit})")
+    }
+}
+
+/// An axis in the words and units that people use; of keys that change together the first, with the others' names.
+fn axis(axis: &Axis) -> GridAxis {
+    let Some((key, values)) = axis.keys.first() else {
+        return GridAxis::default();
+    };
+    // Units that keys of scenes have and quantities do not.
+    const OWN: [(&str, &str); 2] = [("_n_s_m", "N s/m"), ("_kg_m3", "kg/m\u{b3}")];
+    let name = |key: &str| {
+        let key = key.rsplit('.').next().unwrap_or(key);
+        let own = OWN
+            .iter()
+            .find_map(|(suffix, unit)| Some((key.strip_suffix(suffix)?, *unit)));
+        match own {
+            Some((stem, unit)) => (quantities::label_and_unit(stem).0, unit.to_owned()),
+            None => quantities::label_and_unit(key),
         }
     };
-    let mut series: Vec<(String, Vec<usize>)> = Vec::new();
-    for run in 0..plan.runs.len() {
-        let label = name(run);
-        match series.iter_mut().find(|(known, _)| *known == label) {
-            Some((_, runs)) => runs.push(run),
-            None => series.push((label, vec![run])),
-        }
+    let (mut label, unit) = name(key);
+    for (other, _) in &axis.keys[1..] {
+        label.push_str(&format!(" with {}", name(other).0.to_lowercase()));
     }
-    for (_, runs) in &mut series {
-        runs.sort_by(|&a, &b| {
-            at(along, a)
-                .partial_cmp(&at(along, b))
-                .unwrap_or(std::cmp::Ordering::Equal)
-        });
-    }
-    let shown = series.len().min(MOST_SERIES);
-    // Evenly over all of them, both ends included.
-    let pick = |k: usize| {
-        if shown > 1 {
-            k * (series.len() - 1) / (shown - 1)
-        } else {
-            0
-        }
+    let numbers: Option<Vec<f64>> = values.iter().map(Value::number).collect();
+    let Some(numbers) = numbers else {
+        return GridAxis {
+            label,
+            values: values.iter().map(ToString::to_string).collect(),
+            numbers: None,
+        };
     };
-    let chart = |figure: &Figure<'_>| Chart {
-        title: figure.label.clone(),
-        x: if log {
-            Axis::log(keys[along])
-        } else {
-            Axis::linear(keys[along])
-        },
-        y: Axis::linear(if figure.unit.is_empty() {
-            figure.label.clone()
-        } else {
-            format!("{} ({})", figure.label, figure.unit)
-        }),
-        series: (0..shown)
-            .map(|k| {
-                let (label, runs) = &series[pick(k)];
-                Series {
-                    label: label.clone(),
-                    style: Style::Both,
-                    x: runs
-                        .iter()
-                        .map(|&run| at(along, run).unwrap_or(f64::NAN))
-                        .collect(),
-                    y: runs
-                        .iter()
-                        .map(|&run| figure.values[run].unwrap_or(f64::NAN))
-                        .collect(),
-                    tags: runs.iter().map(|&run| format!("run {}", run + 1)).collect(),
-                    colour: None,
-                }
-            })
-            .collect(),
-        note: String::new(),
-    };
-    let all = figures(table);
-    let list = all.iter().take(MOST_CHARTS).map(chart).collect();
-    let mut note = format!(
-        "Each point is a run, its figures taken of the window that the table names. Along the axis: {}.",
-        keys[along]
-    );
-    if shown < series.len() {
-        note.push_str(&format!(
-            " {shown} of {} combinations of the other keys are drawn; the table has all.",
-            series.len()
-        ));
+    let largest = numbers.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let (unit, factor) = humane(&unit, largest);
+    let numbers: Vec<f64> = numbers.iter().map(|v| factor * v).collect();
+    GridAxis {
+        label: named(&label, &unit),
+        values: numbers.iter().map(|v| plain(*v)).collect(),
+        numbers: Some(numbers),
     }
-    if all.len() > MOST_CHARTS {
-        note.push_str(&format!(
-            " {MOST_CHARTS} of {} figures that change are drawn.",
-            all.len()
-        ));
-    }
-    (list, note)
+}
+
+/// How far a figure may be off: the engine's own statement, and of means what the window's place does to them.
+fn uncertainty(record: &RunRecord, column: &str, value: f64) -> Option<f64> {
+    let torque = column.contains("torque") || column == "efficiency";
+    let [forces, driver] = record.uncertainty.unwrap_or([f64::NAN; 2]);
+    let share = if torque { driver } else { forces };
+    let numerical = value.abs() * share;
+    let spread = column
+        .strip_prefix("mean_")
+        .and_then(|quantity| record.figures.get(quantity));
+    let drift = spread.map_or(f64::NAN, |spread| spread.drift);
+    // What is not known adds nothing; if neither is, nothing is said.
+    let parts = [numerical, drift]
+        .into_iter()
+        .filter(|part| part.is_finite());
+    parts
+        .map(|part| part * part)
+        .reduce(|a, b| a + b)
+        .map(f64::sqrt)
 }
 
 /// The table of runs.

@@ -19,9 +19,11 @@
 //! ```
 
 mod chart;
+mod grid;
 mod page;
 
 pub use chart::{Axis, Chart, Series, Style};
+pub use grid::{Grid, GridAxis, GridFigure};
 
 use crate::ReportError;
 
@@ -98,6 +100,8 @@ pub enum Block {
     Table(Table),
     /// Charts, side by side where there is room.
     Charts(Vec<Chart>),
+    /// Figures over parameters, with a choice of axes.
+    Grid(Grid),
     /// Blocks behind a line that opens them.
     Details {
         /// The line.

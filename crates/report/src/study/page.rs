@@ -3,7 +3,7 @@
 use askama::Template;
 
 use super::chart::ChartJson;
-use super::{Block, Cell, Chart, Mark, Study, Table, Tile};
+use super::{Block, Cell, Chart, Grid, Mark, Study, Table, Tile};
 use crate::ReportError;
 use crate::assets::{ASSETS, Assets};
 use crate::chart_data::json_for_script;
@@ -17,8 +17,11 @@ struct Page<'a> {
     tiles: &'a [Tile],
     sections: Vec<SectionHtml<'a>>,
     chart_json: Option<String>,
+    /// Whether a block lets the reader choose axes.
+    grids: bool,
     assets: Assets,
     page_js: &'static str,
+    grid_js: &'static str,
 }
 
 struct Banner<'a> {
@@ -92,10 +95,20 @@ pub(super) fn render(study: &Study) -> Result<String, ReportError> {
         } else {
             Some(json_for_script(&json)?)
         },
+        grids: sections_hold_grids(study),
         assets: ASSETS,
         page_js: include_str!("../../assets/study.js"),
+        grid_js: include_str!("../../assets/grid.js"),
     };
     Ok(page.render()?)
+}
+
+/// Grids stand in sections themselves, not in what is folded.
+fn sections_hold_grids(study: &Study) -> bool {
+    let blocks = study.sections.iter().flat_map(|section| &section.blocks);
+    blocks
+        .into_iter()
+        .any(|block| matches!(block, Block::Grid(Grid { .. })))
 }
 
 /// The blocks' markup; charts are collected for the page's script.
@@ -149,9 +162,16 @@ fn one<'a>(block: &'a Block, charts: &mut Vec<&'a Chart>) -> Result<String, Repo
             blocks(inner, charts)?
         ),
         Block::Code(text) => {
-            format!("<pre class=\"code\"><code>{}</code></pre>", escape(text))
+            format!(
+                "<pre class=\"code\" tabindex=\"0\"><code>{}</code></pre>",
+                escape(text)
+            )
         }
         Block::Html(markup) => markup.clone(),
+        Block::Grid(grid) => format!(
+            "<div class=\"grid\"><noscript><p class=\"notice\">Charts and maps need a script; the table of runs has all figures.</p></noscript><script type=\"application/json\">{}</script></div>",
+            json_for_script(grid)?
+        ),
     })
 }
 

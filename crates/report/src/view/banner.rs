@@ -1,10 +1,10 @@
 //! The top of the page: the verdict in one sentence, and the figures people come for.
 
 use pinwheel_compare::comparison::EngineSummary;
-use pinwheel_compare::{Comparison, Quantity, Track, WindowKind, quantities};
+use pinwheel_compare::{Comparison, Outcome, Quantity, Track, WindowKind, quantities};
 
-use super::{checks, window_label};
-use crate::format;
+use super::{Mark, mark, pairs, quantity_label, window_label};
+use crate::{format, statement};
 
 /// The verdict.
 pub(super) struct Banner {
@@ -15,8 +15,6 @@ pub(super) struct Banner {
     /// How many statements of each kind there are.
     pub(super) counts: Vec<(usize, &'static str)>,
     pub(super) finished: usize,
-    /// The check that uses most of its limit, in words.
-    pub(super) closest: Option<String>,
     /// Engine and reason of each run that did not finish.
     pub(super) unfinished: Vec<(String, String)>,
 }
@@ -25,11 +23,83 @@ pub(super) struct Banner {
 pub(super) struct Tile {
     pub(super) label: String,
     pub(super) value: String,
+    /// `± 3·10⁻⁷`, or empty.
+    pub(super) uncertainty: String,
     pub(super) unit: String,
     /// The second line, e.g. smallest and largest value.
     pub(super) detail: String,
     /// Whose figure it is and how far the engines are apart.
     pub(super) spread: String,
+}
+
+/// What differs most on a track.
+pub(super) struct Difference {
+    pub(super) track: &'static str,
+    pub(super) mark: Mark,
+    pub(super) figure: String,
+    pub(super) of: String,
+    pub(super) said: String,
+    pub(super) who: String,
+    /// The pair's details.
+    pub(super) target: String,
+}
+
+/// Of each track the pair and quantity that differ most, gravest first.
+pub(super) fn differences(comparison: &Comparison) -> Vec<Difference> {
+    let mut found = Vec::new();
+    for (track, title) in [
+        (Track::Measured, "Measured data"),
+        (Track::OwnContact, "Own contact"),
+        (Track::SharedLaw, "Shared law"),
+        (Track::Native, "Native"),
+    ] {
+        let of_track = comparison.pairs.iter().enumerate();
+        let of_track = of_track.filter(|(_, pair)| pair.track == track);
+        let entries = of_track.flat_map(|(k, pair)| pair.entries.iter().map(move |e| (k, pair, e)));
+        let size = |(k, pair, entry)| {
+            let figure = statement::figure(entry)?;
+            let size = figure.value.map_or(f64::INFINITY, f64::abs);
+            Some((entry.verdict.outcome(), size, (k, pair, entry, figure)))
+        };
+        // What is not resolved for a stated reason says less than what is.
+        let rank = |outcome: Outcome| {
+            if outcome == Outcome::Stated {
+                0
+            } else {
+                1 + outcome as u8
+            }
+        };
+        let most = entries.filter_map(size).max_by(|a, b| {
+            let graver = rank(a.0).cmp(&rank(b.0));
+            graver.then(a.1.total_cmp(&b.1))
+        });
+        if let Some((outcome, _, (k, pair, entry, figure))) = most {
+            let quantity = quantity_label(comparison, &entry.quantity).to_lowercase();
+            let difference = Difference {
+                track: title,
+                mark: mark(&entry.verdict),
+                figure: format::relative_or_none(figure.value.map(f64::abs)),
+                of: format!(
+                    "{} of the {quantity}, {}",
+                    statement::metric(figure.metric),
+                    entry.window.word()
+                ),
+                said: statement::entry(entry, format::relative),
+                who: format!(
+                    "{} \u{2194} {}",
+                    statement::short(&pair.a),
+                    statement::short(&pair.b)
+                ),
+                target: pairs::pair_id(k),
+            };
+            found.push((outcome == Outcome::Finding, difference));
+        }
+    }
+    found.sort_by_key(|(finding, _)| !finding);
+    found
+        .into_iter()
+        .map(|(_, difference)| difference)
+        .collect()
 }
 
 pub(super) fn banner(comparison: &Comparison) -> Banner {
@@ -108,7 +178,6 @@ pub(super) fn banner(comparison: &Comparison) -> Banner {
         .into_iter()
         .filter(|(count, _)| *count > 0)
         .collect(),
-        closest: checks::closest(comparison),
         finished: comparison
             .engines
             .iter()
@@ -168,15 +237,14 @@ pub(super) fn tiles(comparison: &Comparison) -> Vec<Tile> {
         tiles.push(Tile {
             label: "Efficiency".to_owned(),
             value: format::significant(100.0 * value, 5),
+            uncertainty: String::new(),
             unit: "%".to_owned(),
-            detail: match median(&accounted) {
-                Some(own) => format!(
-                    "{}; {}\u{202f}% with the energy taken out that the contact law creates",
-                    window_label(comparison, window),
+            detail: median(&accounted).map_or_else(String::new, |own| {
+                format!(
+                    "{}\u{202f}% without the energy that the contact law creates",
                     format::significant(100.0 * own, 5)
-                ),
-                None => window_label(comparison, window),
-            },
+                )
+            }),
             spread: spread(&efficiencies),
         });
     }
@@ -224,16 +292,37 @@ fn quantity_tile(
             }
         })
         .collect();
-    let known = median(&of_all).map_or_else(String::new, |u| {
-        format!(" \u{b1} {}", format::significant(u, 1))
-    });
+    let scales = comparison.context.scales;
+    let scale = if quantity.is_torque() {
+        scales.torque_n_m
+    } else {
+        scales.force_n
+    };
+    let (value, uncertainty) =
+        format::bounded(median(&main)?, median(&of_all), scale.unwrap_or(0.0));
+    let nothing = value == "0";
     Some(Tile {
         label: format!("{}, {kind}", quantity.label),
-        value: format!("{}{known}", format::figure(median(&main)?)),
+        value,
+        uncertainty,
         unit: quantity.unit.clone(),
-        detail: format!("{detail}{load}"),
-        spread: spread(&main),
+        detail: if nothing {
+            String::new()
+        } else {
+            format!("{detail}{load}")
+        },
+        spread: if nothing {
+            format!("{} engines, all of them rounding", main.len())
+        } else {
+            spread(&main)
+        },
     })
+}
+
+/// The window that the tiles are of.
+pub(super) fn tiles_label(comparison: &Comparison) -> String {
+    let first = comparison.windows.first();
+    first.map_or_else(String::new, |w| window_label(comparison, w.kind))
 }
 
 /// Difference of two efficiencies that a reader sees.

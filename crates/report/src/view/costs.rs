@@ -34,16 +34,16 @@ pub(super) struct CostRow {
     pub(super) notes: Vec<String>,
 }
 
-pub(super) fn table(comparison: &Comparison) -> Costs {
+pub(super) fn table(comparison: &Comparison, styles: &[usize]) -> Costs {
     let any = |of: fn(&Cost) -> bool| comparison.engines.iter().any(|e| of(&e.cost));
     Costs {
         rejected: any(|cost| cost.rejected_steps > 0),
         drift: any(|cost| cost.joint_drift_m.is_some()),
-        rows: rows(comparison),
+        rows: rows(comparison, styles),
     }
 }
 
-fn rows(comparison: &Comparison) -> Vec<CostRow> {
+fn rows(comparison: &Comparison, styles: &[usize]) -> Vec<CostRow> {
     // A recording's time was another machine's.
     let longest = comparison
         .engines
@@ -54,8 +54,8 @@ fn rows(comparison: &Comparison) -> Vec<CostRow> {
     comparison
         .engines
         .iter()
-        .enumerate()
-        .map(|(style, engine)| {
+        .zip(styles)
+        .map(|(engine, &style)| {
             let cost = &engine.cost;
             // Measured data cost this machine nothing.
             let measured = engine.track == Track::Measured;

@@ -2,6 +2,8 @@
 
 use pinwheel_compare::Comparison;
 
+use crate::format;
+
 /// One engine and window.
 pub(super) struct EnergyRow {
     pub(super) engine: String,
@@ -11,10 +13,10 @@ pub(super) struct EnergyRow {
     pub(super) values: Vec<String>,
 }
 
-pub(super) fn rows(comparison: &Comparison) -> Vec<EnergyRow> {
-    let engines = comparison.engines.iter().enumerate();
+pub(super) fn rows(comparison: &Comparison, styles: &[usize]) -> Vec<EnergyRow> {
+    let engines = comparison.engines.iter().zip(styles);
     engines
-        .flat_map(|(style, engine)| {
+        .flat_map(|(engine, &style)| {
             engine.cost.energy.iter().map(move |e| {
                 let joules = [
                     e.driver_j,
@@ -35,7 +37,11 @@ pub(super) fn rows(comparison: &Comparison) -> Vec<EnergyRow> {
                 EnergyRow {
                     engine: engine.name.clone(),
                     style,
-                    window: format!("{}\u{2013}{} s", e.from_s, e.to_s),
+                    window: format!(
+                        "{}\u{2013}{} s",
+                        format::plain(e.from_s),
+                        format::plain(e.to_s)
+                    ),
                     values,
                 }
             })

@@ -46,7 +46,7 @@ fn columns(quantity: &Quantity) -> &'static [Column] {
     }
 }
 
-pub(super) fn tables(comparison: &Comparison, track: Track) -> Vec<FigureTable> {
+pub(super) fn tables(comparison: &Comparison, track: Track, styles: &[usize]) -> Vec<FigureTable> {
     let loads: Vec<&Quantity> = comparison
         .quantities
         .iter()
@@ -59,9 +59,9 @@ pub(super) fn tables(comparison: &Comparison, track: Track) -> Vec<FigureTable> 
             let rows: Vec<FigureRow> = comparison
                 .engines
                 .iter()
-                .enumerate()
-                .filter(|(_, e)| e.track == track || e.track == Track::Native)
-                .filter_map(|(style, engine)| row(engine, style, window.kind, &loads))
+                .zip(styles)
+                .filter(|(e, _)| e.track == track || e.track == Track::Native)
+                .filter_map(|(engine, &style)| row(engine, style, window.kind, &loads))
                 .collect();
             FigureTable {
                 window: window_label(comparison, window.kind),

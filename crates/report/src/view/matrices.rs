@@ -5,7 +5,7 @@ use pinwheel_compare::{Comparison, Track, WindowKind};
 
 use super::pairs::pair_id;
 use super::{Mark, mark, quantity_label, window_label};
-use crate::format;
+use crate::{format, statement};
 
 /// Decades of the colour scale: from rounding to unrelated.
 const DECADES: f64 = 12.0;
@@ -28,7 +28,7 @@ pub(super) struct MatrixRow {
 /// One pair.
 pub(super) struct CellView {
     pub(super) text: String,
-    /// The uncertainty of that number, `± 3·10⁻⁷`; empty where it is not known.
+    /// The uncertainty of that number, `± 3·10⁻⁷`, or else how it was measured.
     pub(super) u: String,
     /// 0 to 1 on the colour scale, for the style sheet.
     pub(super) heat: String,
@@ -71,32 +71,31 @@ fn view(comparison: &Comparison, matrix: &Matrix) -> MatrixView {
 
 fn cell_view(comparison: &Comparison, matrix: &Matrix, cell: &Cell) -> CellView {
     let mark = mark(&cell.verdict);
-    let text = format::relative_or_none(cell.worst);
-    let worst = cell
-        .worst_quantity
-        .as_deref()
-        .map_or_else(String::new, |name| {
-            format!(
-                ", largest in {}",
-                quantity_label(comparison, name).to_lowercase()
-            )
-        });
+    let text = format::relative_or_none(cell.worst.map(f64::abs));
+    let mut of = cell.worst_metric.map_or("", statement::metric).to_owned();
+    if let Some(name) = &cell.worst_quantity {
+        let label = quantity_label(comparison, name).to_lowercase();
+        of = format!("{of} of the {label}");
+    }
     let window = match matrix.window {
         WindowKind::Whole => "whole run",
         kind => kind.word(),
     };
     CellView {
         spoken: format!(
-            "{} and {}, {window}: {text} apart{worst}; {}",
+            "{} and {}, {window}, {}, {of}",
             matrix.engines[cell.column], matrix.engines[cell.row], mark.word
         ),
         text,
-        u: cell.worst_uncertainty.map_or_else(String::new, |u| {
-            format!("\u{b1}\u{202f}{}", format::relative(u))
-        }),
-        heat: format!("{:.3}", cell.worst.map_or(0.0, heat)),
+        // A recording's and a limit's figure have none.
+        u: match (cell.worst_uncertainty, cell.worst_metric) {
+            (Some(u), _) => format!("\u{b1}\u{202f}{}", format::relative(u)),
+            (None, Some(metric)) => statement::metric(metric).to_owned(),
+            (None, None) => String::new(),
+        },
+        heat: format!("{:.2}", cell.worst.map_or(0.0, heat)),
         mark,
-        target: pair_id(matrix.track, cell.pair),
+        target: pair_id(cell.pair),
     }
 }
 

@@ -2,13 +2,11 @@
 //! things. Nothing here is escaped: the templates do that.
 
 mod banner;
-mod checks;
 mod costs;
 mod energy;
 mod figures;
 mod matrices;
 mod pairs;
-mod statements;
 mod tracks;
 
 use askama::Template;
@@ -16,8 +14,8 @@ use pinwheel_compare::{Comparison, Outcome, Track, Verdict, WindowKind};
 
 use crate::assets::{ASSETS, Assets};
 use crate::chart_data::{ChartData, json_for_script};
-use crate::{Fact, ReportError, ReportInput, animation};
-use banner::{Banner, Tile};
+use crate::{Fact, ReportError, ReportInput, animation, colours, format};
+use banner::{Banner, Difference, Tile};
 use costs::Costs;
 use tracks::TrackSection;
 
@@ -29,6 +27,9 @@ pub(crate) struct Page<'a> {
     description: &'a str,
     banner: Banner,
     tiles: Vec<Tile>,
+    /// The window of the tiles.
+    tiles_label: String,
+    differences: Vec<Difference>,
     remarks: Vec<String>,
     /// Markup of the moving gearbox, or nothing.
     animation: Option<String>,
@@ -57,7 +58,7 @@ struct EngineCard {
     track: Track,
     summary: String,
     differences: String,
-    /// Place in the list, which is its colour and dash.
+    /// Colour and dash.
     style: usize,
     /// Why it was not judged, if it was not.
     trouble: Option<String>,
@@ -73,12 +74,16 @@ impl<'a> Page<'a> {
                 return Err(ReportError::UnknownEngine(engine.name.clone()));
             }
         }
-        let charts = ChartData::of(input.participants, &comparison.windows);
+        let names: Vec<&str> = comparison.engines.iter().map(|e| e.name.as_str()).collect();
+        let styles = colours::styles(&names);
+        let charts = ChartData::of(comparison, input.participants);
         Ok(Self {
             scene: &comparison.context.scene,
             description: &comparison.context.description,
             banner: banner::banner(comparison),
             tiles: banner::tiles(comparison),
+            tiles_label: banner::tiles_label(comparison),
+            differences: banner::differences(comparison),
             remarks: comparison
                 .absent_windows
                 .iter()
@@ -93,10 +98,10 @@ impl<'a> Page<'a> {
                 .transpose()?,
             chart_notes: charts.as_ref().map(|c| c.notes.clone()).unwrap_or_default(),
             chart_json: charts.as_ref().map(json_for_script).transpose()?,
-            tracks: tracks::sections(comparison),
-            engines: engine_cards(comparison),
-            energy: energy::rows(comparison),
-            costs: costs::table(comparison),
+            tracks: tracks::sections(comparison, &styles),
+            engines: engine_cards(comparison, &styles),
+            energy: energy::rows(comparison, &styles),
+            costs: costs::table(comparison, &styles),
             modelled: &input.modelled,
             left_out: &input.left_out,
             assumptions: &input.assumptions,
@@ -111,12 +116,12 @@ impl<'a> Page<'a> {
     }
 }
 
-fn engine_cards(comparison: &Comparison) -> Vec<EngineCard> {
+fn engine_cards(comparison: &Comparison, styles: &[usize]) -> Vec<EngineCard> {
     comparison
         .engines
         .iter()
-        .enumerate()
-        .map(|(style, engine)| EngineCard {
+        .zip(styles)
+        .map(|(engine, &style)| EngineCard {
             name: engine.name.clone(),
             version: engine.version.clone(),
             track: engine.track,
@@ -138,11 +143,10 @@ fn window_label(comparison: &Comparison, kind: WindowKind) -> String {
     };
     match comparison.windows.iter().find(|w| w.kind == kind) {
         Some(window) => {
-            let tidy = |t: f64| (t * 1e9).round() / 1e9;
             format!(
                 "{word}, {}\u{2013}{}\u{202f}s",
-                tidy(window.from_s),
-                tidy(window.to_s)
+                format::plain(window.from_s),
+                format::plain(window.to_s)
             )
         }
         None => word.to_owned(),
@@ -164,6 +168,15 @@ struct Mark {
     class: &'static str,
     sign: &'static str,
     word: &'static str,
+}
+
+impl Mark {
+    /// Of what nothing is said.
+    const NOTHING: Self = Self {
+        class: "unjudged",
+        sign: "\u{25cb}",
+        word: "not judged",
+    };
 }
 
 fn mark(verdict: &Verdict) -> Mark {

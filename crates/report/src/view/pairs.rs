@@ -1,29 +1,52 @@
-//! Every metric of every pair, for those who want to look deeper.
+//! One line for each pair, and behind it everything that was judged and measured of it.
 
-use pinwheel_compare::comparison::PairEntry;
+use pinwheel_compare::comparison::{EngineEntry, Judgement, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
-use pinwheel_compare::{Comparison, Quantity, Track, Verdict};
+use pinwheel_compare::{Check, Comparison, Outcome, Quantity, Track, Verdict};
 
-use super::{Mark, mark};
-use crate::format::{self, relative_or_none, significant};
+use super::{Mark, mark, quantity_label};
+use crate::format::{self, NONE, relative, relative_or_none, significant};
+use crate::statement;
 
-/// One pair with all its quantities and windows.
+/// One pair, or one engine against the load.
 pub(super) struct PairView {
     pub(super) id: String,
-    pub(super) a: String,
-    pub(super) b: String,
-    pub(super) rows: Vec<PairRow>,
+    pub(super) name: String,
+    pub(super) mark: Mark,
+    /// What its verdicts amount to.
+    pub(super) said: String,
+    /// Of which quantity and window.
+    pub(super) of: String,
+    /// Shown unfolded: it did not pass.
+    pub(super) open: bool,
+    pub(super) judged: Vec<JudgedRow>,
+    /// Quantities and windows without a verdict, by reason.
+    pub(super) unjudged: Vec<(String, String)>,
+    pub(super) metrics: Vec<MetricRow>,
+    order: f64,
+}
+
+/// One number that was judged.
+pub(super) struct JudgedRow {
+    pub(super) mark: Mark,
+    pub(super) quantity: String,
+    pub(super) window: &'static str,
+    pub(super) metric: &'static str,
+    pub(super) value: (String, String),
+    /// What it was held against.
+    pub(super) against: String,
+    /// Value over that, in per cent for the bar.
+    pub(super) bar: Option<String>,
+    pub(super) words: String,
+    order: (Outcome, f64),
 }
 
 /// One quantity in one window.
-pub(super) struct PairRow {
+pub(super) struct MetricRow {
     pub(super) window: &'static str,
     pub(super) quantity: String,
-    pub(super) mark: Mark,
     /// In the order of [`COLUMNS`].
     pub(super) cells: Vec<String>,
-    /// Why there are no metrics or no verdict.
-    pub(super) reason: String,
 }
 
 /// Names of the metrics and what they mean.
@@ -52,62 +75,219 @@ pub(super) const COLUMNS: [(&str, &str); 13] = [
     ),
 ];
 
-/// The anchor of a pair's details; a native pair may stand in several tracks.
-pub(super) fn pair_id(track: Track, pair: usize) -> String {
-    format!("pair-{track}-{pair}")
+/// The anchor of a pair's details.
+pub(super) fn pair_id(pair: usize) -> String {
+    format!("pair-{pair}")
 }
 
-/// The pairs that stand in a track's matrices or belong to the track.
+/// The track's pairs and what was judged of its engines alone; those that did not pass first.
 pub(super) fn of_track(comparison: &Comparison, track: Track) -> Vec<PairView> {
-    let in_matrix = |k: usize| {
-        comparison
-            .matrices
-            .iter()
-            .filter(|matrix| matrix.track == track)
-            .any(|matrix| matrix.cells.iter().any(|cell| cell.pair == k))
-    };
-    comparison
-        .pairs
-        .iter()
-        .enumerate()
-        .filter(|(k, pair)| pair.track == track || in_matrix(*k))
-        .map(|(k, pair)| PairView {
-            id: pair_id(track, k),
-            a: pair.a.clone(),
-            b: pair.b.clone(),
-            rows: pair
-                .entries
-                .iter()
-                .map(|entry| row(comparison, entry))
-                .collect(),
+    let pairs = comparison.pairs.iter().enumerate();
+    let mut found: Vec<PairView> = pairs
+        .filter(|(_, pair)| pair.track == track)
+        .map(|(k, pair)| {
+            let gravest = statement::gravest(pair);
+            let (mark, said, of) = match gravest {
+                Some(worst) => (
+                    mark(&worst.verdict),
+                    statement::entry(worst, relative),
+                    place(comparison, &worst.quantity, worst.window.word()),
+                ),
+                None => (Mark::NOTHING, "not judged".to_owned(), String::new()),
+            };
+            let entries = || pair.entries.iter();
+            let judged = entries().flat_map(|e| judged(comparison, e)).collect();
+            let unjudged = entries().map(|e| (e.quantity.as_str(), e.window.word(), &e.verdict));
+            PairView {
+                id: pair_id(k),
+                name: format!("{} \u{2194} {}", pair.a, pair.b),
+                open: gravest.is_some_and(|e| e.verdict.outcome() >= Outcome::NotResolved),
+                mark,
+                said,
+                of,
+                judged: sorted(judged),
+                unjudged: not_judged(comparison, unjudged),
+                metrics: entries().map(|e| metric_row(comparison, e)).collect(),
+                order: gravest.map_or(-1.0, statement::gravity),
+            }
         })
-        .collect()
+        .collect();
+    let engines = comparison.engines.iter().filter(|e| e.track == track);
+    found.extend(engines.filter_map(|engine| alone(comparison, &engine.name, &engine.judged)));
+    found.sort_by(|a, b| b.order.total_cmp(&a.order));
+    found
 }
 
-fn row(comparison: &Comparison, entry: &PairEntry) -> PairRow {
+/// What was judged of an engine without another one.
+fn alone(comparison: &Comparison, name: &str, entries: &[EngineEntry]) -> Option<PairView> {
+    let rows = entries.iter().flat_map(|entry| {
+        let of = (entry.quantity.as_str(), entry.window.word());
+        entry.checks.iter().map(move |c| check(comparison, of, c))
+    });
+    let judged = sorted(rows.collect());
+    let worst = judged.first()?;
+    let exceeded = worst.order.0 == Outcome::Finding;
+    Some(PairView {
+        id: format!("alone-{name}"),
+        name: format!("{name} \u{2194} load"),
+        mark: worst.mark.clone(),
+        said: format!("{}, {}", worst.mark.word, worst.words),
+        of: place(comparison, &entries.first()?.quantity, worst.window),
+        open: exceeded,
+        unjudged: Vec::new(),
+        metrics: Vec::new(),
+        order: if exceeded { 4e3 } else { 1.0 },
+        judged,
+    })
+}
+
+/// The gravest first, then those nearest to what they were held against.
+fn sorted(mut rows: Vec<JudgedRow>) -> Vec<JudgedRow> {
+    rows.sort_by(|a, b| {
+        let outcomes = b.order.0.cmp(&a.order.0);
+        outcomes.then(b.order.1.total_cmp(&a.order.1))
+    });
+    rows
+}
+
+fn place(comparison: &Comparison, quantity: &str, window: &str) -> String {
+    let label = quantity_label(comparison, quantity).to_lowercase();
+    format!("{label}, {window}")
+}
+
+fn judged(comparison: &Comparison, entry: &PairEntry) -> Vec<JudgedRow> {
+    let of = (entry.quantity.as_str(), entry.window.word());
+    let statements = entry.judgements.iter().filter(|j| j.counts);
+    let statements = statements.map(|j| judgement(comparison, of, j));
+    let checks = entry.checks.iter().map(|c| check(comparison, of, c));
+    statements.chain(checks).collect()
+}
+
+fn key(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |v| v.to_string())
+}
+
+fn judgement(comparison: &Comparison, of: (&str, &'static str), j: &Judgement) -> JudgedRow {
+    let u = |u: Option<f64>| relative_or_none(u);
+    let mut words = statement::verdict(&j.verdict, relative);
+    if let Verdict::NotResolved {
+        participant,
+        reason,
+        remedy,
+        stated,
+        ..
+    } = &j.verdict
+    {
+        words = format!("{participant}: {reason}");
+        if !stated {
+            words.push_str(&format!("; {remedy}"));
+        }
+    }
+    let combined = j.combined();
+    let against = match (&j.budget, combined) {
+        (Some(budget), _) => format!(
+            "u of numerics {}, inputs {}, data {}",
+            relative(budget.numerical),
+            relative(budget.input),
+            relative(budget.data)
+        ),
+        (None, Some(sum)) => format!("U = {} + {} = {}", u(j.u_a), u(j.u_b), relative(sum)),
+        (None, None) => format!("U = {} + {}", u(j.u_a), u(j.u_b)),
+    };
+    JudgedRow {
+        mark: mark(&j.verdict),
+        quantity: quantity_label(comparison, of.0).to_owned(),
+        window: of.1,
+        metric: statement::metric(j.metric),
+        value: (relative_or_none(j.distance), key(j.distance)),
+        against,
+        bar: None,
+        words,
+        order: (j.verdict.outcome(), combined.unwrap_or(f64::INFINITY)),
+    }
+}
+
+fn check(comparison: &Comparison, of: (&str, &'static str), check: &Check) -> JudgedRow {
+    let share = check.share();
+    JudgedRow {
+        mark: mark(&check.verdict()),
+        quantity: quantity_label(comparison, of.0).to_owned(),
+        window: of.1,
+        metric: statement::metric(check.metric),
+        value: (
+            check
+                .value
+                .map_or_else(|| "not finite".to_owned(), relative),
+            key(check.value),
+        ),
+        against: format!("limit {}", format::limit(check.limit)),
+        bar: Some(format!("{:.1}", (100.0 * share).clamp(0.0, 100.0))),
+        words: format!("{} of its limit", share_label(share)),
+        order: (check.verdict().outcome(), share),
+    }
+}
+
+/// How much of a limit is used, without more digits than anyone reads.
+fn share_label(share: f64) -> String {
+    match share {
+        s if !s.is_finite() => "not finite".to_owned(),
+        s if s < 0.01 => "<\u{202f}1\u{202f}%".to_owned(),
+        s if s < 10.0 => format!("{:.0}\u{202f}%", 100.0 * s),
+        s => format!("{}\u{202f}\u{d7}", significant(s, 2)),
+    }
+}
+
+/// Why the limits of a track are what they are, each reason once.
+pub(super) fn reasons(comparison: &Comparison, track: Track) -> Vec<String> {
+    let pairs = comparison.pairs.iter().filter(|p| p.track == track);
+    let of_pairs = pairs.flat_map(|p| &p.entries).flat_map(|e| &e.checks);
+    let engines = comparison.engines.iter().filter(|e| e.track == track);
+    let alone = engines.flat_map(|e| &e.judged).flat_map(|e| &e.checks);
+    let mut found: Vec<String> = Vec::new();
+    for check in of_pairs.chain(alone) {
+        if !found.contains(&check.reason) {
+            found.push(check.reason.clone());
+        }
+    }
+    found
+}
+
+/// Comparisons without a verdict, joined where the reason is one and the same.
+fn not_judged<'a>(
+    comparison: &Comparison,
+    entries: impl Iterator<Item = (&'a str, &'a str, &'a Verdict)>,
+) -> Vec<(String, String)> {
+    let mut found: Vec<(String, String)> = Vec::new();
+    for (quantity, window, verdict) in entries {
+        let Verdict::NotJudged { reason } = verdict else {
+            continue;
+        };
+        let what = place(comparison, quantity, window);
+        match found.iter_mut().find(|(_, known)| known == reason) {
+            Some((list, _)) => list.push_str(&format!("; {what}")),
+            None => found.push((what, reason.clone())),
+        }
+    }
+    found
+}
+
+fn metric_row(comparison: &Comparison, entry: &PairEntry) -> MetricRow {
     let quantity = comparison
         .quantities
         .iter()
         .find(|q| q.name == entry.quantity);
-    let reason = match &entry.verdict {
-        Verdict::NotJudged { reason } => reason.clone(),
-        _ => String::new(),
-    };
-    PairRow {
+    MetricRow {
         window: entry.window.word(),
         quantity: quantity.map_or_else(|| entry.quantity.clone(), |q| q.label.clone()),
-        mark: mark(&entry.verdict),
         cells: match &entry.metrics {
             Some(metrics) => cells(metrics, quantity),
-            None => vec![format::NONE.to_owned(); COLUMNS.len()],
+            None => vec![NONE.to_owned(); COLUMNS.len()],
         },
-        reason,
     }
 }
 
 fn cells(metrics: &PairMetrics, quantity: Option<&Quantity>) -> Vec<String> {
-    let ratio =
-        |value: Option<f64>| value.map_or_else(|| format::NONE.to_owned(), |v| significant(v, 6));
+    let ratio = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), |v| significant(v, 6));
     let errors = metrics.sprague_geers;
     vec![
         relative_or_none(metrics.relative_l2),
@@ -129,16 +309,16 @@ fn cells(metrics: &PairMetrics, quantity: Option<&Quantity>) -> Vec<String> {
 /// The largest difference with its unit, channel and time.
 fn largest(metrics: &PairMetrics, quantity: Option<&Quantity>) -> String {
     let Some((value, worst)) = metrics.difference_max.zip(metrics.worst.as_ref()) else {
-        return format::NONE.to_owned();
+        return NONE.to_owned();
     };
     let unit = quantity.map_or("", |q| q.unit.as_str());
     let channel = match quantity {
         Some(q) if q.channels.len() > 1 => format!(", no. {}", worst.channel),
         _ => String::new(),
     };
-    let time = (worst.time_s * 1e9).round() / 1e9;
     format!(
-        "{}\u{202f}{unit} at {time}\u{202f}s{channel}",
-        significant(value, 2)
+        "{}\u{202f}{unit} at {}\u{202f}s{channel}",
+        significant(value, 2),
+        format::plain(worst.time_s)
     )
 }

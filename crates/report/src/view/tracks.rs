@@ -2,11 +2,9 @@
 
 use pinwheel_compare::{Comparison, Track};
 
-use super::checks::{self, Checks};
 use super::figures::{self, FigureTable};
 use super::matrices::{self, MatrixView};
 use super::pairs::{self, PairView};
-use super::statements::{self, Statement};
 
 /// A track's part of the page.
 pub(super) struct TrackSection {
@@ -16,16 +14,14 @@ pub(super) struct TrackSection {
     pub(super) about: &'static str,
     pub(super) figures: Vec<FigureTable>,
     pub(super) matrices: Vec<MatrixView>,
-    pub(super) statements: Vec<Statement>,
-    pub(super) checks: Checks,
     pub(super) pairs: Vec<PairView>,
-    pub(super) within: usize,
-    pub(super) exceeded: usize,
+    /// Why limits are what they are.
+    pub(super) reasons: Vec<String>,
 }
 
 /// Sections in the order shared law, own contact, measured, native: native runs stand in the tables
 /// of all others, so that only what they say among themselves is left for the end.
-pub(super) fn sections(comparison: &Comparison) -> Vec<TrackSection> {
+pub(super) fn sections(comparison: &Comparison, styles: &[usize]) -> Vec<TrackSection> {
     let finished = || comparison.engines.iter().filter(|e| e.status.is_finished());
     let mut names: Vec<Track> = Vec::new();
     for engine in finished() {
@@ -38,11 +34,17 @@ pub(super) fn sections(comparison: &Comparison) -> Vec<TrackSection> {
     names
         .into_iter()
         .enumerate()
-        .map(|(k, name)| section(comparison, name, k, alone))
+        .map(|(k, name)| section(comparison, name, k, alone, styles))
         .collect()
 }
 
-fn section(comparison: &Comparison, name: Track, place: usize, alone: bool) -> TrackSection {
+fn section(
+    comparison: &Comparison,
+    name: Track,
+    place: usize,
+    alone: bool,
+    styles: &[usize],
+) -> TrackSection {
     let (title, about) = match name {
         Track::Native => (
             "Native",
@@ -66,17 +68,11 @@ fn section(comparison: &Comparison, name: Track, place: usize, alone: bool) -> T
              others stands in its notes. Only limits and uncertainties that the map states are used.",
         ),
     };
-    let checks = checks::of_track(comparison, name);
-    let statements = statements::of_track(comparison, name);
-    let marks = || {
-        let checks = checks.rows.iter().map(|row| row.mark.class);
-        checks.chain(statements.iter().map(|row| row.mark.class))
-    };
     // Native figures stand beside those of every other track; repeat them only if there is none.
     let figures = if name == Track::Native && !alone {
         Vec::new()
     } else {
-        figures::tables(comparison, name)
+        figures::tables(comparison, name, styles)
     };
     TrackSection {
         id: format!("track-{}", place + 1),
@@ -84,10 +80,7 @@ fn section(comparison: &Comparison, name: Track, place: usize, alone: bool) -> T
         about,
         figures,
         matrices: matrices::of_track(comparison, name),
-        within: marks().filter(|class| *class == "within").count(),
-        exceeded: marks().filter(|class| *class == "exceeded").count(),
-        statements,
-        checks,
+        reasons: pairs::reasons(comparison, name),
         pairs: pairs::of_track(comparison, name),
     }
 }

@@ -7,7 +7,7 @@ use pinwheel_compare::limits::fits;
 use pinwheel_compare::{
     Cost, DataUncertainty, Metric, Participant, StatedLimit, Status, Track, WindowKind, quantities,
 };
-use pinwheel_courses::foreign::{self, ForeignError, Map, Resampled};
+use pinwheel_courses::foreign::{self, ForeignError, Map, Offset, Resampled};
 use pinwheel_courses::{Courses, group_of};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::channels::Channels;
@@ -205,11 +205,14 @@ impl Data {
             )));
         }
         let times = scene.solver.sample_times_s();
-        let found = foreign::resample(&self.foreign.courses, &times, self.map.resample)
-            .map_err(|error| fail(&error))?;
+        let (own, told) = self.placed(others)?;
+        let found =
+            foreign::resample(&own, &times, self.map.resample).map_err(|error| fail(&error))?;
+        let mut notes = self.notes(scene, &own, &found);
+        notes.extend(told);
         let cost = Cost {
             settings: format!("{}, by {}", self.path.display(), self.map_path.display()),
-            notes: self.notes(scene, &found),
+            notes,
             ..Cost::default()
         };
         let or = |text: &str, otherwise: &str| {
@@ -240,8 +243,42 @@ impl Data {
         ))
     }
 
+    /// The data at the times that the map says, and what is to be said of a shift that fits better.
+    fn placed(&self, others: &[Participant]) -> Result<(Courses, Option<String>), StudyError> {
+        let own = &self.foreign.courses;
+        let offset = self.map.time.offset_s;
+        let finished = others.iter().filter(|other| other.status.is_finished());
+        let run = finished.max_by_key(|other| (other.track == Track::Native, other.courses.len()));
+        let found = run.and_then(|run| Some((&run.name, foreign::shift(&run.courses, own)?)));
+        match (offset, found) {
+            (Offset::Align, None) => Err(StudyError::Input(format!(
+                "{}: offset_s = \"align\" finds nothing to align by: no engine finished, or no column of the file changes \
+                 over at least half of the run; give offset_s in seconds",
+                self.map_path.display()
+            ))),
+            (Offset::Align, Some((name, shift))) => {
+                let seconds = shift.seconds;
+                let times = own.time_s().iter().map(|t| t + seconds).collect();
+                let broken = |error: &dyn std::fmt::Display| StudyError::Input(error.to_string());
+                let mut moved = Courses::new(times).map_err(|e| broken(&e))?;
+                for channel in own.channels() {
+                    let values = channel.values.clone();
+                    moved
+                        .push(channel.name.clone(), values)
+                        .map_err(|e| broken(&e))?;
+                }
+                Ok((moved, Some(shift.told(name, offset))))
+            }
+            (Offset::Seconds(_), found) => {
+                let better = found.filter(|(_, shift)| shift.matters());
+                let told = better.map(|(name, shift)| shift.told(name, offset));
+                Ok((own.clone(), told))
+            }
+        }
+    }
+
     /// What was done to the data, for the reader.
-    fn notes(&self, scene: &Scene, found: &Resampled) -> Vec<String> {
+    fn notes(&self, scene: &Scene, own: &Courses, found: &Resampled) -> Vec<String> {
         let mut notes = Vec::new();
         let (bad, rows) = (&self.foreign.bad, self.foreign.rows);
         if !bad.is_empty() {
@@ -259,12 +296,12 @@ impl Data {
                 named.join("; ")
             ));
         }
-        let times = self.foreign.courses.time_s();
+        let times = own.time_s();
         // Without the digits that factor and offset have rounded.
         let nano = |time: Option<&f64>| format!("{:.9}", time.copied().unwrap_or(0.0));
         let short = |text: String| text.trim_end_matches('0').trim_end_matches('.').to_owned();
         let (first, last) = (short(nano(times.first())), short(nano(times.last())));
-        let offset = self.map.time.offset_s;
+        let offset = self.map.time.offset_s.seconds();
         notes.push(format!(
             "{} rows from {first} to {last} s{}.",
             times.len(),

@@ -57,9 +57,16 @@ impl Value {
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            // As JSON and CSV have it, not with all the zeros of 1e-12.
-            Self::Number(x) if *x != 0.0 && !(1e-3..1e6).contains(&x.abs()) => write!(f, "{x:e}"),
-            Self::Number(x) => write!(f, "{x}"),
+            Self::Number(x) => {
+                // As it was meant: a range's arithmetic makes 1.0000000000000002e-6 of 1e-6.
+                let meant: f64 = format!("{x:.12e}").parse().unwrap_or(*x);
+                // Not with all the zeros of 1e-12.
+                if meant != 0.0 && !(1e-3..1e6).contains(&meant.abs()) {
+                    write!(f, "{meant:e}")
+                } else {
+                    write!(f, "{meant}")
+                }
+            }
             Self::Whole(x) => write!(f, "{x}"),
             Self::Text(x) | Self::Other(x) => f.write_str(x),
         }

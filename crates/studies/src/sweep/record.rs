@@ -28,6 +28,9 @@ pub struct Spread {
     /// Largest magnitude.
     #[serde(deserialize_with = "number")]
     pub peak: f64,
+    /// How far the means of the window's halves are from its mean: what the window's place does to the mean.
+    #[serde(default)]
+    pub drift: f64,
 }
 
 /// A number, or nothing for one that is not finite: JSON has no others.
@@ -79,6 +82,9 @@ pub struct RunRecord {
     pub steps: u64,
     /// Evaluations of the contact forces.
     pub rhs_calls: u64,
+    /// Numerical uncertainty of the forces and of the driver's torque, relative, where the engine has verified its run.
+    #[serde(default)]
+    pub uncertainty: Option<[f64; 2]>,
     /// Remarks of the engine.
     pub notes: Vec<String>,
     /// Wall time, s.
@@ -111,6 +117,7 @@ impl RunRecord {
             energy_remainder_share: None,
             steps: 0,
             rhs_calls: 0,
+            uncertainty: None,
             notes: Vec::new(),
             wall_s: 0.0,
             cpu_s: 0.0,
@@ -122,6 +129,8 @@ impl RunRecord {
         let stats = &run.stats;
         self.steps = stats.steps;
         self.rhs_calls = stats.rhs_calls;
+        let error = run.uncertainty.as_ref().and_then(|u| u.error);
+        self.uncertainty = error.map(|e| [e.forces, e.driver_torque]);
         self.notes = stats.notes.clone();
         self.wall_s = stats.wall_s;
         self.cpu_s = stats.cpu_s;
@@ -135,7 +144,11 @@ impl RunRecord {
         for quantity in derive([&run.courses]) {
             let view = View::of(&run.courses, &quantity, samples.clone());
             if let Some(of) = view.as_ref().and_then(Statistics::of) {
+                let half = samples.start + samples.len() / 2;
+                let late = View::of(&run.courses, &quantity, half..samples.end);
+                let late = late.as_ref().and_then(View::mean);
                 let spread = Spread {
+                    drift: late.map_or(0.0, |late| (late - of.mean).abs()),
                     mean: finite(of.mean),
                     min: finite(of.min),
                     max: finite(of.max),

@@ -1,0 +1,48 @@
+//! `pinwheel completions` and `pinwheel man`: what shells and `man` read, from the definition of the command line.
+
+use std::fs;
+use std::io::Write as _;
+
+use pinwheel::studies::output::write_text;
+
+use crate::args::{self, CompletionsArgs, ManArgs};
+use crate::failure::Failure;
+use crate::screen;
+
+pub(crate) fn completions(args: &CompletionsArgs) -> Result<u8, Failure> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut args::definition(), "pinwheel", &mut script);
+    screen::show(&String::from_utf8_lossy(&script))?;
+    Ok(0)
+}
+
+pub(crate) fn man(args: &ManArgs) -> Result<u8, Failure> {
+    let page = |command: &clap::Command| -> Result<String, Failure> {
+        let mut text = Vec::new();
+        let written = clap_mangen::Man::new(command.clone())
+            .render(&mut text)
+            .and_then(|()| text.flush());
+        written.map_err(|error| Failure::input(format!("the man page cannot be made: {error}")))?;
+        Ok(String::from_utf8_lossy(&text).into_owned())
+    };
+    let mut program = args::definition();
+    program.build();
+    let Some(dir) = &args.out else {
+        screen::show(&page(&program)?)?;
+        return Ok(0);
+    };
+    fs::create_dir_all(dir).map_err(|error| {
+        Failure::input(format!(
+            "--out {}: {error}; name a folder that can be made",
+            dir.display()
+        ))
+    })?;
+    write_text(&dir.join("pinwheel.1"), &page(&program)?)?;
+    for command in program.get_subcommands() {
+        let name = format!("pinwheel-{}", command.get_name());
+        // Beside the program's own page it needs its whole name.
+        let named = command.clone().name(name.clone());
+        write_text(&dir.join(format!("{name}.1")), &page(&named)?)?;
+    }
+    Ok(0)
+}

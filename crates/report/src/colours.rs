@@ -1,0 +1,87 @@
+//! One colour and dash for each engine, on every page the same.
+
+/// Colours of lines in the style sheet (`--line-0` ...).
+pub const COUNT: usize = 16;
+
+/// Engines that are often seen together, so that no two share a colour.
+const KNOWN: [&str; 14] = [
+    "native-reduced",
+    "native-lagrange",
+    "native-resolved",
+    "rapier-shared-law",
+    "mujoco-shared-law",
+    "exudyn-shared-law-explicit",
+    "exudyn-shared-law-constrained",
+    "rapier-own-contact-hook",
+    "rapier-own-contact-colliders",
+    "mujoco-own-contact",
+    "exudyn-own-contact",
+    "simbody-shared-law",
+    "ida-shared-law",
+    "simbody-own-contact",
+];
+
+/// The style of each name: known engines have their own, others one that follows from their name. Two on one page share
+/// a colour only if there are more than [`COUNT`]; then they differ by dash.
+#[must_use]
+pub fn styles(names: &[&str]) -> Vec<usize> {
+    let known = |name: &str| KNOWN.iter().position(|k| *k == name);
+    let mut taken: Vec<usize> = names.iter().filter_map(|n| known(n)).collect();
+    names
+        .iter()
+        .map(|name| {
+            known(name).unwrap_or_else(|| {
+                let first = place(name);
+                let free = (0..COUNT).map(|k| (first + k) % COUNT);
+                let style = free.clone().find(|style| !taken.contains(style));
+                // Beyond all colours: the same ones again with other dashes.
+                let style = style.unwrap_or(first + COUNT * (taken.len() / COUNT));
+                taken.push(style);
+                style
+            })
+        })
+        .collect()
+}
+
+/// The style of one engine among others that are not known here.
+#[must_use]
+pub fn style(name: &str) -> usize {
+    styles(&[name])[0]
+}
+
+/// A place that follows from the name alone (FNV-1a).
+fn place(name: &str) -> usize {
+    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    (hash % COUNT as u64) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_engine_keeps_its_colour() {
+        let few = styles(&["my-solver", "native-reduced"]);
+        let more = styles(&["exudyn-own-contact", "native-reduced", "my-solver", "rig"]);
+        assert_eq!((few[0], few[1]), (more[2], more[1]));
+        assert_eq!(style("native-resolved"), 2);
+    }
+
+    #[test]
+    fn no_two_of_one_page_share_a_colour() {
+        let own: Vec<String> = (0..40).map(|k| format!("solver-{k}")).collect();
+        let mut names = KNOWN.to_vec();
+        names.extend(own.iter().take(COUNT - KNOWN.len()).map(String::as_str));
+        let mut found = styles(&names);
+        found.sort_unstable();
+        assert_eq!(found, (0..COUNT).collect::<Vec<_>>());
+        let names: Vec<&str> = own.iter().map(String::as_str).collect();
+        let mut found = styles(&names[..COUNT]);
+        found.sort_unstable();
+        found.dedup();
+        assert_eq!(found.len(), COUNT);
+        assert!(styles(&names)[COUNT..].iter().all(|s| *s >= COUNT));
+    }
+}

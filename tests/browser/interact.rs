@@ -1,0 +1,261 @@
+//! What people do with a comparison's page, by mouse, finger and keys.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::chromium::{Chromium, Look};
+
+const DESK: Look = Look {
+    width: 1280,
+    dark: false,
+    still: true,
+};
+const PHONE: Look = Look { width: 390, ..DESK };
+
+/// Waits until the chart is drawn.
+const DRAWN: &str = "(async () => { for (let k = 0; k < 200 && !document.body.dataset.drawn; k += 1) await new Promise((r) => setTimeout(r, 25)); return document.body.dataset.drawn || ''; })()";
+
+/// Centre and size of an element, scrolled into sight.
+fn place(browser: &mut Chromium, element: &str) -> [f64; 4] {
+    let script = format!(
+        "(() => {{ const e = {element}; e.scrollIntoView({{ block: 'center', behavior: 'instant' }}); const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2, b.width, b.height]; }})()"
+    );
+    let found = browser.evaluate(&script);
+    [0, 1, 2, 3].map(|k| found[k].as_f64().unwrap())
+}
+
+fn click(browser: &mut Chromium, element: &str) {
+    let [x, y, ..] = place(browser, element);
+    browser.mouse(&[("mousePressed", x, y), ("mouseReleased", x, y)], 1);
+}
+
+/// Labels of the window buttons that are pressed, and how much of the curves is shown.
+const WINDOW: &str = "[...document.querySelectorAll('#windows [aria-pressed=true]')].map((b) => b.textContent).join()";
+const OVER: &str = "document.querySelector('#chart .u-over')";
+const TIP: &str = "(() => { const t = document.querySelector('#chart .tip'); return t.hidden ? '' : t.textContent; })()";
+
+fn text(browser: &mut Chromium, script: &str) -> String {
+    browser
+        .evaluate(script)
+        .as_str()
+        .unwrap_or_default()
+        .to_owned()
+}
+
+/// Zoom by dragging, all at a double click, values at the cursor, engines on and off, other quantities and scales.
+pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
+    browser.open(page, DESK);
+    assert_eq!(text(browser, DRAWN), "Driver torque");
+    // A window may be as long as the run.
+    let all = text(browser, WINDOW);
+    assert!(all.starts_with("all"), "{all}");
+    let [x, y, wide, _] = place(browser, OVER);
+    // Values at the cursor, both engines.
+    browser.mouse(&[("mouseMoved", x, y), ("mouseMoved", x + 3.0, y)], 0);
+    let tip = text(browser, TIP);
+    assert!(
+        tip.starts_with("t = ") && tip.contains("native-reduced"),
+        "{tip}"
+    );
+    assert!(
+        tip.contains("native-lagrange") && tip.contains('\u{394}'),
+        "{tip}"
+    );
+    let near = browser.evaluate(&format!(
+        "(() => {{ const b = document.querySelector('#chart .tip').getBoundingClientRect(); return Math.min(Math.abs(b.left - {x}), Math.abs(b.right - {x})); }})()"
+    ));
+    assert!(
+        near.as_f64().unwrap() < 60.0,
+        "the values stand {near} px from the cursor"
+    );
+    // A drag zooms both charts.
+    let (from, to) = (x - 0.2 * wide, x + 0.1 * wide);
+    let drag = [
+        ("mousePressed", from, y),
+        ("mouseMoved", x, y),
+        ("mouseMoved", to, y),
+        ("mouseReleased", to, y),
+    ];
+    browser.mouse(&drag, 1);
+    assert_eq!(text(browser, WINDOW), "", "a drag did not zoom");
+    browser.mouse(&[("mousePressed", x, y), ("mouseReleased", x, y)], 1);
+    browser.mouse(&[("mousePressed", x, y), ("mouseReleased", x, y)], 2);
+    assert_eq!(text(browser, WINDOW), all, "a double click shows all");
+    click(browser, "document.querySelector('[data-zoom=in]')");
+    assert_eq!(text(browser, WINDOW), "");
+    click(browser, "document.querySelector('#windows button')");
+    assert_eq!(text(browser, WINDOW), all);
+    // An engine less.
+    click(browser, "document.querySelectorAll('#legend .chip')[1]");
+    let [x, y, ..] = place(browser, OVER);
+    browser.mouse(&[("mouseMoved", x + 9.0, y), ("mouseMoved", x, y)], 0);
+    let tip = text(browser, TIP);
+    assert!(
+        tip.contains("native-reduced") && !tip.contains("native-lagrange"),
+        "{tip}"
+    );
+    // Another quantity, another sleeve, signed differences to the other engine.
+    let choose = |id: &str, value: usize| {
+        format!(
+            "(async () => {{ const before = document.body.dataset.drawn; const s = document.getElementById('{id}'); s.value = '{value}'; s.dispatchEvent(new Event('change')); \
+             for (let k = 0; k < 100 && document.body.dataset.drawn === before; k += 1) await new Promise((r) => setTimeout(r, 20)); return document.body.dataset.drawn; }})()"
+        )
+    };
+    assert_eq!(
+        text(browser, &choose("quantity", 3)),
+        "External sleeve force no. 0"
+    );
+    assert_eq!(
+        text(browser, &choose("channel", 5)),
+        "External sleeve force no. 5"
+    );
+    browser.evaluate("(() => { const s = document.getElementById('base'); s.value = '1'; s.dispatchEvent(new Event('change')); })()");
+    click(browser, "document.querySelector('[data-scale=linear]')");
+    let said = text(
+        browser,
+        "(async () => { await new Promise((r) => setTimeout(r, 200)); return document.querySelector('.plot-title').textContent; })()",
+    );
+    assert_eq!(said, "Difference to native-lagrange");
+    assert!(
+        browser.complaints().is_empty(),
+        "{:?}",
+        browser.complaints()
+    );
+}
+
+/// Everything by keys: values, zoom, the gearbox's slider, folded pairs; and links that open what they lead to.
+pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
+    browser.open(page, DESK);
+    browser.evaluate(DRAWN);
+    browser.evaluate("document.querySelector('#chart .plot').focus()");
+    browser.key("ArrowRight");
+    let said = text(
+        browser,
+        "document.querySelector('#chart .plot + .unseen').textContent",
+    );
+    assert!(said.contains("native-reduced"), "nothing is said: {said}");
+    browser.key("+");
+    assert_eq!(text(browser, WINDOW), "");
+    browser.key("0");
+    assert!(text(browser, WINDOW).starts_with("all"));
+    browser.key("Escape");
+    assert_eq!(text(browser, TIP), "");
+    // The time of the gearbox.
+    let at = "document.querySelector('.gearboxes .at').textContent";
+    let before = text(browser, at);
+    browser.evaluate("document.querySelector('.gearbox-time input').focus()");
+    browser.key("ArrowRight");
+    assert_ne!(
+        text(browser, at),
+        before,
+        "the slider does not move by keys"
+    );
+    // A cell of a matrix, or a line of what differs most, opens its pair.
+    let open = "[...document.querySelectorAll('.pair')].filter((p) => p.open).length";
+    assert_eq!(browser.evaluate(open), json!(0), "what passed is folded");
+    browser.evaluate("document.querySelector('.heat a').focus()");
+    browser.key("Enter");
+    assert_eq!(browser.evaluate(open), json!(1), "a cell opens its pair");
+    browser.evaluate("document.querySelector('.pair[open]').open = false");
+    click(browser, "document.querySelector('.differs a')");
+    assert_eq!(
+        browser.evaluate(open),
+        json!(1),
+        "what differs most opens its pair"
+    );
+    // Sorted by what is clicked.
+    let first = "document.querySelector('.pair[open] tbody tr th').textContent";
+    click(
+        browser,
+        "document.querySelectorAll('.pair[open] button.sort')[1]",
+    );
+    let rising = text(browser, first);
+    click(
+        browser,
+        "document.querySelectorAll('.pair[open] button.sort')[1]",
+    );
+    assert_ne!(text(browser, first), rising, "a table does not sort");
+    // Depth opens from the bar.
+    click(browser, "document.querySelector('nav a[href=\"#costs\"]')");
+    assert_eq!(
+        browser.evaluate("document.querySelector('#costs > details').open"),
+        json!(true)
+    );
+    assert!(
+        browser.complaints().is_empty(),
+        "{:?}",
+        browser.complaints()
+    );
+}
+
+/// On a phone: the switch of themes is there and works, fingers read values, the answer comes first.
+pub(crate) fn phones_are_served(browser: &mut Chromium, page: &Path) {
+    browser.open(page, PHONE);
+    browser.evaluate(DRAWN);
+    let ground = "getComputedStyle(document.body).backgroundColor";
+    let light = text(browser, ground);
+    let shown = "(() => { const b = document.querySelector('#theme').getBoundingClientRect(); return b.width > 0 && b.right <= innerWidth && b.left >= 0; })()";
+    assert_eq!(browser.evaluate(shown), json!(true), "no switch of themes");
+    for _ in 0..2 {
+        browser.evaluate("document.querySelector('#theme').click()");
+    }
+    assert_ne!(text(browser, ground), light, "the switch does nothing");
+    let top = "[...document.querySelectorAll('.banner, .tile')].every((e) => e.getBoundingClientRect().bottom + scrollY < 844)";
+    assert_eq!(
+        browser.evaluate(top),
+        json!(true),
+        "verdict and figures are not on the first screen"
+    );
+    let [x, y, ..] = place(browser, OVER);
+    browser.evaluate(&format!(
+        "{OVER}.dispatchEvent(new PointerEvent('pointerdown', {{ pointerType: 'touch', clientX: {x}, clientY: {y}, bubbles: true }}))"
+    ));
+    assert!(
+        text(browser, TIP).starts_with("t = "),
+        "a finger reads nothing"
+    );
+}
+
+/// On paper it stands alone: few sheets, with verdict, figures, the gearbox and the chart on them.
+pub(crate) fn paper_is_spared(browser: &mut Chromium, page: &Path) {
+    browser.open(page, DESK);
+    browser.evaluate(DRAWN);
+    let sheets = browser.sheets();
+    assert!((1..=4).contains(&sheets), "{sheets} sheets");
+    browser.media("print");
+    let seen = browser.evaluate(
+        "({ parts: ['.banner', '.tiles', '.differs', '.gearbox-view canvas', '#chart canvas', '.matrix', '#command'].filter((s) => !document.querySelector(s)?.checkVisibility()), \
+            controls: ['.topbar', '#chart-controls', '.gearbox-controls'].filter((s) => document.querySelector(s)?.checkVisibility()), \
+            ground: getComputedStyle(document.body).backgroundColor })",
+    );
+    browser.media("");
+    assert_eq!(seen["parts"], json!([]), "not printed");
+    assert_eq!(seen["controls"], json!([]), "printed");
+    assert_eq!(seen["ground"], json!("rgb(255, 255, 255)"));
+}
+
+/// A browser that cannot inflate shows the same values.
+pub(crate) fn old_browsers_read_it(browser: &mut Chromium, page: &Path) {
+    const VALUES: &str = "(() => { const c = document.querySelector('#chart canvas'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let h = 0; for (const v of d) h = (h * 31 + v) | 0; return h; })()";
+    let mut seen: Vec<Value> = Vec::new();
+    for lacking in [false, true] {
+        browser.before_pages(if lacking {
+            "delete window.DecompressionStream"
+        } else {
+            ""
+        });
+        browser.open(page, DESK);
+        assert_eq!(text(browser, DRAWN), "Driver torque");
+        assert_eq!(
+            browser.evaluate("typeof DecompressionStream"),
+            json!(if lacking { "undefined" } else { "function" })
+        );
+        browser.evaluate("new Promise((r) => setTimeout(r, 150))");
+        seen.push(browser.evaluate(VALUES));
+    }
+    assert_eq!(
+        seen[0], seen[1],
+        "another picture without DecompressionStream"
+    );
+}
