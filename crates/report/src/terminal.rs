@@ -86,23 +86,39 @@ pub fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
     let of = |column: usize| rows.iter().filter_map(move |row| row.get(column));
     let longest = |column: usize| of(column).map(|c| c.text.chars().count()).max();
     let mut widths: Vec<usize> = (0..columns).map(|k| longest(k).unwrap_or(0)).collect();
-    // What gives way: the widest column of text, and figures only to their longest word.
-    let least = |column: usize| {
+    // What gives way: the text at the end of rows first, then the widest column; names are cut only where nothing else does.
+    let word = |column: usize| {
         let words = of(column).flat_map(|cell| cell.text.split(' '));
-        let word = words.map(|word| word.chars().count()).max().unwrap_or(0);
-        if of(column).any(|cell| cell.right) {
-            word
+        words.map(|word| word.chars().count()).max().unwrap_or(0)
+    };
+    let figures = |column: usize| of(column).any(|cell| cell.right);
+    let last = columns.saturating_sub(1);
+    let whole = |k: usize| {
+        if k == last {
+            word(k).min(LEAST)
         } else {
-            word.min(LEAST)
+            word(k)
         }
     };
-    let least: Vec<usize> = (0..columns).map(least).collect();
-    while widths.iter().sum::<usize>() + 2 * columns.saturating_sub(1) > room {
-        let gives = (0..columns).filter(|&k| widths[k] > least[k]);
-        let Some(widest) = gives.max_by_key(|&k| widths[k]) else {
-            break;
-        };
-        widths[widest] -= 1;
+    let cut = |k: usize| {
+        if figures(k) {
+            word(k)
+        } else {
+            word(k).min(LEAST)
+        }
+    };
+    for least in [
+        (0..columns).map(whole).collect::<Vec<usize>>(),
+        (0..columns).map(cut).collect(),
+    ] {
+        while widths.iter().sum::<usize>() + 2 * last > room {
+            let gives = (0..columns).filter(|&k| widths[k] > least[k]);
+            let prose = |k: usize| k == last && widths[k] > 2 * LEAST && !figures(k);
+            let Some(widest) = gives.max_by_key(|&k| (prose(k), widths[k])) else {
+                break;
+            };
+            widths[widest] -= 1;
+        }
     }
     let mut text = String::new();
     for row in rows {

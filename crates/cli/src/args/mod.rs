@@ -45,7 +45,7 @@ Examples:
   pinwheel calibrate                 what verdicts are worth
   pinwheel engines                   what there is to compare with
   pinwheel compare paper --solver mine/solver.toml
-                                     your own solver beside them (docs/solvers.md)
+                                     your own solver beside them
   pinwheel laws                      contact laws that a scene can name
 
 A SCENE is the path of a TOML file or the name of a preset: paper, paper-2019,
