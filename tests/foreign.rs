@@ -456,7 +456,7 @@ fn uncertain_inputs_are_part_of_the_budget() {
         ("mass.internal_sleeve.mass_kg", "1e-9"),
         ("mass.external_sleeve.mass_kg", "1e-9"),
         ("mass.input_shaft.mass_kg", "1e-9"),
-        ("gear.hole_radius_m", "1e-12"),
+        ("gear.internal_circle_radius_m", "1e-12"),
     ]
     .iter()
     .flat_map(|(key, half)| {

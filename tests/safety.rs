@@ -745,7 +745,6 @@ fn regress_a_full_disk_is_called_so() {
 }
 
 /// Runs of another build of the program are run again.
-#[cfg(unix)]
 #[test]
 fn regress_a_rebuilt_program_reuses_no_runs() {
     let dir = tempfile::tempdir().unwrap();
@@ -756,16 +755,15 @@ fn regress_a_rebuilt_program_reuses_no_runs() {
     let first = times();
     assert_eq!(run_in(dir.path(), words).code, Some(0));
     assert_eq!(times(), first, "the same program goes on");
-    let other = dir.path().join("other");
-    fs::copy(pinwheel().get_program(), &other).unwrap();
-    let mut bytes = fs::read(&other).unwrap();
-    bytes.push(0);
-    fs::write(&other, bytes).unwrap();
-    let mut command = Command::new(&other);
-    command
-        .current_dir(dir.path())
-        .args(words)
-        .stdin(Stdio::null());
-    assert_eq!(command.output().unwrap().status.code(), Some(0));
+    // As another build would have left them: runs are known by the sources of the program that made them.
+    for entry in fs::read_dir(dir.path().join("o/runs")).unwrap() {
+        let path = entry.unwrap().path();
+        let text = fs::read_to_string(&path).unwrap();
+        let mut record: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert!(record["program"].is_string());
+        record["program"] = "another".into();
+        fs::write(&path, record.to_string()).unwrap();
+    }
+    assert_eq!(run_in(dir.path(), words).code, Some(0));
     assert_ne!(times(), first);
 }
