@@ -227,7 +227,11 @@ fn single_values_out_of_range() {
         ),
         ("gear.eccentricity_m=0", "gear.eccentricity_m", "is 0 m"),
         ("gear.shortening=1.0", "gear.shortening", "crosses itself"),
-        ("gear.shortening=0", "gear.shortening", "between 0 and 1"),
+        (
+            "gear.shortening=0",
+            "gear.shortening",
+            "between 0.001 and 1",
+        ),
         (
             "gear.external_sleeves=2",
             "gear.external_sleeves",
@@ -281,14 +285,14 @@ fn single_values_out_of_range() {
         (
             "contact.stiffness_multiplier=0",
             "contact.stiffness_multiplier",
-            "above 0",
+            "is 0",
         ),
         (
             "contact.damping_n_s_m=-1",
             "contact.damping_n_s_m",
             "from 0",
         ),
-        ("contact.ramp_m=0", "contact.ramp_m", "above 0"),
+        ("contact.ramp_m=0", "contact.ramp_m", "is 0"),
         (
             "contact.friction_coefficient=-0.1",
             "contact.friction_coefficient",
@@ -297,7 +301,7 @@ fn single_values_out_of_range() {
         (
             "contact.friction_ramp_m_s=0",
             "contact.friction_ramp_m_s",
-            "above 0",
+            "is 0",
         ),
         (
             "contact.wheel_points=1000001",
