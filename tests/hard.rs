@@ -202,7 +202,7 @@ const SERVED: &[Served] = &[
     Served { scene: "hard-feather-sleeves", by: "auto", bound: 1.8e-5 },
     Served { scene: "hard-forty-sleeves", by: "auto", bound: 5.0e-6 },
     Served { scene: "hard-friction-light-sleeves", by: "auto", bound: 2.9e-5 },
-    Served { scene: "hard-friction-narrow", by: "auto", bound: 1.8e-5 },
+    Served { scene: "hard-friction-narrow", by: "auto", bound: 2.8e-5 },
     Served { scene: "hard-friction-wide", by: "auto", bound: 8.4e-6 },
     Served { scene: "hard-load-doubled", by: "auto", bound: 6.7e-6 },
     Served { scene: "hard-load-removed", by: "auto", bound: 9.7e-5 },
