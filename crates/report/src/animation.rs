@@ -1,6 +1,6 @@
 //! The gearbox in motion: an engine's courses, packed for the page's script.
 //!
-//! Angles travel as what parts them from the ideal mesh, forces pair by pair, [packed](crate::packed): each to 1 in 16 000 of
+//! Angles travel as what parts them from the ideal mesh, forces pair by pair, packed: each to 1 in 16 000 of
 //! its channel's largest value. The script finds points and directions of contact on the same curve as the solver.
 
 use std::fmt::Write as _;
