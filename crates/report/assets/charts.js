@@ -183,7 +183,7 @@ const PinwheelCharts = (() => {
         stroke: () => lineColour(series.style),
         width: series.points || series.marks ? 0 : series.thin ? 1 : 1.6,
         dash: series.thin ? [4, 4] : dashOf(series.style),
-        points: series.points || series.markers || series.marks ? { show: true, size: series.points ? 9 : series.marks ? 3.5 : 7, width: series.marks ? 0 : undefined, fill: () => lineColour(series.style) } : { show: false },
+        points: series.points || series.markers || series.marks ? { show: true, size: series.points ? 9 : series.marks ? 3.5 : 7, ...(series.marks ? { width: 0 } : {}), fill: () => lineColour(series.style) } : { show: false },
       }))),
       hooks: {
         drawClear: [(u) => strips(u, state)],
