@@ -10,23 +10,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
+use pinwheel::studies::calibration::gears::Dice;
 use pinwheel_tests::{names_in, pinwheel};
 
 const SIGNALS: [&str; 3] = ["KILL", "TERM", "INT"];
-
-/// A small generator of numbers with a fixed seed (splitmix64).
-struct Random(u64);
-
-impl Random {
-    /// Evenly between 0 and 1.
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
 
 /// A command that writes the folder `out`.
 struct Writer {
@@ -265,7 +252,7 @@ fn assert_whole(writer: &Writer, out: &Path) {
 }
 
 /// Runs a writer once to its end, then kills it again and again; the number of kills that met it alive.
-fn kill(writer: &Writer, kills: usize, random: &mut Random) -> usize {
+fn kill(writer: &Writer, kills: usize, random: &mut Dice) -> usize {
     let dir = tempfile::tempdir().unwrap();
     let dir = dir.path();
     inputs(dir);
@@ -304,7 +291,7 @@ fn kill(writer: &Writer, kills: usize, random: &mut Random) -> usize {
         // What an earlier kill left stays where this one ends before it writes.
         let left = hidden(dir);
         let mut child = start(dir, &words);
-        std::thread::sleep(Duration::from_secs_f64(1.1 * lasted * random.unit()));
+        std::thread::sleep(Duration::from_secs_f64(1.1 * lasted * random.share()));
         let alive = child.try_wait().unwrap().is_none();
         let sent = Command::new("kill")
             .args([&format!("-{signal}"), &child.id().to_string()])
@@ -413,7 +400,7 @@ fn regress_kills_tear_nothing_and_lose_nothing() {
             continue;
         }
         let begin = Instant::now();
-        let met = kill(writer, kills, &mut Random(1000 * seed + place as u64));
+        let met = kill(writer, kills, &mut Dice::new(1000 * seed + place as u64));
         println!(
             "{:<60} {met} of {kills} kills met it, {:.1} s",
             writer.words.join(" "),

@@ -7,6 +7,7 @@ use parry2d_f64::math::Vector;
 use parry2d_f64::query::PointQuery;
 use parry2d_f64::shape::{Polyline, PolylineFlags};
 use pinwheel_contact::{Complex, Epitrochoid};
+use pinwheel_studies::calibration::gears::Dice;
 
 /// Vertices of the polyline. Its error falls with their square: 12 000 give 2.6e-7 m.
 const VERTICES: usize = 40_000;
@@ -27,34 +28,21 @@ fn polyline(curve: &Epitrochoid) -> Polyline {
     Polyline::with_flags(vertices, Some(segments), PolylineFlags::ORIENTED)
 }
 
-/// Uniform in 0..1, the same on every machine (splitmix64).
-struct Uniform(u64);
-
-impl Uniform {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 /// Largest difference of distance over random positions: half of them within contact and
 /// backlash of the curve, half anywhere in and around the gear.
 fn largest_error(curve: &Epitrochoid, positions: usize) -> f64 {
     let line = polyline(curve);
-    let mut random = Uniform(7);
+    let mut random = Dice::new(7);
     let mut largest: f64 = 0.0;
     for i in 0..positions {
         let p = if i % 2 == 0 {
-            let at = curve.at(TAU * random.next());
+            let at = curve.at(TAU * random.share());
             // From 1 nm to 1 mm, on both sides.
-            let off = 10.0_f64.powf(-9.0 + 6.0 * random.next());
-            let side = if random.next() < 0.5 { -1.0 } else { 1.0 };
+            let off = 10.0_f64.powf(-9.0 + 6.0 * random.share());
+            let side = if random.share() < 0.5 { -1.0 } else { 1.0 };
             at.position + at.normal.scale(side * off)
         } else {
-            Complex::unit(TAU * random.next()).scale(1.5 * curve.pitch_radius() * random.next())
+            Complex::unit(TAU * random.share()).scale(1.5 * curve.pitch_radius() * random.share())
         };
         let foot = curve.closest(p);
         let seen = Vector::new(p.re, p.im);

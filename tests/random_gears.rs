@@ -121,7 +121,7 @@ fn crossval_no_random_gear_is_silently_wrong() {
                     if seed >= seeds.end {
                         break;
                     }
-                    let scene = gear(seed);
+                    let scene = gear(seed).unwrap();
                     if rubbing && scene.contact.friction_coefficient == 0.0 {
                         continue;
                     }

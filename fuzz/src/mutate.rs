@@ -1,26 +1,20 @@
 //! Inputs from seeds: bytes, lines and numbers changed by a generator with a fixed seed.
 
-/// A small generator of numbers (splitmix64).
-pub struct Random(u64);
+use pinwheel_studies::calibration::gears::Dice;
+
+/// Numbers from a seed.
+pub struct Random(Dice);
 
 impl Random {
     /// The same seed gives the same numbers.
     #[must_use]
     pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        Self(Dice::new(seed))
     }
 
     /// Below `most`; 0 where that is 0.
     pub fn below(&mut self, most: usize) -> usize {
-        (self.next() % most.max(1) as u64) as usize
+        self.0.whole(0, most.max(1) - 1)
     }
 
     fn of<'a, T>(&mut self, list: &'a [T]) -> &'a T {

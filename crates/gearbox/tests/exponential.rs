@@ -1,16 +1,10 @@
 //! The exponential multistep method on gears: against Dormand-Prince at a tight tolerance, whatever is sampled.
 
-use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::contacts::Kernel;
-use pinwheel_gearbox::native::{self, NativeRun};
-use pinwheel_scene::{Override, Scene};
+mod common;
 
-fn run(preset: &str, kernel: Kernel, sets: &[(&str, &str)]) -> NativeRun {
-    let sets: Vec<Override> = sets.iter().map(|&(k, v)| Override::new(k, v)).collect();
-    let mut gearbox = Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap();
-    gearbox.kernel = kernel;
-    native::run(&gearbox, &mut |_| false).unwrap()
-}
+use common::{distance, run};
+use pinwheel_gearbox::contacts::Kernel;
+use pinwheel_gearbox::native::NativeRun;
 
 fn by(preset: &str, method: &str, tolerance: &str, sets: &[(&str, &str)]) -> NativeRun {
     let solver = [
@@ -18,21 +12,6 @@ fn by(preset: &str, method: &str, tolerance: &str, sets: &[(&str, &str)]) -> Nat
         ("solver.tolerance", tolerance),
     ];
     run(preset, Kernel::Lanes, &[&solver, sets].concat())
-}
-
-/// Relative L2 distance of all sleeve forces together.
-fn distance(a: &NativeRun, b: &NativeRun) -> f64 {
-    let (mut difference, mut size) = (0.0, 0.0);
-    for channel in b.courses.channels() {
-        if channel.name.contains("sleeve_force") {
-            let values = a.courses.channel(&channel.name).unwrap();
-            for (a, b) in values.iter().zip(&channel.values) {
-                difference += (a - b) * (a - b);
-                size += b * b;
-            }
-        }
-    }
-    f64::sqrt(difference / size)
 }
 
 /// Kernel passes: evaluations, Jacobians and samples, which the multistep method's evaluations mostly are.

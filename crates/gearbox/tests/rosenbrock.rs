@@ -1,31 +1,9 @@
 //! RODAS5P on gears with friction: against a method that shares nothing but the forces, and against itself by differences.
 
-use pinwheel_gearbox::Gearbox;
+mod common;
+
+use common::{distance, run};
 use pinwheel_gearbox::contacts::Kernel;
-use pinwheel_gearbox::native::{self, NativeRun};
-use pinwheel_scene::{Override, Scene};
-
-fn run(preset: &str, kernel: Kernel, sets: &[(&str, &str)]) -> NativeRun {
-    let sets: Vec<Override> = sets.iter().map(|&(k, v)| Override::new(k, v)).collect();
-    let mut gearbox = Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap();
-    gearbox.kernel = kernel;
-    native::run(&gearbox, &mut |_| false).unwrap()
-}
-
-/// Relative L2 distance of all sleeve forces together.
-fn distance(a: &NativeRun, b: &NativeRun) -> f64 {
-    let (mut difference, mut size) = (0.0, 0.0);
-    for channel in b.courses.channels() {
-        if channel.name.contains("sleeve_force") {
-            let values = a.courses.channel(&channel.name).unwrap();
-            for (a, b) in values.iter().zip(&channel.values) {
-                difference += (a - b) * (a - b);
-                size += b * b;
-            }
-        }
-    }
-    f64::sqrt(difference / size)
-}
 
 /// Measured at a tolerance of 1e-6: 1.7e-5, 4.6e-6 and 8e-7 from imex2-adaptive at 1e-5, in 0.43, 0.13 and 0.02 of its
 /// evaluations. Windows hold the start-up, where contacts switch most.

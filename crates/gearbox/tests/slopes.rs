@@ -5,7 +5,6 @@ use pinwheel_gearbox::contacts::{ContactField, Kernel};
 use pinwheel_mbs::{BodyState, Forces, Jacobian, OdeSystem, Reduced, Wrench};
 use pinwheel_scene::Scene;
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 
 /// The contacts alone.
 struct Contacts(Box<dyn ContactField>);
@@ -86,6 +85,19 @@ fn quotient(
     (slope, bend)
 }
 
+/// A gear of so many external sleeves, this shortening, so many internal sleeves and wheels.
+fn gear((zk, m, zi, wheels): (usize, f64, usize, usize), backlash: f64) -> Scene {
+    let mut scene = Scene::paper();
+    scene.gear.external_sleeves = zk;
+    scene.gear.shortening = m;
+    scene.gear.internal_sleeves = zi;
+    scene.gear.internal_circle_radius_m = 0.55 * 0.0028 * zk as f64 / m;
+    scene.gear.wheels = wheels;
+    scene.gear.backlash_m = backlash;
+    scene.gear.external_sleeve_radius_m = 0.004;
+    scene
+}
+
 const LAWS: [&str; 8] = [
     "paper",
     "paper-conservative",
@@ -98,26 +110,15 @@ const LAWS: [&str; 8] = [
 ];
 
 proptest! {
-    // The same gears every time: among others there is one in some hundreds, under a law with hysteresis, of which an entry is 6e-5 of
-    // the largest off, as the law's own difference over the closing speed meets the clipping of its force.
-    #![proptest_config(ProptestConfig {
-        cases: 300, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default()
-    })]
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn the_jacobian_is_the_slope(
-        (zk, m, zi, wheels) in (9_usize..121, 0.3..0.9_f64, 3_usize..9, 1_usize..5), friction: bool, law in 0..LAWS.len(),
+        shape in (9_usize..121, 0.3..0.9_f64, 3_usize..9, 1_usize..5), friction: bool, law in 0..LAWS.len(),
         backlash in prop_oneof![Just(0.0), 0.0..3e-4], t in 0.0..0.5_f64, twist in 1e-3..6e-3_f64,
         noise in prop::array::uniform16(prop_oneof![-1.0..-0.1_f64, 0.1..1.0]),
     ) {
-        let mut scene = Scene::paper();
-        scene.gear.external_sleeves = zk;
-        scene.gear.shortening = m;
-        scene.gear.internal_sleeves = zi;
-        scene.gear.internal_circle_radius_m = 0.55 * 0.0028 * zk as f64 / m;
-        scene.gear.wheels = wheels;
-        scene.gear.backlash_m = backlash;
-        scene.gear.external_sleeve_radius_m = 0.004;
+        let mut scene = gear(shape, backlash);
         scene.contact.law = LAWS[law].to_owned();
         scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
         // Wide enough for differences to see.
@@ -134,7 +135,8 @@ proptest! {
 
         // Entries that a kink lies in (a contact begins, slides or parts) are told by two steps, or both sides, that disagree.
         let (mut seen, mut kinks) = (0, 0);
-        for (columns, h) in [(0..n, 2e-8), (n..2 * n, 1e-5), (2 * n..2 * n + 1, 1e-7)] {
+        // Rates bend nothing but at a kink: its two sides there may differ by as little as the bound below.
+        for (columns, h, bent) in [(0..n, 2e-8, 1e-2), (n..2 * n, 1e-5, 2e-5), (2 * n..2 * n + 1, 1e-7, 1e-2)] {
             let quotients: Vec<_> = columns
                 .clone()
                 .map(|k| (quotient(&mut system, t, &y, k, h), quotient(&mut system, t, &y, k, 0.5 * h)))
@@ -151,7 +153,7 @@ proptest! {
                     };
                     let (a, b) = (coarse[n + row], fine[n + row]);
                     seen += 1;
-                    if (a - b).abs() > 2e-6 * largest || bend[n + row].abs() > 1e-2 * largest {
+                    if (a - b).abs() > 2e-6 * largest || bend[n + row].abs() > bent * largest {
                         kinks += 1;
                     } else {
                         // Measured: at most 4e-6, rounding of positions and speeds.
@@ -191,18 +193,11 @@ proptest! {
     /// What the force along the profile adds to the slopes of the normal forces, a hundredth of them, by itself.
     #[test]
     fn the_force_along_the_profile_has_its_slopes(
-        (zk, m, zi, wheels) in (9_usize..121, 0.3..0.9_f64, 3_usize..9, 1_usize..5), friction: bool,
+        shape in (9_usize..121, 0.3..0.9_f64, 3_usize..9, 1_usize..5), friction: bool,
         backlash in prop_oneof![Just(0.0), 0.0..3e-4], t in 0.0..0.5_f64, twist in 1e-3..6e-3_f64,
         noise in prop::array::uniform16(prop_oneof![-1.0..-0.1_f64, 0.1..1.0]),
     ) {
-        let mut scene = Scene::paper();
-        scene.gear.external_sleeves = zk;
-        scene.gear.shortening = m;
-        scene.gear.internal_sleeves = zi;
-        scene.gear.internal_circle_radius_m = 0.55 * 0.0028 * zk as f64 / m;
-        scene.gear.wheels = wheels;
-        scene.gear.backlash_m = backlash;
-        scene.gear.external_sleeve_radius_m = 0.004;
+        let mut scene = gear(shape, backlash);
         scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
         prop_assume!(scene.clone().check().is_ok()); // some holes have no room
         let mut systems = ["paper-conservative", "paper"].map(|law| {

@@ -24,7 +24,7 @@ fn preset(name: &str, duration_s: &str) -> pinwheel_scene::CheckedScene {
 #[test]
 fn crossval_stated_uncertainties_cover_true_errors() {
     let mut scenes = vec![preset("paper", "0.01")];
-    scenes.extend((2001..2005).map(|seed| gears::gear(seed).check().unwrap()));
+    scenes.extend((2001..2005).map(|seed| gears::gear(seed).unwrap().check().unwrap()));
     let input = calibration::Input {
         scenes,
         engines: ["native-reduced", "native-lagrange"]

@@ -56,7 +56,10 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<u8, Failure> {
     } else {
         if args.scenes.is_empty() {
             for seed in seeds(&args.gears)? {
-                let gear = gears::gear(seed).check();
+                let gear = gears::gear(seed).ok_or_else(|| {
+                    Failure::input(format!("--gears: seed {seed} gives no gear; take others"))
+                })?;
+                let gear = gear.check();
                 scenes.push(gear.map_err(|fault| Failure::input(fault.to_string()))?);
             }
         }

@@ -59,7 +59,7 @@ impl PythonEngine {
         let start: Vec<[f64; 6]> = gearbox
             .initial_states()
             .iter()
-            .map(|b| [b.x, b.y, b.angle, b.vx, b.vy, b.rate])
+            .map(pinwheel_law::numbers)
             .collect();
         let run = watched(control, |watch| {
             Python::attach(|py| {

@@ -7,49 +7,10 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use pinwheel_gearbox::contacts::ContactField;
-use pinwheel_mbs::{BodyState, Wrench};
-
-/// A law and the arrays it works on.
-pub(super) struct Law {
-    field: Box<dyn ContactField>,
-    bodies: Vec<BodyState>,
-    loads: Vec<Wrench>,
-}
-
-impl Law {
-    /// On so many bodies.
-    pub(super) fn new(field: Box<dyn ContactField>, bodies: usize) -> Self {
-        Self {
-            field,
-            bodies: vec![BodyState::default(); bodies],
-            loads: vec![Wrench::default(); bodies],
-        }
-    }
-
-    /// Reads states (x, y, angle, vx, vy, rate per body), writes loads (fx, fy, moment per body).
-    pub(super) fn evaluate(&mut self, states: &[f64], loads: &mut [f64]) {
-        for (body, state) in self.bodies.iter_mut().zip(states.as_chunks::<6>().0) {
-            let &[x, y, angle, vx, vy, rate] = state;
-            *body = BodyState {
-                x,
-                y,
-                angle,
-                vx,
-                vy,
-                rate,
-            };
-        }
-        self.loads.fill(Wrench::default());
-        self.field.add_loads(&self.bodies, &mut self.loads);
-        for (out, load) in loads.as_chunks_mut::<3>().0.iter_mut().zip(&self.loads) {
-            *out = [load.fx, load.fy, load.moment];
-        }
-    }
-}
+use pinwheel_law::Evaluator;
 
 /// A law shared between an engine's callbacks.
-pub(super) type SharedLaw = Arc<Mutex<Law>>;
+pub(super) type SharedLaw = Arc<Mutex<Evaluator>>;
 
 /// What stands behind a number.
 #[derive(Clone)]

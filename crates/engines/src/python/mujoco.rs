@@ -6,8 +6,9 @@
 use std::sync::Mutex;
 
 use pinwheel_contact::Complex;
+use pinwheel_law::Evaluator;
 
-use super::law::{Law, SharedLaw, locked};
+use super::law::{SharedLaw, locked};
 
 /// Where one body's joint is, and where the body sits.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -136,7 +137,7 @@ impl Attached {
         Counted { evaluated, moved }
     }
 
-    fn evaluate(&mut self, q: &[f64], v: &[f64], law: &mut Law) {
+    fn evaluate(&mut self, q: &[f64], v: &[f64], law: &mut Evaluator) {
         let absolute = |place: &Place, joints: &[f64]| {
             let carrier = place
                 .carrier

@@ -4,8 +4,9 @@ use std::sync::{Arc, Mutex};
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::ContactField;
+use pinwheel_law::Evaluator;
 
-use super::law::{Law, SharedLaw, enter, leave};
+use super::law::{SharedLaw, enter, leave};
 use super::mujoco::detach;
 
 /// A law that engines can call; stale from the moment this is dropped.
@@ -18,7 +19,7 @@ pub(super) struct Published {
 impl Published {
     pub(super) fn new(gearbox: &Gearbox, field: Box<dyn ContactField>) -> Self {
         let bodies = gearbox.layout.bodies();
-        let law = Arc::new(Mutex::new(Law::new(field, bodies)));
+        let law = Arc::new(Mutex::new(Evaluator::new(field, bodies)));
         Self {
             number: enter(&law, bodies),
             bodies,

@@ -65,22 +65,15 @@ const RUBBING: f64 = 0.3;
 /// Samples of a run.
 const SAMPLES: f64 = 60.0;
 
-/// The gear of a seed.
-///
-/// # Panics
-/// When a thousand draws give no valid gear: the ranges below are then wrong.
+/// The gear of a seed; `None` when a thousand draws give no valid one.
 #[must_use]
-pub fn gear(seed: u64) -> Scene {
+pub fn gear(seed: u64) -> Option<Scene> {
     let mut dice = Dice::new(seed);
-    for _ in 0..1000 {
-        if let Some(scene) = draw(&mut dice) {
-            return Scene {
-                name: format!("random-{seed}"),
-                ..scene
-            };
-        }
-    }
-    panic!("seed {seed} gives no gear");
+    let scene = (0..1000).find_map(|_| draw(&mut dice))?;
+    Some(Scene {
+        name: format!("random-{seed}"),
+        ..scene
+    })
 }
 
 /// One draw; `None` if its parts do not fit together.
