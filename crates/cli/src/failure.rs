@@ -130,6 +130,9 @@ impl From<SweepError> for Failure {
                     "stopped; {finished} of {runs} runs are kept: go on with --resume"
                 ),
             },
+            SweepError::Begun { .. } => Self::input(format!(
+                "{error}; go on with --resume, or start over with --force"
+            )),
             error => Self::input(error.to_string()),
         }
     }

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use pinwheel::studies::folder::{self, Request};
+use pinwheel::studies::folder::{self, PAGE, Request};
 use pinwheel::studies::output::write_text;
 
 use crate::failure::Failure;
-use crate::{args, interrupt};
+use crate::{args, interrupt, screen};
 
 /// An output folder in the making. Dropped without [`publish`](Self::publish) it leaves nothing.
 #[derive(Debug)]
@@ -57,6 +57,14 @@ impl Folder {
         Ok(write_text(&self.path().join(PAGE), html)?)
     }
 
+    /// Writes the page, gives the folder its name, and shows the text and where the page is.
+    pub(crate) fn show(self, html: &str, text: &str) -> Result<PathBuf, Failure> {
+        self.write_page(html)?;
+        let out = self.publish()?;
+        screen::show_with_page(text, &out.join(PAGE))?;
+        Ok(out)
+    }
+
     /// Gives the folder its name; returns it as the user wrote it.
     pub(crate) fn publish(self) -> Result<PathBuf, Failure> {
         interrupt::check()?;
@@ -65,20 +73,13 @@ impl Folder {
         Ok(place)
     }
 
-    /// The same for what there is although the user asked to stop; it never replaces what is complete.
-    pub(crate) fn publish_partial(self) -> Result<PathBuf, Failure> {
+    /// Writes the page and gives the folder its name although the user asked to stop; it never replaces what is complete.
+    pub(crate) fn publish_partial(self, html: &str) -> Result<PathBuf, Failure> {
+        self.write_page(html)?;
         let place = self.0.publish_partial()?;
         interrupt::unfinished(None);
         Ok(place)
     }
-}
-
-/// The page in a folder.
-pub(crate) const PAGE: &str = "index.html";
-
-/// Where the page of a published folder is.
-pub(crate) fn page(out: &Path) -> PathBuf {
-    out.join(PAGE)
 }
 
 /// Files that the command line names, whatever they are for.

@@ -84,56 +84,6 @@ impl Bar {
             None => progress.done as f64 / progress.total.max(1) as f64,
         };
         bar.set_position((share * PARTS as f64) as u64);
-        bar.set_message(words(&progress, elapsed.as_secs_f64()));
-    }
-}
-
-/// The piece, its number, and the time left where simulated time passes; short, because what a terminal has no room for
-/// is cut off.
-fn words(progress: &Progress<'_>, elapsed_s: f64) -> String {
-    let mut text = String::new();
-    if progress.total > 1 {
-        let number = (progress.done + 1).min(progress.total);
-        text.push_str(&format!("{number} of {}, ", progress.total));
-    }
-    text.push_str(progress.piece);
-    if let Some([at, of]) = progress.simulated_s {
-        let left = elapsed_s * (of - at).max(0.0) / at;
-        if left.is_finite() {
-            text.push_str(&format!(", {} left", short(left)));
-        }
-    }
-    text
-}
-
-/// Seconds, minutes or hours.
-fn short(left_s: f64) -> String {
-    if left_s < 90.0 {
-        format!("{left_s:.0} s")
-    } else if left_s < 5400.0 {
-        format!("{:.0} min", left_s / 60.0)
-    } else {
-        format!("{:.1} h", left_s / 3600.0)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pieces_are_counted_and_fit() {
-        let piece = Progress::new(1, 4, "atlas of steel");
-        assert_eq!(words(&piece, 1.0), "2 of 4, atlas of steel");
-        let run = |at| Progress {
-            simulated_s: Some([at, 0.6]),
-            ..Progress::new(6, 12, "rapier-own-contact-colliders")
-        };
-        let line = words(&run(0.3), 12.0);
-        assert_eq!(line, "7 of 12, rapier-own-contact-colliders, 12 s left");
-        // `stability [============] 99m: ` stands before it.
-        assert!(line.len() + 28 <= 80);
-        assert!(words(&run(1e-4), 1.0).ends_with(", 1.7 h left"));
-        assert!(words(&run(0.0), 1.0).ends_with("colliders"));
+        bar.set_message(progress.sentence(elapsed.as_secs_f64()));
     }
 }

@@ -2,11 +2,30 @@
 
 use pinwheel_contact::laws::{LAWS, LawInfo};
 use pinwheel_report::terminal::{TITLE, styled};
+use serde_json::json;
 
 /// All laws, one after the other.
 #[must_use]
 pub fn text() -> String {
     LAWS.iter().map(in_words).collect::<Vec<_>>().join("\n")
+}
+
+/// The same for programs.
+#[must_use]
+pub fn json() -> serde_json::Value {
+    let each = LAWS.iter().map(|law| {
+        json!({
+            "name": law.name,
+            "summary": law.summary,
+            "formula": law.formula,
+            "source": law.source,
+            "domain": law.domain,
+            "slow_impact": law.slow_impact,
+            "keys": law.keys,
+            "conservative": law.conservative,
+        })
+    });
+    each.collect()
 }
 
 fn in_words(law: &LawInfo) -> String {

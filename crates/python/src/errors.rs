@@ -164,6 +164,10 @@ pub(crate) fn sweep(py: Python<'_>, error: &SweepError) -> PyErr {
             let text = format!("run {number} ({values}): {value}");
             raise(py, "SceneError", &text, &[("key", key)])
         }
+        SweepError::Begun { .. } => input(
+            py,
+            &format!("{error}; go on with resume=True, or start over with force=True"),
+        ),
         other => input(py, &other.to_string()),
     }
 }

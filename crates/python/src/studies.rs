@@ -154,14 +154,8 @@ pub(crate) fn bench(
     for guest in own {
         engines.push(Box::new(guest));
     }
-    let options = Options {
-        target,
-        repeats,
-        longest_s,
-        longest_native_s: 0.1 * longest_s,
-        methods,
-        ..Options::default()
-    };
+    let options = Options::asked(target, repeats, longest_s, methods)
+        .map_err(|error| errors::study(py, &error))?;
     let found = supervised(py, progress.as_ref(), |control| {
         benches::run(
             checked,

@@ -6,10 +6,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pinwheel::pages;
 use pinwheel::scene::Override;
-use pinwheel::studies::folder::{Folder, FolderError, Request, beside};
+use pinwheel::studies::folder::{Folder, FolderError, Request};
 use pinwheel::studies::output::write_text;
 use pinwheel::studies::sweep::{
-    self as sweeps, Column, Guests, Journal, KeepCourses, Plan, PlannedRun, RunRecord,
+    self as sweeps, Begin, Column, Guests, Journal, KeepCourses, Plan, PlannedRun, RunRecord,
 };
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
@@ -85,23 +85,12 @@ impl Sweep {
         let out =
             out.unwrap_or_else(|| Path::new("out").join(format!("{}-sweep", plan.sweep.name)));
         drop(Folder::prepare(&out, request(force)).map_err(|error| folder(&error))?);
-        let place = beside(&out, ".unfinished");
-        let there = place.exists();
-        let earlier = out.join("runs");
-        let earlier = resume.then_some(earlier.as_path());
-        let journal = Journal::open(&place, earlier, COMMAND).map_err(wrong)?;
-        if there && !resume {
-            if !force {
-                return Err(errors::input(
-                    py,
-                    &format!(
-                        "{} holds runs of an earlier attempt; go on with resume=True, or start over with force=True",
-                        place.display()
-                    ),
-                ));
-            }
-            journal.clear().map_err(wrong)?;
-        }
+        let begin = match (resume, force) {
+            (true, _) => Begin::Resume,
+            (_, true) => Begin::Over,
+            _ => Begin::Fresh,
+        };
+        let journal = Journal::begin(&out, begin, COMMAND).map_err(wrong)?;
         let records = Mutex::new(vec![None; plan.runs.len()]);
         Ok(Self {
             plan,

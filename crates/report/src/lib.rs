@@ -15,6 +15,7 @@ mod chart_data;
 pub mod colours;
 mod error;
 pub mod format;
+pub mod harmless;
 mod input;
 mod packed;
 pub mod statement;

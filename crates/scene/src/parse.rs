@@ -41,6 +41,12 @@ impl Override {
         }
     }
 
+    /// The key, e.g. `gear.backlash_m`.
+    #[must_use]
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+
     fn place(&self) -> Place {
         Place::Set(format!("{}={}", self.key, self.value))
     }

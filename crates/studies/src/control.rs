@@ -44,6 +44,36 @@ impl<'a> Progress<'a> {
             ..self
         }
     }
+
+    /// The piece, its number, and the time left where simulated time passes; short, because what a terminal has no room
+    /// for is cut off.
+    #[must_use]
+    pub fn sentence(&self, elapsed_s: f64) -> String {
+        let mut text = String::new();
+        if self.total > 1 {
+            let number = (self.done + 1).min(self.total);
+            text.push_str(&format!("{number} of {}, ", self.total));
+        }
+        text.push_str(self.piece);
+        if let Some([at, of]) = self.simulated_s {
+            let left = elapsed_s * (of - at).max(0.0) / at;
+            if left.is_finite() {
+                text.push_str(&format!(", {} left", span(left)));
+            }
+        }
+        text
+    }
+}
+
+/// Seconds, minutes or hours.
+fn span(time_s: f64) -> String {
+    if time_s < 90.0 {
+        format!("{time_s:.0} s")
+    } else if time_s < 5400.0 {
+        format!("{:.0} min", time_s / 60.0)
+    } else {
+        format!("{:.1} h", time_s / 3600.0)
+    }
 }
 
 /// Cancellation and progress.
@@ -233,4 +263,25 @@ pub(crate) fn run_on(
 pub(crate) enum Ended {
     Whole(Box<NativeRun>),
     Diverged { time_s: f64, quantity: String },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_are_counted_and_fit() {
+        let piece = Progress::new(1, 4, "atlas of steel");
+        assert_eq!(piece.sentence(1.0), "2 of 4, atlas of steel");
+        let run = |at| Progress {
+            simulated_s: Some([at, 0.6]),
+            ..Progress::new(6, 12, "rapier-own-contact-colliders")
+        };
+        let line = run(0.3).sentence(12.0);
+        assert_eq!(line, "7 of 12, rapier-own-contact-colliders, 12 s left");
+        // `stability [============] 99m: ` stands before it.
+        assert!(line.len() + 28 <= 80);
+        assert!(run(1e-4).sentence(1.0).ends_with(", 1.7 h left"));
+        assert!(run(0.0).sentence(1.0).ends_with("colliders"));
+    }
 }

@@ -156,6 +156,34 @@ fn check(
 }
 
 impl Outcome {
+    /// That the run diverged: when, and by what.
+    #[must_use]
+    pub fn diverged(&self) -> Option<String> {
+        match &self.ending {
+            Ending::Diverged { time_s, quantity } => Some(format!(
+                "{} diverged at t = {time_s:.6} s: {quantity}",
+                self.engine
+            )),
+            _ => None,
+        }
+    }
+
+    /// That its step or tolerance does not resolve the scene, with a remedy.
+    #[must_use]
+    pub fn unresolved(&self, gearbox: &Gearbox) -> Option<String> {
+        let resolution = self.resolution.as_ref();
+        if let Some(resolution) = resolution.filter(|resolution| !resolution.holds()) {
+            return Some(format!(
+                "the step does not resolve this scene: {}; {}",
+                resolution.sentence(),
+                remedy(gearbox, self.track)
+            ));
+        }
+        let verified = self.run.uncertainty.as_ref();
+        let verified = verified.filter(|uncertainty| !uncertainty.is_resolved())?;
+        Some(verified.sentence())
+    }
+
     /// Writes `run.json` and `courses.csv`, or `courses.partial.csv` if the run diverged, into the folder `dir`.
     ///
     /// # Errors

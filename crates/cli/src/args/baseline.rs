@@ -2,23 +2,15 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use pinwheel::gearbox::contacts::Kernel;
+
+use super::named::{Named, named};
+use super::{JsonArgs, OutArgs};
 
 /// `pinwheel baseline`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel baseline check          what moved since the accepted results?
-  pinwheel baseline record before  keep the present state under a name,
-  pinwheel baseline check before   and see what your change does to it
-  pinwheel baseline record --accept \"dopri5: other step control, errors halved\"
-  pinwheel baseline record mine --solver mine/solver.toml
-      the same for your own solver (docs/solvers.md)
-
-A baseline is a folder of text files in reference/baselines/: results, errors
-against converged runs and counts of a fixed set of short scenes. Run it in the
-project's folder, or name --dir.")]
+#[command(after_help = include_str!("../../help/baseline.txt").trim_ascii_end())]
 pub(crate) struct BaselineArgs {
     #[command(subcommand)]
     pub(crate) action: Action,
@@ -61,14 +53,7 @@ pub(crate) struct Running {
 
 /// `pinwheel baseline record`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel baseline record mine
-  pinwheel baseline record --accept \"sleeves of Fig. 3, not assumed ones\"
-
-An existing baseline is only replaced with --accept; the reason joins the dated
-list in its baseline.toml. Look at `pinwheel baseline check` first, and at the
-diff before you commit it.")]
+#[command(after_help = include_str!("../../help/baseline-record.txt").trim_ascii_end())]
 pub(crate) struct RecordBaselineArgs {
     #[command(flatten)]
     pub(crate) which: Which,
@@ -81,22 +66,13 @@ pub(crate) struct RecordBaselineArgs {
 
 /// `pinwheel baseline check`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel baseline check
-  pinwheel baseline check before --only paper,steel --out out/my-change
-  pinwheel baseline check --loop scalar
-      the same results without vector instructions?
-
-Writes DIR/index.html (before and after, overlaid, by what moved most) and
-DIR/summary.json. Exit status 1 if anything is worse: an error or a count above
-its limit, or a run that diverges.")]
+#[command(after_help = include_str!("../../help/baseline-check.txt").trim_ascii_end())]
 pub(crate) struct CheckArgs {
     #[command(flatten)]
     pub(crate) which: Which,
     /// Contact loop.
-    #[arg(long = "loop", value_enum, default_value_t = Loop::Best)]
-    pub(crate) kernel: Loop,
+    #[arg(long = "loop", value_parser = named(LOOPS), default_value = "best")]
+    pub(crate) kernel: Kernel,
     /// Times each run is repeated for its time; 0: no times.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8))]
     pub(crate) repeats: u8,
@@ -108,48 +84,33 @@ pub(crate) struct CheckArgs {
     pub(crate) judge_time: bool,
     #[command(flatten)]
     pub(crate) running: Running,
-    /// Output folder; an earlier output there is replaced as a whole [default: out/baseline-<NAME>].
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Replace the output folder even if it holds files of other origin.
-    #[arg(long)]
-    pub(crate) force: bool,
+    #[command(flatten)]
+    pub(crate) out: OutArgs,
 }
 
 /// `pinwheel baseline list`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Example:
-  pinwheel baseline list --json")]
+#[command(after_help = include_str!("../../help/baseline-list.txt").trim_ascii_end())]
 pub(crate) struct ListArgs {
     /// Folder of the baselines.
     #[arg(long, value_name = "DIR", default_value = "reference/baselines")]
     pub(crate) dir: PathBuf,
-    /// Write JSON, for programs.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) out: JsonArgs,
 }
 
 /// Contact loops by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Loop {
-    /// The processor's best vector instructions.
-    Best,
-    /// AVX2 at most.
-    Avx2,
-    /// No vector instructions of the processor.
-    Portable,
-    /// One pair after the other.
-    Scalar,
-}
-
-impl From<Loop> for Kernel {
-    fn from(wanted: Loop) -> Self {
-        match wanted {
-            Loop::Best => Self::Lanes,
-            Loop::Avx2 => Self::Avx2,
-            Loop::Portable => Self::Portable,
-            Loop::Scalar => Self::Scalar,
-        }
-    }
-}
+const LOOPS: &[Named<Kernel>] = &[
+    (
+        "best",
+        "the processor's best vector instructions",
+        Kernel::Lanes,
+    ),
+    ("avx2", "AVX2 at most", Kernel::Avx2),
+    (
+        "portable",
+        "no vector instructions of the processor",
+        Kernel::Portable,
+    ),
+    ("scalar", "one pair after the other", Kernel::Scalar),
+];

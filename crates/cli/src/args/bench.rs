@@ -1,23 +1,14 @@
 //! The command line of `pinwheel bench`.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use pinwheel::studies::bench::Part;
 
-use super::{OutArgs, SceneArgs};
+use super::named::{Named, named};
+use super::{OutArgs, SceneArgs, positive};
 
 /// `pinwheel bench`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel bench paper                native and rapier, within three minutes
-  pinwheel bench backlash-0.6 --engines native,rapier-shared-law
-  pinwheel bench steel --longest 300  let the peers take the steps they need
-  pinwheel bench paper --parts scaling --out out/scaling
-
-Writes DIR/index.html (`pinwheel open` shows it), DIR/summary.json and, beside
-them, DIR/bench.csv with a line a run, DIR/scaling.csv and DIR/mechanisms.csv.
-Ctrl-C ends the measurement and writes what there is; a second one leaves
-nothing. CPU times are those of one thread; close other programs for figures to
-rely on.")]
+#[command(after_help = include_str!("../../help/bench.txt").trim_ascii_end())]
 pub(crate) struct BenchArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
@@ -29,16 +20,16 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) methods: Vec<String>,
     /// Relative L2 force error over the whole run at which the engines are ranked.
-    #[arg(long, value_name = "ERROR", default_value_t = 1e-4)]
+    #[arg(long, value_name = "ERROR", default_value_t = 1e-4, value_parser = positive)]
     pub(crate) target: f64,
     /// CPU seconds that one run of a peer may take; the native solver gets a tenth.
-    #[arg(long, value_name = "S", default_value_t = 20.0)]
+    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
     pub(crate) longest: f64,
     /// Runs of one setting at most, of which minimum and median are shown; long ones get fewer.
-    #[arg(long, value_name = "N", default_value_t = 5)]
-    pub(crate) repeats: usize,
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) repeats: u16,
     /// What to measure, separated by commas.
-    #[arg(long, value_name = "A,B", value_delimiter = ',', default_values_t = Part::ALL)]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = named(PARTS), default_values = PARTS.iter().map(|part| part.0))]
     pub(crate) parts: Vec<Part>,
     #[command(flatten)]
     pub(crate) solvers: super::Solvers,
@@ -46,38 +37,21 @@ pub(crate) struct BenchArgs {
     pub(crate) out: OutArgs,
 }
 
-/// A part of the measurement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Part {
-    /// The scene: error against cost of every engine and method.
-    Scene,
-    /// Cost against the number of wheels, sleeves and points.
-    Scaling,
-    /// Error against cost on published mechanisms.
-    Mechanisms,
-}
-
-impl Part {
-    /// All.
-    pub(crate) const ALL: [Self; 3] = [Self::Scene, Self::Scaling, Self::Mechanisms];
-}
-
-impl From<Part> for pinwheel::studies::bench::Part {
-    fn from(part: Part) -> Self {
-        match part {
-            Part::Scene => Self::Scene,
-            Part::Scaling => Self::Scaling,
-            Part::Mechanisms => Self::Mechanisms,
-        }
-    }
-}
-
-impl std::fmt::Display for Part {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Scene => "scene",
-            Self::Scaling => "scaling",
-            Self::Mechanisms => "mechanisms",
-        })
-    }
-}
+/// Parts by name.
+const PARTS: &[Named<Part>] = &[
+    (
+        "scene",
+        "the scene: error against cost of every engine and method",
+        Part::Scene,
+    ),
+    (
+        "scaling",
+        "cost against the number of wheels, sleeves and points",
+        Part::Scaling,
+    ),
+    (
+        "mechanisms",
+        "error against cost on published mechanisms",
+        Part::Mechanisms,
+    ),
+];

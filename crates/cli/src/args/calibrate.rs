@@ -1,24 +1,14 @@
 //! Arguments of `pinwheel calibrate`.
 
+use std::ops::Range;
+
 use clap::Args;
 
 use super::OutArgs;
 
 /// `pinwheel calibrate`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel calibrate  stated uncertainties against true errors: some minutes
-  pinwheel calibrate --gears 100..140            the same on other random gears
-  pinwheel calibrate --power  the smallest faults that a comparison tells
-  pinwheel calibrate --power my-gear.toml --engines rapier-shared-law
-
-Writes DIR/summary.json with every case. docs/verdicts.md says what the tables
-mean.
-
-Exit status 1: less than 95 of 100 errors are within what was stated, what was
-stated is 5 times the error or more in the median, or (--power) a fault of the
-size in the table is not told, or a right gear is said to differ.")]
+#[command(after_help = include_str!("../../help/calibrate.txt").trim_ascii_end())]
 pub(crate) struct CalibrateArgs {
     /// Scene files or presets [default: the study's own].
     #[arg(value_name = "SCENE")]
@@ -27,8 +17,8 @@ pub(crate) struct CalibrateArgs {
     #[arg(long)]
     pub(crate) power: bool,
     /// Random gears beside the presets, by their seeds.
-    #[arg(long, value_name = "FROM..TO", default_value = "1000..1024", conflicts_with_all = ["power", "scenes"])]
-    pub(crate) gears: String,
+    #[arg(long, value_name = "FROM..TO", default_value = "1000..1024", value_parser = seeds, conflicts_with_all = ["power", "scenes"])]
+    pub(crate) gears: Range<u64>,
     /// Engines, separated by commas [default: all of this build with a ladder of their own; --power: of the shared law].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) engines: Vec<String>,
@@ -37,4 +27,12 @@ pub(crate) struct CalibrateArgs {
     pub(crate) longest: f64,
     #[command(flatten)]
     pub(crate) out: OutArgs,
+}
+
+fn seeds(text: &str) -> Result<Range<u64>, &'static str> {
+    let ends = text.split_once("..");
+    let range = ends.and_then(|(from, to)| Some(from.parse().ok()?..to.parse().ok()?));
+    range
+        .filter(|range| !range.is_empty() && range.end - range.start <= 10_000)
+        .ok_or("a range of seeds is written like 1000..1024")
 }

@@ -9,20 +9,7 @@ use super::{OutArgs, SceneArgs};
 
 /// `pinwheel init`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel init mine.toml --ratio 39 --pin-circle-diameter-mm 104 \\
-      --torque-n-m 200 --speed-rpm 1500
-  pinwheel init small.toml --ratio 20 --pin-circle-diameter-mm 40 \\
-      --torque-n-m 2 --speed-rpm 600 \\
-      --material pom --backlash-mm 0.1 --friction 0.2
-
-What you leave out is suggested: shortening coefficient e zk/R of 0.65 or less,
-pins that fill two thirds of their pitch, the largest output pins that leave
-walls. Every line of the file says whether it was given or suggested. Masses
-follow from the shapes. A gear that cannot be built (undercut, no room for the
-holes) is an error that names the dimension. Then: pinwheel explain mine.toml;
-pinwheel design mine.toml; pinwheel compare mine.toml")]
+#[command(after_help = include_str!("../../help/init.txt").trim_ascii_end())]
 pub(crate) struct InitArgs {
     /// Scene file to write; `-` for standard output.
     pub(crate) file: PathBuf,
@@ -134,16 +121,7 @@ impl InitArgs {
 
 /// `pinwheel design`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel design paper
-  pinwheel design mine.toml --statics --out out/mine
-
-Lost motion at 3 % of the rated torque, torsional stiffness, transmission error
-with its orders, load sharing, pressure and sliding of the contacts, bearing
-forces, hysteresis and efficiency. The rated torque is the scene's largest
-load. Writes DIR/index.html, DIR/summary.json, DIR/torsion.csv, DIR/period.csv
-and DIR/hysteresis.csv.")]
+#[command(after_help = include_str!("../../help/design.txt").trim_ascii_end())]
 pub(crate) struct DesignArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,

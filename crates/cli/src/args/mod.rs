@@ -1,6 +1,6 @@
 //! The command line: what can be typed. Nothing here calls a command.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
@@ -15,6 +15,7 @@ mod baseline;
 mod bench;
 mod calibrate;
 mod design;
+mod named;
 mod paper;
 mod solver;
 mod stability;
@@ -29,32 +30,7 @@ pub(crate) use solver::{SolverAction, SolverArgs, Solvers};
 pub(crate) use stability::StabilityArgs;
 pub(crate) use sweep::SweepArgs;
 
-const EXAMPLES: &str = "\
-Examples:
-  pinwheel compare paper             the paper's gear in every engine, one page
-  pinwheel open                      the newest page, in the browser
-  pinwheel run paper                 one engine: courses.csv and run.json
-  pinwheel compare paper --set gear.backlash_m=0.0006 --out out/backlash
-  pinwheel bench paper               what accuracy costs, native and peers
-  pinwheel explain my-gear.toml      what is modelled and to be expected
-  pinwheel init mine.toml --ratio 39 --pin-circle-diameter-mm 104 \\
-      --torque-n-m 200 --speed-rpm 1500
-  pinwheel design mine.toml          lost motion, stiffness, stress
-  pinwheel sweep my-sweep.toml       lists and ranges of keys over all cores
-  pinwheel stability --quick         which method survives which hard scene
-  pinwheel calibrate                 what verdicts are worth
-  pinwheel engines                   what there is to compare with
-  pinwheel compare paper --solver mine/solver.toml
-                                     your own solver beside them
-  pinwheel laws                      contact laws that a scene can name
-
-A SCENE is the path of a TOML file or the name of a preset: paper, paper-2019,
-paper-friction, paper-rough, paper-refined, paper-geometric, backlash-0.6,
-steel, one-wheel, eleven-pins, forty-pins, and the hard cases hard-* of
-reference/scenes, e.g. hard-adhesive.
-
-Exit status: 0 done and within limits; 1 a limit was exceeded; 2 bad input or
-usage; 3 an engine is missing, diverged or failed; 130 stopped.";
+const EXAMPLES: &str = include_str!("../../help/pinwheel.txt");
 
 /// Cross-validation of cycloidal gearbox dynamics: one scene, several engines, one report.
 #[derive(Debug, Parser)]
@@ -85,11 +61,12 @@ pub(crate) enum Command {
     /// Run a scene with lists or ranges of keys over all cores and tabulate the figures.
     Sweep(SweepArgs),
     /// List the engines of this build.
-    Engines(EnginesArgs),
+    Engines(JsonArgs),
     /// Study which method survives which hard scene, at which step, and how it fails.
     Stability(StabilityArgs),
     /// List the contact laws with their source, domain and behaviour at slow impacts.
-    Laws(LawsArgs),
+    #[command(after_help = include_str!("../../help/laws.txt").trim_ascii_end())]
+    Laws(JsonArgs),
     /// Print the JSON schema of scene files, by which editors complete and check them.
     Schema {
         /// The schema of job files (scene.json), which solvers from outside read.
@@ -125,7 +102,7 @@ pub(crate) struct SceneArgs {
 /// Where results go.
 #[derive(Debug, Args)]
 pub(crate) struct OutArgs {
-    /// Output folder; an earlier output there is replaced as a whole [default: out/<scene>-<command>].
+    /// Output folder; an earlier output there is replaced as a whole [default: in out/, by what it is of].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Replace the output folder even if it holds files of other origin.
@@ -135,15 +112,7 @@ pub(crate) struct OutArgs {
 
 /// `pinwheel run`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel run paper
-  pinwheel run paper --set solver.integrator=rk4 --out out/rk4
-
-Writes DIR/courses.csv and DIR/run.json. A run that diverges ends with status 3
-and leaves what was computed until then in DIR/courses.partial.csv. A native run
-whose forces move by more than 30 % when it is repeated at twice its step ends
-with status 1: its step does not resolve the scene.")]
+#[command(after_help = include_str!("../../help/run.txt").trim_ascii_end())]
 pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
@@ -166,25 +135,7 @@ pub(crate) struct RunArgs {
 
 /// `pinwheel compare`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel compare paper
-  pinwheel compare paper --engines native-reduced,native-lagrange
-  pinwheel compare paper --against rig.csv --map rig.toml   measured data
-
-Writes DIR/index.html (`pinwheel open` shows it), DIR/summary.json and
-DIR/<engine>/courses.csv. Engines that cannot honour the scene are left out,
-with the reason on the page.
-
-Every engine also runs at coarser settings, which show how far its numbers may
-be off (docs/verdicts.md). Steps and tolerances that your file or --set states
-are obeyed; others are refined until a pair is known to --resolution, or until
-an engine has taken --longest.
-
-Status 0: every statement holds, or is not resolved for a reason that no
-setting changes (a recording, an engine that has spent its time). 1: engines
-differ, a limit is exceeded, or a pair is not resolved that a finer setting
-would resolve.")]
+#[command(after_help = include_str!("../../help/compare.txt").trim_ascii_end())]
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
@@ -221,15 +172,7 @@ pub(crate) struct ForeignArgs {
 
 /// `pinwheel record`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel record
-  pinwheel record paper steel --engines mujoco-shared-law
-
-Writes DIR/SCENE/ENGINE.toml (what, how and when) and DIR/SCENE/ENGINE.csv
-(courses, thinned and rounded). A build embeds the recordings it finds in
-reference/recorded and compares with them where it has no live engine. Engines
-that cannot run a scene, or diverge on it, are left out with the reason.")]
+#[command(after_help = include_str!("../../help/record.txt").trim_ascii_end())]
 pub(crate) struct RecordArgs {
     /// Presets or scene files [default: the scenes that recordings are kept of].
     pub(crate) scenes: Vec<String>,
@@ -241,12 +184,9 @@ pub(crate) struct RecordArgs {
     pub(crate) out: PathBuf,
 }
 
-/// `pinwheel laws`.
+/// For people or for programs.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Example:
-  pinwheel run paper --set contact.law=paper-conservative")]
-pub(crate) struct LawsArgs {
+pub(crate) struct JsonArgs {
     /// Write JSON, for programs.
     #[arg(long)]
     pub(crate) json: bool,
@@ -254,32 +194,17 @@ pub(crate) struct LawsArgs {
 
 /// `pinwheel explain`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel explain paper
-  pinwheel explain my-gear.toml --set gear.wheels=3 --json")]
+#[command(after_help = include_str!("../../help/explain.txt").trim_ascii_end())]
 pub(crate) struct ExplainArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
-    /// Write JSON, for programs.
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-/// `pinwheel engines`.
-#[derive(Debug, Args)]
-pub(crate) struct EnginesArgs {
-    /// Write JSON, for programs.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) out: JsonArgs,
 }
 
 /// `pinwheel open`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel open
-  pinwheel open out/paper-compare")]
+#[command(after_help = include_str!("../../help/open.txt").trim_ascii_end())]
 pub(crate) struct OpenArgs {
     /// Output folder or page [default: what was written last in out/].
     pub(crate) place: Option<PathBuf>,
@@ -290,11 +215,7 @@ pub(crate) struct OpenArgs {
 
 /// `pinwheel completions`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  source <(pinwheel completions bash)
-  pinwheel completions zsh > ~/.zfunc/_pinwheel
-  pinwheel completions fish > ~/.config/fish/completions/pinwheel.fish")]
+#[command(after_help = include_str!("../../help/completions.txt").trim_ascii_end())]
 pub(crate) struct CompletionsArgs {
     /// Which shell.
     pub(crate) shell: clap_complete::Shell,
@@ -302,10 +223,7 @@ pub(crate) struct CompletionsArgs {
 
 /// `pinwheel man`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel man | man -l -
-  pinwheel man --out ~/.local/share/man/man1")]
+#[command(after_help = include_str!("../../help/man.txt").trim_ascii_end())]
 pub(crate) struct ManArgs {
     /// Folder for the pages of the program and all its commands.
     #[arg(long, value_name = "DIR")]
@@ -376,10 +294,20 @@ impl SceneArgs {
 impl OutArgs {
     /// The folder asked for, or `out/<scene>-<command>`.
     pub(crate) fn folder(&self, scene: &str, command: &str) -> PathBuf {
-        self.out
-            .clone()
-            .unwrap_or_else(|| PathBuf::from("out").join(format!("{}-{command}", file_name(scene))))
+        self.or(format!("{}-{command}", file_name(scene)))
     }
+
+    /// The folder asked for, or `out/<name>`.
+    pub(crate) fn or(&self, name: impl AsRef<Path>) -> PathBuf {
+        let out = self.out.clone();
+        out.unwrap_or_else(|| Path::new("out").join(name))
+    }
+}
+
+fn positive(text: &str) -> Result<f64, &'static str> {
+    let number = text.parse().ok();
+    let positive = number.filter(|x: &f64| *x > 0.0 && x.is_finite());
+    positive.ok_or("a positive number is needed; leave it out for the default")
 }
 
 /// Cores this program may use.
@@ -513,12 +441,5 @@ mod tests {
             again("sweep it's.toml --out=x --jobs 3 --resume --engines=a,b"),
             "pinwheel sweep 'it'\\''s.toml' --engines=a,b"
         );
-    }
-
-    #[test]
-    fn shell_words() {
-        assert_eq!(quoted("gear.wheels=1"), "gear.wheels=1");
-        assert_eq!(quoted("it's"), "'it'\\''s'");
-        assert_eq!(quoted(""), "''");
     }
 }

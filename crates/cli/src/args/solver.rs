@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use pinwheel::engines::external::{self, scaffold::Language};
 
-use super::SceneArgs;
+use super::named::{Named, named};
+use super::{OutArgs, SceneArgs};
 use crate::failure::Failure;
 
 /// Solvers of the user's that join the engines.
@@ -37,12 +38,7 @@ impl Solvers {
 
 /// `pinwheel solver`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel solver new --language c mine     a small solver that works
-  pinwheel solver check mine/solver.toml    what comparisons rely on
-  pinwheel compare paper --solver mine/solver.toml
-  pinwheel solver job paper job             a job folder to try it by hand")]
+#[command(after_help = include_str!("../../help/solver.txt").trim_ascii_end())]
 pub(crate) struct SolverArgs {
     #[command(subcommand)]
     pub(crate) action: SolverAction,
@@ -54,8 +50,8 @@ pub(crate) enum SolverAction {
     /// Write a small solver that works into a new folder.
     New {
         /// Its language.
-        #[arg(long, value_enum)]
-        language: Lang,
+        #[arg(long, value_parser = named(LANGUAGES))]
+        language: Language,
         /// Its name, and the folder's: small letters, digits and `-`.
         name: String,
     },
@@ -66,12 +62,8 @@ pub(crate) enum SolverAction {
         /// Write the findings as a JUnit file, too, for CI systems.
         #[arg(long, value_name = "FILE")]
         junit: Option<PathBuf>,
-        /// Output folder; an earlier output there is replaced as a whole [default: out/<solver>-check].
-        #[arg(long, value_name = "DIR")]
-        out: Option<PathBuf>,
-        /// Replace the output folder even if it holds files of other origin.
-        #[arg(long)]
-        force: bool,
+        #[command(flatten)]
+        out: OutArgs,
     },
     /// Write the job folder of a scene, to try a solver by hand.
     Job {
@@ -85,28 +77,10 @@ pub(crate) enum SolverAction {
 }
 
 /// Languages by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Lang {
-    /// C, Runge-Kutta 4.
-    C,
-    /// C++, Runge-Kutta 4.
-    Cpp,
-    /// Fortran, Heun.
-    Fortran,
-    /// Python, Heun.
-    Python,
-    /// Julia, Runge-Kutta 4.
-    Julia,
-}
-
-impl From<Lang> for Language {
-    fn from(language: Lang) -> Self {
-        match language {
-            Lang::C => Self::C,
-            Lang::Cpp => Self::Cpp,
-            Lang::Fortran => Self::Fortran,
-            Lang::Python => Self::Python,
-            Lang::Julia => Self::Julia,
-        }
-    }
-}
+const LANGUAGES: &[Named<Language>] = &[
+    ("c", "C, Runge-Kutta 4", Language::C),
+    ("cpp", "C++, Runge-Kutta 4", Language::Cpp),
+    ("fortran", "Fortran, Heun", Language::Fortran),
+    ("python", "Python, Heun", Language::Python),
+    ("julia", "Julia, Runge-Kutta 4", Language::Julia),
+];

@@ -1,23 +1,12 @@
 //! Arguments of `pinwheel stability`.
 
-use std::path::PathBuf;
-
 use clap::Args;
+
+use super::OutArgs;
 
 /// `pinwheel stability`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel stability --quick  everything on short runs: about a minute
-  pinwheel stability                          the whole study: some minutes
-  pinwheel stability hard-steel my-gear.toml  these scenes alone
-  pinwheel stability --resume  go on with a study that was stopped
-
-Writes DIR/index.html (see `pinwheel open`), DIR/summary.json (everything) and
-DIR/stability.csv (one line a scene and method). Ctrl-C keeps the pieces that
-are done; --resume does the rest.
-
-Exit status 1: there is a scene that no method gives within 1 %.")]
+#[command(after_help = include_str!("../../help/stability.txt").trim_ascii_end())]
 pub(crate) struct StabilityArgs {
     /// Scene files or presets [default: every hard-* preset, the long run, and the published model above C = 8].
     #[arg(value_name = "SCENE")]
@@ -33,10 +22,6 @@ pub(crate) struct StabilityArgs {
     /// Go on with the stopped study in the output folder.
     #[arg(long)]
     pub(crate) resume: bool,
-    /// Output folder; an earlier output there is replaced as a whole [default: out/stability].
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Replace the output folder even if it holds files of other origin.
-    #[arg(long)]
-    pub(crate) force: bool,
+    #[command(flatten)]
+    pub(crate) out: OutArgs,
 }

@@ -9,26 +9,7 @@ use super::OutArgs;
 
 /// `pinwheel sweep`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  pinwheel sweep reference/sweeps/backlash.toml
-  pinwheel sweep my-sweep.toml --jobs 4 --out out/mine
-  pinwheel sweep my-sweep.toml --resume  go on after a stop or a kill
-  pinwheel sweep my-sweep.toml --list    what would be run
-  pinwheel sweep my-sweep.toml --shard 3/8 a part, on a machine of its own
-  pinwheel sweep my-sweep.toml --gather  the results of all parts
-
-A sweep file names a base scene and what to vary:
-  scene = \"paper\"
-  [vary]
-  gear.backlash_m = { from = 0.0, to = 1.0e-3, points = 11 }
-  contact.damping_n_s_m = [8.0, 64.0]
-
-Writes DIR/results.csv and DIR/results.parquet (a row a run: the same whatever
---jobs), DIR/costs.csv, DIR/index.html, DIR/summary.json and DIR/runs/. Until
-all runs are done, finished ones stand in DIR.unfinished, each whole; --resume
-takes them, and those of an earlier output in DIR, as far as the sweep still
-asks for them.")]
+#[command(after_help = include_str!("../../help/sweep.txt").trim_ascii_end())]
 pub(crate) struct SweepArgs {
     /// Sweep file (TOML); see docs/sweeps.md.
     pub(crate) file: PathBuf,

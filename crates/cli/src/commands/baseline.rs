@@ -1,7 +1,7 @@
 //! `pinwheel baseline`: what the solver gave when it was last accepted, and what moved since.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use pinwheel::pages;
 use pinwheel::studies::baseline::{self, Acceptance, Baseline, HEAD, Made, Options, Verdict, made};
@@ -9,7 +9,7 @@ use pinwheel::studies::{Provenance, junit};
 
 use crate::args::{self, Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
 use crate::failure::{EXCEEDED, Failure};
-use crate::folder::{self, Folder};
+use crate::folder::Folder;
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -80,13 +80,10 @@ fn size(folder: &Path) -> u64 {
 fn check(args: &CheckArgs) -> Result<u8, Failure> {
     let Which { dir, name } = &args.which;
     let accepted = Baseline::open(dir, name)?;
-    let out = args
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from(format!("out/baseline-{name}")));
-    let folder = Folder::prepare_beside(&out, args.force, dir)?;
+    let out = args.out.or(format!("baseline-{name}"));
+    let folder = Folder::prepare_beside(&out, args.out.force, dir)?;
     let options = Options {
-        kernel: args.kernel.into(),
+        kernel: args.kernel,
         threads: args.running.threads.into(),
         repeats: args.repeats.into(),
         only: args.running.only.clone(),
@@ -104,12 +101,10 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     let made = Provenance::here(args::typed());
     baseline::write(&found, &accepted.head, folder.path(), &made)?;
     let page = pages::baseline::page(name, &accepted.head, &found, &made)?;
-    folder.write_page(&page)?;
-    let out = folder.publish()?;
+    folder.show(&page, &pages::baseline::text(&found))?;
     if let Some(path) = &args.junit {
         junit::write(path, "pinwheel baseline", &junit::of_baseline(name, &found))?;
     }
-    screen::show_with_page(&pages::baseline::text(&found), &folder::page(&out))?;
     Ok(if found.verdict == Verdict::Worse {
         EXCEEDED
     } else {
@@ -119,7 +114,7 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
 
 fn list(args: &ListArgs) -> Result<u8, Failure> {
     let listed = Baseline::list(&args.dir)?;
-    screen::show_or_json(args.json, &listed, || {
+    screen::show_or_json(args.out.json, &listed, || {
         if listed.is_empty() {
             let dir = args.dir.display();
             return format!("no baselines in {dir}; `pinwheel baseline record` makes one");

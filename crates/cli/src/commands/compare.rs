@@ -1,21 +1,20 @@
 //! `pinwheel compare`: one scene, several engines, one report.
 
 use std::path::Path;
-use std::time::Duration;
 
-use pinwheel::compare::Status;
 use pinwheel::pages;
-use pinwheel::scene::{CheckedScene, PRESETS};
+use pinwheel::scene::PRESETS;
 use pinwheel::studies::comparison::{self, Effort, Input, foreign};
 use pinwheel::studies::{Provenance, choice, junit};
 
 use crate::args::{self, CompareArgs, ForeignArgs};
 use crate::failure::{ENGINE, Failure};
-use crate::folder::{self, Folder};
+use crate::folder::Folder;
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
 pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
+    let overrides = args::overrides(&args.scene.set)?;
     let gearbox = args.scene.load()?;
     let data = open(&args.foreign)?;
     let gearbox = foreign::with_channels(&data, gearbox)?;
@@ -29,15 +28,20 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         engines: &engines,
         data: &data,
     };
-    let effort = effort(args, scene)?;
+    let mut effort = Effort::asked(scene, args.longest, args.resolution)?;
+    let stated = overrides
+        .iter()
+        .any(|set| Effort::KEYS.contains(&set.key()));
+    let preset = PRESETS.iter().any(|preset| preset.name == args.scene.scene);
+    effort.obey = stated || !preset && effort.obey;
     let found = watched("compare", |control| {
         comparison::run_with(&input, effort, control)
     })?;
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
     let page = pages::comparison::page(&found, &made, interrupt::flag())?;
-    folder.write_page(&page)?;
-    let out = folder.publish()?;
+    let text = pages::comparison::text(scene, &found.comparison);
+    folder.show(&page, &text)?;
     if let Some(path) = &args.junit {
         junit::write(
             path,
@@ -45,54 +49,12 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
             &junit::of_comparison(&found.comparison),
         )?;
     }
-    let text = pages::comparison::text(scene, &found.comparison);
-    screen::show_with_page(&text, &folder::page(&out))?;
 
-    let broken = found
-        .participants
-        .iter()
-        .find(|participant| match participant.status {
-            Status::Finished => false,
-            // Left out with its reason, which is what one wants unless it was asked for.
-            Status::Unsupported { .. } => asked_by_name,
-            Status::Diverged { .. } | Status::Failed { .. } => true,
-        });
-    if let Some(participant) = broken {
-        let remedy = match participant.status {
-            Status::Diverged { .. } => "try a smaller solver.step_s or another solver.integrator",
-            _ => "leave it out with --engines, or change the scene",
-        };
-        screen::complain(&format!(
-            "{} {}; {remedy}",
-            participant.name,
-            participant.status.reason().unwrap_or_default()
-        ));
+    if let Some(broken) = found.broken(asked_by_name) {
+        screen::complain(&broken);
         return Ok(ENGINE);
     }
     Ok(found.comparison.outcome.exit_status())
-}
-
-/// Settings that the user states are obeyed; those of a preset, a base or a formula are a beginning.
-fn effort(args: &CompareArgs, scene: &CheckedScene) -> Result<Effort, Failure> {
-    let longest = Duration::try_from_secs_f64(args.longest)
-        .map_err(|_| Failure::input("--longest: give seconds, 0 or more"))?;
-    let asked = |set: &String| {
-        ["solver.step_s", "solver.tolerance", "solver.integrator"]
-            .iter()
-            .any(|key| set.trim_start().starts_with(key))
-    };
-    if !(args.resolution > 0.0 && args.resolution <= 1.0) {
-        return Err(Failure::input(
-            "--resolution: give a share above 0 and at most 1, e.g. 0.001",
-        ));
-    }
-    let preset = PRESETS.iter().any(|p| p.name == args.scene.scene);
-    let obey = args.scene.set.iter().any(asked) || !preset && Effort::of(scene).obey;
-    Ok(Effort {
-        longest,
-        obey,
-        resolution: args.resolution,
-    })
 }
 
 /// Reads the maps and files, before anything long is run.

@@ -9,7 +9,7 @@ use pinwheel::studies::{Provenance, design};
 
 use crate::args::{self, DesignArgs, InitArgs, quoted};
 use crate::failure::Failure;
-use crate::folder::{self, Folder};
+use crate::folder::Folder;
 use crate::progress::watched;
 use crate::screen;
 
@@ -59,8 +59,7 @@ pub(crate) fn design(args: &DesignArgs) -> Result<u8, Failure> {
     })?;
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
-    folder.write_page(&pages::design::page(&found, &made)?)?;
-    let out = folder.publish()?;
-    screen::show_with_page(&pages::design::text(&found), &folder::page(&out))?;
+    let page = pages::design::page(&found, &made)?;
+    folder.show(&page, &pages::design::text(&found))?;
     Ok(0)
 }

@@ -11,7 +11,7 @@ pub(crate) fn explain(args: &ExplainArgs) -> Result<u8, Failure> {
     let gearbox = args.scene.load()?;
     let explanation =
         explained::explain(&gearbox).map_err(|error| Failure::input(error.to_string()))?;
-    screen::show_or_json(args.json, &explanation, || {
+    screen::show_or_json(args.out.json, &explanation, || {
         pages::explain::text(&explanation)
     })?;
     Ok(0)

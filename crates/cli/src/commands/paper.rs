@@ -6,13 +6,13 @@ use pinwheel::studies::{Provenance, StudyError};
 
 use crate::args::{self, PaperArgs};
 use crate::failure::Failure;
-use crate::folder::{self, Folder};
+use crate::folder::Folder;
+use crate::interrupt;
 use crate::progress::watched;
-use crate::{interrupt, screen};
 
 pub(crate) fn paper(args: &PaperArgs) -> Result<u8, Failure> {
-    let figures = args.wanted()?;
-    let folder = Folder::prepare(&args.out, args.force)?;
+    let figures = args.figures.clone();
+    let folder = Folder::prepare(&args.out.or("paper"), args.out.force)?;
     let peer = if figures.is_empty() || figures.iter().any(|f| f == "10") {
         watched("paper", |control| {
             paper::peer(args.against.as_deref(), control)
@@ -38,8 +38,6 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<u8, Failure> {
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &options, &made)?;
     let page = pages::paper::page(&found, &made, interrupt::flag())?;
-    folder.write_page(&page)?;
-    let out = folder.publish()?;
-    screen::show_with_page(&pages::paper::text(&found), &folder::page(&out))?;
+    folder.show(&page, &pages::paper::text(&found))?;
     Ok(0)
 }

@@ -1,6 +1,5 @@
 //! `pinwheel run`: one scene, one engine.
 
-use pinwheel::courses::Ending;
 use pinwheel::pages;
 use pinwheel::studies::single;
 use pinwheel::studies::{Provenance, StudyError, choice};
@@ -34,26 +33,16 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
     let courses = folder.publish()?.join(single::file(&found.ending));
     let courses = courses.display();
 
-    if let Ending::Diverged { time_s, quantity } = &found.ending {
+    if let Some(diverged) = found.diverged() {
+        let remedy = single::remedy(&gearbox, found.track);
         screen::complain(&format!(
-            "{} diverged at t = {time_s:.6} s: {quantity}; what there is until then is in {courses}; {}",
-            found.engine,
-            single::remedy(&gearbox, found.track)
+            "{diverged}; what there is until then is in {courses}; {remedy}"
         ));
         return Ok(ENGINE);
     }
     screen::show(&pages::single::text(&found, &courses.to_string()))?;
-    if let Some(resolution) = found.resolution.filter(|resolution| !resolution.holds()) {
-        screen::complain(&format!(
-            "the step does not resolve this scene: {}; {}",
-            resolution.sentence(),
-            single::remedy(&gearbox, found.track)
-        ));
-        return Ok(EXCEEDED);
-    }
-    let verified = found.run.uncertainty.as_ref();
-    if let Some(uncertainty) = verified.filter(|uncertainty| !uncertainty.is_resolved()) {
-        screen::complain(&uncertainty.sentence());
+    if let Some(unresolved) = found.unresolved(&gearbox) {
+        screen::complain(&unresolved);
         return Ok(EXCEEDED);
     }
     Ok(0)

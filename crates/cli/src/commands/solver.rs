@@ -1,26 +1,21 @@
 //! `pinwheel solver`: write, check and serve a solver of the user's own.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use pinwheel::engines::external::{self, Manifest, Solver, scaffold::Language};
 use pinwheel::pages;
 use pinwheel::studies::{Provenance, conformance, junit};
 
-use crate::args::{self, SceneArgs, SolverAction, SolverArgs};
+use crate::args::{self, OutArgs, SceneArgs, SolverAction, SolverArgs};
 use crate::failure::{EXCEEDED, Failure};
-use crate::folder::{self, Folder};
+use crate::folder::Folder;
 use crate::progress::watched;
 use crate::screen;
 
 pub(crate) fn solver(args: &SolverArgs) -> Result<u8, Failure> {
     match &args.action {
-        SolverAction::New { language, name } => new((*language).into(), name),
-        SolverAction::Check {
-            file,
-            junit,
-            out,
-            force,
-        } => check(file, junit.as_deref(), out.as_deref(), *force),
+        SolverAction::New { language, name } => new(*language, name),
+        SolverAction::Check { file, junit, out } => check(file, junit.as_deref(), out),
         SolverAction::Job { scene, folder } => job(scene, folder),
         SolverAction::Library => {
             let library = external::law_library().map_err(Failure::engine)?;
@@ -42,57 +37,39 @@ fn fresh(folder: &Path) -> Result<(), Failure> {
 }
 
 fn new(language: Language, name: &str) -> Result<u8, Failure> {
-    let folder = PathBuf::from(name);
-    let files = language.files(name);
     Manifest::is_name(name).map_err(Failure::input)?;
-    fresh(&folder)?;
-    for (file, text) in &files {
-        let path = folder.join(file);
-        std::fs::write(&path, text).map_err(|error| {
-            Failure::input(format!("{} cannot be written: {error}", path.display()))
-        })?;
-    }
-    let manifest = Solver::open(&folder.join("solver.toml"));
-    let manifest = manifest.map_err(|error| Failure::engine(error.to_string()))?;
-    let build = manifest.manifest().build.as_ref();
+    let folder = Path::new(name);
+    fresh(folder)?;
+    let files = language
+        .write(folder, name)
+        .map_err(|error| Failure::input(format!("{name} cannot be written: {error}")))?;
+    let solver = Solver::open(&folder.join("solver.toml"));
+    let solver = solver.map_err(|error| Failure::engine(error.to_string()))?;
+    let build = solver.manifest().build.as_ref();
     let build = build.map_or_else(String::new, |build| {
         format!("  cd {name} && {build} && cd ..\n")
     });
     screen::show(&format!(
         "{name}/: {}\nnow:\n{build}  pinwheel solver check {name}/solver.toml\n  pinwheel compare paper --solver {name}/solver.toml",
-        files
-            .iter()
-            .map(|(file, _)| *file)
-            .collect::<Vec<_>>()
-            .join(", ")
+        files.join(", ")
     ))?;
     Ok(0)
 }
 
-fn check(
-    file: &Path,
-    junit: Option<&Path>,
-    out: Option<&Path>,
-    force: bool,
-) -> Result<u8, Failure> {
+fn check(file: &Path, junit: Option<&Path>, out: &OutArgs) -> Result<u8, Failure> {
     let solver = Solver::open(file).map_err(|error| Failure::input(error.to_string()))?;
     let name = solver.manifest().name.clone();
-    let out = out.map_or_else(
-        || PathBuf::from(format!("out/{name}-check")),
-        Path::to_owned,
-    );
-    let folder = Folder::prepare(&out, force)?;
+    let folder = Folder::prepare(&out.folder(&name, "check"), out.force)?;
     let found = watched("solver check", |control| {
         conformance::check(&solver, control)
     })?;
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
-    folder.write_page(&pages::conformance::page(&found, &made)?)?;
-    let out = folder.publish()?;
+    let page = pages::conformance::page(&found, &made)?;
+    folder.show(&page, &pages::conformance::text(&found))?;
     if let Some(path) = junit {
         junit::write(path, "pinwheel solver check", &[found.suite()])?;
     }
-    screen::show_with_page(&pages::conformance::text(&found), &folder::page(&out))?;
     Ok(if found.passed() { 0 } else { EXCEEDED })
 }
 

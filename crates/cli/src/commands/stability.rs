@@ -1,7 +1,5 @@
 //! `pinwheel stability`: which method survives which hard scene, and at which step.
 
-use std::path::PathBuf;
-
 use pinwheel::pages;
 use pinwheel::scene::Scene;
 use pinwheel::studies::stability::Method;
@@ -10,7 +8,7 @@ use pinwheel::studies::{Provenance, StudyError};
 
 use crate::args::{self, StabilityArgs, quoted};
 use crate::failure::{EXCEEDED, Failure, STOPPED};
-use crate::folder::{self, Folder};
+use crate::folder::Folder;
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -26,16 +24,13 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
             .methods
             .push(Method::of_solver(&solver, &Scene::paper()));
     }
-    let out = args
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("out/stability"));
+    let out = args.out.or("stability");
     let mut survey = if args.resume {
         Survey::resume(&out, &plan)?
     } else {
         Survey::new(plan)
     };
-    let folder = Folder::prepare(&out, args.force)?;
+    let folder = Folder::prepare(&out, args.out.force)?;
     interrupt::check()?;
     let jobs = args.jobs.map_or_else(args::cores, usize::from);
     let stopped = match watched("stability", |control| survey.go_on(jobs, control)) {
@@ -47,11 +42,10 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
     let made = Provenance::here(args::typed());
     survey.write(folder.path(), &made)?;
     let page = pages::stability::page(&survey, &made)?;
-    folder.write_page(&page)?;
     if stopped {
-        let place = folder.publish_partial()?;
+        let place = folder.publish_partial(&page)?;
         let (done, all) = survey.done();
-        let out = if args.out.is_none() && place == out {
+        let out = if args.out.out.is_none() && place == out {
             String::new()
         } else {
             format!(" --out {}", quoted(&place.display().to_string()))
@@ -63,8 +57,7 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
         ));
         return Ok(STOPPED);
     }
-    let out = folder.publish()?;
-    screen::show_with_page(&pages::stability::text(&survey), &folder::page(&out))?;
+    folder.show(&page, &pages::stability::text(&survey))?;
     let unserved = judged::unserved(&survey);
     if unserved.is_empty() {
         return Ok(0);

@@ -4,14 +4,15 @@ use std::path::Path;
 
 use pinwheel::pages;
 use pinwheel::studies::Provenance;
-use pinwheel::studies::folder::beside;
+use pinwheel::studies::folder::PAGE;
 use pinwheel::studies::sweep::{
-    self, Guests, Journal, Plan, RunRecord, Shard, Sweep, SweepError, execute, execute_some, gather,
+    self, Begin, Guests, Journal, Plan, RunRecord, Shard, Sweep, SweepError, execute, execute_some,
+    gather,
 };
 
 use crate::args::{self, SweepArgs};
 use crate::failure::{ENGINE, Failure};
-use crate::folder::{self, Folder};
+use crate::folder::Folder;
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -24,30 +25,16 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let out = args.out.folder(&plan.sweep.name, "sweep");
     // Checked before anything long is run; what is written comes at the end.
     drop(Folder::prepare(&out, args.out.force)?);
-    // `out/backlash.unfinished` for `out/backlash`.
-    let place = beside(&out, ".unfinished");
     if let Some(part) = args.shard {
-        return shard(args, &plan, &place, part);
+        return shard(args, &plan, &Journal::beside(&out), part);
     }
-    let there = place.exists();
-    if args.gather && !there {
-        return Err(Failure::input(format!(
-            "{} is not there: no shard of this sweep has begun; run them with --shard and the same --out",
-            place.display()
-        )));
-    }
-    let earlier = out.join("runs");
-    let earlier = args.resume.then_some(earlier.as_path());
-    let journal = Journal::open(&place, earlier, &args::typed())?;
-    if there && !args.resume && !args.gather {
-        if !args.out.force {
-            return Err(Failure::input(format!(
-                "{} holds runs of an earlier attempt; go on with --resume, or start over with --force",
-                place.display()
-            )));
-        }
-        journal.clear()?;
-    }
+    let begin = match (args.gather, args.resume, args.out.force) {
+        (true, ..) => Begin::Gather,
+        (_, true, _) => Begin::Resume,
+        (_, _, true) => Begin::Over,
+        _ => Begin::Fresh,
+    };
+    let journal = Journal::begin(&out, begin, &args::typed())?;
     let records = if args.gather {
         gather(&plan, &journal)
     } else {
@@ -69,17 +56,14 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     );
     sweep::write(folder.path(), &plan, &records, &table, &journal, &made)?;
     let page = pages::sweep::page(&plan, &records, &table, &made)?;
+    let csv = out.join("results.csv").display().to_string();
+    let text = pages::sweep::text(&plan, &records, &[("results", csv.clone())]);
     folder.write_page(&page)?;
-    let out = folder.publish()?;
+    let place = folder.publish()?;
     // Only now: had it failed, --resume would still find every run.
     journal.remove()?;
-    let results = [("results", out.join("results.csv").display().to_string())];
-    let text = pages::sweep::text(&plan, &records, &results);
-    screen::show_with_page(&text, &folder::page(&out))?;
-    Ok(ended(
-        &records,
-        &format!("see {}", out.join("results.csv").display()),
-    ))
+    screen::show_with_page(&text, &place.join(PAGE))?;
+    Ok(ended(&records, &format!("see {csv}")))
 }
 
 fn jobs(args: &SweepArgs) -> usize {

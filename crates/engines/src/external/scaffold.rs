@@ -1,5 +1,8 @@
 //! Small solvers that work, to begin with: the examples of `examples/solvers` under a name of one's own.
 
+use std::path::Path;
+use std::{fs, io};
+
 /// A language that there is an example in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Language {
@@ -58,5 +61,17 @@ impl Language {
             files.push(("pinwheel_law.h", HEADER.to_owned()));
         }
         files
+    }
+
+    /// Writes the files of a solver called `name` into a folder that is there; gives their names.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write(self, folder: &Path, name: &str) -> io::Result<Vec<&'static str>> {
+        let each = self.files(name).into_iter().map(|(file, text)| {
+            fs::write(folder.join(file), text)?;
+            Ok(file)
+        });
+        each.collect()
     }
 }

@@ -5,6 +5,7 @@
 //! is at least that distance; sharpness is u over it, of which 1 would be perfect knowledge. [`power::run`] makes
 //! small faults on purpose and asks which a comparison tells.
 
+pub mod chosen;
 pub mod gears;
 pub mod power;
 pub mod reference;

@@ -51,6 +51,32 @@ impl Effort {
             resolution: RESOLUTION,
         }
     }
+
+    /// Keys by which a user sets what otherwise follows from the scene.
+    pub const KEYS: [&str; 3] = ["solver.step_s", "solver.tolerance", "solver.integrator"];
+
+    /// As [`of`](Self::of), with a time and a resolution that a user states.
+    ///
+    /// # Errors
+    /// A time below 0, or a resolution that is no share.
+    pub fn asked(
+        scene: &CheckedScene,
+        longest_s: f64,
+        resolution: f64,
+    ) -> Result<Self, StudyError> {
+        let longest = Duration::try_from_secs_f64(longest_s)
+            .map_err(|_| StudyError::Input("longest: give seconds, 0 or more".to_owned()))?;
+        if !(resolution > 0.0 && resolution <= 1.0) {
+            return Err(StudyError::Input(
+                "resolution: give a share above 0 and at most 1, e.g. 0.001".to_owned(),
+            ));
+        }
+        Ok(Self {
+            longest,
+            resolution,
+            ..Self::of(scene)
+        })
+    }
 }
 
 /// Share of the resolution that one engine's uncertainty may take: it leaves room for the other's.

@@ -145,6 +145,29 @@ pub fn run_with(
 }
 
 impl Outcome {
+    /// What is wrong with the first engine that gave no result, with a remedy. Engines that cannot honour the scene count
+    /// only if they were `asked` for by name.
+    #[must_use]
+    pub fn broken(&self, asked: bool) -> Option<String> {
+        let each = self.participants.iter();
+        let (broken, remedy) = each
+            .filter_map(|participant| match participant.status {
+                Status::Finished => None,
+                Status::Unsupported { .. } if !asked => None,
+                Status::Diverged { .. } => Some((
+                    participant,
+                    "try a smaller solver.step_s or another solver.integrator",
+                )),
+                Status::Unsupported { .. } | Status::Failed { .. } => Some((
+                    participant,
+                    "leave it out with --engines, or change the scene",
+                )),
+            })
+            .next()?;
+        let reason = broken.status.reason().unwrap_or_default();
+        Some(format!("{} {reason}; {remedy}", broken.name))
+    }
+
     /// Writes `summary.json` and, in a folder for each, `courses.csv` and `run.json` of everything that ran into the
     /// folder `dir`.
     ///

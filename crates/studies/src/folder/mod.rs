@@ -27,8 +27,10 @@ use tempfile::TempDir;
 use crate::output::OutputError;
 use crate::ownership::{MARKER, Mark, Owner, abandoned, stranger, sync};
 
+mod page;
 mod place;
 
+pub use page::{PAGE, newest_page, page_at};
 pub use place::named_files;
 use place::{Place, nearest_existing};
 

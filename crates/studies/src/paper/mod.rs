@@ -59,6 +59,22 @@ pub const NAMES: [&str; 15] = [
     "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16", "17", "18", "spectra",
 ];
 
+/// A figure by its name, as `9`, `09` or `fig-9`.
+///
+/// # Errors
+/// What there is instead.
+pub fn named(word: &str) -> Result<String, String> {
+    let word = word.trim();
+    let name = word.trim_start_matches("fig-").trim_start_matches('0');
+    if NAMES.contains(&name) {
+        return Ok(name.to_owned());
+    }
+    Err(format!(
+        "there is no figure `{word}`; name some of {}",
+        NAMES.join(", ")
+    ))
+}
+
 /// What to compute.
 #[derive(Debug, Clone, Default)]
 pub struct Options {

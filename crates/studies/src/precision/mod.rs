@@ -26,7 +26,7 @@ use std::sync::atomic::Ordering;
 
 use pinwheel_engines::{Engine, Track};
 use pinwheel_mbs::integrators::METHODS;
-use pinwheel_scene::Scene;
+use pinwheel_scene::{Scene, did_you_mean};
 use serde::Serialize;
 
 use crate::StudyError;
@@ -63,6 +63,46 @@ impl Default for Options {
 }
 
 impl Options {
+    /// What a user asks for: the error at which engines are ranked, runs of a setting, CPU seconds of a peer's run, of which
+    /// the native solver gets a tenth, and integrators.
+    ///
+    /// # Errors
+    /// A number that measures nothing, or an integrator that is not there.
+    pub fn asked(
+        target: f64,
+        repeats: usize,
+        longest_s: f64,
+        methods: Vec<String>,
+    ) -> Result<Self, StudyError> {
+        for (name, value) in [("target", target), ("longest", longest_s)] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(StudyError::Input(format!(
+                    "{name}: {value} is not a positive number; leave it out for the default"
+                )));
+            }
+        }
+        if repeats == 0 {
+            return Err(StudyError::Input(
+                "repeats: 0 measures nothing; use 1 or more".to_owned(),
+            ));
+        }
+        let known = method_names();
+        if let Some(name) = methods.iter().find(|name| !known.contains(&name.as_str())) {
+            return Err(StudyError::Input(format!(
+                "there is no integrator `{name}`; {}",
+                did_you_mean(name, &known)
+            )));
+        }
+        Ok(Self {
+            target,
+            repeats,
+            longest_s,
+            longest_native_s: 0.1 * longest_s,
+            methods,
+            ..Self::default()
+        })
+    }
+
     /// How long a single run of an engine may take, s CPU.
     #[must_use]
     pub fn longest(&self, track: Track) -> f64 {

@@ -89,6 +89,18 @@ pub enum SweepError {
         /// Number of the first that is not.
         first: usize,
     },
+    /// There are runs of an earlier attempt, and nobody said whether they count.
+    #[error("{} holds runs of an earlier attempt", place.display())]
+    Begun {
+        /// The journal's folder.
+        place: PathBuf,
+    },
+    /// Nothing was begun that could be gathered.
+    #[error("{} is not there: no shard of this sweep has begun; run them with --shard and the same --out", place.display())]
+    NotBegun {
+        /// The journal's folder.
+        place: PathBuf,
+    },
     /// The user asked to stop; finished runs are kept.
     #[error("stopped after {finished} of {runs} runs")]
     Stopped {

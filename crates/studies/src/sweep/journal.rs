@@ -23,6 +23,7 @@ use std::time::{Duration, Instant};
 
 use pinwheel_courses::{Courses, Ending};
 
+use crate::folder::beside;
 use crate::ownership::{MARKER, Owner, unlisted};
 use crate::sweep::SweepError;
 use crate::sweep::file::KeepCourses;
@@ -74,6 +75,19 @@ impl std::fmt::Display for Shard {
     }
 }
 
+/// What to do with the runs of an earlier attempt.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Begin {
+    /// There should be none.
+    Fresh,
+    /// They count, and so do those of earlier results.
+    Resume,
+    /// They are those of shards, which are all done.
+    Gather,
+    /// They go.
+    Over,
+}
+
 /// A folder of finished runs.
 #[derive(Debug)]
 pub struct Journal {
@@ -111,6 +125,33 @@ impl Journal {
             shards,
             known,
         })
+    }
+
+    /// The journal of a sweep whose results go to the folder `out`: `out.unfinished` beside it.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open); there are runs that nobody said what to do with, or none to gather.
+    pub fn begin(out: &Path, begin: Begin, command: &str) -> Result<Self, SweepError> {
+        let place = Self::beside(out);
+        let there = place.exists();
+        if begin == Begin::Gather && !there {
+            return Err(SweepError::NotBegun { place });
+        }
+        let earlier = out.join("runs");
+        let resumed = begin == Begin::Resume;
+        let journal = Self::open(&place, resumed.then_some(earlier.as_path()), command)?;
+        match begin {
+            Begin::Fresh if there => return Err(SweepError::Begun { place }),
+            Begin::Over if there => journal.clear()?,
+            _ => (),
+        }
+        Ok(journal)
+    }
+
+    /// Where the journal of a sweep stands whose results go to `out`.
+    #[must_use]
+    pub fn beside(out: &Path) -> PathBuf {
+        beside(out, ".unfinished")
     }
 
     /// Opens the part of the journal `folder` that a shard writes, made if it is not there. It knows the runs of the

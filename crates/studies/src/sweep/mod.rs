@@ -20,7 +20,7 @@ pub use axis::{Axis, Value};
 pub use error::SweepError;
 pub use execute::{execute, execute_some, find, gather, perform, wanted_of};
 pub use file::{KeepCourses, Sweep};
-pub use journal::{Journal, Shard};
+pub use journal::{Begin, Journal, Shard};
 #[cfg(feature = "parquet")]
 pub use parquet_file::{
     Cells, ParquetFault, load_courses, read_courses, read_table, save_courses, write_table,

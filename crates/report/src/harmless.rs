@@ -1,0 +1,130 @@
+//! Text that steers no terminal, whatever a file or a name holds, and addresses that terminals make links of.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Characters of a message at most: less than a screen.
+const LONGEST: usize = 1600;
+
+/// A file as browsers and terminals name it, `file:///...`; nothing but what a link may hold.
+#[must_use]
+pub fn address(file: &Path) -> Option<String> {
+    let file = file.canonicalize().ok()?;
+    let path = file
+        .to_str()?
+        .trim_start_matches(r"\\?\")
+        .replace('\\', "/");
+    let mut address = "file://".to_owned();
+    if !path.starts_with('/') {
+        address.push('/'); // a drive's letter
+    }
+    for byte in path.bytes() {
+        if byte.is_ascii_alphanumeric() || b"/-_.~:".contains(&byte) {
+            address.push(char::from(byte));
+        } else {
+            let _ = write!(address, "%{byte:02X}");
+        }
+    }
+    Some(address)
+}
+
+/// A message without its middle, if it is longer than a screen: what is wrong comes first, the remedy last.
+#[must_use]
+pub fn shortened(message: &str) -> String {
+    let count = message.chars().count();
+    if count <= LONGEST {
+        return message.to_owned();
+    }
+    let head = LONGEST * 3 / 4;
+    let tail = LONGEST - head - 50;
+    let first: String = message.chars().take(head).collect();
+    let last: String = message.chars().skip(count - tail).collect();
+    format!(
+        "{first} [{} characters left out] {last}",
+        count - head - tail
+    )
+}
+
+/// The text with all that would steer a terminal written out as `\u001b`, which JSON reads back; `laid_out` text
+/// keeps its line ends, tabs and colours.
+#[must_use]
+pub fn harmless(text: &str, laid_out: bool) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(c) = rest.chars().next() {
+        let colour = if laid_out { colour(rest) } else { 0 };
+        if colour > 0 {
+            out.push_str(&rest[..colour]);
+            rest = &rest[colour..];
+            continue;
+        }
+        // The latter turn the direction of the text after them.
+        let steers =
+            c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        if steers && !(laid_out && matches!(c, '\n' | '\t')) {
+            let _ = write!(out, "\\u{:04x}", u32::from(c));
+        } else {
+            out.push(c);
+        }
+        rest = &rest[c.len_utf8()..];
+    }
+    out
+}
+
+/// Length of the colour sequence (`ESC [ 1 ; 31 m`) that a text begins with; 0 without one.
+fn colour(text: &str) -> usize {
+    let Some(rest) = text.strip_prefix("\u{1b}[") else {
+        return 0;
+    };
+    let digits = rest
+        .bytes()
+        .take_while(|byte| byte.is_ascii_digit() || *byte == b';')
+        .count();
+    if rest.as_bytes().get(digits) == Some(&b'm') {
+        digits + 3
+    } else {
+        0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_steers_the_terminal() {
+        let evil = "a\u{1b}]0;t\u{7}b\u{9b}2J\u{202e}c\r\nd\u{1b}[2Je";
+        let said = harmless(evil, false);
+        assert_eq!(
+            said,
+            "a\\u001b]0;t\\u0007b\\u009b2J\\u202ec\\u000d\\u000ad\\u001b[2Je"
+        );
+        assert_eq!(
+            harmless("\u{1b}[1;31mred\u{1b}[0m\n\u{1b}[2J", true),
+            "\u{1b}[1;31mred\u{1b}[0m\n\\u001b[2J"
+        );
+        let json = serde_json::to_string("\u{9b}\u{1b}").unwrap();
+        let back: String = serde_json::from_str(&harmless(&json, true)).unwrap();
+        assert_eq!(back, "\u{9b}\u{1b}");
+    }
+
+    #[test]
+    fn links_hold_nothing_that_ends_them() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("a b\u{e9}%;.html");
+        std::fs::write(&file, "").unwrap();
+        let address = address(&file).unwrap();
+        assert!(address.starts_with("file:///"), "{address}");
+        assert!(address.ends_with("/a%20b%C3%A9%25%3B.html"), "{address}");
+        assert_eq!(super::address(Path::new("/no/such/file")), None);
+    }
+
+    #[test]
+    fn long_messages_lose_their_middle() {
+        let long = format!("file: {}; mend it", "x".repeat(100_000));
+        let said = shortened(&long);
+        assert!(said.chars().count() <= LONGEST && said.ends_with("; mend it"));
+        assert!(said.starts_with("file: x"), "{said}");
+        assert_eq!(shortened("short"), "short");
+    }
+}
