@@ -1,0 +1,306 @@
+//! What agreement and difference mean where numerical uncertainty is all there is.
+
+use crate::common::{Random, courses, participant};
+use crate::{FORCE, anywhere, compared, engine, entry, native, off};
+use pinwheel_compare::uncertainty::{Basis, Method, Source};
+use pinwheel_compare::{
+    Context, Evidence, Ladder, Metric, Outcome, Rung, Scales, Track, Verdict, compare, limits,
+};
+use pinwheel_courses::Courses;
+
+#[test]
+fn one_law_agrees_to_the_sum_of_both_uncertainties() {
+    let peer = engine(
+        "peer",
+        Track::SharedLaw,
+        &courses(1.0),
+        1e-5,
+        4.0,
+        &[2.0, 4.0],
+    );
+    let found = compared(&anywhere(), vec![native(1e-4), peer]);
+    let entry = entry(&found, FORCE);
+    let judgement = &entry.judgements[0];
+    assert_eq!(
+        (judgement.metric, judgement.counts),
+        (Metric::RelativeL2, true)
+    );
+    let (u_a, u_b) = (judgement.u_a.unwrap(), judgement.u_b.unwrap());
+    // Fs times the error's own norm: about 1.25 sqrt(1.5) times its size.
+    assert!((1.2e-4..2e-4).contains(&u_a), "{u_a}");
+    assert!(
+        (1.2e-5..2e-5).contains(&u_b),
+        "the other one is sharper: {u_b}"
+    );
+    assert_eq!(entry.verdict, Verdict::Agree { to: u_a + u_b });
+    assert!(judgement.distance.unwrap() < u_a);
+    assert_eq!(
+        (found.outcome, found.passed, found.outcome.exit_status()),
+        (Outcome::Passed, true, 0)
+    );
+    // Every quantity and window has been resolved; the uncertainties stand with each engine.
+    assert_eq!(found.counts.agree, found.pairs[0].entries.len());
+    let own = &found.engines[0].uncertainty;
+    assert_eq!(own.len(), found.windows.len() * found.quantities.len());
+    assert_eq!(own[0].l2.estimate().unwrap().basis, Basis::Observed);
+    assert!((own[0].l2.estimate().unwrap().observed_order.unwrap() - 2.0).abs() < 0.01);
+}
+
+#[test]
+fn crossval_a_fault_of_a_thousandth_is_a_finding() {
+    // 0.1 % more force, in an engine that is right to 1e-5: `differ`, by at least what is left beyond U.
+    let fault = engine(
+        "peer",
+        Track::SharedLaw,
+        &courses(1.001),
+        1e-5,
+        2.0,
+        &[2.0, 4.0],
+    );
+    let found = compared(&anywhere(), vec![native(1e-5), fault]);
+    let Verdict::Differ { at_least } = entry(&found, FORCE).verdict else {
+        panic!("{:?}", entry(&found, FORCE).verdict);
+    };
+    assert!((0.9e-3..1e-3).contains(&at_least), "{at_least}");
+    assert_eq!(
+        (found.outcome, found.outcome.exit_status()),
+        (Outcome::Finding, 1)
+    );
+    // A ladder as coarse as the fault cannot tell, and says to what it agrees.
+    let blunt = engine(
+        "peer",
+        Track::SharedLaw,
+        &courses(1.001),
+        6e-3,
+        2.0,
+        &[2.0, 4.0],
+    );
+    let found = compared(&anywhere(), vec![native(1e-5), blunt]);
+    assert!(matches!(entry(&found, FORCE).verdict, Verdict::Agree { to } if to > 1e-3));
+}
+
+/// The false alarm: two adaptive runs at a tolerance of 1e-6 are 5e-4 apart, "454954 times the limit".
+#[test]
+fn regress_adaptive_runs_agree_to_their_tolerance() {
+    let adaptive = |name: &str, errors: [f64; 3]| {
+        let rung = |refinement: f64, error: f64| Rung {
+            refinement,
+            run: Ok(off(&courses(1.0), error)),
+            wall_s: 1.0,
+        };
+        let ladder = Ladder {
+            method: Method::Tolerance { smooth: true },
+            finest: 1e-6,
+            coarser: vec![rung(100.0, errors[2]), rung(10.0, errors[1])],
+        };
+        let course = off(&courses(1.0), errors[0]);
+        (
+            participant(name, Track::Native, course),
+            Evidence::ladder(name, ladder),
+        )
+    };
+    let list = || {
+        vec![
+            adaptive("native-reduced", [3e-4, 2.5e-3, 2.8e-2]),
+            adaptive("native-lagrange", [-2e-4, 2.9e-3, 2.2e-2]),
+        ]
+    };
+    let found = compared(&anywhere(), list());
+    let entry = entry(&found, FORCE);
+    let distance = entry.judgements[0].distance.unwrap();
+    assert!((4e-4..7e-4).contains(&distance), "{distance}");
+    assert!(
+        matches!(entry.verdict, Verdict::Agree { to } if to < 5e-3),
+        "{:?}",
+        entry.verdict
+    );
+    assert_eq!(found.outcome.exit_status(), 0);
+    let basis = found.engines[0].uncertainty[0].l2.estimate().unwrap().basis;
+    assert_eq!(basis, Basis::Tolerance);
+}
+
+/// The empty pass: two native runs 101 % apart at a coarse step, "13 of 13 within".
+#[test]
+fn regress_coarse_runs_far_apart_are_never_within() {
+    // Runs that bounce where none should: each rung another waveform, none near another.
+    let wild = |seed: u64| {
+        let mut random = Random::new(seed);
+        let base = courses(1.0);
+        let mut courses = Courses::new(base.time_s().to_vec()).unwrap();
+        for channel in base.channels() {
+            let values = channel.values.iter().map(|v| v * random.between(-1.0, 3.0));
+            courses
+                .push(channel.name.clone(), values.collect())
+                .unwrap();
+        }
+        courses
+    };
+    for rungs in [1, 2, 3] {
+        let coarse = |name: &str, seed: u64| {
+            let rung = |k: u64| Rung {
+                refinement: 2f64.powf(k as f64),
+                run: Ok(wild(seed + k)),
+                wall_s: 1.0,
+            };
+            let ladder = Ladder {
+                method: Method::Step {
+                    order: 2.0,
+                    limit: Some(1.0),
+                },
+                finest: 4e-5,
+                coarser: (1..=rungs).map(rung).collect(),
+            };
+            (
+                participant(name, Track::Native, wild(seed)),
+                Evidence::ladder(name, ladder),
+            )
+        };
+        let found = compared(
+            &anywhere(),
+            vec![coarse("native-reduced", 10), coarse("native-lagrange", 20)],
+        );
+        for entry in &found.pairs[0].entries {
+            assert!(
+                matches!(entry.verdict, Verdict::NotResolved { .. }),
+                "{rungs}: {entry:?}"
+            );
+        }
+        assert_eq!(found.outcome.exit_status(), 1);
+        assert_eq!((found.counts.agree, found.counts.within), (0, 0), "{rungs}");
+        assert_eq!(found.matrices[0].cells[0].verdict.word(), "not resolved");
+    }
+    // By limits alone nothing is judged of a gear that nobody measured, which is no pass.
+    let pair = [
+        participant("native", Track::Native, wild(1)),
+        participant("native-b", Track::Native, wild(2)),
+    ];
+    let found = compare(&anywhere(), &pair, limits::TABLE).unwrap();
+    let judged = found.pairs[0]
+        .entries
+        .iter()
+        .any(|e| e.verdict.outcome() != Outcome::Nothing);
+    assert!(!judged);
+}
+
+/// With friction, 5 % more stiffness in one native engine was "3 of 3 within".
+#[test]
+fn regress_a_fault_under_friction_is_seen() {
+    let rough = Context {
+        friction_coefficient: 0.1,
+        ..anywhere()
+    };
+    let fault = engine(
+        "native-lagrange",
+        Track::Native,
+        &courses(1.05),
+        1e-4,
+        1.0,
+        &[2.0, 4.0],
+    );
+    let found = compared(&rough, vec![native(1e-4), fault]);
+    assert!(
+        matches!(entry(&found, FORCE).verdict, Verdict::Differ { at_least } if at_least > 0.045)
+    );
+}
+
+#[test]
+fn rounding_alone_agrees() {
+    let (mut a, mut ladder_a) = native(0.0);
+    let (b, ladder_b) = engine(
+        "native-b",
+        Track::Native,
+        &courses(1.0 + 1e-14),
+        0.0,
+        2.0,
+        &[2.0],
+    );
+    // Rungs that differ by rounding in no order at all.
+    if let Source::Ladder(ladder) = &mut ladder_a.source {
+        for (k, rung) in ladder.coarser.iter_mut().enumerate() {
+            rung.run = Ok(courses(1.0 + 3e-15 * (2.0 - k as f64)));
+        }
+    }
+    a.courses = courses(1.0);
+    let found = compared(&anywhere(), vec![(a, ladder_a), (b, ladder_b)]);
+    assert!(matches!(entry(&found, FORCE).verdict, Verdict::Agree { to } if to < 1e-11));
+    assert_eq!(
+        found.engines[0].uncertainty[0].l2.estimate().unwrap().basis,
+        Basis::Rounding
+    );
+}
+
+#[test]
+fn similar_gears_have_the_same_verdicts() {
+    // Lengths and forces a thousandth: torques a millionth.
+    let small = |courses: &Courses, grow: f64| {
+        let mut scaled = Courses::new(courses.time_s().to_vec()).unwrap();
+        for channel in courses.channels() {
+            let factor = match &channel.name {
+                name if name.ends_with("_n_m") => grow * grow,
+                name if name.contains("_force_n") => grow,
+                _ => 1.0,
+            };
+            scaled
+                .push(
+                    channel.name.clone(),
+                    channel.values.iter().map(|v| v * factor).collect(),
+                )
+                .unwrap();
+        }
+        scaled
+    };
+    let run = |grow: f64, peer_scale: f64, stated: bool| {
+        let mut list = vec![
+            native(1e-4),
+            engine(
+                "peer",
+                Track::SharedLaw,
+                &courses(peer_scale),
+                1e-4,
+                2.0,
+                &[2.0, 4.0],
+            ),
+        ];
+        for (participant, evidence) in &mut list {
+            participant.courses = small(&participant.courses, grow);
+            if let Source::Ladder(ladder) = &mut evidence.source {
+                for rung in &mut ladder.coarser {
+                    rung.run = rung.run.clone().map(|courses| small(&courses, grow));
+                }
+            }
+        }
+        let scales = Scales {
+            force_n: Some(100.0 * grow),
+            torque_n_m: Some(22.0 * grow * grow),
+        };
+        let context = Context {
+            load_n_m: Some(22.0 * grow * grow),
+            scales: if stated { scales } else { Scales::default() },
+            ..anywhere()
+        };
+        let found = compared(&context, list);
+        let words: Vec<String> = found.pairs[0]
+            .entries
+            .iter()
+            .map(|e| e.verdict.word().to_owned())
+            .collect();
+        (
+            words,
+            found.counts,
+            found.engines[0].judged[0].verdict.clone(),
+        )
+    };
+    for peer in [1.0, 1.01, 1e-14] {
+        for stated in [true, false] {
+            let (words, counts, load) = run(1.0, peer, stated);
+            for grow in [1e-3, 1e-6, 1e3] {
+                let (other, other_counts, other_load) = run(grow, peer, stated);
+                assert_eq!(
+                    (&words, counts, &load),
+                    (&other, other_counts, &other_load),
+                    "{grow} {peer}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,307 @@
+//! Other contact models and measurements: intervals against a prediction, budgets, stated limits.
+
+use crate::common::{context, courses, participant};
+use crate::{FORCE, TORQUE, anywhere, compared, engine, entry, native};
+use pinwheel_compare::comparison::Comparison;
+use pinwheel_compare::model::TOLERANCES;
+use pinwheel_compare::{
+    Context, DataUncertainty, Energy, Metric, Outcome, Rules, StatedLimit, Track, Verdict,
+    WindowKind, compare, compare_with, limits,
+};
+use pinwheel_courses::Courses;
+
+fn account(remainder_share: f64) -> Energy {
+    Energy {
+        from_s: 0.3,
+        to_s: 0.6,
+        driver_j: 20.0,
+        load_j: -20.19,
+        kinetic_j: 0.0,
+        stored_j: 0.0,
+        damping_j: 0.0,
+        friction_j: 0.0,
+        remainder_j: 20.0 * remainder_share,
+        remainder_share: Some(remainder_share),
+    }
+}
+
+#[test]
+fn own_contact_is_an_interval_against_a_prediction() {
+    let run = |torque: f64, energy: Option<f64>, error: f64| {
+        let mut own = engine(
+            "mujoco-own-contact",
+            Track::OwnContact,
+            &courses(torque),
+            error,
+            2.0,
+            &[2.0, 4.0],
+        );
+        own.0.cost.notes.clear();
+        let (mut native, evidence) = native(1e-5);
+        native.cost.energy = energy.map(account).into_iter().collect();
+        compared(&anywhere(), vec![(native, evidence), own])
+    };
+    // The law creates 0.95 % of the power: the conservative bed needs as much more torque.
+    let found = run(1.0095, Some(0.0095), 1e-5);
+    let of_torque = |found: &Comparison| entry(found, TORQUE).judgements[0].clone();
+    let Verdict::ModelDifference {
+        low,
+        high,
+        predicted,
+        tolerance,
+        within,
+    } = of_torque(&found).verdict
+    else {
+        panic!("{:?}", of_torque(&found));
+    };
+    assert_eq!(
+        (predicted, tolerance, within),
+        (-0.0095, Some(5e-3), Some(true))
+    );
+    let difference = -0.0095 / 1.0095;
+    assert!(
+        low < difference && difference < high && high - low < 1e-4,
+        "{low} {high}"
+    );
+    // The same difference where none is predicted is beyond what a bed states.
+    let conservative = of_torque(&run(1.0095, Some(0.0), 1e-5)).verdict;
+    assert!(
+        matches!(
+            conservative,
+            Verdict::ModelDifference {
+                within: Some(false),
+                ..
+            }
+        ),
+        "{conservative:?}"
+    );
+    assert_eq!(run(1.0095, Some(0.0), 1e-5).outcome, Outcome::Finding);
+    // In the wrong direction too.
+    let wrong = of_torque(&run(0.9905, Some(0.0095), 1e-5)).verdict;
+    assert!(matches!(
+        wrong,
+        Verdict::ModelDifference {
+            within: Some(false),
+            ..
+        }
+    ));
+    // Without an account there is no prediction, so nothing to be within of.
+    let unknown = of_torque(&run(1.0095, None, 1e-5)).verdict;
+    assert!(matches!(
+        unknown,
+        Verdict::ModelDifference { within: None, .. }
+    ));
+    // A blunt ladder does not pass by being blunt.
+    let blunt = of_torque(&run(1.0095, Some(0.0095), 3e-2)).verdict;
+    assert!(matches!(blunt, Verdict::NotResolved { .. }), "{blunt:?}");
+    for row in TOLERANCES {
+        assert!(row.tolerance >= 0.0 && row.reason.ends_with('.'), "{row:?}");
+    }
+}
+
+#[test]
+fn the_matrix_shows_the_figure_that_was_judged() {
+    // Wave forms 41 % apart, which nobody judges of colliders; their means are, and agree.
+    let base = courses(1.0);
+    let mut waves = Courses::new(base.time_s().to_vec()).unwrap();
+    for channel in base.channels() {
+        let flipped = |v: &f64| {
+            if channel.name.starts_with(FORCE) {
+                120.0 - v
+            } else {
+                *v
+            }
+        };
+        waves
+            .push(
+                channel.name.clone(),
+                channel.values.iter().map(flipped).collect(),
+            )
+            .unwrap();
+    }
+    let own = engine(
+        "rapier-own-contact-colliders",
+        Track::OwnContact,
+        &waves,
+        1e-5,
+        2.0,
+        &[2.0, 4.0],
+    );
+    let (mut native, evidence) = native(1e-5);
+    native.cost.energy = vec![account(0.0)];
+    let found = compared(&anywhere(), vec![(native, evidence), own]);
+    let metrics = entry(&found, FORCE).metrics.as_ref().unwrap();
+    assert!(metrics.relative_l2.unwrap() > 0.4);
+    let cell = found.matrices[0].cell(0, 1).unwrap();
+    assert_eq!(cell.verdict.word(), "model difference");
+    assert_eq!(cell.worst_metric, Some(Metric::Mean));
+    assert!(cell.worst.unwrap() < 0.05, "{cell:?}");
+    // By the table as well.
+    let rules = Rules::default();
+    let pair = [
+        participant("native", Track::Native, base),
+        participant("rapier-own-contact-colliders", Track::OwnContact, waves),
+    ];
+    let found = compare_with(&context(), &pair, &rules).unwrap();
+    let cell = found.matrices[0].cell(0, 1).unwrap();
+    assert_eq!(
+        (cell.verdict.word(), cell.worst_metric),
+        ("within", Some(Metric::Mean))
+    );
+    assert!(cell.worst.unwrap() < 0.05 && cell.force.unwrap() > 0.4);
+    // Exceeded pairs show what exceeded.
+    let far = [
+        pair[0].clone(),
+        participant(
+            "rapier-own-contact-colliders",
+            Track::OwnContact,
+            courses(1.3),
+        ),
+    ];
+    let found = compare_with(&context(), &far, &rules).unwrap();
+    let cell = found.matrices[0].cell(0, 1).unwrap();
+    assert_eq!(cell.verdict, Verdict::Exceeded);
+    assert!((cell.worst.unwrap() - 0.3 / 1.3).abs() < 1e-6);
+}
+
+#[test]
+fn measured_data_get_a_budget() {
+    let run = |scale: f64, data: &[DataUncertainty]| {
+        let (native, evidence) = native(1e-4);
+        let rig = participant("rig", Track::Measured, courses(scale));
+        let rules = Rules {
+            evidence: &[evidence],
+            data,
+            ..Rules::default()
+        };
+        compare_with(&anywhere(), &[native, rig], &rules).unwrap()
+    };
+    let stated = DataUncertainty {
+        engine: "rig".to_owned(),
+        quantity: "*_force_n".to_owned(),
+        data: 0.004,
+        input: 0.003,
+    };
+    let found = run(1.009, std::slice::from_ref(&stated));
+    let judgement = &entry(&found, FORCE).judgements[0];
+    let budget = judgement.budget.unwrap();
+    assert!((budget.validation() - 0.005).abs() < 1e-5, "{budget:?}");
+    assert!(
+        matches!(entry(&found, FORCE).verdict, Verdict::NotDistinguishable { level } if (level - 0.01).abs() < 1e-5)
+    );
+    assert!(
+        matches!(entry(&found, TORQUE).verdict, Verdict::NotJudged { .. }),
+        "nothing stated of it"
+    );
+    let found = run(1.02, std::slice::from_ref(&stated));
+    let Verdict::ModelError { low, high } = entry(&found, FORCE).verdict else {
+        panic!();
+    };
+    assert!((high - low - 0.02).abs() < 1e-4 && low > 0.009);
+    // The simulation's mean is the smaller one: E = S - D < 0, in either order.
+    let mean = entry(&found, FORCE)
+        .judgements
+        .iter()
+        .find(|j| j.metric == Metric::Mean)
+        .unwrap();
+    assert!(
+        (mean.distance.unwrap() + 0.02 / 1.02).abs() < 1e-3,
+        "{mean:?}"
+    );
+    assert_eq!(
+        found.counts.model, 2,
+        "steady and transient; a model error is a result, not a failure"
+    );
+}
+
+#[test]
+fn bad_input_a_stated_limit_that_matches_nothing() {
+    let run = |quantity: &str, window: WindowKind| {
+        let stated = [StatedLimit {
+            engine: "rig".to_owned(),
+            window,
+            quantity: quantity.to_owned(),
+            metric: Metric::Mean,
+            limit: 1e-3,
+            reason: "Test.".to_owned(),
+        }];
+        let pair = [
+            native(0.0).0,
+            participant("rig", Track::Measured, courses(1.0)),
+        ];
+        let rules = Rules {
+            stated: &stated,
+            ..Rules::default()
+        };
+        compare_with(&anywhere(), &pair, &rules)
+    };
+    assert_eq!(
+        run("*_force_n", WindowKind::Steady).unwrap().counts.within,
+        2
+    );
+    let error = run("*_torqe_n_m", WindowKind::Steady)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("`*_torqe_n_m`") && error.contains("input_torque_n_m"),
+        "{error}"
+    );
+    let error = run("*_force_n", WindowKind::Whole).unwrap_err().to_string();
+    assert!(error.contains("the windows steady, transient"), "{error}");
+}
+
+#[test]
+fn undefined_efficiencies_have_a_reason() {
+    let of = |context: &Context| {
+        let found = compare(context, &[native(0.0).0], limits::TABLE).unwrap();
+        let figures = found.engines[0].figures[0].clone();
+        (
+            figures.efficiency,
+            figures.efficiency_reason.unwrap_or_default(),
+        )
+    };
+    assert!(of(&context()).0.is_some());
+    let unloaded = Context {
+        load_n_m: Some(0.0),
+        ..context()
+    };
+    assert_eq!(
+        of(&unloaded),
+        (
+            None,
+            "the scene has no load, so no power is delivered".to_owned()
+        )
+    );
+    let still = Context {
+        input_speed_rad_s: Some(0.0),
+        ..context()
+    };
+    assert_eq!(of(&still), (None, "the driver stands still".to_owned()));
+    let back = Context {
+        input_speed_rad_s: Some(-52.34),
+        ..context()
+    };
+    assert_eq!(of(&back), (None, "no power goes in".to_owned()));
+    // Rounding is no load, and a power far above what goes in comes from what was stored.
+    let next_to_nothing = Context {
+        load_n_m: Some(2e-10),
+        ..context()
+    };
+    assert_eq!(of(&next_to_nothing), of(&unloaded));
+    let creeping = Context {
+        input_speed_rad_s: Some(1e-9),
+        ..context()
+    };
+    let (none, reason) = of(&creeping);
+    assert!(
+        none.is_none() && reason.contains("does not come from the input"),
+        "{reason}"
+    );
+    // With an account the energy that the law creates is taken out.
+    let mut run = native(0.0).0;
+    run.cost.energy = vec![account(0.0095)];
+    let found = compare(&context(), &[run], limits::TABLE).unwrap();
+    let figures = &found.engines[0].figures[0];
+    let share = figures.efficiency_accounted.unwrap() / figures.efficiency.unwrap();
+    assert!((share - 1.0 / 1.0095).abs() < 1e-12);
+}
