@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-use pinwheel::studies::calibration::gears::Dice;
+use pinwheel::studies::dice::Dice;
 use pinwheel_tests::{names_in, pinwheel};
 
 const SIGNALS: [&str; 3] = ["KILL", "TERM", "INT"];

@@ -7,7 +7,7 @@ use parry2d_f64::math::Vector;
 use parry2d_f64::query::PointQuery;
 use parry2d_f64::shape::{Polyline, PolylineFlags};
 use pinwheel_contact::{Complex, Epitrochoid};
-use pinwheel_studies::calibration::gears::Dice;
+use pinwheel_studies::dice::Dice;
 
 /// Vertices of the polyline. Its error falls with their square: 12 000 give 2.6e-7 m.
 const VERTICES: usize = 40_000;

@@ -1,6 +1,6 @@
 //! Inputs from seeds: bytes, lines and numbers changed by a generator with a fixed seed.
 
-use pinwheel_studies::calibration::gears::Dice;
+use pinwheel_studies::dice::Dice;
 
 /// Numbers from a seed.
 pub struct Random(Dice);

@@ -137,6 +137,53 @@ pub struct Refinement {
 }
 
 /// A solver that turns a scene into courses.
+///
+/// One that keeps every body as it starts, recorded as all engines record:
+///
+/// ```
+/// use pinwheel_engines::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
+/// use pinwheel_gearbox::{Gearbox, Recorder};
+/// use pinwheel_scene::Scene;
+///
+/// struct Frozen;
+///
+/// impl Engine for Frozen {
+///     fn name(&self) -> &str { "frozen" }
+///     fn track(&self) -> Track { Track::SharedLaw }
+///     fn version(&self) -> String { "1".into() }
+///     fn summary(&self) -> &str { "nothing moves" }
+///     fn differences(&self) -> &str { "integrates nothing" }
+///
+///     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+///         let failed = |reason: String| EngineError::Failed { engine: "frozen".into(), reason };
+///         if gearbox.has_friction() {
+///             let reason = "friction needs motion".into();
+///             return Err(EngineError::Unsupported { engine: "frozen".into(), reason });
+///         }
+///         let gearbox = gearbox.clone();
+///         Ok(Box::new(move |control: &Control<'_>| {
+///             let bodies = gearbox.initial_states();
+///             let mut law = gearbox.contact_field().map_err(|e| failed(e.to_string()))?;
+///             let mut recorder = Recorder::new(&gearbox);
+///             for t in gearbox.scene.solver.sample_times_s() {
+///                 if control.reached(t) {
+///                     return Err(EngineError::Cancelled);
+///                 }
+///                 recorder.record(t, 0.0, &bodies, law.as_mut());
+///             }
+///             let courses = recorder.finish().map_err(|e| failed(e.to_string()))?;
+///             Ok(Run::new(courses, RunStats::default()))
+///         }))
+///     }
+/// }
+///
+/// let scene = Scene::load("paper", &["solver.duration_s=0.001".parse()?])?;
+/// let run = Frozen.run(&scene, &Control::quiet())?;
+/// assert_eq!(run.courses.len(), 11);
+/// let rough = Scene::load("paper-friction", &[])?;
+/// assert!(Frozen.supports(&rough).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Engine: Send + Sync {
     /// Name as typed by users, kebab-case, with the track in foreign engines' names.
     fn name(&self) -> &str;

@@ -16,8 +16,8 @@ use nalgebra::{Matrix3, Vector3};
 use crate::forces::Forces;
 use crate::mechanism::{Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
+use crate::pinned::PinnedContacts;
 use crate::saddle::{Dependent, Rows, SaddlePoint, redundant};
-use crate::sliding::PinnedContacts;
 use crate::state::{BodyState, Wrench};
 use crate::tree::{Forest, turned};
 

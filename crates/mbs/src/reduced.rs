@@ -19,7 +19,8 @@ use crate::forces::Forces;
 use crate::jacobian::{Jacobian, Structure};
 use crate::mechanism::{Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
-use crate::sliding::{Angle, PinnedContacts, RateStage};
+use crate::pinned::{Angle, PinnedContacts};
+use crate::sliding::RateStage;
 use crate::state::{BodyId, BodyState, ContactEnergy, Wrench};
 
 /// A body carried by another.

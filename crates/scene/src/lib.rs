@@ -71,10 +71,9 @@ pub use layout::{Layout, Sleeve};
 pub use load::MOST_BYTES;
 pub use model::{
     BodyMass, Contact, Detection, Drive, Formulation, FrictionLaw, Gear, LoadChange, Masses,
-    Output, Scene, Solver, Stabilisation, Start,
+    Output, PlusMinus, Scene, Solver, Stabilisation, Start,
 };
 pub use parse::Override;
 pub use presets::{PRESETS, Preset, preset};
 pub use scales::{Scales, free_play};
 pub use suggest::{did_you_mean, nearest};
-pub use uncertain::PlusMinus;

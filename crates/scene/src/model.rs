@@ -7,8 +7,6 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-use crate::uncertain::PlusMinus;
-
 /// A complete scene. SI units; angles counter-clockwise; see the field groups.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -302,5 +300,21 @@ impl Solver {
             None => {}
         }
         times
+    }
+}
+
+/// Half of an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlusMinus {
+    /// In the unit of the key.
+    pub plus_minus: f64,
+}
+
+impl PlusMinus {
+    /// Standard uncertainty of a value that is as likely anywhere within.
+    #[must_use]
+    pub fn standard(self) -> f64 {
+        self.plus_minus / 3.0_f64.sqrt()
     }
 }

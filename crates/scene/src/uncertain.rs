@@ -8,7 +8,6 @@
 //! The value lies within plus or minus that of what the scene says, anywhere alike: its standard uncertainty is the half-width
 //! over the root of three (type B of the Guide to the Expression of Uncertainty in Measurement, JCGM 100:2008, 4.3.7).
 
-use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
 use crate::checked::CheckedScene;
@@ -24,22 +23,6 @@ pub(crate) const UNCERTAIN: &str = "uncertain";
 pub(crate) const EXAMPLE: &str = "write it like gear.backlash_m = { plus_minus = 5e-6 }";
 /// Sections whose numbers are inputs of the model.
 const SECTIONS: [&str; 4] = ["gear", "mass", "drive", "contact"];
-
-/// Half of an interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PlusMinus {
-    /// In the unit of the key.
-    pub plus_minus: f64,
-}
-
-impl PlusMinus {
-    /// Standard uncertainty of a value that is as likely anywhere within.
-    #[must_use]
-    pub fn standard(self) -> f64 {
-        self.plus_minus / 3.0_f64.sqrt()
-    }
-}
 
 /// Only numbers that the model depends on, and intervals that a scene may have.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {

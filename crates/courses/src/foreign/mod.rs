@@ -4,6 +4,25 @@
 //! the mapped columns on their own sample times with every row that could not be read named;
 //! [`shift`] finds the shift in time at which they fit a run best; [`resample`] puts them onto the times of a run and says
 //! what that costs.
+//!
+//! ```
+//! use pinwheel_courses::foreign::{Map, read};
+//!
+//! let map = r#"
+//! [file]
+//! separator = ";"
+//! [time]
+//! column = "TIME"
+//! unit = "ms"
+//! [columns]
+//! input_torque_n_m = { column = "Motor torque", unit = "N mm", factor = -1.0 }
+//! "#;
+//! let map = Map::from_toml(map, "rig.toml")?;
+//! let rig = read("TIME;Motor torque\n0;-1450\n1;-1460\n2;-1455\n".as_bytes(), &map)?;
+//! let torque = rig.courses.channel("input_torque_n_m").ok_or("no such channel")?;
+//! assert!((torque[1] - 1.46).abs() < 1e-12 && rig.courses.time_s()[1] == 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod align;
 mod error;

@@ -4,14 +4,13 @@
 //! begins with our copy of the package and the environment's packages, so that nothing the user has
 //! installed elsewhere takes their place.
 
-use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use pyo3::prelude::*;
 
 use super::convert::text_of;
-use super::environment::{self, ENGINES, Environment, Interpreter};
+use super::environment::{self, ENGINES, Environment};
 use super::error::PythonError;
 use super::host::{PACKAGE, package};
 use crate::cache;
@@ -39,45 +38,6 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<(), PythonError> {
         *ready = Some(outcome.clone());
     }
     outcome
-}
-
-/// The interpreter this process embeds.
-pub(super) fn interpreter() -> Result<Interpreter, PythonError> {
-    if let Some(home) = std::env::var_os("PYTHONHOME").filter(|value| !value.is_empty()) {
-        return Err(PythonError::Home(home.to_string_lossy().into_owned()));
-    }
-    let asked = Python::attach(|py| -> PyResult<Interpreter> {
-        let sys = py.import("sys")?;
-        let (major, minor, micro): (u8, u8, u8) = sys
-            .getattr("version_info")?
-            .get_item(pyo3::types::PySlice::new(py, 0, 3, 1))?
-            .extract()?;
-        let folder = py
-            .import("sysconfig")?
-            .call_method1("get_config_var", ("BINDIR",))?
-            .extract::<Option<PathBuf>>()?;
-        let prefix: PathBuf = sys.getattr("base_exec_prefix")?.extract()?;
-        let names = [
-            format!("python{major}.{minor}"),
-            "python3".to_owned(),
-            "python.exe".to_owned(),
-        ];
-        let folders = folder.into_iter().chain([prefix.join("bin"), prefix]);
-        let mut candidates: Vec<PathBuf> = folders
-            .flat_map(|folder| names.each_ref().map(|name| folder.join(name)))
-            .chain([PathBuf::from(env!("PINWHEEL_PYTHON_AT_BUILD"))])
-            .filter(|path| path.is_file())
-            .collect();
-        candidates.dedup();
-        Ok(Interpreter {
-            version: format!("{major}.{minor}.{micro}"),
-            candidates,
-        })
-    });
-    asked.map_err(|error| PythonError::NoInterpreter {
-        version: "3".to_owned(),
-        tried: Python::attach(|py| text_of(py, &error)),
-    })
 }
 
 /// Starts Python on an environment and loads the package.

@@ -8,14 +8,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::embedded;
 use super::error::PythonError;
+use super::interpreter::{Interpreter, interpreter};
+use super::variables::{ENVIRONMENT, WHEELS};
 use crate::cache::{self, Note, call, fingerprint};
-
-/// Names an existing environment, which is used as it is.
-pub(super) const ENVIRONMENT: &str = "PINWHEEL_PYTHON_ENV";
-/// Names a folder of wheels to install from, without a network.
-pub(super) const WHEELS: &str = "PINWHEEL_WHEELS";
 
 /// Written last into an environment: its requirements.
 const MARKER: &str = "pinwheel-requirements.txt";
@@ -64,15 +60,6 @@ pub struct Environment {
     pub packages: PathBuf,
 }
 
-/// The interpreter whose library this program embeds.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Interpreter {
-    /// `3.11.7`
-    pub(super) version: String,
-    /// Where its executable may be, most likely first.
-    pub(super) candidates: Vec<PathBuf>,
-}
-
 /// The environment with the given packages, made if need be; `ENVIRONMENT` and `WHEELS` are heeded.
 ///
 /// # Errors
@@ -81,7 +68,7 @@ pub fn environment(
     requirements: Requirements,
     cancel: &AtomicBool,
 ) -> Result<Environment, PythonError> {
-    let interpreter = embedded::interpreter()?;
+    let interpreter = interpreter()?;
     if let Some(folder) = name() {
         return named(Path::new(&folder), &interpreter, cancel);
     }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::environment::{ENVIRONMENT, WHEELS};
+use super::variables::{ENVIRONMENT, WHEELS};
 use crate::cache::CacheError;
 
 /// Why there is no Python environment.

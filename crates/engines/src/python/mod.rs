@@ -17,11 +17,15 @@ mod environment;
 mod error;
 mod guest;
 mod host;
+#[cfg(feature = "crossval")]
+mod interpreter;
 mod law;
 mod mujoco;
 #[cfg(feature = "provoke")]
 pub mod provoke;
 mod published;
+#[cfg(feature = "crossval")]
+mod variables;
 mod watch;
 
 #[cfg(feature = "crossval")]

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::shipped::{Missing, Ready};
+use super::ready::{Missing, Ready};
 use crate::cache;
 use crate::python::{PythonError, Requirements, environment};
 

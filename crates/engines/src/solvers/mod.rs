@@ -7,6 +7,8 @@ mod cards;
 #[cfg(feature = "crossval")]
 mod ida;
 #[cfg(feature = "crossval")]
+mod ready;
+#[cfg(feature = "crossval")]
 mod shipped;
 #[cfg(feature = "crossval")]
 mod simbody;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::{env, fs};
 
-use super::shipped::{Missing, Ready};
+use super::ready::{Missing, Ready};
 use crate::cache::{self, CacheError, Made, Note, call, fingerprint};
 
 /// Its manifests for scenes without friction, and with: an explicit method, and one for stiff equations.

@@ -7,15 +7,12 @@
 
 mod arrowhead;
 mod contact;
-mod pinned;
 mod problem;
 mod rates;
 mod stage;
 
 pub use arrowhead::Arrowhead;
 pub use contact::{Contact, Row};
-pub(crate) use pinned::Angle;
-pub use pinned::PinnedContacts;
 pub use problem::{SlidingProblem, Slip};
 pub use rates::RateStage;
 pub use stage::SlidingStage;

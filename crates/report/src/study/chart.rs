@@ -5,6 +5,29 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
 /// One chart.
+///
+/// ```
+/// use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Study, Style, render};
+///
+/// let errors = Series {
+///     label: "dopri5".into(),
+///     style: Style::Both,
+///     x: vec![1e-5, 1e-4],
+///     y: vec![3e-9, 3e-4],
+///     ..Series::default()
+/// };
+/// let chart = Chart {
+///     title: "Error against step".into(),
+///     x: Axis::log("Step (s)"),
+///     y: Axis::log("Relative L2 of the forces"),
+///     series: vec![errors],
+///     ..Chart::default()
+/// };
+/// let section = Section { id: "order".into(), title: "Order".into(), blocks: vec![Block::Chart(chart)] };
+/// let page = render(&Study { title: "mine".into(), sections: vec![section], ..Study::default() })?;
+/// assert!(page.contains("Error against step"));
+/// # Ok::<(), pinwheel_report::ReportError>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Chart {
     /// Heading.

@@ -10,8 +10,8 @@ use pinwheel_courses::Courses;
 use pinwheel_scene::CheckedScene;
 
 use crate::StudyError;
-use crate::calibration::gears::Dice;
 use crate::control::{Control, Progress};
+use crate::dice::Dice;
 
 /// Keys that are moved one at a time.
 const FEW: usize = 8;

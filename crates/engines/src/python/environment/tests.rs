@@ -18,7 +18,7 @@ const NOTHING: Requirements = Requirements {
 };
 
 fn interpreter() -> Interpreter {
-    embedded::interpreter().unwrap()
+    super::interpreter().unwrap()
 }
 
 fn names(folder: &Path) -> Vec<String> {

@@ -3,10 +3,8 @@
 //! There a contact's sliding and closing speeds are linear in the free rates: each body turns, and a
 //! carried one also swings about its carrier's pin. What turns at a prescribed rate is an offset.
 
-use super::contact::{Contact, Row};
-use super::rates::RateStage;
-use super::stage::SlidingStage;
 use crate::forces::Forces;
+use crate::sliding::{Contact, RateStage, Row, SlidingStage};
 use crate::state::{BodyId, BodyState};
 
 /// What moves a body's angle.

@@ -1,0 +1,56 @@
+//! The interpreter that this program embeds, and where its executable may be.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+
+use super::convert::text_of;
+use super::error::PythonError;
+
+/// The interpreter whose library this program embeds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Interpreter {
+    /// `3.11.7`
+    pub(super) version: String,
+    /// Where its executable may be, most likely first.
+    pub(super) candidates: Vec<PathBuf>,
+}
+
+/// The interpreter this process embeds.
+pub(super) fn interpreter() -> Result<Interpreter, PythonError> {
+    if let Some(home) = std::env::var_os("PYTHONHOME").filter(|value| !value.is_empty()) {
+        return Err(PythonError::Home(home.to_string_lossy().into_owned()));
+    }
+    let asked = Python::attach(|py| -> PyResult<Interpreter> {
+        let sys = py.import("sys")?;
+        let (major, minor, micro): (u8, u8, u8) = sys
+            .getattr("version_info")?
+            .get_item(pyo3::types::PySlice::new(py, 0, 3, 1))?
+            .extract()?;
+        let folder = py
+            .import("sysconfig")?
+            .call_method1("get_config_var", ("BINDIR",))?
+            .extract::<Option<PathBuf>>()?;
+        let prefix: PathBuf = sys.getattr("base_exec_prefix")?.extract()?;
+        let names = [
+            format!("python{major}.{minor}"),
+            "python3".to_owned(),
+            "python.exe".to_owned(),
+        ];
+        let folders = folder.into_iter().chain([prefix.join("bin"), prefix]);
+        let mut candidates: Vec<PathBuf> = folders
+            .flat_map(|folder| names.each_ref().map(|name| folder.join(name)))
+            .chain([PathBuf::from(env!("PINWHEEL_PYTHON_AT_BUILD"))])
+            .filter(|path| path.is_file())
+            .collect();
+        candidates.dedup();
+        Ok(Interpreter {
+            version: format!("{major}.{minor}.{micro}"),
+            candidates,
+        })
+    });
+    asked.map_err(|error| PythonError::NoInterpreter {
+        version: "3".to_owned(),
+        tried: Python::attach(|py| text_of(py, &error)),
+    })
+}
