@@ -18,9 +18,10 @@
 //! input_torque_n_m = { column = "Motor torque", unit = "N mm", factor = -1.0 }
 //! "#;
 //! let map = Map::from_toml(map, "rig.toml")?;
-//! let rig = read("TIME;Motor torque\n0;-1450\n1;-1460\n2;-1455\n".as_bytes(), &map)?;
+//! let rows: String = (0..10).map(|k| format!("{k};-145{k}\n")).collect();
+//! let rig = read(format!("TIME;Motor torque\n{rows}").as_bytes(), &map)?;
 //! let torque = rig.courses.channel("input_torque_n_m").ok_or("no such channel")?;
-//! assert!((torque[1] - 1.46).abs() < 1e-12 && rig.courses.time_s()[1] == 1e-3);
+//! assert!((torque[1] - 1.451).abs() < 1e-12 && rig.courses.time_s()[1] == 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
