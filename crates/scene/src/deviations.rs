@@ -168,14 +168,21 @@ impl Errors {
         self.lists(gear)
             .iter()
             .filter(|list| prefixes.iter().any(|prefix| list.key.starts_with(prefix)))
-            .map(|list| list.values.iter().fold(0.0, |most: f64, x| most.max(x.abs())))
+            .map(|list| {
+                list.values
+                    .iter()
+                    .fold(0.0, |most: f64, x| most.max(x.abs()))
+            })
             .sum()
     }
 
     /// By how much a gap between wheel and external sleeve is larger than nominal at most, m.
     #[must_use]
     pub fn largest_of_mesh_m(&self, gear: &Gear) -> f64 {
-        let phase = self.phase_rad.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let phase = self
+            .phase_rad
+            .iter()
+            .fold(0.0, |most: f64, x| most.max(x.abs()));
         self.largest_m(gear, &["gear.errors.external", "gear.errors.eccentricity"])
             + phase * gear.eccentricity_m
     }
@@ -183,7 +190,10 @@ impl Errors {
     /// The same between hole and internal sleeve, m.
     #[must_use]
     pub fn largest_of_holes_m(&self, gear: &Gear) -> f64 {
-        let phase = self.phase_rad.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let phase = self
+            .phase_rad
+            .iter()
+            .fold(0.0, |most: f64, x| most.max(x.abs()));
         let lists = [
             "gear.errors.internal",
             "gear.errors.hole",

@@ -73,7 +73,12 @@ fn neighbours(gear: &Gear) -> Result<(), Fault> {
     };
     let around = |count: usize| (0..count).map(move |k| (k, (k + 1) % count));
     for (j, next) in around(gear.external_sleeves) {
-        let part = |j: usize| (gear.external_sleeve_m(j), gear.external_sleeve_radius_of_m(j));
+        let part = |j: usize| {
+            (
+                gear.external_sleeve_m(j),
+                gear.external_sleeve_radius_of_m(j),
+            )
+        };
         let room = apart(part(j), part(next));
         if room <= 0.0 {
             let key = match errors.external_sleeve_radius_m.is_empty() {
@@ -93,7 +98,10 @@ fn neighbours(gear: &Gear) -> Result<(), Fault> {
             let (hole, sleeve) = (part(k).1, gear.internal_sleeve_radius_of_m(k));
             if sleeve >= hole {
                 return Err(Fault::new(
-                    &["gear.errors.internal_sleeve_radius_m", "gear.errors.hole_radius_m"],
+                    &[
+                        "gear.errors.internal_sleeve_radius_m",
+                        "gear.errors.hole_radius_m",
+                    ],
                     format!(
                         "makes internal sleeve {k} {} m, larger than its hole of {} m in wheel {wheel}",
                         short(sleeve),
@@ -128,7 +136,10 @@ fn profile(gear: &Gear) -> Result<(), Fault> {
         // Where the gear itself is undercut, that is what is told.
         profile(&plain)?;
         return Err(Fault::new(
-            &["gear.modification.equidistant_m", "gear.modification.radial_m"],
+            &[
+                "gear.modification.equidistant_m",
+                "gear.modification.radial_m",
+            ],
             format!(
                 "makes the generating sleeve {} m, so that the wheel profile is undercut: its centre's path bends with a \
                  radius of {} m",
@@ -326,7 +337,9 @@ pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {
 /// By how much the wheels are turned whose common part a wheel is, rad.
 fn flanks(gear: &Gear) -> impl Iterator<Item = f64> {
     let turn = gear.modification.rotational_rad;
-    [turn, -turn].into_iter().take(if turn == 0.0 { 1 } else { 2 })
+    [turn, -turn]
+        .into_iter()
+        .take(if turn == 0.0 { 1 } else { 2 })
 }
 
 /// The parameter a at which C(a) has the polar angle `angle`, by fixed-point iteration with half steps:
