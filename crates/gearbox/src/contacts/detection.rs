@@ -37,7 +37,7 @@ impl Touch {
 }
 
 /// How a touch changes as P moves along t.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Slopes {
     /// By how much n turns towards t, 1/m.
     pub(super) turning: f64,
@@ -52,6 +52,9 @@ const BESIDE: f64 = 1e-5;
 
 /// Finds the contact of one sleeve centre `p` (wheel frame) with the wheel.
 pub(super) trait Detection: Send + 'static {
+    /// Whether it knows [`Slopes`]: points jump.
+    const HAS_SLOPES: bool;
+
     /// External sleeve `j`: `unit` = e^{i a0} and `multiple` = e^{i zk a0} start the search. With e^{ia} of the foot.
     fn profile(
         &self,
@@ -66,10 +69,10 @@ pub(super) trait Detection: Send + 'static {
     fn profile_gap(&self, j: usize, p: Complex) -> Touch;
     /// Closest points of an internal sleeve that [`hole`](Self::hole) finds without contact.
     fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch;
-    /// How a touch of external sleeve `j` changes, e^{ia} = `unit` at its foot; `None` where points jump.
-    fn profile_slopes(&self, j: usize, touch: &Touch, unit: Complex) -> Option<Slopes>;
+    /// How a touch of external sleeve `j` changes, e^{ia} = `unit` at its foot.
+    fn profile_slopes(&self, j: usize, touch: &Touch, unit: Complex) -> Slopes;
     /// The same of internal sleeve `k`.
-    fn hole_slopes(&self, wheel: usize, k: usize, touch: &Touch) -> Option<Slopes>;
+    fn hole_slopes(&self, wheel: usize, k: usize, touch: &Touch) -> Slopes;
 }
 
 /// An external sleeve.
@@ -145,15 +148,6 @@ impl Shapes {
         let per_parameter = -0.5 * stiffness * radius * bend / room;
         -per_parameter / (at.speed * (1.0 + foot.distance * at.curvature))
     }
-
-    fn hole_slopes(&self, wheel: usize, k: usize, touch: &Touch) -> Slopes {
-        let Internal { hole, sleeve, .. } = &self.internal[wheel][k];
-        Slopes {
-            turning: 1.0 / (hole.radius - sleeve + touch.penetration),
-            stiffening: 0.0,
-            bend: 0.0,
-        }
-    }
 }
 
 /// Closest point of the exact curve: delta is minus the signed distance of P from C, and what the sleeve is larger than the
@@ -216,6 +210,8 @@ fn outwards(offset: Complex) -> Complex {
 }
 
 impl Detection for Exact {
+    const HAS_SLOPES: bool = true;
+
     #[inline]
     fn profile(
         &self,
@@ -265,7 +261,7 @@ impl Detection for Exact {
         })
     }
 
-    fn profile_slopes(&self, j: usize, touch: &Touch, unit: Complex) -> Option<Slopes> {
+    fn profile_slopes(&self, j: usize, touch: &Touch, unit: Complex) -> Slopes {
         let distance = self.0.external[j].larger - touch.penetration;
         let slope = |foot: &Foot| self.0.stiffness_slope(j, foot, self.stiffness(j, foot));
         let foot = self.foot_at(unit, distance);
@@ -277,15 +273,19 @@ impl Detection for Exact {
         } else {
             0.0
         };
-        Some(Slopes {
+        Slopes {
             turning: -foot.at.curvature / closer,
             stiffening: slope(&foot),
             bend,
-        })
+        }
     }
 
-    fn hole_slopes(&self, wheel: usize, k: usize, touch: &Touch) -> Option<Slopes> {
-        Some(self.0.hole_slopes(wheel, k, touch))
+    fn hole_slopes(&self, wheel: usize, k: usize, touch: &Touch) -> Slopes {
+        let Internal { hole, sleeve, .. } = &self.0.internal[wheel][k];
+        Slopes {
+            turning: 1.0 / (hole.radius - sleeve + touch.penetration),
+            ..Slopes::default()
+        }
     }
 }
 
@@ -353,6 +353,8 @@ impl Points {
 }
 
 impl Detection for Points {
+    const HAS_SLOPES: bool = false;
+
     #[inline]
     fn profile(
         &self,
@@ -386,11 +388,11 @@ impl Detection for Points {
         Self::gap(p, point, internal.sleeve, internal.stiffness)
     }
 
-    fn profile_slopes(&self, _: usize, _: &Touch, _: Complex) -> Option<Slopes> {
-        None
+    fn profile_slopes(&self, _: usize, _: &Touch, _: Complex) -> Slopes {
+        Slopes::default()
     }
 
-    fn hole_slopes(&self, _: usize, _: usize, _: &Touch) -> Option<Slopes> {
-        None
+    fn hole_slopes(&self, _: usize, _: usize, _: &Touch) -> Slopes {
+        Slopes::default()
     }
 }

@@ -418,38 +418,34 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
 
     fn add_slopes(&mut self, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
         // With friction differences of the loads have to do.
-        if slopes.rate().dimension() != 1 + self.layout.wheels {
+        if !D::HAS_SLOPES || slopes.rate().dimension() != 1 + self.layout.wheels {
             return false;
         }
         let (position, rate, time) = slopes.parts_mut();
         let Some(position) = position else {
             return false;
         };
-        let mut found = true;
+        let input_rate = bodies[Layout::INPUT].rate;
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&bodies[body]);
-            let hub = 1 + wheel;
+            let rows = [1 + wheel, OUTPUT];
             self.wheel_pairs(wheel, bodies, &frame, |sleeve, body, pair, unit| {
                 let touch = match sleeve {
                     Sleeve::External(j) => self.detection.profile_slopes(j, &pair.touch, unit),
                     Sleeve::Internal(k) => self.detection.hole_slopes(wheel, k, &pair.touch),
                 };
-                let Some(touch) = touch else {
-                    found = false;
-                    return;
-                };
-                let columns = self.columns(bodies, &frame, sleeve, &bodies[body], pair, &touch);
-                let [wheel, output, input] = columns;
-                for (k, &row) in [hub, OUTPUT].iter().enumerate() {
-                    position.add(row, hub, wheel.position[k]);
-                    rate.add(row, hub, wheel.rate[k]);
-                    time[row] += input.position[k] * bodies[Layout::INPUT].rate;
-                    position.add(row, OUTPUT, output.position[k]);
-                    rate.add(row, OUTPUT, output.rate[k]);
+                let [by_wheel, by_output, by_input] =
+                    self.columns(bodies, &frame, sleeve, &bodies[body], pair, &touch);
+                for (k, row) in rows.into_iter().enumerate() {
+                    for (of, column) in rows.into_iter().zip([&by_wheel, &by_output]) {
+                        position.add(row, of, column.position[k]);
+                        rate.add(row, of, column.rate[k]);
+                    }
+                    time[row] += by_input.position[k] * input_rate;
                 }
             });
         }
-        found
+        true
     }
 
     fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
