@@ -60,7 +60,7 @@ def random_states(scene: Scene, count: int, seed: int) -> Floats:
     # About an eighth of a wheel's turn under its nominal force: contacts come and go, and forces are of their own size.
     spread_rad = 0.12 * nominal_penetration_m(scene) / (scene.gear.eccentricity_m * scene.gear.lobes)
     spread_rad_s = 0.03 * nominal_rate_rad_s(scene) * spread_rad / 0.12
-    play_rad = scene.gear.backlash_m / (scene.gear.eccentricity_m * scene.gear.lobes)
+    play_rad = (scene.gear.backlash_m + scene.gear.extra_play_m) / (scene.gear.eccentricity_m * scene.gear.lobes)
     for i in range(count):
         angles, rates = kinematics.ideal(scene, rng.uniform(0.0, span_s))
         angles[1:] += rng.uniform(-1.0, 1.0) * play_rad

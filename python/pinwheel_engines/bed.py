@@ -48,6 +48,12 @@ def check_own_contact(engine: str, scene: Scene) -> None:
             engine, f"contact.friction_coefficient = {contact.friction_coefficient}: its own contact has none here"
         )
 
+    gear = scene.gear
+    if gear.rotational_rad != 0.0:
+        raise Unsupported(engine, "gear.modification.rotational_rad: its edge is one smooth curve, not the meet of two")
+    if gear.has_errors:
+        raise Unsupported(engine, "gear.errors: its sleeves and holes are all alike and stand in their nominal places")
+
     # Below the ramp Eq. 20 is a power of 2.5, which neither a bed of springs nor a power of 1.5 resembles.
     nominal = nominal_penetration_m(scene)
     if nominal < LEAST_RAMPS * contact.ramp_m:
@@ -137,10 +143,10 @@ def springs(scene: Scene, least: int, in_contact: int) -> int:
 
 def equal_arcs(scene: Scene, count: int) -> tuple[Floats, float]:
     """Parameters of `count` points at equal distances along the wheel's edge, and that distance, m."""
-    curve, q = Epitrochoid.of(scene.gear), scene.gear.external_sleeve_radius_m
+    curve, q = Epitrochoid.of(scene.gear), scene.gear.edge_offset_m
     # The edge's speed is |C'| (1 - q kappa); the trapezoidal rule is spectrally accurate on a period.
     fine = np.linspace(0.0, 2.0 * math.pi, 200 * scene.gear.lobes * 8 + 1)
-    m, zs = scene.gear.shortening, scene.gear.lobes
+    m, zs = scene.gear.generating_shortening, scene.gear.lobes
     speed = curve.radius_m * np.abs(1.0 + m * np.exp(1j * zs * fine)) * (1.0 - q * curve.curvature(fine))
     length = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(fine))])
     wanted = length[-1] * np.arange(count) / count
@@ -150,4 +156,4 @@ def equal_arcs(scene: Scene, count: int) -> tuple[Floats, float]:
 def edge(scene: Scene, a: Floats, inset_m: float = 0.0) -> Points:
     """Points of the wheel's edge, moved inwards by `inset_m`, in the wheel's frame, m."""
     curve = Epitrochoid.of(scene.gear)
-    return np.asarray(curve.point(a) - (scene.gear.external_sleeve_radius_m + inset_m) * curve.normal(a))
+    return np.asarray(curve.point(a) - (scene.gear.edge_offset_m + inset_m) * curve.normal(a))

@@ -71,8 +71,8 @@ class Epitrochoid:
 
     @staticmethod
     def of(gear: Gear) -> Epitrochoid:
-        """The curve of a gear's wheel."""
-        return Epitrochoid(gear.pitch_radius_m, gear.shortening, gear.external_sleeves)
+        """The curve of a gear's wheel, with its modification."""
+        return Epitrochoid(gear.generating_radius_m, gear.generating_shortening, gear.external_sleeves)
 
     @property
     def lobes(self) -> int:

@@ -34,6 +34,8 @@ class Guard:
         self.force_limit_n = factor * math.sqrt(radius) * radius**1.5
         clearance = max(0.0, gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m)
         free_play = gear.backlash_m * math.sqrt(1.0 - gear.shortening**2) / (gear.eccentricity_m * gear.lobes)
+        free_play += gear.extra_play_m / (gear.eccentricity_m * gear.lobes)
+        clearance += gear.extra_play_m
         lobe = 2.0 * math.pi / gear.lobes
         self.wheel_limit_rad = lobe + free_play
         # The drivers used here hold the speed to 1e-9 and better; a thousandth of it, or of the speed of a wheel that

@@ -79,9 +79,14 @@ class ContactLaw:
         # Eq. 23 and 24 with equal materials: pi (h_c + h_p) = 2 (1 - nu^2)/E.
         compliance = 2.0 * (1.0 - contact.poisson**2) / (math.pi * contact.young_pa)
         self.stiffness_factor: float = 4.0 * contact.stiffness_multiplier / (3.0 * math.pi * compliance)
-        r_c, r_p = -gear.hole_radius_m, gear.internal_sleeve_radius_m
-        self.hole_stiffness: float = self.stiffness_factor * math.sqrt(r_c * r_p / (r_c + r_p))
+        self.hole_stiffness = float(self._hole_stiffness(gear.hole_radius_m, gear.internal_sleeve_radius_m))
         self._holes = hole_centres(gear)
+        self._hole_radii = gear.hole_radius_m + gear.errors("hole_radius_m", self._holes.size).reshape(self._holes.shape)
+        self._outer_radii = gear.external_sleeve_radius_m + gear.errors("external_sleeve_radius_m", gear.external_sleeves)
+        self._inner_radii = gear.internal_sleeve_radius_m + gear.errors("internal_sleeve_radius_m", gear.internal_sleeves)
+        # A wheel with turned flanks is what two wheels turned by these have in common.
+        turn = gear.rotational_rad
+        self._flanks = [np.exp(1j * turn), np.exp(-1j * turn)] if turn else [complex(1.0)]
         layout = self.layout
         wheels = np.arange(layout.wheel_bodies.start, layout.wheel_bodies.stop)
         outer = np.arange(layout.external_bodies.start, layout.external_bodies.stop)
@@ -97,26 +102,33 @@ class ContactLaw:
         contact, gear, curve = self.scene.contact, self.scene.gear, self.curve
         count = contact.wheel_points
         a = 2.0 * math.pi * np.arange(count) / count
-        self._profile = curve.point(a) - gear.external_sleeve_radius_m * curve.normal(a)
+        self._profile = curve.point(a) - gear.edge_offset_m * curve.normal(a)
         curvature = circle_curvature(np.roll(self._profile, 1), self._profile, np.roll(self._profile, -1))
+        self._profile_curvature = curvature
         # R_c R_p/(R_c + R_p) in terms of 1/R_c: no singularity where the profile turns from lobe to pit.
-        softness = 1.0 + gear.external_sleeve_radius_m * curvature
+        softness = 1.0 + self._outer_radii.max() * curvature
         if np.any(softness <= 0.0):
             raise SceneError(
                 f"`contact.wheel_points` = {count} is too coarse: three neighbouring points make a pit that is narrower "
                 "than the sleeve; take more points"
             )
-        self._profile_stiffness = self.stiffness_factor * np.sqrt(gear.external_sleeve_radius_m / softness)
         # A circle through points a spacing s apart has a curvature known to 2 ulp/s^2: the finer the points, the less.
         spacing = np.abs(np.roll(self._profile, -1) - self._profile)
         curvature_rounding = 4.0 * np.spacing(gear.pitch_radius_m) / spacing**2
         self._stiffness_rounding = float(np.max(0.5 * gear.external_sleeve_radius_m * curvature_rounding / softness))
-        self._rim = gear.hole_radius_m * turns(contact.hole_points)
+        self._rim = turns(contact.hole_points)
 
-    def profile_stiffness(self, a: Floats) -> Floats:
-        """K at the profile's parameter a, N/m^1.5: R_c R_p/(R_c + R_p) = q (1 - q kappa_C)."""
-        q = self.scene.gear.external_sleeve_radius_m
-        return np.asarray(self.stiffness_factor * np.sqrt(q * (1.0 - q * self.curve.curvature(a))))
+    def _hole_stiffness(self, hole: Floats | float, sleeve: Floats | float) -> Floats:
+        return np.asarray(self.stiffness_factor * np.sqrt(-hole * sleeve / (sleeve - hole)))
+
+    def profile_stiffness(self, a: Floats, radius: Floats | None = None) -> Floats:
+        """K at the profile's parameter a, N/m^1.5, of a sleeve of that radius (m), by default the nominal one.
+
+        With R_c = 1/kappa_C - q': R_c R_p/(R_c + R_p) = r (1 - q' kappa_C)/(1 + (r - q') kappa_C).
+        """
+        gear, kappa = self.scene.gear, self.curve.curvature(a)
+        r, q = gear.external_sleeve_radius_m if radius is None else radius, gear.edge_offset_m
+        return np.asarray(self.stiffness_factor * np.sqrt(r * (1.0 - q * kappa) / (1.0 + (r - q) * kappa)))
 
     def contacts(self, states: Floats) -> Contacts:
         """The touching pairs of states (n, bodies, 6)."""
@@ -176,14 +188,22 @@ class ContactLaw:
     def nearest_gap_m(self, state: Floats) -> float:
         """Points detection: how much nearer the nearest point is than the next one, m, at the closest call of one state."""
         gaps = [np.inf]
-        q, rim_q = self.scene.gear.external_sleeve_radius_m, self.scene.gear.internal_sleeve_radius_m
-        _, _, _, local, _ = self._sleeves_in_wheel_frame(state[None], *self._outer)
+        _, _, outer, local, _ = self._sleeves_in_wheel_frame(state[None], *self._outer)
         _, wheel, sleeve, inner, _ = self._sleeves_in_wheel_frame(state[None], *self._inner)
-        inner -= self._holes[wheel - self.layout.wheel_bodies.start, sleeve - self.layout.internal_bodies.start]
-        for centres, points, radius in ((local, self._profile, q), (inner, self._rim, rim_q)):
-            two = np.partition(np.abs(centres[:, None] - points[None, :]), 1, axis=1)[:, :2]
+        hole, sleeve = wheel - self.layout.wheel_bodies.start, sleeve - self.layout.internal_bodies.start
+        inner -= self._holes[hole, sleeve]
+        outer_radii = self._outer_radii[outer - self.layout.external_bodies.start]
+        rims = self._hole_radii[hole, sleeve][:, None] * self._rim[None, :]
+        edges = [(local * np.conj(flank), self._profile[None, :], outer_radii) for flank in self._flanks]
+        for centres, points, radius in (*edges, (inner, rims, self._inner_radii[sleeve])):
+            two = np.partition(np.abs(centres[:, None] - points), 1, axis=1)[:, :2]
             touching = two[:, 0] < radius
             gaps.extend((two[touching, 1] - two[touching, 0]).tolist())
+        if len(edges) > 1:
+            # Where both flanks are equally deep, either may be taken.
+            deep = [radius - np.abs(centres[:, None] - points).min(axis=1) for centres, points, radius in edges]
+            touching = np.minimum(*deep) > 0.0
+            gaps.extend(np.abs(deep[0] - deep[1])[touching].tolist())
         return float(min(gaps))
 
     def _add_loads(self, states: Floats, loads: Floats) -> None:
@@ -200,46 +220,68 @@ class ContactLaw:
     def _touching_profile(self, states: Floats) -> tuple[Ints, Ints, Ints, Points, Points, Floats, Floats]:
         """External sleeves against the wheels' profiles."""
         state, wheel, sleeve, local, turn = self._sleeves_in_wheel_frame(states, *self._outer)
-        q = self.scene.gear.external_sleeve_radius_m
-        # A sleeve can touch only when its centre is within the epitrochoid; a vertex within q implies it too.
-        within, a = self.curve.inside(local)
+        radius = self._outer_radii[sleeve - self.layout.external_bodies.start]
+        larger = radius - self.scene.gear.edge_offset_m
+        within, at = np.ones(local.size, dtype=np.bool_), []
+        for flank in self._flanks:
+            p = local * np.conj(flank)
+            inside, a = self.curve.inside(p)
+            # A sleeve that made the edge touches only when its centre is within the epitrochoid (a vertex within its radius
+            # implies it, too), a larger one from a little outside.
+            if np.any(larger > 0.0):
+                inside |= np.abs(p) < self.curve.radius_m * (1.0 + self.curve.ratio) + larger
+            within &= inside
+            at.append((p, a))
         kept = np.nonzero(within)[0]
-        local, a = local[kept], a[kept]
+        sides = [self._on_edge(p[kept], a[kept], radius[kept]) for p, a in at]
+        point, normal, delta, stiffness = sides[0]
+        if len(sides) > 1:
+            # A point within both is as deep in what they have in common as in the one it is less deep in.
+            second = sides[1][2] < sides[0][2]
+            first, other = self._flanks
+            point = np.where(second, sides[1][0] * other, sides[0][0] * first)
+            normal = np.where(second, sides[1][1] * other, sides[0][1] * first)
+            delta, stiffness = (np.where(second, sides[1][i], sides[0][i]) for i in (2, 3))
+        return _on_ground(states, kept, state, wheel, sleeve, turn, point, normal, delta, stiffness)
+
+    def _on_edge(self, local: Points, a: Floats, radius: Floats) -> tuple[Points, Points, Floats, Floats]:
+        """W, n, delta and K of sleeves centred at `local`; `a`: the curve's parameter at their polar angles."""
         if self.points:
             vertex, apart = nearest_vertex(local, self._profile)
-            point = self._profile[vertex]
-            delta, stiffness = q - apart, self._profile_stiffness[vertex]
+            point, softness = self._profile[vertex], 1.0 + radius * self._profile_curvature[vertex]
             with np.errstate(divide="ignore", invalid="ignore"):
                 normal = (point - local) / apart
-        else:
-            a, signed = self.curve.closest(local, a)
-            outward = self.curve.normal(a)
-            point, normal = self.curve.point(a) - q * outward, -outward
-            delta, stiffness = -signed, self.profile_stiffness(a)
-        return _on_ground(states, kept, state, wheel, sleeve, turn, point, normal, delta, stiffness)
+                stiffness = self.stiffness_factor * np.sqrt(radius / softness)
+            return point, normal, radius - apart, stiffness
+        q = self.scene.gear.edge_offset_m
+        a, signed = self.curve.closest(local, a)
+        outward = self.curve.normal(a)
+        return self.curve.point(a) - q * outward, -outward, (radius - q) - signed, self.profile_stiffness(a, radius)
 
     def _touching_holes(self, states: Floats) -> tuple[Ints, Ints, Ints, Points, Points, Floats, Floats]:
         """Internal sleeves against the holes."""
         state, wheel, sleeve, local, turn = self._sleeves_in_wheel_frame(states, *self._inner)
-        gear = self.scene.gear
         which_wheel = wheel - self.layout.wheel_bodies.start
         which_hole = sleeve - self.layout.internal_bodies.start
-        hole = self._holes[which_wheel, which_hole]
+        hole, rim = self._holes[which_wheel, which_hole], self._hole_radii[which_wheel, which_hole]
+        radius = self._inner_radii[which_hole]
         from_centre = local - hole
         away = np.abs(from_centre)
-        kept = np.nonzero(gear.internal_sleeve_radius_m - (gear.hole_radius_m - away) > 0.0)[0]
+        kept = np.nonzero(radius - (rim - away) > 0.0)[0]
         local, hole, from_centre, away = local[kept], hole[kept], from_centre[kept], away[kept]
+        radius, rim = radius[kept], rim[kept]
         if self.points:
-            vertex, apart = nearest_vertex(from_centre, self._rim)
-            point = hole + self._rim[vertex]
-            delta = gear.internal_sleeve_radius_m - apart
+            vertex, _ = nearest_vertex(from_centre / rim, self._rim)
+            point = hole + rim * self._rim[vertex]
+            apart = np.abs(local - point)
+            delta = radius - apart
             with np.errstate(divide="ignore", invalid="ignore"):
                 normal = (point - local) / apart
         else:
             normal = from_centre / away
-            point = hole + gear.hole_radius_m * normal
-            delta = gear.internal_sleeve_radius_m - (gear.hole_radius_m - away)
-        stiffness = np.full(kept.size, self.hole_stiffness)
+            point = hole + rim * normal
+            delta = radius - (rim - away)
+        stiffness = self._hole_stiffness(rim, radius)
         return _on_ground(states, kept, state, wheel, sleeve, turn, point, normal, delta, stiffness)
 
     @staticmethod

@@ -80,9 +80,13 @@ class Kinematics:
         self.carriers = np.array(layout.carriers)
         # Where each body's centre sits on its carrier (or the ground), m, as complex numbers.
         self.offsets = np.zeros(layout.bodies, dtype=np.complex128)
-        self.offsets[layout.wheel_bodies] = gear.eccentricity_m * turns(gear.wheels)
-        self.offsets[layout.external_bodies] = (gear.pitch_radius_m + gear.backlash_m) * turns(gear.external_sleeves)
-        self.offsets[layout.internal_bodies] = gear.internal_circle_radius_m * turns(gear.internal_sleeves)
+        eccentricity = gear.eccentricity_m + gear.errors("eccentricity_m", gear.wheels)
+        off_phase = np.exp(1j * gear.errors("phase_rad", gear.wheels))
+        self.offsets[layout.wheel_bodies] = eccentricity * turns(gear.wheels) * off_phase
+        seats = turns(gear.external_sleeves)
+        self.offsets[layout.external_bodies] = _placed(gear, "external_sleeve", gear.pitch_radius_m + gear.backlash_m, seats)
+        seats = turns(gear.internal_sleeves)
+        self.offsets[layout.internal_bodies] = _placed(gear, "internal_sleeve", gear.internal_circle_radius_m, seats)
         self._x = np.zeros(layout.bodies)
         self._carried = np.nonzero(self.carriers >= 0)[0]
         self._carriers = self.carriers[self._carried]
@@ -144,8 +148,13 @@ class Kinematics:
         layout, mass, gear = self.layout, scene.mass, scene.gear
         moments = np.zeros(layout.bodies)
         wheels, sleeves = gear.wheels * mass.wheel.mass_kg, gear.internal_sleeves * mass.internal_sleeve.mass_kg
-        moments[INPUT] = mass.input_shaft.moment_kg_m2 + wheels * gear.eccentricity_m**2
-        moments[OUTPUT] = mass.output_shaft.moment_kg_m2 + sleeves * gear.internal_circle_radius_m**2
+        # Mean squares of the arms.
+        crank, circle = gear.eccentricity_m**2, gear.internal_circle_radius_m**2
+        if gear.has_errors:
+            crank = np.mean(np.abs(self.offsets[layout.wheel_bodies]) ** 2)
+            circle = np.mean(np.abs(self.offsets[layout.internal_bodies]) ** 2)
+        moments[INPUT] = mass.input_shaft.moment_kg_m2 + wheels * crank
+        moments[OUTPUT] = mass.output_shaft.moment_kg_m2 + sleeves * circle
         moments[layout.wheel_bodies] = mass.wheel.moment_kg_m2
         moments[layout.external_bodies] = mass.external_sleeve.moment_kg_m2
         moments[layout.internal_bodies] = mass.internal_sleeve.moment_kg_m2
@@ -178,15 +187,30 @@ def turns(count: int) -> npt.NDArray[np.complex128]:
     return np.asarray(np.exp(2j * math.pi * np.arange(count) / count))
 
 
+def _placed(
+    gear: Gear, parts: str, radius_m: float, directions: npt.NDArray[np.complex128]
+) -> npt.NDArray[np.complex128]:
+    """Centres of parts, m, that stand on a circle but for their errors: outwards, and counter-clockwise across it."""
+    radial, tangential = (gear.errors(f"{parts}_{way}_m", directions.size) for way in ("radial", "tangential"))
+    moved = (radius_m + radial.reshape(directions.shape)) + 1j * tangential.reshape(directions.shape)
+    return np.asarray(moved * directions)
+
+
 def wheel_phases(gear: Gear) -> Floats:
-    """f of every wheel at input angle 0, rad: wheels stand evenly on the eccentric."""
+    """f of every wheel at input angle 0, rad: wheels stand evenly on the eccentric, but for their errors."""
+    return _even_phases(gear) + gear.errors("phase_rad", gear.wheels)
+
+
+def _even_phases(gear: Gear) -> Floats:
     return np.asarray(2.0 * math.pi * np.arange(gear.wheels) / gear.wheels)
 
 
 def hole_centres(gear: Gear) -> npt.NDArray[np.complex128]:
     """Centres of the holes in each wheel's frame, m, shape (wheels, holes).
 
-    At the start hole k stands, seen from its wheel's centre, at angle 2 pi k/zi of the ground, as internal sleeve k does.
+    At the start hole k stands, seen from its wheel's centre, at angle 2 pi k/zi of the ground, as internal sleeve k does;
+    all of it without errors, and then the hole's own.
     """
-    start = (math.pi - wheel_phases(gear)) / gear.lobes
-    return np.asarray(gear.internal_circle_radius_m * turns(gear.internal_sleeves)[None, :] * np.exp(-1j * start)[:, None])
+    start = (math.pi - _even_phases(gear)) / gear.lobes
+    directions = turns(gear.internal_sleeves)[None, :] * np.exp(-1j * start)[:, None]
+    return _placed(gear, "hole", gear.internal_circle_radius_m, directions)

@@ -56,6 +56,49 @@ class Gear(Table):
         """R = e zk/m: radius of the circle the external sleeves sit on without backlash."""
         return float(self.eccentricity_m * self.external_sleeves / self.shortening)
 
+    def _modification(self, key: str) -> float:
+        return float(self._keys.get("modification", {}).get(key, 0.0))
+
+    @property
+    def generating_radius_m(self) -> float:
+        """R' = R + radial modification: the circle on which the sleeve runs that makes the wheels' edge."""
+        return self.pitch_radius_m + self._modification("radial_m")
+
+    @property
+    def generating_shortening(self) -> float:
+        """m' = e zk/R'."""
+        if self.generating_radius_m == self.pitch_radius_m:
+            return float(self.shortening)
+        return float(self.eccentricity_m * self.external_sleeves / self.generating_radius_m)
+
+    @property
+    def edge_offset_m(self) -> float:
+        """q' = q + equidistant modification: the radius of that sleeve."""
+        return float(self.external_sleeve_radius_m) + self._modification("equidistant_m")
+
+    @property
+    def rotational_rad(self) -> float:
+        """By how much both flanks of a lobe are turned towards its middle."""
+        return self._modification("rotational_rad")
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether a single sleeve, hole or wheel deviates."""
+        return any(self._keys.get("errors", {}).values())
+
+    def errors(self, key: str, count: int) -> npt.NDArray[np.float64]:
+        """The list of errors of that name: a number for each of `count` parts, zeros where the scene has none."""
+        found = self._keys.get("errors", {}).get(key) or np.zeros(count)
+        return np.asarray(found, dtype=np.float64)
+
+    @property
+    def extra_play_m(self) -> float:
+        """More than what modification and errors can add to the gap of an external sleeve."""
+        change = abs(self._modification("equidistant_m")) + abs(self._modification("radial_m"))
+        lists = self._keys.get("errors", {}).items()
+        largest = sum(max(map(abs, values), default=0.0) for key, values in lists if key.endswith("_m"))
+        return float(change + largest + self.rotational_rad * self.eccentricity_m * self.lobes)
+
 
 @dataclass(frozen=True)
 class Masses(Table):

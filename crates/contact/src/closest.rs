@@ -5,7 +5,8 @@
 //!
 //! Two certificates make the local search exact, both from the reach rho of the curve:
 //! * *outside*: a ball of radius rho that touches C from outside contains no point of C. If P
-//!   lies in the one touching at C(a), that is if `|r|^2 < 2 rho s`, P is outside, whatever a is.
+//!   lies in the one touching at C(a), that is if `|r|^2 < 2 rho s`, P is outside, whatever a is. In the concentric ball
+//!   that is smaller by L, that is if `|r|^2 < 2 rho (s - L) + L^2`, P is farther from C than L.
 //! * *foot*: a stationary point with |s| < rho is the closest point of the whole curve.
 //!
 //! Where Newton cannot help (sleeves lifted off a pit by backlash stand near its centre of curvature) a
@@ -46,11 +47,25 @@ impl Epitrochoid {
     #[must_use]
     #[inline]
     pub fn penetrating_foot(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Foot> {
-        match self.local_search(p, unit, multiple, true) {
+        self.foot_within(p, unit, multiple, 0.0)
+    }
+
+    /// The foot of `p` if its signed distance from the curve is below `limit`, m: a sleeve whose radius differs from the
+    /// offset of the edge touches elsewhere than on the curve. Otherwise as [`penetrating_foot`](Self::penetrating_foot).
+    #[must_use]
+    #[inline]
+    pub fn foot_within(
+        &self,
+        p: Complex,
+        unit: Complex,
+        multiple: Complex,
+        limit: f64,
+    ) -> Option<Foot> {
+        match self.local_search(p, unit, multiple, limit) {
             Local::Outside => None,
-            Local::Foot(foot) => (foot.distance < 0.0).then_some(foot),
-            Local::Unknown if self.outside_by_ray(p, unit, multiple) => None,
-            Local::Unknown => self.penetrating_foot_by_search(p),
+            Local::Foot(foot) => (foot.distance < limit).then_some(foot),
+            Local::Unknown if limit <= 0.0 && self.outside_by_ray(p, unit, multiple) => None,
+            Local::Unknown => self.foot_by_search(p, limit),
         }
     }
 
@@ -81,23 +96,26 @@ impl Epitrochoid {
     /// The rare case, kept out of the hot path.
     #[cold]
     #[inline(never)]
-    fn penetrating_foot_by_search(&self, p: Complex) -> Option<Foot> {
-        if p.norm() >= self.pitch_radius + self.eccentricity {
+    fn foot_by_search(&self, p: Complex, limit: f64) -> Option<Foot> {
+        if p.norm() >= self.pitch_radius + self.eccentricity + limit.max(0.0) {
             return None;
         }
         let foot = self.closest(p);
-        (foot.distance < 0.0).then_some(foot)
+        (foot.distance < limit).then_some(foot)
     }
 
-    fn local_search(&self, p: Complex, unit: Complex, multiple: Complex, reject: bool) -> Local {
+    fn local_search(&self, p: Complex, unit: Complex, multiple: Complex, limit: f64) -> Local {
         let (mut u, mut v) = (unit, multiple);
         let tolerance = TANGENTIAL_TOLERANCE * self.settling * self.pitch_radius;
+        let away = limit.max(0.0);
         let mut last_step = pinwheel_faults::armed(pinwheel_faults::Fault::StaleFoot);
         for _ in 0..MAX_STEPS {
             let at = self.at_unit(u, v);
             let r = p - at.position;
             let s = r.dot(at.normal);
-            if reject && r.norm2() < 2.0 * self.reach_outside * s {
+            // Farther than the limit, too, if P lies in the ball that is smaller by so much.
+            let room = self.reach_outside - away;
+            if room > 0.0 && r.norm2() < 2.0 * self.reach_outside * (s - away) + away * away {
                 return Local::Outside;
             }
             if last_step {

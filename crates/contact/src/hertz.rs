@@ -46,7 +46,15 @@ impl HertzStiffness {
     #[must_use]
     #[inline]
     pub fn of_profile(&self, q: f64, kappa: f64) -> f64 {
-        self.of_radius(q * (1.0 - q * kappa))
+        self.of_edge(q, q, kappa)
+    }
+
+    /// K of a sleeve of radius `sleeve` on the inward offset by `offset` of a curve that bends by `kappa`: with
+    /// R_c = 1/kappa - offset the radicand is `sleeve (1 - offset kappa)/(1 + (sleeve - offset) kappa)`.
+    #[must_use]
+    #[inline]
+    pub fn of_edge(&self, sleeve: f64, offset: f64, kappa: f64) -> f64 {
+        self.of_radius(sleeve * (1.0 - offset * kappa) / (1.0 + (sleeve - offset) * kappa))
     }
 
     /// K of a sleeve of radius `sleeve` in a hole of radius `hole` (R_c = -hole).
@@ -69,6 +77,10 @@ mod tests {
         let h: f64 = 0.91 / (std::f64::consts::PI * 2.0e11);
         let k = 4.0 * 0.01 / (3.0 * std::f64::consts::PI * 2.0 * h) * (rc * q / (rc + q)).sqrt();
         assert_relative_eq!(steel.of_profile(q, kappa), k, max_relative = 1e-14);
+        // A sleeve that did not make the profile.
+        let rp = 0.0061;
+        let k = k * (rc * rp / (rc + rp) / (rc * q / (rc + q))).sqrt();
+        assert_relative_eq!(steel.of_edge(rp, q, kappa), k, max_relative = 1e-14);
         assert_relative_eq!(
             steel.of_hole(0.006, 0.0088),
             steel.of_radius(0.018_857_142_857_142_857),

@@ -13,8 +13,17 @@ use crate::{Complex, Epitrochoid, HertzStiffness};
 pub struct Vertex {
     /// Position in the wheel frame, m.
     pub position: Complex,
-    /// Contact stiffness K there, N/m^1.5.
-    pub stiffness: f64,
+    /// 1/R_c of the circle through it and its two neighbours (the paper's approximation of the curvature), 1/m.
+    pub curvature: f64,
+}
+
+impl Vertex {
+    /// Contact stiffness K of a sleeve of radius `q` there, N/m^1.5: 1/(R_c R_p/(R_c + R_p)) = 1/R_c + 1/R_p.
+    #[must_use]
+    #[inline]
+    pub fn stiffness(&self, q: f64, hertz: &HertzStiffness) -> f64 {
+        hertz.of_radius(1.0 / (self.curvature + 1.0 / q))
+    }
 }
 
 /// Points of the profile at equal steps of the parameter a (a_k = 2 pi k/N).
@@ -25,18 +34,17 @@ pub struct ProfilePoints {
 }
 
 impl ProfilePoints {
-    /// `count` points on the offset of `curve` by `q` (m), with the stiffness of the circle through
-    /// each point and its two neighbours (the paper's approximation of the curvature).
+    /// `count` points on the offset of `curve` by `offset` (m) for sleeves up to a radius `q` (m).
     ///
-    /// `None` if a pit is so coarsely sampled that this circle is smaller than the sleeve: Eq. 23
+    /// `None` if a pit is so coarsely sampled that the circle through three points is smaller than the sleeve: Eq. 23
     /// then has no real value.
     #[must_use]
-    pub fn new(curve: &Epitrochoid, q: f64, count: usize, hertz: &HertzStiffness) -> Option<Self> {
+    pub fn new(curve: &Epitrochoid, offset: f64, q: f64, count: usize) -> Option<Self> {
         let step = std::f64::consts::TAU / count as f64;
         let positions: Vec<Complex> = (0..count)
             .map(|k| {
                 let at = curve.at(k as f64 * step);
-                at.position - at.normal.scale(q)
+                at.position - at.normal.scale(offset)
             })
             .collect();
         let vertices = (0..count)
@@ -46,11 +54,10 @@ impl ProfilePoints {
                     positions[k],
                     positions[(k + 1) % count],
                 );
-                // 1/(R_c R_p/(R_c + R_p)) = 1/R_c + 1/R_p with 1/R_c signed.
-                let inverse_radius = circle_curvature(before, here, after) + 1.0 / q;
-                (inverse_radius > 1e-6 / q).then(|| Vertex {
+                let curvature = circle_curvature(before, here, after);
+                (curvature + 1.0 / q > 1e-6 / q).then_some(Vertex {
                     position: here,
-                    stiffness: hertz.of_radius(1.0 / inverse_radius),
+                    curvature,
                 })
             })
             .collect::<Option<Vec<_>>>()?;
@@ -154,10 +161,10 @@ mod tests {
         ) {
             let curve = Epitrochoid::new(0.0028, zk, m).unwrap();
             let q = 0.45 / curve.largest_curvature();
-            let hertz = HertzStiffness::new(2e11, 0.3, 0.01);
             let count = per_lobe * curve.lobes() as usize;
-            prop_assume!(ProfilePoints::new(&curve, q, count, &hertz).is_some());
-            let points = ProfilePoints::new(&curve, q, count, &hertz).unwrap();
+            let points = ProfilePoints::new(&curve, q, q, count);
+            prop_assume!(points.is_some());
+            let points = points.unwrap();
             let at = curve.at(a);
             let p = at.position - at.normal.scale(depth);
             let (_, found) = points.nearest(p, curve.closest(p).parameter());
@@ -180,13 +187,13 @@ mod tests {
     fn fine_points_have_the_exact_curvature() {
         let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap();
         let hertz = HertzStiffness::new(2e11, 0.3, 0.01);
-        let points = ProfilePoints::new(&curve, 0.006, 40_000, &hertz).unwrap();
+        let points = ProfilePoints::new(&curve, 0.006, 0.006, 40_000).unwrap();
         for k in (0..40_000).step_by(97) {
             let kappa = curve
                 .at(std::f64::consts::TAU * k as f64 / 40_000.0)
                 .curvature;
             let exact = hertz.of_profile(0.006, kappa);
-            let found = points.vertices()[k].stiffness;
+            let found = points.vertices()[k].stiffness(0.006, &hertz);
             assert!((found / exact - 1.0).abs() < 2e-3, "{k}: {found} {exact}");
         }
     }

@@ -3,7 +3,9 @@
 use pinwheel_contact::laws::hysteresis_factor;
 use serde::Serialize;
 
-use crate::scene::{Detection, Formulation, Scene, Stabilisation};
+use pinwheel_scene::free_play;
+
+use crate::scene::{Detection, Formulation, Gear, Scene, Stabilisation};
 use crate::{Gearbox, GearboxError};
 
 /// One statement with its reason.
@@ -242,6 +244,7 @@ pub fn explain(gearbox: &Gearbox) -> Result<Explanation, GearboxError> {
             "gear.backlash_m",
         );
     }
+    deviations(&scene.gear, &mut |what, why| say(&mut modelled, what, why));
     if hysteresis_factor(&scene.contact.law, scene.contact.restitution).is_some() {
         say(
             &mut left_out,
@@ -286,6 +289,53 @@ pub fn explain(gearbox: &Gearbox) -> Result<Explanation, GearboxError> {
             })
             .collect(),
     })
+}
+
+/// The modified profile and the errors of single parts.
+fn deviations(gear: &Gear, say: &mut dyn FnMut(String, &str)) {
+    let micrometres = |length_m: f64| format!("{:+.3} um", 1e6 * length_m);
+    let change = &gear.modification;
+    if !change.is_none() {
+        say(
+            format!(
+                "modified profile: generating sleeve q' = q {}, on the circle R' = R {}, flanks turned by {} arcmin each",
+                micrometres(change.equidistant_m),
+                micrometres(change.radial_m),
+                change.rotational_rad.to_degrees() * 60.0
+            ),
+            &format!(
+                "gear.modification: the edge is the offset by q' of the epitrochoid with R', the ring keeps R and q; to first \
+                 order a sleeve at phi from the eccentric stands off by g = (q' - q) + (d - (R' - R)) (1 - m cos phi)/S + \
+                 delta e zs |sin phi|/S with S = sqrt(1 + m^2 - 2 m cos phi), and a wheel turns freely by {:.4} arcmin to \
+                 either side (the least g/l at any angle, l = e zs sin(phi)/S)",
+                free_play(gear).to_degrees() * 60.0
+            ),
+        );
+    }
+    for list in gear.errors.lists(gear) {
+        let (low, high) = list
+            .values
+            .iter()
+            .fold((0.0_f64, 0.0_f64), |(low, high), &x| {
+                (low.min(x), high.max(x))
+            });
+        if low < high {
+            let unit = |x: f64| match list.key.ends_with("_rad") {
+                true => format!("{:+.3} urad", 1e6 * x),
+                false => micrometres(x),
+            };
+            say(
+                format!(
+                    "errors of {} {} from {} to {}",
+                    list.count,
+                    list.parts,
+                    unit(low),
+                    unit(high)
+                ),
+                list.key,
+            );
+        }
+    }
 }
 
 fn joints(gearbox: &Gearbox) -> usize {

@@ -140,14 +140,14 @@ impl Gearbox {
     /// States at t = 0 at the ideal mesh: its rates, external sleeves at rest, internal ones turning with the output.
     #[must_use]
     pub fn kinematic_states(&self) -> Vec<BodyState> {
-        let (gear, speed) = (&self.scene.gear, self.scene.drive.input_speed_rad_s);
+        let speed = self.scene.drive.input_speed_rad_s;
         let slow = -speed / self.geometry.ratio();
         let mut states = vec![BodyState::default(); self.layout.bodies()];
         states[Layout::INPUT].rate = speed;
         states[Layout::OUTPUT].rate = slow;
         for (i, body) in self.layout.wheel_bodies().enumerate() {
             let (s, c) = self.geometry.wheel_phases[i].sin_cos();
-            let e = gear.eccentricity_m;
+            let e = self.geometry.eccentricities_m[i];
             states[body] = BodyState {
                 x: e * c,
                 y: e * s,
@@ -157,14 +157,9 @@ impl Gearbox {
                 rate: slow,
             };
         }
-        let circle = self.geometry.curve.pitch_radius() + gear.backlash_m;
-        for (direction, body) in self
-            .geometry
-            .external_directions
-            .iter()
-            .zip(self.layout.external_bodies())
-        {
-            (states[body].x, states[body].y) = (circle * direction.re, circle * direction.im);
+        let seats = self.geometry.external_points.iter();
+        for (&[x, y], body) in seats.zip(self.layout.external_bodies()) {
+            (states[body].x, states[body].y) = (x, y);
         }
         for (&[x, y], body) in self
             .geometry
@@ -187,7 +182,7 @@ impl Gearbox {
     /// Bodies, revolutes and the driver of the whole gearbox: 28 and 29 for the paper's.
     #[must_use]
     pub fn mechanism(&self) -> Mechanism {
-        let (layout, mass, gear) = (self.layout, &self.scene.mass, &self.scene.gear);
+        let (layout, mass) = (self.layout, &self.scene.mass);
         let starts = self.initial_states();
         let body = |name: String, m: BodyMass, index: usize| Body {
             name,
@@ -212,7 +207,8 @@ impl Gearbox {
         for (i, index) in layout.wheel_bodies().enumerate() {
             bodies.push(body(format!("wheel {i}"), mass.wheel, index));
             let (s, c) = self.geometry.wheel_phases[i].sin_cos();
-            let eccentric = [gear.eccentricity_m * c, gear.eccentricity_m * s];
+            let e = self.geometry.eccentricities_m[i];
+            let eccentric = [e * c, e * s];
             revolutes.push(pin(Some(Layout::INPUT), eccentric, index));
         }
         for (j, index) in layout.external_bodies().enumerate() {

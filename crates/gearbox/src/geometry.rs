@@ -3,7 +3,8 @@
 //! Wheel i of n has its centre at `e e^{i f}`, `f = phi + 2 pi i/n` with the input angle phi. It
 //! meshes exactly at the angle `(pi - f)/zs`. External sleeve j sits at `(R + d) e^{2 pi i j/zk}`,
 //! internal sleeve k at `R_w e^{i (psi + 2 pi k/zi)}` with the output angle psi; hole k of every wheel
-//! stands around internal sleeve k at t = 0, its centre at `R_w` from the wheel's.
+//! stands around internal sleeve k at t = 0, its centre at `R_w` from the wheel's. Errors of the parts move them from
+//! there; a wheel's edge is that of its modified profile.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,18 +17,30 @@ use crate::scene::Gear;
 /// Derived geometry; wheel-frame points are relative to the wheel's centre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Geometry {
-    /// C, on which sleeve centres stand.
+    /// C, the path of the generating sleeve's centre; without modification sleeve centres stand on it.
     pub curve: Epitrochoid,
-    /// Sleeve directions e^{2 pi i j/zk}.
+    /// q', by which a wheel's edge lies inside C, m.
+    pub edge_offset_m: f64,
+    /// e^{i delta} of a rotational modification: a wheel is what two such wheels turned by +-delta have in common.
+    pub flanks: Option<Complex>,
+    /// Directions e^{2 pi i j/zk} in which sleeves stand but for their errors.
     pub external_directions: Vec<Complex>,
+    /// Sleeve positions on the housing, m.
+    pub external_points: Vec<[f64; 2]>,
+    /// Radii of the external sleeves, m.
+    pub external_radii_m: Vec<f64>,
     /// Sleeve positions on the output shaft, shaft frame, m.
     pub internal_points: Vec<[f64; 2]>,
-    /// 2 pi i/n.
+    /// Radii of the internal sleeves, m.
+    pub internal_radii_m: Vec<f64>,
+    /// Angles of the eccentrics from the input's, 2 pi i/n, rad.
     pub wheel_phases: Vec<f64>,
+    /// Their eccentricities, m.
+    pub eccentricities_m: Vec<f64>,
     /// Hole centres of every wheel, wheel frame, m.
     pub hole_centres: Vec<Vec<Complex>>,
-    /// One external sleeve whose radius is smaller than the scene's, by so much (m): a fault to be found.
-    pub small_sleeve: Option<(usize, f64)>,
+    /// Radii of the holes of every wheel, m.
+    pub hole_radii_m: Vec<Vec<f64>>,
     lobes: f64,
 }
 
@@ -38,39 +51,66 @@ impl Geometry {
     /// Parameters for which there is no curve.
     pub fn new(gear: &Gear) -> Result<Self, GearboxError> {
         let sleeves = u32::try_from(gear.external_sleeves).unwrap_or(u32::MAX);
-        let curve =
-            Epitrochoid::new(gear.eccentricity_m, sleeves, gear.shortening).map_err(|_| {
-                GearboxError::Geometry(
-                    "no epitrochoid has this eccentricity, shortening and number of sleeves".into(),
-                )
-            })?;
-        let spread = |n: usize| (0..n).map(move |k| TAU * k as f64 / n as f64);
-        let mut wheel_phases: Vec<f64> = spread(gear.wheels).collect();
+        let shortening = gear.generating_shortening();
+        let curve = Epitrochoid::new(gear.eccentricity_m, sleeves, shortening).map_err(|_| {
+            GearboxError::Geometry(
+                "no epitrochoid has this eccentricity, shortening and number of sleeves".into(),
+            )
+        })?;
+        let (wheels, external, internal) =
+            (gear.wheels, gear.external_sleeves, gear.internal_sleeves);
         let lobes = gear.external_sleeves as f64 - 1.0;
-        let rw = gear.internal_circle_radius_m;
-        let hole_centres = wheel_phases
-            .iter()
-            .map(|phase| {
-                let start = (PI - phase) / lobes;
-                spread(gear.internal_sleeves)
-                    .map(|a| Complex::unit(a - start).scale(rw))
-                    .collect()
-            })
-            .collect();
+        // Holes are cut where eccentrics without errors put their sleeves.
+        let start = |i: usize| (PI - TAU * i as f64 / wheels as f64) / lobes;
+        let mut wheel_phases: Vec<f64> = (0..wheels).map(|i| gear.phase_of_rad(i)).collect();
         if let (true, Some(last)) = (armed(Fault::WheelPhase), wheel_phases.last_mut()) {
             *last += 1e-4;
         }
+        let direction = |j: usize| Complex::unit(TAU * j as f64 / external as f64);
+        let turn = gear.modification.rotational_rad;
         Ok(Self {
             curve,
-            external_directions: spread(gear.external_sleeves).map(Complex::unit).collect(),
-            internal_points: spread(gear.internal_sleeves)
-                .map(|a| Complex::unit(a).scale(rw).to_array())
+            edge_offset_m: gear.edge_offset_m(),
+            flanks: (turn > 0.0).then(|| Complex::unit(turn)),
+            external_directions: (0..external).map(direction).collect(),
+            external_points: (0..external).map(|j| gear.external_sleeve_m(j)).collect(),
+            external_radii_m: (0..external)
+                .map(|j| gear.external_sleeve_radius_of_m(j))
+                .collect(),
+            internal_points: (0..internal).map(|k| gear.internal_sleeve_m(k)).collect(),
+            internal_radii_m: (0..internal)
+                .map(|k| gear.internal_sleeve_radius_of_m(k))
                 .collect(),
             wheel_phases,
-            hole_centres,
-            small_sleeve: None,
+            eccentricities_m: (0..wheels).map(|i| gear.eccentricity_of_m(i)).collect(),
+            hole_centres: (0..wheels)
+                .map(|i| {
+                    let centre = |k| {
+                        let [x, y] = gear.hole_m(i, k, -start(i));
+                        Complex::new(x, y)
+                    };
+                    (0..internal).map(centre).collect()
+                })
+                .collect(),
+            hole_radii_m: (0..wheels)
+                .map(|i| (0..internal).map(|k| gear.hole_radius_of_m(i, k)).collect())
+                .collect(),
             lobes,
         })
+    }
+
+    /// Whether all sleeves are the generating one and all holes alike: what the lanes take for granted.
+    #[must_use]
+    pub(crate) fn is_uniform(&self, gear: &Gear) -> bool {
+        let alike = |all: &[f64], nominal: f64| all.iter().all(|&one| one == nominal);
+        gear.errors.is_none()
+            && self.flanks.is_none()
+            && alike(&self.external_radii_m, self.edge_offset_m)
+            && alike(&self.internal_radii_m, gear.internal_sleeve_radius_m)
+            && self
+                .hole_radii_m
+                .iter()
+                .all(|wheel| alike(wheel, gear.hole_radius_m))
     }
 
     /// Angle of wheel `i` at the ideal mesh, for the input angle `phi`, rad.

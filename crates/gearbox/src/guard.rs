@@ -5,6 +5,7 @@
 //! some elastic twist, far below a pitch.
 
 use pinwheel_mbs::BodyState;
+use pinwheel_scene::{largest_hole_play, largest_play};
 
 use crate::Gearbox;
 use crate::Layout;
@@ -19,7 +20,7 @@ const PITCHES: f64 = 0.25;
 pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
     let geometry = &gearbox.geometry;
     let input = bodies[Layout::INPUT].angle;
-    let play = wheel_play(gearbox);
+    let play = largest_play(&gearbox.scene.gear);
     for (i, body) in gearbox.layout.wheel_bodies().enumerate() {
         let ideal = geometry.ideal_wheel_angle(i, input);
         judge(
@@ -38,18 +39,9 @@ pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
 /// By how much it left its mesh, or that it is not finite.
 pub fn check_output(gearbox: &Gearbox, input: f64, output: f64) -> Result<(), String> {
     let gear = &gearbox.scene.gear;
-    // Free play of the output in its holes.
-    let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
-    let play = wheel_play(gearbox) + clearance.max(0.0) / gear.internal_circle_radius_m;
+    let play = largest_play(gear) + largest_hole_play(gear);
     let off = output - gearbox.geometry.ideal_output_angle(input);
     judge(gearbox, &|| "the output shaft".into(), off, play)
-}
-
-/// One-sided free play of a wheel, d sqrt(1 - m^2)/(e zs), rad.
-fn wheel_play(gearbox: &Gearbox) -> f64 {
-    let gear = &gearbox.scene.gear;
-    let m = gear.shortening;
-    gear.backlash_m * (1.0 - m * m).sqrt() / (gear.eccentricity_m * gearbox.geometry.ratio())
 }
 
 fn judge(gearbox: &Gearbox, name: &dyn Fn() -> String, off: f64, play: f64) -> Result<(), String> {

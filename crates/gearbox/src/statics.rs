@@ -16,7 +16,7 @@ mod closed_forms;
 mod newton;
 
 pub use closed_forms::{LinearMesh, LinearOutput, smallest_convex_radius};
-use pinwheel_scene::free_play;
+use pinwheel_scene::{largest_hole_play, largest_play};
 
 use pinwheel_mbs::{BodyState, Jacobian, Wrench};
 
@@ -98,7 +98,6 @@ impl<'a> Statics<'a> {
     /// Puts all bodies at the input angle `phi` and the given angles.
     fn place(&mut self, phi: f64, wheels: &[f64], psi: f64) {
         let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
-        let gear = &self.gearbox.scene.gear;
         let speed = match self.motion {
             Some(_) => self.gearbox.scene.drive.input_speed_rad_s,
             None => 0.0,
@@ -107,7 +106,7 @@ impl<'a> Statics<'a> {
         self.bodies[Layout::INPUT].rate = speed;
         for (i, body) in layout.wheel_bodies().enumerate() {
             let (s, c) = (phi + geometry.wheel_phases[i]).sin_cos();
-            let e = gear.eccentricity_m;
+            let e = geometry.eccentricities_m[i];
             self.bodies[body] = BodyState {
                 x: e * c,
                 y: e * s,
@@ -169,12 +168,8 @@ impl<'a> Statics<'a> {
     fn brackets(&self) -> (f64, f64) {
         let gear = &self.gearbox.scene.gear;
         let twist = PITCHES * std::f64::consts::TAU / self.gearbox.geometry.ratio();
-        let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
-        let wheel = free_play(gear) + twist;
-        (
-            wheel,
-            wheel + twist + clearance.max(0.0) / gear.internal_circle_radius_m,
-        )
+        let wheel = largest_play(gear) + twist;
+        (wheel, wheel + twist + largest_hole_play(gear))
     }
 
     /// Balances the wheels for the output at `psi`; returns the moment of the contacts on the output.

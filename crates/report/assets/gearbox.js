@@ -44,7 +44,7 @@ const PinwheelGearbox = (() => {
   function gearbox(view, channels) {
     const { gear } = view;
     const zs = gear.zk - 1;
-    const radius = (gear.e * gear.zk) / gear.m;
+    const radius = gear.r;
     const at = curve(gear);
     const [input, output, error] = channels;
     const wheels = channels.slice(3, 3 + gear.wheels);
@@ -54,7 +54,10 @@ const PinwheelGearbox = (() => {
     function profile(tolerance) {
       const fine = Array.from({ length: 241 }, (_, k) => {
         const p = at((TAU / zs) * (k / 240));
-        return [p.x - gear.q * p.nx, p.y - gear.q * p.ny];
+        const [x, y] = [p.x - gear.edge * p.nx, p.y - gear.edge * p.ny];
+        // Flanks are turned towards the middle of their lobes: this one's, and the next one's beyond the pit.
+        const turn = k < 120 ? -gear.turn : gear.turn;
+        return [x - turn * y, y + turn * x];
       });
       const within = (from, to) => {
         const [[x, y], [x2, y2]] = [fine[from], fine[to]];

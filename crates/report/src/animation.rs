@@ -74,8 +74,13 @@ struct View {
 struct GearJson {
     e: f64,
     zk: usize,
+    /// R, and m' of the wheels' own curve.
+    r: f64,
     m: f64,
     q: f64,
+    /// The edge's offset from that curve, and by how much flanks are turned, rad.
+    edge: f64,
+    turn: f64,
     zi: usize,
     ri: f64,
     rw: f64,
@@ -156,8 +161,11 @@ impl Animation {
                 gear: GearJson {
                     e: mm(gear.eccentricity_m),
                     zk: gear.external_sleeves,
-                    m: gear.shortening,
+                    r: mm(gear.pitch_radius_m()),
+                    m: gear.generating_shortening(),
                     q: mm(gear.external_sleeve_radius_m),
+                    edge: mm(gear.edge_offset_m()),
+                    turn: gear.modification.rotational_rad,
                     zi: gear.internal_sleeves,
                     ri: mm(gear.internal_sleeve_radius_m),
                     rw: mm(gear.internal_circle_radius_m),

@@ -31,8 +31,8 @@ pub struct Derived {
     pub walls: Walls,
     /// Play of a sleeve in its hole beyond the orbit: hole - sleeve - e, m.
     pub hole_clearance_m: f64,
-    /// How far a wheel turns freely to one side because of the backlash, rad:
-    /// d sqrt(1 - m^2)/(e zs).
+    /// How far a wheel turns freely to one side because of backlash and modification, rad
+    /// ([`scales::free_play`]).
     pub free_play_rad: f64,
     /// Driver torque if no energy is lost or created: load/zs, N m; of a load that changes the last one.
     pub ideal_input_torque_n_m: f64,
@@ -107,7 +107,7 @@ fn hole_clearance(gear: &Gear) -> f64 {
 pub fn derived(scene: &Scene) -> Derived {
     let gear = &scene.gear;
     let curve = Profile::of(gear);
-    let (e, q) = (gear.eccentricity_m, gear.external_sleeve_radius_m);
+    let (e, q) = (gear.eccentricity_m, gear.edge_offset_m());
     let (zk, zs) = (gear.external_sleeves as f64, gear.lobes() as f64);
     let zi = gear.internal_sleeves as f64;
     let wheel_torque = load_course::largest(&scene.drive) / gear.wheels as f64;
@@ -124,7 +124,7 @@ pub fn derived(scene: &Scene) -> Derived {
         tip_curvature_radius_m: 1.0 / curve.curvature(1.0) - q,
         pit_curvature_radius_m: 1.0 / curve.curvature(-1.0) - q,
         smallest_convex_radius_m: curve.smallest_convex_radius(),
-        profile_radii_m: [gear.pitch_radius_m() + e - q, curve.pit_radius()],
+        profile_radii_m: [gear.generating_radius_m() + e - q, curve.pit_radius()],
         walls: Walls::of(gear),
         hole_clearance_m: hole_clearance(gear),
         free_play_rad: scales::free_play(gear),

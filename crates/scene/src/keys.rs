@@ -20,6 +20,8 @@ pub enum Kind {
     Text,
     /// A list of texts.
     Texts,
+    /// A list of numbers, each within a range.
+    Numbers(Range),
     /// A list of tables whose keys are these rows.
     Tables(&'static [Key]),
 }
@@ -113,13 +115,15 @@ pub fn key(name: &str) -> Option<&'static Key> {
     KEYS.iter().find(|key| key.name == name)
 }
 
-use Kind::{Choice, Count, Number, Tables, Text, Texts};
+use Kind::{Choice, Count, Number, Numbers, Tables, Text, Texts};
 use Otherwise::{Follows, Nothing, Required, Usual};
 use Range::{Between, From};
 
 const METRES: &str = "lengths are in metres: 6 mm is 0.006";
 const KILOGRAMS: &str = "masses are in kilograms: 48 g is 0.048";
 const MOMENTS: &str = "moments of inertia are in kg m^2: 100 kg mm^2 is 1e-4";
+const RADIANS: &str = "angles are in radians: 1 arcminute is 2.9e-4";
+const LIST: &str = "write one number for each, like [0.0, 5e-6, -2e-6], in metres or radians";
 const SECONDS: &str = "times are in seconds: 10 microseconds is 1e-5";
 const LOAD: &str = "give the load on the output shaft in newton metres";
 
@@ -129,6 +133,9 @@ const LENGTH: Kind = Number(From(1e-7, 10.0));
 const TORQUE: Kind = Number(From(-1e9, 1e9));
 const MASS: Kind = Number(From(1e-9, 1e6));
 const MOMENT: Kind = Number(From(1e-18, 1e8));
+/// Deviations, to either side.
+const DEVIATION: Range = From(-1.0, 1.0);
+const ANGLE: Range = From(-1.0, 1.0);
 const TIME: Kind = Number(From(0.0, 1e5));
 
 macro_rules! keys {
@@ -161,6 +168,21 @@ pub const KEYS: &[Key] = keys! {
     "gear.wheels" Count(1, 64), Required, "wheels, evenly phased on the eccentric", "most gears have one to three wheels; every wheel meets every sleeve, so memory and time grow with it";
     "gear.backlash_m" Number(From(0.0, 1.0)), Usual("0.0", "no backlash"), "d: external sleeves sit at R + d", METRES;
     "gear.face_width_m" LENGTH, Nothing, "thickness of a wheel; for masses that are left out", METRES;
+
+    "gear.modification.equidistant_m" Number(DEVIATION), Nothing, "the generating sleeve's radius is larger than q by this: above 0 the wheel's whole edge lies that much further in", METRES;
+    "gear.modification.radial_m" Number(DEVIATION), Nothing, "the generating circle is larger than R by this: below 0 the wheel is smaller", METRES;
+    "gear.modification.rotational_rad" Number(From(0.0, 1.0)), Nothing, "both flanks of a lobe are turned towards its middle by this", RADIANS;
+    "gear.errors.external_sleeve_radial_m" Numbers(DEVIATION), Nothing, "of each external sleeve, how far it sits outwards of its place", LIST;
+    "gear.errors.external_sleeve_tangential_m" Numbers(DEVIATION), Nothing, "of each external sleeve, how far it sits counter-clockwise of its place", LIST;
+    "gear.errors.external_sleeve_radius_m" Numbers(DEVIATION), Nothing, "of each external sleeve, by how much its radius is larger", LIST;
+    "gear.errors.internal_sleeve_radial_m" Numbers(DEVIATION), Nothing, "of each internal sleeve, how far it sits outwards of its place", LIST;
+    "gear.errors.internal_sleeve_tangential_m" Numbers(DEVIATION), Nothing, "of each internal sleeve, how far it sits counter-clockwise of its place", LIST;
+    "gear.errors.internal_sleeve_radius_m" Numbers(DEVIATION), Nothing, "of each internal sleeve, by how much its radius is larger", LIST;
+    "gear.errors.hole_radial_m" Numbers(DEVIATION), Nothing, "of each hole, wheel by wheel, how far it sits outwards of its place", LIST;
+    "gear.errors.hole_tangential_m" Numbers(DEVIATION), Nothing, "of each hole, wheel by wheel, how far it sits counter-clockwise of its place", LIST;
+    "gear.errors.hole_radius_m" Numbers(DEVIATION), Nothing, "of each hole, wheel by wheel, by how much its radius is larger", LIST;
+    "gear.errors.eccentricity_m" Numbers(DEVIATION), Nothing, "of each wheel, by how much its eccentricity is larger", LIST;
+    "gear.errors.phase_rad" Numbers(ANGLE), Nothing, "of each wheel, how far its eccentric stands counter-clockwise of its place", LIST;
 
     "drive.input_speed_rad_s" Number(From(-1e6, 1e6)), Required, "omega", "500 rpm is 52.36 rad/s";
     "drive.output_torque_n_m" TORQUE, Required, "load on the output shaft; positive opposes the motion of a positive input speed", LOAD;
@@ -215,6 +237,15 @@ pub const KEYS: &[Key] = keys! {
 mod tests {
     use super::*;
 
+    /// Every list with an entry, by the keys' own names.
+    fn every_error() -> crate::Errors {
+        let lists = KEYS.iter().filter_map(|key| {
+            let name = key.name.strip_prefix("gear.errors.")?;
+            Some((name.to_owned(), toml::Value::from(vec![1e-6])))
+        });
+        toml::Table::from_iter(lists).try_into().unwrap()
+    }
+
     #[test]
     fn names_differ_and_say_what_they_are() {
         for (k, key) in KEYS.iter().enumerate() {
@@ -237,6 +268,8 @@ mod tests {
         let mut scene = crate::Scene::paper();
         scene.gear.face_width_m = Some(0.01);
         scene.mass.density_kg_m3 = Some(7850.0);
+        scene.gear.modification.radial_m = -1e-5;
+        scene.gear.errors = every_error();
         scene.drive.load_changes.push(crate::LoadChange {
             time_s: 0.1,
             output_torque_n_m: 1.0,

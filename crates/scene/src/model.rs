@@ -7,6 +7,8 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
+use crate::deviations::{Errors, Modification};
+
 /// A complete scene. SI units; angles counter-clockwise; see the field groups.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -61,6 +63,12 @@ pub struct Gear {
     /// Thickness of a wheel, m; only masses that a scene leaves out need it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub face_width_m: Option<f64>,
+    /// How the wheels' profile departs from the one that fits the ring.
+    #[serde(default, skip_serializing_if = "Modification::is_none")]
+    pub modification: Modification,
+    /// Deviations of single sleeves, holes and wheels.
+    #[serde(default, skip_serializing_if = "Errors::is_none")]
+    pub errors: Errors,
 }
 
 /// Mass and moment of inertia about the centre of mass of one rigid body.

@@ -592,6 +592,19 @@ fn scalar(row: &Key, item: &Item) -> Result<Value, (String, String)> {
                 None => wrong("a list of texts", row.hint),
             }
         }
+        Kind::Numbers(_) => {
+            let number = |value: &toml_edit::Value| {
+                let whole = || value.as_integer().map(|whole| whole as f64);
+                value.as_float().or_else(whole).map(Value::Float)
+            };
+            let numbers: Option<Vec<Value>> = item
+                .as_array()
+                .and_then(|list| list.iter().map(number).collect());
+            match numbers {
+                Some(numbers) => Ok(Value::Array(numbers)),
+                None => wrong("a list of numbers", row.hint),
+            }
+        }
         Kind::Text | Kind::Choice(..) | Kind::Tables(_) => match item.as_str() {
             Some(text) => Ok(Value::String(text.to_owned())),
             None => wrong("text", "write it in quotes"),

@@ -1,7 +1,7 @@
 //! The curve C the external sleeve centres touch, as far as the checks need it.
 //!
 //! C(a) = R e^{ia} + e e^{i zk a} with R = e zk/m (Eq. 1 without its q terms). The wheel profile is
-//! the inward offset of C by q, so what can go wrong with a profile is read off C:
+//! the inward offset of C by q (R and q with their modifications, [`crate::deviations`]), so what can go wrong with a profile is read off C:
 //! with c = cos(zs a), curvature kappa(c) = (1 + m^2 zk + m (1 + zk) c) / (R (1 + m^2 + 2 m c)^1.5).
 
 use super::model::Gear;
@@ -11,7 +11,7 @@ use super::model::Gear;
 pub(super) struct Profile {
     eccentricity: f64,
     radius: f64,
-    sleeve: f64,
+    offset: f64,
     shortening: f64,
     pins: f64,
 }
@@ -20,9 +20,9 @@ impl Profile {
     pub(super) fn of(gear: &Gear) -> Self {
         Self {
             eccentricity: gear.eccentricity_m,
-            radius: gear.pitch_radius_m(),
-            sleeve: gear.external_sleeve_radius_m,
-            shortening: gear.shortening,
+            radius: gear.generating_radius_m(),
+            offset: gear.edge_offset_m(),
+            shortening: gear.generating_shortening(),
             pins: gear.external_sleeves as f64,
         }
     }
@@ -51,7 +51,7 @@ impl Profile {
             -sin - self.shortening * sin_k,
             cos + self.shortening * cos_k,
         ];
-        let scale = self.sleeve / tangent[0].hypot(tangent[1]);
+        let scale = self.offset / tangent[0].hypot(tangent[1]);
         let [x, y] = self.point(a);
         [x - scale * tangent[1], y + scale * tangent[0]]
     }
@@ -60,7 +60,7 @@ impl Profile {
     pub(super) fn offset_slope(&self, a: f64) -> [f64; 2] {
         let (sin, cos) = a.sin_cos();
         let (sin_k, cos_k) = (self.pins * a).sin_cos();
-        let share = 1.0 - self.sleeve * self.curvature((self.lobes() * a).cos());
+        let share = 1.0 - self.offset * self.curvature((self.lobes() * a).cos());
         let scale = self.radius * share;
         [
             scale * (-sin - self.shortening * sin_k),
@@ -92,7 +92,7 @@ impl Profile {
 
     /// Radius of the profile's pits, its smallest distance from the wheel centre, m.
     pub(super) fn pit_radius(&self) -> f64 {
-        self.radius - self.eccentricity - self.sleeve
+        self.radius - self.eccentricity - self.offset
     }
 
     /// Distance from `point` to the part of C within `reach` radians of `around`, m.

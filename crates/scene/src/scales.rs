@@ -12,6 +12,8 @@
 //! whose two modes are in closed form. Impacts press deeper than the load does and are a little stiffer (by the cube root
 //! of the depth's square root for a point contact), which is what the verification of a run is for.
 
+use std::f64::consts::PI;
+
 use pinwheel_contact::{HertzStiffness, LineContact, NormalLaw as _};
 use serde::Serialize;
 
@@ -118,11 +120,34 @@ pub fn internal_force(gear: &crate::Gear, wheel_torque_n_m: f64) -> f64 {
     4.0 * wheel_torque_n_m / (gear.internal_sleeves as f64 * gear.internal_circle_radius_m)
 }
 
-/// How far a wheel turns freely to one side because of the backlash, rad: d sqrt(1 - m^2)/(e zs).
+/// How far a wheel turns freely to one side because of backlash and modification, rad, among sleeves without errors at all
+/// angles: d sqrt(1 - m^2)/(e zs) of a backlash alone, 0 where they overlap.
 #[must_use]
 pub fn free_play(gear: &crate::Gear) -> f64 {
     let m = gear.shortening;
-    gear.backlash_m * (1.0 - m * m).sqrt() / gear.lever_m()
+    if gear.modification.is_none() {
+        return gear.backlash_m * (1.0 - m * m).sqrt() / gear.lever_m();
+    }
+    // Where all that makes play is positive, the sleeve with the longest lever (cos phi = m) closes it.
+    let share = |cos: f64| {
+        let (gap, lever) = gear.initial_gap_m(cos.acos());
+        gap / lever
+    };
+    let tried = (1..400).map(|k| share((PI * f64::from(k) / 400.0).cos()));
+    tried.fold(share(m), f64::min).max(0.0)
+}
+
+/// How far a wheel turns freely at most, rad: what [`free_play`] is, and what individual errors may add.
+#[must_use]
+pub fn largest_play(gear: &crate::Gear) -> f64 {
+    free_play(gear) + gear.errors.largest_of_mesh_m(gear) / gear.lever_m()
+}
+
+/// The same of the output in its holes, rad.
+#[must_use]
+pub fn largest_hole_play(gear: &crate::Gear) -> f64 {
+    let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
+    (clearance.max(0.0) + gear.errors.largest_of_holes_m(gear)) / gear.internal_circle_radius_m
 }
 
 impl Scales {

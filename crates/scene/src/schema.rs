@@ -55,6 +55,7 @@ fn of(row: &Key) -> Value {
         Kind::Choice(_, names) => json!({ "enum": names() }),
         Kind::Text => json!({ "type": "string" }),
         Kind::Texts => json!({ "type": ["string", "array"], "items": { "type": "string" } }),
+        Kind::Numbers(range) => json!({ "type": "array", "items": number(range) }),
         Kind::Tables(rows) => {
             let mut item = table();
             for row in rows {

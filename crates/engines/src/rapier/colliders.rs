@@ -1,6 +1,7 @@
 //! rapier all by itself: polyline wheels and holes, round sleeves, its own collision detection,
 //! its own contact spring and its own Coulomb friction.
 
+use pinwheel_contact::Complex;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::channels::{PRESSING_N, PairSource};
 use pinwheel_gearbox::contacts::{ContactEnergy, PairContact};
@@ -185,7 +186,7 @@ const INTERNALS: Group = Group::GROUP_4;
 
 impl Solid {
     fn new(gearbox: &Gearbox, world: &mut World, step_s: f64) -> Self {
-        let (layout, gear) = (gearbox.layout, &gearbox.scene.gear);
+        let (layout, gear, geometry) = (gearbox.layout, &gearbox.scene.gear, &gearbox.geometry);
         let friction = gearbox.scene.contact.friction_coefficient;
         // The tag of a hole and of its sleeve is the sleeve's number.
         let mut add =
@@ -205,7 +206,7 @@ impl Solid {
             .map(|j| {
                 let body = layout.sleeve_body(Sleeve::External(j));
                 add(
-                    disc(gear.external_sleeve_radius_m),
+                    disc(geometry.external_radii_m[j]),
                     body,
                     EXTERNALS,
                     EDGES,
@@ -217,7 +218,7 @@ impl Solid {
             .map(|k| {
                 let body = layout.sleeve_body(Sleeve::Internal(k));
                 add(
-                    disc(gear.internal_sleeve_radius_m),
+                    disc(geometry.internal_radii_m[k]),
                     body,
                     INTERNALS,
                     HOLES,
@@ -230,7 +231,9 @@ impl Solid {
         let points = edge_points(gear);
         let mut meetings = Vec::new();
         for (wheel, body) in layout.wheel_bodies().enumerate() {
-            let outline = ColliderBuilder::polyline(wheel_edge(gear, points), Some(closed(points)));
+            let outline = wheel_edge(gear, points);
+            let segments = closed(outline.len());
+            let outline = ColliderBuilder::polyline(outline, Some(segments));
             let edge = add(outline, body, EDGES, EXTERNALS, 0);
             meetings.extend(externals.iter().enumerate().map(|(j, &ball)| Meeting {
                 edge,
@@ -240,9 +243,14 @@ impl Solid {
             }));
             for (k, &ball) in internals.iter().enumerate() {
                 let sleeve = Sleeve::Internal(k);
-                let centre = hole_centre(&starts[body], &starts[layout.sleeve_body(sleeve)]);
+                let centre = if gear.errors.is_none() {
+                    hole_centre(&starts[body], &starts[layout.sleeve_body(sleeve)])
+                } else {
+                    let Complex { re, im } = geometry.hole_centres[wheel][k];
+                    Vector::new(re, im)
+                };
                 let outline = ColliderBuilder::polyline_with_flags(
-                    hole_edge(centre, gear.hole_radius_m, HOLE_POINTS),
+                    hole_edge(centre, geometry.hole_radii_m[wheel][k], HOLE_POINTS),
                     Some(closed(HOLE_POINTS)),
                     PolylineFlags::ORIENTED,
                 );

@@ -25,68 +25,133 @@ pub(super) struct Touch {
     pub(super) stiffness_slope: f64,
 }
 
+impl Touch {
+    /// The touch of a wheel that is turned by e^{i angle} = `by`.
+    pub(super) fn turned(self, by: Complex) -> Self {
+        Self {
+            point: self.point * by,
+            normal: self.normal * by,
+            ..self
+        }
+    }
+}
+
+/// How a touch changes as P moves along t.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Slopes {
+    /// By how much n turns towards t, 1/m.
+    pub(super) turning: f64,
+    /// dK, N/m^2.5.
+    pub(super) stiffening: f64,
+    /// d2K, N/m^3.5; 0 for laws without a force along the profile.
+    pub(super) bend: f64,
+}
+
+/// Parameter by which the stiffness is looked at beside a foot, rad.
+const BESIDE: f64 = 1e-5;
+
 /// Finds the contact of one sleeve centre `p` (wheel frame) with the wheel.
 pub(super) trait Detection: Send + 'static {
-    /// External sleeve: `unit` = e^{i a0} and `multiple` = e^{i zk a0} start the search.
-    fn profile(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Touch>;
+    /// Whether it knows [`Slopes`]: points jump.
+    const HAS_SLOPES: bool;
+
+    /// External sleeve `j`: `unit` = e^{i a0} and `multiple` = e^{i zk a0} start the search. With e^{ia} of the foot.
+    fn profile(
+        &self,
+        j: usize,
+        p: Complex,
+        unit: Complex,
+        multiple: Complex,
+    ) -> Option<(Touch, Complex)>;
     /// Internal sleeve in hole `k` of `wheel`.
     fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch>;
     /// Closest points of an external sleeve that [`profile`](Self::profile) finds without contact.
-    fn profile_gap(&self, p: Complex) -> Touch;
+    fn profile_gap(&self, j: usize, p: Complex) -> Touch;
     /// Closest points of an internal sleeve that [`hole`](Self::hole) finds without contact.
     fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch;
+    /// How a touch of external sleeve `j` changes, e^{ia} = `unit` at its foot.
+    fn profile_slopes(&self, j: usize, touch: &Touch, unit: Complex) -> Slopes;
+    /// The same of internal sleeve `k`.
+    fn hole_slopes(&self, wheel: usize, k: usize, touch: &Touch) -> Slopes;
+}
+
+/// An external sleeve.
+#[derive(Debug, Clone, Copy)]
+struct External {
+    radius: f64,
+    /// By how much it is larger than the generating one, m: it touches where its centre is less than that outside C.
+    larger: f64,
+}
+
+/// A hole and its sleeve.
+#[derive(Debug, Clone)]
+struct Internal {
+    hole: Hole,
+    sleeve: f64,
+    stiffness: f64,
 }
 
 /// What both detections share.
 #[derive(Debug, Clone)]
 struct Shapes {
     curve: Epitrochoid,
-    external_radius: f64,
-    internal_radius: f64,
-    holes: Vec<Vec<Hole>>,
-    hole_stiffness: f64,
+    /// q', by which the edge lies inside the curve, m.
+    offset: f64,
+    external: Vec<External>,
+    internal: Vec<Vec<Internal>>,
     hertz: HertzStiffness,
 }
 
 impl Shapes {
     fn new(scene: &Scene, geometry: &Geometry) -> Self {
-        let (gear, contact) = (&scene.gear, &scene.contact);
-        let hertz = hertz(contact);
-        let radius = gear.hole_radius_m;
+        let hertz = hertz(&scene.contact);
+        let offset = geometry.edge_offset_m;
+        let external = |&radius: &f64| External {
+            radius,
+            larger: radius - offset,
+        };
+        let wheel = |(centres, radii): (&Vec<Complex>, &Vec<f64>)| {
+            let holes = centres.iter().zip(radii).zip(&geometry.internal_radii_m);
+            holes
+                .map(|((&centre, &radius), &sleeve)| Internal {
+                    hole: Hole { centre, radius },
+                    sleeve,
+                    stiffness: hertz.of_hole(sleeve, radius),
+                })
+                .collect()
+        };
+        let wheels = geometry.hole_centres.iter().zip(&geometry.hole_radii_m);
         Self {
             curve: geometry.curve.clone(),
-            external_radius: gear.external_sleeve_radius_m,
-            internal_radius: gear.internal_sleeve_radius_m,
-            holes: geometry
-                .hole_centres
-                .iter()
-                .map(|wheel| {
-                    wheel
-                        .iter()
-                        .map(|&centre| Hole { centre, radius })
-                        .collect()
-                })
-                .collect(),
-            hole_stiffness: hertz.of_hole(gear.internal_sleeve_radius_m, radius),
+            offset,
+            external: geometry.external_radii_m.iter().map(external).collect(),
+            internal: wheels.map(wheel).collect(),
             hertz,
         }
     }
-}
 
-impl Shapes {
-    /// dK/da of K = k sqrt(q (1 - q kappa)) over the way |C'| (1 - delta kappa) that P moves with da, along
-    /// t = R90 n; n is minus the curve's normal, so t points towards smaller a.
-    fn stiffness_slope(&self, foot: &Foot, stiffness: f64) -> f64 {
-        let (q, at) = (self.external_radius, &foot.at);
+    /// The foot of external sleeve `j` where it is pressed in.
+    #[inline]
+    fn foot(&self, j: usize, p: Complex, unit: Complex, multiple: Complex) -> Option<Foot> {
+        self.curve
+            .foot_within(p, unit, multiple, self.external[j].larger)
+    }
+
+    /// dK/da of K = k sqrt(r (1 - q' kappa)/(1 + (r - q') kappa)) over the way |C'| (1 + s kappa) that P, s outside of C,
+    /// moves with da, along t = R90 n; n is minus the curve's normal, so t points towards smaller a.
+    fn stiffness_slope(&self, j: usize, foot: &Foot, stiffness: f64) -> f64 {
+        let (External { radius, larger }, at) = (self.external[j], &foot.at);
         let bend = self
             .curve
             .curvature_slope(foot.unit, foot.unit.powu(self.curve.lobes() + 1));
-        let per_parameter = -0.5 * stiffness * q * bend / (1.0 - q * at.curvature);
+        let room = (1.0 - self.offset * at.curvature) * (1.0 + larger * at.curvature);
+        let per_parameter = -0.5 * stiffness * radius * bend / room;
         -per_parameter / (at.speed * (1.0 + foot.distance * at.curvature))
     }
 }
 
-/// Closest point of the exact curve: delta is minus the signed distance of P from C.
+/// Closest point of the exact curve: delta is minus the signed distance of P from C, and what the sleeve is larger than the
+/// one that made the edge.
 /// The second field: whether the slope of K is wanted.
 pub(super) struct Exact(Shapes, bool);
 
@@ -99,20 +164,37 @@ impl Exact {
 
 impl Exact {
     #[inline]
-    fn at(&self, foot: &Foot) -> Touch {
-        let q = self.0.external_radius;
-        let stiffness = self.0.hertz.of_profile(q, foot.at.curvature);
+    fn stiffness(&self, j: usize, foot: &Foot) -> f64 {
+        let radius = self.0.external[j].radius;
+        self.0
+            .hertz
+            .of_edge(radius, self.0.offset, foot.at.curvature)
+    }
+
+    #[inline]
+    fn at(&self, j: usize, foot: &Foot) -> Touch {
+        let stiffness = self.stiffness(j, foot);
         let stiffness_slope = if self.1 {
-            self.0.stiffness_slope(foot, stiffness)
+            self.0.stiffness_slope(j, foot, stiffness)
         } else {
             0.0
         };
         Touch {
-            point: foot.at.position - foot.at.normal.scale(q),
+            point: foot.at.position - foot.at.normal.scale(self.0.offset),
             normal: -foot.at.normal,
-            penetration: -foot.distance,
+            penetration: self.0.external[j].larger - foot.distance,
             stiffness,
             stiffness_slope,
+        }
+    }
+
+    /// The foot of a P that is `distance` outside of the curve at e^{ia} = `unit`.
+    fn foot_at(&self, unit: Complex, distance: f64) -> Foot {
+        let curve = &self.0.curve;
+        Foot {
+            unit,
+            at: curve.at_unit(unit, unit.powu(curve.lobes() + 1)),
+            distance,
         }
     }
 }
@@ -128,39 +210,82 @@ fn outwards(offset: Complex) -> Complex {
 }
 
 impl Detection for Exact {
+    const HAS_SLOPES: bool = true;
+
     #[inline]
-    fn profile(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Touch> {
-        let foot = self.0.curve.penetrating_foot(p, unit, multiple)?;
-        Some(self.at(&foot))
+    fn profile(
+        &self,
+        j: usize,
+        p: Complex,
+        unit: Complex,
+        multiple: Complex,
+    ) -> Option<(Touch, Complex)> {
+        let foot = self.0.foot(j, p, unit, multiple)?;
+        Some((self.at(j, &foot), foot.unit))
     }
 
-    fn profile_gap(&self, p: Complex) -> Touch {
-        self.at(&self.0.curve.closest(p))
+    fn profile_gap(&self, j: usize, p: Complex) -> Touch {
+        self.at(j, &self.0.curve.closest(p))
     }
 
     fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch {
-        let hole = &self.0.holes[wheel][k];
+        let Internal {
+            hole,
+            sleeve,
+            stiffness,
+        } = &self.0.internal[wheel][k];
         let normal = outwards(p - hole.centre);
         Touch {
             point: hole.centre + normal.scale(hole.radius),
             normal,
-            penetration: (p - hole.centre).norm() + self.0.internal_radius - hole.radius,
-            stiffness: self.0.hole_stiffness,
+            penetration: (p - hole.centre).norm() + sleeve - hole.radius,
+            stiffness: *stiffness,
             stiffness_slope: 0.0,
         }
     }
 
     #[inline]
     fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch> {
-        let hole = &self.0.holes[wheel][k];
-        let (penetration, normal) = hole.penetration(p, self.0.internal_radius)?;
+        let Internal {
+            hole,
+            sleeve,
+            stiffness,
+        } = &self.0.internal[wheel][k];
+        let (penetration, normal) = hole.penetration(p, *sleeve)?;
         Some(Touch {
             point: hole.centre + normal.scale(hole.radius),
             normal,
             penetration,
-            stiffness: self.0.hole_stiffness,
+            stiffness: *stiffness,
             stiffness_slope: 0.0,
         })
+    }
+
+    fn profile_slopes(&self, j: usize, touch: &Touch, unit: Complex) -> Slopes {
+        let distance = self.0.external[j].larger - touch.penetration;
+        let slope = |foot: &Foot| self.0.stiffness_slope(j, foot, self.stiffness(j, foot));
+        let foot = self.foot_at(unit, distance);
+        let closer = 1.0 + distance * foot.at.curvature;
+        // t points towards smaller parameters; P stays as far outside.
+        let bend = if self.1 {
+            let beside = |da: f64| slope(&self.foot_at(unit * Complex::unit(da), distance));
+            -(beside(BESIDE) - beside(-BESIDE)) / (2.0 * BESIDE * foot.at.speed * closer)
+        } else {
+            0.0
+        };
+        Slopes {
+            turning: -foot.at.curvature / closer,
+            stiffening: slope(&foot),
+            bend,
+        }
+    }
+
+    fn hole_slopes(&self, wheel: usize, k: usize, touch: &Touch) -> Slopes {
+        let Internal { hole, sleeve, .. } = &self.0.internal[wheel][k];
+        Slopes {
+            turning: 1.0 / (hole.radius - sleeve + touch.penetration),
+            ..Slopes::default()
+        }
     }
 }
 
@@ -182,31 +307,14 @@ impl Points {
             hole_points,
             ..
         } = scene.contact;
-        let profile = ProfilePoints::new(
-            &shapes.curve,
-            shapes.external_radius,
-            wheel_points,
-            &shapes.hertz,
-        )
-        .ok_or(GearboxError::TooFewPoints { wheel_points })?;
+        let radii = geometry.external_radii_m.iter();
+        let largest = radii.fold(0.0, |most: f64, &radius| most.max(radius));
+        let profile = ProfilePoints::new(&shapes.curve, shapes.offset, largest, wheel_points)
+            .ok_or(GearboxError::TooFewPoints { wheel_points })?;
         Ok(Self {
             shapes,
             profile,
             hole: HolePoints::new(hole_points),
-        })
-    }
-
-    #[inline]
-    fn touch(p: Complex, point: Complex, radius: f64, stiffness: f64) -> Option<Touch> {
-        let arm = point - p;
-        let distance = arm.norm();
-        let penetration = radius - distance;
-        (penetration > 0.0 && distance > 0.0).then(|| Touch {
-            point,
-            normal: arm.scale(1.0 / distance),
-            penetration,
-            stiffness,
-            stiffness_slope: 0.0,
         })
     }
 
@@ -219,48 +327,72 @@ impl Points {
             stiffness_slope: 0.0,
         }
     }
+
+    #[inline]
+    fn touch(p: Complex, point: Complex, radius: f64, stiffness: f64) -> Option<Touch> {
+        let touch = Self::gap(p, point, radius, stiffness);
+        (touch.penetration > 0.0 && touch.penetration < radius).then_some(touch)
+    }
+
+    /// The vertex of the edge that is nearest to `p`, whose foot is given, and K there.
+    #[inline]
+    fn vertex(&self, j: usize, p: Complex, foot: &Foot) -> (Complex, f64) {
+        let (vertex, _) = self.profile.nearest(p, foot.parameter());
+        let radius = self.shapes.external[j].radius;
+        (
+            vertex.position,
+            vertex.stiffness(radius, &self.shapes.hertz),
+        )
+    }
+
+    /// The point of a hole that is nearest to `p`; its points start along the wheel's x axis.
+    #[inline]
+    fn rim(&self, hole: &Hole, p: Complex) -> Complex {
+        hole.centre + self.hole.nearest(p - hole.centre).scale(hole.radius)
+    }
 }
 
 impl Detection for Points {
+    const HAS_SLOPES: bool = false;
+
     #[inline]
-    fn profile(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Touch> {
-        let foot = self.shapes.curve.penetrating_foot(p, unit, multiple)?;
-        let (vertex, _) = self.profile.nearest(p, foot.parameter());
-        Self::touch(
-            p,
-            vertex.position,
-            self.shapes.external_radius,
-            vertex.stiffness,
-        )
+    fn profile(
+        &self,
+        j: usize,
+        p: Complex,
+        unit: Complex,
+        multiple: Complex,
+    ) -> Option<(Touch, Complex)> {
+        let foot = self.shapes.foot(j, p, unit, multiple)?;
+        let (point, stiffness) = self.vertex(j, p, &foot);
+        let touch = Self::touch(p, point, self.shapes.external[j].radius, stiffness)?;
+        Some((touch, foot.unit))
     }
 
     #[inline]
     fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch> {
-        let hole = &self.shapes.holes[wheel][k];
-        hole.penetration(p, self.shapes.internal_radius)?;
-        // A hole's points start along the wheel's x axis.
-        let direction = self.hole.nearest(p - hole.centre);
-        let point = hole.centre + direction.scale(hole.radius);
-        Self::touch(
-            p,
-            point,
-            self.shapes.internal_radius,
-            self.shapes.hole_stiffness,
-        )
+        let internal = &self.shapes.internal[wheel][k];
+        internal.hole.penetration(p, internal.sleeve)?;
+        let point = self.rim(&internal.hole, p);
+        Self::touch(p, point, internal.sleeve, internal.stiffness)
     }
 
-    fn profile_gap(&self, p: Complex) -> Touch {
-        let foot = self.shapes.curve.closest(p);
-        let (vertex, _) = self.profile.nearest(p, foot.parameter());
-        let radius = self.shapes.external_radius;
-        Self::gap(p, vertex.position, radius, vertex.stiffness)
+    fn profile_gap(&self, j: usize, p: Complex) -> Touch {
+        let (point, stiffness) = self.vertex(j, p, &self.shapes.curve.closest(p));
+        Self::gap(p, point, self.shapes.external[j].radius, stiffness)
     }
 
     fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch {
-        let hole = &self.shapes.holes[wheel][k];
-        let direction = self.hole.nearest(p - hole.centre);
-        let point = hole.centre + direction.scale(hole.radius);
-        let (radius, stiffness) = (self.shapes.internal_radius, self.shapes.hole_stiffness);
-        Self::gap(p, point, radius, stiffness)
+        let internal = &self.shapes.internal[wheel][k];
+        let point = self.rim(&internal.hole, p);
+        Self::gap(p, point, internal.sleeve, internal.stiffness)
+    }
+
+    fn profile_slopes(&self, _: usize, _: &Touch, _: Complex) -> Slopes {
+        Slopes::default()
+    }
+
+    fn hole_slopes(&self, _: usize, _: usize, _: &Touch) -> Slopes {
+        Slopes::default()
     }
 }

@@ -4,7 +4,6 @@ mod detection;
 mod field;
 mod lanes;
 mod pairs;
-mod small;
 
 use pinwheel_contact::{Law, LawParameters, LawVisitor, NormalLaw};
 
@@ -89,15 +88,11 @@ pub(crate) fn field(
     kernel: Kernel,
 ) -> Result<Box<dyn ContactField>, GearboxError> {
     let law = law_of(scene).ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
-    let field = law.visit(Build {
+    law.visit(Build {
         scene,
         geometry,
         kernel,
         any: law,
-    })?;
-    Ok(match geometry.small_sleeve {
-        Some((sleeve, less)) => Box::new(small::Small::new(field, scene, sleeve, less)),
-        None => field,
     })
 }
 
@@ -125,8 +120,10 @@ impl LawVisitor for Build<'_> {
             kernel,
             any,
         } = self;
-        let in_lanes =
-            kernel != Kernel::Scalar && scene.contact.friction_law == FrictionLaw::Regularised;
+        // Lanes take all sleeves, and all holes, for alike.
+        let in_lanes = kernel != Kernel::Scalar
+            && scene.contact.friction_law == FrictionLaw::Regularised
+            && geometry.is_uniform(&scene.gear);
         Ok(match scene.contact.detection {
             Detection::Exact if in_lanes => {
                 Box::new(LaneField::new(scene, geometry, any, kernel.arch()))

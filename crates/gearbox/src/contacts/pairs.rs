@@ -6,9 +6,9 @@
 
 use pinwheel_contact::{AdamsFriction, Complex, Friction, NormalLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
-use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_mbs::{BodyState, Jacobian, Wrench};
 
-use super::detection::{Detection, Touch};
+use super::detection::{Detection, Slopes, Touch};
 use super::field::{ContactEnergy, ContactField, PairContact};
 use crate::geometry::Geometry;
 use crate::scene::{self, FrictionLaw, Scene};
@@ -22,6 +22,7 @@ pub(super) struct Pairs<L, D> {
     friction: Friction,
     external_directions: Vec<Complex>,
     external_sleeves: u32,
+    flanks: Option<Complex>,
 }
 
 /// A wheel's frame and motion.
@@ -141,6 +142,51 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             friction: friction(&scene.contact),
             external_directions: geometry.external_directions.clone(),
             external_sleeves: scene.gear.external_sleeves as u32,
+            flanks: geometry.flanks,
+        }
+    }
+
+    /// External sleeve `j` against the wheel, or against both of the turned wheels whose common part it is: a point within
+    /// both is as deep in that part as it is in the one it is less deep in.
+    #[inline]
+    fn profile(
+        &self,
+        j: usize,
+        p: Complex,
+        unit: Complex,
+        multiple: Complex,
+    ) -> Option<(Touch, Complex)> {
+        let Some(flank) = self.flanks else {
+            return self.detection.profile(j, p, unit, multiple);
+        };
+        let turned = |flank: Complex| {
+            let back = flank.conj();
+            let multiple = multiple * back.powu(self.external_sleeves);
+            let found = self.detection.profile(j, p * back, unit * back, multiple)?;
+            Some((found.0.turned(flank), found.1))
+        };
+        let (one, other) = (turned(flank)?, turned(flank.conj())?);
+        Some(if other.0.penetration < one.0.penetration {
+            other
+        } else {
+            one
+        })
+    }
+
+    fn profile_gap(&self, j: usize, p: Complex) -> Touch {
+        let Some(flank) = self.flanks else {
+            return self.detection.profile_gap(j, p);
+        };
+        let turned = |flank: Complex| {
+            self.detection
+                .profile_gap(j, p * flank.conj())
+                .turned(flank)
+        };
+        let (one, other) = (turned(flank), turned(flank.conj()));
+        if other.penetration < one.penetration {
+            other
+        } else {
+            one
         }
     }
 
@@ -183,14 +229,14 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
         (arm, normal_rate, relative.dot(touch.normal.turned()))
     }
 
-    /// Visits every touching pair of one wheel.
+    /// Visits every touching pair of one wheel: sleeve, its body, the pair, and e^{ia} of an external sleeve's foot.
     #[inline]
     fn wheel_pairs(
         &self,
         wheel: usize,
         bodies: &[BodyState],
         frame: &WheelFrame,
-        mut visit: impl FnMut(Sleeve, usize, &Loaded),
+        mut visit: impl FnMut(Sleeve, usize, &Loaded, Complex),
     ) {
         // The ideal mesh has the foot of sleeve j at a0 = beta_j - theta, and zk beta_j is a whole turn.
         let back = frame.turn.conj();
@@ -199,11 +245,12 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
         for (j, &direction) in self.external_directions.iter().enumerate() {
             let sleeve = &bodies[first + j];
             let p = frame.point(sleeve);
-            if let Some(touch) = self.detection.profile(p, direction * back, multiple) {
+            if let Some((touch, unit)) = self.profile(j, p, direction * back, multiple) {
                 visit(
                     Sleeve::External(j),
                     first + j,
                     &self.load(touch, frame, sleeve, p),
+                    unit,
                 );
             }
         }
@@ -216,9 +263,103 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
                     Sleeve::Internal(k),
                     first + k,
                     &self.load(touch, frame, sleeve, p),
+                    Complex::ONE,
                 );
             }
         }
+    }
+}
+
+/// Of the free bodies, which are all but the first.
+const OUTPUT: usize = Layout::OUTPUT - 1;
+/// Shares of stiffness and penetration, and the closing speed (m/s), by which the law's differences go to either side.
+const STIFFNESS_SHARE: f64 = 1e-4;
+const PENETRATION_SHARE: f64 = 1e-5;
+const CLOSING: f64 = 1e-6;
+
+/// How the moments of a frictionless pair on its wheel and on the output change with an angle and its rate.
+#[derive(Clone, Copy, Default)]
+struct Column {
+    position: [f64; 2],
+    rate: [f64; 2],
+}
+
+impl<L: NormalLaw, D: Detection> Pairs<L, D> {
+    /// By the angles of the wheel, the output and the input, in the notation of [`slopes`](super::lanes), whose formulas
+    /// these are for one pair without friction.
+    fn columns(
+        &self,
+        bodies: &[BodyState],
+        frame: &WheelFrame,
+        sleeve: Sleeve,
+        body: &BodyState,
+        pair: &Loaded,
+        slopes: &Slopes,
+    ) -> [Column; 3] {
+        let (law, touch) = (&self.law, &pair.touch);
+        let (stiffness, depth) = (touch.stiffness, touch.penetration);
+        let (n, t) = (touch.normal, touch.normal.turned());
+        let back = frame.turn.conj();
+        let (p, c) = (touch.point - pair.arm, frame.centre * back);
+        let z = p + c;
+        let is_internal = matches!(sleeve, Sleeve::Internal(_));
+        let carried = f64::from(u8::from(is_internal));
+        let carrier = carried * bodies[Layout::OUTPUT].rate;
+        let (over_wheel, over_input) = (carrier - frame.rate, carrier - bodies[Layout::INPUT].rate);
+        let velocity =
+            Complex::new(body.vx, body.vy) * back - frame.velocity - p.turned().scale(frame.rate);
+        let (closing, passing) = (velocity.dot(n), velocity.dot(t));
+
+        let force = |stiffness: f64, depth: f64, closing: f64| law.force(stiffness, depth, closing);
+        let either = |h: f64, of: &dyn Fn(f64) -> f64| (of(h) - of(-h)) / (2.0 * h);
+        let by_stiffness = either(STIFFNESS_SHARE * stiffness, &|h| {
+            force(stiffness + h, depth, closing)
+        });
+        let by_depth = either(PENETRATION_SHARE * depth, &|h| {
+            force(stiffness, depth + h, closing)
+        });
+        let by_closing = either(CLOSING, &|h| force(stiffness, depth, closing + h));
+        let pressed = force(stiffness, depth, closing);
+        let Slopes {
+            turning,
+            stiffening,
+            bend,
+        } = *slopes;
+        // A = -K' I(delta), and its slopes by the way along t and by the depth; K' itself grows with the depth by -turning.
+        let centre = law.along(depth).filter(|_| !is_internal).map(|along| {
+            let rise = either(PENETRATION_SHARE * depth, &|h| {
+                law.along(depth + h).unwrap_or_default()
+            });
+            (
+                -stiffening * along,
+                -bend * along,
+                stiffening * (turning * along - rise),
+            )
+        });
+
+        let normal_levers = [-p.cross(n), carried * z.cross(n), -c.cross(n)];
+        let levers = [-p.dot(n), carried * z.dot(n), -c.dot(n)];
+        let turns = [-1.0, 0.0, 1.0];
+        let [on_wheel, on_output] = [normal_levers[0], normal_levers[1]];
+        [0, 1, 2].map(|k| {
+            let (lever, path) = (normal_levers[k], levers[k]);
+            let tilt = turning * path;
+            let by_centre = c.dot(n) * turns[k];
+            let slower = tilt * passing - over_wheel * path - by_centre * over_input;
+            let push = by_stiffness * stiffening * path + by_depth * lever + by_closing * slower;
+            let mut wheel = -push * on_wheel - pressed * (path - tilt * p.dot(n));
+            if let Some((force, by_path, by_depth)) = centre {
+                wheel += (by_path * path + by_depth * lever) * levers[0]
+                    - force * (lever + tilt * p.dot(t));
+            }
+            let output =
+                -push * on_output - carried * pressed * (tilt * z.dot(n) - path - by_centre);
+            let push = by_closing * lever;
+            Column {
+                position: [wheel, output],
+                rate: [-push * on_wheel, -push * on_output],
+            }
+        })
     }
 }
 
@@ -227,7 +368,7 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&bodies[body]);
             let (mut force, mut moment) = (Complex::default(), 0.0);
-            self.wheel_pairs(wheel, bodies, &frame, |_, sleeve, pair| {
+            self.wheel_pairs(wheel, bodies, &frame, |_, sleeve, pair, _| {
                 let on_sleeve = pair.on_sleeve();
                 let mut total = on_sleeve;
                 moment -= pair.touch.point.cross(on_sleeve);
@@ -255,7 +396,7 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
         let mut sum = ContactEnergy::default();
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&bodies[body]);
-            self.wheel_pairs(wheel, bodies, &frame, |_, _, pair| {
+            self.wheel_pairs(wheel, bodies, &frame, |_, _, pair, _| {
                 pair.add_energy(&self.law, &mut sum);
             });
         }
@@ -269,10 +410,42 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&bodies[body]);
-            self.wheel_pairs(wheel, bodies, &frame, |sleeve, _, pair| {
+            self.wheel_pairs(wheel, bodies, &frame, |sleeve, _, pair, _| {
                 visit(&pair.contact(&self.law, wheel, sleeve, &frame));
             });
         }
+    }
+
+    fn add_slopes(&mut self, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
+        // With friction differences of the loads have to do.
+        if !D::HAS_SLOPES || slopes.rate().dimension() != 1 + self.layout.wheels {
+            return false;
+        }
+        let (position, rate, time) = slopes.parts_mut();
+        let Some(position) = position else {
+            return false;
+        };
+        let input_rate = bodies[Layout::INPUT].rate;
+        for (wheel, body) in self.layout.wheel_bodies().enumerate() {
+            let frame = WheelFrame::of(&bodies[body]);
+            let rows = [1 + wheel, OUTPUT];
+            self.wheel_pairs(wheel, bodies, &frame, |sleeve, body, pair, unit| {
+                let touch = match sleeve {
+                    Sleeve::External(j) => self.detection.profile_slopes(j, &pair.touch, unit),
+                    Sleeve::Internal(k) => self.detection.hole_slopes(wheel, k, &pair.touch),
+                };
+                let [by_wheel, by_output, by_input] =
+                    self.columns(bodies, &frame, sleeve, &bodies[body], pair, &touch);
+                for (k, row) in rows.into_iter().enumerate() {
+                    for (of, column) in rows.into_iter().zip([&by_wheel, &by_output]) {
+                        position.add(row, of, column.position[k]);
+                        rate.add(row, of, column.rate[k]);
+                    }
+                    time[row] += by_input.position[k] * input_rate;
+                }
+            });
+        }
+        true
     }
 
     fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
@@ -284,7 +457,7 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
                 let back = frame.turn.conj();
                 let multiple = back.powu(self.external_sleeves);
                 let unit = self.external_directions[j] * back;
-                self.detection.profile(p, unit, multiple)
+                self.profile(j, p, unit, multiple).map(|found| found.0)
             }
             Sleeve::Internal(k) => self.detection.hole(wheel, k, p),
         };
@@ -292,7 +465,7 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
             Some(touch) => self.load(touch, &frame, body, p),
             None => {
                 let touch = match sleeve {
-                    Sleeve::External(_) => self.detection.profile_gap(p),
+                    Sleeve::External(j) => self.profile_gap(j, p),
                     Sleeve::Internal(k) => self.detection.hole_gap(wheel, k, p),
                 };
                 let (arm, normal_rate, tangential_rate) = self.rates(&touch, &frame, body, p);

@@ -10,7 +10,7 @@
 //! back without passing the balance, and all that will carry touches from the start.
 
 use pinwheel_mbs::{Jacobian, Structure};
-use pinwheel_scene::free_play;
+use pinwheel_scene::{largest_hole_play, largest_play};
 
 use super::{ANGLE, Statics};
 use crate::{Gearbox, Layout};
@@ -48,11 +48,9 @@ impl Statics<'_> {
         let gear = &self.gearbox.scene.gear;
         let middle = self.gearbox.geometry.ideal_output_angle(phi);
         let (half_wheel, half) = self.brackets();
-        let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
         let twist = TWIST * self.gearbox.error_scales().angle;
-        let wheel = free_play(gear) + twist;
-        let mut psi = middle
-            + load.signum() * (wheel + twist + clearance.max(0.0) / gear.internal_circle_radius_m);
+        let wheel = largest_play(gear) + twist;
+        let mut psi = middle + load.signum() * (wheel + twist + largest_hole_play(gear));
         let ideal = wheels.to_vec();
         for wheel_angle in wheels.iter_mut() {
             *wheel_angle += load.signum() * wheel;

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::super::deviations;
 use super::super::error::Fault;
 use super::super::model::Gear;
 use super::super::profile::Profile;
@@ -12,10 +13,12 @@ const ROUNDING: f64 = 1e-12;
 
 /// Checks a gear whose single values are in range.
 pub(super) fn check(gear: &Gear) -> Result<(), Fault> {
+    deviations::check(gear)?;
     profile(gear)?;
     external_sleeves(gear)?;
     backlash(gear)?;
     internal_sleeves(gear)?;
+    neighbours(gear)?;
     holes_inside_the_wheel(gear)
 }
 
@@ -52,12 +55,72 @@ fn external_sleeves(gear: &Gear) -> Result<(), Fault> {
     Ok(())
 }
 
+/// With their individual errors, too, sleeves and holes must not overlap, and sleeves fit into their holes.
+fn neighbours(gear: &Gear) -> Result<(), Fault> {
+    let errors = &gear.errors;
+    if errors.is_none() {
+        return Ok(());
+    }
+    let overlap = |key: &'static str, parts: &str, one: usize, other: usize, by: f64| {
+        Err(Fault::new(
+            &[key],
+            format!("makes {parts} {one} and {other} overlap by {} m", short(by)),
+            "make the errors smaller, or these parts",
+        ))
+    };
+    let apart = |one: ([f64; 2], f64), other: ([f64; 2], f64)| {
+        (one.0[0] - other.0[0]).hypot(one.0[1] - other.0[1]) - one.1 - other.1
+    };
+    let around = |count: usize| (0..count).map(move |k| (k, (k + 1) % count));
+    for (j, next) in around(gear.external_sleeves) {
+        let part = |j: usize| {
+            (
+                gear.external_sleeve_m(j),
+                gear.external_sleeve_radius_of_m(j),
+            )
+        };
+        let room = apart(part(j), part(next));
+        if room <= 0.0 {
+            let key = match errors.external_sleeve_radius_m.is_empty() {
+                true => "gear.errors.external_sleeve_tangential_m",
+                false => "gear.errors.external_sleeve_radius_m",
+            };
+            return overlap(key, "external sleeves", j, next, -room);
+        }
+    }
+    for wheel in 0..gear.wheels {
+        for (k, next) in around(gear.internal_sleeves) {
+            let part = |k: usize| (gear.hole_m(wheel, k, 0.0), gear.hole_radius_of_m(wheel, k));
+            let room = apart(part(k), part(next));
+            if room <= 0.0 {
+                return overlap("gear.errors.hole_radius_m", "holes", k, next, -room);
+            }
+            let (hole, sleeve) = (part(k).1, gear.internal_sleeve_radius_of_m(k));
+            if sleeve >= hole {
+                return Err(Fault::new(
+                    &[
+                        "gear.errors.internal_sleeve_radius_m",
+                        "gear.errors.hole_radius_m",
+                    ],
+                    format!(
+                        "makes internal sleeve {k} {} m, larger than its hole of {} m in wheel {wheel}",
+                        short(sleeve),
+                        short(hole)
+                    ),
+                    "make the errors smaller, or gear.hole_radius_m larger",
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
 /// The wheel's edge, the inward offset of C by q, must not fold (undercut).
 ///
 /// Nor can it then cross itself elsewhere: with q below the smallest convex radius and sleeves that do not
 /// overlap, no two flanks come within 2 q (measured for zk from 3 up; a property test holds it).
 fn profile(gear: &Gear) -> Result<(), Fault> {
-    let q = gear.external_sleeve_radius_m;
+    let q = gear.edge_offset_m();
     let curve = Profile::of(gear);
     let keys = [
         "gear.external_sleeve_radius_m",
@@ -65,6 +128,30 @@ fn profile(gear: &Gear) -> Result<(), Fault> {
         "gear.eccentricity_m",
         "gear.external_sleeves",
     ];
+    if q >= curve.smallest_convex_radius() && !gear.modification.is_none() {
+        let plain = Gear {
+            modification: deviations::Modification::default(),
+            ..gear.clone()
+        };
+        // Where the gear itself is undercut, that is what is told.
+        profile(&plain)?;
+        return Err(Fault::new(
+            &[
+                "gear.modification.equidistant_m",
+                "gear.modification.radial_m",
+            ],
+            format!(
+                "makes the generating sleeve {} m, so that the wheel profile is undercut: its centre's path bends with a \
+                 radius of {} m",
+                short(q),
+                short(curve.smallest_convex_radius())
+            ),
+            format!(
+                "make gear.modification.equidistant_m smaller than {} m",
+                below(curve.smallest_convex_radius() - gear.external_sleeve_radius_m)
+            ),
+        ));
+    }
     let smallest = curve.smallest_convex_radius();
     let most = smallest.min(half_pitch(gear));
     // kappa <= 0 everywhere cannot happen on a closed curve, so `smallest` is positive.
@@ -184,7 +271,8 @@ fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
 fn holes_inside_the_wheel(gear: &Gear) -> Result<(), Fault> {
     let curve = Profile::of(gear);
     let (circle, hole) = (gear.internal_circle_radius_m, gear.hole_radius_m);
-    if circle + hole < curve.pit_radius() {
+    let errors = gear.errors.largest_of_holes_m(gear);
+    if circle + hole + errors < curve.pit_radius() {
         return Ok(());
     }
     let leaves = |free: f64| {
@@ -216,30 +304,42 @@ pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {
     let curve = Profile::of(gear);
     let (circle, hole) = (gear.internal_circle_radius_m, gear.hole_radius_m);
     // Outside C altogether: the distance alone would not tell.
-    if circle >= gear.pitch_radius_m() + gear.eccentricity_m {
+    if circle >= gear.generating_radius_m() + gear.eccentricity_m {
         return -hole;
     }
-    let needed = hole + gear.external_sleeve_radius_m;
     let pitch = TAU / curve.lobes();
     let mut least = f64::INFINITY;
     for wheel in 0..gear.wheels {
         let phase = TAU * wheel as f64 / gear.wheels as f64;
         let turned = (PI - phase) / curve.lobes();
         for k in 0..gear.internal_sleeves {
-            let angle = TAU * k as f64 / gear.internal_sleeves as f64 - turned;
+            let nominal = TAU * k as f64 / gear.internal_sleeves as f64;
+            let angle = nominal - turned;
             // All lobes are alike: only the place between two of them counts.
             let angle = angle.rem_euclid(pitch);
-            let centre = [circle * angle.cos(), circle * angle.sin()];
-            // The nearest part of C lies within a lobe's pitch on either side, or half a turn for very few lobes.
-            let free = curve.distance(centre, angle, pitch.min(PI), 96);
-            let [x, y] = curve.point(parameter_at(&curve, angle));
-            if x.hypot(y) <= circle {
-                return -hole;
+            let needed = gear.hole_radius_of_m(wheel, k) + gear.edge_offset_m();
+            // What two turned wheels have in common is as far away as the nearer of both edges.
+            for flank in flanks(gear) {
+                let centre = gear.hole_m(wheel, k, angle + flank - nominal);
+                // The nearest part of C lies within a lobe's pitch on either side, or half a turn for very few lobes.
+                let free = curve.distance(centre, angle, pitch.min(PI), 96);
+                let [x, y] = curve.point(parameter_at(&curve, angle));
+                if x.hypot(y) <= circle {
+                    return -hole;
+                }
+                least = least.min(free - needed);
             }
-            least = least.min(free - needed);
         }
     }
     least
+}
+
+/// By how much the wheels are turned whose common part a wheel is, rad.
+fn flanks(gear: &Gear) -> impl Iterator<Item = f64> {
+    let turn = gear.modification.rotational_rad;
+    [turn, -turn]
+        .into_iter()
+        .take(if turn == 0.0 { 1 } else { 2 })
 }
 
 /// The parameter a at which C(a) has the polar angle `angle`, by fixed-point iteration with half steps:

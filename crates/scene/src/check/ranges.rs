@@ -82,6 +82,19 @@ fn one(row: &Key, key: Cow<'static, str>, value: &Value) -> Result<(), Fault> {
             let what = format!("is {}, which names no report", quoted(&one_line(text)));
             Err(fault(what, row.hint.to_owned()))
         }
+        (Kind::Numbers(range), Value::Array(list)) => {
+            let outside = |value: &Value| value.as_float().is_some_and(|x| !range.holds(x));
+            let Some(number) = list.iter().position(outside) else {
+                return Ok(());
+            };
+            let found = list[number].as_float().unwrap_or_default();
+            let what = format!(
+                "holds {} as entry {number}, but entries must be {}",
+                short(found),
+                range.words()
+            );
+            Err(fault(what, row.hint.to_owned()))
+        }
         (Kind::Tables(rows), Value::Array(list)) => {
             for (number, entry) in list.iter().enumerate() {
                 for inner in rows {

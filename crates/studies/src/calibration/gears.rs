@@ -7,7 +7,9 @@
 use std::f64::consts::{PI, TAU};
 
 use pinwheel_gearbox::{Frequencies, Gearbox};
-use pinwheel_scene::{BodyMass, Detection, FrictionLaw, Gear, LoadChange, Masses, Scene, Start};
+use pinwheel_scene::{
+    BodyMass, Detection, Errors, FrictionLaw, Gear, LoadChange, Masses, Modification, Scene, Start,
+};
 
 use crate::dice::Dice;
 
@@ -76,6 +78,8 @@ fn geometry(dice: &mut Dice) -> Gear {
         internal_circle_radius_m: circle,
         hole_radius_m: internal + eccentricity + clearance,
         face_width_m: None,
+        modification: Modification::default(),
+        errors: Errors::default(),
         wheels: dice.whole(1, 4),
         backlash_m: if dice.chance(0.5) {
             0.0

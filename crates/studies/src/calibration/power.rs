@@ -110,7 +110,7 @@ impl Kind {
         let scene = scene.map_err(|fault| named(fault.into()))?;
         let mut faulty = Gearbox::new(&scene).map_err(named)?;
         match self {
-            Self::Sleeve => faulty.geometry.small_sleeve = Some((0, size)),
+            Self::Sleeve => faulty.geometry.external_radii_m[0] -= size,
             Self::Phase => {
                 if let Some(last) = faulty.geometry.wheel_phases.last_mut() {
                     *last += size;

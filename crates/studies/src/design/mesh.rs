@@ -20,7 +20,8 @@ const PLACES: usize = 180;
 /// The poses of one period.
 ///
 /// From the eccentric an external sleeve follows the other after 2 pi/zk of the input, an internal one after
-/// 2 pi zs/(zi zk). Both come round together after 2 pi zs/(g zk), g = gcd(zs, zi): less than a turn of the input.
+/// 2 pi zs/(zi zk). Both come round together after 2 pi zs/(g zk), g = gcd(zs, zi): less than a turn of the input. Parts with
+/// errors of their own meet again only when the output has turned once.
 pub(super) struct Poses {
     /// Input angles, rad.
     pub(super) angles: Vec<f64>,
@@ -40,7 +41,11 @@ impl Poses {
         while rest > 0 {
             (g, rest) = (rest, g % rest);
         }
-        let meshes = [gear.lobes() / g, gear.internal_sleeves / g];
+        let times = match gear.errors.is_none() {
+            true => 1,
+            false => g * gear.external_sleeves,
+        };
+        let meshes = [gear.lobes() / g, gear.internal_sleeves / g].map(|mesh| mesh * times);
         let period = TAU * meshes[0] as f64 / gear.external_sleeves as f64;
         let most = meshes[0].max(meshes[1]);
         let count = most * PER_MESH.min(MOST / most).max(4);
@@ -140,17 +145,22 @@ impl Pose {
 
 /// Place, pressure and sliding of a contact; `eccentric`: the wheel's eccentric, rad.
 fn pair(gearbox: &Gearbox, eccentric: f64, contact: &PairContact) -> Pair {
-    let (gear, material) = (&gearbox.scene.gear, &gearbox.scene.contact);
+    let (geometry, material) = (&gearbox.geometry, &gearbox.scene.contact);
     let [x, y] = contact.centre;
     let place = (y.atan2(x) - eccentric + PI).rem_euclid(TAU) - PI;
     let radius = match contact.sleeve {
         // On the rigid mesh the curve's parameter at the sleeve is a with cos(zs a) = -cos(place).
-        Sleeve::External(_) => {
-            let q = gear.external_sleeve_radius_m;
-            q * (1.0 - q * gearbox.geometry.curve.curvature(-place.cos()))
+        Sleeve::External(j) => {
+            let (q, kappa) = (
+                geometry.edge_offset_m,
+                geometry.curve.curvature(-place.cos()),
+            );
+            let sleeve = geometry.external_radii_m[j];
+            sleeve * (1.0 - q * kappa) / (1.0 + (sleeve - q) * kappa)
         }
-        Sleeve::Internal(_) => {
-            let (hole, sleeve) = (gear.hole_radius_m, gear.internal_sleeve_radius_m);
+        Sleeve::Internal(k) => {
+            let sleeve = geometry.internal_radii_m[k];
+            let hole = geometry.hole_radii_m[contact.wheel][k];
             hole * sleeve / (hole - sleeve)
         }
     };
@@ -160,7 +170,7 @@ fn pair(gearbox: &Gearbox, eccentric: f64, contact: &PairContact) -> Pair {
     let omega = gearbox.scene.drive.input_speed_rad_s;
     let rate = -omega / gearbox.geometry.ratio();
     let (s, c) = eccentric.sin_cos();
-    let e = gear.eccentricity_m;
+    let e = geometry.eccentricities_m[contact.wheel];
     let [wx, wy] = contact.point;
     let mut velocity = [
         -omega * e * s - rate * (wy - e * s),
