@@ -1,13 +1,14 @@
-//! `pinwheel compare`: one scene, several engines, one report.
+//! `pinwheel compare`: one scene, several engines, one report; or two scenes, one engine.
 
 use std::path::Path;
 use std::time::Duration;
 
 use pinwheel::compare::Status;
+use pinwheel::gearbox::Gearbox;
 use pinwheel::pages;
 use pinwheel::scene::{CheckedScene, PRESETS};
 use pinwheel::studies::comparison::{self, Effort, Input, foreign};
-use pinwheel::studies::{Provenance, choice, junit};
+use pinwheel::studies::{Provenance, choice, designs, junit};
 
 use crate::args::{self, CompareArgs, ForeignArgs};
 use crate::failure::{ENGINE, Failure};
@@ -17,6 +18,9 @@ use crate::{interrupt, screen};
 
 pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let gearbox = args.scene.load()?;
+    if let Some(other) = &args.other {
+        return designs(args, &gearbox, other);
+    }
     let data = open(&args.foreign)?;
     let gearbox = foreign::with_channels(&data, gearbox)?;
     let scene = &gearbox.scene;
@@ -29,7 +33,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         engines: &engines,
         data: &data,
     };
-    let effort = effort(args, scene)?;
+    let effort = effort(args, &args.scene.scene, scene)?;
     let found = watched("compare", |control| {
         comparison::run_with(&input, effort, control)
     })?;
@@ -72,8 +76,51 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     Ok(found.comparison.outcome.exit_status())
 }
 
+/// Two designs by one engine.
+fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failure> {
+    let second = args.scene.load_as(other)?;
+    let gearboxes = [first, &second];
+    let specs = [args.scene.scene.as_str(), other];
+    let named = match args.engines.as_slice() {
+        [] => args.solvers.join()?,
+        names => args.solvers.join_named(names)?,
+    };
+    let name = match named.as_slice() {
+        [] => "native",
+        [one] => one,
+        _ => {
+            return Err(Failure::input(
+                "two designs are compared by one engine: name one in --engines, or compare one scene",
+            ));
+        }
+    };
+    let engine = choice::find(name, &first.scene)?;
+    let [a, b] = [0, 1].map(|k| effort(args, specs[k], &gearboxes[k].scene));
+    let names = gearboxes.map(|gearbox| gearbox.scene.name.as_str()).join("-and-");
+    let folder = Folder::prepare(&args.out.folder(&names, "compare"), args.out.force)?;
+    let input = designs::Input {
+        gearboxes,
+        specs,
+        engine: engine.as_ref(),
+        efforts: [a?, b?],
+    };
+    let found = watched("compare", |control| designs::run(&input, control))?;
+    let made = Provenance::here(args::typed());
+    found.write(folder.path(), &made)?;
+    folder.write_page(&pages::designs::page(&found, &made, interrupt::flag())?)?;
+    let out = folder.publish()?;
+    screen::show_with_page(&pages::designs::text(&found), &folder::page(&out))?;
+    if let Some((name, reason)) = found.broken() {
+        screen::complain(&format!(
+            "{name} {reason}; try a smaller solver.step_s or another solver.integrator"
+        ));
+        return Ok(ENGINE);
+    }
+    Ok(0)
+}
+
 /// Settings that the user states are obeyed; those of a preset, a base or a formula are a beginning.
-fn effort(args: &CompareArgs, scene: &CheckedScene) -> Result<Effort, Failure> {
+fn effort(args: &CompareArgs, spec: &str, scene: &CheckedScene) -> Result<Effort, Failure> {
     let longest = Duration::try_from_secs_f64(args.longest)
         .map_err(|_| Failure::input("--longest: give seconds, 0 or more"))?;
     let asked = |set: &String| {
@@ -86,7 +133,7 @@ fn effort(args: &CompareArgs, scene: &CheckedScene) -> Result<Effort, Failure> {
             "--resolution: give a share above 0 and at most 1, e.g. 0.001",
         ));
     }
-    let preset = PRESETS.iter().any(|p| p.name == args.scene.scene);
+    let preset = PRESETS.iter().any(|p| p.name == spec);
     let obey = args.scene.set.iter().any(asked) || !preset && Effort::of(scene).obey;
     Ok(Effort {
         longest,
