@@ -7,7 +7,7 @@ use pinwheel_gearbox::native::{self, NativeError};
 use pinwheel_gearbox::resolve::{self, Budget};
 use pinwheel_gearbox::{Gearbox, GearboxError, auto};
 use pinwheel_report::animation::{Animation, CHANNELS, sampling};
-use pinwheel_scene::Formulation;
+use pinwheel_scene::{Formulation, Scene};
 
 use crate::PageError;
 
@@ -23,11 +23,15 @@ const BUDGET: Budget = Budget {
 /// `cancel` was set.
 pub fn of(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<(Animation, f64)>, PageError> {
     let scene = &gearbox.scene;
-    let (_, stretch) = sampling(scene);
-    let duration = scene.solver.duration_s.min(stretch);
+    let duration = stretch(scene);
     let title = format!("{}, native solver", scene.name);
     let found = window(gearbox, &title, (0.0, duration), cancel)?;
     Ok(found.map(|animation| (animation, 0.5 * duration)))
+}
+
+/// How long a page shows the scene's gearbox in motion, s.
+pub(crate) fn stretch(scene: &Scene) -> f64 {
+    scene.solver.duration_s.min(sampling(scene).1)
 }
 
 /// A gearbox's motion from `from_s` to `to_s`, recorded anew with the channels that a picture needs.

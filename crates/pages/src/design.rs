@@ -1,6 +1,6 @@
 //! A design's page and text: what it is like to the shafts, who carries the load, and what the contacts bear.
 
-use pinwheel_report::format::significant;
+use pinwheel_report::format::{NONE, significant};
 use pinwheel_report::study::{
     self, Axis, Block, Cell, Chart, Column, Section, Series, Study, Style, Table, Tile,
 };
@@ -8,12 +8,21 @@ use pinwheel_report::terminal::{self, TITLE, lines, styled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::design::{Outcome, Sharing, Spread, Transmission};
+use pinwheel_studies::design::{Figure, Harmonic, Outcome, Sharing};
 
 use crate::PageError;
 
 /// Significant digits of a figure: what a data sheet gives.
 const DIGITS: usize = 4;
+/// Figures that stand on the first screen.
+pub(crate) const HEADLINES: [&str; 6] = [
+    "lost_motion_arcmin",
+    "torsional_stiffness_n_m_per_arcmin",
+    "transmission_error_rated_arcmin",
+    "external_force_n",
+    "external_pressure_mpa",
+    "efficiency_rated_percent",
+];
 
 /// The whole page.
 ///
@@ -22,6 +31,7 @@ const DIGITS: usize = 4;
 pub fn page(found: &Outcome, made: &Provenance) -> Result<String, PageError> {
     let scene = &found.scene;
     let mut sections = vec![
+        all_figures(found),
         torsion(found),
         transmission(found),
         sharing(found),
@@ -54,17 +64,15 @@ pub fn page(found: &Outcome, made: &Provenance) -> Result<String, PageError> {
 /// What a terminal shows.
 #[must_use]
 pub fn text(found: &Outcome) -> String {
-    let rows: Vec<Vec<terminal::Cell>> = figures(found)
-        .into_iter()
-        .map(|(what, value, unit, how)| {
-            vec![
-                terminal::Cell::text(what),
-                terminal::Cell::figure(value),
-                terminal::Cell::text(unit),
-                terminal::Cell::text(how),
-            ]
-        })
-        .collect();
+    let row = |one: &Figure| {
+        vec![
+            terminal::Cell::text(one.what),
+            terminal::Cell::figure(with_uncertainty(one.value, one.uncertainty)),
+            terminal::Cell::text(one.unit),
+            terminal::Cell::text(how(found, one)),
+        ]
+    };
+    let rows: Vec<Vec<terminal::Cell>> = found.figures.iter().map(row).collect();
     format!("{}\n{}", styled(TITLE, &found.scene.name), lines(&rows))
 }
 
@@ -103,16 +111,8 @@ pub fn draft(draft: &Draft) -> String {
     format!("{}\n{}", styled(TITLE, &draft.scene.name), lines(&rows))
 }
 
-fn figure(value: f64) -> String {
+pub(crate) fn figure(value: f64) -> String {
     significant(value, DIGITS)
-}
-
-fn span(spread: &Spread) -> String {
-    format!(
-        "{} to {} over the mesh",
-        figure(spread.min),
-        figure(spread.max)
-    )
 }
 
 fn sentence(text: &str) -> String {
@@ -122,129 +122,49 @@ fn sentence(text: &str) -> String {
     }
 }
 
-/// What a data sheet gives: label, figure, unit, how it was found.
-fn figures(found: &Outcome) -> Vec<(&'static str, String, &'static str, String)> {
-    let torsion = &found.torsion;
-    let [loaded, unloaded] = &found.transmission;
-    let [external, internal] = &found.pressure;
-    let peak = |sharing: &Sharing| figure(sharing.largest_force_n.max);
-    let mut rows = vec![
-        (
-            "lost motion",
-            figure(torsion.lost_motion_arcmin.max),
-            "arcmin",
-            format!(
-                "between +3 and -3 % of the rated torque; {}",
-                span(&torsion.lost_motion_arcmin)
-            ),
-        ),
-        (
-            "torsional stiffness",
-            figure(torsion.stiffness_n_m_per_arcmin.mean),
-            "N m/arcmin",
-            format!(
-                "between 50 and 100 % of the rated torque; {}",
-                span(&torsion.stiffness_n_m_per_arcmin)
-            ),
-        ),
-        (
-            "transmission error, rated load",
-            figure(loaded.peak_to_peak_arcmin),
-            "arcmin",
-            "peak to peak".to_owned(),
-        ),
-        (
-            "transmission error, no load",
-            figure(unloaded.peak_to_peak_arcmin),
-            "arcmin",
-            format!("peak to peak at {} N m", figure(unloaded.torque_n_m)),
-        ),
-        (
-            "largest pin force, external",
-            peak(&found.sharing[0]),
-            "N",
-            touching(&found.sharing[0]),
-        ),
-        (
-            "largest pin force, internal",
-            peak(&found.sharing[1]),
-            "N",
-            touching(&found.sharing[1]),
-        ),
-        (
-            "largest pressure, external",
-            figure(1e-6 * external.largest_pa),
-            "MPa",
-            "line contact over the face width, edges left out".to_owned(),
-        ),
-        (
-            "largest pressure, internal",
-            figure(1e-6 * internal.largest_pa),
-            "MPa",
-            String::new(),
-        ),
-        (
-            "largest pressure times sliding",
-            figure(
-                1e-6 * external
-                    .pressure_sliding_w_m2
-                    .max(internal.pressure_sliding_w_m2),
-            ),
-            "MPa m/s",
-            "on pins that do not turn".to_owned(),
-        ),
-    ];
-    if let Some(bearing) = found.bearings.first() {
-        rows.push((
-            "eccentric bearing, largest force",
-            figure(bearing.force_n.max),
-            "N",
-            span(&bearing.force_n),
-        ));
+/// A figure and how far it may be off.
+pub(crate) fn with_uncertainty(value: Option<f64>, uncertainty: Option<f64>) -> String {
+    match (value, uncertainty) {
+        (None, _) => NONE.to_owned(),
+        (Some(value), Some(u)) if u > 0.0 => {
+            format!("{} \u{b1} {}", figure(value), significant(u, 1))
+        }
+        (Some(value), _) => figure(value),
     }
-    if let Some(cycle) = &found.cycle {
-        let (value, how) = match (cycle.lost_motion_arcmin, cycle.width_arcmin) {
-            (Some(lost), Some(width)) => (
-                figure(lost),
-                format!(
-                    "of a slow loop of the load; {} by statics at that pose; the loop is {} arcmin wide at no load",
-                    figure(static_lost_motion(found)),
-                    figure(width)
-                ),
-            ),
-            _ => (
-                "-".to_owned(),
-                format!("the slow loop of the load {}", cycle.status),
-            ),
-        };
-        rows.push(("lost motion by a run", value, "arcmin", how));
-    }
-    let rated = found.efficiency.last();
-    if let Some(efficiency) = rated.and_then(|run| run.efficiency) {
-        rows.push((
-            "efficiency, rated",
-            figure(100.0 * efficiency.of_losses),
-            "%",
-            format!(
-                "by what contacts lose; {} % by the works, {:+.2} % of them created by the law",
-                figure(100.0 * efficiency.measured),
-                100.0 * efficiency.created_share
-            ),
-        ));
-    }
-    rows
 }
 
-/// Lost motion by statics at the input angle 0, where the loop is run too, arcmin.
-fn static_lost_motion(found: &Outcome) -> f64 {
-    let torsion = &found.torsion;
-    let at = |share: f64| {
-        let wanted = share * found.rated_torque_n_m;
-        let near = torsion.torque_n_m.iter().zip(&torsion.twist_arcmin);
-        near.min_by(|a, b| (a.0 - wanted).abs().total_cmp(&(b.0 - wanted).abs()))
-            .map_or(f64::NAN, |(_, twist)| *twist)
-    };
-    at(0.03) - at(-0.03)
+/// How a figure is counted, its spread over the mesh, and what only this gear's outcome knows.
+fn how(found: &Outcome, one: &Figure) -> String {
+    let mut parts = vec![one.how.to_owned()];
+    if let Some([least, largest]) = one.over_the_mesh {
+        let (least, largest) = (figure(least), figure(largest));
+        parts.push(format!("{least} to {largest} over the mesh"));
+    }
+    match one.key {
+        "lost_motion_run_arcmin" => parts.push(format!(
+            "{} by statics at that pose",
+            figure(found.torsion.lost_motion_at_0_arcmin)
+        )),
+        "efficiency_rated_percent" => {
+            let rated = found.efficiency.last().and_then(|run| run.efficiency);
+            parts.extend(rated.map(|efficiency| {
+                format!(
+                    "{} % by the works, {:+.2} % of them created by the law",
+                    figure(100.0 * efficiency.measured),
+                    100.0 * efficiency.created_share
+                )
+            }));
+        }
+        _ => {}
+    }
+    if one.value.is_none() {
+        let runs = found.cycle.iter().map(|cycle| cycle.status);
+        let mut ended = runs.chain(found.efficiency.last().map(|run| run.status));
+        if let Some(status) = ended.find(|status| *status != "finished") {
+            parts.push(format!("the run {status}"));
+        }
+    }
+    parts.join("; ")
 }
 
 fn touching(sharing: &Sharing) -> String {
@@ -255,23 +175,42 @@ fn touching(sharing: &Sharing) -> String {
 }
 
 fn tiles(found: &Outcome) -> Vec<Tile> {
-    const WANTED: [&str; 6] = [
-        "lost motion",
-        "torsional stiffness",
-        "transmission error, rated load",
-        "largest pin force, external",
-        "largest pressure, external",
-        "efficiency, rated",
-    ];
-    let rows = figures(found).into_iter();
-    rows.filter(|(label, ..)| WANTED.contains(label))
-        .map(|(label, value, unit, detail)| Tile {
-            label: label.to_owned(),
-            value,
-            unit: unit.to_owned(),
-            detail,
-        })
-        .collect()
+    let wanted = |one: &&Figure| HEADLINES.contains(&one.key);
+    let tile = |one: &Figure| Tile {
+        label: one.what.to_owned(),
+        value: with_uncertainty(one.value, one.uncertainty),
+        unit: one.unit.to_owned(),
+        detail: how(found, one),
+    };
+    found.figures.iter().filter(wanted).map(tile).collect()
+}
+
+fn all_figures(found: &Outcome) -> Section {
+    let rows = found.figures.iter().map(|one| {
+        let value = with_uncertainty(one.value, one.uncertainty);
+        vec![
+            Cell::text(one.what),
+            Cell::number(value, one.value.unwrap_or(f64::NAN)),
+            Cell::text(one.unit),
+            Cell::text(how(found, one)),
+        ]
+    });
+    section(
+        "figures",
+        "Figures",
+        vec![Block::Table(Table {
+            caption: "For a data sheet; after \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own \
+                      verification"
+                .to_owned(),
+            columns: vec![
+                Column::text("Figure"),
+                Column::number("Value"),
+                Column::text("Unit"),
+                Column::text("How"),
+            ],
+            rows: rows.collect(),
+        })],
+    )
 }
 
 fn line(label: &str, x: &[f64], y: &[f64]) -> Series {
@@ -301,29 +240,56 @@ fn section(id: &str, title: &str, blocks: Vec<Block>) -> Section {
     }
 }
 
-fn torsion(found: &Outcome) -> Section {
-    let torsion = &found.torsion;
-    let mut series = vec![Series {
-        style: Style::Both,
-        ..line("statics", &torsion.torque_n_m, &torsion.twist_arcmin)
-    }];
-    let mut text = "The input is locked and the load is taken from one direction to the other. Lost motion is the twist between +3 and -3 % of \
-                    the rated torque, stiffness the slope between 50 and 100 %."
-        .to_owned();
-    if let Some(cycle) = &found.cycle {
+/// Designs of which a chart shows one line each, with what their lines are called before what they are.
+pub(crate) type Drawn<'a> = [(&'a str, &'a Outcome)];
+
+/// What a line is called, of several designs with the design's name.
+fn named(design: &str, what: &str) -> String {
+    if design.is_empty() {
+        what.to_owned()
+    } else {
+        format!("{design}: {what}")
+    }
+}
+
+/// Twist over torque, by statics and by a run.
+pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
+    let mut series = Vec::new();
+    for (design, found) in designs {
+        let torsion = &found.torsion;
+        series.push(Series {
+            style: Style::Both,
+            ..line(
+                &named(design, "statics"),
+                &torsion.torque_n_m,
+                &torsion.twist_arcmin,
+            )
+        });
+        let Some(cycle) = &found.cycle else { continue };
         let closed = cycle.closed_from.min(cycle.angle_arcmin.len());
-        // About the same middle: where the output stands at 0 is arbitrary in a run.
         let half = closed + (cycle.angle_arcmin.len() - closed) / 2;
-        for (label, range) in [
+        for (what, range) in [
             ("run, load falls", closed..half),
             ("run, load rises", half..cycle.angle_arcmin.len()),
         ] {
-            series.push(line(
-                label,
-                &cycle.torque_n_m[range.clone()],
-                &cycle.angle_arcmin[range],
-            ));
+            let (x, y) = (&cycle.torque_n_m[range.clone()], &cycle.angle_arcmin[range]);
+            series.push(line(&named(design, what), x, y));
         }
+    }
+    chart(
+        "Twist of the output, input locked",
+        "Torque on the output (N m)",
+        "Twist (arcmin)",
+        series,
+        "",
+    )
+}
+
+fn torsion(found: &Outcome) -> Section {
+    let mut text = "The input is locked and the load is taken from one direction to the other. Lost motion is the twist between +3 and -3 % of \
+                    the rated torque, stiffness the slope between 50 and 100 %."
+        .to_owned();
+    if found.cycle.is_some() {
         text.push_str(
             " The run takes the load there and back so slowly that the gear follows; the width of its loop is what friction holds back. \
              Friction is regularised: a contact that hardly slides gives way slowly.",
@@ -334,44 +300,59 @@ fn torsion(found: &Outcome) -> Section {
         "Lost motion and stiffness",
         vec![
             Block::Text(text),
-            Block::Charts(vec![chart(
-                "Twist of the output, input locked",
-                "Torque on the output (N m)",
-                "Twist (arcmin)",
-                series,
-                "",
-            )]),
+            Block::Charts(vec![torsion_chart(&[("", found)])]),
         ],
     )
 }
 
+/// What transmission errors and their orders are called.
+const LOADS: [&str; 2] = ["rated load", "no load"];
+
+/// Transmission error over the period of each, and its orders.
+pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
+    let (mut series, mut spectrum) = (Vec::new(), Vec::new());
+    for (design, found) in designs {
+        let turn = degrees(&found.input_angle_rad);
+        for (of, load) in found.transmission.iter().zip(LOADS) {
+            let label = named(design, load);
+            let about_mean = of.error_arcmin.iter().map(|error| error - of.mean_arcmin);
+            series.push(line(&label, &turn, &about_mean.collect::<Vec<_>>()));
+            let column = |value: fn(&Harmonic) -> f64| -> Vec<f64> {
+                of.harmonics.iter().map(value).collect()
+            };
+            let orders = column(|harmonic| harmonic.input_order);
+            spectrum.push(Series {
+                style: Style::Points,
+                ..line(
+                    &label,
+                    &orders,
+                    &column(|harmonic| harmonic.amplitude_arcmin),
+                )
+            });
+        }
+    }
+    [
+        chart(
+            "Transmission error",
+            "Input angle (degrees)",
+            "Error about its mean (arcmin)",
+            series,
+            "",
+        ),
+        Chart {
+            y: Axis::log("Amplitude (arcmin)"),
+            ..chart("Orders", "Cycles per turn of the input", "", spectrum, "")
+        },
+    ]
+}
+
+fn degrees(angles_rad: &[f64]) -> Vec<f64> {
+    angles_rad.iter().map(|angle| angle.to_degrees()).collect()
+}
+
 fn transmission(found: &Outcome) -> Section {
-    let turn: Vec<f64> = found
-        .input_angle_rad
-        .iter()
-        .map(|angle| angle.to_degrees())
-        .collect();
-    let courses = found.transmission.iter().zip(["rated load", "no load"]);
-    let about_mean = |of: &Transmission| -> Vec<f64> {
-        let mean = of.mean_arcmin;
-        of.error_arcmin.iter().map(|error| error - mean).collect()
-    };
-    let series = courses
-        .clone()
-        .map(|(of, label)| line(label, &turn, &about_mean(of)))
-        .collect();
-    let spectrum = courses
-        .clone()
-        .map(|(of, label)| Series {
-            style: Style::Points,
-            ..line(
-                label,
-                &column(of, |harmonic| harmonic.input_order),
-                &column(of, |harmonic| harmonic.amplitude_arcmin),
-            )
-        })
-        .collect();
-    let rows = courses.flat_map(|(of, label)| {
+    let rows = found.transmission.iter().zip(LOADS);
+    let rows = rows.flat_map(|(of, label)| {
         of.harmonics.iter().take(6).map(move |harmonic| {
             vec![
                 Cell::text(label),
@@ -391,62 +372,53 @@ fn transmission(found: &Outcome) -> Section {
                  mesh excites the machine at its order times the input's speed."
                     .to_owned(),
             ),
-            Block::Charts(vec![
-                chart(
-                    "Transmission error",
-                    "Input angle (degrees)",
-                    "Error about its mean (arcmin)",
-                    series,
-                    "",
-                ),
-                Chart {
-                    y: Axis::log("Amplitude (arcmin)"),
-                    ..chart(
-                        "Orders",
-                        "Cycles per turn of the input",
-                        "",
-                        spectrum,
-                        "",
-                    )
-                },
-            ]),
-            Block::Table(Table {
-                caption: "Largest orders".to_owned(),
-                columns: vec![
-                    Column::text("Load"),
-                    Column::number("Per input turn"),
-                    Column::number("Per output turn"),
-                    Column::number("Amplitude (arcmin)"),
-                    Column::text("Of"),
-                ],
-                rows: rows.collect(),
-            }),
+            Block::Charts(transmission_charts(&[("", found)]).into()),
+            Block::Details {
+                summary: "Largest orders".to_owned(),
+                blocks: vec![Block::Table(Table {
+                    caption: "Largest orders of the transmission error".to_owned(),
+                    columns: vec![
+                        Column::text("Load"),
+                        Column::number("Per input turn"),
+                        Column::number("Per output turn"),
+                        Column::number("Amplitude (arcmin)"),
+                        Column::text("Of"),
+                    ],
+                    rows: rows.collect(),
+                })],
+            },
         ],
     )
 }
 
-fn column(
-    of: &Transmission,
-    value: impl Fn(&pinwheel_studies::design::Harmonic) -> f64,
-) -> Vec<f64> {
-    of.harmonics.iter().map(value).collect()
+/// Force over place, of external and internal pins.
+pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
+    let stages = ["External pins", "Internal pins"].into_iter().enumerate();
+    let of = |(k, title): (usize, &str)| {
+        let series = designs.iter().map(|(design, found)| {
+            let sharing = &found.sharing[k];
+            line(
+                &named(design, "largest force"),
+                &sharing.place_deg,
+                &sharing.force_n,
+            )
+        });
+        let touch = match designs {
+            [(_, found)] => touching(&found.sharing[k]),
+            _ => String::new(),
+        };
+        chart(
+            title,
+            "Place of the pin from the eccentric (degrees)",
+            "Force (N)",
+            series.collect(),
+            &touch,
+        )
+    };
+    stages.map(of).collect()
 }
 
 fn sharing(found: &Outcome) -> Section {
-    let charts = found
-        .sharing
-        .iter()
-        .zip(["External pins", "Internal pins"])
-        .map(|(sharing, title)| {
-            chart(
-                title,
-                "Place of the pin from the eccentric (degrees)",
-                "Force (N)",
-                vec![line("largest force", &sharing.place_deg, &sharing.force_n)],
-                &touching(sharing),
-            )
-        })
-        .collect();
     let rows = found
         .sharing
         .iter()
@@ -473,7 +445,7 @@ fn sharing(found: &Outcome) -> Section {
                  wheel on pins that do not turn."
                     .to_owned(),
             ),
-            Block::Charts(charts),
+            Block::Charts(sharing_charts(&[("", found)])),
             Block::Table(Table {
                 caption: "Contacts under the rated load".to_owned(),
                 columns: vec![
@@ -490,18 +462,35 @@ fn sharing(found: &Outcome) -> Section {
     )
 }
 
-fn bearings(found: &Outcome) -> Section {
-    let turn: Vec<f64> = found
-        .input_angle_rad
-        .iter()
-        .map(|angle| angle.to_degrees())
-        .collect();
-    let series = found.bearings.iter().take(1).flat_map(|bearing| {
-        [
-            line("away from the input's axis", &turn, &bearing.radial_n),
-            line("around the input's axis", &turn, &bearing.tangential_n),
-        ]
+/// Force on the bearing of wheel 0 over the period of each.
+pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
+    let series = designs.iter().flat_map(|(design, found)| {
+        let turn = degrees(&found.input_angle_rad);
+        let bearing = found.bearings.first();
+        bearing.into_iter().flat_map(move |bearing| {
+            [
+                (
+                    named(design, "away from the input's axis"),
+                    &bearing.radial_n,
+                ),
+                (
+                    named(design, "around the input's axis"),
+                    &bearing.tangential_n,
+                ),
+            ]
+            .map(|(label, force)| line(&label, &turn, force))
+        })
     });
+    chart(
+        "Force on the wheel's bearing",
+        "Input angle (degrees)",
+        "Force (N)",
+        series.collect(),
+        "",
+    )
+}
+
+fn bearings(found: &Outcome) -> Section {
     section(
         "bearings",
         "Bearing of the eccentric",
@@ -511,13 +500,7 @@ fn bearings(found: &Outcome) -> Section {
                  away from it only loads the bearing. Wheel 0 of {}; the others follow a share of a turn later.",
                 found.bearings.len()
             )),
-            Block::Charts(vec![chart(
-                "Force on the wheel's bearing",
-                "Input angle (degrees)",
-                "Force (N)",
-                series.collect(),
-                "",
-            )]),
+            Block::Charts(vec![bearing_chart(&[("", found)])]),
         ],
     )
 }
@@ -564,39 +547,28 @@ fn efficiency(found: &Outcome) -> Section {
 }
 
 fn dimensions(found: &Outcome) -> Section {
-    let of = &found.dimensions;
-    let mm = |what: &str, metres: f64, how: &str| {
+    let lines = found.dimensions.lines(&found.scene).into_iter();
+    let rows = lines.filter(|line| line.unit == "m").map(|line| {
         vec![
-            Cell::text(what),
-            Cell::number(figure(1e3 * metres), metres),
-            Cell::text(how),
+            Cell::text(line.what),
+            Cell::number(figure(1e3 * line.value), line.value),
+            Cell::text(line.how),
         ]
-    };
-    let rows = vec![
-        mm(
-            "circle of the external pins",
-            of.pitch_radius_m,
-            "R, radius",
-        ),
-        mm("profile, from", of.profile_radii_m[1], "radius in the pits"),
-        mm("profile, to", of.profile_radii_m[0], "radius at the tips"),
-        mm(
-            "sharpest convex bend of the pins' path",
-            of.smallest_convex_radius_m,
-            "a larger pin radius undercuts the wheel",
-        ),
-        mm("wall, hole to profile", of.walls.hole_to_profile_m, ""),
-        mm("wall, hole to hole", of.walls.hole_to_hole_m, ""),
-        mm("gap, pin to pin", of.walls.sleeve_to_sleeve_m, "external"),
-        mm("clearance in the holes", of.hole_clearance_m, ""),
-    ];
+    });
     section(
         "dimensions",
         "Dimensions",
-        vec![Block::Table(Table {
-            caption: "What follows from the dimensions".to_owned(),
-            columns: vec![Column::text("What"), Column::number("mm"), Column::text("")],
-            rows,
-        })],
+        vec![Block::Details {
+            summary: "What follows from the dimensions".to_owned(),
+            blocks: vec![Block::Table(Table {
+                caption: "Sizes, walls and gaps".to_owned(),
+                columns: vec![
+                    Column::text("What"),
+                    Column::number("mm"),
+                    Column::text("How"),
+                ],
+                rows: rows.collect(),
+            })],
+        }],
     )
 }

@@ -10,7 +10,7 @@
   const placesOf = ({ from, every, count, at }) => at || Array.from({ length: count }, (_, k) => from + k * every);
   engines.forEach((engine) => { engine.places = placesOf(engine.places); });
 
-  // One channel of every engine on the samples that are kept: the first engine's values, the others' differences to it.
+  // One channel of every engine on the samples that are kept: values of the first that has it, the others' differences to it.
   // Unpacked when first shown.
   const unpacked = new Map();
   async function channel(quantity, index) {
@@ -28,8 +28,8 @@
         read.column().forEach((value, k) => { column[places[k]] = value; });
         columns[e] = column;
       }
-      const first = columns[0];
-      columns[0] = first.map((v) => (Number.isFinite(v) ? 0 : NaN));
+      const first = columns[having[0]];
+      columns[having[0]] = first.map((v) => (Number.isFinite(v) ? 0 : NaN));
       unpacked.set(key, { x: kept.length ? kept.map((place) => time[place]) : time, first, differences: columns });
     }
     return unpacked.get(key);
@@ -76,7 +76,7 @@
     under.textContent = `Difference to ${engines[state.base].name}${budgets.length ? ': the residual, and its budget of uncertainty as a strip (about 95 %)' : ''}`;
     const x = { values: from.x, label: 'Time (s)', name: (k) => `t = ${Number(from.x[k].toFixed(6))} s` };
     const y = { label: `${state.log ? '|difference|' : 'Difference'}${unit}`, log: state.log, zero: !state.log, floor: state.log ? floor(apart.map((s) => s.values)) : 0 };
-    const describe = `${name} over time, ${engines.length} engines`;
+    const describe = `${name} over time: ${engines.map((e) => e.name).join(', ')}`;
     const first = { x, y: { label: `${quantity.label}${unit}` }, series: values, describe };
     const second = { x, y, series: apart, bands, describe: `Differences to ${engines[state.base].name}: ${describe}` };
     if (upper === null) {

@@ -4,7 +4,8 @@
 //! parts them. What can be read is kept: values to five digits of the largest, differences to two digits or more of the
 //! millisecond around them. Every engine keeps its own samples: those of a recording are marks, not a line. Of runs with
 //! more samples than a page holds, those stay in which a stretch is smallest, largest, and its engines furthest apart:
-//! no peak is lost. Metrics never come from here.
+//! no peak is lost. Only where two samples a pixel are too many for every channel, channels are left out. Metrics never
+//! come from here.
 
 use pinwheel_compare::comparison::Comparison;
 use pinwheel_compare::validation::COVERAGE;
@@ -16,9 +17,9 @@ use crate::packed::{Rounding, Writer};
 
 /// Base64 characters the courses of one page may take; with the rest it stays below 2 MB.
 const BUDGET: usize = 1_180_000;
-/// Channels of one group that are always worth drawing before samples are left out.
+/// Channels of one group that are always worth drawing before the budget is broken.
 const FEW_CHANNELS: usize = 4;
-/// Samples of a channel that are always worth keeping before the budget is broken: two a pixel.
+/// Samples of a channel that are always worth keeping before channels are left out: two a pixel.
 const FEW_SAMPLES: usize = 2400;
 /// Binary digits of values, of the channel's largest.
 const VALUE_DIGITS: i32 = 16;
@@ -28,7 +29,7 @@ const DIFFERENCE_DIGITS: [i32; 3] = [7, 6, 5];
 const SAME_TIME: f64 = 1e-9;
 
 /// What the page's script reads.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub(crate) struct ChartData {
     time: Time,
     engines: Vec<Line>,
@@ -40,14 +41,14 @@ pub(crate) struct ChartData {
     pub(crate) notes: Vec<String>,
 }
 
-#[derive(Debug, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 enum Time {
     Even { start: f64, step: f64, count: usize },
     Listed { values: Vec<f64> },
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 struct Line {
     name: String,
     track: Track,
@@ -60,7 +61,7 @@ struct Line {
 }
 
 /// Every so many times from one on, or a list.
-#[derive(Debug, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 enum Places {
     Even {
@@ -73,7 +74,7 @@ enum Places {
     },
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 struct ChartQuantity {
     name: String,
     label: String,
@@ -84,17 +85,17 @@ struct ChartQuantity {
     channels: Vec<ChartChannel>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 struct ChartChannel {
     /// Number within the group, or empty.
     label: String,
     /// Which engines have it, by number.
     engines: Vec<usize>,
-    /// Places of the samples kept (none: all), values of the first engine, differences of the others to it.
+    /// Places of the samples kept (none: all), values of the first of these engines, differences of the others to it.
     packed: String,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 struct ChartWindow {
     kind: WindowKind,
     from: f64,
@@ -216,7 +217,7 @@ struct Plan {
     cut: [bool; 2],
 }
 
-/// All that fits: digits that nobody reads go first, then channels, then samples.
+/// All that fits: digits that nobody reads go first, then samples between peaks, then channels.
 fn fitting(quantities: &[Quantity], drawn: &[Drawn<'_>]) -> (Plan, Vec<ChartQuantity>) {
     let samples = drawn.first().map_or(0, |d| d.places.len());
     let most = quantities.iter().map(|q| q.channels.len()).max();
@@ -250,12 +251,12 @@ fn fitting(quantities: &[Quantity], drawn: &[Drawn<'_>]) -> (Plan, Vec<ChartQuan
         let digits = DIFFERENCE_DIGITS.iter().find(|d| **d < plan.digits);
         if let Some(&digits) = digits {
             plan.digits = digits;
-        } else if plan.channels > FEW_CHANNELS {
-            plan.channels = fit(plan.channels).max(FEW_CHANNELS);
-            plan.cut[0] = true;
         } else if plan.samples > FEW_SAMPLES {
             plan.samples = fit(plan.samples).max(FEW_SAMPLES);
             plan.cut[1] = true;
+        } else if plan.channels > FEW_CHANNELS {
+            plan.channels = fit(plan.channels).max(FEW_CHANNELS);
+            plan.cut[0] = true;
         } else {
             return (plan, packed);
         }
@@ -386,18 +387,29 @@ fn quantity(quantity: &Quantity, drawn: &[Drawn<'_>], plan: Plan) -> ChartQuanti
     }
 }
 
-/// `None` if the first engine lacks the channel: there is nothing to store the others against.
+/// `None` if nobody has the channel. The others are stored against the first of those with most samples of it.
 fn channel(name: &str, group: &str, drawn: &[Drawn<'_>], plan: Plan) -> Option<ChartChannel> {
-    let base = drawn.first()?.participant.courses.channel(name)?;
+    let all = drawn.first()?.places.len();
+    let mut order: Vec<usize> = (0..drawn.len())
+        .filter(|&k| drawn[k].participant.courses.channel(name).is_some())
+        .collect();
+    order.sort_by_key(|&k| all - drawn[k].places.len());
+    let first = drawn.get(*order.first()?)?;
+    let mut base = vec![f64::NAN; all];
+    let values = first.participant.courses.channel(name)?;
+    for (place, value) in first.places.iter().zip(values) {
+        base[*place] = *value;
+    }
     // Differences to the first at an engine's own places.
-    let having = drawn.iter().enumerate().filter_map(|(k, d)| {
+    let having = order.into_iter().filter_map(|k| {
+        let d = &drawn[k];
         let values = d.participant.courses.channel(name)?;
         let off = |(value, &place): (&f64, &usize)| (place, value - base[place]);
         let differences: Vec<(usize, f64)> = values.iter().zip(&d.places).map(off).collect();
         Some((k, differences))
     });
     let having: Vec<(usize, Vec<(usize, f64)>)> = having.collect();
-    let kept = kept(base, &having, plan.samples);
+    let kept = kept(&base, &having, plan.samples);
     let stays = |place: usize| kept.is_empty() || kept.binary_search(&place).is_ok();
     let mut writer = Writer::default();
     writer.places(&kept);
@@ -529,9 +541,13 @@ mod tests {
     fn engine(name: &str, track: Track, scale: f64, every: usize) -> Participant {
         let time: Vec<f64> = (0..601).step_by(every).map(|k| k as f64 * 1e-3).collect();
         let of = |k: usize| move |t: &f64| scale * (2.0 + (90.0 * t + k as f64).sin());
-        let mut courses = pinwheel_courses::Courses::new(time.clone()).unwrap();
-        for k in 0..3 {
-            let values = time.iter().map(of(k)).collect();
+        let values = |k| time.iter().map(of(k)).collect();
+        participant(name, track, &time, (0..3).map(values).collect())
+    }
+
+    fn participant(name: &str, track: Track, time: &[f64], forces: Vec<Vec<f64>>) -> Participant {
+        let mut courses = pinwheel_courses::Courses::new(time.to_vec()).unwrap();
+        for (k, values) in forces.into_iter().enumerate() {
             courses
                 .push(format!("external_sleeve_force_n_{k}"), values)
                 .unwrap();
@@ -568,12 +584,7 @@ mod tests {
             engine("native-reduced", Track::Native, 1.0, 1),
             engine("rapier-shared-law", Track::SharedLaw, 1.0 + 1e-6, 1),
         ];
-        let context = pinwheel_compare::Context {
-            duration_s: 0.6,
-            ..pinwheel_compare::Context::default()
-        };
-        let comparison = pinwheel_compare::compare(&context, &participants, &[]).unwrap();
-        let data = ChartData::of(&comparison, &participants).unwrap();
+        let data = data(&participants);
         let names: Vec<&str> = data.engines.iter().map(|e| e.name.as_str()).collect();
         assert_eq!(
             names,
@@ -607,6 +618,62 @@ mod tests {
         for k in 0..61 {
             assert!((marks[k] - 0.01 * wanted[10 * k]).abs() < 5e-4, "{k}");
         }
+    }
+
+    fn data(participants: &[Participant]) -> ChartData {
+        let context = pinwheel_compare::Context {
+            duration_s: 0.6,
+            ..pinwheel_compare::Context::default()
+        };
+        let comparison = pinwheel_compare::compare(&context, participants, &[]).unwrap();
+        ChartData::of(&comparison, participants).unwrap()
+    }
+
+    #[test]
+    fn every_channel_can_be_read_where_noise_fills_the_page() {
+        let time: Vec<f64> = (0..4001).map(|k| f64::from(k) * 1e-4).collect();
+        let mut state = 1_u64;
+        let mut noise = move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 33) as f64 / f64::from(1_u32 << 30)
+        };
+        let mut forces = || -> Vec<Vec<f64>> {
+            let column = |_| time.iter().map(|_| 10.0 + noise()).collect();
+            (0..60).map(column).collect()
+        };
+        let participants = ["native-reduced", "a", "b", "c"]
+            .map(|name| participant(name, Track::Native, &time, forces()));
+        let found = data(&participants);
+        let channels = &found.quantities[0].channels;
+        let size: usize = channels.iter().map(|c| c.packed.len()).sum();
+        assert!(size > BUDGET / 2 && size <= BUDGET, "{size}");
+        assert_eq!(channels.len(), 60, "{:?}", found.notes);
+        assert!(
+            found.notes[1].contains("no peak is lost"),
+            "{:?}",
+            found.notes
+        );
+    }
+
+    #[test]
+    fn what_only_some_have_is_drawn_too() {
+        let time: Vec<f64> = (0..601).map(|k| f64::from(k) * 1e-3).collect();
+        let forces = |count: usize| vec![time.clone(); count];
+        let few = participant("a", Track::Native, &time, forces(2));
+        let found = data(&[few, participant("b", Track::Native, &time, forces(3))]);
+        let engines = found.quantities[0]
+            .channels
+            .iter()
+            .map(|c| c.engines.clone());
+        assert_eq!(
+            engines.collect::<Vec<_>>(),
+            [vec![0, 1], vec![0, 1], vec![1]]
+        );
+        let mut read = crate::packed::tests::Reader::new(&found.quantities[0].channels[2].packed);
+        assert_eq!(read.places(), [0usize; 0]);
+        assert!((read.column()[600] - 0.6).abs() < 1e-4);
     }
 
     #[test]

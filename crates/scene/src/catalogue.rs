@@ -14,6 +14,7 @@ use std::fmt::Write as _;
 use crate::checked::CheckedScene;
 use crate::error::{Fault, SceneError};
 use crate::model::{Gear, Scene};
+use crate::number::{nearest, short, written};
 use crate::profile::Profile;
 
 /// A material: name as typed, E (Pa), Poisson's ratio, density (kg/m^3).
@@ -307,7 +308,7 @@ impl Catalogue {
             let assignment = format!("{} = {value}", key.rsplit('.').next().unwrap_or(key));
             let _ = writeln!(text, "{assignment:<44} # {mark}{about}");
         };
-        let m = metres;
+        let m = written;
         line(
             "gear.pin_circle_radius_m",
             m(0.5 * self.pin_circle_diameter_m),
@@ -363,9 +364,9 @@ impl Catalogue {
         let _ = write!(
             text,
             "\n[drive]\ninput_speed_rad_s = {:<24} # {} rpm\noutput_torque_n_m = {}\n",
-            metres(self.speed_rad_s),
+            written(self.speed_rad_s),
             short(self.speed_rad_s * 30.0 / PI),
-            metres(self.torque_n_m)
+            written(self.torque_n_m)
         );
         let Material {
             name,
@@ -413,23 +414,11 @@ fn rounded_down(length_m: f64) -> f64 {
     let unit = 10_f64.powi(mm.log10().floor() as i32 - 1);
     // A number that is one of two digits already stays it, whatever its last bit.
     let digits = (mm / unit + 1e-9).floor();
-    metres(digits * unit * 1e-3).parse().unwrap_or(length_m)
-}
-
-/// A number as TOML, without the last bit's noise: 0.0065, not 0.006500000000000001.
-fn metres(value: f64) -> String {
-    let twelve: f64 = format!("{value:.11e}").parse().unwrap_or(value);
-    format!("{twelve:?}")
+    nearest(digits * unit * 1e-3, 12)
 }
 
 fn millimetres(length_m: f64) -> String {
     short(1e3 * length_m)
-}
-
-/// Four significant digits.
-fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
-    rounded.to_string()
 }
 
 #[cfg(test)]

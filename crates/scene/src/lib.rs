@@ -64,7 +64,7 @@ mod uncertain;
 pub use assumptions::{Assumption, assumptions};
 pub use catalogue::Catalogue;
 pub use checked::{CheckedScene, Origin, Source};
-pub use derived::{Derived, Frequency, Walls, derived};
+pub use derived::{Derived, Frequency, Line, Walls, derived};
 pub use deviations::{Errors, Modification};
 pub use error::{Fault, Place, SceneError};
 pub use json::JOB_PROTOCOL;

@@ -18,21 +18,29 @@ pub(crate) fn above(value: f64) -> String {
     rounded(value, 4, LEAN)
 }
 
+/// As a scene file writes it: without the last bit's noise, 0.0065 and not 0.006500000000000001.
+pub(crate) fn written(value: f64) -> String {
+    format!("{:?}", nearest(value, 12))
+}
+
 /// Rounds to `digits` significant digits after moving half a unit in the last place by `lean`.
 fn rounded(value: f64, digits: i32, lean: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
     let unit = 10_f64.powi(value.abs().log10().floor() as i32 + 1 - digits);
-    let leaned = value + lean * unit;
-    let text = format!("{leaned:.*e}", (digits - 1) as usize);
-    // Parsing back drops trailing zeros and lets Display choose the notation.
-    let number: f64 = text.parse().unwrap_or(leaned);
+    let number = nearest(value + lean * unit, digits);
     if (1e-5..1e9).contains(&number.abs()) {
         number.to_string()
     } else {
         format!("{number:e}")
     }
+}
+
+/// The number of so many significant digits next to it. Parsing back drops trailing zeros.
+pub(crate) fn nearest(value: f64, digits: i32) -> f64 {
+    let text = format!("{value:.*e}", (digits - 1) as usize);
+    text.parse().unwrap_or(value)
 }
 
 #[cfg(test)]
@@ -44,6 +52,8 @@ mod tests {
         assert_eq!(short(0.0131225849), "0.0131226");
         assert_eq!(short(2.0e11), "2e11");
         assert_eq!(short(16.0), "16");
+        assert_eq!(written(0.1 + 0.2), "0.3");
+        assert_eq!(written(2.0), "2.0", "a float in TOML");
         assert_eq!(above(0.006 + 0.0028), "0.0088");
         for value in [
             0.013_122_58,

@@ -53,6 +53,7 @@ pub mod comparison;
 pub mod conformance;
 mod control;
 pub mod design;
+pub mod designs;
 pub mod dice;
 pub mod divergence;
 pub mod drift;

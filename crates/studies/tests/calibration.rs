@@ -85,7 +85,7 @@ fn a_small_sleeve_is_pressed_in_less() {
         panic!();
     };
     let less = 1e-7;
-    gearbox.geometry.small_sleeve = Some((number, less));
+    gearbox.geometry.external_radii_m[number] -= less;
     for ((wheel, sleeve, one), (_, _, other)) in before.iter().zip(&pressed(&gearbox)) {
         let wanted = if *sleeve == Sleeve::External(number) {
             less

@@ -139,6 +139,9 @@ pub(crate) struct RunArgs {
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
+    /// A second scene: two designs by one engine instead of one by several [default engine: native].
+    #[arg(conflicts_with_all = ["junit", "against"])]
+    pub(crate) other: Option<String>,
     /// Engines to compare, separated by commas [default: all that can run the scene].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) engines: Vec<String>,
@@ -285,9 +288,14 @@ fn on_one_line(message: &str) -> String {
 impl SceneArgs {
     /// The checked scene, compiled: proof that it can be modelled.
     pub(crate) fn load(&self) -> Result<Gearbox, Failure> {
+        self.load_as(&self.scene)
+    }
+
+    /// Another scene with the same overrides.
+    pub(crate) fn load_as(&self, spec: &str) -> Result<Gearbox, Failure> {
         let overrides = overrides(&self.set)?;
-        let scene = Scene::load(&self.scene, &overrides)?;
-        Gearbox::new(&scene).map_err(|error| Failure::input(format!("{}: {error}", self.scene)))
+        let scene = Scene::load(spec, &overrides)?;
+        Gearbox::new(&scene).map_err(|error| Failure::input(format!("{spec}: {error}")))
     }
 }
 

@@ -1,11 +1,12 @@
-//! `pinwheel compare`: one scene, several engines, one report.
+//! `pinwheel compare`: one scene, several engines, one report; or two scenes, one engine.
 
 use std::path::Path;
 
+use pinwheel::gearbox::Gearbox;
 use pinwheel::pages;
-use pinwheel::scene::PRESETS;
+use pinwheel::scene::CheckedScene;
 use pinwheel::studies::comparison::{self, Effort, Input, foreign};
-use pinwheel::studies::{Provenance, choice, junit};
+use pinwheel::studies::{Provenance, choice, designs, junit};
 
 use crate::args::{self, CompareArgs, ForeignArgs};
 use crate::failure::{ENGINE, Failure};
@@ -14,8 +15,10 @@ use crate::progress::watched;
 use crate::{interrupt, screen};
 
 pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
-    let overrides = args::overrides(&args.scene.set)?;
     let gearbox = args.scene.load()?;
+    if let Some(other) = &args.other {
+        return designs(args, &gearbox, other);
+    }
     let data = open(&args.foreign)?;
     let gearbox = foreign::with_channels(&data, gearbox)?;
     let scene = &gearbox.scene;
@@ -28,12 +31,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         engines: &engines,
         data: &data,
     };
-    let mut effort = Effort::asked(scene, args.longest, args.resolution)?;
-    let stated = overrides
-        .iter()
-        .any(|set| Effort::KEYS.contains(&set.key()));
-    let preset = PRESETS.iter().any(|preset| preset.name == args.scene.scene);
-    effort.obey = stated || !preset && effort.obey;
+    let effort = effort(args, &args.scene.scene, scene)?;
     let found = watched("compare", |control| {
         comparison::run_with(&input, effort, control)
     })?;
@@ -55,6 +53,61 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         return Ok(ENGINE);
     }
     Ok(found.comparison.outcome.exit_status())
+}
+
+/// Two designs by one engine.
+fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failure> {
+    let second = args.scene.load_as(other)?;
+    let gearboxes = [first, &second];
+    let specs = [args.scene.scene.as_str(), other];
+    let named = match args.engines.as_slice() {
+        [] => args.solvers.join()?,
+        names => args.solvers.join_named(names)?,
+    };
+    let name = match named.as_slice() {
+        [] => "native",
+        [one] => one,
+        _ => {
+            return Err(Failure::input(
+                "two designs are compared by one engine: name one in --engines, or compare one scene",
+            ));
+        }
+    };
+    let engine = choice::find(name, &first.scene)?;
+    let [a, b] = [0, 1].map(|k| effort(args, specs[k], &gearboxes[k].scene));
+    let names = gearboxes
+        .map(|gearbox| gearbox.scene.name.as_str())
+        .join("-and-");
+    let folder = Folder::prepare(&args.out.folder(&names, "compare"), args.out.force)?;
+    let input = designs::Input {
+        gearboxes,
+        specs,
+        engine: engine.as_ref(),
+        efforts: [a?, b?],
+    };
+    let found = watched("compare", |control| designs::run(&input, control))?;
+    let made = Provenance::here(args::typed());
+    found.write(folder.path(), &made)?;
+    let page = pages::designs::page(&found, &made, interrupt::flag())?;
+    folder.show(&page, &pages::designs::text(&found))?;
+    if let Some((name, reason)) = found.broken() {
+        screen::complain(&format!(
+            "{name} {reason}; try a smaller solver.step_s or another solver.integrator"
+        ));
+        return Ok(ENGINE);
+    }
+    Ok(0)
+}
+
+fn effort(args: &CompareArgs, spec: &str, scene: &CheckedScene) -> Result<Effort, Failure> {
+    let sets = args::overrides(&args.scene.set)?;
+    Ok(Effort::asked(
+        scene,
+        spec,
+        &sets,
+        args.longest,
+        args.resolution,
+    )?)
 }
 
 /// Reads the maps and files, before anything long is run.

@@ -25,7 +25,10 @@ mod page;
 pub use chart::{Axis, Chart, Series, Style};
 pub use grid::{Grid, GridAxis, GridFigure};
 
+use pinwheel_compare::{Comparison, Participant};
+
 use crate::ReportError;
+use crate::chart_data::ChartData;
 
 /// Everything on one study's page. Strings may hold any characters: all are escaped, except
 /// [`Block::Html`]; `` `backticks` `` in running text become code.
@@ -102,6 +105,8 @@ pub enum Block {
     Charts(Vec<Chart>),
     /// Figures over parameters, with a choice of axes.
     Grid(Grid),
+    /// Time series of several runs, one quantity at a time. One on a page at most.
+    Courses(Courses),
     /// Blocks behind a line that opens them.
     Details {
         /// The line.
@@ -114,6 +119,18 @@ pub enum Block {
     /// Markup written by this program; placed as it is. Inline styles and scripts are allowed,
     /// anything from elsewhere is not.
     Html(String),
+}
+
+/// Time series as a comparison's page draws them: values, and differences to any of the runs.
+#[derive(Debug, Clone)]
+pub struct Courses(ChartData);
+
+impl Courses {
+    /// Those of the participants of a comparison; `None` if nobody has any.
+    #[must_use]
+    pub fn of(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
+        ChartData::of(comparison, participants).map(Self)
+    }
 }
 
 /// A table.

@@ -3,7 +3,7 @@
 use askama::Template;
 
 use super::chart::ChartJson;
-use super::{Block, Cell, Chart, Grid, Mark, Study, Table, Tile};
+use super::{Block, Cell, Chart, Courses, Grid, Mark, Study, Table, Tile};
 use crate::ReportError;
 use crate::assets::{ASSETS, Assets};
 use crate::chart_data::json_for_script;
@@ -19,9 +19,19 @@ struct Page<'a> {
     chart_json: Option<String>,
     /// Whether a block lets the reader choose axes.
     grids: bool,
+    /// Time series, and what draws them.
+    courses_json: Option<String>,
+    courses_js: &'static str,
+    lead: String,
     assets: Assets,
     page_js: &'static str,
     grid_js: &'static str,
+}
+
+#[derive(Template)]
+#[template(path = "parts/courses.html")]
+struct CoursesHtml<'a> {
+    chart_notes: &'a [String],
 }
 
 struct Banner<'a> {
@@ -95,7 +105,10 @@ pub(super) fn render(study: &Study) -> Result<String, ReportError> {
         } else {
             Some(json_for_script(&json)?)
         },
-        grids: sections_hold_grids(study),
+        grids: blocks_of(study).any(|block| matches!(block, Block::Grid(Grid { .. }))),
+        courses_json: blocks_of(study).find_map(courses).transpose()?,
+        courses_js: include_str!("../../assets/report.js"),
+        lead: inline(&study.lead),
         assets: ASSETS,
         page_js: include_str!("../../assets/study.js"),
         grid_js: include_str!("../../assets/grid.js"),
@@ -103,12 +116,16 @@ pub(super) fn render(study: &Study) -> Result<String, ReportError> {
     Ok(page.render()?)
 }
 
-/// Grids stand in sections themselves, not in what is folded.
-fn sections_hold_grids(study: &Study) -> bool {
-    let blocks = study.sections.iter().flat_map(|section| &section.blocks);
-    blocks
-        .into_iter()
-        .any(|block| matches!(block, Block::Grid(Grid { .. })))
+/// Blocks of sections themselves: grids and time series are not folded.
+fn blocks_of(study: &Study) -> impl Iterator<Item = &Block> {
+    study.sections.iter().flat_map(|section| &section.blocks)
+}
+
+fn courses(block: &Block) -> Option<Result<String, serde_json::Error>> {
+    match block {
+        Block::Courses(Courses(data)) => Some(json_for_script(data)),
+        _ => None,
+    }
 }
 
 /// The blocks' markup; charts are collected for the page's script.
@@ -168,6 +185,10 @@ fn one<'a>(block: &'a Block, charts: &mut Vec<&'a Chart>) -> Result<String, Repo
             )
         }
         Block::Html(markup) => markup.clone(),
+        Block::Courses(Courses(data)) => CoursesHtml {
+            chart_notes: &data.notes,
+        }
+        .render()?,
         Block::Grid(grid) => format!(
             "<div class=\"grid\"><noscript><p class=\"notice\">Charts and maps need a script; the table of runs has all figures.</p></noscript><script type=\"application/json\">{}</script></div>",
             json_for_script(grid)?

@@ -96,7 +96,7 @@ impl<'a> Page<'a> {
                 .as_ref()
                 .map(|(view, begin)| animation::markup(std::slice::from_ref(view), *begin))
                 .transpose()?,
-            chart_notes: charts.as_ref().map(|c| c.notes.clone()).unwrap_or_default(),
+            chart_notes: charts.as_ref().map(notes).unwrap_or_default(),
             chart_json: charts.as_ref().map(json_for_script).transpose()?,
             tracks: tracks::sections(comparison, &styles),
             engines: engine_cards(comparison, &styles),
@@ -114,6 +114,16 @@ impl<'a> Page<'a> {
             page_js: include_str!("../../assets/report.js"),
         })
     }
+}
+
+/// What a reader of the charts has to know.
+fn notes(charts: &ChartData) -> Vec<String> {
+    let mut notes = charts.notes.clone();
+    notes.push(
+        "Samples of recordings are marks. No engine is the truth: differences can be taken to any."
+            .to_owned(),
+    );
+    notes
 }
 
 fn engine_cards(comparison: &Comparison, styles: &[usize]) -> Vec<EngineCard> {

@@ -17,7 +17,7 @@ use pinwheel_engines::{Engine, Native, by_name};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, Plan};
 use pinwheel_mbs::integrators::METHODS;
-use pinwheel_scene::CheckedScene;
+use pinwheel_scene::{CheckedScene, Override, preset};
 
 use super::take_part;
 use crate::StudyError;
@@ -53,14 +53,17 @@ impl Effort {
     }
 
     /// Keys by which a user sets what otherwise follows from the scene.
-    pub const KEYS: [&str; 3] = ["solver.step_s", "solver.tolerance", "solver.integrator"];
+    const KEYS: [&str; 3] = ["solver.step_s", "solver.tolerance", "solver.integrator"];
 
-    /// As [`of`](Self::of), with a time and a resolution that a user states.
+    /// As [`of`](Self::of) for the scene that the user calls `spec` and changes by `sets`: what these state is obeyed, what a
+    /// preset says is a beginning.
     ///
     /// # Errors
     /// A time below 0, or a resolution that is no share.
     pub fn asked(
         scene: &CheckedScene,
+        spec: &str,
+        sets: &[Override],
         longest_s: f64,
         resolution: f64,
     ) -> Result<Self, StudyError> {
@@ -71,10 +74,11 @@ impl Effort {
                 "resolution: give a share above 0 and at most 1, e.g. 0.001".to_owned(),
             ));
         }
+        let stated = sets.iter().any(|set| Self::KEYS.contains(&set.key()));
         Ok(Self {
             longest,
+            obey: stated || preset(spec).is_none() && Self::of(scene).obey,
             resolution,
-            ..Self::of(scene)
         })
     }
 }

@@ -25,6 +25,8 @@ pub struct Cycle {
     pub lost_motion_arcmin: Option<f64>,
     /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping.
     pub width_arcmin: Option<f64>,
+    /// How far both may be off: by the run's own verification of the forces, and by how far samples are apart.
+    pub uncertainty_arcmin: Option<f64>,
     /// How the run ended.
     pub status: &'static str,
     /// Sample times, s.
@@ -90,16 +92,36 @@ pub(super) fn run(
     let down = from(2.0 * rest + ramp)..from(2.0 * rest + 3.0 * ramp) + 1;
     let up = from(3.0 * rest + 3.0 * ramp)..from(3.0 * rest + 5.0 * ramp) + 1;
     let whole = found.ending.is_finished();
-    let at = |branch: std::ops::Range<usize>, torque: f64| -> Option<f64> {
-        let branch = branch.start.min(angle_arcmin.len())..branch.end.min(angle_arcmin.len());
-        crossing(&torque_n_m[branch.clone()], &angle_arcmin[branch], torque)
+    // Of both branches, with every so many samples: the angles at a torque.
+    let both = |torque: f64, every: usize| {
+        let at = |branch: &std::ops::Range<usize>| {
+            let branch = branch.start.min(angle_arcmin.len())..branch.end.min(angle_arcmin.len());
+            let thinned = |values: &[f64]| -> Vec<f64> {
+                values[branch.clone()]
+                    .iter()
+                    .step_by(every)
+                    .copied()
+                    .collect()
+            };
+            crossing(&thinned(&torque_n_m), &thinned(&angle_arcmin), torque)
+        };
+        Some((at(&down)?, at(&up)?)).filter(|_| whole)
     };
-    let both = |torque: f64| Some((at(down.clone(), torque)?, at(up.clone(), torque)?));
-    let mean = |torque: f64| both(torque).map(|(a, b)| 0.5 * (a + b));
-    let lost = mean(LOST * rated).zip(mean(-LOST * rated));
+    let lost = |every: usize| {
+        let mean = |torque: f64| both(torque, every).map(|(a, b)| 0.5 * (a + b));
+        Some((mean(LOST * rated)? - mean(-LOST * rated)?).abs())
+    };
+    let width = |every: usize| both(0.0, every).map(|(a, b)| (a - b).abs());
+    let moved = |of: &dyn Fn(usize) -> Option<f64>| Some((of(1)? - of(2)?).abs());
+    let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
+    let uncertainty_arcmin = (|| {
+        let sampled = moved(&lost)?.max(moved(&width)?);
+        Some(sampled + error?.forces * lost(1)?.max(width(1)?))
+    })();
     Ok(Cycle {
-        lost_motion_arcmin: lost.filter(|_| whole).map(|(high, low)| (high - low).abs()),
-        width_arcmin: both(0.0).filter(|_| whole).map(|(a, b)| (a - b).abs()),
+        lost_motion_arcmin: lost(1),
+        width_arcmin: width(1),
+        uncertainty_arcmin,
         status: found.ending.word(),
         closed_from: down.start,
         time_s,

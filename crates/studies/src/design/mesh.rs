@@ -207,7 +207,7 @@ pub struct Sharing {
 }
 
 impl Sharing {
-    pub(super) fn of(poses: &[Pose], stage: Stage) -> Self {
+    pub(super) fn of(poses: &[&Pose], stage: Stage) -> Self {
         let wheels = poses.first().map_or(1, |pose| pose.bearings.len());
         let mut force = vec![0.0_f64; 2 * PLACES];
         for pair in poses.iter().flat_map(|pose| pose.of(stage)) {
@@ -215,7 +215,7 @@ impl Sharing {
             let place = &mut force[place.min(2 * PLACES - 1)];
             *place = place.max(pair.force_n);
         }
-        let largest = |pose: &Pose| {
+        let largest = |pose: &&Pose| {
             pose.of(stage)
                 .map(|pair| pair.force_n)
                 .fold(0.0_f64, f64::max)
@@ -252,7 +252,7 @@ pub struct Pressure {
 }
 
 impl Pressure {
-    pub(super) fn of(poses: &[Pose], stage: Stage) -> Self {
+    pub(super) fn of(poses: &[&Pose], stage: Stage) -> Self {
         let mut found = Self {
             stage,
             largest_pa: 0.0,
@@ -287,7 +287,7 @@ pub struct Bearing {
 }
 
 impl Bearing {
-    pub(super) fn all(poses: &[Pose]) -> Vec<Self> {
+    pub(super) fn all(poses: &[&Pose]) -> Vec<Self> {
         let wheels = poses.first().map_or(0, |pose| pose.bearings.len());
         let part = |wheel: usize, part: usize| {
             let forces = poses.iter().map(move |pose| pose.bearings[wheel][part]);

@@ -19,6 +19,7 @@
 //! The rated torque is the largest load of the scene, the rated speed its input speed.
 
 mod cycle;
+mod figures;
 mod mesh;
 mod orders;
 
@@ -36,9 +37,11 @@ use crate::provenance::{Provenance, Summary};
 use crate::{Control, Progress, StudyError, single};
 
 pub use cycle::Cycle;
+pub use figures::Figure;
 pub use mesh::{Bearing, Pair, Pressure, Sharing, Stage};
 pub use orders::Harmonic;
 
+use figures::Balances;
 use mesh::{Pose, Poses};
 
 /// Arc minutes in a radian.
@@ -89,6 +92,8 @@ impl Spread {
 pub struct Torsion {
     /// Between +3 % and -3 % of the rated torque, arcmin.
     pub lost_motion_arcmin: Spread,
+    /// The same at the input angle 0 alone, where the loop is run too, arcmin.
+    pub lost_motion_at_0_arcmin: f64,
     /// Between 50 and 100 % of the rated torque, both directions, N m/arcmin.
     pub stiffness_n_m_per_arcmin: Spread,
     /// The curve at the input angle 0: torque, N m.
@@ -121,6 +126,8 @@ pub struct Operating {
     pub output_torque_n_m: f64,
     /// `None` where no work passes, or the run diverged.
     pub efficiency: Option<Efficiency>,
+    /// How far it may be off, by the run's own verification of the driver's torque.
+    pub uncertainty: Option<f64>,
     /// How the run ended.
     pub status: &'static str,
 }
@@ -133,6 +140,8 @@ pub struct Outcome {
     pub scene: CheckedScene,
     /// Largest load of the scene, N m.
     pub rated_torque_n_m: f64,
+    /// What a data sheet gives, each figure with its uncertainty.
+    pub figures: Vec<Figure>,
     /// What follows from the dimensions.
     pub dimensions: Derived,
     /// Lost motion and stiffness.
@@ -187,7 +196,8 @@ pub fn run(gearbox: &Gearbox, runs: bool, control: &Control<'_>) -> Result<Outco
     let poses = Poses::of(&scene.gear);
     let mut statics = Statics::new(gearbox).map_err(of_scene)?;
     step(0, "torsion")?;
-    let torsion = torsion(&mut statics, &poses, gearbox, working).map_err(of_scene)?;
+    let (lost, stiffness) = twisted(&mut statics, &poses, gearbox, working).map_err(of_scene)?;
+    let curve = curve(&mut statics, gearbox, working).map_err(of_scene)?;
     step(1, "rated load")?;
     let at = |statics: &mut Statics<'_>, load: f64| -> Result<Vec<Pose>, StudyError> {
         let mut found = Vec::with_capacity(poses.angles.len());
@@ -200,7 +210,18 @@ pub fn run(gearbox: &Gearbox, runs: bool, control: &Control<'_>) -> Result<Outco
     let loaded = at(&mut statics, working)?;
     step(2, "no load")?;
     let unloaded = at(&mut statics, NO_LOAD * working)?;
-    let transmission = [(&loaded, rated), (&unloaded, NO_LOAD * rated)].map(|(found, torque)| {
+    let balances = Balances {
+        lost,
+        stiffness,
+        loaded,
+        unloaded,
+    };
+    let summed = balances.summed(1, 0);
+    let courses = [
+        (&balances.loaded, rated),
+        (&balances.unloaded, NO_LOAD * rated),
+    ];
+    let transmission = courses.map(|(found, torque)| {
         let error: Vec<f64> = found.iter().map(|pose| ARCMIN * pose.error_rad).collect();
         let spread = Spread::of(error.iter().copied());
         Transmission {
@@ -224,14 +245,23 @@ pub fn run(gearbox: &Gearbox, runs: bool, control: &Control<'_>) -> Result<Outco
             }
         }
     }
+    let mut figures = balances.figures();
+    figures.extend(figures::of_runs(cycle.as_ref(), &efficiency));
     Ok(Outcome {
         scene: scene.clone(),
         rated_torque_n_m: rated,
+        figures,
         dimensions: derived(scene),
-        torsion,
-        sharing: Stage::BOTH.map(|stage| Sharing::of(&loaded, stage)),
-        pressure: Stage::BOTH.map(|stage| Pressure::of(&loaded, stage)),
-        bearings: Bearing::all(&loaded),
+        torsion: Torsion {
+            lost_motion_arcmin: summed.lost,
+            lost_motion_at_0_arcmin: balances.lost[0],
+            stiffness_n_m_per_arcmin: summed.stiffness,
+            torque_n_m: curve.0,
+            twist_arcmin: curve.1,
+        },
+        sharing: summed.sharing,
+        pressure: summed.pressure,
+        bearings: summed.bearings,
         input_angle_rad: poses.angles,
         transmission,
         cycle,
@@ -239,27 +269,46 @@ pub fn run(gearbox: &Gearbox, runs: bool, control: &Control<'_>) -> Result<Outco
     })
 }
 
-fn torsion(
+/// Twist of the output from the ideal mesh under a share of the working load, in the direction of that load, arcmin.
+fn twist(
+    statics: &mut Statics<'_>,
+    gearbox: &Gearbox,
+    phi: f64,
+    load: f64,
+    working: f64,
+) -> Result<f64, GearboxError> {
+    let found = statics.solve(phi, load)?;
+    let ideal = gearbox.geometry.ideal_output_angle(phi);
+    Ok(ARCMIN * (found.output - ideal) * working.signum())
+}
+
+/// Lost motion, arcmin, and stiffness, N m/arcmin, at the poses of [`POSES`]; the latter one direction after the other.
+fn twisted(
     statics: &mut Statics<'_>,
     poses: &Poses,
     gearbox: &Gearbox,
     working: f64,
-) -> Result<Torsion, GearboxError> {
-    let mut twist = |phi: f64, share: f64| -> Result<f64, GearboxError> {
-        let found = statics.solve(phi, share * working)?;
-        let ideal = gearbox.geometry.ideal_output_angle(phi);
-        Ok(ARCMIN * (found.output - ideal) * working.signum())
-    };
-    let (mut lost, mut stiffness) = (Vec::new(), Vec::new());
-    for k in 0..POSES {
-        let phi = poses.period * k as f64 / POSES as f64;
-        lost.push(twist(phi, LOST)? - twist(phi, -LOST)?);
-        for sign in [1.0, -1.0] {
-            let [low, high] = STIFF;
-            let turned = (twist(phi, sign * high)? - twist(phi, sign * low)?).abs();
-            stiffness.push((high - low) * working.abs() / turned);
-        }
-    }
+) -> Result<(Vec<f64>, Vec<f64>), GearboxError> {
+    let mut at = |phi, share: f64| twist(statics, gearbox, phi, share * working, working);
+    let phi = |k: usize| poses.period * k as f64 / POSES as f64;
+    let lost = (0..POSES).map(|k| Ok(at(phi(k), LOST)? - at(phi(k), -LOST)?));
+    let lost = lost.collect::<Result<_, GearboxError>>()?;
+    let [low, high] = STIFF;
+    let signs = [1.0, -1.0].into_iter();
+    let stiffness = signs.flat_map(|sign| (0..POSES).map(move |k| (sign, k)));
+    let stiffness = stiffness.map(|(sign, k)| {
+        let turned = (at(phi(k), sign * high)? - at(phi(k), sign * low)?).abs();
+        Ok((high - low) * working.abs() / turned)
+    });
+    Ok((lost, stiffness.collect::<Result<_, GearboxError>>()?))
+}
+
+/// Torque, N m, and twist, arcmin, at the input angle 0.
+fn curve(
+    statics: &mut Statics<'_>,
+    gearbox: &Gearbox,
+    working: f64,
+) -> Result<(Vec<f64>, Vec<f64>), GearboxError> {
     // No point at 0: with backlash the output has no place there.
     let shares = (1..=CURVE).map(|k| k as f64 / CURVE as f64);
     let shares: Vec<f64> = shares
@@ -269,13 +318,12 @@ fn torsion(
         .chain([-LOST, LOST])
         .chain(shares)
         .collect();
-    let twists = shares.iter().map(|&share| twist(0.0, share));
-    Ok(Torsion {
-        lost_motion_arcmin: Spread::of(lost),
-        stiffness_n_m_per_arcmin: Spread::of(stiffness),
-        twist_arcmin: twists.collect::<Result<_, _>>()?,
-        torque_n_m: shares.iter().map(|share| share * working.abs()).collect(),
-    })
+    let twists = shares
+        .iter()
+        .map(|&share| twist(statics, gearbox, 0.0, share * working, working));
+    let twists = twists.collect::<Result<_, _>>()?;
+    let torques = shares.iter().map(|share| share * working.abs());
+    Ok((torques.collect(), twists))
 }
 
 /// A run at a share of the rated speed under the load `torque`, as many turns as the scene's own.
@@ -302,12 +350,17 @@ fn operating(
     })?;
     let found = single::run(&gearbox, &Native::REDUCED, false, control)?;
     let account = found.run.stats.energy.last();
+    let efficiency = account
+        .filter(|_| found.ending.is_finished())
+        .and_then(Efficiency::of);
+    let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
     Ok(Operating {
         input_speed_rad_s: gearbox.scene.drive.input_speed_rad_s,
         output_torque_n_m: torque,
-        efficiency: account
-            .filter(|_| found.ending.is_finished())
-            .and_then(Efficiency::of),
+        uncertainty: efficiency
+            .zip(error)
+            .map(|(e, error)| e.of_losses * error.driver_torque),
+        efficiency,
         status: found.ending.word(),
     })
 }

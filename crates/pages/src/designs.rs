@@ -1,0 +1,400 @@
+//! Two designs side by side: page and text.
+
+use std::sync::atomic::AtomicBool;
+
+use pinwheel_compare::WindowKind;
+use pinwheel_gearbox::Gearbox;
+use pinwheel_report::animation::markup;
+use pinwheel_report::format::{self, NONE, significant};
+use pinwheel_report::study::{
+    self, Block, Cell, Column, Courses, Mark, Section, Study, Table, Tile, Verdict,
+};
+use pinwheel_report::terminal::{self, GOOD, QUIET, TITLE, lines, paragraph, styled};
+use pinwheel_scene::keys::key;
+use pinwheel_studies::Provenance;
+use pinwheel_studies::designs::{Change, Judged, Outcome, Row};
+use serde_json::Value;
+
+use crate::design::{self, HEADLINES, figure, with_uncertainty};
+use crate::{PageError, animation};
+
+/// The whole page; `cancel` stops it while the motion is computed.
+///
+/// # Errors
+/// Stopped, or the page cannot be made.
+pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<String, PageError> {
+    let [a, b] = &found.names;
+    let mut sections = vec![scene(found), figures(found)];
+    sections.extend(over_time(found));
+    sections.push(curves(found));
+    sections.extend(motion(found, cancel)?);
+    Ok(study::render(&Study {
+        title: format!("{a} and {b}"),
+        eyebrow: "Pinwheel, two designs side by side".to_owned(),
+        lead: format!(
+            "What changed from `{a}` to `{b}`, in the scene, in every figure of a design and over time. Statics and runs as `pinwheel design`; \
+             time series by {}, each refined until its uncertainty is known.",
+            found.engine
+        ),
+        verdict: Some(verdict(found)),
+        tiles: tiles(found),
+        sections,
+        command: made.command.clone(),
+        versions: made.versions(),
+        machine: made.machine.rows(),
+    })?)
+}
+
+/// What a terminal shows.
+#[must_use]
+pub fn text(found: &Outcome) -> String {
+    let [a, b] = &found.names;
+    let head = |first: &str| {
+        [first, a, b, "change", ""]
+            .map(|text| terminal::Cell::figure(text).styled(TITLE))
+            .into()
+    };
+    let mut text = format!("{}\n", styled(TITLE, &format!("{a} and {b}")));
+    let stated = found.changed.iter().filter(|change| !change.follows);
+    let mut rows: Vec<Vec<terminal::Cell>> = stated
+        .map(|change| {
+            let [a, b] = &change.values;
+            vec![
+                terminal::Cell::text(&change.key),
+                terminal::Cell::figure(value(a.as_ref())),
+                terminal::Cell::figure(value(b.as_ref())),
+            ]
+        })
+        .collect();
+    let followed = found.changed.len() - rows.len();
+    if !rows.is_empty() {
+        text.push_str(&lines(&rows));
+    }
+    if followed > 0 {
+        text.push_str(&format!("and {followed} keys that follow from them\n"));
+    }
+    rows = vec![head("")];
+    let derived = found.derived.iter().filter(|r| r.judged != Judged::Same);
+    let means = found.courses.first().map(|(_, rows)| rows.as_slice());
+    let torque = means
+        .unwrap_or_default()
+        .iter()
+        .filter(|row| is_headline(row));
+    for row in derived.chain(&found.figures).chain(torque) {
+        let (style, word) = match row.judged {
+            Judged::Same => (Some(QUIET), "same"),
+            Judged::BelowUncertainty => (Some(GOOD), "below uncertainty"),
+            Judged::Differ => (None, ""),
+            Judged::NotKnown => (Some(QUIET), "uncertainty not known"),
+            Judged::Missing => (Some(QUIET), "not in both"),
+        };
+        let word = terminal::Cell::text(word);
+        let word = match style {
+            Some(style) => word.styled(style),
+            None => word,
+        };
+        let [a, b] = shown(row);
+        rows.push(vec![
+            terminal::Cell::text(label(row)),
+            terminal::Cell::figure(a),
+            terminal::Cell::figure(b),
+            terminal::Cell::figure(change(row)),
+            word,
+        ]);
+    }
+    format!(
+        "{text}\n{}\n{}",
+        lines(&rows),
+        paragraph(&verdict(found).headline)
+    )
+}
+
+/// Of the time series these are shown where there is little room.
+fn is_headline(row: &Row) -> bool {
+    const SERIES: [&str; 3] = [
+        "input_torque_n_m mean",
+        "external_sleeve_force_n peak",
+        "internal_sleeve_force_n peak",
+    ];
+    SERIES.contains(&row.key.as_str())
+}
+
+fn verdict(found: &Outcome) -> Verdict {
+    let steady = found.courses.first().map(|(_, rows)| rows.as_slice());
+    let all = || found.figures.iter().chain(steady.unwrap_or_default());
+    let count = |judged: Judged| all().filter(|row| row.judged == judged).count();
+    let (same, below) = (count(Judged::Same), count(Judged::BelowUncertainty));
+    let (differ, total) = (count(Judged::Differ), all().count());
+    let headline = if found.identical() {
+        "The designs are identical: every key has the same value".to_owned()
+    } else if differ == 0 {
+        format!(
+            "No difference was shown: none of {total} figures differs by more than its uncertainty"
+        )
+    } else {
+        format!("{differ} of {total} figures differ by more than their uncertainty")
+    };
+    let unknown = total - same - below - differ;
+    let mut detail = format!(
+        "{} keys of the scene differ; {same} figures are the same, {below} differ by less than their uncertainty",
+        found.changed.len()
+    );
+    if unknown > 0 {
+        detail.push_str(&format!(", of {unknown} it is not known"));
+    }
+    if let Some((name, reason)) = found.broken() {
+        detail.push_str(&format!(". {name}: {reason}"));
+    }
+    Verdict {
+        good: found.broken().is_none(),
+        headline,
+        detail: format!("{detail}."),
+    }
+}
+
+/// What a file would write, as people read it.
+fn value(value: Option<&Value>) -> String {
+    match value {
+        None => NONE.to_owned(),
+        Some(Value::String(text)) => text.clone(),
+        Some(Value::Number(number)) => number
+            .as_f64()
+            .map_or_else(|| number.to_string(), format::plain),
+        Some(other) => other.to_string(),
+    }
+}
+
+fn change(row: &Row) -> String {
+    match row.change() {
+        _ if row.judged == Judged::Same => "0".to_owned(),
+        Some(share) if share.abs() >= 1e-4 => {
+            let sign = if share > 0.0 { "+" } else { "" };
+            format!("{sign}{} %", significant(100.0 * share, 3))
+        }
+        Some(share) => significant(share, 1),
+        None => NONE.to_owned(),
+    }
+}
+
+/// What the row is of, with the unit that is shown.
+fn label(row: &Row) -> String {
+    match scaled(row).0.as_str() {
+        "" => row.what.clone(),
+        unit => format!("{} ({unit})", row.what),
+    }
+}
+
+/// Unit and factor of both values: those that people use for the larger.
+fn scaled(row: &Row) -> (String, f64) {
+    let sizes = row.values.iter().flatten().map(|v| v.abs());
+    format::humane(&row.unit, sizes.fold(0.0, f64::max))
+}
+
+fn shown(row: &Row) -> [String; 2] {
+    let (_, factor) = scaled(row);
+    [0, 1].map(|k| {
+        let scale = |v: Option<f64>| v.map(|v| factor * v);
+        with_uncertainty(scale(row.values[k]), scale(row.uncertainty[k]))
+    })
+}
+
+fn tiles(found: &Outcome) -> Vec<Tile> {
+    let wanted = |row: &&Row| HEADLINES.contains(&row.key.as_str());
+    let tile = |row: &Row| {
+        let [a, b] = row
+            .values
+            .map(|v| v.map_or_else(|| NONE.to_owned(), figure));
+        Tile {
+            label: row.what.clone(),
+            value: format!("{a} \u{2192} {b}"),
+            unit: row.unit.clone(),
+            detail: match row.judged {
+                Judged::Same => "the same".to_owned(),
+                Judged::Differ => change(row),
+                _ => format!("{}: {}", change(row), judged(row).0),
+            },
+        }
+    };
+    found.figures.iter().filter(wanted).map(tile).collect()
+}
+
+/// In words, and how it is marked.
+fn judged(row: &Row) -> (String, Mark) {
+    match row.judged {
+        Judged::Same => ("the same".to_owned(), Mark::Muted),
+        Judged::BelowUncertainty => (
+            "below the uncertainty: no difference shown".to_owned(),
+            Mark::Muted,
+        ),
+        Judged::Differ => ("differs".to_owned(), Mark::None),
+        Judged::NotKnown => ("uncertainty not known".to_owned(), Mark::Warn),
+        Judged::Missing => ("not in both".to_owned(), Mark::Warn),
+    }
+}
+
+/// Rows of both designs as a table.
+fn table<'a>(found: &Outcome, caption: &str, rows: impl Iterator<Item = &'a Row>) -> Block {
+    let [a, b] = &found.names;
+    let rows = rows.map(|row| {
+        let [first, second] = shown(row);
+        let (word, mark) = judged(row);
+        let key = |k: usize| row.values[k].unwrap_or(f64::NAN);
+        vec![
+            Cell::text(label(row)),
+            Cell::number(first, key(0)),
+            Cell::number(second, key(1)),
+            Cell::number(change(row), row.change().unwrap_or(f64::NAN)),
+            Cell::text(word).marked(mark),
+        ]
+    });
+    Block::Table(Table {
+        caption: caption.to_owned(),
+        columns: vec![
+            Column::text("Figure"),
+            Column::number(a),
+            Column::number(b),
+            Column::number("Change"),
+            Column::text("Judged"),
+        ],
+        rows: rows.collect(),
+    })
+}
+
+fn scene(found: &Outcome) -> Section {
+    let [a, b] = &found.names;
+    let row = |change: &Change| {
+        let about = key(&change.key);
+        let [first, second] = &change.values;
+        vec![
+            Cell::text(format!("`{}`", change.key)),
+            Cell::text(value(first.as_ref())),
+            Cell::text(value(second.as_ref())),
+            Cell::text(about.map_or("", |key| key.about)),
+        ]
+    };
+    let keys = |caption: &str, follows: bool| {
+        let of = found.changed.iter().filter(|c| c.follows == follows);
+        let rows: Vec<_> = of.map(row).collect();
+        (!rows.is_empty()).then(|| {
+            Block::Table(Table {
+                caption: caption.to_owned(),
+                columns: vec![
+                    Column::text("Key"),
+                    Column::text(a),
+                    Column::text(b),
+                    Column::text("What it is"),
+                ],
+                rows,
+            })
+        })
+    };
+    let mut blocks: Vec<Block> = keys("Keys that differ", false).into_iter().collect();
+    if found.identical() {
+        blocks.push(Block::Text(
+            "Every key of both scenes has the same value, but for name and description.".to_owned(),
+        ));
+    }
+    let mut differing = found
+        .derived
+        .iter()
+        .filter(|row| row.judged != Judged::Same)
+        .peekable();
+    if differing.peek().is_some() {
+        blocks.push(table(
+            found,
+            "What follows from the dimensions and the load",
+            differing,
+        ));
+    }
+    if let Some(followed) = keys("Keys that both scenes leave to a formula", true) {
+        blocks.push(Block::Details {
+            summary: "Keys that differ because others do".to_owned(),
+            blocks: vec![followed],
+        });
+    }
+    Section {
+        id: "scene".to_owned(),
+        title: "What changed".to_owned(),
+        blocks,
+    }
+}
+
+fn figures(found: &Outcome) -> Section {
+    Section {
+        id: "figures".to_owned(),
+        title: "Figures".to_owned(),
+        blocks: vec![
+            Block::Text(
+                "After \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own verification. A difference below \
+                 both together was not shown."
+                    .to_owned(),
+            ),
+            table(found, "Figures of both designs", found.figures.iter()),
+        ],
+    }
+}
+
+fn over_time(found: &Outcome) -> Option<Section> {
+    let courses = Courses::of(&found.comparison, &found.participants)?;
+    let of_window = |window: &WindowKind, rows: &[Row]| {
+        let caption = format!("Means and peaks, {} window", window.word());
+        table(found, &caption, rows.iter())
+    };
+    let mut tables = found
+        .courses
+        .iter()
+        .map(|(window, rows)| of_window(window, rows));
+    let mut blocks = vec![Block::Courses(courses)];
+    blocks.extend(tables.next());
+    let rest: Vec<Block> = tables.collect();
+    if !rest.is_empty() {
+        blocks.push(Block::Details {
+            summary: "Other windows".to_owned(),
+            blocks: rest,
+        });
+    }
+    Some(Section {
+        id: "courses".to_owned(),
+        title: "Over time".to_owned(),
+        blocks,
+    })
+}
+
+fn curves(found: &Outcome) -> Section {
+    let [a, b] = &found.names;
+    let designs = [
+        (a.as_str(), &found.designs[0]),
+        (b.as_str(), &found.designs[1]),
+    ];
+    let mut charts = vec![design::torsion_chart(&designs)];
+    charts.extend(design::transmission_charts(&designs));
+    charts.extend(design::sharing_charts(&designs));
+    charts.push(design::bearing_chart(&designs));
+    Section {
+        id: "curves".to_owned(),
+        title: "Side by side".to_owned(),
+        blocks: vec![Block::Charts(charts)],
+    }
+}
+
+/// Both in motion, over the time that both run.
+fn motion(found: &Outcome, cancel: &AtomicBool) -> Result<Option<Section>, PageError> {
+    let scenes = [0, 1].map(|k| &found.designs[k].scene);
+    let duration = scenes.map(|scene| animation::stretch(scene));
+    let duration = duration[0].min(duration[1]);
+    let mut views = Vec::new();
+    for (scene, name) in scenes.into_iter().zip(&found.names) {
+        if let Ok(gearbox) = Gearbox::new(scene) {
+            views.extend(animation::window(&gearbox, name, (0.0, duration), cancel)?);
+        }
+    }
+    if views.is_empty() {
+        return Ok(None);
+    }
+    let markup = markup(&views, 0.5 * duration)?;
+    Ok(Some(Section {
+        id: "motion".to_owned(),
+        title: "Motion".to_owned(),
+        blocks: vec![Block::Html(markup)],
+    }))
+}

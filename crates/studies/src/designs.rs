@@ -1,0 +1,452 @@
+//! Two designs side by side: what changed in the scene, in every figure of `design`, and over time.
+//!
+//! ```text
+//!                ┌─ keys, and what follows from them ─> what changed
+//!  two scenes ───┼─ design::run of each ─────────────> figures, each with its uncertainty
+//!                └─ one engine on its ladder, each ──> time series, their means and peaks with uncertainty
+//! ```
+//!
+//! A difference that is no larger than both uncertainties together is none that was shown, and is told as such.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use pinwheel_compare::comparison::EngineSummary;
+use pinwheel_compare::{
+    Comparison, Context, Evidence, Participant, Rules, Scales, Status, WindowKind, compare_with,
+};
+use pinwheel_engines::Engine;
+use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_scene::{CheckedScene, Derived};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::comparison::{Effort, climb, context};
+use crate::output::{self, OutputError};
+use crate::provenance::{Provenance, Summary};
+use crate::{Control, Progress, StudyError, design};
+
+/// What is compared.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    /// Both designs.
+    pub gearboxes: [&'a Gearbox; 2],
+    /// What they are called where their scenes have the same name: as they were asked for.
+    pub specs: [&'a str; 2],
+    /// Who runs them.
+    pub engine: &'a dyn Engine,
+    /// How much is done for sharp statements on each.
+    pub efforts: [Effort; 2],
+}
+
+/// A key whose value differs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Change {
+    /// Full name, with its unit.
+    pub key: String,
+    /// Its values; `None` where a scene has none.
+    pub values: [Option<Value>; 2],
+    /// Whether both scenes leave it to a formula: then it differs because others do.
+    pub follows: bool,
+}
+
+/// What two values amount to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Judged {
+    /// Equal to the last digit.
+    Same,
+    /// They differ by no more than both uncertainties together: no difference was shown.
+    BelowUncertainty,
+    /// They differ by more.
+    Differ,
+    /// They differ, and it is not known how far they may be off.
+    NotKnown,
+    /// One of them does not exist.
+    Missing,
+}
+
+/// A figure of both designs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Its name for programs; of time series, quantity and statistic.
+    pub key: String,
+    /// What it is.
+    pub what: String,
+    /// Its unit; empty for counts.
+    pub unit: String,
+    /// Of both designs.
+    pub values: [Option<f64>; 2],
+    /// How far each may be off; `None` where that is not known.
+    pub uncertainty: [Option<f64>; 2],
+    /// What it amounts to.
+    pub judged: Judged,
+}
+
+/// Both designs and what differs.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// Their names, never the same.
+    pub names: [String; 2],
+    /// What `design` finds of each.
+    pub designs: [design::Outcome; 2],
+    /// Who ran them.
+    pub engine: String,
+    /// Keys that differ, but for name, description and what is recorded.
+    pub changed: Vec<Change>,
+    /// What follows from the dimensions and the load, exactly.
+    pub derived: Vec<Row>,
+    /// The figures of `design`.
+    pub figures: Vec<Row>,
+    /// Means and peaks of the time series, by window.
+    pub courses: Vec<(WindowKind, Vec<Row>)>,
+    /// The time series and their uncertainties.
+    pub comparison: Comparison,
+    /// The runs behind it.
+    pub participants: Vec<Participant>,
+}
+
+/// Payload of `summary.json`.
+#[derive(Serialize)]
+struct Found<'a> {
+    designs: &'a [String; 2],
+    engine: &'a str,
+    identical: bool,
+    changed: &'a [Change],
+    derived: &'a [Row],
+    figures: &'a [Row],
+    courses: BTreeMap<&'static str, &'a [Row]>,
+    scenes: [&'a CheckedScene; 2],
+}
+
+/// Answers all of it.
+///
+/// # Errors
+/// Cancelled; a design without a load; a scene that cannot be modelled or that the engine cannot run.
+pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyError> {
+    let scenes = input.gearboxes.map(|gearbox| &gearbox.scene);
+    let names = names(scenes, input.specs);
+    for gearbox in input.gearboxes {
+        input.engine.prepare(gearbox).map_err(StudyError::Engine)?;
+    }
+    let mut designs = Vec::new();
+    let mut ran = Vec::new();
+    for (k, gearbox) in on_one_grid(input.gearboxes)?.iter().enumerate() {
+        designs.push(design::run(input.gearboxes[k], true, control)?);
+        let at = Progress::new(k, 2, &names[k]);
+        let context = context(&gearbox.scene);
+        let (participant, evidence) = climb(
+            input.engine,
+            gearbox,
+            &context,
+            input.efforts[k],
+            at,
+            control,
+        )?;
+        let name = &names[k];
+        let participant = Participant {
+            name: name.clone(),
+            ..participant
+        };
+        let evidence = Evidence {
+            engine: name.clone(),
+            ..evidence
+        };
+        ran.push((participant, evidence));
+    }
+    let (participants, evidence): (Vec<_>, Vec<_>) = ran.into_iter().unzip();
+    let rules = Rules {
+        evidence: &evidence,
+        resolution: input.efforts[0].resolution,
+        ..Rules::default()
+    };
+    let comparison = compare_with(&shared(scenes), &participants, &rules)?;
+    let designs: [design::Outcome; 2] = designs
+        .try_into()
+        .map_err(|_| StudyError::Input("two designs are compared".to_owned()))?;
+    Ok(Outcome {
+        engine: input.engine.name().to_owned(),
+        changed: changed(scenes)?,
+        derived: derived(scenes, [&designs[0].dimensions, &designs[1].dimensions]),
+        figures: figures(&designs),
+        courses: courses(&comparison),
+        names,
+        designs,
+        comparison,
+        participants,
+    })
+}
+
+/// What both are called: by their scenes' names, or as they were asked for, or as first and second.
+fn names(scenes: [&CheckedScene; 2], specs: [&str; 2]) -> [String; 2] {
+    let names = scenes.map(|scene| scene.name.clone());
+    if names[0] != names[1] {
+        return names;
+    }
+    if specs[0] != specs[1] {
+        return specs.map(str::to_owned);
+    }
+    let name = &names[0];
+    [format!("{name} (first)"), format!("{name} (second)")]
+}
+
+/// Both gearboxes on the sample times of the longer run, so that they can be drawn and compared on one axis.
+fn on_one_grid(gearboxes: [&Gearbox; 2]) -> Result<[Gearbox; 2], StudyError> {
+    let longer = gearboxes.map(|gearbox| gearbox.scene.solver.duration_s);
+    let of = &gearboxes[usize::from(longer[1] > longer[0])].scene.solver;
+    let (duration_s, sample_s) = (of.duration_s, of.sample_s);
+    let [a, b] = gearboxes.map(|gearbox| {
+        let solver = &gearbox.scene.solver;
+        if (solver.duration_s, solver.sample_s) == (duration_s, sample_s) {
+            return Ok(gearbox.clone());
+        }
+        let moved = gearbox.with_solver(|solver| {
+            solver.duration_s = duration_s;
+            solver.sample_s = sample_s;
+            solver.step_s = solver.step_s.min(sample_s);
+        });
+        moved.map_err(|source| StudyError::Scene {
+            scene: gearbox.scene.name.clone(),
+            source: GearboxError::from(source),
+        })
+    });
+    Ok([a?, b?])
+}
+
+/// What is known of both: of what differs nothing.
+fn shared(scenes: [&CheckedScene; 2]) -> Context {
+    let [a, b] = scenes.map(|scene| context(scene));
+    let same = |a: Option<f64>, b: Option<f64>| a.filter(|_| a == b);
+    let larger = |a: Option<f64>, b: Option<f64>| Some(a?.max(b?));
+    let mut load_changes_s = [a.load_changes_s, b.load_changes_s].concat();
+    load_changes_s.sort_by(f64::total_cmp);
+    load_changes_s.dedup();
+    Context {
+        scene: format!("{} and {}", a.scene, b.scene),
+        duration_s: a.duration_s.max(b.duration_s),
+        load_n_m: same(a.load_n_m, b.load_n_m),
+        load_changes_s,
+        input_speed_rad_s: same(a.input_speed_rad_s, b.input_speed_rad_s),
+        friction_coefficient: a.friction_coefficient.max(b.friction_coefficient),
+        settling_s: larger(a.settling_s, b.settling_s),
+        scales: Scales {
+            force_n: larger(a.scales.force_n, b.scales.force_n),
+            torque_n_m: larger(a.scales.torque_n_m, b.scales.torque_n_m),
+        },
+        ..Context::default()
+    }
+}
+
+/// Keys that differ. Names and descriptions always may, and what is recorded changes no result.
+fn changed(scenes: [&CheckedScene; 2]) -> Result<Vec<Change>, StudyError> {
+    fn flat(value: Value, at: String, into: &mut Vec<(String, Value)>) {
+        match value {
+            Value::Object(keys) => {
+                for (key, value) in keys {
+                    let dot = if at.is_empty() { "" } else { "." };
+                    flat(value, format!("{at}{dot}{key}"), into);
+                }
+            }
+            value => into.push((at, value)),
+        }
+    }
+    let mut keys = [Vec::new(), Vec::new()];
+    for (scene, keys) in scenes.iter().zip(&mut keys) {
+        let value = serde_json::to_value(scene)
+            .map_err(|error| StudyError::Input(format!("{}: {error}", scene.name)))?;
+        flat(value, String::new(), keys);
+    }
+    let [a, b] = &keys;
+    let of = |keys: &[(String, Value)], key: &str| {
+        let found = keys.iter().find(|(name, _)| name == key);
+        found.map(|(_, value)| value.clone())
+    };
+    let follows = |key: &str| {
+        scenes.iter().all(|scene| {
+            let mut origins = scene.origins().into_iter();
+            origins.any(|origin| {
+                let formula = matches!(origin.source, pinwheel_scene::Source::Formula(_));
+                origin.key == key && formula
+            })
+        })
+    };
+    let only_b = b.iter().filter(|(key, _)| of(a, key).is_none());
+    let all = a.iter().chain(only_b).map(|(key, _)| key);
+    let counts = |key: &&String| {
+        !matches!(key.as_str(), "name" | "description") && !key.starts_with("output.")
+    };
+    let changes = all.filter(counts).map(|key| Change {
+        key: key.clone(),
+        values: [of(a, key), of(b, key)],
+        follows: follows(key),
+    });
+    Ok(changes
+        .filter(|change| change.values[0] != change.values[1])
+        .collect())
+}
+
+fn derived(scenes: [&CheckedScene; 2], of: [&Derived; 2]) -> Vec<Row> {
+    let [a, b] = [0, 1].map(|k| of[k].lines(scenes[k]));
+    let exact = [Some(0.0); 2];
+    a.iter()
+        .zip(&b)
+        .map(|(a, b)| {
+            let values = [Some(a.value), Some(b.value)];
+            Row::new(a.what, a.what, a.unit, values, exact)
+        })
+        .collect()
+}
+
+fn figures(designs: &[design::Outcome; 2]) -> Vec<Row> {
+    let [a, b] = [0, 1].map(|k| &designs[k].figures);
+    let other = |key: &str| b.iter().find(|figure| figure.key == key);
+    let both = a.iter().filter_map(|one| Some((one, other(one.key)?)));
+    both.map(|(a, b)| {
+        let uncertainty = [a.uncertainty, b.uncertainty];
+        Row::new(a.key, a.what, a.unit, [a.value, b.value], uncertainty)
+    })
+    .collect()
+}
+
+/// Mean and peak of every quantity, window by window.
+fn courses(comparison: &Comparison) -> Vec<(WindowKind, Vec<Row>)> {
+    let [a, b] = comparison.engines.as_slice() else {
+        return Vec::new();
+    };
+    let windows = comparison.windows.iter().map(|window| window.kind);
+    windows
+        .map(|window| (window, statistics(comparison, [a, b], window)))
+        .collect()
+}
+
+fn statistics(
+    comparison: &Comparison,
+    engines: [&EngineSummary; 2],
+    window: WindowKind,
+) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for quantity in &comparison.quantities {
+        let statistics = engines.map(|engine| {
+            let figures = engine.figures.iter().find(|f| f.window == window)?;
+            figures.quantities.get(&quantity.name)
+        });
+        let uncertainty = engines.map(|engine| {
+            let mut all = engine.uncertainty.iter();
+            all.find(|u| u.window == window && u.quantity == quantity.name)
+        });
+        if statistics.iter().all(Option::is_none) {
+            continue;
+        }
+        let mut row = |word: &str, values, uncertainty| {
+            rows.push(Row::new(
+                &format!("{} {word}", quantity.name),
+                &format!("{}, {word}", quantity.label),
+                &quantity.unit,
+                values,
+                uncertainty,
+            ));
+        };
+        row(
+            "mean",
+            statistics.map(|s| s.map(|s| s.mean)),
+            uncertainty.map(|u| u?.mean.u()),
+        );
+        row(
+            "peak",
+            statistics.map(|s| s.map(|s| s.peak)),
+            uncertainty.map(|u| u?.peak.u()),
+        );
+    }
+    rows
+}
+
+impl Row {
+    fn new(
+        key: &str,
+        what: &str,
+        unit: &str,
+        values: [Option<f64>; 2],
+        uncertainty: [Option<f64>; 2],
+    ) -> Self {
+        let judged = match (values, uncertainty) {
+            ([Some(a), Some(b)], _) if a == b => Judged::Same,
+            ([Some(a), Some(b)], [Some(u), Some(v)]) => {
+                if (a - b).abs() <= u + v {
+                    Judged::BelowUncertainty
+                } else {
+                    Judged::Differ
+                }
+            }
+            ([Some(_), Some(_)], _) => Judged::NotKnown,
+            _ => Judged::Missing,
+        };
+        Self {
+            key: key.to_owned(),
+            what: what.to_owned(),
+            unit: unit.to_owned(),
+            values,
+            uncertainty,
+            judged,
+        }
+    }
+
+    /// How much more the second has, as a share of the first; `None` where there is nothing to take it of.
+    #[must_use]
+    pub fn change(&self) -> Option<f64> {
+        let [a, b] = self.values;
+        let (a, b) = (a?, b?);
+        (a != 0.0).then(|| (b - a) / a.abs())
+    }
+}
+
+impl Outcome {
+    /// Whether both scenes are the same but for their names.
+    #[must_use]
+    pub fn identical(&self) -> bool {
+        self.changed.is_empty()
+    }
+
+    /// The first run that did not finish, and why.
+    #[must_use]
+    pub fn broken(&self) -> Option<(&str, String)> {
+        let of = |p: &'_ Participant| match p.status {
+            Status::Finished => None,
+            _ => p.status.reason(),
+        };
+        self.participants
+            .iter()
+            .find_map(|p| Some((p.name.as_str(), of(p)?)))
+    }
+
+    /// Writes `summary.json` and, in `design-1` and `design-2`, what `pinwheel design` writes and `courses.csv` into the
+    /// folder `dir`.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+        let folders = ["design-1", "design-2"].into_iter().zip(&self.participants);
+        for (design, (folder, participant)) in self.designs.iter().zip(folders) {
+            let place = output::folder(dir, folder)?;
+            design.write(&place, made)?;
+            let file = place.join("courses.csv");
+            participant
+                .courses
+                .save_csv(&file)
+                .map_err(|error| OutputError::new(&file, &error))?;
+        }
+        let courses = self.courses.iter();
+        let found = Found {
+            designs: &self.names,
+            engine: &self.engine,
+            identical: self.identical(),
+            changed: &self.changed,
+            derived: &self.derived,
+            figures: &self.figures,
+            courses: courses
+                .map(|(window, rows)| (window.word(), rows.as_slice()))
+                .collect(),
+            scenes: [&self.designs[0].scene, &self.designs[1].scene],
+        };
+        Summary::new(made, found).write(dir)
+    }
+}
