@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use pinwheel_courses::Courses;
+use pinwheel_courses::save_courses;
 use pinwheel_scene::KEYS;
-use pinwheel_studies::sweep::save_courses;
 
 use crate::targets::PARTS;
 

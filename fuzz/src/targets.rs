@@ -9,7 +9,7 @@ use pinwheel_gearbox::native::{self, NativeError};
 use pinwheel_gearbox::{Frequencies, Gearbox, explain};
 use pinwheel_scene::{CheckedScene, Override, Scales, Scene};
 use pinwheel_studies::baseline::Baseline;
-use pinwheel_studies::sweep::{Plan, Sweep, read_courses};
+use pinwheel_studies::sweep::{Plan, Sweep};
 
 /// Stands between the parts of an input that is two files.
 pub const PARTS: &str = "\n%%%%\n";
@@ -306,7 +306,7 @@ pub fn courses(bytes: &[u8]) -> bool {
 
 /// Courses as Parquet.
 pub fn parquet(bytes: &[u8]) -> bool {
-    match read_courses(bytes::Bytes::copy_from_slice(bytes)) {
+    match pinwheel_courses::read_courses(bytes::Bytes::copy_from_slice(bytes), 1 << 20) {
         Ok(found) => !found.is_empty(),
         Err(error) => {
             told(&error);

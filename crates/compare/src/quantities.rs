@@ -24,7 +24,8 @@ pub struct Quantity {
 }
 
 /// Suffixes of names and their units; longer ones first, as `_n_m` also ends in `_m`.
-const UNITS: [(&str, &str); 16] = [
+const UNITS: [(&str, &str); 17] = [
+    ("_n_m_per_arcmin", "N m/arcmin"),
     ("_n_m15", "N/m^1.5"),
     ("_arcmin", "arcmin"),
     ("_n_m", "N m"),

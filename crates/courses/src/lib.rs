@@ -26,9 +26,15 @@ pub mod columns;
 mod csv_file;
 mod error;
 pub mod foreign;
+#[cfg(feature = "parquet")]
+mod parquet_file;
 mod run;
 mod store;
 
 pub use error::CoursesError;
+#[cfg(feature = "parquet")]
+pub use parquet_file::{
+    Cells, ParquetFault, load_courses, read_courses, read_table, save_courses, write_table,
+};
 pub use run::{Ending, EnergyAudit, RunStats, Track, efficiency};
 pub use store::{Channel, Courses, group_of};

@@ -19,6 +19,8 @@ pub struct Run {
     pub stats: RunStats,
     /// The numerical uncertainty of the courses, where the engine verified them itself (`auto`, `native-resolved`).
     pub uncertainty: Option<Uncertainty>,
+    /// Numbers that no time series holds, of what has none: names with units, and values.
+    pub figures: Vec<(&'static str, f64)>,
 }
 
 impl Run {
@@ -29,6 +31,7 @@ impl Run {
             courses,
             stats,
             uncertainty: None,
+            figures: Vec::new(),
         }
     }
 

@@ -12,6 +12,8 @@ use crate::{JOB_FILE, STATE};
 
 /// The file a solver writes its courses to.
 pub const COURSES_FILE: &str = "courses.csv";
+/// The same in another format; a solver writes one of the two.
+pub const PARQUET_FILE: &str = "courses.parquet";
 /// The file a solver may write its counts and remarks to.
 pub const RESULT_FILE: &str = "result.json";
 

@@ -64,7 +64,7 @@ fn the_same_numbers_whatever_the_threads() {
         let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
         assert_eq!(read("1.parquet"), read("3.parquet"));
         let file = std::fs::File::open(folder.path().join("1.parquet")).unwrap();
-        let columns = pinwheel_studies::sweep::read_table(file).unwrap();
+        let columns = pinwheel_courses::read_table(file).unwrap();
         let header: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(header.join(","), one.lines().next().unwrap());
     }

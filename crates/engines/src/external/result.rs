@@ -155,14 +155,46 @@ impl JobFolder {
         let required = job::required(gearbox);
         let channels = gearbox.channels.len();
         let most = NUMBER * (samples.len() as u64 + 2) * (required.len() + channels + 64) as u64;
-        let file = self.file(job::COURSES_FILE, most.max(SMALL))?;
-        let file =
-            file.ok_or_else(|| format!("it wrote no {} into its job folder", job::COURSES_FILE))?;
-        let read = Courses::read_csv(io::BufReader::new(file.take(most.max(SMALL))))
-            .map_err(|error| format!("{}: {error}", job::COURSES_FILE))?;
-        checked(gearbox, &read, &samples, complete)
-            .map_err(|what| format!("{}: {what}", job::COURSES_FILE))
+        let most = most.max(SMALL);
+        let [csv, parquet] =
+            [job::COURSES_FILE, job::PARQUET_FILE].map(|name| self.file(name, most));
+        let (name, read) = match (csv?, parquet?) {
+            (None, None) => {
+                return Err(format!(
+                    "it wrote no {} into its job folder",
+                    job::COURSES_FILE
+                ));
+            }
+            (Some(_), Some(_)) => {
+                return Err(format!(
+                    "it wrote {} and {}; write one of them",
+                    job::COURSES_FILE,
+                    job::PARQUET_FILE
+                ));
+            }
+            (Some(file), None) => {
+                let read = Courses::read_csv(io::BufReader::new(file.take(most)));
+                (job::COURSES_FILE, read.map_err(|error| error.to_string()))
+            }
+            (None, Some(file)) => (job::PARQUET_FILE, parquet_of(file, samples.len())),
+        };
+        let told = |what: String| format!("{name}: {what}");
+        checked(gearbox, &read.map_err(told)?, &samples, complete).map_err(told)
     }
+}
+
+/// Courses of as many rows as there are samples, and one more to tell that there are too many.
+#[cfg(feature = "parquet")]
+fn parquet_of(file: File, samples: usize) -> Result<Courses, String> {
+    let read = pinwheel_courses::read_courses(file, samples + 1);
+    // Python's writers compress unless they are told not to.
+    read.map_err(|error| format!("{error}; write doubles, without compression"))
+}
+
+#[cfg(not(feature = "parquet"))]
+fn parquet_of(_: File, _: usize) -> Result<Courses, String> {
+    let name = job::COURSES_FILE;
+    Err(format!("this build reads no Parquet; write {name}"))
 }
 
 /// Share of a sampling step that a time may be off.

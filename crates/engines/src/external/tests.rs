@@ -30,6 +30,8 @@ impl Script {
             .run(&scene(), &Control::quiet())
             .expect("native");
         good.courses.save_csv(&at("good.csv")).expect("written");
+        #[cfg(feature = "parquet")]
+        pinwheel_courses::save_courses(&good.courses, &at("good.parquet")).expect("written");
         std::fs::write(at("solver.sh"), format!("#!/bin/sh\nset -u\n{body}\n")).expect("written");
         std::fs::set_permissions(at("solver.sh"), PermissionsExt::from_mode(0o755)).expect("set");
         let manifest = r#"
@@ -176,6 +178,35 @@ fn hard_what_it_does_wrong_is_one_line() {
         ),
     ] {
         let said = Script::new(body).fails();
+        assert!(said.contains(words), "{body}\n{said}");
+    }
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn hard_results_in_parquet() {
+    let copy = "cp \"$2/good.parquet\" \"$1/courses.parquet\"";
+    let [binary, text] = [copy, COPY].map(|body| Script::new(body).run().expect("runs").courses);
+    assert_eq!(binary, text);
+    for (body, words) in [
+        (
+            format!("{copy}; {COPY}"),
+            "it wrote courses.csv and courses.parquet; write one of them",
+        ),
+        (
+            "head -c 3000 /dev/urandom > \"$1/courses.parquet\"".to_owned(),
+            "courses.parquet: Parquet: ",
+        ),
+        (
+            "head -c 3000 \"$2/good.parquet\" > \"$1/courses.parquet\"".to_owned(),
+            "courses.parquet: Parquet: ",
+        ),
+        (
+            "ln -s \"$2/good.parquet\" \"$1/courses.parquet\"".to_owned(),
+            "courses.parquet is a link",
+        ),
+    ] {
+        let said = Script::new(&body).fails();
         assert!(said.contains(words), "{body}\n{said}");
     }
 }

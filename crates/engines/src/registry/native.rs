@@ -189,9 +189,8 @@ impl Native {
                 recorded: None,
             };
             Run {
-                courses: run.courses,
-                stats,
                 uncertainty,
+                ..Run::new(run.courses, stats)
             }
         };
         let engine = self.name().to_owned();

@@ -7,12 +7,14 @@ use pinwheel_report::study::{
     Verdict, render,
 };
 use pinwheel_studies::sweep::{Axis, Column, Plan, Results, RunRecord, Value};
+use pinwheel_studies::sweep::{STATICS, tolerances as found_of};
 
 use pinwheel_studies::Provenance;
 
 use crate::PageError;
 
 mod text;
+mod tolerances;
 
 pub use text::{list, text};
 
@@ -63,8 +65,16 @@ pub fn page(
         sweep.description.clone()
     };
     let mut sections = Vec::new();
+    let sampled = found_of(plan, table);
+    if !sampled.is_empty() {
+        sections.push(tolerances::section(plan, table, &sampled));
+    }
     let grid = grid(plan, records, table);
-    if !grid.figures.is_empty() && grid.axes.iter().any(|axis| axis.values.len() > 1) {
+    // Over random values there is no line to draw.
+    if sampled.is_empty()
+        && !grid.figures.is_empty()
+        && grid.axes.iter().any(|axis| axis.values.len() > 1)
+    {
         sections.push(Section {
             id: "figures".to_owned(),
             title: "Figures".to_owned(),
@@ -92,11 +102,14 @@ pub fn page(
         title: sweep.name.clone(),
         eyebrow: "Sweep".to_owned(),
         lead,
-        verdict: (unfinished > 0).then(|| Verdict {
-            good: false,
-            headline: format!("{unfinished} of {} runs did not finish", records.len()),
-            detail: "They are in the table with the reason, and gaps in the figures.".to_owned(),
-        }),
+        verdict: (unfinished > 0)
+            .then(|| Verdict {
+                good: false,
+                headline: format!("{unfinished} of {} runs did not finish", records.len()),
+                detail: "They are in the table with the reason, and gaps in the figures."
+                    .to_owned(),
+            })
+            .or_else(|| tolerances::verdict(&sampled)),
         tiles: vec![
             tile(
                 "Runs",
@@ -106,7 +119,7 @@ pub fn page(
             tile("Varied", varied.len().to_string(), varied.join(", ")),
             tile(
                 "Simulated",
-                seconds(plan.duration_s()),
+                seconds(simulated_s(plan)),
                 "all runs together".to_owned(),
             ),
             tile(
@@ -123,6 +136,12 @@ pub fn page(
     Ok(render(&study)?)
 }
 
+/// Simulated time of all runs, s: balances have none.
+fn simulated_s(plan: &Plan) -> f64 {
+    let moving = plan.runs.iter().filter(|run| run.engine != STATICS);
+    moving.map(|run| run.scene.solver.duration_s).sum()
+}
+
 /// A figure that is charted: column, heading, unit.
 struct Figure<'a> {
     column: &'a str,
@@ -132,7 +151,7 @@ struct Figure<'a> {
 }
 
 /// Numeric figures that are not the same in every run.
-fn figures<'a>(table: &'a Results) -> Vec<Figure<'a>> {
+fn figures<'a>(table: &'a Results, records: &[RunRecord]) -> Vec<Figure<'a>> {
     const WORDS: [(&str, &str); 3] = [("mean_", "mean"), ("peak_", "peak"), ("rms_", "rms")];
     let mut list = Vec::new();
     for (name, column) in &table.columns {
@@ -155,6 +174,8 @@ fn figures<'a>(table: &'a Results) -> Vec<Figure<'a>> {
         {
             let (label, unit) = quantities::label_and_unit(quantity);
             (format!("{label}, {word}"), unit)
+        } else if records.iter().any(|r| r.balances.contains_key(name)) {
+            quantities::label_and_unit(name)
         } else {
             continue;
         };
@@ -210,7 +231,7 @@ fn grid(plan: &Plan, records: &[RunRecord], table: &Results) -> Grid {
         places
     });
     let runs = runs.collect();
-    let found = figures(table);
+    let found = figures(table, records);
     let figures = found.iter().take(MOST_FIGURES).map(|figure| {
         let largest = figure
             .values

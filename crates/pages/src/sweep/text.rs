@@ -1,7 +1,13 @@
 //! A sweep on a terminal.
 
+use pinwheel_report::format::significant;
 use pinwheel_report::terminal::{BAD, Cell, TITLE, lines, styled};
-use pinwheel_studies::sweep::{Plan, RunRecord};
+use pinwheel_studies::sweep::{self, Plan, RunRecord};
+
+use super::{simulated_s, tolerances};
+
+/// Figures of a sample at most; the page and summary.json have more.
+const MOST_FIGURES: usize = 8;
 
 /// The runs that a sweep asks for.
 #[must_use]
@@ -46,9 +52,31 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
         row("varied", plan.keys().collect::<Vec<_>>().join(", ")),
         row(
             "time",
-            format!("{cpu:.1} s CPU for {:.3} s simulated", plan.duration_s()),
+            format!("{cpu:.1} s CPU for {:.3} s simulated", simulated_s(plan)),
         ),
     ];
+    let sampled = sweep::tolerances(plan, &sweep::results(plan, records));
+    for found in &sampled {
+        if sampled.len() > 1 {
+            rows.push(row("sample", tolerances::place(found)));
+        }
+        if let Some(of) = &found.yielded {
+            rows.push(row("yield", tolerances::yield_in_words(of)));
+        }
+        for figure in tolerances::shown(plan, found)
+            .into_iter()
+            .take(MOST_FIGURES)
+        {
+            let ends = tolerances::between(figure).map(|of| of.map_or(f64::NAN, |of| of.value));
+            let [low, middle, high] = ends.map(|value| significant(value, 4));
+            let name = tolerances::named(&figure.name);
+            let decides = tolerances::decides(figure);
+            rows.push(row(
+                &name,
+                format!("{middle}, 90 % of runs from {low} to {high}; {decides}"),
+            ));
+        }
+    }
     rows.extend(files.iter().map(|(word, place)| row(word, place.clone())));
     format!("{}\n{}", styled(TITLE, &plan.sweep.name), lines(&rows))
 }

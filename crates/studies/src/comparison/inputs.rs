@@ -11,7 +11,7 @@ use pinwheel_scene::CheckedScene;
 
 use crate::StudyError;
 use crate::control::{Control, Progress};
-use crate::dice::Dice;
+use crate::sampling::hypercube;
 
 /// Keys that are moved one at a time.
 const FEW: usize = 8;
@@ -30,7 +30,7 @@ pub(super) fn uncertainty(
     let variants = if scene.uncertain.len() <= FEW {
         ends(scene)
     } else {
-        hypercube(scene)
+        all_at_once(scene)
     };
     let total = variants.len() + 1;
     let mut done = 0;
@@ -113,17 +113,12 @@ fn ends(scene: &CheckedScene) -> Vec<Moves<'_>> {
 }
 
 /// Every key once in each of [`SAMPLES`] equal parts of its interval, in an order of its own, the same on every machine.
-fn hypercube(scene: &CheckedScene) -> Vec<Moves<'_>> {
+fn all_at_once(scene: &CheckedScene) -> Vec<Moves<'_>> {
     let mut dice = Dice::new(1);
     let mut runs: Vec<Moves<'_>> = vec![Vec::new(); SAMPLES];
     for (key, half) in &scene.uncertain {
-        let mut parts: Vec<usize> = (0..SAMPLES).collect();
-        for last in (1..SAMPLES).rev() {
-            parts.swap(last, dice.whole(0, last));
-        }
         let middle = value(scene, key);
-        for (run, part) in runs.iter_mut().zip(parts) {
-            let at = (part as f64 + dice.share()) / SAMPLES as f64;
+        for (run, at) in runs.iter_mut().zip(hypercube(&mut dice, SAMPLES)) {
             run.push((key.as_str(), middle + (2.0 * at - 1.0) * half.plus_minus));
         }
     }

@@ -54,6 +54,23 @@ impl Value {
     }
 }
 
+impl Value {
+    /// Its numbers: one, or those of a list; none of what holds none.
+    #[must_use]
+    pub fn numbers(&self) -> Vec<f64> {
+        let of = |value: &Toml| Self::of(value).number();
+        match self {
+            Self::Other(text) => {
+                let list: Option<Toml> = text.parse().ok();
+                let list = list.as_ref().and_then(Toml::as_array);
+                list.map(|list| list.iter().filter_map(of).collect())
+                    .unwrap_or_default()
+            }
+            one => one.number().into_iter().collect(),
+        }
+    }
+}
+
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

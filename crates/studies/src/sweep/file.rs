@@ -14,6 +14,11 @@
 //! [[together]]                    # an axis whose keys change in step
 //! gear.wheels = [1, 2]
 //! drive.output_torque_n_m = [11.0, 22.0]
+//! [sample]                        # keys at random, all together
+//! points = 1000
+//! gear.hole_radius_m = { plus_minus = 5e-6 }
+//! [specification]                 # limits on columns of the results
+//! lost_motion_arcmin = { most = 1.0 }
 //! ```
 
 use std::fs;
@@ -25,6 +30,8 @@ use toml_edit::{Document, Item, TableLike, Value as Toml};
 
 use crate::sweep::SweepError;
 use crate::sweep::axis::{self, Axis};
+use crate::sweep::sample::Sample;
+use crate::sweep::tolerance::Limit;
 
 /// Bytes of a sweep file at most.
 const MOST_BYTES: usize = 1 << 20;
@@ -57,6 +64,10 @@ pub struct Sweep {
     pub set: Vec<Override>,
     /// What is varied; the last axis changes fastest.
     pub axes: Vec<Axis>,
+    /// Keys at random; the last axis of the plan.
+    pub sample: Option<Sample>,
+    /// Limits on columns of the results.
+    pub specification: Vec<Limit>,
     /// Start and end of the window that figures are taken of, s; `None`: the second half of each run.
     pub window_s: Option<[f64; 2]>,
     /// Patterns of quantities whose figures are kept (`*` for any characters).
@@ -70,7 +81,7 @@ pub struct Sweep {
 /// Keys that a sweep sets and varies at most.
 const MOST_KEYS: usize = 1000;
 
-const KEYS: [&str; 10] = [
+const KEYS: [&str; 12] = [
     "name",
     "description",
     "scene",
@@ -81,6 +92,8 @@ const KEYS: [&str; 10] = [
     "set",
     "vary",
     "together",
+    "sample",
+    "specification",
 ];
 
 impl Sweep {
@@ -231,6 +244,13 @@ impl Reader<'_> {
                 self.once(&mut known, key, *at)?;
             }
         }
+        let sample = self.sample(root)?;
+        for (key, _) in sample.iter().flat_map(|sample| &sample.keys) {
+            let at = root
+                .get("sample")
+                .map_or(0, |item| place(root, "sample", item));
+            self.once(&mut known, key, at)?;
+        }
         Ok(Sweep {
             name: self
                 .string(root, "name")?
@@ -241,6 +261,8 @@ impl Reader<'_> {
                 .unwrap_or_else(|| vec!["native".to_owned()]),
             set,
             axes: axes.into_iter().map(|(axis, _)| axis).collect(),
+            sample,
+            specification: self.specification(root)?,
             window_s: self.window(root)?,
             measure: self
                 .strings(root, "measure")?
@@ -282,6 +304,73 @@ impl Reader<'_> {
         }
         known.push(key.to_owned());
         Ok(())
+    }
+
+    fn sample(&self, root: &dyn TableLike) -> Result<Option<Sample>, SweepError> {
+        let Some(item) = root.get("sample") else {
+            return Ok(None);
+        };
+        let at = place(root, "sample", item);
+        let Some(table) = item.as_table_like() else {
+            return Err(self.fault(
+                at,
+                "`sample` is no table",
+                "write [sample] on its own line, then points = 1000 and key = { from = ..., to = ... } lines",
+            ));
+        };
+        let of = |table: &dyn TableLike, key: &str| {
+            table.get(key).map_or(at, |item| place(table, key, item))
+        };
+        let read = Sample::of(table, &of);
+        read.map(Some)
+            .map_err(|(own, what, remedy)| self.fault(own.max(at), what, remedy))
+    }
+
+    fn specification(&self, root: &dyn TableLike) -> Result<Vec<Limit>, SweepError> {
+        const FORM: &str = "write lost_motion_arcmin = { most = 1.0 }, with least = ... for what must not be below";
+        let Some(item) = root.get("specification") else {
+            return Ok(Vec::new());
+        };
+        let at = place(root, "specification", item);
+        let Some(table) = item.as_table_like() else {
+            return Err(self.fault(at, "`specification` is no table", FORM));
+        };
+        let mut limits = Vec::new();
+        for (figure, item) in table.iter() {
+            let at = place(table, figure, item);
+            let wrong = |what: String| self.fault(at, format!("`{figure}` {what}"), FORM);
+            let ends = item
+                .as_table_like()
+                .ok_or_else(|| wrong("has no `least` or `most`".to_owned()))?;
+            if let Some((key, _)) = ends
+                .iter()
+                .find(|(key, _)| !["least", "most"].contains(key))
+            {
+                return Err(wrong(format!("has `{key}`, which is no limit")));
+            }
+            let number = |key: &str| match ends.get(key) {
+                None => Ok(None),
+                Some(item) => item
+                    .as_float()
+                    .or_else(|| item.as_integer().map(|x| x as f64))
+                    .filter(|x| x.is_finite())
+                    .map(Some)
+                    .ok_or_else(|| wrong(format!("has a `{key}` that is no finite number"))),
+            };
+            let (least, most) = (number("least")?, number("most")?);
+            match (least, most) {
+                (None, None) => return Err(wrong("has no `least` or `most`".to_owned())),
+                (Some(least), Some(most)) if least > most => {
+                    return Err(wrong("has a `least` above its `most`".to_owned()));
+                }
+                _ => limits.push(Limit {
+                    figure: figure.to_owned(),
+                    least,
+                    most,
+                }),
+            }
+        }
+        Ok(limits)
     }
 
     fn values(&self, value: &Toml, at: usize) -> Result<Vec<axis::Value>, SweepError> {

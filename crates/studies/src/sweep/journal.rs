@@ -397,7 +397,7 @@ pub(crate) fn keep_courses(
     whole(&file, true, |sink| {
         #[cfg(feature = "parquet")]
         if how == KeepCourses::Parquet {
-            let written = crate::sweep::save_courses(courses, sink.path());
+            let written = pinwheel_courses::save_courses(courses, sink.path());
             return written.map_err(|fault| SweepError::Io {
                 path: file.clone(),
                 source: std::io::Error::other(fault),

@@ -9,11 +9,12 @@ mod error;
 mod execute;
 mod file;
 mod journal;
-#[cfg(feature = "parquet")]
-mod parquet_file;
 mod plan;
 mod record;
 mod results;
+mod sample;
+mod statics;
+mod tolerance;
 mod written;
 
 pub use axis::{Axis, Value};
@@ -21,11 +22,10 @@ pub use error::SweepError;
 pub use execute::{execute, execute_some, find, gather, perform, wanted_of};
 pub use file::{KeepCourses, Sweep};
 pub use journal::{Begin, Journal, Shard};
-#[cfg(feature = "parquet")]
-pub use parquet_file::{
-    Cells, ParquetFault, load_courses, read_courses, read_table, save_courses, write_table,
-};
 pub use plan::{Guests, MOST_RUNS, Plan, PlannedRun};
 pub use record::{RunRecord, Spread};
 pub use results::{Column, Results, costs, results};
+pub use sample::{Distribution, Method, Sample};
+pub use statics::STATICS;
+pub use tolerance::{Figure, Found, Limit, Quantile, Sensitivity, Yield, tolerances};
 pub use written::write;

@@ -11,6 +11,8 @@ use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Override, Scene, SceneError, did_you_mean};
 
 use crate::sweep::axis::Value;
+use crate::sweep::results::columns_of;
+use crate::sweep::statics::{self, STATICS, Statics};
 use crate::sweep::{Sweep, SweepError};
 
 /// Runs of a sweep at most.
@@ -64,6 +66,7 @@ impl Guests {
         guest
             .cloned()
             .or_else(|| by_name(name, scene).map(Arc::from))
+            .or_else(|| (name == STATICS).then(|| Arc::new(Statics) as Arc<dyn Engine>))
     }
 }
 
@@ -99,11 +102,28 @@ impl Plan {
     /// # Errors
     /// Those of [`new`](Self::new), and [`SweepError::Stopped`].
     pub fn within(
-        sweep: Sweep,
+        mut sweep: Sweep,
         overrides: &[Override],
         guests: Guests,
         cancel: &AtomicBool,
     ) -> Result<Self, SweepError> {
+        if let Some(sample) = &sweep.sample {
+            let values: Vec<(String, Value)> = values_at(&sweep, 0);
+            let fault = |what: String| SweepError::Run {
+                number: 1,
+                values: in_words(&values),
+                what,
+            };
+            // About the first of what else is varied: distributions without a mean are about the scene's own value.
+            let scene = scene_at(&sweep, overrides, &values);
+            let scene = scene.map_err(|source| SweepError::Scene {
+                number: 1,
+                values: in_words(&values),
+                source: Box::new(source),
+            })?;
+            let axis = sample.axis(&scene).map_err(fault)?;
+            sweep.axes.push(axis);
+        }
         let points = sweep
             .axes
             .iter()
@@ -153,7 +173,11 @@ impl Plan {
             for name in &sweep.engines {
                 let engine = guests.engine(name, &scene).ok_or_else(|| {
                     let registry = pinwheel_engines::registry();
-                    let known: Vec<&str> = registry.iter().map(|engine| engine.name()).collect();
+                    let known: Vec<&str> = registry
+                        .iter()
+                        .map(|engine| engine.name())
+                        .chain([STATICS])
+                        .collect();
                     wrong(format!(
                         "there is no engine `{name}`; {}",
                         did_you_mean(name, &known)
@@ -202,28 +226,44 @@ impl Plan {
     }
 }
 
-/// Refuses a pattern of what is measured that fits no quantity of the scene.
+/// Refuses a pattern of what is measured that fits no quantity of the scene, and a limit on what the results will not have.
 fn measured(sweep: &Sweep, scene: &CheckedScene) -> Result<(), String> {
     let channels = Channels::of(scene)?;
     let asked = channels.names().map(|name| group_of(name).0);
     let forces = [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE];
-    let mut there: Vec<&str> = columns::HEAD
-        .into_iter()
-        .chain(forces)
-        .chain(asked)
-        .collect();
+    let moves = sweep.engines.iter().any(|engine| engine != STATICS);
+    let rests = sweep.engines.iter().any(|engine| engine == STATICS);
+    let quantities = columns::HEAD.into_iter().chain(forces).chain(asked);
+    let mut there: Vec<&str> = quantities.filter(|_| moves).collect();
     there.dedup();
+    let figures: Vec<&str> = statics::FIGURES.iter().map(|(name, _)| *name).collect();
+    let figures = if rests { figures } else { Vec::new() };
+    let known: Vec<&str> = there.iter().chain(&figures).copied().collect();
     let lost = sweep
         .measure
         .iter()
-        .find(|pattern| !there.iter().any(|name| fits(pattern, name)));
-    match lost {
-        None => Ok(()),
-        Some(pattern) => Err(format!(
+        .find(|pattern| !known.iter().any(|name| fits(pattern, name)));
+    if let Some(pattern) = lost {
+        return Err(format!(
             "measure: `{pattern}` fits no quantity of the scene; there are {}",
-            there.join(", ")
-        )),
+            known.join(", ")
+        ));
     }
+    let wanted = |name: &&str| sweep.measure.iter().any(|pattern| fits(pattern, name));
+    let columns: Vec<String> = columns_of(there.into_iter().filter(wanted), moves)
+        .chain(figures.into_iter().filter(wanted).map(str::to_owned))
+        .collect();
+    for limit in &sweep.specification {
+        if !columns.contains(&limit.figure) {
+            let known: Vec<&str> = columns.iter().map(String::as_str).collect();
+            return Err(format!(
+                "specification: `{}` is no column that the results will have; {}",
+                limit.figure,
+                did_you_mean(&limit.figure, &known)
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// The values at one point of the grid; the last axis changes fastest.

@@ -66,6 +66,9 @@ pub struct RunRecord {
     pub figures: BTreeMap<String, Spread>,
     /// Quantities in the order of the courses.
     pub quantities: Vec<String>,
+    /// Figures of balances, by their columns.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub balances: BTreeMap<String, f64>,
     /// Power out over power in, by means over the window; `None` where that is no efficiency.
     pub efficiency: Option<f64>,
     /// The same with the energy taken out that nothing accounts for, such as what the contact law creates; `None` without an
@@ -111,6 +114,7 @@ impl RunRecord {
             ending,
             figures: BTreeMap::new(),
             quantities: Vec::new(),
+            balances: BTreeMap::new(),
             efficiency: None,
             efficiency_accounted: None,
             undefined: Vec::new(),
@@ -139,6 +143,17 @@ impl RunRecord {
 
     /// Adds the figures of a complete run.
     pub(crate) fn with_figures(mut self, planned: &PlannedRun, run: &Run) -> Self {
+        for &(name, value) in &run.figures {
+            if value.is_finite() {
+                self.balances.insert(name.to_owned(), value);
+            } else {
+                self.undefined.push(format!("{name} is not finite"));
+            }
+        }
+        // Balances have no time series, and nobody misses them.
+        if run.courses.is_empty() && !run.figures.is_empty() {
+            return self;
+        }
         let [from, to] = planned.window_s;
         let samples = run.courses.window(from, to);
         for quantity in derive([&run.courses]) {

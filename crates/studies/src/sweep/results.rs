@@ -7,7 +7,8 @@ use pinwheel_courses::{CoursesError, Ending};
 
 use crate::sweep::axis::Value;
 use crate::sweep::record::{RunRecord, Spread};
-use crate::sweep::{Plan, PlannedRun};
+use crate::sweep::tolerance::keeps;
+use crate::sweep::{Plan, PlannedRun, statics};
 
 /// Values of one column, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +36,24 @@ const FIGURES: [(&str, fn(&Spread) -> f64); 5] = [
     ("rms", |s| s.rms),
     ("peak", |s| s.peak),
 ];
+
+/// Column that says whether a run keeps the specification: 1 or 0.
+const WITHIN: &str = "within_specification";
+
+/// Columns of figures that runs with these quantities may have; without motion there are none.
+pub(super) fn columns_of<'a>(
+    quantities: impl Iterator<Item = &'a str>,
+    moves: bool,
+) -> impl Iterator<Item = String> {
+    let powers = ["efficiency", "efficiency_accounted"];
+    let powers = powers.into_iter().filter(move |_| moves).map(str::to_owned);
+    powers.chain(quantities.flat_map(|quantity| {
+        let names = FIGURES.iter().map(|(figure, _)| *figure);
+        names
+            .map(move |figure| format!("{figure}_{quantity}"))
+            .collect::<Vec<_>>()
+    }))
+}
 
 /// The results of all runs, in the plan's order: the same whatever the number of threads.
 #[must_use]
@@ -85,6 +104,19 @@ pub fn results(plan: &Plan, records: &[RunRecord]) -> Results {
             push(&format!("{figure}_{quantity}"), number(&value));
         }
     }
+    for (name, _) in statics::FIGURES {
+        let wanted = plan.sweep.measure.iter().any(|pattern| fits(pattern, name));
+        if wanted && records.iter().any(|r| r.balances.contains_key(name)) {
+            push(name, number(&|record| record.balances.get(name).copied()));
+        }
+    }
+    let limits = &plan.sweep.specification;
+    if !limits.is_empty() {
+        let kept = (0..records.len()).map(|row| Some(i64::from(keeps(limits, &table, row))));
+        let kept = Column::Whole(kept.collect());
+        table.columns.push((WITHIN.to_owned(), kept));
+    }
+    let mut push = |name: &str, column: Column| table.columns.push((name.to_owned(), column));
     push("reason", text(&|_, record| record.reason()));
     table
 }
@@ -161,6 +193,16 @@ impl Results {
             .map(|(_, column)| column)
     }
 
+    /// The number in a row of a column.
+    #[must_use]
+    pub fn number(&self, name: &str, row: usize) -> Option<f64> {
+        match self.column(name)? {
+            Column::Number(values) => values.get(row).copied().flatten(),
+            Column::Whole(values) => values.get(row).copied().flatten().map(|x| x as f64),
+            Column::Text(_) => None,
+        }
+    }
+
     /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {
@@ -186,8 +228,11 @@ impl Results {
     /// # Errors
     /// The writer's.
     #[cfg(feature = "parquet")]
-    pub fn write_parquet(&self, sink: impl Write + Send) -> Result<(), crate::sweep::ParquetFault> {
-        use crate::sweep::Cells;
+    pub fn write_parquet(
+        &self,
+        sink: impl Write + Send,
+    ) -> Result<(), pinwheel_courses::ParquetFault> {
+        use pinwheel_courses::Cells;
         let cells = |column: &Column| match column {
             Column::Number(values) => Cells::Number(values.clone()),
             Column::Whole(values) => Cells::Whole(values.clone()),
@@ -197,7 +242,7 @@ impl Results {
             .columns
             .iter()
             .map(|(name, column)| (name.clone(), cells(column)));
-        crate::sweep::write_table(sink, &columns.collect::<Vec<_>>())
+        pinwheel_courses::write_table(sink, &columns.collect::<Vec<_>>())
     }
 }
 

@@ -5,13 +5,15 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::{Column, Journal, Plan, Results, RunRecord, SweepError, costs};
+use super::{
+    Column, Found, Journal, Limit, Plan, Results, RunRecord, SweepError, costs, tolerances,
+};
 use crate::output::{self, write_text, write_with};
 use crate::provenance::{Provenance, Summary};
 
 /// Payload of `summary.json`: what was run and every row of the results.
 #[derive(Serialize)]
-struct Found<'a> {
+struct Payload<'a> {
     name: &'a str,
     description: &'a str,
     scene: &'a str,
@@ -20,6 +22,10 @@ struct Found<'a> {
     runs: usize,
     finished: usize,
     rows: Vec<Map<String, Value>>,
+    #[serde(skip_serializing_if = "<[Limit]>::is_empty")]
+    specification: &'a [Limit],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    sample: Vec<Found>,
 }
 
 /// Writes the results (`table`, of [`results`](super::results)) as CSV and, with the feature, as Parquet, the costs,
@@ -52,7 +58,7 @@ pub fn write(
         journal.copy(record, run.number, &runs)?;
     }
     let sweep = &plan.sweep;
-    let found = Found {
+    let found = Payload {
         name: &sweep.name,
         description: &sweep.description,
         scene: &sweep.scene,
@@ -64,6 +70,8 @@ pub fn write(
             .filter(|record| record.ending.word() == "finished")
             .count(),
         rows: rows(table),
+        specification: &sweep.specification,
+        sample: tolerances(plan, table),
     };
     Ok(Summary::new(made, found).write(dir)?)
 }

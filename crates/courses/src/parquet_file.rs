@@ -16,7 +16,7 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::record::Field;
 use parquet::schema::types::{Type, TypePtr};
 
-use pinwheel_courses::{Courses, CoursesError};
+use crate::{Courses, CoursesError};
 
 /// Faults of Parquet files.
 #[derive(Debug, thiserror::Error)]
@@ -24,6 +24,14 @@ pub enum ParquetFault {
     /// It cannot be written, or is none.
     #[error("Parquet: {0}")]
     Parquet(#[from] parquet::errors::ParquetError),
+    /// It holds more than its reader asked for.
+    #[error("Parquet: {rows} rows, but there may be {most}")]
+    Long {
+        /// Rows that it says it has.
+        rows: i64,
+        /// Rows at most.
+        most: usize,
+    },
     /// It was one, and the library does not get through what it became.
     #[error("Parquet: the file is damaged; write it anew")]
     Damaged,
@@ -119,12 +127,27 @@ pub fn read_table(
     source: impl ChunkReader + 'static,
 ) -> Result<Vec<(String, Cells)>, ParquetFault> {
     // The library panics on some damaged files; its state goes with the reader.
-    catch_unwind(AssertUnwindSafe(|| table_of(source))).unwrap_or(Err(ParquetFault::Damaged))
+    let read = || table_of(source, usize::MAX, &|_| true);
+    catch_unwind(AssertUnwindSafe(read)).unwrap_or(Err(ParquetFault::Damaged))
 }
 
-fn table_of(source: impl ChunkReader + 'static) -> Result<Vec<(String, Cells)>, ParquetFault> {
+/// The columns that `wanted` says; at most `most` rows of them.
+fn table_of(
+    source: impl ChunkReader + 'static,
+    most: usize,
+    wanted: &dyn Fn(&Type) -> bool,
+) -> Result<Vec<(String, Cells)>, ParquetFault> {
     let reader = SerializedFileReader::new(source)?;
     let schema = reader.metadata().file_metadata().schema().clone();
+    let fields = schema.get_fields().iter().filter(|field| wanted(field));
+    let schema = Type::group_type_builder(schema.name())
+        .with_fields(fields.cloned().collect())
+        .build()?;
+    // Repeated values take no room in the file: what it holds says nothing of how long it is.
+    let rows = reader.metadata().file_metadata().num_rows();
+    if rows > i64::try_from(most).unwrap_or(i64::MAX) {
+        return Err(ParquetFault::Long { rows, most });
+    }
     let mut columns: Vec<(String, Cells)> = schema
         .get_fields()
         .iter()
@@ -137,7 +160,10 @@ fn table_of(source: impl ChunkReader + 'static) -> Result<Vec<(String, Cells)>, 
             (field.name().to_owned(), cells)
         })
         .collect();
-    for row in reader.get_row_iter(None)? {
+    if columns.is_empty() {
+        return Ok(columns);
+    }
+    for row in reader.get_row_iter(Some(schema))?.take(most) {
         let row = row?;
         for ((_, field), (_, cells)) in row.get_column_iter().zip(&mut columns) {
             match (cells, field) {
@@ -173,16 +199,26 @@ pub fn save_courses(courses: &Courses, path: &Path) -> Result<(), ParquetFault> 
 /// # Errors
 /// The file cannot be opened, is no Parquet file, has no time or time that does not increase.
 pub fn load_courses(path: &Path) -> Result<Courses, ParquetFault> {
-    read_courses(std::fs::File::open(path)?)
+    read_courses(std::fs::File::open(path)?, usize::MAX)
 }
 
-/// The same from an open file, or from memory.
+/// The same from an open file, or from memory, of at most `most` rows. Columns that are no doubles are passed over.
 ///
 /// # Errors
-/// See [`load_courses`].
-pub fn read_courses(source: impl ChunkReader + 'static) -> Result<Courses, ParquetFault> {
+/// See [`load_courses`]; more rows.
+pub fn read_courses(
+    source: impl ChunkReader + 'static,
+    most: usize,
+) -> Result<Courses, ParquetFault> {
     let (mut time, mut channels) = (None, Vec::new());
-    for (name, cells) in read_table(source)? {
+    let double = |field: &Type| {
+        field.is_primitive()
+            && field.get_physical_type() == Physical::DOUBLE
+            && field.get_basic_info().repetition() != Repetition::REPEATED
+    };
+    let read = || table_of(source, most, &double);
+    let table = catch_unwind(AssertUnwindSafe(read)).unwrap_or(Err(ParquetFault::Damaged));
+    for (name, cells) in table? {
         if let Cells::Number(values) = cells {
             let values: Vec<f64> = values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect();
             if name == "time_s" {
@@ -214,6 +250,11 @@ mod tests {
         let path = folder.path().join("courses.parquet");
         save_courses(&courses, &path).unwrap();
         assert_eq!(load_courses(&path).unwrap(), courses);
+        let short = read_courses(std::fs::File::open(&path).unwrap(), 2);
+        assert!(matches!(
+            short,
+            Err(ParquetFault::Long { rows: 3, most: 2 })
+        ));
         std::fs::write(&path, "time_s\n0\n").unwrap();
         assert!(matches!(load_courses(&path), Err(ParquetFault::Parquet(_))));
     }

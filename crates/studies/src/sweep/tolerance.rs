@@ -1,0 +1,442 @@
+//! What a sample says: quantiles, which key decides, and how many runs keep the specification.
+//!
+//! * **Quantiles** with 95 % intervals between order statistics, whatever the distribution (W. J. Conover, Practical
+//!   Nonparametric Statistics, 1999, section 3.2). They hold for independent points; those of a hypercube or a Sobol sequence lie
+//!   more evenly, so that the intervals are too wide rather than too narrow.
+//! * **Standardised regression coefficients** of the figure over the keys (A. Saltelli et al., Global Sensitivity Analysis, 2008,
+//!   section 1.2.5): by how many of its standard deviations a figure moves when a key moves by one of its own. Their squares add up to
+//!   R^2 where keys do not depend on each other, and R^2 says how much of the figure a straight line explains.
+//! * **First-order Sobol indices**, the share of the figure's variance that goes when the key is known, straight line or not: the
+//!   variance of its means over classes of the key (E. Plischke, E. Borgonovo, C. L. Smith, Eur. J. Oper. Res. 226, 2013), less what as many
+//!   classes find of nothing.
+//! * **Yield**: runs that keep every limit, with the 95 % interval of C. J. Clopper and E. S. Pearson, Biometrika 26, 1934. A run
+//!   without the figure keeps no limit on it.
+
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+use statrs::distribution::{Beta, Binomial, ContinuousCDF, DiscreteCDF};
+
+use super::{Column, Plan, Results, Value};
+
+/// Share of the cases in which an interval holds the truth.
+const CONFIDENCE: f64 = 0.95;
+const TAIL: f64 = 0.5 * (1.0 - CONFIDENCE);
+/// Quantiles that are given.
+const QUANTILES: [f64; 5] = [0.01, 0.05, 0.5, 0.95, 0.99];
+/// Runs of a class at least, and classes at most.
+const CLASS: usize = 20;
+const CLASSES: usize = 30;
+
+/// A limit of a specification, on a column of the results.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Limit {
+    /// The column.
+    pub figure: String,
+    /// Not less than that.
+    pub least: Option<f64>,
+    /// Not more than that.
+    pub most: Option<f64>,
+}
+
+impl Limit {
+    /// Whether a figure keeps it; what is not there does not.
+    #[must_use]
+    pub fn holds(&self, value: Option<f64>) -> bool {
+        value.is_some_and(|x| {
+            self.least.is_none_or(|least| x >= least) && self.most.is_none_or(|most| x <= most)
+        })
+    }
+}
+
+/// A quantile.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Quantile {
+    /// Share of the values below it.
+    pub share: f64,
+    /// Estimate.
+    pub value: f64,
+    /// Where it lies, with 95 % confidence; open where the sample has too few points.
+    pub interval: [Option<f64>; 2],
+}
+
+/// What a key does to a figure.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sensitivity {
+    /// The key.
+    pub key: String,
+    /// Standardised regression coefficient; of a list of values the root of the sum of their squares. `None` with too few runs.
+    pub coefficient: Option<f64>,
+    /// First-order Sobol index; of a list of values their sum. `None` with too few runs.
+    pub first_order: Option<f64>,
+}
+
+/// A figure over the sample.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Figure {
+    /// Column of the results.
+    pub name: String,
+    /// Runs that have it.
+    pub count: usize,
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub deviation: f64,
+    /// Least and largest.
+    pub range: [f64; 2],
+    /// Quantiles.
+    pub quantiles: Vec<Quantile>,
+    /// Share of the variance that a straight line explains, R^2.
+    pub linear: Option<f64>,
+    /// What decides, most first.
+    pub sensitivities: Vec<Sensitivity>,
+}
+
+/// Runs that keep limits.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Yield {
+    /// Runs that keep all.
+    pub kept: usize,
+    /// Of them.
+    pub runs: usize,
+    /// Their share.
+    pub share: f64,
+    /// Where it lies, with 95 % confidence.
+    pub interval: [f64; 2],
+    /// Share of the runs that keep each limit alone, in the order of the specification.
+    pub alone: Vec<f64>,
+}
+
+/// What the sample says of one engine, at one point of what else is varied.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Found {
+    /// Engine.
+    pub engine: String,
+    /// What else is varied, and its values here, in words.
+    pub varied: Vec<(String, String)>,
+    /// Runs, finished or not.
+    pub runs: usize,
+    /// Figures that are not the same in every run.
+    pub figures: Vec<Figure>,
+    /// `None` without a specification.
+    #[serde(rename = "yield")]
+    pub yielded: Option<Yield>,
+}
+
+/// Columns that are figures of a run.
+fn is_figure(name: &str, plan: &Plan) -> bool {
+    const OTHERS: [&str; 4] = [
+        "diverged_at_s",
+        "window_from_s",
+        "window_to_s",
+        "energy_remainder_share",
+    ];
+    !OTHERS.contains(&name) && !plan.keys().any(|key| key == name)
+}
+
+/// What the sample of a sweep says; nothing without one. `table`: [its results](super::results).
+#[must_use]
+pub fn tolerances(plan: &Plan, table: &Results) -> Vec<Found> {
+    let Some(sample) = &plan.sweep.sample else {
+        return Vec::new();
+    };
+    let engines = plan.sweep.engines.len();
+    // The engine changes fastest, then the sample, which is the last axis.
+    let block = engines * sample.points;
+    let limits = &plan.sweep.specification;
+    let mut all = Vec::new();
+    for first in (0..plan.runs.len()).step_by(block.max(1)) {
+        for engine in 0..engines {
+            let rows: Vec<usize> = (first + engine..first + block).step_by(engines).collect();
+            let Some(run) = rows.first().and_then(|&row| plan.runs.get(row)) else {
+                continue;
+            };
+            let sampled = |key: &str| sample.keys.iter().any(|(known, _)| known == key);
+            let others = run.values.iter().filter(|(key, _)| !sampled(key));
+            let inputs = inputs(plan, &rows, &|key| sampled(key));
+            let numbers = table
+                .columns
+                .iter()
+                .filter_map(|(name, column)| match column {
+                    Column::Number(values) if is_figure(name, plan) => Some((name, values)),
+                    _ => None,
+                });
+            let figures = numbers.filter_map(|(name, values)| {
+                let values: Vec<Option<f64>> = rows.iter().map(|&row| values[row]).collect();
+                figure(name, &values, &inputs)
+            });
+            all.push(Found {
+                engine: run.engine.clone(),
+                varied: others
+                    .map(|(key, value)| (key.clone(), value.to_string()))
+                    .collect(),
+                runs: rows.len(),
+                figures: figures.collect(),
+                yielded: (!limits.is_empty()).then(|| yielded(limits, table, &rows)),
+            });
+        }
+    }
+    all
+}
+
+/// Whether a run keeps the whole specification.
+pub(super) fn keeps(limits: &[Limit], table: &Results, row: usize) -> bool {
+    limits
+        .iter()
+        .all(|limit| limit.holds(table.number(&limit.figure, row)))
+}
+
+fn yielded(limits: &[Limit], table: &Results, rows: &[usize]) -> Yield {
+    let runs = rows.len();
+    let share = |kept: usize| kept as f64 / runs.max(1) as f64;
+    let kept = rows
+        .iter()
+        .filter(|&&row| keeps(limits, table, row))
+        .count();
+    let alone = limits.iter().map(|limit| {
+        let held = |row: &&usize| limit.holds(table.number(&limit.figure, **row));
+        share(rows.iter().filter(held).count())
+    });
+    Yield {
+        kept,
+        runs,
+        share: share(kept),
+        interval: clopper_pearson(kept, runs),
+        alone: alone.collect(),
+    }
+}
+
+/// Interval of a share of which `kept` of `runs` were seen.
+fn clopper_pearson(kept: usize, runs: usize) -> [f64; 2] {
+    let at = |a: usize, b: usize, share: f64| {
+        Beta::new(a as f64, b as f64).map_or(f64::NAN, |beta| beta.inverse_cdf(share))
+    };
+    let low = if kept == 0 {
+        0.0
+    } else {
+        at(kept, runs - kept + 1, TAIL)
+    };
+    let high = if kept == runs {
+        1.0
+    } else {
+        at(kept + 1, runs - kept, 1.0 - TAIL)
+    };
+    [low, high]
+}
+
+/// A key with its values in the rows; several lists where it is a list itself.
+type Input = (String, Vec<Vec<f64>>);
+
+fn inputs(plan: &Plan, rows: &[usize], sampled: &dyn Fn(&str) -> bool) -> Vec<Input> {
+    let Some(first) = rows.first() else {
+        return Vec::new();
+    };
+    let values = &plan.runs[*first].values;
+    let places = values
+        .iter()
+        .enumerate()
+        .filter(|(_, (key, _))| sampled(key));
+    let input = |(place, (key, _)): (usize, &(String, Value))| {
+        let lists: Vec<Vec<f64>> = rows
+            .iter()
+            .map(|&row| plan.runs[row].values[place].1.numbers())
+            .collect();
+        let columns = lists.iter().map(Vec::len).min().unwrap_or(0);
+        let column = |k: usize| lists.iter().map(|list| list[k]).collect();
+        (key.clone(), (0..columns).map(column).collect())
+    };
+    places.map(input).collect()
+}
+
+fn figure(name: &str, values: &[Option<f64>], inputs: &[Input]) -> Option<Figure> {
+    let there: Vec<usize> = (0..values.len()).filter(|&k| values[k].is_some()).collect();
+    let of: Vec<f64> = values.iter().copied().flatten().collect();
+    let [mean, deviation] = moments(&of);
+    let mut sorted = of.clone();
+    sorted.sort_by(f64::total_cmp);
+    let (low, high) = (*sorted.first()?, *sorted.last()?);
+    if !(high > low) {
+        return None;
+    }
+    let part = |column: &Vec<f64>| there.iter().map(|&k| column[k]).collect::<Vec<f64>>();
+    let columns: Vec<Vec<f64>> = inputs
+        .iter()
+        .flat_map(|(_, lists)| lists.iter().map(part))
+        .collect();
+    let regression = regression(&columns, &of);
+    let mut place = 0;
+    let mut sensitivities: Vec<Sensitivity> = inputs
+        .iter()
+        .map(|(key, lists)| {
+            let own = place..place + lists.len();
+            place = own.end;
+            let coefficient = regression.as_ref().map(|(all, _)| match &all[own.clone()] {
+                [one] => *one,
+                several => several.iter().map(|c| c * c).sum::<f64>().sqrt(),
+            });
+            let indices = columns[own].iter().map(|column| first_order(column, &of));
+            Sensitivity {
+                key: key.clone(),
+                coefficient,
+                first_order: indices.sum::<Option<f64>>(),
+            }
+        })
+        .collect();
+    let size = |s: &Sensitivity| s.coefficient.unwrap_or(0.0).abs();
+    sensitivities.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    Some(Figure {
+        name: name.to_owned(),
+        count: of.len(),
+        mean,
+        deviation,
+        range: [low, high],
+        quantiles: QUANTILES.map(|share| quantile(&sorted, share)).to_vec(),
+        linear: regression.map(|(_, r2)| r2),
+        sensitivities,
+    })
+}
+
+/// Mean and standard deviation.
+fn moments(values: &[f64]) -> [f64; 2] {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+    [mean, (squares / (count - 1.0)).sqrt()]
+}
+
+/// Linear between the two order statistics beside it, as most programs have it.
+fn quantile(sorted: &[f64], share: f64) -> Quantile {
+    let count = sorted.len();
+    let at = share * (count - 1) as f64;
+    let below = (at as usize).min(count - 1);
+    let above = (below + 1).min(count - 1);
+    let value = sorted[below] + (at - below as f64) * (sorted[above] - sorted[below]);
+    // The place of the quantile among the order statistics is binomial.
+    let interval = Binomial::new(share, count as u64).map_or([None; 2], |places| {
+        let low = places.inverse_cdf(TAIL) as usize;
+        let high = places.inverse_cdf(1.0 - TAIL) as usize;
+        [
+            low.checked_sub(1).map(|k| sorted[k]),
+            sorted.get(high).copied(),
+        ]
+    });
+    Quantile {
+        share,
+        value,
+        interval,
+    }
+}
+
+/// Standardised regression coefficients and R^2; `None` with too few runs, or keys that move together.
+fn regression(columns: &[Vec<f64>], of: &[f64]) -> Option<(Vec<f64>, f64)> {
+    let (runs, keys) = (of.len(), columns.len());
+    if runs <= keys + 1 {
+        return None;
+    }
+    let standard = |values: &[f64]| {
+        let [mean, deviation] = moments(values);
+        let scaled = move |v: &f64| (v - mean) / deviation;
+        values.iter().map(scaled).collect::<Vec<f64>>()
+    };
+    let columns: Vec<Vec<f64>> = columns.iter().map(|column| standard(column)).collect();
+    let of = standard(of);
+    let product = |a: &[f64], b: &[f64]| {
+        let sum: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+        sum / (runs - 1) as f64
+    };
+    let correlations = DMatrix::from_fn(keys, keys, |i, j| product(&columns[i], &columns[j]));
+    let with = DVector::from_fn(keys, |i, _| product(&columns[i], &of));
+    let found = correlations.cholesky()?.solve(&with);
+    let explained = found.dot(&with);
+    let sound = explained.is_finite();
+    sound.then(|| (found.iter().copied().collect(), explained.min(1.0)))
+}
+
+/// First-order Sobol index from classes of one key; `None` with too few runs for three classes.
+fn first_order(column: &[f64], of: &[f64]) -> Option<f64> {
+    let runs = of.len();
+    let classes = (runs / CLASS).min(CLASSES);
+    if classes < 3 {
+        return None;
+    }
+    let mut order: Vec<usize> = (0..runs).collect();
+    order.sort_by(|&a, &b| column[a].total_cmp(&column[b]));
+    let mean = of.iter().sum::<f64>() / runs as f64;
+    let total: f64 = of.iter().map(|v| (v - mean) * (v - mean)).sum();
+    let between: f64 = (0..classes)
+        .map(|class| {
+            let members = &order[class * runs / classes..(class + 1) * runs / classes];
+            let sum: f64 = members.iter().map(|&k| of[k] - mean).sum();
+            sum * sum / members.len() as f64
+        })
+        .sum();
+    // Classes of noise have means too: their share of a variance that no key explains.
+    let [classes, runs] = [classes as f64, runs as f64];
+    let share = between / total;
+    Some((share - (1.0 - share) * (classes - 1.0) / (runs - classes)).max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::gears::Dice;
+
+    /// Figures whose indices are known: y = 3 a + b, and y = a^2, which no straight line sees, of uniform a and b.
+    #[test]
+    fn published_sensitivities_of_known_functions() {
+        let mut dice = Dice::new(7);
+        let mut draw = || {
+            (0..4000)
+                .map(|_| dice.between(-1.0, 1.0))
+                .collect::<Vec<f64>>()
+        };
+        let (a, b) = (draw(), draw());
+        let keys = [
+            ("a".to_owned(), vec![a.clone()]),
+            ("b".to_owned(), vec![b.clone()]),
+        ];
+        let over = |f: &dyn Fn(f64, f64) -> f64| {
+            let values: Vec<Option<f64>> = a.iter().zip(&b).map(|(a, b)| Some(f(*a, *b))).collect();
+            figure("y", &values, &keys).expect("it varies")
+        };
+        let close = |found: Option<f64>, is: f64| {
+            let found = found.expect("found");
+            assert!((found - is).abs() < 0.02, "{found} is not {is}");
+        };
+        let line = over(&|a, b| 3.0 * a + b);
+        assert_eq!(line.sensitivities[0].key, "a");
+        close(line.sensitivities[0].coefficient, (0.9_f64).sqrt());
+        close(line.sensitivities[1].coefficient, (0.1_f64).sqrt());
+        close(line.sensitivities[0].first_order, 0.9);
+        close(line.sensitivities[1].first_order, 0.1);
+        close(line.linear, 1.0);
+        let bowl = over(&|a, _| a * a);
+        let of = |key: &str| bowl.sensitivities.iter().find(|s| s.key == key);
+        close(bowl.linear, 0.0);
+        close(of("a").and_then(|s| s.first_order), 1.0);
+        close(of("b").and_then(|s| s.first_order), 0.0);
+    }
+
+    /// 59 runs are the least whose largest is above the 95 % quantile with 95 % confidence (S. S. Wilks, Ann. Math. Stat. 12,
+    /// 1941); both sides take 2.5 % here, so that it is 72.
+    #[test]
+    fn published_quantiles_and_yield() {
+        let ramp = |count: usize| (0..count).map(|k| k as f64).collect::<Vec<f64>>();
+        assert_eq!(quantile(&ramp(71), 0.95).interval[1], None);
+        assert_eq!(quantile(&ramp(72), 0.95).interval[1], Some(71.0));
+        let median = quantile(&ramp(101), 0.5);
+        assert_eq!(
+            (median.value, median.interval),
+            (50.0, [Some(40.0), Some(60.0)])
+        );
+        // Clopper and Pearson of 8 in 10, as tables have it.
+        let [low, high] = clopper_pearson(8, 10);
+        assert!(
+            (low - 0.4439).abs() < 1e-4 && (high - 0.9748).abs() < 1e-4,
+            "{low} {high}"
+        );
+        assert_eq!(
+            [clopper_pearson(0, 10)[0], clopper_pearson(10, 10)[1]],
+            [0.0, 1.0]
+        );
+    }
+}
