@@ -20,6 +20,8 @@ pub const PROMISE: f64 = 1e-3;
 /// Tolerance of Dormand-Prince for a promise, as a share of it. Its error is some 15 times the tolerance on gears whose
 /// contacts stay closed, and up to hundreds of times where wheels bounce.
 const SMOOTH: f64 = 5e-4;
+/// Longest step of the exponential method, in those that see every contact: it evaluates once a step, at its end.
+const EXPONENTIAL_STEP: f64 = 1.25;
 /// The tolerance with friction, where steps follow its rate and digits cost next to nothing: `paper-friction` takes 3 % more
 /// evaluations at 1e-7 than at 1e-5, and its torque is 500 times better.
 const RUBBING: f64 = 1e-4;
@@ -38,8 +40,8 @@ pub(crate) const COARSER_ROSENBROCK: f64 = 4.0;
 const RELAXATIONS_A_RADIAN: f64 = 8.0;
 /// Step of fixed-step methods at [`PROMISE`], in radians of the contacts' oscillation.
 const RADIANS: f64 = 0.1;
-/// Steps of the energy account and first steps, in the same radians: 1e-5 s for the paper's gear.
-const FIRST_RADIANS: f64 = 0.1;
+/// Steps of the energy account and first steps, in the same radians: 1.1e-5 s for the paper's gear.
+const FIRST_RADIANS: f64 = 0.125;
 /// Bounds of what is worth asking for.
 const TOLERANCES: (f64, f64) = (1e-13, 1e-2);
 
@@ -221,11 +223,15 @@ impl<'a> Planner<'a> {
             };
         }
         if !self.rubs() {
-            return self.explicit(&format!(
-                "without friction the forces are smooth between contacts: order five with steps from a tolerance, \
-                 on oscillations of {:.0} Hz",
-                contact / std::f64::consts::TAU
-            ));
+            return if self.scene.solver.formulation == Formulation::Reduced {
+                self.exponential()
+            } else {
+                self.explicit(&format!(
+                    "without friction the forces are smooth between contacts: order five with steps from a tolerance, \
+                     on oscillations of {:.0} Hz",
+                    contact / std::f64::consts::TAU
+                ))
+            };
         }
         let most = RELAXATIONS_A_RADIAN * contact * (PROMISE / self.promise).sqrt();
         if !self.may_be_implicit() {
@@ -251,6 +257,26 @@ impl<'a> Planner<'a> {
                  contacts' oscillation: implicitly, with steps from a tolerance",
                 rate / contact
             ))
+        }
+    }
+
+    /// Measured on 60 random gears and ten presets at tolerances of 1e-4 to 1e-9: 0.2 to 0.8 of the evaluations of Dormand-Prince
+    /// for the same error, however long the run.
+    fn exponential(&self) -> Plan {
+        let (solver, contact) = (&self.scene.solver, self.frequencies.contact_rad_s);
+        let samples = solver.duration_s / solver.sample_s;
+        let radians = solver.duration_s * contact;
+        let reason = format!(
+            "without friction wheels and output are oscillators, to {:.0} Hz, which the exact Jacobian describes: about {:.0e} \
+             evaluations, one a step and sample, where dopri5 would take {:.0e}",
+            contact / std::f64::consts::TAU,
+            samples.max(radians / EXPONENTIAL_STEP),
+            samples + 6.0 * radians,
+        );
+        let plan = self.plan("etd-adams", SMOOTH * self.twist(), &reason);
+        Plan {
+            longest_step_s: EXPONENTIAL_STEP * plan.longest_step_s,
+            ..plan
         }
     }
 
