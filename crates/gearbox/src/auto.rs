@@ -5,6 +5,7 @@
 
 use pinwheel_mbs::integrators::METHODS;
 
+use crate::energy::EnergyAccount;
 use crate::frequencies::Frequencies;
 use crate::pace::Limits;
 use crate::scene::{Detection, Formulation, FrictionLaw, Scene};
@@ -44,6 +45,9 @@ const RADIANS: f64 = 0.1;
 const FIRST_RADIANS: f64 = 0.125;
 /// Bounds of what is worth asking for.
 const TOLERANCES: (f64, f64) = (1e-13, 1e-2);
+
+/// The method for gears without friction.
+pub(crate) const EXPONENTIAL: &str = "etd-adams";
 
 /// A method and the reason for it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -95,12 +99,13 @@ impl Plan {
         if plan.adaptive() {
             plan.tolerance = (plan.tolerance / factor).clamp(TOLERANCES.0, TOLERANCES.1);
             // Runs whose steps are all the longest would be the same run twice.
-            let order = if plan.integrator == "imex2-adaptive" {
-                2
-            } else {
-                5
+            let power = match plan.integrator {
+                "imex2-adaptive" => 0.5,
+                // Twice the step for ten times the tolerance.
+                EXPONENTIAL => std::f64::consts::LOG10_2,
+                _ => 0.2,
             };
-            plan.longest_step_s /= (self.tolerance / plan.tolerance).powf(1.0 / f64::from(order));
+            plan.longest_step_s /= (self.tolerance / plan.tolerance).powf(power);
         } else {
             plan.step_s /= factor;
         }
@@ -118,6 +123,24 @@ impl Plan {
             solver.tolerance = self.tolerance;
         });
         Ok(applied?)
+    }
+
+    /// The same for a run that is only looked at by another: where steps end at what is seen, it sees half as much.
+    ///
+    /// # Errors
+    /// As [`applied`](Self::applied).
+    pub(crate) fn applied_sparsely(&self, gearbox: &Gearbox) -> Result<Gearbox, GearboxError> {
+        let applied = self.applied(gearbox)?;
+        if self.integrator != EXPONENTIAL {
+            return Ok(applied);
+        }
+        let sparse = applied.with_solver(|solver| {
+            solver.step_s = (2.0 * solver.step_s).min(solver.duration_s);
+            if 4.0 * solver.sample_s <= solver.duration_s {
+                solver.sample_s *= 2.0;
+            }
+        });
+        Ok(sparse?)
     }
 
     /// What bounds its run.
@@ -273,9 +296,12 @@ impl<'a> Planner<'a> {
             samples.max(radians / EXPONENTIAL_STEP),
             samples + 6.0 * radians,
         );
-        let plan = self.plan("etd-adams", SMOOTH * self.twist(), &reason);
+        let plan = self.plan(EXPONENTIAL, SMOOTH * self.twist(), &reason);
+        // Its steps end at all that is seen, so that a longer bound would be none.
+        let seen = EnergyAccount::between(0.0, solver.sample_s, plan.step_s, 1).count() + 1;
+        let longest = EXPONENTIAL_STEP * plan.longest_step_s;
         Plan {
-            longest_step_s: EXPONENTIAL_STEP * plan.longest_step_s,
+            longest_step_s: longest.min(solver.sample_s / seen as f64),
             ..plan
         }
     }
@@ -338,7 +364,15 @@ mod tests {
         let mut scene = Scene::paper();
         assert_eq!(integrator(&scene).integrator, "rk2", "named");
         scene.solver.integrator = AUTO.to_owned();
-        assert_eq!(integrator(&scene).integrator, "dopri5");
+        assert_eq!(integrator(&scene).integrator, EXPONENTIAL);
+        let names: Vec<&str> = chain(&scene, PROMISE)
+            .iter()
+            .map(|plan| plan.integrator)
+            .collect();
+        assert_eq!(names, [EXPONENTIAL, "dopri5", "rk4"]);
+        scene.solver.formulation = Formulation::Lagrange;
+        assert_eq!(integrator(&scene).integrator, "dopri5", "no Jacobian");
+        scene.solver.formulation = Formulation::Reduced;
         scene.contact.detection = Detection::Points;
         assert_eq!(integrator(&scene).integrator, "rk4");
         scene.contact.friction_coefficient = 0.1;
