@@ -12,9 +12,12 @@ Examples:
   pinwheel bench backlash-0.6 --engines native,rapier-shared-law
   pinwheel bench steel --longest 300  let the peers take the steps they need
   pinwheel bench paper --parts scaling --out out/scaling
+  pinwheel bench paper --parts batch --set 'drive.start="equilibrium"'
+                                      gears a second and core
 
 Writes DIR/index.html (`pinwheel open` shows it), DIR/summary.json and, beside
-them, DIR/bench.csv with a line a run, DIR/scaling.csv and DIR/mechanisms.csv.
+them, DIR/bench.csv with a line a run, DIR/scaling.csv, DIR/mechanisms.csv and
+DIR/batch.csv.
 Ctrl-C ends the measurement and writes what there is; a second one leaves
 nothing. CPU times are those of one thread; close other programs for figures to
 rely on.")]
@@ -55,11 +58,13 @@ pub(crate) enum Part {
     Scaling,
     /// Error against cost on published mechanisms.
     Mechanisms,
+    /// Gears a second and core, as in a sweep.
+    Batch,
 }
 
 impl Part {
     /// All.
-    pub(crate) const ALL: [Self; 3] = [Self::Scene, Self::Scaling, Self::Mechanisms];
+    pub(crate) const ALL: [Self; 4] = [Self::Scene, Self::Scaling, Self::Mechanisms, Self::Batch];
 }
 
 impl From<Part> for pinwheel::studies::bench::Part {
@@ -68,6 +73,7 @@ impl From<Part> for pinwheel::studies::bench::Part {
             Part::Scene => Self::Scene,
             Part::Scaling => Self::Scaling,
             Part::Mechanisms => Self::Mechanisms,
+            Part::Batch => Self::Batch,
         }
     }
 }
@@ -78,6 +84,7 @@ impl std::fmt::Display for Part {
             Self::Scene => "scene",
             Self::Scaling => "scaling",
             Self::Mechanisms => "mechanisms",
+            Self::Batch => "batch",
         })
     }
 }
