@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::auto::PROMISE;
+use pinwheel_gearbox::native::NativeError;
 use pinwheel_gearbox::resolve::{Budget, Uncertainty, run_resolved};
 use pinwheel_gearbox::{Distance, Gearbox};
 use pinwheel_scene::Scene;
@@ -47,6 +48,10 @@ fn judge(scene: &Scene) -> Outcome {
     };
     let (run, uncertainty) = match run_resolved(&gearbox, PROMISE, BUDGET, &mut |_| false) {
         Ok(found) => found,
+        // Not even one run within the test's own budget.
+        Err(NativeError::Diverged { quantity, .. }) if quantity.contains("evaluations") => {
+            return Outcome::Told(quantity);
+        }
         Err(error) => return Outcome::Failed(error.to_string()),
     };
     if !uncertainty.is_resolved() {

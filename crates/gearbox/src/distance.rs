@@ -36,13 +36,31 @@ impl Distance {
         }
     }
 
-    /// `||a - b|| / ||b||` over the samples both have; `b` is the reference. Both start at 0 and share the sampling step.
+    /// Both, and `least` where they are less.
+    #[must_use]
+    pub fn at_least(&self, least: f64) -> Self {
+        Self {
+            forces: self.forces.max(least),
+            driver_torque: self.driver_torque.max(least),
+        }
+    }
+
+    /// `||a - b|| / ||b||` over the samples both have; `b` is the reference. Both start at 0; where `a` is sampled less often
+    /// its times are among those of `b`.
     ///
     /// Where `b` is next to nothing it is measured by the gear's least force instead, and the torque by that force on the
     /// eccentric ([`Gearbox::least_force_n`]).
     #[must_use]
     pub fn between(gearbox: &Gearbox, a: &Courses, b: &Courses) -> Self {
         let least = gearbox.least_force_n();
+        let places = common(a.time_s(), b.time_s());
+        let seen;
+        let b = if places.iter().enumerate().all(|(i, &place)| i == place) {
+            b
+        } else {
+            seen = b.select(&places);
+            &seen
+        };
         let mut forces = Sums::default();
         for prefix in FORCES {
             for (x, y) in a.group(prefix).iter().zip(b.group(prefix)) {
@@ -60,6 +78,20 @@ impl Distance {
                 .relative((least * gearbox.scene.gear.eccentricity_m).powi(2) * samples),
         }
     }
+}
+
+/// Places in `b` of the times of `a`, as far as there are.
+fn common(a: &[f64], b: &[f64]) -> Vec<usize> {
+    // Times are products of decimal numbers, and may have been written to a file.
+    let same = 1e-3
+        * b.first_chunk()
+            .map_or(0.0, |[first, second]| second - first);
+    let mut rest = b.iter().enumerate().peekable();
+    let place = |t: &f64| {
+        while rest.next_if(|(_, at)| **at < t - same).is_some() {}
+        rest.next().map(|(k, _)| k)
+    };
+    a.iter().map_while(place).collect()
 }
 
 /// Sums of squares.

@@ -12,6 +12,8 @@
 //! estimate shows; so no step is longer than a contact
 //! ([`Frequencies::longest_step_s`](crate::Frequencies::longest_step_s)), and the finer rung is clearly finer.
 //!
+//! Where steps end at samples, the coarsest run has only every other one: otherwise both runs might take the same steps.
+//!
 //! Costs are counted in evaluations of the forces, not in seconds, so that every machine takes the same rungs.
 
 mod remedy;
@@ -22,7 +24,7 @@ pub use uncertainty::{Rung, Uncertainty, Verdict};
 
 use std::rc::Rc;
 
-use crate::auto::{self, COARSER_ROSENBROCK, Plan};
+use crate::auto::{self, COARSER_ROSENBROCK, EXPONENTIAL, Plan};
 use crate::native::{self, NativeError, NativeRun};
 use crate::pace::Limits;
 use crate::{Distance, Gearbox};
@@ -82,12 +84,14 @@ pub fn run_resolved(
             break;
         }
     }
-    search.finish(budget)
+    search.finish(budget, watch)
 }
 
 /// The finest pair so far.
 struct Best {
     run: Rc<NativeRun>,
+    /// How it was run, if it holds no more than half of the samples.
+    sparse: Option<Plan>,
     /// Index of its rung.
     rung: usize,
     /// What is known of its error.
@@ -131,7 +135,9 @@ impl Search<'_> {
                 ));
                 return Ok(true);
             }
-            match self.rung(&plan, watch)? {
+            // What only shows how far the next one moves.
+            let sparse = before.is_none();
+            match self.rung(&plan, sparse, watch)? {
                 None => {
                     failures += 1;
                     if failures >= MOST_FAILURES || self.left == 0 {
@@ -149,7 +155,12 @@ impl Search<'_> {
                     let run = Rc::new(run);
                     let estimate = before.as_ref().map(|coarser| {
                         let moved = Distance::between(self.gearbox, &coarser.courses, &run.courses);
-                        (moved, ladder.error(moved, factor, last))
+                        (
+                            moved,
+                            ladder
+                                .error(moved, factor, last)
+                                .at_least(ladder.blind * plan.tolerance),
+                        )
                     });
                     let index = self.rungs.len() - 1;
                     let mut next = ladder.first;
@@ -159,14 +170,26 @@ impl Search<'_> {
                         let most = if calm { CONFIRMED } else { 1.0 };
                         let holds =
                             error.worst() <= self.promise && moved.worst() <= most * self.promise;
-                        self.keep(&run, index, Some(error), holds);
+                        self.keep(Best {
+                            run: Rc::clone(&run),
+                            sparse: None,
+                            rung: index,
+                            error: Some(error),
+                            holds,
+                        });
                         if holds {
                             return Ok(true);
                         }
                         next = ladder.next(error.worst() / self.promise);
                         last = Some((moved, factor));
                     } else {
-                        self.keep(&run, index, None, false);
+                        self.keep(Best {
+                            run: Rc::clone(&run),
+                            sparse: Some(plan.clone()),
+                            rung: index,
+                            error: None,
+                            holds: false,
+                        });
                     }
                     factor = next;
                     before = Some(run);
@@ -196,13 +219,19 @@ impl Search<'_> {
     fn rung(
         &mut self,
         plan: &Plan,
+        sparse: bool,
         watch: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<NativeRun>, NativeError> {
         let limits = Limits {
             evaluations: self.left,
             ..plan.limits()
         };
-        let (run, failure) = match native::run_within(&plan.applied(self.gearbox)?, limits, watch) {
+        let gearbox = if sparse {
+            plan.applied_sparsely(self.gearbox)?
+        } else {
+            plan.applied(self.gearbox)?
+        };
+        let (run, failure) = match native::run_within(&gearbox, limits, watch) {
             Ok(run) => (Ok(run), None),
             Err(NativeError::Diverged {
                 time_s,
@@ -242,23 +271,19 @@ impl Search<'_> {
     }
 
     /// Keeps the run if it is known better than the best.
-    fn keep(&mut self, run: &Rc<NativeRun>, rung: usize, error: Option<Distance>, holds: bool) {
+    fn keep(&mut self, found: Best) {
         let worst = |error: Option<Distance>| error.map_or(f64::INFINITY, |e| e.worst());
-        let better = self
-            .best
-            .as_ref()
-            .is_none_or(|best| worst(error) <= worst(best.error));
-        if better {
-            self.best = Some(Best {
-                run: Rc::clone(run),
-                rung,
-                error,
-                holds,
-            });
+        let best = self.best.as_ref();
+        if best.is_none_or(|best| worst(found.error) <= worst(best.error)) {
+            self.best = Some(found);
         }
     }
 
-    fn finish(self, budget: Budget) -> Result<(NativeRun, Uncertainty), NativeError> {
+    fn finish(
+        self,
+        budget: Budget,
+        watch: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<(NativeRun, Uncertainty), NativeError> {
         let Some(best) = self.best else {
             return Err(self.error.unwrap_or(NativeError::Stopped));
         };
@@ -279,7 +304,12 @@ impl Search<'_> {
             chosen: best.rung,
             rungs: self.rungs,
         };
-        Ok((Rc::unwrap_or_clone(best.run), uncertainty))
+        let run = match best.sparse {
+            None => Rc::unwrap_or_clone(best.run),
+            // The ladder ended at its foot: whoever asked wants all samples.
+            Some(plan) => native::run_within(&plan.applied(self.gearbox)?, plan.limits(), watch)?,
+        };
+        Ok((run, uncertainty))
     }
 }
 
@@ -293,6 +323,8 @@ struct Ladder {
     cost: f64,
     /// Least and most of a refinement.
     factors: (f64, f64),
+    /// Share of the tolerance that no distance shows: at rest all runs see the same contact begin in the same step.
+    blind: f64,
 }
 
 impl Ladder {
@@ -304,12 +336,21 @@ impl Ladder {
                 order: 1.0,
                 cost: 0.5,
                 factors: (4.0, 64.0),
+                blind: 0.0,
             },
             (true, "rodas5p") => Self {
                 first: COARSER_ROSENBROCK,
                 order: 0.9,
                 cost: 0.2,
                 factors: (10.0, 100.0),
+                blind: 0.0,
+            },
+            (true, EXPONENTIAL) => Self {
+                first: 10.0,
+                order: 0.9,
+                cost: 0.3,
+                factors: (10.0, 100.0),
+                blind: 1.0,
             },
             // Where friction sets the steps, tolerances change them little, and the error no more: measured on
             // `paper-friction` between 1e-7 and 1e-9, 5 in the driver's torque.
@@ -318,12 +359,14 @@ impl Ladder {
                 order: 0.45,
                 cost: 0.2,
                 factors: (10.0, 100.0),
+                blind: 0.0,
             },
             (true, _) => Self {
                 first: 10.0,
                 order: 0.9,
                 cost: 0.2,
                 factors: (10.0, 100.0),
+                blind: 0.0,
             },
             // Kinks leave two orders, friction's switches one and a half, points one.
             (false, _) => Self {
@@ -331,6 +374,7 @@ impl Ladder {
                 order: 1.0,
                 cost: 1.0,
                 factors: (2.0, 8.0),
+                blind: 0.0,
             },
         }
     }

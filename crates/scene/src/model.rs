@@ -230,7 +230,7 @@ pub enum Stabilisation {
 pub struct Solver {
     /// Which equations are integrated.
     pub formulation: Formulation,
-    /// Name of the integrator (`rk2`, `rk2-midpoint`, `rk4`, ...).
+    /// Name of the integrator (`rk2`, `rk4`, `etd-adams`, ...).
     pub integrator: String,
     /// Step of fixed-step methods, s.
     pub step_s: f64,

@@ -1,4 +1,4 @@
-//! What accuracy costs: the scene by every engine and method, published mechanisms, and cost against size.
+//! What accuracy costs: the scene by every engine and method, published mechanisms, cost against size, and gears a second.
 
 use std::path::Path;
 
@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::control::Control;
 use crate::output::{OutputError, write_with};
+use crate::precision::batch::{self, Batch};
 use crate::precision::mechanisms::{self, MechanismStudy};
 use crate::precision::scaling::{self, Scaling};
 use crate::precision::{self, Options, Ranking, WorkPrecision};
@@ -23,6 +24,8 @@ pub enum Part {
     Scaling,
     /// Error against cost on published mechanisms.
     Mechanisms,
+    /// Gears a second and core.
+    Batch,
 }
 
 /// Everything measured.
@@ -36,6 +39,8 @@ pub struct Outcome {
     pub scaling: Option<Scaling>,
     /// Published mechanisms.
     pub mechanisms: Option<Vec<MechanismStudy>>,
+    /// Gears a second.
+    pub batch: Option<Batch>,
     /// Names of the engines, and what each is unlike.
     pub unequal: Vec<(String, String)>,
     /// False if the measurement was stopped; what had been measured until then is there.
@@ -56,6 +61,8 @@ struct Found<'a> {
     scaling: Option<&'a Scaling>,
     #[serde(skip_serializing_if = "Option::is_none")]
     mechanisms: Option<&'a [MechanismStudy]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    batch: Option<&'a Batch>,
 }
 
 /// The engines named (`native` stands for both its forms); without names both native forms and the peers that solve
@@ -119,6 +126,7 @@ pub fn run(
         study: None,
         scaling: None,
         mechanisms: None,
+        batch: None,
         unequal: engines
             .iter()
             .map(|engine| (engine.name().to_owned(), engine.differences().to_owned()))
@@ -136,6 +144,13 @@ pub fn run(
         match scaling::run(control) {
             Ok(scaling) => found.scaling = Some(scaling),
             // What was measured before is worth keeping.
+            Err(StudyError::Cancelled) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    if asked(Part::Batch) {
+        match batch::run(scene, options, control) {
+            Ok(batch) => found.batch = Some(batch),
             Err(StudyError::Cancelled) => {}
             Err(error) => return Err(error),
         }
@@ -162,7 +177,7 @@ impl Outcome {
         rankings
     }
 
-    /// Writes `summary.json`, `bench.csv`, `scaling.csv` and `mechanisms.csv` of what was measured into the folder `dir`.
+    /// Writes `summary.json`, `bench.csv`, `scaling.csv`, `mechanisms.csv` and `batch.csv` of what was measured into the folder `dir`.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -178,6 +193,9 @@ impl Outcome {
                 mechanisms::write_csv(found, sink)
             })?;
         }
+        if let Some(found) = &self.batch {
+            write_with(dir, "batch.csv", |sink| batch::write_csv(found, sink))?;
+        }
         let rankings = self.rankings();
         let found = Found {
             complete: self.complete,
@@ -186,6 +204,7 @@ impl Outcome {
             rankings: &rankings,
             scaling: self.scaling.as_ref(),
             mechanisms: self.mechanisms.as_deref(),
+            batch: self.batch.as_ref(),
         };
         Summary::new(made, found).write(dir)
     }

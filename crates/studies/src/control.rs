@@ -165,7 +165,9 @@ impl Control<'_> {
     pub(crate) fn complete(&self, scene: &Scene) -> Result<NativeRun, StudyError> {
         match self.run(scene)? {
             Ended::Whole(run) => Ok(*run),
-            Ended::Diverged { time_s, quantity } => Err(StudyError::Reference {
+            Ended::Diverged {
+                time_s, quantity, ..
+            } => Err(StudyError::Reference {
                 scene: scene.name.clone(),
                 reason: format!("diverged at t = {time_s:.6} s: {quantity}"),
             }),
@@ -194,8 +196,14 @@ pub(crate) fn run_compiled(
     match native::run(gearbox, watch) {
         Ok(run) => Ok(Ended::Whole(Box::new(run))),
         Err(NativeError::Diverged {
-            time_s, quantity, ..
-        }) => Ok(Ended::Diverged { time_s, quantity }),
+            time_s,
+            quantity,
+            partial,
+        }) => Ok(Ended::Diverged {
+            time_s,
+            quantity,
+            evaluations: partial.counts.evaluations,
+        }),
         Err(NativeError::Stopped) => Err(StudyError::Cancelled),
         Err(NativeError::Model(source)) => Err(of_scene(&gearbox.scene, source)),
         Err(NativeError::Courses(source)) => Err(StudyError::Courses(source)),
@@ -251,7 +259,15 @@ pub(crate) fn run_on(
             quantity,
             partial,
             ..
-        }) => Ok(Ok((Ended::Diverged { time_s, quantity }, partial.stats))),
+        }) => {
+            let evaluations = partial.stats.rhs_calls;
+            let ended = Ended::Diverged {
+                time_s,
+                quantity,
+                evaluations,
+            };
+            Ok(Ok((ended, partial.stats)))
+        }
         Err(EngineError::Cancelled) => Err(StudyError::Cancelled),
         Err(error @ (EngineError::Unsupported { .. } | EngineError::Failed { .. })) => {
             Ok(Err(error.to_string()))
@@ -262,7 +278,21 @@ pub(crate) fn run_on(
 /// How a run ended.
 pub(crate) enum Ended {
     Whole(Box<NativeRun>),
-    Diverged { time_s: f64, quantity: String },
+    Diverged {
+        time_s: f64,
+        quantity: String,
+        evaluations: u64,
+    },
+}
+
+impl Ended {
+    /// Of the forces.
+    pub(crate) fn evaluations(&self) -> u64 {
+        match self {
+            Self::Whole(run) => run.counts.evaluations,
+            Self::Diverged { evaluations, .. } => *evaluations,
+        }
+    }
 }
 
 #[cfg(test)]

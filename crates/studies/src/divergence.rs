@@ -107,7 +107,9 @@ pub fn horizon(
     for gearbox in [&still, &moved] {
         match run_compiled(gearbox, watch)? {
             Ended::Whole(run) => both.push(run.courses),
-            Ended::Diverged { time_s, quantity } => {
+            Ended::Diverged {
+                time_s, quantity, ..
+            } => {
                 found.refused = Some(format!("the run ends at t = {time_s:.4} s: {quantity}"));
                 return Ok(found);
             }

@@ -59,7 +59,9 @@ pub fn measure(scene: &Scene, control: &Control<'_>) -> Result<Vec<Drift>, Study
                     .zip(last_angle(&reduced))
                     .map(|(a, b)| a - b);
             }
-            Ended::Diverged { time_s, quantity } => {
+            Ended::Diverged {
+                time_s, quantity, ..
+            } => {
                 drift.failure = Some(format!("at t = {time_s:.4} s: {quantity}"));
             }
         }

@@ -149,7 +149,9 @@ pub fn run(
                     entry.level = Some(level(&courses));
                     entry.roughness = Some(roughness(&courses));
                 }
-                Ended::Diverged { time_s, quantity } => {
+                Ended::Diverged {
+                    time_s, quantity, ..
+                } => {
                     entry.failure = Some(format!("at t = {time_s:.4} s: {quantity}"));
                 }
             }
@@ -259,9 +261,9 @@ pub fn limit(
     );
     let fails = |damping: f64| -> Result<Option<String>, StudyError> {
         Ok(match at(damping)? {
-            Ended::Diverged { time_s, quantity } => {
-                Some(format!("at t = {time_s:.5} s: {quantity}"))
-            }
+            Ended::Diverged {
+                time_s, quantity, ..
+            } => Some(format!("at t = {time_s:.5} s: {quantity}")),
             Ended::Whole(run) => {
                 let ratio = level(&run.courses).peak_force_n / base.peak_force_n;
                 (!(ratio < 2.0)).then(|| format!("forces {ratio:.1} times as high"))

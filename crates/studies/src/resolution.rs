@@ -9,13 +9,12 @@
 //! A run by `auto` or by `native-resolved` brings its own verification ([`pinwheel_gearbox::resolve`]); this is for named methods.
 
 use pinwheel_courses::Courses;
-use pinwheel_gearbox::Distance;
+use pinwheel_gearbox::{Distance, Gearbox};
 use pinwheel_mbs::integrators::METHODS;
-use pinwheel_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
-use crate::control::{Ended, compile, run};
+use crate::control::{Ended, of_scene, run_compiled};
 
 /// Relative L2 distance to the coarser run beyond which a run is not resolved: its own error is then about 0.1 or more.
 /// Measured over the presets, 0.05 s at 1e-5 s: those within 0.1 of their converged run move by 0.25 at most
@@ -37,6 +36,8 @@ pub struct Resolution {
     pub most: f64,
     /// How the coarser run failed, after which the other one was finer.
     pub failure: Option<String>,
+    /// Evaluations of the forces that this took, as a share of those of the run itself.
+    pub cost: f64,
 }
 
 impl Resolution {
@@ -56,38 +57,50 @@ impl Resolution {
             ),
             None => format!("at {} the run fails too", self.other),
         };
+        let cost = format!("looking cost {:.2} of the run", self.cost);
         match &self.failure {
             Some(failure) => {
-                format!("coarser, the run fails ({failure}): it is near its limit; {shown}")
+                format!("coarser, the run fails ({failure}): it is near its limit; {shown}; {cost}")
             }
-            None => shown,
+            None => format!("{shown}; {cost}"),
         }
     }
 }
 
-/// Repeats the native run of `scene` that gave `courses`; `watch` receives the simulated time and returns
-/// true to stop. For named methods: a run by `auto` brings its own verification.
+/// Repeats the native run of `gearbox` that gave `courses` in `evaluations` of the forces, seeing every other sample; `watch`
+/// receives the simulated time and returns true to stop. For named methods: a run by `auto` brings its own verification.
 ///
 /// # Errors
 /// Cancelled, or a scene that cannot be modelled.
 pub fn check(
-    scene: &Scene,
-    courses: &Courses,
+    gearbox: &Gearbox,
+    (courses, evaluations): (&Courses, u64),
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Resolution, StudyError> {
-    let gearbox = compile(scene)?;
-    let (coarse, other) = refined(scene, 0.5);
-    match run(&coarse, watch)? {
-        Ended::Whole(coarser) => Ok(Resolution {
+    let mut spent = 0;
+    let mut again = |factor: f64| {
+        let (other, words) = refined(gearbox, factor)?;
+        let found = run_compiled(&other, watch)?;
+        spent += found.evaluations();
+        Ok::<_, StudyError>((found, words, spent as f64 / evaluations.max(1) as f64))
+    };
+    match again(0.5)? {
+        (Ended::Whole(coarser), other, cost) => Ok(Resolution {
             other,
-            moved: Some(Distance::between(&gearbox, &coarser.courses, courses)),
+            moved: Some(Distance::between(gearbox, &coarser.courses, courses)),
             most: MOST,
             failure: None,
+            cost,
         }),
-        Ended::Diverged { time_s, quantity } => {
-            let (fine, other) = refined(scene, 2.0);
-            let moved = match run(&fine, watch)? {
-                Ended::Whole(finer) => Some(Distance::between(&gearbox, courses, &finer.courses)),
+        (
+            Ended::Diverged {
+                time_s, quantity, ..
+            },
+            ..,
+        ) => {
+            let (fine, other, cost) = again(2.0)?;
+            let moved = match fine {
+                Ended::Whole(finer) => Some(Distance::between(gearbox, courses, &finer.courses)),
                 Ended::Diverged { .. } => None,
             };
             Ok(Resolution {
@@ -95,24 +108,33 @@ pub fn check(
                 moved,
                 most: MOST_TO_FINER,
                 failure: Some(format!("t = {time_s:.4} s: {quantity}")),
+                cost,
             })
         }
     }
 }
 
-/// The scene at a step `factor` times finer, or at a tolerance ten times finer (coarser where `factor` is below 1).
-fn refined(scene: &Scene, factor: f64) -> (Scene, String) {
-    let mut other = scene.clone();
-    let solver = &mut other.solver;
-    let adaptive = METHODS
-        .iter()
-        .any(|m| m.name == solver.integrator && m.adaptive);
+/// The gearbox at a step `factor` times finer, or at a tolerance ten times finer (coarser where `factor` is below 1), and then half
+/// of its samples. Its start is not computed again.
+fn refined(gearbox: &Gearbox, factor: f64) -> Result<(Gearbox, String), StudyError> {
+    let name = &gearbox.scene.solver.integrator;
+    let adaptive = METHODS.iter().any(|m| m.name == name && m.adaptive);
+    let other = gearbox.with_solver(|solver| {
+        if adaptive {
+            solver.tolerance /= if factor > 1.0 { 10.0 } else { 0.1 };
+        } else {
+            solver.step_s /= factor;
+        }
+        if factor < 1.0 && 4.0 * solver.sample_s <= solver.duration_s {
+            solver.sample_s *= 2.0;
+        }
+    });
+    let other = other.map_err(|fault| of_scene(&gearbox.scene, fault.into()))?;
+    let solver = &other.scene.solver;
     let words = if adaptive {
-        solver.tolerance /= if factor > 1.0 { 10.0 } else { 0.1 };
         format!("a tolerance of {:.0e}", solver.tolerance)
     } else {
-        solver.step_s /= factor;
         format!("a step of {:e} s", solver.step_s)
     };
-    (other, words)
+    Ok((other, words))
 }

@@ -1,6 +1,6 @@
 //! Points spread over the unit cube.
 
-use crate::calibration::gears::Dice;
+use crate::dice::Dice;
 
 /// One coordinate of a Latin hypercube (McKay, Beckman, Conover 1979): a value in each of `count` equal parts of 0 to 1, in
 /// an order of its own.

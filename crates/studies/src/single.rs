@@ -11,7 +11,7 @@ use pinwheel_scene::{Assumption, CheckedScene, Formulation, Scene, assumptions};
 use serde::Serialize;
 
 use crate::StudyError;
-use crate::control::{Control, Progress};
+use crate::control::{Control, Progress, of_scene};
 use crate::output::{OutputError, write_json};
 use crate::provenance::{Machine, Provenance};
 use crate::resolution::{self, Resolution};
@@ -117,7 +117,7 @@ pub fn run(
     };
     // What verified itself needs no second look.
     let resolution = if ending == Ending::Finished && checked && run.uncertainty.is_none() {
-        check(engine, scene, &run.courses, control)?
+        check(engine, gearbox, &run, control)?
     } else {
         None
     };
@@ -135,20 +135,21 @@ pub fn run(
 /// What a native run shows at twice its step. The resolved engine has no step of the scene's.
 fn check(
     engine: &dyn Engine,
-    scene: &CheckedScene,
-    courses: &Courses,
+    gearbox: &Gearbox,
+    run: &Run,
     control: &Control<'_>,
 ) -> Result<Option<Resolution>, StudyError> {
-    let mut scene = scene.clone().into_scene();
-    scene.solver.formulation = match engine.name() {
+    let formulation = match engine.name() {
         "native-reduced" => Formulation::Reduced,
         "native-lagrange" => Formulation::Lagrange,
         _ => return Ok(None),
     };
     debug_assert_eq!(engine.track(), Track::Native);
+    let formed = gearbox.with_solver(|solver| solver.formulation = formulation);
+    let formed = formed.map_err(|fault| of_scene(&gearbox.scene, fault.into()))?;
     let label = format!("{} once more, coarser", engine.name());
-    let mut watch = control.watch(&scene, Progress::new(0, 1, &label));
-    match resolution::check(&scene, courses, &mut watch) {
+    let mut watch = control.watch(&formed.scene, Progress::new(0, 1, &label));
+    match resolution::check(&formed, (&run.courses, run.stats.rhs_calls), &mut watch) {
         Ok(found) => Ok(Some(found)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
         Err(error) => Err(StudyError::Unrepeated(Box::new(error))),

@@ -97,12 +97,21 @@ fn hard_unresolved_runs_are_told() {
         let scene = scene(name, sets);
         let gearbox = pinwheel_gearbox::Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         let run = pinwheel_gearbox::native::run(&gearbox, &mut |_| false).unwrap();
-        resolution::check(&scene, &run.courses, &mut |_| false).unwrap()
+        resolution::check(
+            &gearbox,
+            (&run.courses, run.counts.evaluations),
+            &mut |_| false,
+        )
+        .unwrap()
     };
     let fine = at("paper", &["solver.duration_s=0.05"]);
     assert!(
         fine.holds() && fine.moved.unwrap().forces > 1e-3,
         "{fine:?}"
+    );
+    assert!(
+        (fine.cost - 0.5).abs() < 0.02,
+        "half of the steps: {fine:?}"
     );
     let open = at("hard-all-open", &[]);
     assert!(!open.holds(), "{open:?}");

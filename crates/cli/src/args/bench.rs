@@ -54,4 +54,9 @@ const PARTS: &[Named<Part>] = &[
         "error against cost on published mechanisms",
         Part::Mechanisms,
     ),
+    (
+        "batch",
+        "gears a second and core, as in a sweep",
+        Part::Batch,
+    ),
 ];

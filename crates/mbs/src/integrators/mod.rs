@@ -45,7 +45,6 @@ mod heun;
 mod imex;
 mod imex_adaptive;
 mod legs;
-mod midpoint;
 mod rk4;
 mod rodas5p;
 mod rodas5p_coefficients;
@@ -161,7 +160,6 @@ macro_rules! methods {
 
 methods! { |settings, t, y|
     heun => FixedStep::new(&heun::TABLEAU, settings.step, t, y),
-    midpoint => FixedStep::new(&midpoint::TABLEAU, settings.step, t, y),
     rk4 => FixedStep::new(&rk4::TABLEAU, settings.step, t, y),
     dopri5 => Dopri5::new(settings.step, settings.tolerance, t, y),
     dop853 => Dop853::new(settings.step, settings.tolerance, t, y),

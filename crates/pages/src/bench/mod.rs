@@ -1,4 +1,4 @@
-//! The page of `pinwheel bench`: headline, then scene, mechanisms and scaling.
+//! The page of `pinwheel bench`: headline, then scene, mechanisms, scaling and batch.
 
 use pinwheel_report::format::{limit, relative, seconds, significant};
 use pinwheel_report::study::{Block, Section, Study, Tile, Verdict, render};
@@ -9,6 +9,7 @@ use pinwheel_studies::bench::Outcome as Measured;
 
 use crate::PageError;
 
+mod batch;
 mod figures;
 mod mechanisms;
 mod scaling;
@@ -51,6 +52,9 @@ pub fn page(measured: &Measured, made: &Provenance) -> Result<String, PageError>
     if let Some(found) = &measured.scaling {
         study.sections.push(scaling::section(found));
     }
+    if let Some(found) = &measured.batch {
+        study.sections.push(batch::section(found));
+    }
     if !measured.complete {
         study.sections.insert(
             0,
@@ -71,7 +75,8 @@ pub fn page(measured: &Measured, made: &Provenance) -> Result<String, PageError>
 fn lead(measured: &Measured) -> String {
     let scene = &measured.scene;
     if measured.study.is_none() {
-        return "What integrators cost on published mechanisms, and how the cost grows with the gear.".to_owned();
+        return "What integrators cost on published mechanisms, how the cost grows with the gear, and how many gears a second a core \
+             gets through.".to_owned();
     }
     format!(
         "What accuracy costs: every engine, integrator and step on the scene {} over {} s, against a converged run. \

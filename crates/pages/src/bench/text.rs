@@ -61,6 +61,14 @@ pub fn text(measured: &Outcome) -> String {
             fit.exponent
         ));
     }
+    for method in measured.batch.iter().flat_map(|batch| &batch.methods) {
+        text.push_str(&format!(
+            "batch by {}: {:.0} gears a second and core, set-up {:.1} % of a run\n",
+            method.method,
+            method.gears_per_s,
+            100.0 * method.set_up_share()
+        ));
+    }
     text
 }
 

@@ -80,13 +80,6 @@ choice!(
     "solver.step_s" = "1e-5"
 );
 choice!(
-    MIDPOINT,
-    "reduced-rk2-midpoint",
-    "reduced",
-    "rk2-midpoint",
-    "solver.step_s" = "1e-5"
-);
-choice!(
     RK4,
     "reduced-rk4",
     "reduced",
@@ -201,7 +194,6 @@ pub const SCENES: &[SceneCase] = &[
         "paper",
         &[
             RK2,
-            MIDPOINT,
             RK4,
             DOPRI5,
             ETD,
@@ -297,7 +289,7 @@ pub const SCENES: &[SceneCase] = &[
     ),
     scene!(
         "hard-load-reversal",
-        &[RK4, DOPRI5],
+        &[RK4, DOPRI5, ETD],
         "all contacts open at once, and strike"
     ),
     scene!("hard-load-reversed", &[RK4, DOPRI5], "the other flanks"),

@@ -80,7 +80,9 @@ fn run_solver(job: &Job, solver: &str, cancel: &AtomicBool) -> Result<Outcome, S
         };
         let run = match ended {
             Ended::Whole(run) => run,
-            Ended::Diverged { time_s, quantity } => {
+            Ended::Diverged {
+                time_s, quantity, ..
+            } => {
                 return Ok(Err(format!("diverged at t = {time_s:.6} s: {quantity}")));
             }
         };

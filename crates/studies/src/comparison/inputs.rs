@@ -11,6 +11,7 @@ use pinwheel_scene::CheckedScene;
 
 use crate::StudyError;
 use crate::control::{Control, Progress};
+use crate::dice::Dice;
 use crate::sampling::hypercube;
 
 /// Keys that are moved one at a time.

@@ -239,7 +239,7 @@ impl<'a> Engines<'a> {
     fn coarser(&self, value: f64) -> Vec<f64> {
         let (Knob::Step(_), solver) = (&self.knob, &self.gearbox.scene.solver) else {
             // The resolved form is dear, and its error small: its rungs are further apart.
-            let smooth = solver_of(&self.gearbox) == "dopri5";
+            let smooth = matches!(solver_of(&self.gearbox), "dopri5" | "etd-adams");
             let factor = match solver_of(&self.gearbox) {
                 // Looser than 1e-5 it does not land on the friction's ramp.
                 "rodas5p" => 10_f64.sqrt(),
@@ -288,6 +288,8 @@ impl<'a> Engines<'a> {
     fn left(&self, value: f64) -> f64 {
         match self.knob {
             Knob::Step(_) => self.floor,
+            // Its steps end at samples, of which all runs of a ladder have the same.
+            Knob::Tolerance if solver_of(&self.gearbox) == "etd-adams" => value,
             Knob::Tolerance => self.floor.max(STABLE * value),
         }
     }

@@ -4,6 +4,7 @@
 //! with a [`Point`] a setting (errors by window, CPU time, right-hand-side calls), and what a given
 //! error costs each ([`WorkPrecision::ranking`]).
 
+pub mod batch;
 pub mod front;
 mod ladder;
 pub mod mechanisms;

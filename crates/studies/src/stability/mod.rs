@@ -256,6 +256,7 @@ fn cell(
             |reason| Ended::Diverged {
                 time_s: 0.0,
                 quantity: reason,
+                evaluations: 0,
             },
             |(ended, _)| ended,
         ))

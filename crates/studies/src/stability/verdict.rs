@@ -115,7 +115,9 @@ impl Judge<'_> {
     /// `None`: the right picture.
     pub(super) fn failure(&self, ended: &Ended) -> Option<Failure> {
         let run = match ended {
-            Ended::Diverged { time_s, quantity } => {
+            Ended::Diverged {
+                time_s, quantity, ..
+            } => {
                 return Some(Failure::BlowUp {
                     time_s: *time_s,
                     quantity: quantity.clone(),

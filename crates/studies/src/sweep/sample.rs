@@ -9,7 +9,7 @@ use toml_edit::{TableLike, Value as Toml};
 use pinwheel_scene::{CheckedScene, nearest};
 
 use super::axis::{Axis, Value};
-use crate::calibration::gears::Dice;
+use crate::dice::Dice;
 use crate::sampling::hypercube;
 
 /// Points of a sample at most, and keys of a Sobol sequence: what the library's direction numbers reach.

@@ -378,7 +378,7 @@ fn first_order(column: &[f64], of: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibration::gears::Dice;
+    use crate::dice::Dice;
 
     /// Figures whose indices are known: y = 3 a + b, and y = a^2, which no straight line sees, of uniform a and b.
     #[test]
