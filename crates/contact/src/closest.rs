@@ -22,12 +22,12 @@ const TANGENTIAL_TOLERANCE: f64 = 1.5e-8;
 const MAX_STEPS: usize = 12;
 
 /// Newton steps towards the point of the curve on a ray.
-pub(crate) const RAY_STEPS: usize = 3;
+const RAY_STEPS: usize = 3;
 /// What a point must lie beyond the curve to be outside for certain, relative to R.
-pub(crate) const RAY_MARGIN: f64 = 1e-12;
+const RAY_MARGIN: f64 = 1e-12;
 /// How near the ray those steps must have come, relative to the distance of P: the bound of the radius is proved there
 /// (the steepest slope is at least 1e-3), and far from the ray it would be wrong.
-pub(crate) const RAY_BESIDE: f64 = 1e-3;
+const RAY_BESIDE: f64 = 1e-3;
 
 /// Result of the local search.
 enum Local {

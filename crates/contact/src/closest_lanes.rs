@@ -1,59 +1,128 @@
 //! The closest-point search of [`closest`](crate::Epitrochoid::penetrating_foot) for several points at once.
 //!
-//! The same Newton steps and the same certificates, lane by lane; all lanes step until the last has
-//! converged. A lane that Newton cannot settle is handed to the scalar search, so the result is the
-//! scalar one up to rounding.
+//! A point P is seen from C(a0), a0 near its foot, in directions turned by a0 and in units of R: with q the offset,
+//! E = e^{i zs a0}, and for a = a0 + d
+//!
+//! ```text
+//! T1 = e^{id},  T2 = m E e^{i zk d},  T = T1 + T2,  r = q - (T1 - 1) - (T2 - m E)/zk     C' = R i T,  r = P - C
+//! f(d) = T x r = 0                        the foot: three sinusoids, whose n-th derivative is (g = |T|^2)
+//! -f'  = g + r.T1 + zk r.T2,    f'' = 3 zs T1 x T2 - T1 x r - zk^2 T2 x r
+//! f^(n)(0) =  +-(lobe's constants, times m cos zs a0 or m sin zs a0)  +- (zk^n m) q.E or q.iE      for n >= 3
+//! ```
+//! The Taylor series of f is reversed to fifth order, which leaves of a usual offset nothing that a single step of third
+//! order (Halley's, by f'') would not take away. Its own error tells whether it was the last: twice (f''/2f')^2 d^3, and
+//! f''' d^3/6f'. Offsets are small against R, so that nothing of their digits is lost to the radius.
+//!
+//! Certificates are those of the scalar search. The outside one is tabulated by phase into one number: a ball that touches
+//! C(a) from outside may have the radius rho(a), and P is outside where `H |r|^2 < r.T`, `H = max sqrt(g)/(2 rho)` over the
+//! curve. A lane that the steps cannot settle is handed to the scalar search, so the result is the scalar one up to rounding.
 
+use pinwheel_faults::{Fault, factor};
 use pulp::Simd;
 
-use crate::Epitrochoid;
-use crate::closest::{RAY_BESIDE, RAY_MARGIN, RAY_STEPS};
 use crate::lanes::{ComplexLanes, Lanes, Mask};
+use crate::{Complex, Epitrochoid};
 
 /// Feet of several points; where `inside` is not set the values hold no meaning.
 #[derive(Debug, Clone, Copy)]
 pub struct FeetLanes<S: Simd> {
-    /// Set where the point lies inside the curve.
-    pub inside: Mask<S>,
     /// C at the foot, m.
     pub position: ComplexLanes<S>,
     /// Outward unit normal.
     pub normal: ComplexLanes<S>,
+    /// All that does not depend on the directions.
+    pub foot: LocalFeet<S>,
+}
+
+/// Feet seen from C(a0) in directions turned by a0; where `inside` is not set the values hold no meaning.
+#[derive(Debug, Clone, Copy)]
+pub struct LocalFeet<S: Simd> {
+    /// Set where the point lies inside the curve.
+    pub inside: Mask<S>,
     /// Depth below the curve, m (> 0 where inside).
     pub depth: Lanes<S>,
+    /// Outward normal times sqrt(g): T.
+    pub outward: ComplexLanes<S>,
+    /// e^{i(a - a0)}.
+    pub turn: ComplexLanes<S>,
+    /// m cos(zs a).
+    pub cos: Lanes<S>,
+    /// m sin(zs a).
+    pub sin: Lanes<S>,
+    /// 1/sqrt(g), g = 1 + m^2 + 2 m cos(zs a).
+    pub inverse: Lanes<S>,
     /// kappa, 1/m.
     pub curvature: Lanes<S>,
 }
 
-/// Largest |da| for which the long series of e^{i da} is exact to rounding.
-const SERIES_LIMIT: f64 = 0.125;
-/// Same for the short one, which then serves e^{i zk da} as well.
-const SHORT_LIMIT: f64 = 2e-3;
-/// Lanes whose tangential residual is below this share of R, or less on sharp curves, take one more step and are done.
-const TANGENTIAL_TOLERANCE: f64 = 4e-9;
+/// Longest step, as zk d: the series of e^{i zk d} is exact to rounding up to here.
+const LONGEST: f64 = 0.3;
+/// The same for the short series of the last step.
+const LAST: f64 = 4e-3;
+/// What a last step may leave, as zk d.
+const SETTLED: f64 = 1e-14;
 const MAX_STEPS: usize = 8;
 
-/// The curve at several parameters.
-struct AtLanes<S: Simd> {
-    position: ComplexLanes<S>,
-    normal: ComplexLanes<S>,
-    /// R over the speed.
-    inverse: Lanes<S>,
-    curvature: Lanes<S>,
+/// Coefficients of (1 - cos x)/x^2 and of sin x/x in x^2, alternating, highest first.
+const COS: [f64; 5] = [
+    1.0 / 3_628_800.0,
+    1.0 / 40_320.0,
+    1.0 / 720.0,
+    1.0 / 24.0,
+    0.5,
+];
+const SIN: [f64; 6] = [
+    1.0 / 39_916_800.0,
+    1.0 / 362_880.0,
+    1.0 / 5_040.0,
+    1.0 / 120.0,
+    1.0 / 6.0,
+    1.0,
+];
+
+/// What the search needs of a curve, in units of R.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Search {
+    zk: f64,
+    /// m.
+    shortening: f64,
+    /// H.
+    pub(crate) repulsion: f64,
+    /// Of -f^(n)(0)/(n! zk^(n-1)) for n = 2 to 5: the constant and the factor of m cos or m sin.
+    series: [[f64; 2]; 4],
+    /// Bound of |f'''|/(6 zk^2), for small r.
+    third: f64,
 }
 
-/// The same without a square root or a division: what Newton's steps need.
-struct RoughLanes<S: Simd> {
-    position: ComplexLanes<S>,
-    /// N = n sqrt(g).
-    outward: ComplexLanes<S>,
-    /// g = |N|^2, the square of the speed in units of R.
-    square: Lanes<S>,
-    /// kappa g^{3/2}.
-    bend: Lanes<S>,
+impl Search {
+    pub(crate) fn new(sleeves: u32, m: f64, repulsion: f64) -> Self {
+        let zk = f64::from(sleeves);
+        let zs = zk - 1.0;
+        Self {
+            zk,
+            shortening: m,
+            repulsion,
+            series: [
+                [0.0, -1.5 * zs / zk],
+                [
+                    -(1.0 + m * m * zk * zk) / (6.0 * zk * zk),
+                    -(1.0 + zk.powi(4) - zs.powi(4)) / (6.0 * zk.powi(3)),
+                ],
+                [
+                    0.0,
+                    (zk.powi(5) - zs.powi(5) - 1.0) / (24.0 * zk.powi(4)),
+                ],
+                [
+                    (1.0 + m * m * zk.powi(4)) / (120.0 * zk.powi(4)),
+                    (1.0 + zk.powi(6) - zs.powi(6)) / (120.0 * zk.powi(5)),
+                ],
+            ],
+            third: (m * m + 4.0 * m + 1.0 / (zk * zk)) / 6.0,
+        }
+    }
 }
 
-/// 1 - x^2/2 + ..., given the Taylor coefficients of the alternating series in x^2, highest first.
+/// Sum of an alternating series in x^2, coefficients highest first.
 #[inline(always)]
 fn alternating<S: Simd>(x2: Lanes<S>, coefficients: &[f64]) -> Lanes<S> {
     let mut sum = x2.like(coefficients[0]);
@@ -63,78 +132,37 @@ fn alternating<S: Simd>(x2: Lanes<S>, coefficients: &[f64]) -> Lanes<S> {
     sum
 }
 
-/// e^{i x} for |x| <= [`SERIES_LIMIT`].
+/// e^{ix} - 1 by the last terms of the series.
 #[inline(always)]
-fn turn_by<S: Simd>(x: Lanes<S>) -> ComplexLanes<S> {
+fn turned_by<S: Simd>(x: Lanes<S>, terms: usize) -> ComplexLanes<S> {
     let x2 = x * x;
-    let cos = alternating(
-        x2,
-        &[
-            1.0 / 3_628_800.0,
-            1.0 / 40_320.0,
-            1.0 / 720.0,
-            1.0 / 24.0,
-            0.5,
-            1.0,
-        ],
-    );
-    let sin = alternating(
-        x2,
-        &[
-            1.0 / 39_916_800.0,
-            1.0 / 362_880.0,
-            1.0 / 5_040.0,
-            1.0 / 120.0,
-            1.0 / 6.0,
-            1.0,
-        ],
-    );
-    ComplexLanes::new(cos, x * sin)
+    let cos = alternating(x2, &COS[COS.len() - terms..]);
+    let sin = alternating(x2, &SIN[SIN.len() - terms - 1..]);
+    ComplexLanes::new(-(x2 * cos), x * sin)
 }
 
-/// e^{i x} for |x| <= [`SHORT_LIMIT`].
-#[inline(always)]
-fn turn_by_little<S: Simd>(x: Lanes<S>) -> ComplexLanes<S> {
-    let x2 = x * x;
-    let cos = alternating(x2, &[1.0 / 24.0, 0.5, 1.0]);
-    let sin = alternating(x2, &[1.0 / 120.0, 1.0 / 6.0, 1.0]);
-    ComplexLanes::new(cos, x * sin)
+/// T1, T2 and r.
+#[derive(Clone, Copy)]
+struct Pose<S: Simd> {
+    turn: ComplexLanes<S>,
+    lobe: ComplexLanes<S>,
+    offset: ComplexLanes<S>,
+}
+
+impl<S: Simd> Pose<S> {
+    /// Moves the foot on by `step` = zk d.
+    #[inline(always)]
+    fn step(&mut self, step: Lanes<S>, zk: f64, terms: usize) {
+        let share = step.like(1.0 / zk);
+        let turn = self.turn * turned_by(step * share, terms);
+        let lobe = self.lobe * turned_by(step, terms);
+        self.turn = self.turn + turn;
+        self.lobe = self.lobe + lobe;
+        self.offset = self.offset - turn - lobe.scale(share);
+    }
 }
 
 impl Epitrochoid {
-    #[inline(always)]
-    fn rough_lanes<S: Simd>(
-        &self,
-        unit: ComplexLanes<S>,
-        multiple: ComplexLanes<S>,
-    ) -> RoughLanes<S> {
-        let c = |x: f64| unit.re.like(x);
-        let (r, m, zk) = (self.pitch_radius, self.shortening, f64::from(self.sleeves));
-        let cos_lobe = unit.dot(multiple);
-        RoughLanes {
-            position: multiple.scale_add(c(self.eccentricity), unit.scale(c(r))),
-            outward: multiple.scale_add(c(m), unit),
-            square: cos_lobe.mul_add(c(2.0 * m), c(1.0 + m * m)),
-            bend: cos_lobe.mul_add(c(m * (1.0 + zk) / r), c((1.0 + m * m * zk) / r)),
-        }
-    }
-
-    #[inline(always)]
-    fn refined<S: Simd>(&self, rough: &RoughLanes<S>) -> AtLanes<S> {
-        let inverse = rough.square.sqrt().recip();
-        AtLanes {
-            position: rough.position,
-            normal: rough.outward.scale(inverse),
-            inverse,
-            curvature: rough.bend * (inverse * inverse * inverse),
-        }
-    }
-
-    #[inline(always)]
-    fn at_lanes<S: Simd>(&self, unit: ComplexLanes<S>, multiple: ComplexLanes<S>) -> AtLanes<S> {
-        self.refined(&self.rough_lanes(unit, multiple))
-    }
-
     /// Feet of the points `p` that lie inside the curve, searched from e^{ia} = `unit` and
     /// e^{i zk a} = `multiple` (common to all lanes). Lanes that are not `present` are never inside.
     #[must_use]
@@ -147,112 +175,134 @@ impl Epitrochoid {
         present: Mask<S>,
     ) -> FeetLanes<S> {
         let c = |x: f64| p.re.like(x);
-        let (mut u, mut v) = (unit, multiple);
-        let tolerance = TANGENTIAL_TOLERANCE * self.settling * self.pitch_radius;
-        let short = c(SHORT_LIMIT / f64::from(self.sleeves));
-        let zk = c(f64::from(self.sleeves));
-        let zero = c(0.0);
-        // Lanes still looking for their foot, and those Newton gave up: no lane is ever both.
-        let mut open = present;
-        let mut lost = present.without(present);
-        // Lanes whose last step began too far from the foot to end at it.
-        let mut far = present;
-        let mut last_step = pinwheel_faults::armed(pinwheel_faults::Fault::StaleFoot);
-        let mut steps = 0;
-        // s and t are r.n and r.(i n); the loop has both times sqrt(g) and compares squares.
-        let (rough, big_s) = loop {
-            let rough = self.rough_lanes(u, v);
-            let g = rough.square;
-            let r = p - rough.position;
-            let big_s = r.dot(rough.outward);
-            // |r|^2 < 2 reach s.
-            let (distance, reach) = (r.dot(r), c(2.0 * self.reach_outside) * big_s);
-            let outside = zero
-                .less(big_s)
-                .and((distance * distance * g).less(reach * reach));
-            open = open.without(outside);
-            if last_step || steps == MAX_STEPS || !open.any() {
-                if !last_step {
-                    lost = lost.or(open.and(far));
-                    open = open.without(far);
-                }
-                break (rough, big_s);
-            }
-            let big_t = r.dot(rough.outward.turned());
-            // da = t/(speed (1 + kappa s)), both sides of the fraction times g^2.
-            let g_square = g * g;
-            let slope = rough.bend.mul_add(big_s, g_square);
-            let da = big_t * g * (c(self.pitch_radius) * slope).recip();
-            // NaN fails both tests and is lost, too.
-            let fine = (c(0.05) * g_square)
-                .less(slope)
-                .and(da.abs().less(c(SERIES_LIMIT)));
-            lost = lost.or(open.without(fine));
-            open = open.and(fine);
-            let da = da.only(open);
-            if short.less(da.abs()).any() {
-                let turn = turn_by(da);
-                u = u * turn;
-                v = v * turn.powu(self.sleeves);
-            } else {
-                u = u * turn_by_little(da);
-                v = v * turn_by_little(zk * da);
-            }
-            far = (c(tolerance * tolerance) * g).less(big_t * big_t);
-            last_step = !open.and(far).any();
-            steps += 1;
-        };
-        let at = self.refined(&rough);
-        let s = big_s * at.inverse;
-        let certain = c(-self.reach_inside)
-            .less(s)
-            .and(s.less(c(self.reach_outside)));
-        lost = lost.or(open.without(certain));
-        let mut feet = FeetLanes {
-            inside: open.and(certain).and(s.less(c(0.0))),
-            position: at.position,
-            normal: at.normal,
-            depth: -s,
-            curvature: at.curvature,
-        };
-        if lost.any() {
-            lost = lost.without(self.outside_by_ray_lanes(p, unit, multiple));
+        let start = multiple.scale_add(c(self.eccentricity), unit.scale(c(self.pitch_radius)));
+        let offset = (p - start).times_conj(unit);
+        let foot = self.local_feet(
+            offset.scale(c(1.0 / self.pitch_radius)),
+            multiple.times_conj(unit),
+            present,
+        );
+        // C = R T1 + (e/m) T2, and e/m = R/zk.
+        let lobe = foot.outward - foot.turn;
+        let local = lobe.scale_add(c(1.0 / self.search.zk), foot.turn);
+        FeetLanes {
+            position: (local * unit).scale(c(self.pitch_radius)),
+            normal: (foot.outward * unit).scale(foot.inverse),
+            foot,
         }
-        if lost.any() {
-            self.find_lost(p, unit, multiple, lost, &mut feet);
-        }
-        feet
     }
 
-    /// Where the ray from the origin through `p` certainly leaves the curve before it reaches `p`; see
-    /// `outside_by_ray` of the scalar search.
+    /// The same of points at `offset` (in units of R) from C(a0), in directions turned by a0, with `phase` = e^{i zs a0}.
+    #[must_use]
     #[inline(always)]
-    fn outside_by_ray_lanes<S: Simd>(
+    pub fn local_feet<S: Simd>(
         &self,
-        p: ComplexLanes<S>,
-        unit: ComplexLanes<S>,
-        multiple: ComplexLanes<S>,
-    ) -> Mask<S> {
-        let c = |x: f64| p.re.like(x);
-        let radius = p.dot(p).sqrt();
-        let ray = p.scale(radius.recip());
-        let (mut u, mut v) = (unit, multiple);
-        let mut at = self.at_lanes(u, v);
-        for _ in 0..RAY_STEPS {
-            // The tangent is n turned; moving along it by w/(tangent x ray) brings C onto the ray.
-            let slope = at.normal.turned().cross(ray);
-            let da = -at.position.cross(ray) * at.inverse * (c(self.pitch_radius) * slope).recip();
-            let turn = turn_by(da.only(da.abs().less(c(SERIES_LIMIT))));
-            u = u * turn;
-            v = v * turn.powu(self.sleeves);
-            at = self.at_lanes(u, v);
+        offset: ComplexLanes<S>,
+        phase: ComplexLanes<S>,
+        present: Mask<S>,
+    ) -> LocalFeet<S> {
+        let Search {
+            zk,
+            shortening: m,
+            repulsion,
+            series: [second, third, fourth, fifth],
+            third: bend,
+        } = self.search;
+        let q = offset;
+        let c = |x: f64| q.re.like(x);
+        let lobe = phase.scale(c(m));
+        let (along, across) = (q.dot(lobe), lobe.cross(q));
+        let outside = (c(repulsion) * q.dot(q)).less(q.re + along);
+        let mut open = present.without(outside);
+
+        // -f' and the other derivatives at a0.
+        let (along, across) = (along * c(zk), across * c(zk));
+        let g = lobe.re.mul_add(c(2.0), c(1.0 + m * m));
+        let slope = g + q.re + along;
+        let mut fine = (c(0.05) * g).less(slope);
+        let inverse = slope.recip();
+        let x = q.im.mul_add(c(zk), across) * inverse;
+        let b2 = lobe.im.mul_add(c(second[1]), (across + q.im * c(1.0 / zk)) * c(0.5)) * inverse;
+        let b3 = lobe.re.mul_add(c(third[1]), c(third[0]) - along * c(1.0 / 6.0)) * inverse;
+        let b4 = lobe.im.mul_add(c(fourth[1]), -(across * c(1.0 / 24.0))) * inverse;
+        let b5 = lobe.re.mul_add(c(fifth[1]), along.mul_add(c(1.0 / 120.0), c(fifth[0]))) * inverse;
+        let squared = b2 * b2;
+        let c3 = squared.mul_add(c(2.0), -b3);
+        let c4 = b2.mul_add(b3.mul_add(c(5.0), squared * c(-5.0)), -b4);
+        let c5 = b2.mul_add(b4 * c(6.0), b3 * b3 * c(3.0)) - b5
+            + squared * squared.mul_add(c(14.0), b3 * c(-21.0));
+        let sum = x.mul_add(x.mul_add(x.mul_add(x.mul_add(c5, c4), c3), -b2), c(1.0));
+
+        let mut pose = Pose {
+            turn: ComplexLanes::new(c(1.0), c(0.0)),
+            lobe,
+            offset: q,
+        };
+        let moves = factor(Fault::StaleFoot, 0.0);
+        let mut lost = present.without(present);
+        let mut step = (x * sum * c(moves)).max(c(-LONGEST)).min(c(LONGEST));
+        let mut steps = 0;
+        loop {
+            lost = lost.or(open.without(fine));
+            open = open.and(fine);
+            pose.step(step.only(open), zk, COS.len());
+            let (turn, lobe, r) = (pose.turn, pose.lobe, pose.offset);
+            let (along, across) = (lobe.dot(r), lobe.cross(r));
+            let (height, beside) = (turn.dot(r), turn.cross(r));
+            open = open.without((c(repulsion) * r.dot(r)).less(height + along));
+            let g = turn.dot(lobe).mul_add(c(2.0), c(1.0 + m * m));
+            let slope = g + along.mul_add(c(zk), height);
+            fine = (c(0.05) * g).less(slope);
+            let inverse = slope.recip();
+            let first = (beside + across) * inverse * c(zk);
+            let bending = turn.cross(lobe) * c(1.5 * (zk - 1.0) / zk)
+                - across.mul_add(c(0.5 * zk), beside * c(0.5 / zk));
+            let share = bending * inverse * first;
+            step = share.mul_add(first, first) * c(moves);
+            let rest = (share * share).mul_add(c(2.0), first * first * inverse * c(bend));
+            let settled = (rest * first.abs())
+                .less(c(SETTLED))
+                .and(first.abs().less(c(LAST)));
+            steps += 1;
+            let unsettled = open.without(settled.and(fine));
+            if steps == MAX_STEPS {
+                lost = lost.or(unsettled);
+                open = open.without(unsettled);
+            }
+            if steps == MAX_STEPS || !unsettled.any() {
+                break;
+            }
+            step = step.max(c(-LONGEST)).min(c(LONGEST));
         }
-        let (along, beside) = (at.position.dot(ray), at.position.cross(ray).abs());
-        let margin = beside.mul_add(c(2.0 * self.steepest), c(RAY_MARGIN * self.pitch_radius));
-        (along + margin)
-            .less(radius)
-            .and(beside.less(c(RAY_BESIDE) * radius))
-            .and(c(0.0).less(along))
+        pose.step(step.only(open), zk, 2);
+
+        let height = (pose.turn + pose.lobe).dot(pose.offset);
+        let mut inside = open.and(height.less(c(0.0)));
+        // Beyond either reach the foot might not be the closest.
+        let r = pose.offset;
+        let near = c(-self.reach_inside / self.pitch_radius * (1.0 - m)).less(height);
+        let near = near.without(c(0.0).less(height).without((c(repulsion) * r.dot(r)).less(height)));
+        lost = lost.or(open.without(near));
+        if lost.any() {
+            self.find_lost(q, phase, lost, &mut pose, &mut inside);
+        }
+        let outward = pose.turn + pose.lobe;
+        let (cos, sin) = (pose.turn.dot(pose.lobe), pose.turn.cross(pose.lobe));
+        let inverse = cos.mul_add(c(2.0), c(1.0 + m * m)).sqrt().recip();
+        let bend = cos.mul_add(
+            c((1.0 + zk) / self.pitch_radius),
+            c((1.0 + m * m * zk) / self.pitch_radius),
+        );
+        LocalFeet {
+            inside,
+            depth: outward.dot(pose.offset) * inverse * c(-self.pitch_radius),
+            outward,
+            turn: pose.turn,
+            cos,
+            sin,
+            inverse,
+            curvature: bend * (inverse * inverse * inverse),
+        }
     }
 
     /// The scalar search for the lanes that need it.
@@ -260,23 +310,33 @@ impl Epitrochoid {
     #[inline(never)]
     fn find_lost<S: Simd>(
         &self,
-        p: ComplexLanes<S>,
-        unit: ComplexLanes<S>,
-        multiple: ComplexLanes<S>,
+        offset: ComplexLanes<S>,
+        phase: ComplexLanes<S>,
         lost: Mask<S>,
-        feet: &mut FeetLanes<S>,
+        pose: &mut Pose<S>,
+        inside: &mut Mask<S>,
     ) {
-        let mut inside = p.re.like(1.0).only(feet.inside);
+        let (r, zk) = (self.pitch_radius, self.search.zk);
+        let mut found = offset.re.like(1.0).only(*inside);
         for k in (0..Lanes::<S>::COUNT).filter(|&k| lost.lane(k)) {
-            inside.as_mut_slice()[k] = 0.0;
-            if let Some(foot) = self.penetrating_foot(p.lane(k), unit.lane(k), multiple.lane(k)) {
-                inside.as_mut_slice()[k] = 1.0;
-                feet.position.set_lane(k, foot.at.position);
-                feet.normal.set_lane(k, foot.at.normal);
-                feet.depth.as_mut_slice()[k] = -foot.distance;
-                feet.curvature.as_mut_slice()[k] = foot.at.curvature;
+            found.as_mut_slice()[k] = 0.0;
+            // Any a0 of this phase.
+            let phase = phase.lane(k);
+            let start = Complex::unit(phase.arg() / (zk - 1.0));
+            let local = Complex::ONE + phase.scale(self.shortening / zk) + offset.lane(k);
+            if let Some(foot) =
+                self.penetrating_foot((local * start).scale(r), start, start * phase)
+            {
+                found.as_mut_slice()[k] = 1.0;
+                let turn = foot.unit * start.conj();
+                let lobe = foot.unit.powu(self.sleeves) * start.conj();
+                let lobe = lobe.scale(self.shortening);
+                pose.turn.set_lane(k, turn);
+                pose.lobe.set_lane(k, lobe);
+                pose.offset
+                    .set_lane(k, local - turn - lobe.scale(1.0 / zk));
             }
         }
-        feet.inside = p.re.like(0.5).less(inside);
+        *inside = offset.re.like(0.5).less(found);
     }
 }

@@ -11,6 +11,7 @@
 //! smooth curve. kappa > 0 where C bulges outwards (lobe), < 0 in a pit.
 
 use crate::Complex;
+use crate::closest_lanes::Search;
 
 /// Why a curve cannot be made.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -78,6 +79,8 @@ pub struct Epitrochoid {
     pub(crate) steepest: f64,
     /// Share of the searches' tolerances that this curve needs, at most 1; see [`Epitrochoid::settling_share`].
     pub(crate) settling: f64,
+    /// What the search in lanes needs.
+    pub(crate) search: Search,
 }
 
 impl Epitrochoid {
@@ -104,8 +107,11 @@ impl Epitrochoid {
             reach_inside: 0.0,
             steepest: 0.0,
             settling: 1.0,
+            search: Search::default(),
         };
-        (curve.reach_outside, curve.reach_inside) = curve.reaches();
+        let repulsion;
+        (curve.reach_outside, curve.reach_inside, repulsion) = curve.reaches();
+        curve.search = Search::new(sleeves, shortening, repulsion * pitch_radius);
         curve.steepest = curve.steepest_slope();
         curve.settling = curve.settling_share();
         Ok(curve)
@@ -115,6 +121,13 @@ impl Epitrochoid {
     #[must_use]
     pub fn pitch_radius(&self) -> f64 {
         self.pitch_radius
+    }
+
+    /// H: a point P is outside for certain where `H |r|^2 < r.T` for any a, with `r = (P - C(a))/R` and
+    /// `T = e^{ia} + m e^{i zk a}`.
+    #[must_use]
+    pub fn repulsion(&self) -> f64 {
+        self.search.repulsion
     }
 
     /// zs = zk - 1.
@@ -221,11 +234,12 @@ impl Epitrochoid {
         (GENTLE / largest).sqrt().min(1.0)
     }
 
-    /// Reach of the curve to either side [Federer 1959]: inf |y - x|^2 / (2 |(y - x) . n_x|).
+    /// Reach of the curve to either side [Federer 1959]: inf |y - x|^2 / (2 |(y - x) . n_x|), outside and inside, m; and
+    /// the largest sqrt(g)/(2 rho) with rho the reach outside of a place, 1/m.
     ///
     /// Computed from samples of one lobe against the whole curve and lowered by the margin that
     /// the sampling needs; the curvature bound, which the samples approach last, is exact.
-    fn reaches(&self) -> (f64, f64) {
+    fn reaches(&self) -> (f64, f64, f64) {
         const PER_LOBE: u32 = 48;
         let lobes = self.lobes();
         // Far lobes only matter across the wheel; thinning them keeps huge gears cheap.
@@ -236,21 +250,28 @@ impl Epitrochoid {
             .map(|k| self.at(f64::from(k) * step).position)
             .collect();
         let (mut outside, mut inside) = (f64::INFINITY, f64::INFINITY);
+        let mut repulsion: f64 = 0.0;
         for k in 0..PER_LOBE {
             let x = self.at(f64::from(k) * step);
+            let mut here = 10.0 * self.pitch_radius;
+            if x.curvature < 0.0 {
+                here = here.min(-1.0 / x.curvature);
+            }
             for y in &others {
                 let chord = *y - x.position;
                 let height = chord.dot(x.normal);
                 let radius = chord.norm2() / (2.0 * height.abs());
                 if chord.norm2() > 0.0 && radius.is_finite() {
                     let side = if height > 0.0 {
-                        &mut outside
+                        &mut here
                     } else {
                         &mut inside
                     };
                     *side = side.min(radius);
                 }
             }
+            outside = outside.min(here);
+            repulsion = repulsion.max(x.speed / (2.0 * here * self.pitch_radius));
         }
         let sharpest_pit = -self.curvature(-1.0);
         if sharpest_pit > 0.0 {
@@ -258,7 +279,11 @@ impl Epitrochoid {
         }
         inside = inside.min(1.0 / self.largest_curvature());
         // A convex curve has no bound outside; keep it finite.
-        (0.9 * outside.min(10.0 * self.pitch_radius), 0.9 * inside)
+        (
+            0.9 * outside.min(10.0 * self.pitch_radius),
+            0.9 * inside,
+            repulsion / 0.9,
+        )
     }
 }
 

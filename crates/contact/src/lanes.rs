@@ -120,6 +120,52 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
+    /// Two values, one a register.
+    #[must_use]
+    #[inline(always)]
+    pub fn splat_pair(simd: S, [a, b]: [f64; 2]) -> Self {
+        Self {
+            simd,
+            v: [simd.splat_f64s(a), simd.splat_f64s(b)],
+        }
+    }
+
+    /// A register from the front of each of two slices; lanes beyond their ends are 0.
+    #[must_use]
+    #[inline(always)]
+    pub fn load_pair(simd: S, [a, b]: [&[f64]; 2]) -> Self {
+        Self {
+            simd,
+            v: [Self::register(simd, a), Self::register(simd, b)],
+        }
+    }
+
+    #[inline(always)]
+    fn register(simd: S, values: &[f64]) -> S::f64s {
+        match S::as_simd_f64s(values).0 {
+            [first, ..] => *first,
+            [] => simd.partial_load_f64s(values),
+        }
+    }
+
+    /// Adds one of the two registers to the front of a slice of at least as many values.
+    #[inline(always)]
+    pub fn add_register(&self, which: usize, values: &mut [f64]) {
+        if let [first, ..] = S::as_mut_simd_f64s(values).0 {
+            *first = self.simd.add_f64s(*first, self.v[which]);
+        }
+    }
+
+    /// Sum of each register, in a fixed order.
+    #[must_use]
+    #[inline(always)]
+    pub fn sums(self) -> [f64; 2] {
+        [
+            self.simd.reduce_sum_f64s(self.v[0]),
+            self.simd.reduce_sum_f64s(self.v[1]),
+        ]
+    }
+
     /// Writes all lanes to the front of a slice of at least [`Lanes::COUNT`] values.
     #[inline(always)]
     pub fn store(self, values: &mut [f64]) {
@@ -301,6 +347,27 @@ impl<S: Simd> Neg for Lanes<S> {
     }
 }
 
+/// Taylor coefficients of (cos x - 1)/x^2 and (sin x - x)/x^3 in x^2, highest first: on [-pi/2, pi/2] what follows is
+/// below 1e-17.
+const COS: [f64; 10] = inverse_factorials(20);
+const SIN: [f64; 10] = inverse_factorials(21);
+
+/// Of `last`, `last` - 2, ..., with alternating signs that end in -.
+const fn inverse_factorials(last: u32) -> [f64; 10] {
+    let mut of = [0.0; 10];
+    let mut k = 0;
+    while k < 10 {
+        let (mut n, mut product) = (last - 2 * k, 1.0);
+        while n > 1 {
+            product *= n as f64;
+            n -= 1;
+        }
+        of[k as usize] = if k % 2 == 0 { 1.0 } else { -1.0 } / product;
+        k += 1;
+    }
+    of
+}
+
 /// Planar vectors or rotations; see [`Complex`].
 #[derive(Debug, Clone, Copy)]
 pub struct ComplexLanes<S: Simd> {
@@ -339,6 +406,60 @@ impl<S: Simd> ComplexLanes<S> {
         self.im.as_mut_slice()[k] = z.im;
     }
 
+    /// One value a register.
+    #[must_use]
+    #[inline(always)]
+    pub fn splat_pair(simd: S, [a, b]: [Complex; 2]) -> Self {
+        Self::new(
+            Lanes::splat_pair(simd, [a.re, b.re]),
+            Lanes::splat_pair(simd, [a.im, b.im]),
+        )
+    }
+
+    /// e^{i angle}, to 2e-16: both series on [-pi/2, pi/2], turned by pi for odd multiples of it.
+    #[must_use]
+    #[inline(always)]
+    pub fn unit(angle: Lanes<S>) -> Self {
+        // Multiples up to here times the first two parts of pi are exact: parts of 32 bits [Cody & Waite 1980].
+        const MOST: f64 = 3e6;
+        const PI: [f64; 3] = [
+            3.141_592_653_468_251_2,
+            1.215_420_101_260_793_2e-10,
+            4.044_532_497_591_901e-21,
+        ];
+        // Adding and taking it away rounds to a whole number.
+        const ROUND: f64 = 6_755_399_441_055_744.0;
+        let c = |x: f64| angle.like(x);
+        let whole = |x: Lanes<S>| (x + c(ROUND)) - c(ROUND);
+        if c(MOST).less(angle.abs()).any() {
+            return Self::unit_by_lane(angle);
+        }
+        let n = whole(angle * c(std::f64::consts::FRAC_1_PI));
+        let odd = n - whole(n * c(0.5)) * c(2.0);
+        let sign = (odd * odd).mul_add(c(-2.0), c(1.0));
+        let x = ((angle - n * c(PI[0])) - n * c(PI[1])) - n * c(PI[2]);
+        let x2 = x * x;
+        let (mut cos, mut sin) = (c(COS[0]), c(SIN[0]));
+        for (&a, &b) in COS[1..].iter().zip(&SIN[1..]) {
+            cos = cos.mul_add(x2, c(a));
+            sin = sin.mul_add(x2, c(b));
+        }
+        Self::new(
+            sign * x2.mul_add(cos, c(1.0)),
+            sign * (x * x2).mul_add(sin, x),
+        )
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn unit_by_lane(angle: Lanes<S>) -> Self {
+        let mut unit = Self::new(angle, angle);
+        for (k, &x) in angle.as_slice().iter().enumerate() {
+            unit.set_lane(k, Complex::unit(x));
+        }
+        unit
+    }
+
     /// Turned by +90 degrees.
     #[must_use]
     #[inline(always)]
@@ -358,6 +479,13 @@ impl<S: Simd> ComplexLanes<S> {
     #[inline(always)]
     pub fn cross(self, o: Self) -> Lanes<S> {
         self.re * o.im - self.im * o.re
+    }
+
+    /// self times the conjugate of another.
+    #[must_use]
+    #[inline(always)]
+    pub fn times_conj(self, o: Self) -> Self {
+        Self::new(self.dot(o), o.cross(self))
     }
 
     /// Scaled lane by lane.

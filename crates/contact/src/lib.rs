@@ -61,7 +61,7 @@ mod lanes;
 pub mod laws;
 mod points;
 
-pub use closest_lanes::FeetLanes;
+pub use closest_lanes::{FeetLanes, LocalFeet};
 pub use complex::Complex;
 pub use epitrochoid::{CurveError, CurvePoint, Epitrochoid, Foot};
 pub use friction::{AdamsFriction, Friction, RegularisedCoulomb};

@@ -120,20 +120,20 @@ impl pulp::WithSimd for Lanewise<'_> {
             let feet = curve.penetrating_feet(p, unit, multiple, Mask::first(simd, count));
             for k in 0..width {
                 let exact = depths.get(from + k).copied().unwrap_or(0.0);
-                let found = feet.depth.only(feet.inside).as_slice()[k];
+                let found = feet.foot.depth.only(feet.foot.inside).as_slice()[k];
                 prop_assert!(
                     (found - exact).abs() < rounding,
                     "sleeve {}: {found} {exact}",
                     from + k
                 );
-                if !feet.inside.lane(k) {
+                if !feet.foot.inside.lane(k) {
                     continue;
                 }
                 prop_assert!(k < count);
                 let scalar = curve.penetrating_foot(p.lane(k), unit.lane(k), mesh.multiple);
                 if let Some(foot) = scalar {
                     prop_assert!((feet.normal.lane(k) - foot.at.normal).norm() < 1e-11);
-                    let (kappa, exact) = (feet.curvature.as_slice()[k], foot.at.curvature);
+                    let (kappa, exact) = (feet.foot.curvature.as_slice()[k], foot.at.curvature);
                     prop_assert!((kappa - exact).abs() < 1e-9 * exact.abs().max(1.0));
                 }
             }

@@ -20,6 +20,25 @@ pub trait Forces {
         None
     }
 
+    /// [`apply_observed`](Self::apply_observed) where every body stands and moves as its joints hold it, which forces may
+    /// make use of.
+    fn apply_held(
+        &mut self,
+        time: f64,
+        bodies: &[BodyState],
+        loads: &mut [crate::Wrench],
+    ) -> Option<ContactEnergy> {
+        self.apply_observed(time, bodies, loads)
+    }
+
+    /// Adds the moments about the pins (N m, by body) of the free bodies of [`Reduced`](crate::Reduced), loads of carried
+    /// bodies included, from the angles and rates of `bodies` alone: carried bodies were not put in place.
+    ///
+    /// False, the default, and nothing was added: bodies will be put in place and their loads asked for.
+    fn moments(&mut self, _time: f64, _bodies: &[BodyState], _moments: &mut [f64]) -> bool {
+        false
+    }
+
     /// Adds every applied load but the friction of contacts, and lists these contacts.
     ///
     /// By default there is no friction to tell apart.

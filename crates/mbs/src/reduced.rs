@@ -221,8 +221,8 @@ impl<F: Forces> Reduced<F> {
         &self.free
     }
 
-    /// Angles, then positions and velocities of carried bodies.
-    fn place(&mut self, t: f64, y: &[f64]) {
+    /// Angles and rates.
+    fn turn(&mut self, t: f64, y: &[f64]) {
         self.evaluated.valid = false;
         let n = self.free.len();
         for (k, &body) in self.free.iter().enumerate() {
@@ -234,6 +234,16 @@ impl<F: Forces> Reduced<F> {
             self.bodies[driver.child].angle = angle;
             self.bodies[driver.child].rate = rate;
         }
+    }
+
+    /// Angles, then positions and velocities of carried bodies.
+    fn place(&mut self, t: f64, y: &[f64]) {
+        self.turn(t, y);
+        self.carry();
+    }
+
+    /// Positions and velocities of carried bodies.
+    fn carry(&mut self) {
         for &carrier in &self.carriers {
             let (s, c) = self.bodies[carrier].angle.sin_cos();
             self.turns[carrier] = (c, s);
@@ -265,7 +275,7 @@ impl<F: Forces> Reduced<F> {
             }
         }
         self.loads.fill(Wrench::default());
-        self.evaluated.energy = self.forces.apply_observed(t, &self.bodies, &mut self.loads);
+        self.evaluated.energy = self.forces.apply_held(t, &self.bodies, &mut self.loads);
         self.sum_moments();
         (self.evaluated.valid, self.evaluated.time) = (true, t);
         self.evaluated.y.copy_from_slice(y);
@@ -343,10 +353,14 @@ impl<F: Forces> OdeSystem for Reduced<F> {
     }
 
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
-        self.place(t, y);
-        self.loads.fill(Wrench::default());
-        self.forces.apply(t, &self.bodies, &mut self.loads);
-        self.sum_moments();
+        self.turn(t, y);
+        self.moments.fill(0.0);
+        if !self.forces.moments(t, &self.bodies, &mut self.moments) {
+            self.carry();
+            self.loads.fill(Wrench::default());
+            self.forces.apply(t, &self.bodies, &mut self.loads);
+            self.sum_moments();
+        }
         self.write_derivative(y, dydt);
     }
 

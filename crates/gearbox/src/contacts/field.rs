@@ -70,6 +70,17 @@ pub trait ContactField: Send {
         self.energy(bodies)
     }
 
+    /// Adds the contacts' moments about the pins of wheels and output (N m, by body) where every body stands where its joints
+    /// hold it: only angles and rates are read. False, the default, and nothing was added, if this field has no such way.
+    fn add_moments(&mut self, _bodies: &[BodyState], _moments: &mut [f64]) -> bool {
+        false
+    }
+
+    /// [`add_loads_with_energy`](Self::add_loads_with_energy) where every body stands where its joints hold it.
+    fn add_held_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) -> ContactEnergy {
+        self.add_loads_with_energy(bodies, loads)
+    }
+
     /// Visits every touching pair (penetration > 0), wheel by wheel, external before internal.
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact));
 

@@ -47,6 +47,24 @@ impl Forces for GearForces<'_> {
         Some(self.field.add_loads_with_energy(bodies, loads))
     }
 
+    fn apply_held(
+        &mut self,
+        time: f64,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+    ) -> Option<ContactEnergy> {
+        loads[Layout::OUTPUT].moment += self.load.torque(time);
+        Some(self.field.add_held_loads(bodies, loads))
+    }
+
+    fn moments(&mut self, time: f64, bodies: &[BodyState], moments: &mut [f64]) -> bool {
+        let known = self.field.add_moments(bodies, moments);
+        if known {
+            moments[Layout::OUTPUT] += self.load.torque(time);
+        }
+        known
+    }
+
     fn apply_without_friction(
         &mut self,
         time: f64,

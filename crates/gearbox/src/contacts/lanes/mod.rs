@@ -6,6 +6,7 @@
 //! program runs, by what the processor has.
 
 mod columns;
+mod levers;
 mod listing;
 mod loads;
 mod shapes;
@@ -26,6 +27,7 @@ use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
 use columns::Sleeves;
+use levers::{Found, Levers};
 use listing::{Listing, Visit};
 use loads::Loads;
 use shapes::Shapes;
@@ -39,6 +41,8 @@ pub(super) struct LaneField {
     law: Law,
     friction: RegularisedCoulomb,
     pairs: LanePairs,
+    /// Without friction.
+    levers: Option<Levers>,
     /// For single pairs, where lanes gain nothing.
     scalar: Pairs<Law, Exact>,
     /// With friction, if the gear has no more wheels than there is room for.
@@ -133,6 +137,31 @@ impl<L: NormalLaw, const FRICTION: bool> pulp::WithSimd for SlopeWalk<'_, L, FRI
     }
 }
 
+/// Angles and rates to moments or loads.
+struct LeverWalk<'a, 'b, L, const LOADS: bool> {
+    levers: &'a mut Levers,
+    shapes: &'a Shapes,
+    law: L,
+    bodies: &'a [BodyState],
+    found: &'a mut Found<'b>,
+}
+
+impl<L: NormalLaw, const LOADS: bool> pulp::WithSimd for LeverWalk<'_, '_, L, LOADS> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            levers,
+            shapes,
+            law,
+            bodies,
+            found,
+        } = self;
+        levers.run::<S, L, LOADS>(simd, &law, shapes, bodies, found);
+    }
+}
+
 impl LaneField {
     pub(super) fn new(scene: &Scene, geometry: &Geometry, law: Law, arch: pulp::Arch) -> Self {
         let contact = &scene.contact;
@@ -148,6 +177,7 @@ impl LaneField {
                 ramp: friction.ramp * factor(Fault::FrictionSign, -1.0),
                 ..friction
             },
+            levers: (friction.coefficient == 0.0).then(|| Levers::new(scene, geometry)),
             sliding: (friction.coefficient > 0.0)
                 .then(|| Sliding::new(layout, friction))
                 .flatten(),
@@ -180,6 +210,22 @@ impl LaneField {
             sink,
         }));
         energy
+    }
+
+    /// False, and nothing was added, where something rubs.
+    fn levers<const LOADS: bool>(&mut self, bodies: &[BodyState], found: &mut Found<'_>) -> bool {
+        let Some(levers) = self.levers.as_mut() else {
+            return false;
+        };
+        let walk = LeverWalk::<_, LOADS> {
+            levers,
+            shapes: &self.pairs.shapes,
+            law: self.law,
+            bodies,
+            found,
+        };
+        self.arch.dispatch(walk);
+        true
     }
 
     fn slopes<const FRICTION: bool>(
@@ -235,6 +281,27 @@ impl ContactField for LaneField {
         } else {
             self.sum::<false, true>(bodies, loads)
         }
+    }
+
+    fn add_moments(&mut self, bodies: &[BodyState], moments: &mut [f64]) -> bool {
+        let found = &mut Found {
+            moments,
+            loads: &mut [],
+            energy: ContactEnergy::default(),
+        };
+        self.levers::<false>(bodies, found)
+    }
+
+    fn add_held_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) -> ContactEnergy {
+        let mut found = Found {
+            moments: &mut [],
+            loads,
+            energy: ContactEnergy::default(),
+        };
+        if self.levers::<true>(bodies, &mut found) {
+            return found.energy;
+        }
+        self.add_loads_with_energy(bodies, loads)
     }
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {

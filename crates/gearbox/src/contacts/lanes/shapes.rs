@@ -1,6 +1,6 @@
 //! Where sleeves touch, several at a time, in the wheel's frame.
 
-use pinwheel_contact::{ComplexLanes, Epitrochoid, Lanes, Mask};
+use pinwheel_contact::{ComplexLanes, Epitrochoid, Lanes, LocalFeet, Mask};
 use pinwheel_scene::scales::hertz;
 use pulp::Simd;
 
@@ -17,8 +17,8 @@ pub(super) struct Touching<S: Simd> {
     pub(super) stiffness: Lanes<S>,
     /// By how much n turns towards t = R90 n as the sleeve's centre moves along t, 1/m.
     pub(super) turning: Lanes<S>,
-    /// kappa of C, 1/m; 0 of holes.
-    curvature: Lanes<S>,
+    /// Of external sleeves.
+    pub(super) foot: Option<LocalFeet<S>>,
 }
 
 /// How K changes where sleeves touch the profile.
@@ -32,15 +32,16 @@ pub(super) struct StiffnessSlopes<S: Simd> {
 /// Geometry of the contacts.
 #[derive(Debug, Clone)]
 pub(super) struct Shapes {
-    curve: Epitrochoid,
-    eccentricity: f64,
+    pub(super) curve: Epitrochoid,
+    /// m.
+    shortening: f64,
     pub(super) zk: u32,
     external_radius: f64,
     /// K where C is straight: K = this * sqrt(1 - q kappa).
     profile_stiffness: f64,
-    hole_stiffness: f64,
+    pub(super) hole_stiffness: f64,
     hole_radius: f64,
-    clearance: f64,
+    pub(super) clearance: f64,
     pub(super) directions: Column,
     /// Hole centres in the wheel's frame, by wheel.
     pub(super) holes: Vec<Column>,
@@ -54,7 +55,7 @@ impl Shapes {
         let holes = geometry.hole_centres.iter();
         Self {
             curve: geometry.curve.clone(),
-            eccentricity: gear.eccentricity_m,
+            shortening: gear.shortening,
             zk: gear.external_sleeves as u32,
             external_radius: q,
             profile_stiffness: hertz.of_radius(q),
@@ -76,66 +77,73 @@ impl Shapes {
         present: Mask<S>,
     ) -> Touching<S> {
         let feet = self.curve.penetrating_feet(p, unit, multiple, present);
+        let foot = feet.foot;
         let q = p.re.like(self.external_radius);
-        let radicand = p.re.like(1.0) - q * feet.curvature;
-        let stiffness = p.re.like(self.profile_stiffness) * radicand.sqrt();
         // P moves along t by 1 - delta kappa times what the foot moves, and t points towards smaller parameters.
-        let closer = (p.re.like(1.0) - feet.curvature * feet.depth).recip();
+        let closer = (p.re.like(1.0) - foot.curvature * foot.depth).recip();
         Touching {
-            mask: feet.inside,
+            mask: foot.inside,
             point: feet.normal.scale_add(-q, feet.position),
             normal: feet.normal.scale(p.re.like(-1.0)),
-            penetration: feet.depth,
-            stiffness,
-            turning: -(feet.curvature * closer),
-            curvature: feet.curvature,
+            penetration: foot.depth,
+            stiffness: self.profile_stiffness(foot.curvature),
+            turning: -(foot.curvature * closer),
+            foot: Some(foot),
         }
     }
 
-    /// How K changes, where external sleeves touch: with c and s the cosine and sine of zs a, which follow from where the
-    /// foot is and where its normal points, g = 1 + m^2 + 2 m c, and ' by the way along C,
+    /// How K changes, where external sleeves touch: with c and s the cosine and sine of zs a at the foot,
+    /// g = 1 + m^2 + 2 m c, and ' by the way along C,
     ///
     /// ```text
-    /// kappa'  = -zs N s/(R^2 g^3),    N = m (1 + zk) g - 3 m (1 + m^2 zk + m (1 + zk) c)
-    /// kappa'' = -zs^2 ((m^2 (1 + zk) g + 6 m N) s^2 + N g c)/(R^3 g^(9/2))
+    /// kappa'  = -zs N m s/(R^2 g^3),    N = (1 + zk) g - 3 (1 + m^2 zk + m (1 + zk) c)
+    /// kappa'' = -zs^2 (((1 + zk) g + 6 N) m^2 s^2 + N g m c)/(R^3 g^(9/2))
     /// K' = -K q kappa'/(2 r),    K'' = -K q (kappa'' + q kappa'^2/(2 r))/(2 r),    r = 1 - q kappa
     /// ```
     /// The sleeve's centre moves along t by -(1 - delta kappa) times the foot's way.
     #[inline(always)]
-    pub(super) fn stiffness_slopes<S: Simd>(&self, at: &Touching<S>) -> StiffnessSlopes<S> {
-        let c = |x: f64| at.penetration.like(x);
-        let (r, e, zk) = (
-            self.curve.pitch_radius(),
-            self.eccentricity,
-            f64::from(self.zk),
-        );
-        let m = e * zk / r;
-        let q = c(self.external_radius);
-        let position = at.normal.scale_add(-q, at.point);
-        let cos = (position.dot(position) - c(r * r + e * e)) * c(0.5 / (r * e));
-        let g = cos.mul_add(c(2.0 * m), c(1.0 + m * m));
-        let root = g.sqrt();
-        // The profile's normal is -n.
-        let sin = at.normal.cross(position) * root * c(1.0 / (e * (zk - 1.0)));
-        let bend = cos.mul_add(c(m * (1.0 + zk)), c(1.0 + m * m * zk));
-        let by_cos = g * c(m * (1.0 + zk)) - bend * c(3.0 * m);
-        let inverse = (g * g * g * c(r * r)).recip();
-        let first = -(by_cos * c(zk - 1.0) * sin * inverse);
-        let squared = (g * c(m * m * (1.0 + zk)) + by_cos * c(6.0 * m)) * sin * sin;
+    pub(super) fn stiffness_slopes<S: Simd>(
+        &self,
+        foot: &LocalFeet<S>,
+        stiffness: Lanes<S>,
+    ) -> StiffnessSlopes<S> {
+        let c = |x: f64| stiffness.like(x);
+        let (zk, radius) = (f64::from(self.zk), self.curve.pitch_radius());
+        let (cos, sin, over_root) = (foot.cos, foot.sin, foot.inverse);
+        let m2 = self.shortening * self.shortening;
+        let g = cos.mul_add(c(2.0), c(1.0 + m2));
+        let bend = cos.mul_add(c(1.0 + zk), c(1.0 + m2 * zk));
+        let by_cos = g * c(1.0 + zk) - bend * c(3.0);
+        let over_g = over_root * over_root;
+        let over = over_g * over_g * over_g * c(1.0 / (radius * radius));
+        let first = -(by_cos * c(zk - 1.0) * sin * over);
+        let squared = (g * c(1.0 + zk) + by_cos * c(6.0)) * sin * sin;
         let second = -((squared + by_cos * g * cos)
-            * inverse
-            * (g * root * c(r)).recip()
-            * c((zk - 1.0) * (zk - 1.0)));
+            * over
+            * over_g
+            * over_root
+            * c((zk - 1.0) * (zk - 1.0) / radius));
 
-        let half = (c(2.0) - (q + q) * at.curvature).recip();
-        let share = at.stiffness * q * half;
-        let closer = (c(1.0) - at.curvature * at.penetration).recip();
+        let q = c(self.external_radius);
+        let half = (c(2.0) - (q + q) * foot.curvature).recip();
+        let share = stiffness * q * half;
+        let closer = (c(1.0) - foot.curvature * foot.depth).recip();
         let along = share * first * closer;
         let curving = -(share * (second + q * first * first * half));
         StiffnessSlopes {
             along,
-            bend: (curving - along * at.penetration * first) * closer * closer,
+            bend: (curving - along * foot.depth * first) * closer * closer,
         }
+    }
+
+    /// K where the curvature of C is this, N/m^1.5.
+    #[inline(always)]
+    pub(super) fn profile_stiffness<S: Simd>(&self, curvature: Lanes<S>) -> Lanes<S> {
+        let radicand = curvature.mul_add(
+            curvature.like(-self.external_radius),
+            curvature.like(1.0),
+        );
+        curvature.like(self.profile_stiffness) * radicand.sqrt()
     }
 
     /// Internal sleeves centred at `p` (wheel frame) in their holes.
@@ -157,7 +165,7 @@ impl Shapes {
             penetration,
             stiffness: p.re.like(self.hole_stiffness),
             turning: distance.recip(),
-            curvature: p.re.like(0.0),
+            foot: None,
         }
     }
 }

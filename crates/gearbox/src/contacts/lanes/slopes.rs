@@ -127,13 +127,13 @@ impl<S: Simd> Profile<S> {
         let (touching, mask) = (&group.touching, group.touching.mask);
         let depth = touching.penetration;
         let c = |x: f64| depth.like(x);
-        if !group.external {
+        let Some(foot) = touching.foot.as_ref() else {
             return Self {
                 stiffening: c(0.0),
                 centre: None,
             };
-        }
-        let slopes = group.shapes.stiffness_slopes(touching);
+        };
+        let slopes = group.shapes.stiffness_slopes(foot, touching.stiffness);
         let (more, less) = (c(1.0 + PENETRATION_SHARE), c(1.0 - PENETRATION_SHARE));
         let three = (
             law.along_lanes(depth),

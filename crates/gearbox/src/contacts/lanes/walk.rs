@@ -86,12 +86,10 @@ impl<S: Simd> Group<'_, S> {
     /// Force on the sleeves at their centres along t, N, in lanes that touch, and 0 in others; `None` where there is none.
     #[inline(always)]
     pub(super) fn along<L: NormalLaw>(&self, law: &L) -> Option<Lanes<S>> {
-        if !self.external {
-            return None;
-        }
         let touching = &self.touching;
+        let foot = touching.foot.as_ref()?;
         let along = law.along_lanes(touching.penetration)?;
-        let slopes = self.shapes.stiffness_slopes(touching);
+        let slopes = self.shapes.stiffness_slopes(foot, touching.stiffness);
         Some(-(slopes.along * along).only(touching.mask))
     }
 

@@ -1,0 +1,468 @@
+//! Contacts of a gear whose bodies stand where their joints hold them: angles and rates are all there is to know.
+//!
+//! With phi, psi, theta the angles of input, output and wheel, f the phase of the wheel's eccentric, b the backlash, a0 the
+//! place where the ideal mesh has the foot of a sleeve in direction beta, and E = e^{i zs a0}, that sleeve's centre stands at
+//! the offset q from C(a0), in directions turned by a0 (see [`local_feet`](pinwheel_contact::Epitrochoid::local_feet)):
+//!
+//! ```text
+//! q = b + k E,   k = -e (1 + e^{i (phi + f + zs theta)}),   E = e^{-i zs theta} / beta
+//! ```
+//! k is 0 at the ideal mesh. Rates and moments follow from levers alone, n pointing from the sleeve's centre P to the wheel, z
+//! = P + c from the origin, c the eccentric:
+//!
+//! ```text
+//! d(delta)/dt = ln.(theta', psi', phi'),    ln = (-P x n, z x n (internal sleeves), -c x n),    moments = -F ln
+//! external, T and g those of the foot:   P x n = -e zs sin(zs a)/sqrt(g),   c x n = -(R + b) Im T/sqrt(g) - P x n
+//! internal, h the hole's centre, s the sleeve's place on the output:
+//!   n = o/|o|,  o = s e^{i psi} - h e^{i theta} - c,   P x n = h e^{i theta} x n,   c x n = z x n - P x n
+//! ```
+//!
+//! **Which sleeves can touch.** P is outside for certain where `H |q|^2 < q.(1 + m E)` (`local_feet`), in units of R. Both
+//! sides are the first harmonic of the place along the ring, as |E| = 1:
+//!
+//! ```text
+//! X + Re((Y + i Z) E) > 0,   X = b + m Re k - H (b^2 + |k|^2),   Y + i Z = k + m b - 2 H b k
+//! ```
+//! so the sleeves that are not outside for certain are neighbours. They are taken a register at a time, and two registers,
+//! of whatever wheels, side by side.
+
+use pinwheel_contact::{Complex, ComplexLanes, Lanes, Mask, NormalLaw};
+use pinwheel_mbs::{BodyState, ContactEnergy, Wrench};
+use pulp::Simd;
+
+use super::columns::{Column, PADDING};
+use super::shapes::Shapes;
+use crate::Layout;
+use crate::geometry::Geometry;
+use crate::scene::Scene;
+
+/// What rounding may do to the test of what is outside, in units of R.
+const ROUNDING: f64 = 1e-14;
+
+/// What does not change, and room for what does.
+#[derive(Debug, Clone)]
+pub(super) struct Levers {
+    layout: Layout,
+    /// e e^{if} of every wheel, m.
+    eccentrics: Vec<Complex>,
+    eccentricity: f64,
+    backlash: f64,
+    radius: f64,
+    lobes: f64,
+    shortening: f64,
+    /// H.
+    repulsion: f64,
+    /// 1/beta of the external sleeves, the first ones again after the last.
+    directions: Column,
+    /// Internal sleeves on the output, m.
+    points: Column,
+    angles: Vec<f64>,
+    units: Column,
+    wheels: Vec<Wheel>,
+    gaps: Vec<f64>,
+    segments: Vec<Segment>,
+    /// On the sleeves, N, ground frame; external ones as their directions.
+    forces: [Column; 2],
+}
+
+/// A wheel at the angles of the moment.
+#[derive(Debug, Clone, Copy, Default)]
+struct Wheel {
+    /// c, m.
+    centre: Complex,
+    /// e^{i theta}.
+    turn: Complex,
+    /// k, in units of R.
+    mesh: Complex,
+    /// e^{-i zs theta}.
+    phase: Complex,
+    rate: f64,
+    force: Complex,
+    moment: f64,
+}
+
+/// At most a register of neighbouring sleeves at a wheel.
+#[derive(Debug, Clone, Copy)]
+struct Segment {
+    wheel: usize,
+    from: usize,
+    count: usize,
+}
+
+/// What comes of an evaluation.
+pub(super) struct Found<'a> {
+    /// About the pins, of all bodies, N m.
+    pub(super) moments: &'a mut [f64],
+    /// With `LOADS`: on all bodies.
+    pub(super) loads: &'a mut [Wrench],
+    /// With `LOADS`.
+    pub(super) energy: ContactEnergy,
+}
+
+/// Numbers of a register's lanes.
+const NUMBERS: [f64; PADDING] = {
+    let mut numbers = [0.0; PADDING];
+    let mut k = 0;
+    while k < PADDING {
+        numbers[k] = k as f64;
+        k += 1;
+    }
+    numbers
+};
+
+/// The two segments of a group.
+#[inline(always)]
+fn pair(group: &[Segment]) -> [Segment; 2] {
+    let first = group[0];
+    let none = Segment { count: 0, ..first };
+    [first, group.get(1).copied().unwrap_or(none)]
+}
+
+#[inline(always)]
+fn present<S: Simd>(simd: S, [a, b]: [Segment; 2]) -> Mask<S> {
+    let numbers = Lanes::load_pair(simd, [&NUMBERS, &NUMBERS]);
+    numbers.less(Lanes::splat_pair(simd, [a.count as f64, b.count as f64]))
+}
+
+/// Pushes what a run of `count` sleeves from `from` on takes, in registers.
+#[inline(always)]
+fn split<S: Simd>(
+    segments: &mut Vec<Segment>,
+    wheel: usize,
+    from: usize,
+    count: usize,
+    around: usize,
+) {
+    for done in (0..count).step_by(S::F64_LANES) {
+        segments.push(Segment {
+            wheel,
+            from: (from + done) % around,
+            count: (count - done).min(S::F64_LANES),
+        });
+    }
+}
+
+impl Column {
+    #[inline(always)]
+    fn load_pair<S: Simd>(&self, simd: S, [a, b]: [Segment; 2]) -> ComplexLanes<S> {
+        ComplexLanes::new(
+            Lanes::load_pair(simd, [&self.x[a.from..], &self.x[b.from..]]),
+            Lanes::load_pair(simd, [&self.y[a.from..], &self.y[b.from..]]),
+        )
+    }
+
+    #[inline(always)]
+    fn add_pair<S: Simd>(&mut self, pair: [Segment; 2], value: ComplexLanes<S>) {
+        for (k, segment) in pair.iter().enumerate() {
+            value.re.add_register(k, &mut self.x[segment.from..]);
+            value.im.add_register(k, &mut self.y[segment.from..]);
+        }
+    }
+
+    fn clear(&mut self) {
+        self.x.fill(0.0);
+        self.y.fill(0.0);
+    }
+
+    #[inline(always)]
+    fn at(&self, k: usize) -> Complex {
+        Complex::new(self.x[k], self.y[k])
+    }
+}
+
+impl Levers {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry) -> Self {
+        let gear = &scene.gear;
+        let layout = Layout::of(gear);
+        let (zk, zi) = (layout.external_sleeves, layout.internal_sleeves);
+        let directions = &geometry.external_directions;
+        let around = (0..zk + PADDING).map(|k| directions[k % zk].conj());
+        let angles = vec![0.0; (2 + 2 * layout.wheels).next_multiple_of(PADDING)];
+        let nothing = |n: usize| Column::padded((0..n).map(|_| Complex::default()));
+        let directions = Column::padded(around);
+        Self {
+            layout,
+            eccentrics: geometry
+                .wheel_phases
+                .iter()
+                .map(|&f| Complex::unit(f).scale(gear.eccentricity_m))
+                .collect(),
+            eccentricity: gear.eccentricity_m,
+            backlash: gear.backlash_m,
+            radius: geometry.curve.pitch_radius(),
+            lobes: f64::from(geometry.curve.lobes()),
+            shortening: gear.shortening,
+            repulsion: geometry.curve.repulsion(),
+            points: Column::padded(geometry.internal_points.iter().map(|&p| p.into())),
+            units: nothing(angles.len()),
+            angles,
+            wheels: vec![Wheel::default(); layout.wheels],
+            gaps: vec![0.0; zk.next_multiple_of(PADDING)],
+            segments: Vec::with_capacity(layout.wheels * (zk.max(zi) + 1)),
+            forces: [nothing(directions.x.len()), nothing(zi)],
+            directions,
+        }
+    }
+
+    /// Forces at the angles and rates of `bodies`, whose places are not looked at. Moments are those of wheels and output,
+    /// or with `LOADS` all bodies' loads. Nothing rubs.
+    #[inline(always)]
+    pub(super) fn run<S: Simd, L: NormalLaw, const LOADS: bool>(
+        &mut self,
+        simd: S,
+        law: &L,
+        shapes: &Shapes,
+        bodies: &[BodyState],
+        found: &mut Found<'_>,
+    ) {
+        let output = self.place(simd, bodies);
+        if LOADS {
+            self.forces.iter_mut().for_each(Column::clear);
+        }
+        self.external::<S, L, LOADS>(simd, law, shapes, bodies, found);
+        let moment = self.internal::<S, L, LOADS>(simd, law, shapes, bodies, output, found);
+        let hubs = self.layout.wheel_bodies();
+        if LOADS {
+            self.scatter(&mut found.loads[..]);
+        } else {
+            found.moments[Layout::OUTPUT] += moment;
+            for (total, wheel) in found.moments[hubs].iter_mut().zip(&self.wheels) {
+                *total += wheel.moment;
+            }
+        }
+    }
+
+    /// Reads the angles; returns e^{i psi}.
+    #[inline(always)]
+    fn place<S: Simd>(&mut self, simd: S, bodies: &[BodyState]) -> Complex {
+        let n = self.wheels.len();
+        let hubs = &bodies[self.layout.wheel_bodies()];
+        self.angles[0] = bodies[Layout::INPUT].angle;
+        self.angles[1] = bodies[Layout::OUTPUT].angle;
+        for (k, wheel) in hubs.iter().enumerate() {
+            self.angles[2 + k] = wheel.angle;
+            self.angles[2 + n + k] = self.lobes * wheel.angle;
+        }
+        for from in (0..2 + 2 * n).step_by(Lanes::<S>::COUNT) {
+            let unit = ComplexLanes::unit(Lanes::load(simd, &self.angles[from..]));
+            unit.re.store(&mut self.units.x[from..]);
+            unit.im.store(&mut self.units.y[from..]);
+        }
+        let (units, input) = (&self.units, self.units.at(0));
+        let wheels = self.wheels.iter_mut().zip(&self.eccentrics).zip(hubs);
+        for (k, ((wheel, &eccentric), body)) in wheels.enumerate() {
+            let centre = eccentric * input;
+            let multiple = units.at(2 + n + k);
+            let off = centre * multiple + Complex::new(self.eccentricity, 0.0);
+            *wheel = Wheel {
+                centre,
+                turn: units.at(2 + k),
+                mesh: off.scale(-1.0 / self.radius),
+                phase: multiple.conj(),
+                rate: body.rate,
+                ..Wheel::default()
+            };
+        }
+        units.at(1)
+    }
+
+    /// Lists the external sleeves that are not outside for certain.
+    #[inline(always)]
+    fn list_external<S: Simd>(&mut self, simd: S) {
+        let (h, m) = (self.repulsion, self.shortening);
+        let b = self.backlash / self.radius;
+        let count = self.layout.external_sleeves;
+        self.segments.clear();
+        for (number, wheel) in self.wheels.iter().enumerate() {
+            let k = wheel.mesh;
+            let x = b + m * k.re - h * (b * b + k.norm2()) - ROUNDING;
+            let swing = (k.scale(1.0 - 2.0 * h * b) + Complex::new(m * b, 0.0)) * wheel.phase;
+            let c = |x: f64| Lanes::splat(simd, x);
+            for from in (0..count).step_by(Lanes::<S>::COUNT) {
+                let direction = self.directions.load(simd, from);
+                let gap = direction
+                    .re
+                    .mul_add(c(swing.re), direction.im.mul_add(c(-swing.im), c(x)));
+                gap.store(&mut self.gaps[from..]);
+            }
+            let gaps = &self.gaps[..count];
+            let (mut start, mut near) = (0, 0);
+            let mut outside = gaps[count - 1] > 0.0;
+            for (j, &gap) in gaps.iter().enumerate() {
+                let before = outside;
+                outside = gap > 0.0;
+                start = if before && !outside { j } else { start };
+                near += usize::from(!outside);
+            }
+            split::<S>(&mut self.segments, number, start, near, count);
+        }
+    }
+
+    #[inline(always)]
+    fn external<S: Simd, L: NormalLaw, const LOADS: bool>(
+        &mut self,
+        simd: S,
+        law: &L,
+        shapes: &Shapes,
+        bodies: &[BodyState],
+        found: &mut Found<'_>,
+    ) {
+        self.list_external(simd);
+        let c = |x: f64| Lanes::splat(simd, x);
+        let (b, r) = (self.backlash, self.radius);
+        let zk = self.lobes + 1.0;
+        for group in self.segments.chunks(2) {
+            let pair = pair(group);
+            let [one, two] = pair.map(|s| self.wheels[s.wheel]);
+            let direction = self.directions.load_pair(simd, pair);
+            let phase = ComplexLanes::splat_pair(simd, [one.phase, two.phase]) * direction;
+            let mut offset = ComplexLanes::splat_pair(simd, [one.mesh, two.mesh]) * phase;
+            offset.re = offset.re + c(b / r);
+            let foot = shapes
+                .curve
+                .local_feet(offset, phase, present(simd, pair));
+            let inside = foot.inside;
+            if !inside.any() {
+                continue;
+            }
+            let stiffness = shapes.profile_stiffness(foot.curvature);
+            let wheel_lever = foot.sin * foot.inverse * c(-r * self.lobes / zk);
+            let input_lever = foot.outward.im * foot.inverse * c(-(r + b)) - wheel_lever;
+            let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
+            let closing = -(wheel_lever * wheel_rate)
+                - input_lever * c(bodies[Layout::INPUT].rate);
+            let force = law.force_lanes(stiffness, foot.depth, closing);
+            let pressure = force.only(inside);
+            let mut moment = (wheel_lever * force).only(inside);
+            let mut beside = None;
+            if let Some(along) = law.along_lanes(foot.depth) {
+                let slopes = shapes.stiffness_slopes(&foot, stiffness);
+                // A, whose lever is -P.n = (C.T + r.T)/sqrt(g).
+                let along = -(slopes.along * along).only(inside);
+                let m2 = c(self.shortening * self.shortening);
+                let reach = (foot.cos + m2).mul_add(c(r / zk), (foot.cos + c(1.0)) * c(r));
+                moment = moment + along * (reach * foot.inverse - foot.depth).only(inside);
+                beside = Some(along);
+            }
+            let moments = moment.sums();
+            for (segment, moment) in pair.iter().zip(moments) {
+                self.wheels[segment.wheel].moment += moment;
+            }
+            if LOADS {
+                // n = -T/sqrt(g), t = R90 n.
+                let normal = foot.outward.scale(foot.inverse).only(inside);
+                let mut push = normal.scale(pressure);
+                if let Some(along) = beside {
+                    push = push - normal.turned().scale(along);
+                }
+                let push = push.times_conj(direction);
+                self.forces[0].add_pair(pair, push);
+                let (x, y) = (push.re.sums(), push.im.sums());
+                for (k, segment) in pair.iter().enumerate() {
+                    let wheel = &mut self.wheels[segment.wheel];
+                    wheel.force = wheel.force - Complex::new(x[k], y[k]);
+                }
+                account(law, found, stiffness, foot.depth, closing, force, inside);
+            }
+        }
+    }
+
+    /// Returns the moment on the output.
+    #[inline(always)]
+    fn internal<S: Simd, L: NormalLaw, const LOADS: bool>(
+        &mut self,
+        simd: S,
+        law: &L,
+        shapes: &Shapes,
+        bodies: &[BodyState],
+        output: Complex,
+        found: &mut Found<'_>,
+    ) -> f64 {
+        let c = |x: f64| Lanes::splat(simd, x);
+        let count = self.layout.internal_sleeves;
+        self.segments.clear();
+        for number in 0..self.wheels.len() {
+            split::<S>(&mut self.segments, number, 0, count, count);
+        }
+        let over_input = c(bodies[Layout::OUTPUT].rate - bodies[Layout::INPUT].rate);
+        let input_rate = c(bodies[Layout::INPUT].rate);
+        let output = ComplexLanes::splat(simd, output);
+        let stiffness = c(shapes.hole_stiffness);
+        let mut on_output = c(0.0);
+        for group in self.segments.chunks(2) {
+            let pair = pair(group);
+            let [one, two] = pair.map(|s| self.wheels[s.wheel]);
+            let [first, second] = pair.map(|s| &shapes.holes[s.wheel]);
+            let hole = ComplexLanes::new(
+                Lanes::load_pair(simd, [&first.x[pair[0].from..], &second.x[pair[1].from..]]),
+                Lanes::load_pair(simd, [&first.y[pair[0].from..], &second.y[pair[1].from..]]),
+            ) * ComplexLanes::splat_pair(simd, [one.turn, two.turn]);
+            let sleeve = self.points.load_pair(simd, pair) * output;
+            let offset = sleeve - hole - ComplexLanes::splat_pair(simd, [one.centre, two.centre]);
+            let distance = offset.dot(offset).sqrt();
+            let depth = distance - c(shapes.clearance);
+            let inside = c(0.0).less(depth).and(present(simd, pair));
+            let normal = offset.scale(distance.recip());
+            let (wheel_lever, output_lever) = (hole.cross(normal), sleeve.cross(normal));
+            let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
+            let closing =
+                wheel_lever.mul_add(input_rate - wheel_rate, output_lever * over_input);
+            let force = law.force_lanes(stiffness, depth, closing);
+            on_output = on_output - (output_lever * force).only(inside);
+            let moments = (wheel_lever * force).only(inside).sums();
+            for (segment, moment) in pair.iter().zip(moments) {
+                self.wheels[segment.wheel].moment += moment;
+            }
+            if LOADS {
+                let push = normal.scale(-force).only(inside);
+                self.forces[1].add_pair(pair, push);
+                let (x, y) = (push.re.sums(), push.im.sums());
+                for (k, segment) in pair.iter().enumerate() {
+                    let wheel = &mut self.wheels[segment.wheel];
+                    wheel.force = wheel.force - Complex::new(x[k], y[k]);
+                }
+                account(law, found, stiffness, depth, closing, force, inside);
+            }
+        }
+        on_output.sum()
+    }
+
+    /// Forces of sleeves and wheels to the bodies.
+    #[inline(always)]
+    fn scatter(&self, loads: &mut [Wrench]) {
+        let layout = &self.layout;
+        let kinds = [layout.external_bodies(), layout.internal_bodies()];
+        for (forces, bodies) in self.forces.iter().zip(kinds) {
+            let count = bodies.len();
+            let loads = &mut loads[bodies];
+            for (x, y) in forces.x.chunks(count).zip(forces.y.chunks(count)) {
+                for ((load, x), y) in loads.iter_mut().zip(x).zip(y) {
+                    load.fx += x;
+                    load.fy += y;
+                }
+            }
+        }
+        for (load, wheel) in loads[layout.wheel_bodies()].iter_mut().zip(&self.wheels) {
+            load.fx += wheel.force.re;
+            load.fy += wheel.force.im;
+            load.moment += wheel.moment;
+        }
+    }
+}
+
+/// Adds what contacts store and dissipate.
+#[inline(always)]
+fn account<S: Simd>(
+    law: &impl NormalLaw,
+    found: &mut Found<'_>,
+    stiffness: Lanes<S>,
+    depth: Lanes<S>,
+    closing: Lanes<S>,
+    force: Lanes<S>,
+    inside: Mask<S>,
+) {
+    let elastic = law.force_lanes(stiffness, depth, depth.like(0.0));
+    let stored = law.stored_lanes(stiffness, depth);
+    found.energy.stored_j += stored.only(inside).sum();
+    found.energy.damping_w += ((force - elastic) * closing).only(inside).sum();
+}
