@@ -53,7 +53,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Stability(args) => commands::stability::stability(args),
         Command::Record(args) => commands::record::record(args),
         Command::Open(args) => commands::open::open(args),
-        Command::Completions(args) => commands::shell::completions(args),
-        Command::Man(args) => commands::shell::man(args),
+        Command::Completions { shell } => commands::shell::completions(*shell),
+        Command::Man { out } => commands::shell::man(out.as_deref()),
     }
 }

@@ -108,10 +108,7 @@ impl Search {
                     -(1.0 + m * m * zk * zk) / (6.0 * zk * zk),
                     -(1.0 + zk.powi(4) - zs.powi(4)) / (6.0 * zk.powi(3)),
                 ],
-                [
-                    0.0,
-                    (zk.powi(5) - zs.powi(5) - 1.0) / (24.0 * zk.powi(4)),
-                ],
+                [0.0, (zk.powi(5) - zs.powi(5) - 1.0) / (24.0 * zk.powi(4))],
                 [
                     (1.0 + m * m * zk.powi(4)) / (120.0 * zk.powi(4)),
                     (1.0 + zk.powi(6) - zs.powi(6)) / (120.0 * zk.powi(5)),
@@ -222,10 +219,19 @@ impl Epitrochoid {
         let mut fine = (c(0.05) * g).less(slope);
         let inverse = slope.recip();
         let x = q.im.mul_add(c(zk), across) * inverse;
-        let b2 = lobe.im.mul_add(c(second[1]), (across + q.im * c(1.0 / zk)) * c(0.5)) * inverse;
-        let b3 = lobe.re.mul_add(c(third[1]), c(third[0]) - along * c(1.0 / 6.0)) * inverse;
+        let b2 = lobe
+            .im
+            .mul_add(c(second[1]), (across + q.im * c(1.0 / zk)) * c(0.5))
+            * inverse;
+        let b3 = lobe
+            .re
+            .mul_add(c(third[1]), c(third[0]) - along * c(1.0 / 6.0))
+            * inverse;
         let b4 = lobe.im.mul_add(c(fourth[1]), -(across * c(1.0 / 24.0))) * inverse;
-        let b5 = lobe.re.mul_add(c(fifth[1]), along.mul_add(c(1.0 / 120.0), c(fifth[0]))) * inverse;
+        let b5 = lobe
+            .re
+            .mul_add(c(fifth[1]), along.mul_add(c(1.0 / 120.0), c(fifth[0])))
+            * inverse;
         let squared = b2 * b2;
         let c3 = squared.mul_add(c(2.0), -b3);
         let c4 = b2.mul_add(b3.mul_add(c(5.0), squared * c(-5.0)), -b4);
@@ -281,7 +287,11 @@ impl Epitrochoid {
         // Beyond either reach the foot might not be the closest.
         let r = pose.offset;
         let near = c(-self.reach_inside / self.pitch_radius * (1.0 - m)).less(height);
-        let near = near.without(c(0.0).less(height).without((c(repulsion) * r.dot(r)).less(height)));
+        let near = near.without(
+            c(0.0)
+                .less(height)
+                .without((c(repulsion) * r.dot(r)).less(height)),
+        );
         lost = lost.or(open.without(near));
         if lost.any() {
             self.find_lost(q, phase, lost, &mut pose, &mut inside);
@@ -333,8 +343,7 @@ impl Epitrochoid {
                 let lobe = lobe.scale(self.shortening);
                 pose.turn.set_lane(k, turn);
                 pose.lobe.set_lane(k, lobe);
-                pose.offset
-                    .set_lane(k, local - turn - lobe.scale(1.0 / zk));
+                pose.offset.set_lane(k, local - turn - lobe.scale(1.0 / zk));
             }
         }
         *inside = offset.re.like(0.5).less(found);

@@ -84,9 +84,18 @@ pub(crate) enum Command {
     /// Open a page in the browser: the newest in out/, or that of a folder.
     Open(OpenArgs),
     /// Print the completions of a shell.
-    Completions(CompletionsArgs),
+    #[command(after_help = include_str!("../../help/completions.txt").trim_ascii_end())]
+    Completions {
+        /// Which shell.
+        shell: clap_complete::Shell,
+    },
     /// Print the man page, or write those of all commands.
-    Man(ManArgs),
+    #[command(after_help = include_str!("../../help/man.txt").trim_ascii_end())]
+    Man {
+        /// Folder for the pages of the program and all its commands.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
 }
 
 /// Which scene.
@@ -214,23 +223,6 @@ pub(crate) struct OpenArgs {
     /// Only say which page, and start no browser.
     #[arg(long)]
     pub(crate) print: bool,
-}
-
-/// `pinwheel completions`.
-#[derive(Debug, Args)]
-#[command(after_help = include_str!("../../help/completions.txt").trim_ascii_end())]
-pub(crate) struct CompletionsArgs {
-    /// Which shell.
-    pub(crate) shell: clap_complete::Shell,
-}
-
-/// `pinwheel man`.
-#[derive(Debug, Args)]
-#[command(after_help = include_str!("../../help/man.txt").trim_ascii_end())]
-pub(crate) struct ManArgs {
-    /// Folder for the pages of the program and all its commands.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
 }
 
 /// What can be typed, for completions and manuals.

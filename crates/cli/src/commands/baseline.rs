@@ -1,10 +1,7 @@
 //! `pinwheel baseline`: what the solver gave when it was last accepted, and what moved since.
 
-use std::fs;
-use std::path::Path;
-
 use pinwheel::pages;
-use pinwheel::studies::baseline::{self, Acceptance, Baseline, HEAD, Made, Options, Verdict, made};
+use pinwheel::studies::baseline::{self, Baseline, Made, Options, Place, Verdict, made};
 use pinwheel::studies::{Provenance, junit};
 
 use crate::args::{self, Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
@@ -23,26 +20,18 @@ pub(crate) fn baseline(args: &BaselineArgs) -> Result<u8, Failure> {
 
 fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
     let Which { dir, name } = &args.which;
-    let target = Baseline::folder(dir, name)?;
-    let exists = target.join(HEAD).is_file();
+    let place = Place::of(dir, name)?;
     let reason = args.accept.as_deref().map(str::trim);
-    if exists && reason.is_none_or(str::is_empty) {
+    if place.earlier.is_some() && reason.is_none_or(str::is_empty) {
         return Err(Failure::input(format!(
             "{} exists; say why its results may change: --accept \"reason\", or choose another name",
-            target.display()
+            place.folder.display()
         )));
     }
-    let earlier = exists.then(|| Baseline::open(dir, name)).transpose()?;
-    let known = earlier.as_ref().map_or_else(Vec::new, Baseline::files);
-    let mut accepted = earlier.map_or_else(Vec::new, |earlier| earlier.head.accepted);
     interrupt::check()?;
-    let folder = Folder::prepare_known(&target, known)?;
+    let folder = Folder::prepare_known(&place.folder, place.files())?;
     let here = made(dir);
-    accepted.push(Acceptance {
-        date: here.date.clone(),
-        commit: here.commit.clone(),
-        reason: reason.unwrap_or("first record").to_owned(),
-    });
+    let accepted = place.accepted(&here, reason);
     let options = Options {
         threads: args.running.threads.into(),
         repeats: REPEATS,
@@ -57,9 +46,8 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
     let out = folder.publish()?;
     let cases: usize = recorded.scenes.iter().map(|scene| scene.cases.len()).sum();
     screen::show(&format!(
-        "{} scenes, {cases} cases, {} kB in {}\nlook at the diff before you commit it",
+        "{} scenes, {cases} cases in {}\nlook at the diff before you commit it",
         recorded.scenes.len(),
-        size(&out) / 1000,
         out.display()
     ))?;
     Ok(0)
@@ -67,15 +55,6 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
 
 /// Runs of each case of a record, of which the shortest is its time.
 const REPEATS: usize = 3;
-
-/// Bytes of the files in a folder.
-fn size(folder: &Path) -> u64 {
-    let files = fs::read_dir(folder).into_iter().flatten().flatten();
-    files
-        .filter_map(|file| file.metadata().ok())
-        .map(|data| data.len())
-        .sum()
-}
 
 fn check(args: &CheckArgs) -> Result<u8, Failure> {
     let Which { dir, name } = &args.which;

@@ -2,21 +2,22 @@
 
 use std::fs;
 use std::io::Write as _;
+use std::path::Path;
 
 use pinwheel::studies::output::write_text;
 
-use crate::args::{self, CompletionsArgs, ManArgs};
+use crate::args;
 use crate::failure::Failure;
 use crate::screen;
 
-pub(crate) fn completions(args: &CompletionsArgs) -> Result<u8, Failure> {
+pub(crate) fn completions(shell: clap_complete::Shell) -> Result<u8, Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut args::definition(), "pinwheel", &mut script);
+    clap_complete::generate(shell, &mut args::definition(), "pinwheel", &mut script);
     screen::show(&String::from_utf8_lossy(&script))?;
     Ok(0)
 }
 
-pub(crate) fn man(args: &ManArgs) -> Result<u8, Failure> {
+pub(crate) fn man(out: Option<&Path>) -> Result<u8, Failure> {
     let page = |command: &clap::Command| -> Result<String, Failure> {
         let mut text = Vec::new();
         let written = clap_mangen::Man::new(command.clone())
@@ -27,7 +28,7 @@ pub(crate) fn man(args: &ManArgs) -> Result<u8, Failure> {
     };
     let mut program = args::definition();
     program.build();
-    let Some(dir) = &args.out else {
+    let Some(dir) = out else {
         screen::show(&page(&program)?)?;
         return Ok(0);
     };

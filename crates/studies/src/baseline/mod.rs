@@ -13,6 +13,7 @@ mod file;
 mod instructions;
 mod judge;
 pub mod limits;
+mod place;
 mod quantised;
 pub mod quantity;
 mod record;
@@ -38,6 +39,7 @@ pub use file::{
     Acceptance, Baseline, CaseQuantity, CaseRecord, HEAD, Head, Listed, Made, SceneRecord,
 };
 pub use judge::{CostCheck, Overlay, QuantityCheck, Verdict};
+pub use place::Place;
 pub use record::record;
 pub use runner::Costs;
 pub use same::{Fingerprint, Spread, across_loops, fingerprints};

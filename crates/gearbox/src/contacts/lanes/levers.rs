@@ -318,9 +318,7 @@ impl Levers {
             let phase = ComplexLanes::splat_pair(simd, [one.phase, two.phase]) * direction;
             let mut offset = ComplexLanes::splat_pair(simd, [one.mesh, two.mesh]) * phase;
             offset.re = offset.re + c(b / r);
-            let foot = shapes
-                .curve
-                .local_feet(offset, phase, present(simd, pair));
+            let foot = shapes.curve.local_feet(offset, phase, present(simd, pair));
             let inside = foot.inside;
             if !inside.any() {
                 continue;
@@ -329,8 +327,7 @@ impl Levers {
             let wheel_lever = foot.sin * foot.inverse * c(-r * self.lobes / zk);
             let input_lever = foot.outward.im * foot.inverse * c(-(r + b)) - wheel_lever;
             let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
-            let closing = -(wheel_lever * wheel_rate)
-                - input_lever * c(bodies[Layout::INPUT].rate);
+            let closing = -(wheel_lever * wheel_rate) - input_lever * c(bodies[Layout::INPUT].rate);
             let force = law.force_lanes(stiffness, foot.depth, closing);
             let pressure = force.only(inside);
             let mut moment = (wheel_lever * force).only(inside);
@@ -405,8 +402,7 @@ impl Levers {
             let normal = offset.scale(distance.recip());
             let (wheel_lever, output_lever) = (hole.cross(normal), sleeve.cross(normal));
             let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
-            let closing =
-                wheel_lever.mul_add(input_rate - wheel_rate, output_lever * over_input);
+            let closing = wheel_lever.mul_add(input_rate - wheel_rate, output_lever * over_input);
             let force = law.force_lanes(stiffness, depth, closing);
             on_output = on_output - (output_lever * force).only(inside);
             let moments = (wheel_lever * force).only(inside).sums();
