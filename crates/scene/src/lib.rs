@@ -50,6 +50,7 @@ pub mod load_course;
 mod model;
 pub mod names;
 mod number;
+mod outline;
 mod parse;
 mod presets;
 mod profile;
@@ -75,6 +76,7 @@ pub use model::{
     BodyMass, Contact, Detection, Drive, Formulation, FrictionLaw, Gear, LoadChange, Masses,
     Output, PlusMinus, Scene, Solver, Stabilisation, Start,
 };
+pub use outline::Outline;
 pub use parse::Override;
 pub use presets::{PRESETS, Preset, preset};
 pub use scales::{Scales, free_play, largest_hole_play, largest_play};

@@ -19,6 +19,7 @@
 //! The rated torque is the largest load of the scene, the rated speed its input speed.
 
 mod cycle;
+mod drawing;
 mod figures;
 mod mesh;
 mod orders;
@@ -37,6 +38,7 @@ use crate::provenance::{Provenance, Summary};
 use crate::{Control, Progress, StudyError, single};
 
 pub use cycle::Cycle;
+pub use drawing::{CHORD_M, Drawing};
 pub use figures::Figure;
 pub use mesh::{Bearing, Pair, Pressure, Sharing, Stage};
 pub use orders::Harmonic;
@@ -160,6 +162,8 @@ pub struct Outcome {
     pub cycle: Option<Cycle>,
     /// Efficiency over speed and torque; empty if runs were not asked for.
     pub efficiency: Vec<Operating>,
+    /// The discs as drawings.
+    pub discs: Vec<Drawing>,
 }
 
 /// Answers all of it for the scene of `gearbox`; `runs`: also what takes dynamic runs.
@@ -266,6 +270,7 @@ pub fn run(gearbox: &Gearbox, runs: bool, control: &Control<'_>) -> Result<Outco
         transmission,
         cycle,
         efficiency,
+        discs: drawing::discs(scene)?,
     })
 }
 
@@ -400,6 +405,9 @@ impl Outcome {
             let names = ["time_s", "torque_n_m", "output_angle_arcmin"];
             let columns = [&cycle.time_s, &cycle.torque_n_m, &cycle.angle_arcmin];
             table(dir, "hysteresis.csv", &names, &columns)?;
+        }
+        for (number, disc) in self.discs.iter().enumerate() {
+            disc.write(dir, number)?;
         }
         Ok(())
     }
