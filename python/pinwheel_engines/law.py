@@ -202,11 +202,6 @@ class ContactLaw:
             two = np.partition(np.abs(centres[:, None] - points), 1, axis=1)[:, :2]
             touching = two[:, 0] < radius
             gaps.extend((two[touching, 1] - two[touching, 0]).tolist())
-        if len(edges) > 1:
-            # Where both flanks are equally deep, either may be taken.
-            deep = [radius - np.abs(centres[:, None] - points).min(axis=1) for centres, points, radius in edges]
-            touching = np.minimum(*deep) > 0.0
-            gaps.extend(np.abs(deep[0] - deep[1])[touching].tolist())
         return float(min(gaps))
 
     def _add_loads(self, states: Floats, loads: Floats) -> None:
@@ -242,10 +237,13 @@ class ContactLaw:
         return _on_ground(states, kept, state, wheel, sleeve, turn, point, normal, delta, stiffness)
 
     def _on_flanks(self, local: Points, radius: Floats, feet: list[Contact]) -> Contact:
-        """What touches of the feet on either turned wheel: the nearer one that lies on the edge of their common part, or the
-        corner between them. Counter-clockwise of a lobe's middle that edge is the wheel's that is turned clockwise."""
+        """What touches, of the feet on either turned wheel: the nearer one on the edge of their common part, or its corner.
+
+        Counter-clockwise of a lobe's middle that edge is the wheel's that is turned clockwise.
+        """
         zs = self.curve.lobes
-        sides = [tuple(x * flank if i < 2 else x for i, x in enumerate(foot)) for foot, flank in zip(feet, self._flanks, strict=True)]
+        turned = zip(feet, self._flanks, strict=True)
+        sides = [(point * flank, normal * flank, delta, stiffness) for (point, normal, delta, stiffness), flank in turned]
         on_edge = [sign * np.sin(zs * np.angle(side[0])) >= 0.0 for side, sign in zip(sides, (-1.0, 1.0), strict=True)]
         second = on_edge[1] & (~on_edge[0] | (sides[1][2] > sides[0][2]))
         number = np.rint(np.angle(local) * zs / math.pi)
