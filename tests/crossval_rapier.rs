@@ -432,7 +432,7 @@ fn crossval_rapier_deviations() {
                 ("solver.step_s", "2e-6"),
             ],
         );
-        let reference = native(&scene, "dop853", 1e-5);
+        let reference = native(&scene, "rk4", 2e-6);
         let lagrange = {
             let mut scene = scene.clone();
             scene.solver.formulation = pinwheel_scene::Formulation::Lagrange;

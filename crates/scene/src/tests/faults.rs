@@ -555,6 +555,15 @@ fn bad_input_modifications() {
             &["line 3", "undercut", "smaller than 0.000722"],
         ),
         (
+            "gear.modification.equidistant_m = -0.0005",
+            &[
+                "line 2",
+                "0.0005 m larger",
+                "pits are only 0.000564",
+                "at most 0.00045",
+            ],
+        ),
+        (
             "gear.shortening = 0.98\ngear.external_sleeve_radius_m = 0.002\ngear.modification.radial_m = -0.00099",
             &["radial_m", "crosses itself", "make it larger"],
         ),
