@@ -50,8 +50,8 @@ Examples:
 
 A SCENE is the path of a TOML file or the name of a preset: paper, paper-2019,
 paper-friction, paper-rough, paper-refined, paper-geometric, backlash-0.6,
-steel, one-wheel, eleven-pins, forty-pins, and the hard cases hard-* of
-reference/scenes, e.g. hard-adhesive.
+steel, one-wheel, eleven-pins, forty-pins, modified, toleranced, and the hard
+cases hard-* of reference/scenes, e.g. hard-adhesive.
 
 Exit status: 0 done and within limits; 1 a limit was exceeded; 2 bad input or
 usage; 3 an engine is missing, diverged or failed; 130 stopped.";
