@@ -418,3 +418,64 @@ fn crossval_rapier_load_changes() {
         }
     }
 }
+
+/// A modified profile and errors of single parts under the scene's own law: native in both formulations, rapier with the law
+/// as a load and through its contacts. The step is the same for all of rapier's, so only its own error is left.
+#[test]
+fn crossval_rapier_deviations() {
+    for preset in ["modified", "toleranced"] {
+        let scene = scene(
+            preset,
+            &[
+                ("contact.stiffness_multiplier", "0.01"),
+                ("solver.duration_s", "0.02"),
+                ("solver.step_s", "2e-6"),
+            ],
+        );
+        let reference = native(&scene, "rk4", 2e-6);
+        let lagrange = {
+            let mut scene = scene.clone();
+            scene.solver.formulation = pinwheel_scene::Formulation::Lagrange;
+            native(&scene, "rk4", 2e-6)
+        };
+        for quantity in [TORQUES[0], TORQUES[1], FORCES[0], FORCES[1]] {
+            assert_close(&lagrange, &reference, &[quantity], (0.0, 0.02), 1e-6);
+            assert_close(
+                &run(SHARED, &scene),
+                &reference,
+                &[quantity],
+                (0.0, 0.02),
+                1e-4,
+            );
+            assert_close(
+                &run(HOOK, &scene),
+                &reference,
+                &[quantity],
+                (0.0, 0.02),
+                1e-3,
+            );
+        }
+    }
+}
+
+/// rapier's own collisions see the same deviations: its mean forces move as the native solver's do.
+#[test]
+fn crossval_rapier_colliders_deviations() {
+    for preset in ["modified", "toleranced"] {
+        let scene = scene(
+            preset,
+            &[
+                ("contact.stiffness_multiplier", "0.01"),
+                ("drive.start", "kinematic"),
+                ("solver.duration_s", "0.6"),
+                ("solver.sample_s", "1e-4"),
+            ],
+        );
+        let courses = run(COLLIDERS, &scene);
+        let reference = native(&scene, "auto", 1e-5);
+        assert_mean(&courses, &reference, TORQUES[0], 0.015);
+        for quantity in FORCES {
+            assert_mean(&courses, &reference, quantity, 0.1);
+        }
+    }
+}

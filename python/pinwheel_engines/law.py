@@ -31,6 +31,9 @@ Floats = npt.NDArray[np.float64]
 Points = npt.NDArray[np.complex128]
 Ints = npt.NDArray[np.intp]
 
+# W, n, delta and K of touches.
+Contact = tuple[Points, Points, Floats, Floats]
+
 # States handled at once: keeps the scratch arrays of points detection within some 100 MB.
 STATES_AT_ONCE = 1024
 
@@ -199,11 +202,6 @@ class ContactLaw:
             two = np.partition(np.abs(centres[:, None] - points), 1, axis=1)[:, :2]
             touching = two[:, 0] < radius
             gaps.extend((two[touching, 1] - two[touching, 0]).tolist())
-        if len(edges) > 1:
-            # Where both flanks are equally deep, either may be taken.
-            deep = [radius - np.abs(centres[:, None] - points).min(axis=1) for centres, points, radius in edges]
-            touching = np.minimum(*deep) > 0.0
-            gaps.extend(np.abs(deep[0] - deep[1])[touching].tolist())
         return float(min(gaps))
 
     def _add_loads(self, states: Floats, loads: Floats) -> None:
@@ -233,18 +231,52 @@ class ContactLaw:
             within &= inside
             at.append((p, a))
         kept = np.nonzero(within)[0]
-        sides = [self._on_edge(p[kept], a[kept], radius[kept]) for p, a in at]
-        point, normal, delta, stiffness = sides[0]
-        if len(sides) > 1:
-            # A point within both is as deep in what they have in common as in the one it is less deep in.
-            second = sides[1][2] < sides[0][2]
-            first, other = self._flanks
-            point = np.where(second, sides[1][0] * other, sides[0][0] * first)
-            normal = np.where(second, sides[1][1] * other, sides[0][1] * first)
-            delta, stiffness = (np.where(second, sides[1][i], sides[0][i]) for i in (2, 3))
+        feet = [self._on_edge(p[kept], a[kept], radius[kept]) for p, a in at]
+        found = feet[0] if len(feet) == 1 else self._on_flanks(local[kept], radius[kept], feet)
+        point, normal, delta, stiffness = found
         return _on_ground(states, kept, state, wheel, sleeve, turn, point, normal, delta, stiffness)
 
-    def _on_edge(self, local: Points, a: Floats, radius: Floats) -> tuple[Points, Points, Floats, Floats]:
+    def _on_flanks(self, local: Points, radius: Floats, feet: list[Contact]) -> Contact:
+        """What touches, of the feet on either turned wheel: the nearer one on the edge of their common part, or its corner.
+
+        Counter-clockwise of a lobe's middle that edge is the wheel's that is turned clockwise.
+        """
+        zs = self.curve.lobes
+        turned = zip(feet, self._flanks, strict=True)
+        sides = [(point * flank, normal * flank, delta, stiffness) for (point, normal, delta, stiffness), flank in turned]
+        on_edge = [sign * np.sin(zs * np.angle(side[0])) >= 0.0 for side, sign in zip(sides, (-1.0, 1.0), strict=True)]
+        second = on_edge[1] & (~on_edge[0] | (sides[1][2] > sides[0][2]))
+        number = np.rint(np.angle(local) * zs / math.pi)
+        a = np.array(self._corners())[np.mod(number, 2.0).astype(np.intp)]
+        q = self.scene.gear.edge_offset_m
+        corner = np.abs(self.curve.point(a) - q * self.curve.normal(a)) * np.exp(1j * number * math.pi / zs)
+        apart = np.abs(corner - local)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            normal = (corner - local) / apart
+        last = (corner, normal, radius - apart, self.profile_stiffness(a, radius))
+        none = ~(on_edge[0] | on_edge[1])
+        point, normal, delta, stiffness = (
+            np.where(none, end, np.where(second, other, one)) for one, other, end in zip(*sides, last, strict=True)
+        )
+        return point, normal, delta, stiffness
+
+    def _corners(self) -> list[float]:
+        """The curve's parameters at which the edge stands delta beyond the middle of a lobe, and of a pit."""
+        half, turn, q = math.pi / self.curve.lobes, self.scene.gear.rotational_rad, self.scene.gear.edge_offset_m
+        found = []
+        for middle in (0.0, half):
+            low, high = middle, middle + half
+            for _ in range(60):
+                a = np.array([0.5 * (low + high)])
+                edge = self.curve.point(a) - q * self.curve.normal(a)
+                if np.angle(edge * np.exp(-1j * (middle + turn)))[0] < 0.0:
+                    low = float(a[0])
+                else:
+                    high = float(a[0])
+            found.append(high)
+        return found
+
+    def _on_edge(self, local: Points, a: Floats, radius: Floats) -> Contact:
         """W, n, delta and K of sleeves centred at `local`; `a`: the curve's parameter at their polar angles."""
         if self.points:
             vertex, apart = nearest_vertex(local, self._profile)

@@ -187,9 +187,7 @@ def turns(count: int) -> npt.NDArray[np.complex128]:
     return np.asarray(np.exp(2j * math.pi * np.arange(count) / count))
 
 
-def _placed(
-    gear: Gear, parts: str, radius_m: float, directions: npt.NDArray[np.complex128]
-) -> npt.NDArray[np.complex128]:
+def _placed(gear: Gear, parts: str, radius_m: float, directions: npt.NDArray[np.complex128]) -> npt.NDArray[np.complex128]:
     """Centres of parts, m, that stand on a circle but for their errors: outwards, and counter-clockwise across it."""
     radial, tangential = (gear.errors(f"{parts}_{way}_m", directions.size) for way in ("radial", "tangential"))
     moved = (radius_m + radial.reshape(directions.shape)) + 1j * tangential.reshape(directions.shape)

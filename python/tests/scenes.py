@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import re
 import tomllib
 from pathlib import Path
@@ -27,6 +28,30 @@ POINTS = '[contact]\ndetection = "points"\nwheel_points = 600\nhole_points = 20\
 ELEVEN = "[gear]\nexternal_sleeves = 11\ninternal_sleeves = 6\nwheels = 3\n"
 ONE_WHEEL = "[gear]\nexternal_sleeves = 30\nwheels = 1\nshortening = 0.5\neccentricity_m = 0.0012\nhole_radius_m = 0.0075\n"
 
+MODIFIED = """
+[gear.modification]
+equidistant_m = 2e-5
+radial_m = -3e-5
+rotational_rad = 4e-4
+"""
+ERRORS = f"""
+[gear]
+hole_radius_m = 0.00882
+backlash_m = 2e-5
+[gear.errors]
+external_sleeve_radial_m = {[5e-6 * math.sin(7 * j) for j in range(16)]}
+external_sleeve_tangential_m = {[5e-6 * math.cos(5 * j) for j in range(16)]}
+external_sleeve_radius_m = {[3e-6 * math.sin(3 * j) for j in range(16)]}
+internal_sleeve_radial_m = {[5e-6 * math.cos(11 * k) for k in range(8)]}
+internal_sleeve_tangential_m = {[5e-6 * math.sin(13 * k) for k in range(8)]}
+internal_sleeve_radius_m = {[3e-6 * math.cos(3 * k) for k in range(8)]}
+hole_radial_m = {[5e-6 * math.sin(17 * k) for k in range(16)]}
+hole_tangential_m = {[5e-6 * math.cos(19 * k) for k in range(16)]}
+hole_radius_m = {[3e-6 * math.sin(23 * k) for k in range(16)]}
+eccentricity_m = [4e-6, -3e-6]
+phase_rad = [3e-4, -5e-4]
+"""
+
 ALL = {
     "paper": "",
     "friction": FRICTION,
@@ -34,6 +59,8 @@ ALL = {
     "points": POINTS,
     "eleven": ELEVEN,
     "one-wheel": ONE_WHEEL,
+    "modified": MODIFIED,
+    "errors": ERRORS,
 }
 
 

@@ -123,6 +123,9 @@ fn crossval_python_refuses_what_it_cannot_honour() {
         assert!(reason(engine, &scene("steel", &[])).contains("ramp"));
         let law = scene("paper", &[("contact.law", "\"constant\"")]);
         assert!(reason(engine, &law).contains("contact.law"));
+        let soft = [("contact.stiffness_multiplier", "0.01")];
+        assert!(reason(engine, &scene("modified", &soft)).contains("rotational_rad"));
+        assert!(reason(engine, &scene("toleranced", &soft)).contains("gear.errors"));
         by_name(engine, &law)
             .unwrap()
             .supports(&scene("paper", &[]).clone().check().unwrap())

@@ -16,6 +16,9 @@ use super::*;
 fn crossval_python_law_in_numpy() {
     let friction = ("contact.friction_coefficient", "0.1");
     let play = ("gear.backlash_m", "0.0006");
+    let paper = ("contact.law", "paper");
+    let points = ("contact.detection", "points");
+    let flanks = ("gear.modification.rotational_rad", "2e-4");
     for (preset, settings, largest) in [
         ("paper", vec![], 1e-12),
         ("paper-friction", vec![], 1e-12),
@@ -28,6 +31,9 @@ fn crossval_python_law_in_numpy() {
         ("paper-rough", vec![], 1e-12),
         ("paper-rough", vec![friction, play], 1e-12),
         ("paper-refined", vec![], 1e-11),
+        ("modified", vec![paper, friction], 3e-11),
+        ("toleranced", vec![paper, friction], 3e-11),
+        ("toleranced", vec![paper, points, flanks], 3e-11),
     ] {
         let scene = scene(preset, &settings);
         let found = law_agreement(&scene.clone().check().unwrap(), 10_000, 1).unwrap();
@@ -51,7 +57,8 @@ fn crossval_python_law_in_numpy() {
 #[test]
 fn crossval_python_every_law_same_method() {
     let base = [("solver.duration_s", "0.002"), ("solver.step_s", "1e-5")];
-    let cases: [(&str, &[(&str, &str)]); 12] = [
+    let soft = ("contact.stiffness_multiplier", "0.01");
+    let cases: [(&str, &[(&str, &str)]); 14] = [
         ("paper", &[]),
         ("paper", &[("contact.law", "\"paper-printed\"")]),
         ("paper", &[("contact.law", "\"paper-conservative\"")]),
@@ -63,6 +70,8 @@ fn crossval_python_every_law_same_method() {
         ("one-wheel", &[("drive.load_ramp_s", "0.001")]),
         ("eleven-pins", &[("drive.start", "\"equilibrium\"")]),
         ("forty-pins", &[]),
+        ("modified", &[soft]),
+        ("toleranced", &[soft]),
         (
             "paper",
             &[

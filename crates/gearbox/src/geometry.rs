@@ -103,8 +103,7 @@ impl Geometry {
     #[must_use]
     pub(crate) fn is_uniform(&self, gear: &Gear) -> bool {
         let alike = |all: &[f64], nominal: f64| all.iter().all(|&one| one == nominal);
-        gear.errors.is_none()
-            && self.flanks.is_none()
+        gear.is_plain()
             && alike(&self.external_radii_m, self.edge_offset_m)
             && alike(&self.internal_radii_m, gear.internal_sleeve_radius_m)
             && self

@@ -33,6 +33,8 @@ pub const PRESETS: &[Preset] = presets![
     "one-wheel",
     "eleven-pins",
     "forty-pins",
+    "modified",
+    "toleranced",
     // Hard on integrators: each one's description says why.
     "hard-adhesive",
     "hard-all-open",

@@ -208,3 +208,81 @@ fn published_choices_one_at_a_time() {
         assert!(error(small) < 0.01, "{small:?}: {}", error(small));
     }
 }
+
+/// What `design` says of a modified profile: an equidistant modification dq leaves the wheel of a rigid gear 2 dq/(e zs) of play
+/// where a sleeve stands at cos(phi) = m, and more elsewhere; statics and the closed form have nothing in common but the gap.
+#[test]
+fn published_lost_motion_of_a_modified_profile() {
+    let lost = |equidistant_m: f64| {
+        let mut scene = scene("paper", &[]);
+        scene.contact.stiffness_multiplier = 1e3;
+        scene.contact.ramp_m = 1e-12;
+        scene.gear.modification.equidistant_m = equidistant_m;
+        let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+        pinwheel_studies::design::run(&gearbox, false, &Control::quiet()).unwrap()
+    };
+    let (plain, modified) = (lost(0.0), lost(1e-5));
+    let gear = &modified.scene.gear;
+    let arcmin = 10_800.0 / std::f64::consts::PI;
+    // The least over the sleeves of gap over lever, of either side and the wheel that is first, over the mesh.
+    let free = |input: f64| {
+        let play = |sign: f64, wheel: usize, j: usize| {
+            let phi = std::f64::consts::TAU * j as f64 / 16.0
+                - input
+                - std::f64::consts::PI * wheel as f64;
+            let (gap, lever) = gear.initial_gap_m(phi);
+            (sign * lever > 1e-9).then_some(gap / (sign * lever))
+        };
+        let side = |sign: f64| {
+            let all = (0..2).flat_map(|wheel| (0..16).filter_map(move |j| play(sign, wheel, j)));
+            all.fold(f64::INFINITY, f64::min)
+        };
+        arcmin * (side(1.0) + side(-1.0))
+    };
+    let period = modified.input_angle_rad[1] * modified.input_angle_rad.len() as f64;
+    let plays: Vec<f64> = (0..24)
+        .map(|k| free(period * f64::from(k) / 24.0))
+        .collect();
+    let mean = plays.iter().sum::<f64>() / 24.0;
+    let found = modified.torsion.lost_motion_arcmin;
+    // The elastic part at 3 % is that of the plain gear or somewhat more: fewer sleeves carry.
+    let elastic = plain.torsion.lost_motion_arcmin.mean;
+    assert!(elastic < 0.02 * mean, "{elastic}");
+    assert!((found.mean / mean - 1.0).abs() < 0.02, "{found:?} {mean}");
+    let least = 2.0 * arcmin * 1e-5 / gear.lever_m();
+    assert!(
+        found.min > least && found.min < 1.1 * least,
+        "{found:?} {least}"
+    );
+    // Fewer sleeves carry, so that the gear is softer.
+    let [stiff, soft] =
+        [&plain, &modified].map(|found| found.torsion.stiffness_n_m_per_arcmin.mean);
+    assert!(soft < 0.95 * stiff, "{soft} {stiff}");
+}
+
+/// One eccentricity that is off shows as one cycle of the transmission error in a turn of the input, and in one of the output
+/// seen from it; a gear without errors has none there.
+#[test]
+fn errors_show_at_their_own_orders() {
+    let harmonic = |off_m: f64| {
+        let mut scene = scene("paper", &[]);
+        scene.gear.wheels = 1;
+        scene.contact.stiffness_multiplier = 1.0;
+        if off_m > 0.0 {
+            scene.gear.errors.internal_sleeve_tangential_m = vec![off_m; 8];
+            scene.gear.errors.external_sleeve_tangential_m = vec![off_m; 16];
+            scene.gear.errors.external_sleeve_radial_m = (0..16)
+                .map(|j| off_m * (std::f64::consts::TAU * f64::from(j) / 16.0).cos())
+                .collect();
+        }
+        let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+        let found = pinwheel_studies::design::run(&gearbox, false, &Control::quiet()).unwrap();
+        let orders = found.transmission[0].harmonics.iter();
+        let near = orders.filter(|harmonic| (harmonic.input_order - 1.0).abs() < 1e-9);
+        near.map(|harmonic| harmonic.amplitude_arcmin).sum::<f64>()
+    };
+    assert_eq!(harmonic(0.0), 0.0);
+    // The ring displaced by v against the axis turns the wheel by up to about v/(e zs): 5 um in 42 mm are 0.41 arcmin.
+    let found = harmonic(5e-6);
+    assert!((0.2..0.6).contains(&found), "{found}");
+}

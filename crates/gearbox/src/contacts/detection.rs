@@ -26,6 +26,17 @@ pub(super) struct Touch {
 }
 
 impl Touch {
+    /// A sleeve of that radius touches a point `arm` away from its centre; K there.
+    pub(super) fn at_point(arm: Complex, point: Complex, radius: f64, stiffness: f64) -> Self {
+        Self {
+            point,
+            normal: outwards(arm),
+            penetration: radius - arm.norm(),
+            stiffness,
+            stiffness_slope: 0.0,
+        }
+    }
+
     /// The touch of a wheel that is turned by e^{i angle} = `by`.
     pub(super) fn turned(self, by: Complex) -> Self {
         Self {
@@ -69,6 +80,8 @@ pub(super) trait Detection: Send + 'static {
     fn profile_gap(&self, j: usize, p: Complex) -> Touch;
     /// Closest points of an internal sleeve that [`hole`](Self::hole) finds without contact.
     fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch;
+    /// Radius of external sleeve `j`, and its K where the curve bends by `kappa`.
+    fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64);
     /// How a touch of external sleeve `j` changes, e^{ia} = `unit` at its foot.
     fn profile_slopes(&self, j: usize, touch: &Touch, unit: Complex) -> Slopes;
     /// The same of internal sleeve `k`.
@@ -130,6 +143,11 @@ impl Shapes {
         }
     }
 
+    fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64) {
+        let radius = self.external[j].radius;
+        (radius, self.hertz.of_edge(radius, self.offset, kappa))
+    }
+
     /// The foot of external sleeve `j` where it is pressed in.
     #[inline]
     fn foot(&self, j: usize, p: Complex, unit: Complex, multiple: Complex) -> Option<Foot> {
@@ -165,10 +183,7 @@ impl Exact {
 impl Exact {
     #[inline]
     fn stiffness(&self, j: usize, foot: &Foot) -> f64 {
-        let radius = self.0.external[j].radius;
-        self.0
-            .hertz
-            .of_edge(radius, self.0.offset, foot.at.curvature)
+        self.0.sleeve(j, foot.at.curvature).1
     }
 
     #[inline]
@@ -261,6 +276,10 @@ impl Detection for Exact {
         })
     }
 
+    fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64) {
+        self.0.sleeve(j, kappa)
+    }
+
     fn profile_slopes(&self, j: usize, touch: &Touch, unit: Complex) -> Slopes {
         let distance = self.0.external[j].larger - touch.penetration;
         let slope = |foot: &Foot| self.0.stiffness_slope(j, foot, self.stiffness(j, foot));
@@ -318,19 +337,9 @@ impl Points {
         })
     }
 
-    fn gap(p: Complex, point: Complex, radius: f64, stiffness: f64) -> Touch {
-        Touch {
-            point,
-            normal: outwards(point - p),
-            penetration: radius - (point - p).norm(),
-            stiffness,
-            stiffness_slope: 0.0,
-        }
-    }
-
     #[inline]
     fn touch(p: Complex, point: Complex, radius: f64, stiffness: f64) -> Option<Touch> {
-        let touch = Self::gap(p, point, radius, stiffness);
+        let touch = Touch::at_point(point - p, point, radius, stiffness);
         (touch.penetration > 0.0 && touch.penetration < radius).then_some(touch)
     }
 
@@ -379,13 +388,17 @@ impl Detection for Points {
 
     fn profile_gap(&self, j: usize, p: Complex) -> Touch {
         let (point, stiffness) = self.vertex(j, p, &self.shapes.curve.closest(p));
-        Self::gap(p, point, self.shapes.external[j].radius, stiffness)
+        Touch::at_point(point - p, point, self.shapes.external[j].radius, stiffness)
     }
 
     fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch {
         let internal = &self.shapes.internal[wheel][k];
         let point = self.rim(&internal.hole, p);
-        Self::gap(p, point, internal.sleeve, internal.stiffness)
+        Touch::at_point(point - p, point, internal.sleeve, internal.stiffness)
+    }
+
+    fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64) {
+        self.shapes.sleeve(j, kappa)
     }
 
     fn profile_slopes(&self, _: usize, _: &Touch, _: Complex) -> Slopes {

@@ -2,6 +2,7 @@
 
 mod detection;
 mod field;
+mod flanks;
 mod lanes;
 mod pairs;
 

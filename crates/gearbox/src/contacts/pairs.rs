@@ -10,6 +10,7 @@ use pinwheel_mbs::{BodyState, Jacobian, Wrench};
 
 use super::detection::{Detection, Slopes, Touch};
 use super::field::{ContactEnergy, ContactField, PairContact};
+use super::flanks::{Flanks, Seat};
 use crate::geometry::Geometry;
 use crate::scene::{self, FrictionLaw, Scene};
 use crate::{Layout, Sleeve};
@@ -22,7 +23,7 @@ pub(super) struct Pairs<L, D> {
     friction: Friction,
     external_directions: Vec<Complex>,
     external_sleeves: u32,
-    flanks: Option<Complex>,
+    flanks: Option<Flanks>,
 }
 
 /// A wheel's frame and motion.
@@ -142,12 +143,11 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             friction: friction(&scene.contact),
             external_directions: geometry.external_directions.clone(),
             external_sleeves: scene.gear.external_sleeves as u32,
-            flanks: geometry.flanks,
+            flanks: Flanks::of(geometry),
         }
     }
 
-    /// External sleeve `j` against the wheel, or against both of the turned wheels whose common part it is: a point within
-    /// both is as deep in that part as it is in the one it is less deep in.
+    /// External sleeve `j` against the wheel.
     #[inline]
     fn profile(
         &self,
@@ -155,39 +155,41 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
         p: Complex,
         unit: Complex,
         multiple: Complex,
-    ) -> Option<(Touch, Complex)> {
-        let Some(flank) = self.flanks else {
-            return self.detection.profile(j, p, unit, multiple);
+    ) -> Option<(Touch, Seat)> {
+        let Some(flanks) = &self.flanks else {
+            let (touch, unit) = self.detection.profile(j, p, unit, multiple)?;
+            return Some((touch, Seat::Foot(unit)));
         };
-        let turned = |flank: Complex| {
-            let back = flank.conj();
+        let [one, other] = flanks.turns().map(|turn| {
+            let back = turn.conj();
             let multiple = multiple * back.powu(self.external_sleeves);
-            let found = self.detection.profile(j, p * back, unit * back, multiple)?;
-            Some((found.0.turned(flank), found.1))
-        };
-        let (one, other) = (turned(flank)?, turned(flank.conj())?);
-        Some(if other.0.penetration < one.0.penetration {
-            other
-        } else {
-            one
-        })
+            let found = self.detection.profile(j, p * back, unit * back, multiple);
+            found.map(|(touch, unit)| (touch.turned(turn), Seat::Foot(unit)))
+        });
+        let found = self.on_flanks(flanks, j, p, [one?, other?]);
+        (found.0.penetration > 0.0).then_some(found)
     }
 
     fn profile_gap(&self, j: usize, p: Complex) -> Touch {
-        let Some(flank) = self.flanks else {
+        let Some(flanks) = &self.flanks else {
             return self.detection.profile_gap(j, p);
         };
-        let turned = |flank: Complex| {
-            self.detection
-                .profile_gap(j, p * flank.conj())
-                .turned(flank)
-        };
-        let (one, other) = (turned(flank), turned(flank.conj()));
-        if other.penetration < one.penetration {
-            other
-        } else {
-            one
-        }
+        let feet = flanks.turns().map(|turn| {
+            let touch = self.detection.profile_gap(j, p * turn.conj());
+            (touch.turned(turn), Seat::Corner)
+        });
+        self.on_flanks(flanks, j, p, feet).0
+    }
+
+    fn on_flanks(
+        &self,
+        flanks: &Flanks,
+        j: usize,
+        p: Complex,
+        feet: [(Touch, Seat); 2],
+    ) -> (Touch, Seat) {
+        let (radius, _) = self.detection.sleeve(j, 0.0);
+        flanks.touch(p, radius, feet, |kappa| self.detection.sleeve(j, kappa).1)
     }
 
     /// v_rel = (sleeve's material velocity at W, spin included) - (wheel's at W), then Eq. 20 and 21.
@@ -229,14 +231,14 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
         (arm, normal_rate, relative.dot(touch.normal.turned()))
     }
 
-    /// Visits every touching pair of one wheel: sleeve, its body, the pair, and e^{ia} of an external sleeve's foot.
+    /// Visits every touching pair of one wheel: sleeve, its body, the pair, and where it touches.
     #[inline]
     fn wheel_pairs(
         &self,
         wheel: usize,
         bodies: &[BodyState],
         frame: &WheelFrame,
-        mut visit: impl FnMut(Sleeve, usize, &Loaded, Complex),
+        mut visit: impl FnMut(Sleeve, usize, &Loaded, Seat),
     ) {
         // The ideal mesh has the foot of sleeve j at a0 = beta_j - theta, and zk beta_j is a whole turn.
         let back = frame.turn.conj();
@@ -245,12 +247,12 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
         for (j, &direction) in self.external_directions.iter().enumerate() {
             let sleeve = &bodies[first + j];
             let p = frame.point(sleeve);
-            if let Some((touch, unit)) = self.profile(j, p, direction * back, multiple) {
+            if let Some((touch, seat)) = self.profile(j, p, direction * back, multiple) {
                 visit(
                     Sleeve::External(j),
                     first + j,
                     &self.load(touch, frame, sleeve, p),
-                    unit,
+                    seat,
                 );
             }
         }
@@ -263,7 +265,7 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
                     Sleeve::Internal(k),
                     first + k,
                     &self.load(touch, frame, sleeve, p),
-                    Complex::ONE,
+                    Seat::Corner,
                 );
             }
         }
@@ -429,10 +431,16 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&bodies[body]);
             let rows = [1 + wheel, OUTPUT];
-            self.wheel_pairs(wheel, bodies, &frame, |sleeve, body, pair, unit| {
-                let touch = match sleeve {
-                    Sleeve::External(j) => self.detection.profile_slopes(j, &pair.touch, unit),
-                    Sleeve::Internal(k) => self.detection.hole_slopes(wheel, k, &pair.touch),
+            self.wheel_pairs(wheel, bodies, &frame, |sleeve, body, pair, seat| {
+                let touch = match (sleeve, seat) {
+                    (Sleeve::External(j), Seat::Foot(unit)) => {
+                        self.detection.profile_slopes(j, &pair.touch, unit)
+                    }
+                    (Sleeve::External(_), Seat::Corner) => Slopes {
+                        turning: -1.0 / pair.arm.norm(),
+                        ..Slopes::default()
+                    },
+                    (Sleeve::Internal(k), _) => self.detection.hole_slopes(wheel, k, &pair.touch),
                 };
                 let [by_wheel, by_output, by_input] =
                     self.columns(bodies, &frame, sleeve, &bodies[body], pair, &touch);

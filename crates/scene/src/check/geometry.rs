@@ -11,6 +11,10 @@ use crate::number::{above, below, short};
 /// Relative slack for values that meet exactly in decimal but not in binary (6 + 2.8 = 8.8 mm).
 const ROUNDING: f64 = 1e-12;
 
+/// Share of a pit's radius beyond the generating sleeve's that a larger sleeve may take: it touches the pit's sides together
+/// where it takes all.
+const TIGHT: f64 = 0.8;
+
 /// Checks a gear whose single values are in range.
 pub(super) fn check(gear: &Gear) -> Result<(), Fault> {
     deviations::check(gear)?;
@@ -154,6 +158,23 @@ fn profile(gear: &Gear) -> Result<(), Fault> {
     }
     let smallest = curve.smallest_convex_radius();
     let most = smallest.min(half_pitch(gear));
+    let radii = (0..gear.external_sleeves).map(|j| gear.external_sleeve_radius_of_m(j));
+    let larger = radii.fold(0.0, f64::max) - q;
+    let pit = -1.0 / curve.curvature(-1.0);
+    if pit > 0.0 && larger > TIGHT * pit {
+        return Err(Fault::new(
+            &[
+                "gear.modification.equidistant_m",
+                "gear.errors.external_sleeve_radius_m",
+            ],
+            format!(
+                "leaves external sleeves {} m larger than the generating one, and the wheel's pits are only {} m wider than that",
+                short(larger),
+                short(pit)
+            ),
+            format!("leave them at most {} m larger", below(TIGHT * pit)),
+        ));
+    }
     // kappa <= 0 everywhere cannot happen on a closed curve, so `smallest` is positive.
     if q >= smallest {
         return Err(Fault::new(

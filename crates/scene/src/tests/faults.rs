@@ -520,3 +520,136 @@ fn channels_from_file_and_command_line() {
     // What asks for nothing writes nothing: files of before stay as they were.
     assert!(!Scene::paper().to_toml().contains("output]"));
 }
+
+/// The error of the paper's gear with these lines at its end.
+fn refused_deviation(lines: &str) -> String {
+    refused_text(&format!("base = \"paper\"\n{lines}"))
+}
+
+#[test]
+fn bad_input_modifications() {
+    for (lines, parts) in [
+        (
+            "gear.modification.rotational_rad = -1e-4",
+            &["rotational_rad", "from 0 to"][..],
+        ),
+        (
+            "gear.modification.equidistant_m = 0.01",
+            &[
+                "line 2",
+                "equidistant_m",
+                "that is another gear",
+                "at most 0.0014 m",
+            ],
+        ),
+        (
+            "gear.modification.rotational_rad = 0.5",
+            &["rotational_rad", "at most"],
+        ),
+        (
+            "gear.modification.equidistant_um = 10",
+            &["did you mean `gear.modification.equidistant_m`?"],
+        ),
+        (
+            "gear.external_sleeve_radius_m = 0.0124\ngear.modification.equidistant_m = 0.001",
+            &["line 3", "undercut", "smaller than 0.000722"],
+        ),
+        (
+            "gear.modification.equidistant_m = -0.0005",
+            &[
+                "line 2",
+                "0.0005 m larger",
+                "pits are only 0.000564",
+                "at most 0.00045",
+            ],
+        ),
+        (
+            "gear.shortening = 0.98\ngear.external_sleeve_radius_m = 0.002\ngear.modification.radial_m = -0.00099",
+            &["radial_m", "crosses itself", "make it larger"],
+        ),
+    ] {
+        let line = refused_deviation(lines);
+        for part in parts {
+            assert!(line.contains(part), "{lines}: {line}");
+        }
+    }
+}
+
+#[test]
+fn bad_input_errors_of_parts() {
+    let list = |count: usize, value: &str| format!("[{}]", vec![value; count].join(", "));
+    for (key, value, parts) in [
+        (
+            "external_sleeve_radius_m",
+            list(15, "1e-6"),
+            &["has 15 entries", "16 external sleeves", "give 16 numbers"][..],
+        ),
+        (
+            "hole_radial_m",
+            list(8, "1e-6"),
+            &["has 8 entries", "16 holes, wheel by wheel"],
+        ),
+        (
+            "phase_rad",
+            "0.1".to_owned(),
+            &["must be a list of numbers"],
+        ),
+        ("phase_rad", list(2, "nan"), &["entry 0"]),
+        ("phase_rad", "[0.0, \"1\"]".to_owned(), &["list of numbers"]),
+        (
+            "eccentricity_m",
+            list(2, "0.003"),
+            &["eccentricity_m", "at most 0.0014 m"],
+        ),
+        (
+            "hole_radius_m",
+            list(16, "-5.0"),
+            &["entry 0", "from -1 to 1"],
+        ),
+        (
+            "external_radius_m",
+            list(16, "0.0"),
+            &["did you mean `gear.errors.external_sleeve_radius_m`?"],
+        ),
+    ] {
+        let line = refused_deviation(&format!("gear.errors.{key} = {value}"));
+        for part in parts {
+            assert!(line.contains(part), "{key}: {line}");
+        }
+    }
+    // Sleeves so large that neighbours meet: half a pitch is 12.486 mm.
+    let line = refused_deviation(&format!(
+        "gear.external_sleeve_radius_m = 0.0124\ngear.errors.external_sleeve_radius_m = {}",
+        list(16, "9e-5")
+    ));
+    assert!(line.contains("external sleeves 0 and 1 overlap"), "{line}");
+    // One hole smaller than its sleeve.
+    let line = refused_deviation(&format!(
+        "gear.eccentricity_m = 0.0014\ngear.hole_radius_m = 0.0074\ngear.external_sleeve_radius_m = 0.002\n\
+         gear.errors.hole_radius_m = {}\ngear.errors.internal_sleeve_radius_m = {}",
+        list(16, "-7e-4"),
+        list(8, "7e-4")
+    ));
+    assert!(line.contains("larger than its hole"), "{line}");
+}
+
+/// Modified and unmodified walls: a smaller wheel leaves less between hole and edge.
+#[test]
+fn walls_follow_the_modification() {
+    let wall = |lines: &str| {
+        let text = format!("base = \"paper\"\n{lines}");
+        let scene = Scene::from_toml(&text, "mine.toml", &[]).unwrap();
+        crate::derived(&scene).walls.hole_to_profile_m
+    };
+    let plain = wall("");
+    let thinner = wall("gear.modification.equidistant_m = 1e-4");
+    assert!((plain - thinner - 1e-4).abs() < 1e-12, "{plain} {thinner}");
+    let smaller = wall("gear.modification.radial_m = -1e-4");
+    assert!(
+        (5e-5..1.5e-4).contains(&(plain - smaller)),
+        "{plain} {smaller}"
+    );
+    let list = |value: &str| format!("[{}]", vec![value; 16].join(", "));
+    let larger = wall(&format!("gear.errors.hole_radius_m = {}", list("1e-4")));
+    assert!((plain - larger - 1e-4).abs() < 1e-12, "{plain} {larger}");
+}

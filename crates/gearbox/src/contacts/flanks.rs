@@ -1,0 +1,106 @@
+//! A wheel whose flanks are turned towards the middle of their lobes: what two wheels, turned by +delta and -delta, have in
+//! common.
+//!
+//! From the middle of a lobe counter-clockwise to the middle of a pit its edge is that of the wheel turned by -delta, from there
+//! to the next lobe that of the other one. They meet in corners, which stand out everywhere: a sleeve touches the nearer of the
+//! feet that lie on the wheel's edge, and where none does the corner between them. A corner has no radius of its own; it is as
+//! stiff as the flanks that end there.
+
+use std::f64::consts::PI;
+
+use pinwheel_contact::Complex;
+
+use super::detection::Touch;
+use crate::geometry::Geometry;
+
+/// See the module.
+pub(super) struct Flanks {
+    /// e^{i delta}.
+    turn: Complex,
+    lobes: f64,
+    /// Of the lobes' middles, and of the pits'.
+    corners: [Corner; 2],
+}
+
+#[derive(Clone, Copy)]
+struct Corner {
+    /// From the wheel's centre, m.
+    radius: f64,
+    /// kappa of the curve that either flank belongs to, 1/m.
+    curvature: f64,
+}
+
+/// Where on the profile a sleeve touches.
+#[derive(Clone, Copy)]
+pub(super) enum Seat {
+    /// Beside the curve's point e^{ia}.
+    Foot(Complex),
+    /// At a corner between flanks, or in a hole.
+    Corner,
+}
+
+impl Flanks {
+    /// `None`: flanks are not turned.
+    pub(super) fn of(geometry: &Geometry) -> Option<Self> {
+        let turn = geometry.flanks?;
+        let curve = &geometry.curve;
+        let half = PI / f64::from(curve.lobes());
+        let edge = |a: f64| {
+            let at = curve.at(a);
+            at.position - at.normal.scale(geometry.edge_offset_m)
+        };
+        // The point of the edge whose polar angle is delta beyond the middle: turned back by delta it stands in it.
+        let corner = |middle: f64| {
+            let beyond = Complex::unit(middle) * turn;
+            let (mut low, mut high) = (middle, middle + half);
+            for _ in 0..60 {
+                let a = 0.5 * (low + high);
+                if beyond.cross(edge(a)) < 0.0 {
+                    low = a;
+                } else {
+                    high = a;
+                }
+            }
+            Corner {
+                radius: edge(high).norm(),
+                curvature: curve.at(high).curvature,
+            }
+        };
+        Some(Self {
+            turn,
+            lobes: f64::from(curve.lobes()),
+            corners: [corner(0.0), corner(half)],
+        })
+    }
+
+    /// By how much the wheels are turned whose common part it is.
+    pub(super) fn turns(&self) -> [Complex; 2] {
+        [self.turn, self.turn.conj()]
+    }
+
+    /// What touches a sleeve centred at `p` of those feet on either wheel, in the order of [`turns`](Self::turns);
+    /// `stiffness` is K where the curve bends by a kappa.
+    pub(super) fn touch(
+        &self,
+        p: Complex,
+        radius: f64,
+        feet: [(Touch, Seat); 2],
+        stiffness: impl Fn(f64) -> f64,
+    ) -> (Touch, Seat) {
+        let [ccw, cw] = feet;
+        // Counter-clockwise of a lobe's middle lies the wheel that is turned clockwise.
+        let side = |touch: &Touch| (self.lobes * touch.point.arg()).sin();
+        match (side(&ccw.0) <= 0.0, side(&cw.0) >= 0.0) {
+            (true, true) if cw.0.penetration > ccw.0.penetration => cw,
+            (true, _) => ccw,
+            (false, true) => cw,
+            (false, false) => {
+                let number = (p.arg() * self.lobes / PI).round();
+                let corner = self.corners[usize::from(number.rem_euclid(2.0) == 1.0)];
+                let point = Complex::unit(number * PI / self.lobes).scale(corner.radius);
+                let (arm, k) = (point - p, stiffness(corner.curvature));
+                (Touch::at_point(arm, point, radius, k), Seat::Corner)
+            }
+        }
+    }
+}
