@@ -262,11 +262,7 @@ impl Epitrochoid {
                 let height = chord.dot(x.normal);
                 let radius = chord.norm2() / (2.0 * height.abs());
                 if chord.norm2() > 0.0 && radius.is_finite() {
-                    let side = if height > 0.0 {
-                        &mut here
-                    } else {
-                        &mut inside
-                    };
+                    let side = if height > 0.0 { &mut here } else { &mut inside };
                     *side = side.min(radius);
                 }
             }

@@ -139,10 +139,8 @@ impl Shapes {
     /// K where the curvature of C is this, N/m^1.5.
     #[inline(always)]
     pub(super) fn profile_stiffness<S: Simd>(&self, curvature: Lanes<S>) -> Lanes<S> {
-        let radicand = curvature.mul_add(
-            curvature.like(-self.external_radius),
-            curvature.like(1.0),
-        );
+        let radicand =
+            curvature.mul_add(curvature.like(-self.external_radius), curvature.like(1.0));
         curvature.like(self.profile_stiffness) * radicand.sqrt()
     }
 
