@@ -62,6 +62,10 @@ fn contacts(criterion: &mut Criterion) {
                     black_box(&loads);
                 });
             });
+            let mut moments = vec![0.0; bodies.len()];
+            group.bench_function(format!("{name}/{kernel:?}/moments"), |b| {
+                b.iter(|| black_box(field.add_moments(black_box(&bodies), &mut moments)));
+            });
             let mut sum = 0.0;
             group.bench_function(format!("{name}/{kernel:?}/listed"), |b| {
                 b.iter(|| {

@@ -61,6 +61,8 @@ const LONGEST: f64 = 0.3;
 const LAST: f64 = 4e-3;
 /// What a last step may leave, as zk d.
 const SETTLED: f64 = 1e-14;
+/// Near the evolute Newton does not know how far to go: -f' counts as this share of g there, and nothing settles.
+const STEEP: f64 = 0.05;
 const MAX_STEPS: usize = 8;
 
 /// Coefficients of (1 - cos x)/x^2 and of sin x/x in x^2, alternating, highest first.
@@ -216,8 +218,8 @@ impl Epitrochoid {
         let (along, across) = (along * c(zk), across * c(zk));
         let g = lobe.re.mul_add(c(2.0), c(1.0 + m * m));
         let slope = g + q.re + along;
-        let mut fine = (c(0.05) * g).less(slope);
-        let inverse = slope.recip();
+        let far = slope.less(c(STEEP) * g);
+        let mut inverse = slope.max(c(STEEP) * g).recip();
         let x = q.im.mul_add(c(zk), across) * inverse;
         let b2 = lobe
             .im
@@ -237,7 +239,8 @@ impl Epitrochoid {
         let c4 = b2.mul_add(b3.mul_add(c(5.0), squared * c(-5.0)), -b4);
         let c5 = b2.mul_add(b4 * c(6.0), b3 * b3 * c(3.0)) - b5
             + squared * squared.mul_add(c(14.0), b3 * c(-21.0));
-        let sum = x.mul_add(x.mul_add(x.mul_add(x.mul_add(c5, c4), c3), -b2), c(1.0));
+        let sum = x.mul_add(x.mul_add(x.mul_add(c5, c4), c3), -b2);
+        let sum = x.mul_add(sum.only(open.without(far)), c(1.0));
 
         let mut pose = Pose {
             turn: ComplexLanes::new(c(1.0), c(0.0)),
@@ -249,8 +252,6 @@ impl Epitrochoid {
         let mut step = (x * sum * c(moves)).max(c(-LONGEST)).min(c(LONGEST));
         let mut steps = 0;
         loop {
-            lost = lost.or(open.without(fine));
-            open = open.and(fine);
             pose.step(step.only(open), zk, COS.len());
             let (turn, lobe, r) = (pose.turn, pose.lobe, pose.offset);
             let (along, across) = (lobe.dot(r), lobe.cross(r));
@@ -258,24 +259,35 @@ impl Epitrochoid {
             open = open.without((c(repulsion) * r.dot(r)).less(height + along));
             let g = turn.dot(lobe).mul_add(c(2.0), c(1.0 + m * m));
             let slope = g + along.mul_add(c(zk), height);
-            fine = (c(0.05) * g).less(slope);
-            let inverse = slope.recip();
+            let fine = (c(STEEP) * g).less(slope);
+            // From the inverse before, to the fourth power of what they differ by.
+            let slope = slope.max(c(STEEP) * g);
+            let differ = slope.mul_add(-inverse, c(1.0));
+            let squared = differ * differ;
+            if c(0.2).less(differ.abs()).and(open).any() {
+                inverse = slope.recip();
+            } else {
+                inverse = differ.mul_add(inverse, inverse);
+                inverse = squared.mul_add(inverse, inverse);
+            }
             let first = (beside + across) * inverse * c(zk);
             let bending = turn.cross(lobe) * c(1.5 * (zk - 1.0) / zk)
                 - across.mul_add(c(0.5 * zk), beside * c(0.5 / zk));
             let share = bending * inverse * first;
             step = share.mul_add(first, first) * c(moves);
             let rest = (share * share).mul_add(c(2.0), first * first * inverse * c(bend));
+            let rest = squared.mul_add(squared, rest);
             let settled = (rest * first.abs())
                 .less(c(SETTLED))
                 .and(first.abs().less(c(LAST)));
             steps += 1;
             let unsettled = open.without(settled.and(fine));
-            if steps == MAX_STEPS {
-                lost = lost.or(unsettled);
-                open = open.without(unsettled);
+            if !unsettled.any() {
+                break;
             }
-            if steps == MAX_STEPS || !unsettled.any() {
+            if steps == MAX_STEPS {
+                lost = unsettled;
+                open = open.without(unsettled);
                 break;
             }
             step = step.max(c(-LONGEST)).min(c(LONGEST));
@@ -298,7 +310,7 @@ impl Epitrochoid {
         }
         let outward = pose.turn + pose.lobe;
         let (cos, sin) = (pose.turn.dot(pose.lobe), pose.turn.cross(pose.lobe));
-        let inverse = cos.mul_add(c(2.0), c(1.0 + m * m)).sqrt().recip();
+        let inverse = cos.mul_add(c(2.0), c(1.0 + m * m)).inverse_sqrt();
         let bend = cos.mul_add(
             c((1.0 + zk) / self.pitch_radius),
             c((1.0 + m * m * zk) / self.pitch_radius),
@@ -328,7 +340,13 @@ impl Epitrochoid {
     ) {
         let (r, zk) = (self.pitch_radius, self.search.zk);
         let mut found = offset.re.like(1.0).only(*inside);
-        for k in (0..Lanes::<S>::COUNT).filter(|&k| lost.lane(k)) {
+        let lost = offset.re.like(1.0).only(lost);
+        for (k, _) in lost
+            .as_slice()
+            .iter()
+            .enumerate()
+            .filter(|lane| *lane.1 != 0.0)
+        {
             found.as_mut_slice()[k] = 0.0;
             // Any a0 of this phase.
             let phase = phase.lane(k);

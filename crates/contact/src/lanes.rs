@@ -6,6 +6,7 @@
 use std::ops::{Add, Mul, Neg, Sub};
 
 use pulp::Simd;
+use pulp::bytemuck::cast;
 
 use crate::Complex;
 
@@ -169,7 +170,9 @@ impl<S: Simd> Lanes<S> {
     /// Writes all lanes to the front of a slice of at least [`Lanes::COUNT`] values.
     #[inline(always)]
     pub fn store(self, values: &mut [f64]) {
-        values[..Self::COUNT].copy_from_slice(self.as_slice());
+        if let [a, b, ..] = S::as_mut_simd_f64s(values).0 {
+            [*a, *b] = self.v;
+        }
     }
 
     /// The lanes as numbers.
@@ -190,6 +193,28 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn sqrt(self) -> Self {
         both!(self, k, self.simd.sqrt_f64s(self.v[k]))
+    }
+
+    /// Inverse square roots of positive numbers, to 2 units of the last place: half of the exponent by integers, then
+    /// Newton's steps of third order. Dividers and roots would take several times as long as these products.
+    #[must_use]
+    #[inline(always)]
+    pub fn inverse_sqrt(self) -> Self {
+        const GUESS: u32 = 0x5fe6_eb50;
+        if const { size_of::<S::u32s>() != size_of::<S::f64s>() } {
+            return self.sqrt().recip();
+        }
+        let (guess, one) = (self.simd.splat_u32s(GUESS), self.simd.splat_u32s(1));
+        let mut root = both!(self, k, {
+            let half = self.simd.wrapping_dyn_shr_u32s(cast(self.v[k]), one);
+            cast(self.simd.sub_u32s(guess, half))
+        });
+        for _ in 0..3 {
+            let off = (self * root).mul_add(-root, self.like(1.0));
+            let more = off.mul_add(self.like(0.375), self.like(0.5));
+            root = (off * root).mul_add(more, root);
+        }
+        root
     }
 
     /// Inverses.
@@ -243,9 +268,18 @@ impl<S: Simd> Lanes<S> {
     #[must_use]
     #[inline(always)]
     pub fn only(self, mask: Mask<S>) -> Self {
-        let zero = self.simd.splat_f64s(0.0);
+        let zero = self.like(0.0);
+        self.or_where(mask, zero)
+    }
+
+    /// `self` where the mask is set, `other` elsewhere.
+    #[must_use]
+    #[inline(always)]
+    pub fn or_where(self, mask: Mask<S>, other: Self) -> Self {
+        // pulp's own selection of numbers is not inlined everywhere, that of integers is.
         both!(self, k, {
-            self.simd.select_f64s(mask.m[k], self.v[k], zero)
+            let (yes, no) = (cast(self.v[k]), cast(other.v[k]));
+            cast(self.simd.select_u64s(mask.m[k], yes, no))
         })
     }
 

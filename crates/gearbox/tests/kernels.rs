@@ -49,12 +49,41 @@ fn both(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> (Vec<Wrench>
     (loads, energy)
 }
 
+/// Moments about the pins, and loads with energies, from angles and rates alone.
+fn held(
+    gearbox: &Gearbox,
+    kernel: Kernel,
+    bodies: &[BodyState],
+) -> Option<(Vec<f64>, Vec<Wrench>, ContactEnergy)> {
+    let mut gearbox = gearbox.clone();
+    gearbox.kernel = kernel;
+    let mut field = gearbox.contact_field().unwrap();
+    let mut loads = vec![Wrench::default(); bodies.len()];
+    let mut moments = vec![0.0; bodies.len()];
+    let known = field.add_moments(bodies, &mut moments);
+    let energy = field.add_held_loads(bodies, &mut loads);
+    known.then_some((moments, loads, energy))
+}
+
+/// The moments about the pins of output and wheels that these loads have.
+fn moments(gearbox: &Gearbox, bodies: &[BodyState], loads: &[Wrench]) -> Vec<f64> {
+    let mut moments: Vec<f64> = loads.iter().map(|load| load.moment).collect();
+    for body in gearbox.layout.internal_bodies() {
+        let (at, load) = (bodies[body], loads[body]);
+        moments[Layout::OUTPUT] += at.x * load.fy - at.y * load.fx;
+    }
+    moments.truncate(gearbox.layout.wheel_bodies().end);
+    moments
+}
+
 /// Initial states turned on by the input angle, every wheel and the output twisted by up to `twist`.
 fn states(gearbox: &Gearbox, input: f64, twist: f64, rates: &[f64]) -> Vec<BodyState> {
     let mut bodies = gearbox.initial_states();
     let (layout, geometry) = (gearbox.layout, &gearbox.geometry);
     let e = gearbox.scene.gear.eccentricity_m;
     let noise = |k: usize| rates[k % rates.len()];
+    (bodies[Layout::INPUT].angle, bodies[Layout::INPUT].rate) = (input, 52.34);
+    bodies[Layout::OUTPUT].rate = -3.4;
     for (i, body) in layout.wheel_bodies().enumerate() {
         let (s, c) = (input + geometry.wheel_phases[i]).sin_cos();
         bodies[body] = BodyState {
@@ -234,10 +263,117 @@ proptest! {
             prop_assert!((a.damping_w - b.damping_w).abs() <= 1e-9 * b.damping_w + force, "{a:?} {b:?}");
             prop_assert!((a.friction_w - b.friction_w).abs() <= 1e-9 * b.friction_w + force, "{a:?} {b:?}");
         }
+        let held = held(&gearbox, kernel, &bodies);
+        prop_assert_eq!(held.is_some(), !friction);
+        if let Some((turning, loads, energy)) = held {
+            for (a, b) in turning.iter().zip(moments(&gearbox, &bodies, &slow)) {
+                prop_assert!((a - b).abs() <= moment, "{a} {b} {moment}");
+            }
+            for (a, b) in loads.iter().zip(&slow) {
+                prop_assert!((a.fx - b.fx).abs() <= force, "{a:?} {b:?} {force}");
+                prop_assert!((a.fy - b.fy).abs() <= force, "{a:?} {b:?} {force}");
+            }
+            prop_assert!((energy.stored_j - b.stored_j).abs() <= stored, "{energy:?} {b:?}");
+            prop_assert!((energy.damping_w - b.damping_w).abs() <= 1e-9 * b.damping_w + force, "{energy:?} {b:?}");
+        }
         for (a, b) in fast.iter().zip(&slow) {
             prop_assert!((a.fx - b.fx).abs() <= force, "{a:?} {b:?} {force}");
             prop_assert!((a.fy - b.fy).abs() <= force, "{a:?} {b:?} {force}");
             prop_assert!((a.moment - b.moment).abs() <= moment, "{a:?} {b:?} {moment}");
         }
     }
+}
+
+/// Every law: the moments by levers are those of the scalar loop.
+#[test]
+fn levers_serve_every_law() {
+    for info in pinwheel_contact::laws::LAWS {
+        for preset in ["paper", "backlash-0.6", "forty-pins", "eleven-pins"] {
+            let mut scene = Scene::load(preset, &[]).unwrap().into_scene();
+            scene.contact.law = info.name.to_owned();
+            let gearbox = Gearbox::new(&CheckedScene::unchecked(scene)).unwrap();
+            let play = 17.003 * gearbox.scene.gear.backlash_m;
+            for k in 0..20 {
+                let bodies = states(&gearbox, 0.37 * f64::from(k), play + 4e-4, &[1.0, 0.8, 0.9]);
+                let slow = loads(&gearbox, Kernel::Scalar, &bodies);
+                let slow = moments(&gearbox, &bodies, &slow);
+                let largest = slow.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+                for kernel in LANES {
+                    let (turning, ..) = held(&gearbox, kernel, &bodies).unwrap();
+                    for (a, b) in turning.iter().zip(&slow) {
+                        assert!(
+                            (a - b).abs() <= 1e-9 * largest,
+                            "{} {preset} {kernel:?}: {a} {b}",
+                            info.name
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// No sleeve that touches is left out, and none that does not is found: forces on every external sleeve against the scalar
+/// loop, over random gears and poses. `PINWHEEL_POSES=10000000` runs as many.
+#[test]
+fn hard_levers_find_what_touches() {
+    const POSES: u64 = 100;
+    let wanted = std::env::var("PINWHEEL_POSES").map_or(40_000, |n| n.parse().unwrap());
+    let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut random = |low: f64, high: f64| {
+        // xorshift64* [Vigna 2016].
+        seed ^= seed >> 12;
+        seed ^= seed << 25;
+        seed ^= seed >> 27;
+        let bits = seed.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11;
+        low + (high - low) * bits as f64 / (1_u64 << 53) as f64
+    };
+    let (mut touching, mut poses) = (0_u64, 0_u64);
+    while poses < wanted {
+        let mut scene = Scene::paper();
+        scene.gear.external_sleeves = random(6.0, 120.999) as usize;
+        scene.gear.shortening = random(0.3, 0.9);
+        scene.gear.external_sleeve_radius_m = 0.001;
+        scene.gear.wheels = random(1.0, 3.999) as usize;
+        scene.gear.backlash_m = random(-4e-4, 1.4e-3).max(0.0);
+        let mut gearbox = Gearbox::new(&CheckedScene::unchecked(scene)).unwrap();
+        let curve = &gearbox.geometry.curve;
+        let (zs, radius) = (f64::from(curve.lobes()), curve.pitch_radius());
+        // A quarter of a pitch to either side, most often about as far as the play goes.
+        let reach = if random(0.0, 1.0) < 0.8 {
+            2.0 * gearbox.scene.gear.backlash_m / (0.0028 * zs) + 2e-5 / (0.0028 * zs)
+        } else {
+            0.25 * std::f64::consts::TAU / zs
+        };
+        let mut fields: Vec<_> = [Kernel::Scalar, LANES[(poses / POSES) as usize % 3]]
+            .into_iter()
+            .map(|kernel| {
+                gearbox.kernel = kernel;
+                gearbox.contact_field().unwrap()
+            })
+            .collect();
+        for _ in 0..POSES {
+            let twists = [0; 3].map(|_| random(-reach, reach));
+            let mut bodies = states(&gearbox, random(0.0, 40.0), 1.0, &twists);
+            bodies[Layout::OUTPUT].angle = 0.0;
+            let mut found = [0; 2].map(|_| vec![Wrench::default(); bodies.len()]);
+            fields[0].add_loads(&bodies, &mut found[0]);
+            fields[1].add_held_loads(&bodies, &mut found[1]);
+            for body in gearbox.layout.external_bodies() {
+                let [a, b] = [0, 1].map(|k| found[k][body].fx.hypot(found[k][body].fy));
+                touching += u64::from(a > 0.0);
+                // Rounding of the radius, as a penetration, at the steepest force there is.
+                let depth = 1e-14 * radius;
+                let bound = 1e-9 * a.max(b) + 8.0 * depth / 1e-5 + 1e9 * depth * 0.1;
+                assert!(
+                    (a - b).abs() <= bound,
+                    "{poses}: {a} {b}, {:?}",
+                    gearbox.scene.gear
+                );
+            }
+            poses += 1;
+        }
+    }
+    println!("{poses} poses, {touching} contacts");
+    assert!(touching > poses / 4);
 }

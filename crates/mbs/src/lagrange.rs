@@ -18,8 +18,8 @@ use crate::mechanism::{Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
 use crate::pinned::PinnedContacts;
 use crate::saddle::{Dependent, Rows, SaddlePoint, redundant};
-use crate::state::{BodyState, Wrench};
-use crate::tree::{Forest, turned};
+use crate::state::{BodyId, BodyState, Wrench};
+use crate::tree::{Arms, Forest, turned};
 
 /// What keeps the joints together besides the accelerations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,13 +44,6 @@ const LOOP_TOLERANCE: f64 = 1e-14;
 /// How far the fastest body turns to get beside a singular pose, rad.
 const BESIDE: f64 = 2e-5;
 
-/// Arms of one revolute in the ground's directions.
-#[derive(Debug, Clone, Copy, Default)]
-struct Arms {
-    parent: [f64; 2],
-    child: [f64; 2],
-}
-
 /// The equations of a mechanism under applied `F`.
 pub struct Lagrange<F> {
     mechanism: Mechanism,
@@ -61,6 +54,9 @@ pub struct Lagrange<F> {
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
     arms: Vec<Arms>,
+    /// Bodies on which a revolute has an arm, and e^{i angle} of all bodies as far as it is needed.
+    turning: Vec<BodyId>,
+    turns: Vec<[f64; 2]>,
     reactions: Vec<[f64; 2]>,
     torques: Vec<f64>,
     /// How contacts depend on the free rates, where friction may be treated implicitly.
@@ -93,6 +89,8 @@ impl<F: Forces> Lagrange<F> {
             bodies: vec![BodyState::default(); n],
             loads: vec![Wrench::default(); n],
             arms: vec![Arms::default(); mechanism.revolutes.len()],
+            turning: turning(&mechanism),
+            turns: vec![[1.0, 0.0]; n],
             reactions: vec![[0.0; 2]; mechanism.revolutes.len()],
             torques: vec![0.0; mechanism.drivers.len()],
             contacts: None,
@@ -133,12 +131,8 @@ impl<F: Forces> Lagrange<F> {
 
     fn unpack(&mut self, y: &[f64]) {
         let (q, v) = y.split_at(3 * self.bodies.len());
-        for ((body, q), v) in self
-            .bodies
-            .iter_mut()
-            .zip(q.chunks_exact(3))
-            .zip(v.chunks_exact(3))
-        {
+        let (q, v) = (q.as_chunks::<3>().0, v.as_chunks::<3>().0);
+        for ((body, q), v) in self.bodies.iter_mut().zip(q).zip(v) {
             *body = BodyState {
                 x: q[0],
                 y: q[1],
@@ -152,24 +146,25 @@ impl<F: Forces> Lagrange<F> {
 
     fn pack(&self, y: &mut [f64]) {
         let (q, v) = y.split_at_mut(3 * self.bodies.len());
-        for ((body, q), v) in self
-            .bodies
-            .iter()
-            .zip(q.chunks_exact_mut(3))
-            .zip(v.chunks_exact_mut(3))
-        {
-            q.copy_from_slice(&[body.x, body.y, body.angle]);
-            v.copy_from_slice(&[body.vx, body.vy, body.rate]);
+        let (q, v) = (q.as_chunks_mut::<3>().0, v.as_chunks_mut::<3>().0);
+        for ((body, q), v) in self.bodies.iter().zip(q).zip(v) {
+            *q = [body.x, body.y, body.angle];
+            *v = [body.vx, body.vy, body.rate];
         }
     }
 
     fn rotate_arms(&mut self) {
+        for &body in &self.turning {
+            let (s, c) = self.bodies[body].angle.sin_cos();
+            self.turns[body] = [c, s];
+        }
+        let by = |[c, s]: [f64; 2], [x, y]: [f64; 2]| [c * x - s * y, s * x + c * y];
         for (arms, joint) in self.arms.iter_mut().zip(&self.mechanism.revolutes) {
             arms.parent = match joint.parent {
                 None => joint.parent_point,
-                Some(p) => turned(joint.parent_point, self.bodies[p].angle),
+                Some(p) => by(self.turns[p], joint.parent_point),
             };
-            arms.child = turned(joint.child_point, self.bodies[joint.child].angle);
+            arms.child = by(self.turns[joint.child], joint.child_point);
         }
     }
 
@@ -301,7 +296,8 @@ impl<F: Forces> Lagrange<F> {
             let child = &mut self.bodies[driver.child];
             (child.angle, child.rate) = (parent.angle + angle, parent.rate + rate);
         }
-        self.forest.place(&mut self.bodies);
+        self.rotate_arms();
+        self.forest.place(&mut self.bodies, &self.arms);
         if !self.forest.closures.is_empty() {
             self.close_loops(t);
         }
@@ -366,13 +362,16 @@ impl<F: Forces> Lagrange<F> {
     /// Loads, factorisation and solution at the unpacked bodies.
     fn evaluate(&mut self, t: f64) -> Result<(), usize> {
         self.loads.fill(Wrench::default());
-        self.forces.apply(t, &self.bodies, &mut self.loads);
+        if self.stabilisation == Stabilisation::Projection {
+            self.forces.apply_held(t, &self.bodies, &mut self.loads);
+        } else {
+            self.forces.apply(t, &self.bodies, &mut self.loads);
+        }
         self.accelerate(t)
     }
 
     /// Accelerations and multipliers under the loads.
     fn accelerate(&mut self, t: f64) -> Result<(), usize> {
-        self.rotate_arms();
         self.factor_beside()?;
         self.set_gamma(t);
         for (k, load) in self.loads.iter().enumerate() {
@@ -386,8 +385,21 @@ impl<F: Forces> Lagrange<F> {
         self.unpack(y);
         if self.stabilisation == Stabilisation::Projection {
             self.project(t);
+        } else {
+            self.rotate_arms();
         }
     }
+}
+
+/// Bodies on which a revolute has an arm.
+fn turning(mechanism: &Mechanism) -> Vec<BodyId> {
+    let has_arm = |body: &BodyId| {
+        mechanism.revolutes.iter().any(|j| {
+            (j.parent == Some(*body) && j.parent_point != [0.0; 2])
+                || (j.child == *body && j.child_point != [0.0; 2])
+        })
+    };
+    (0..mechanism.bodies.len()).filter(has_arm).collect()
 }
 
 impl<F: Forces> OdeSystem for Lagrange<F> {
@@ -415,14 +427,11 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
             return;
         }
         let (qd, vd) = dydt.split_at_mut(3 * self.bodies.len());
-        for (k, (qd, vd)) in qd
-            .chunks_exact_mut(3)
-            .zip(vd.chunks_exact_mut(3))
-            .enumerate()
-        {
+        let (qd, vd) = (qd.as_chunks_mut::<3>().0, vd.as_chunks_mut::<3>().0);
+        for (k, (qd, vd)) in qd.iter_mut().zip(vd).enumerate() {
             let body = self.bodies[k];
-            qd.copy_from_slice(&[body.vx, body.vy, body.rate]);
-            vd.copy_from_slice(self.saddle.body(k).as_slice());
+            *qd = [body.vx, body.vy, body.rate];
+            *vd = (*self.saddle.body(k)).into();
         }
     }
 
@@ -461,7 +470,11 @@ impl<F: Forces> Formulation for Lagrange<F> {
     fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
         self.prepare(t, y);
         self.loads.fill(Wrench::default());
-        let energy = self.forces.apply_observed(t, &self.bodies, &mut self.loads);
+        let energy = if self.stabilisation == Stabilisation::Projection {
+            self.forces.apply_held(t, &self.bodies, &mut self.loads)
+        } else {
+            self.forces.apply_observed(t, &self.bodies, &mut self.loads)
+        };
         let solved = self.accelerate(t).is_ok();
         for k in 0..self.reactions.len() {
             let mu = *self.saddle.constraint(k);

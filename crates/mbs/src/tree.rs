@@ -6,6 +6,13 @@
 use crate::mechanism::Mechanism;
 use crate::state::{BodyId, BodyState};
 
+/// Arms of one revolute in the ground's directions.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Arms {
+    pub(crate) parent: [f64; 2],
+    pub(crate) child: [f64; 2],
+}
+
 /// One revolute of the forest, in an order in which parents come before children.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Branch {
@@ -14,9 +21,8 @@ pub(crate) struct Branch {
     pub(crate) body: BodyId,
     /// The body (or ground) it follows from.
     pub(crate) from: Option<BodyId>,
-    /// The joint's points in the frames of `from` and `body`.
-    pub(crate) from_point: [f64; 2],
-    pub(crate) body_point: [f64; 2],
+    /// `body` is the joint's child, `from` its parent; else the other way round.
+    pub(crate) outwards: bool,
 }
 
 /// Forest and what does not belong to it.
@@ -46,15 +52,13 @@ impl Forest {
                         revolute: k,
                         body: joint.child,
                         from,
-                        from_point: joint.parent_point,
-                        body_point: joint.child_point,
+                        outwards: true,
                     },
                     (false, true, Some(parent)) => Branch {
                         revolute: k,
                         body: parent,
                         from: Some(joint.child),
-                        from_point: joint.child_point,
-                        body_point: joint.parent_point,
+                        outwards: false,
                     },
                     _ => continue,
                 };
@@ -74,18 +78,24 @@ impl Forest {
     }
 
     /// Moves every body's centre to where its angle and its predecessor put it; velocities likewise.
-    pub(crate) fn place(&self, bodies: &mut [BodyState]) {
+    /// `arms`: of every revolute at these angles.
+    pub(crate) fn place(&self, bodies: &mut [BodyState], arms: &[Arms]) {
         for branch in &self.branches {
+            let arms = arms[branch.revolute];
+            let ([ax, ay], own) = if branch.outwards {
+                (arms.parent, arms.child)
+            } else {
+                (arms.child, arms.parent)
+            };
             let (mut x, mut y, mut vx, mut vy) = match branch.from {
-                None => (branch.from_point[0], branch.from_point[1], 0.0, 0.0),
+                None => (ax, ay, 0.0, 0.0),
                 Some(from) => {
                     let b = bodies[from];
-                    let [ax, ay] = turned(branch.from_point, b.angle);
                     (b.x + ax, b.y + ay, b.vx - b.rate * ay, b.vy + b.rate * ax)
                 }
             };
             let body = &mut bodies[branch.body];
-            let [ax, ay] = turned(branch.body_point, body.angle);
+            let [ax, ay] = own;
             x -= ax;
             y -= ay;
             vx += body.rate * ay;

@@ -55,7 +55,6 @@ impl<F: Forces> Lagrange<F> {
         if !none.is_empty() {
             return None;
         }
-        self.rotate_arms();
         self.factor_beside().ok()?;
         if let Some(contacts) = &mut self.contacts {
             let free = contacts.free_bodies();

@@ -313,7 +313,7 @@ impl Levers {
         let zk = self.lobes + 1.0;
         for group in self.segments.chunks(2) {
             let pair = pair(group);
-            let [one, two] = pair.map(|s| self.wheels[s.wheel]);
+            let (one, two) = (&self.wheels[pair[0].wheel], &self.wheels[pair[1].wheel]);
             let direction = self.directions.load_pair(simd, pair);
             let phase = ComplexLanes::splat_pair(simd, [one.phase, two.phase]) * direction;
             let mut offset = ComplexLanes::splat_pair(simd, [one.mesh, two.mesh]) * phase;
@@ -341,10 +341,9 @@ impl Levers {
                 moment = moment + along * (reach * foot.inverse - foot.depth).only(inside);
                 beside = Some(along);
             }
-            let moments = moment.sums();
-            for (segment, moment) in pair.iter().zip(moments) {
-                self.wheels[segment.wheel].moment += moment;
-            }
+            let moment = moment.sums();
+            self.wheels[pair[0].wheel].moment += moment[0];
+            self.wheels[pair[1].wheel].moment += moment[1];
             if LOADS {
                 // n = -T/sqrt(g), t = R90 n.
                 let normal = foot.outward.scale(foot.inverse).only(inside);
@@ -388,27 +387,28 @@ impl Levers {
         let mut on_output = c(0.0);
         for group in self.segments.chunks(2) {
             let pair = pair(group);
-            let [one, two] = pair.map(|s| self.wheels[s.wheel]);
-            let [first, second] = pair.map(|s| &shapes.holes[s.wheel]);
+            let (one, two) = (&self.wheels[pair[0].wheel], &self.wheels[pair[1].wheel]);
+            let first = &shapes.holes[pair[0].wheel];
+            let second = &shapes.holes[pair[1].wheel];
             let hole = ComplexLanes::new(
                 Lanes::load_pair(simd, [&first.x[pair[0].from..], &second.x[pair[1].from..]]),
                 Lanes::load_pair(simd, [&first.y[pair[0].from..], &second.y[pair[1].from..]]),
             ) * ComplexLanes::splat_pair(simd, [one.turn, two.turn]);
             let sleeve = self.points.load_pair(simd, pair) * output;
             let offset = sleeve - hole - ComplexLanes::splat_pair(simd, [one.centre, two.centre]);
-            let distance = offset.dot(offset).sqrt();
-            let depth = distance - c(shapes.clearance);
+            let squared = offset.dot(offset);
+            let inverse = squared.inverse_sqrt();
+            let depth = squared.mul_add(inverse, c(-shapes.clearance));
             let inside = c(0.0).less(depth).and(present(simd, pair));
-            let normal = offset.scale(distance.recip());
+            let normal = offset.scale(inverse);
             let (wheel_lever, output_lever) = (hole.cross(normal), sleeve.cross(normal));
             let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
             let closing = wheel_lever.mul_add(input_rate - wheel_rate, output_lever * over_input);
             let force = law.force_lanes(stiffness, depth, closing);
             on_output = on_output - (output_lever * force).only(inside);
-            let moments = (wheel_lever * force).only(inside).sums();
-            for (segment, moment) in pair.iter().zip(moments) {
-                self.wheels[segment.wheel].moment += moment;
-            }
+            let moment = (wheel_lever * force).only(inside).sums();
+            self.wheels[pair[0].wheel].moment += moment[0];
+            self.wheels[pair[1].wheel].moment += moment[1];
             if LOADS {
                 let push = normal.scale(-force).only(inside);
                 self.forces[1].add_pair(pair, push);
