@@ -2,7 +2,7 @@
 //! its own contact spring and its own Coulomb friction.
 
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::channels::{PRESSING_N, PairSource};
+use pinwheel_gearbox::channels::PairSource;
 use pinwheel_gearbox::contacts::{ContactEnergy, PairContact};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::Sleeve;
@@ -294,7 +294,7 @@ impl Contacts for Solid {
         Box::new(Own {
             meetings: &self.meetings,
             world,
-            pressing: PRESSING_N * self.step_s,
+            step_s: self.step_s,
         })
     }
 
@@ -336,8 +336,7 @@ impl Meeting {
 struct Own<'a> {
     meetings: &'a [Meeting],
     world: &'a World,
-    /// Impulse above which a contact presses, N s.
-    pressing: f64,
+    step_s: f64,
 }
 
 impl PairSource for Own<'_> {
@@ -345,12 +344,16 @@ impl PairSource for Own<'_> {
         None
     }
 
-    fn loaded(&mut self, _: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve)) -> bool {
+    fn loaded(
+        &mut self,
+        _: &[BodyState],
+        pressing_n: f64,
+        visit: &mut dyn FnMut(usize, Sleeve),
+    ) -> bool {
+        let impulse_n_s = pressing_n * self.step_s;
         for meeting in self.meetings {
             let mut presses = false;
-            meeting.impulses(self.world, &mut |normal, _| {
-                presses |= normal > self.pressing
-            });
+            meeting.impulses(self.world, &mut |normal, _| presses |= normal > impulse_n_s);
             if presses {
                 visit(meeting.wheel, meeting.sleeve);
             }
