@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::Thread;
 use std::time::{Duration, Instant};
 
 use pinwheel_engines::{Engine, EngineError, Run, RunStats, by_name};
@@ -131,7 +132,12 @@ impl Control<'_> {
             let share = (reached - at.done as f64 * duration) / duration;
             // From its first sample on: packages may have to be installed before.
             let took = begin.get_or_init(Instant::now).elapsed();
-            let pace = took.as_secs_f64() / share;
+            // Not all engines say how far they are.
+            let pace = if share > 0.0 {
+                took.as_secs_f64() / share
+            } else {
+                took.as_secs_f64()
+            };
             if took >= most / 10 && pace > most.as_secs_f64() {
                 needs_s.get_or_init(|| pace);
                 stop.store(true, Ordering::Relaxed);
@@ -143,17 +149,17 @@ impl Control<'_> {
         };
         let ran = std::thread::scope(|scope| {
             // The user's wish to stop reaches the engine wherever it waits.
-            scope.spawn(|| {
+            let watch = scope.spawn(|| {
                 while !ended.load(Ordering::Relaxed) {
                     if self.is_cancelled() {
                         stop.store(true, Ordering::Relaxed);
                     }
-                    std::thread::sleep(Duration::from_millis(10));
+                    std::thread::park_timeout(Duration::from_millis(10));
                 }
             });
-            let ran = limited.engine(engine, gearbox, at);
-            ended.store(true, Ordering::Relaxed);
-            ran
+            // However the engine ends, a panic included.
+            let _over = Over(&ended, watch.thread().clone());
+            limited.engine(engine, gearbox, at)
         });
         match (ran, needs_s.get()) {
             (Err(StudyError::Cancelled), Some(needs_s)) if !self.is_cancelled() => {
@@ -289,6 +295,16 @@ pub(crate) fn run_on(
         Err(error @ (EngineError::Unsupported { .. } | EngineError::Failed { .. })) => {
             Ok(Err(error.to_string()))
         }
+    }
+}
+
+/// Lets the watch of a run go once the run is over.
+struct Over<'a>(&'a AtomicBool, Thread);
+
+impl Drop for Over<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+        self.1.unpark();
     }
 }
 
