@@ -199,6 +199,26 @@ pub fn courses() -> Vec<Vec<u8>> {
         .collect()
 }
 
+/// Manifests of the solvers that ship, and of one that does not.
+#[must_use]
+pub fn manifests() -> Vec<Vec<u8>> {
+    let folders = std::fs::read_dir(root().join("examples/solvers"));
+    let mut names: Vec<String> = folders
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    let shipped = names
+        .iter()
+        .flat_map(|name| files(&format!("examples/solvers/{name}"), "solver.toml"));
+    shipped
+        .chain(files("tests/data/held-out", "solver.toml"))
+        .chain(files("fuzz/corpus/manifest", ""))
+        .collect()
+}
+
 /// Courses as Parquet.
 #[must_use]
 pub fn parquet() -> Vec<Vec<u8>> {

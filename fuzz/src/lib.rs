@@ -69,6 +69,11 @@ pub const TARGETS: &[Target] = &[
         seeds: corpus::courses,
     },
     Target {
+        name: "manifest",
+        run: targets::manifest,
+        seeds: corpus::manifests,
+    },
+    Target {
         name: "parquet",
         run: targets::parquet,
         seeds: corpus::parquet,

@@ -4,10 +4,11 @@ use std::path::Path;
 
 use pinwheel_courses::Courses;
 use pinwheel_courses::foreign::{Map, read, resample};
+use pinwheel_engines::external::Manifest;
 use pinwheel_engines::recorded::Recording;
 use pinwheel_gearbox::native::{self, NativeError};
 use pinwheel_gearbox::{Frequencies, Gearbox, explain};
-use pinwheel_scene::{CheckedScene, Override, Scales, Scene};
+use pinwheel_scene::{CheckedScene, Override, Scales, Scene, names};
 use pinwheel_studies::baseline::Baseline;
 use pinwheel_studies::sweep::{Plan, Sweep};
 
@@ -278,6 +279,40 @@ pub fn recording(bytes: &[u8]) -> bool {
         }
         Err(error) => {
             told(&error);
+            false
+        }
+    }
+}
+
+/// The manifest of a solver. It is only read here: nothing that it names is run.
+pub fn manifest(bytes: &[u8]) -> bool {
+    let Some(text) = text(bytes) else {
+        return false;
+    };
+    match Manifest::from_toml(text, "solver.toml") {
+        Ok(found) => {
+            assert!(Manifest::is_name(&found.name).is_ok(), "{}", found.name);
+            assert!(
+                found
+                    .command
+                    .first()
+                    .is_some_and(|program| !program.is_empty())
+            );
+            finite("timeout", [found.timeout_s]);
+            finite("order", found.refine.iter().map(|refine| refine.order));
+            finite(
+                "tolerance",
+                found.model.values().map(|stated| stated.tolerance),
+            );
+            assert!(
+                names::laws().iter().any(|law| found.honours_law(law))
+                    || found.honours.laws.is_empty()
+            );
+            true
+        }
+        Err(error) => {
+            told(&error);
+            assert!(!error.to_string().contains('\n'), "one line: {error}");
             false
         }
     }

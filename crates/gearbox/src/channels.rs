@@ -2,6 +2,7 @@
 
 use pinwheel_mbs::BodyState;
 
+use pinwheel_scene::Scales;
 use pinwheel_scene::channels::{Channels, Chosen, Joint, PairQuantity, Part, What, Whole};
 
 use crate::Gearbox;
@@ -12,17 +13,18 @@ use crate::{Layout, Sleeve};
 /// Minutes of arc of a radian.
 const ARCMIN: f64 = 180.0 * 60.0 / std::f64::consts::PI;
 
-/// A pair presses with more than this, N: less is the rounding of sleeves that only just touch, as all
-/// of them do in the ideal mesh of a gear without backlash.
-pub const PRESSING_N: f64 = 1e-9;
-
 /// What an engine knows of its contacts at a sample.
 pub trait PairSource {
     /// A pair at its closest points, touching or not; `None` if the engine does not know it.
     fn pair(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> Option<PairContact>;
 
-    /// Visits every pair that carries a normal force above [`PRESSING_N`]. False: the engine cannot tell.
-    fn loaded(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve)) -> bool;
+    /// Visits every pair that carries a normal force above `pressing_n`, N. False: the engine cannot tell.
+    fn loaded(
+        &mut self,
+        bodies: &[BodyState],
+        pressing_n: f64,
+        visit: &mut dyn FnMut(usize, Sleeve),
+    ) -> bool;
 
     /// Powers that the contacts lose; `None` if the engine does not know them.
     fn losses(&mut self, bodies: &[BodyState]) -> Option<ContactEnergy>;
@@ -36,9 +38,14 @@ impl PairSource for LawPairs<'_> {
         Some(self.0.nearest(bodies, wheel, sleeve))
     }
 
-    fn loaded(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve)) -> bool {
+    fn loaded(
+        &mut self,
+        bodies: &[BodyState],
+        pressing_n: f64,
+        visit: &mut dyn FnMut(usize, Sleeve),
+    ) -> bool {
         self.0.touching(bodies, &mut |pair| {
-            if pair.normal_force_n > PRESSING_N {
+            if pair.normal_force_n > pressing_n {
                 visit(pair.wheel, pair.sleeve);
             }
         });
@@ -77,6 +84,8 @@ pub(crate) struct Values {
     contacts: Vec<[usize; 2]>,
     needs_contacts: bool,
     needs_losses: bool,
+    /// Force above which a pair counts as pressing, N.
+    pressing_n: f64,
     layout: Layout,
     geometry: Geometry,
 }
@@ -110,6 +119,7 @@ impl Values {
             contacts: vec![[0; 2]; gearbox.layout.wheels],
             needs_contacts: asks(&[Whole::ExternalContacts, Whole::InternalContacts]),
             needs_losses: asks(&[Whole::DampingLoss, Whole::FrictionLoss]),
+            pressing_n: Scales::of(&gearbox.scene).pressing_n(),
             layout: gearbox.layout,
             geometry: gearbox.geometry.clone(),
             list: list.clone(),
@@ -126,11 +136,12 @@ impl Values {
         }
         self.contacts.fill([0; 2]);
         let counts = &mut self.contacts;
-        let counted = self.needs_contacts
-            && seen.contacts.loaded(bodies, &mut |wheel, sleeve| {
-                let kind = usize::from(matches!(sleeve, Sleeve::Internal(_)));
-                counts[wheel][kind] += 1;
-            });
+        let mut count = |wheel: usize, sleeve: Sleeve| {
+            let kind = usize::from(matches!(sleeve, Sleeve::Internal(_)));
+            counts[wheel][kind] += 1;
+        };
+        let counted =
+            self.needs_contacts && seen.contacts.loaded(bodies, self.pressing_n, &mut count);
         let losses = if self.needs_losses {
             seen.contacts.losses(bodies)
         } else {

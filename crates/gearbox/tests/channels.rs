@@ -2,10 +2,9 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::channels::PRESSING_N;
 use pinwheel_gearbox::native::{self, NativeRun};
 use pinwheel_scene::Layout;
-use pinwheel_scene::{Override, Scene};
+use pinwheel_scene::{Override, Scales, Scene};
 
 /// A run of a preset with channels; the last keys are overrides.
 fn run(preset: &str, duration_s: f64, channels: &[&str], sets: &[(&str, &str)]) -> NativeRun {
@@ -97,6 +96,7 @@ fn channels_fit_together() {
     );
     let scene = Scene::load("eleven-pins", &[]).unwrap();
     let gearbox = Gearbox::new(&scene).unwrap();
+    let pressing_n = Scales::of(&scene).pressing_n();
     let Layout {
         wheels,
         external_sleeves,
@@ -142,7 +142,7 @@ fn channels_fit_together() {
                     assert!(force >= 0.0 && of("stiffness_n_m15") > 1e6);
                     assert!(of("friction_force_n").abs() <= 0.05 * force * (1.0 + 1e-12));
                     assert!(of("friction_force_n") * of("tangential_velocity_m_s") <= 0.0);
-                    pressing[usize::from(kind == "internal")] += f64::from(force > PRESSING_N);
+                    pressing[usize::from(kind == "internal")] += f64::from(force > pressing_n);
                 }
             }
         }

@@ -127,7 +127,8 @@ fn regress_results_do_not_depend_on_the_size() {
             vec!["solver.duration_s=0.01", "drive.output_torque_n_m=0"],
         ),
     ] {
-        let ordinary = scene(preset, &sets);
+        let counted = ["output.channels=[\"*_contact_ratio_*\"]"];
+        let ordinary = scene(preset, &[sets.as_slice(), &counted].concat());
         let (length, mass, time) = (1.0 / 16.0, 1.0 / 4096.0, 1.0 / 4.0);
         let small = similar(&ordinary, length, mass, time);
         let ((one, a), (other, b)) = (resolved(&ordinary), resolved(&small));
@@ -150,6 +151,10 @@ fn regress_results_do_not_depend_on_the_size() {
             for (x, y) in x.iter().zip(*y) {
                 assert!((x - y / force).abs() <= 1e-9 * most, "{preset}: {x} {y}");
             }
+        }
+        for ratio in ["external_contact_ratio", "internal_contact_ratio"] {
+            let (x, y) = (one.courses.group(ratio), other.courses.group(ratio));
+            assert!(!x.is_empty() && x == y, "{preset}: as many press: {ratio}");
         }
     }
 }

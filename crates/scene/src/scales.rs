@@ -150,7 +150,18 @@ pub fn largest_hole_play(gear: &crate::Gear) -> f64 {
     (clearance.max(0.0) + gear.errors.largest_of_holes_m(gear)) / gear.internal_circle_radius_m
 }
 
+/// Share of a scene's largest static force that is rounding: 16 digits, times some ten thousand for what the bodies and a
+/// solver add. 1.0e-9 N for the paper's gear.
+const ROUNDING: f64 = 1e-11;
+
 impl Scales {
+    /// Force above which a contact presses, N: less is the rounding of sleeves that only just touch, as all of them do in
+    /// the ideal mesh of a gear without backlash.
+    #[must_use]
+    pub fn pressing_n(&self) -> f64 {
+        ROUNDING * self.external_force_n
+    }
+
     /// The scales of a scene whose values are in range.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {

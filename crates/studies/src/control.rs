@@ -1,6 +1,9 @@
 //! Progress and cancellation of a study.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::Thread;
+use std::time::{Duration, Instant};
 
 use pinwheel_engines::{Engine, EngineError, Run, RunStats, by_name};
 use pinwheel_gearbox::energy::EnergyAccount;
@@ -76,6 +79,9 @@ fn span(time_s: f64) -> String {
     }
 }
 
+/// One run may take this many times what a comparison gives all runs of an engine.
+pub(crate) const WITHIN: u32 = 2;
+
 /// Cancellation and progress.
 #[derive(Clone, Copy)]
 pub struct Control<'a> {
@@ -134,6 +140,69 @@ impl Control<'_> {
             Err(_) => {}
         }
         Ok(result)
+    }
+
+    /// As [`engine`](Self::engine), but given up once its pace says that it will take more than `most`: it is then an engine
+    /// that cannot honour the scene, with what it would take as the reason.
+    pub(crate) fn engine_within(
+        &self,
+        most: Duration,
+        engine: &dyn Engine,
+        gearbox: &Gearbox,
+        at: Progress<'_>,
+    ) -> Result<Result<Run, EngineError>, StudyError> {
+        let (stop, ended) = (AtomicBool::new(false), AtomicBool::new(false));
+        let (begin, needs_s) = (OnceLock::new(), OnceLock::new());
+        let progress = |at: Progress<'_>| {
+            (self.progress)(at);
+            let Some([reached, all]) = at.simulated_s else {
+                return;
+            };
+            let duration = all / at.total as f64;
+            let share = (reached - at.done as f64 * duration) / duration;
+            // From its first sample on: packages may have to be installed before.
+            let took = begin.get_or_init(Instant::now).elapsed();
+            // Not all engines say how far they are.
+            let pace = if share > 0.0 {
+                took.as_secs_f64() / share
+            } else {
+                took.as_secs_f64()
+            };
+            if took >= most / 10 && pace > most.as_secs_f64() {
+                needs_s.get_or_init(|| pace);
+                stop.store(true, Ordering::Relaxed);
+            }
+        };
+        let limited = Control {
+            cancel: &stop,
+            progress: &progress,
+        };
+        let ran = std::thread::scope(|scope| {
+            // The user's wish to stop reaches the engine wherever it waits.
+            let watch = scope.spawn(|| {
+                while !ended.load(Ordering::Relaxed) {
+                    if self.is_cancelled() {
+                        stop.store(true, Ordering::Relaxed);
+                    }
+                    std::thread::park_timeout(Duration::from_millis(10));
+                }
+            });
+            // However the engine ends, a panic included.
+            let _over = Over(&ended, watch.thread().clone());
+            limited.engine(engine, gearbox, at)
+        });
+        match (ran, needs_s.get()) {
+            (Err(StudyError::Cancelled), Some(needs_s)) if !self.is_cancelled() => {
+                Ok(Err(EngineError::Unsupported {
+                    engine: engine.name().to_owned(),
+                    reason: format!(
+                        "one run of it would take about {needs_s:.0} s here; give it more time (--longest {:.0})",
+                        (needs_s / f64::from(WITHIN)).ceil()
+                    ),
+                }))
+            }
+            (ran, _) => ran,
+        }
     }
 
     /// A watcher of a native run of `scene` that is the piece `at`: reports, and is true when the run must stop.
@@ -272,6 +341,16 @@ pub(crate) fn run_on(
         Err(error @ (EngineError::Unsupported { .. } | EngineError::Failed { .. })) => {
             Ok(Err(error.to_string()))
         }
+    }
+}
+
+/// Lets the watch of a run go once the run is over.
+struct Over<'a>(&'a AtomicBool, Thread);
+
+impl Drop for Over<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+        self.1.unpark();
     }
 }
 

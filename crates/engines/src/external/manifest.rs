@@ -5,6 +5,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use pinwheel_courses::Track;
+use pinwheel_scene::channels::fits;
 use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
 use serde::Deserialize;
 
@@ -111,16 +112,24 @@ pub struct ManifestError {
     pub remedy: String,
 }
 
+impl ManifestError {
+    fn new(path: &str, what: &str, remedy: &str) -> Self {
+        Self {
+            path: path.to_owned(),
+            what: what.split_whitespace().collect::<Vec<_>>().join(" "),
+            remedy: remedy.to_owned(),
+        }
+    }
+}
+
 impl Manifest {
     /// Reads and checks a manifest.
     ///
     /// # Errors
     /// A file that cannot be read, is no TOML, or says what cannot be.
     pub fn read(path: &Path) -> Result<Self, ManifestError> {
-        let fault = |what: String, remedy: &str| ManifestError {
-            path: path.display().to_string(),
-            what: what.split_whitespace().collect::<Vec<_>>().join(" "),
-            remedy: remedy.to_owned(),
+        let fault = |what: String, remedy: &str| {
+            ManifestError::new(&path.display().to_string(), &what, remedy)
         };
         let unreadable = |error: std::io::Error| {
             fault(
@@ -139,7 +148,16 @@ impl Manifest {
         std::fs::File::open(path)
             .and_then(|file| file.take(MOST_BYTES).read_to_string(&mut text))
             .map_err(unreadable)?;
-        let manifest: Self = toml::from_str(&text).map_err(|error: toml::de::Error| {
+        Self::from_toml(&text, &path.display().to_string())
+    }
+
+    /// Reads and checks a manifest's text; `path` is how messages name it.
+    ///
+    /// # Errors
+    /// No TOML, or it says what cannot be.
+    pub fn from_toml(text: &str, path: &str) -> Result<Self, ManifestError> {
+        let fault = |what: String, remedy: &str| ManifestError::new(path, &what, remedy);
+        let manifest: Self = toml::from_str(text).map_err(|error: toml::de::Error| {
             let at = error.span().map_or(0, |span| span.start.min(text.len()));
             let line = 1 + text.as_bytes()[..at]
                 .iter()
@@ -361,18 +379,6 @@ impl Refine {
     }
 }
 
-/// Whether `*`-pattern and name fit.
-fn fits(pattern: &str, name: &str) -> bool {
-    match pattern.split_once('*') {
-        None => pattern == name,
-        Some((head, tail)) => name.strip_prefix(head).is_some_and(|rest| {
-            (0..=rest.len())
-                .filter(|&k| rest.is_char_boundary(k))
-                .any(|k| fits(tail, &rest[k..]))
-        }),
-    }
-}
-
 /// The interpreter that `{python}` means: `PINWHEEL_PYTHON`, else that of the active environment, else `python3`.
 pub(super) fn python() -> PathBuf {
     let named = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
@@ -487,18 +493,5 @@ input_torque_n_m = { tolerance = 0.01, reason = "bed of springs" }
         let error = Manifest::read(Path::new("/nowhere.toml")).expect_err("missing");
         assert!(error.to_string().contains("cannot be read"), "{error}");
         assert!(Manifest::read(Path::new("/dev/zero")).is_err());
-    }
-
-    #[test]
-    fn patterns() {
-        for (pattern, name, fit) in [
-            ("*", "paper", true),
-            ("paper*", "paper-printed", true),
-            ("*-*", "hunt-crossley", true),
-            ("paper", "paper-printed", false),
-            ("*x", "paper", false),
-        ] {
-            assert_eq!(fits(pattern, name), fit, "{pattern} {name}");
-        }
     }
 }

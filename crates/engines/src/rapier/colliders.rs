@@ -3,7 +3,7 @@
 
 use pinwheel_contact::Complex;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::channels::{PRESSING_N, PairSource};
+use pinwheel_gearbox::channels::PairSource;
 use pinwheel_gearbox::contacts::{ContactEnergy, PairContact};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::Sleeve;
@@ -302,7 +302,7 @@ impl Contacts for Solid {
         Box::new(Own {
             meetings: &self.meetings,
             world,
-            pressing: PRESSING_N * self.step_s,
+            step_s: self.step_s,
         })
     }
 
@@ -344,8 +344,7 @@ impl Meeting {
 struct Own<'a> {
     meetings: &'a [Meeting],
     world: &'a World,
-    /// Impulse above which a contact presses, N s.
-    pressing: f64,
+    step_s: f64,
 }
 
 impl PairSource for Own<'_> {
@@ -353,12 +352,16 @@ impl PairSource for Own<'_> {
         None
     }
 
-    fn loaded(&mut self, _: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve)) -> bool {
+    fn loaded(
+        &mut self,
+        _: &[BodyState],
+        pressing_n: f64,
+        visit: &mut dyn FnMut(usize, Sleeve),
+    ) -> bool {
+        let impulse_n_s = pressing_n * self.step_s;
         for meeting in self.meetings {
             let mut presses = false;
-            meeting.impulses(self.world, &mut |normal, _| {
-                presses |= normal > self.pressing
-            });
+            meeting.impulses(self.world, &mut |normal, _| presses |= normal > impulse_n_s);
             if presses {
                 visit(meeting.wheel, meeting.sleeve);
             }

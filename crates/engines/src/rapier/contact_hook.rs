@@ -8,7 +8,7 @@
 //! rest.
 
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::channels::{PRESSING_N, PairSource};
+use pinwheel_gearbox::channels::PairSource;
 use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, PairContact};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::Scene;
@@ -31,9 +31,10 @@ const SWEEPS: usize = 20;
 /// the depth it asks for still leaves the contact point exact to 1e-12 m.
 const STEP_TIMES_FREQUENCY: f64 = 1e-4;
 
-/// Contacts of less depth, m, are left out: rapier's own rounding could turn them into gaps, and it
-/// closes gaps with a rigid contact. At 1e-5 s this depth carries 3e-9 N.
-const LEAST_DEPTH_M: f64 = 1e-9;
+/// Contacts of less depth than this share of the circle of the external sleeves are left out: rapier's own rounding, of
+/// coordinates of that size, could turn them into gaps, and it closes gaps with a rigid contact. In the paper's gear at
+/// 1e-5 s this is 1e-9 m and carries 3e-9 N.
+const LEAST_DEPTH: f64 = 1.6e-8;
 
 /// See the module.
 pub(super) struct ContactHook;
@@ -105,6 +106,8 @@ struct Hooked {
     field: Box<dyn ContactField>,
     calls: u64,
     friction: f64,
+    /// See [`LEAST_DEPTH`].
+    least_depth_m: f64,
     step_s: f64,
     /// One per wheel.
     wheels: Vec<ColliderHandle>,
@@ -171,6 +174,7 @@ impl Hooked {
             field,
             calls: 0,
             friction: gearbox.scene.contact.friction_coefficient,
+            least_depth_m: LEAST_DEPTH * gear.pitch_radius_m(),
             step_s,
             table: vec![None; wheels.len() * sleeves.len()],
             wheels,
@@ -230,10 +234,15 @@ impl PairSource for Transmitted<'_> {
         })
     }
 
-    fn loaded(&mut self, _bodies: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve)) -> bool {
+    fn loaded(
+        &mut self,
+        _bodies: &[BodyState],
+        pressing_n: f64,
+        visit: &mut dyn FnMut(usize, Sleeve),
+    ) -> bool {
         self.hooked
             .transmitted(self.world, self.share, &mut |pair| {
-                if pair.normal_force_n > PRESSING_N {
+                if pair.normal_force_n > pressing_n {
                     visit(pair.wheel, pair.sleeve);
                 }
             });
@@ -278,6 +287,7 @@ impl Contacts for Hooked {
             wheels: self.wheels.len(),
             sleeves: count,
             friction: self.friction,
+            least_depth_m: self.least_depth_m,
         })
     }
 
@@ -331,6 +341,7 @@ struct Hook<'a> {
     wheels: usize,
     sleeves: usize,
     friction: f64,
+    least_depth_m: f64,
 }
 
 impl PhysicsHooks for Hook<'_> {
@@ -347,7 +358,7 @@ impl PhysicsHooks for Hook<'_> {
         let Some(contact) = context.rigid_mut() else {
             return;
         };
-        let Some(Load { pair, depth }) = load.filter(|load| load.depth > LEAST_DEPTH_M) else {
+        let Some(Load { pair, depth }) = load.filter(|load| load.depth > self.least_depth_m) else {
             contact.solver_contacts.clear();
             return;
         };

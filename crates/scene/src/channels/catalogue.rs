@@ -253,7 +253,8 @@ pub(crate) fn always_there(pattern: &str, layout: Layout) -> bool {
 /// Whether `name` fits `pattern`, in which `*` stands for any characters.
 ///
 /// The usual walk with one place to fall back to: linear but for pathological patterns.
-pub(crate) fn fits(pattern: &str, name: &str) -> bool {
+#[must_use]
+pub fn fits(pattern: &str, name: &str) -> bool {
     let (pattern, name) = (pattern.as_bytes(), name.as_bytes());
     let (mut p, mut n) = (0, 0);
     let mut star: Option<(usize, usize)> = None;

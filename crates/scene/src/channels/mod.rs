@@ -11,7 +11,7 @@
 mod catalogue;
 mod select;
 
-pub use catalogue::{Chosen, FAMILIES, Family, Joint, PairQuantity, Part, What, Whole};
+pub use catalogue::{Chosen, FAMILIES, Family, Joint, PairQuantity, Part, What, Whole, fits};
 pub(crate) use select::select;
 
 use crate::Scene;

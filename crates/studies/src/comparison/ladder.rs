@@ -21,7 +21,7 @@ use pinwheel_scene::{CheckedScene, Override, preset};
 
 use super::take_part;
 use crate::StudyError;
-use crate::control::{Control, Progress};
+use crate::control::{Control, Progress, WITHIN};
 
 /// How much is done for sharp statements.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,6 +113,8 @@ struct Engines<'a> {
     excuse: Option<&'static str>,
     /// What its iterations leave, whatever its step.
     floor: f64,
+    /// What one run may take.
+    most: Option<Duration>,
 }
 
 /// Share of a tolerance below which no error is believed: near rest steps are bounded by stability, whatever the tolerance, and
@@ -140,6 +142,7 @@ impl<'a> Engines<'a> {
             value: scene.solver.step_s,
             excuse: friction.then_some(EXPLICIT),
             floor: 0.0,
+            most: None,
         };
         match own.name() {
             "native-resolved" => Self::resolved(own, gearbox),
@@ -180,6 +183,7 @@ impl<'a> Engines<'a> {
             value,
             excuse: None,
             floor: 0.0,
+            most: None,
         })
     }
 
@@ -200,6 +204,7 @@ impl<'a> Engines<'a> {
             value,
             excuse: None,
             floor: 0.0,
+            most: None,
         })
     }
 
@@ -281,7 +286,7 @@ impl<'a> Engines<'a> {
             Ok(gearbox) if self.rungs.is_none() || value != self.value => gearbox,
             _ => self.gearbox.clone(),
         };
-        take_part(engine, &gearbox, at, control)
+        take_part(engine, &gearbox, self.most, at, control)
     }
 
     /// What no run of its ladder shows, as a share of a quantity, where the finest has this setting.
@@ -292,6 +297,15 @@ impl<'a> Engines<'a> {
             Knob::Tolerance if solver_of(&self.gearbox) == "etd-adams" => value,
             Knob::Tolerance => self.floor.max(STABLE * value),
         }
+    }
+
+    /// What the ladder would take besides its coarsest run, which had this setting and took so long, s.
+    fn rest(&self, coarsest: f64, wall_s: f64) -> f64 {
+        let finer = [self.value].into_iter().chain(self.coarser(self.value));
+        finer
+            .filter(|value| *value < coarsest)
+            .map(|value| wall_s * self.dearer(coarsest / value))
+            .sum()
     }
 
     /// How much dearer a run is whose setting is `factor` times finer.
@@ -314,6 +328,19 @@ struct At {
     wall_s: f64,
 }
 
+impl At {
+    fn of(value: f64, ran: Participant) -> Self {
+        Self {
+            value,
+            wall_s: ran.cost.wall_s,
+            run: match ran.status.reason() {
+                None => Ok(ran.courses),
+                Some(reason) => Err(reason),
+            },
+        }
+    }
+}
+
 /// Runs an engine on its ladder.
 pub(crate) fn climb(
     engine: &dyn Engine,
@@ -325,8 +352,11 @@ pub(crate) fn climb(
 ) -> Result<(Participant, Evidence), StudyError> {
     let name = engine.name();
     let mut ways = Engines::ways(engine, gearbox).into_iter();
+    // What its user states is run, and so is the native engine.
+    let limited = !effort.obey && engine.track() != Track::Native;
+    let most = limited.then(|| effort.longest.saturating_mul(WITHIN));
     let Some(mut engines) = ways.next() else {
-        let participant = take_part(engine, gearbox, at, control)?;
+        let participant = take_part(engine, gearbox, most, at, control)?;
         let excuse = if participant.cost.recorded.is_some() {
             RECORDED
         } else {
@@ -334,9 +364,31 @@ pub(crate) fn climb(
         };
         return Ok((participant, unknown(name, excuse)));
     };
-    let mut value = engines.value;
-    let mut finest = engines.run(value, at, control)?;
-    let mut spent = finest.cost.wall_s;
+    let longest = effort.longest.as_secs_f64();
+    let free = !effort.obey && engines.rungs.is_none();
+    engines.most = most;
+    // A foreign engine is asked for its coarsest run first: what that takes tells whether the others fit the time.
+    let mut coarsest = None;
+    if limited
+        && free
+        && let Some(&value) = engines.coarser(engines.value).last()
+    {
+        let run = engines.run(value, at, control)?;
+        let shows = run.status.is_finished() && run.cost.recorded.is_none();
+        coarsest = shows.then_some((value, run));
+    }
+    let mut spent = coarsest.as_ref().map_or(0.0, |(_, run)| run.cost.wall_s);
+    let rest = coarsest.as_ref();
+    let rest = rest.map_or(0.0, |(value, run)| engines.rest(*value, run.cost.wall_s));
+    let (mut value, mut finest) = match coarsest.take_if(|_| spent + rest > longest) {
+        // It becomes the finest of a ladder that fits.
+        Some(coarsest) => coarsest,
+        None => {
+            let run = engines.run(engines.value, at, control)?;
+            spent += run.cost.wall_s;
+            (engines.value, run)
+        }
+    };
     while matches!(finest.status, Status::Diverged { .. }) {
         let Some(next) = ways.next() else { break };
         engines = next;
@@ -347,8 +399,6 @@ pub(crate) fn climb(
     if finest.cost.recorded.is_some() {
         return Ok((finest, unknown(name, RECORDED)));
     }
-    let longest = effort.longest.as_secs_f64();
-    let free = !effort.obey && engines.rungs.is_none();
     // A derived setting may be too coarse to get through at all.
     for _ in 0..3 {
         let diverged = matches!(finest.status, Status::Diverged { .. });
@@ -365,7 +415,14 @@ pub(crate) fn climb(
     }
     let mut rungs = Vec::new();
     for value in engines.coarser(value) {
-        rungs.push(rung(&engines, value, at, control)?);
+        rungs.push(match coarsest.take_if(|run| run.0 == value) {
+            Some((_, run)) => At::of(value, run),
+            None => {
+                let run = engines.run(value, at, control)?;
+                spent += run.cost.wall_s;
+                At::of(value, run)
+            }
+        });
     }
     if engines.rungs.is_some() && rungs.iter().any(|rung| rung.run.is_err()) {
         // The resolved form got through by refining, or by another method: coarser runs of the first one do not.
@@ -379,7 +436,6 @@ pub(crate) fn climb(
             own.excused("its own ladder verified it, see its notes"),
         ));
     }
-    spent += rungs.iter().map(|rung| rung.wall_s).sum::<f64>();
     let mut excuse = engines.excuse.filter(|_| effort.obey).map(str::to_owned);
     loop {
         let evidence = evidence(&engines, value, &rungs);
@@ -435,24 +491,6 @@ fn unknown(name: &str, excuse: &str) -> Evidence {
         "compare it by the guard's table or by its means",
     )
     .excused("its numerical uncertainty cannot be had by refining")
-}
-
-fn rung(
-    engines: &Engines<'_>,
-    value: f64,
-    at: Progress<'_>,
-    control: &Control<'_>,
-) -> Result<At, StudyError> {
-    let ran = engines.run(value, at, control)?;
-    let reason = ran.status.reason();
-    Ok(At {
-        value,
-        wall_s: ran.cost.wall_s,
-        run: match reason {
-            None => Ok(ran.courses),
-            Some(reason) => Err(reason),
-        },
-    })
 }
 
 fn evidence(engines: &Engines<'_>, value: f64, rungs: &[At]) -> Evidence {
@@ -530,7 +568,18 @@ fn refinement(
             }
             (Uncertainty::NotResolved(missing), _) => {
                 most = most.max(MOST);
-                stuck = stuck.or_else(|| Some(missing.clone()));
+                stuck = stuck.or_else(|| {
+                    let reason = format!(
+                        "{}, {}: {}",
+                        one.quantity,
+                        one.window.word(),
+                        missing.reason
+                    );
+                    Some(Unresolved {
+                        reason,
+                        ..missing.clone()
+                    })
+                });
             }
             _ => {}
         }

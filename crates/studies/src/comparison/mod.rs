@@ -7,6 +7,7 @@ mod inputs;
 mod ladder;
 
 use std::path::Path;
+use std::time::Duration;
 
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction, TOLERANCES};
@@ -239,19 +240,23 @@ fn of_solvers() -> impl Iterator<Item = ModelTolerance> {
     })
 }
 
-/// Runs one engine and makes a participant of it, however it ended.
+/// Runs one engine, where stated within `most`, and makes a participant of it, however it ended.
 fn take_part(
     engine: &dyn Engine,
     gearbox: &Gearbox,
+    most: Option<Duration>,
     at: Progress<'_>,
     control: &Control<'_>,
 ) -> Result<Participant, StudyError> {
-    let ran = control.engine(engine, gearbox, at)?;
+    let ran = match most {
+        Some(most) => control.engine_within(most, engine, gearbox, at)?,
+        None => control.engine(engine, gearbox, at)?,
+    };
     // A live engine that is missing here (no Python, no network) may have been recorded.
     if let Err(EngineError::Failed { reason, .. }) = &ran
         && let Some(recorded) = recorded::instead(engine.name(), &gearbox.scene, reason)
     {
-        return take_part(recorded.as_ref(), gearbox, at, control);
+        return take_part(recorded.as_ref(), gearbox, most, at, control);
     }
     let nothing = || (Courses::default(), RunStats::default());
     let ((courses, stats), status) = match ran {

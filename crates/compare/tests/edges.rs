@@ -1,0 +1,441 @@
+//! What a run of mutants over the judge left alive: each test kills one that nothing else did (docs/mutation.md).
+
+mod common;
+
+use common::{context, courses, participant};
+use pinwheel_compare::comparison::{Comparison, PairEntry};
+use pinwheel_compare::limits::{Friction, Limit};
+use pinwheel_compare::uncertainty::{Basis, Estimate, Method, order};
+use pinwheel_compare::verdict::{self, Side};
+use pinwheel_compare::{
+    Context, Divergence, Evidence, Ladder, Metric, Participant, Rules, Rung, StatedLimit, Track,
+    Verdict, WindowKind, compare_with,
+};
+use pinwheel_courses::Courses;
+
+const FORCE: &str = "external_sleeve_force_n";
+
+fn native() -> Participant {
+    participant("native", Track::Native, courses(1.0))
+}
+
+fn other(track: Track, scale: f64) -> Participant {
+    participant("other", track, courses(scale))
+}
+
+fn row(window: WindowKind, limit: f64) -> Limit {
+    Limit {
+        track: "*",
+        engine: "other",
+        step_at_most_s: None,
+        against: "native*",
+        against_step_at_most_s: None,
+        friction: Friction::Any,
+        window,
+        quantity: "*_force_n",
+        metric: Metric::RelativeL2,
+        limit,
+        measured: None,
+        reason: "Test.",
+    }
+}
+
+fn unknown(name: &str) -> Evidence {
+    Evidence::unknown(name, "nobody knows", "ask")
+}
+
+fn entry(found: &Comparison, window: WindowKind) -> &PairEntry {
+    let mut entries = found.pairs[0].entries.iter();
+    entries
+        .find(|e| e.quantity == FORCE && e.window == window)
+        .unwrap()
+}
+
+/// The forces with one value replaced.
+fn spoiled(value: f64) -> Courses {
+    let base = courses(1.0);
+    let mut found = Courses::new(base.time_s().to_vec()).unwrap();
+    for channel in base.channels() {
+        let mut values = channel.values.clone();
+        if channel.name.starts_with(FORCE) {
+            values[500] = value;
+        }
+        found.push(channel.name.clone(), values).unwrap();
+    }
+    found
+}
+
+/// Another engine's excuse excuses nobody else.
+#[test]
+fn regress_an_excuse_is_its_engines_own() {
+    let at = |evidence: [Evidence; 2]| {
+        let rules = Rules {
+            evidence: &evidence,
+            ..Rules::default()
+        };
+        let free = Context {
+            guarded: None,
+            ..context()
+        };
+        let pair = [native(), other(Track::SharedLaw, 1.0)];
+        let found = compare_with(&free, &pair, &rules).unwrap();
+        let verdict = entry(&found, WindowKind::Steady).verdict.clone();
+        let Verdict::NotResolved {
+            participant,
+            stated,
+            ..
+        } = verdict
+        else {
+            panic!("{verdict:?}");
+        };
+        (participant, stated, found.outcome.exit_status())
+    };
+    let (name, stated, status) = at([unknown("native"), unknown("other").excused("it is old")]);
+    assert_eq!((name.as_str(), stated, status), ("native", false, 1));
+    let (name, stated, _) = at([unknown("native").excused("it is new"), unknown("other")]);
+    assert_eq!((name.as_str(), stated), ("native", true));
+}
+
+/// A limit stated for one window of measured data says nothing of the other, and holds up to its very value.
+#[test]
+fn regress_stated_limits_hold_in_their_window() {
+    let at = |limit: f64| {
+        let stated = [StatedLimit {
+            engine: "other".to_owned(),
+            window: WindowKind::Steady,
+            quantity: "*_force_n".to_owned(),
+            metric: Metric::RelativeL2,
+            limit,
+            reason: "Test.".to_owned(),
+        }];
+        let rules = Rules {
+            stated: &stated,
+            ..Rules::default()
+        };
+        let pair = [native(), other(Track::Measured, 0.99)];
+        compare_with(&context(), &pair, &rules).unwrap()
+    };
+    let found = at(0.1);
+    assert_eq!(entry(&found, WindowKind::Steady).verdict, Verdict::Within);
+    let transient = entry(&found, WindowKind::Transient);
+    assert!(transient.checks.is_empty(), "{transient:?}");
+    let value = entry(&found, WindowKind::Steady).checks[0].value.unwrap();
+    assert_eq!(
+        entry(&at(value), WindowKind::Steady).verdict,
+        Verdict::Within
+    );
+    let below = at(value.next_down());
+    assert_eq!(entry(&below, WindowKind::Steady).verdict, Verdict::Exceeded);
+}
+
+/// A row of the table is about its window alone.
+#[test]
+fn regress_rows_of_the_table_hold_in_their_window() {
+    let rules = Rules {
+        limits: &[row(WindowKind::Transient, 1e-9)],
+        ..Rules::default()
+    };
+    let pair = [native(), other(Track::SharedLaw, 0.99)];
+    let found = compare_with(&context(), &pair, &rules).unwrap();
+    assert_eq!(
+        entry(&found, WindowKind::Transient).verdict,
+        Verdict::Exceeded
+    );
+    assert!(entry(&found, WindowKind::Steady).checks.is_empty());
+}
+
+/// Where the table speaks, an unknown uncertainty takes nothing from it; where it is silent, the same is not resolved.
+#[test]
+fn regress_the_table_speaks_where_ladders_are_silent() {
+    let evidence = [unknown("native"), unknown("other")];
+    let rules = Rules {
+        limits: &[row(WindowKind::Steady, 0.1)],
+        evidence: &evidence,
+        ..Rules::default()
+    };
+    let pair = [native(), other(Track::SharedLaw, 0.99)];
+    let found = compare_with(&context(), &pair, &rules).unwrap();
+    assert_eq!(entry(&found, WindowKind::Steady).verdict, Verdict::Within);
+    let transient = &entry(&found, WindowKind::Transient).verdict;
+    assert!(
+        matches!(transient, Verdict::NotResolved { .. }),
+        "{transient:?}"
+    );
+}
+
+/// A mean that balances the load does so whatever is known of it; one that does not is not resolved where its
+/// uncertainty is not known.
+#[test]
+fn regress_an_unknown_mean_is_not_held_against_the_load() {
+    let at = |scale: f64| {
+        let base = courses(1.0);
+        let mut turned = Courses::new(base.time_s().to_vec()).unwrap();
+        for channel in base.channels() {
+            let output = channel.name == "output_torque_n_m";
+            let factor = if output { scale } else { 1.0 };
+            let values = channel.values.iter().map(|v| factor * v).collect();
+            turned.push(channel.name.clone(), values).unwrap();
+        }
+        let evidence = [unknown("native")];
+        let rules = Rules {
+            evidence: &evidence,
+            limits: pinwheel_compare::limits::TABLE,
+            ..Rules::default()
+        };
+        let one = [participant("native", Track::Native, turned)];
+        let found = compare_with(&context(), &one, &rules).unwrap();
+        found.engines[0].judged[0].verdict.clone()
+    };
+    assert_eq!(at(1.0), Verdict::Within);
+    let off = at(1.01);
+    assert!(matches!(off, Verdict::NotResolved { .. }), "{off:?}");
+}
+
+/// Beyond the horizon means and RMS are judged, and no sample is held against a sample.
+#[test]
+fn regress_beyond_the_horizon_figures_are_judged() {
+    let parted = Context {
+        guarded: None,
+        divergence: Some(Divergence {
+            horizon_s: Some(0.1),
+            largest_share: 1.0,
+            told: String::new(),
+        }),
+        ..context()
+    };
+    for track in [Track::SharedLaw, Track::OwnContact] {
+        let evidence = [unknown("native"), unknown("other")];
+        let rules = Rules {
+            evidence: &evidence,
+            tolerances: pinwheel_compare::model::TOLERANCES,
+            ..Rules::default()
+        };
+        let pair = [native(), other(track, 1.0)];
+        let found = compare_with(&parted, &pair, &rules).unwrap();
+        let judged = &entry(&found, WindowKind::Steady).judgements;
+        assert!(!judged.is_empty(), "{track:?}");
+        assert!(
+            judged.iter().all(|j| !j.metric.is_pointwise()),
+            "{judged:?}"
+        );
+    }
+}
+
+/// What is not a number is no agreement, and the engine that gave it is named.
+#[test]
+fn hard_what_is_not_finite_is_not_resolved() {
+    for (a, b, who) in [(f64::NAN, 1.0, "native"), (1.0, f64::INFINITY, "other")] {
+        let evidence = [unknown("native"), unknown("other")].map(|e| e.excused("no ladder"));
+        let rules = Rules {
+            evidence: &evidence,
+            ..Rules::default()
+        };
+        let pair = [
+            participant("native", Track::Native, spoiled(a)),
+            participant("other", Track::SharedLaw, spoiled(b)),
+        ];
+        let found = compare_with(&context(), &pair, &rules).unwrap();
+        let steady = entry(&found, WindowKind::Steady);
+        let told = steady.judgements.iter().filter(|j| j.distance.is_none());
+        let told: Vec<_> = told.collect();
+        assert!(
+            !told.is_empty() && told.iter().all(|j| j.counts),
+            "{told:?}"
+        );
+        let Verdict::NotResolved {
+            participant,
+            reason,
+            ..
+        } = &told[0].verdict
+        else {
+            panic!("{:?}", told[0].verdict);
+        };
+        assert_eq!(participant, who);
+        assert!(reason.contains("not finite"), "{reason}");
+        assert!(!matches!(
+            steady.verdict,
+            Verdict::Agree { .. } | Verdict::Within
+        ));
+    }
+}
+
+/// Of an error A h^2 + B h^3 Richardson's extrapolation leaves 4/3 B, and says 28/3 B: its next term is taken for one of the
+/// same order.
+#[test]
+fn extrapolation_leaves_the_next_term() {
+    let (a, b) = (1e-3, 1e-5);
+    let at = |h: f64| courses(1.0 + a * h * h + b * h * h * h);
+    let rung = |refinement: f64| Rung {
+        refinement,
+        run: Ok(at(refinement)),
+        wall_s: 1.0,
+    };
+    let ladder = Ladder {
+        method: Method::Step {
+            order: 2.0,
+            limit: None,
+        },
+        finest: 1e-5,
+        coarser: vec![rung(2.0), rung(4.0)],
+    };
+    let exact = Ladder {
+        coarser: [2.0, 4.0]
+            .map(|r| Rung {
+                run: Ok(courses(1.0)),
+                ..rung(r)
+            })
+            .to_vec(),
+        ..ladder.clone()
+    };
+    let evidence = [
+        Evidence::ladder("native", ladder),
+        Evidence::ladder("other", exact),
+    ];
+    let rules = Rules {
+        evidence: &evidence,
+        ..Rules::default()
+    };
+    let pair = [
+        participant("native", Track::Native, at(1.0)),
+        other(Track::SharedLaw, 1.0),
+    ];
+    let found = compare_with(&context(), &pair, &rules).unwrap();
+    let sharp = entry(&found, WindowKind::Steady)
+        .extrapolated
+        .as_ref()
+        .unwrap();
+    let near = |value: f64, wanted: f64| (value / wanted - 1.0).abs() < 0.01;
+    assert!(near(sharp.distance.unwrap(), 4.0 / 3.0 * b), "{sharp:?}");
+    assert!(near(sharp.u_a.unwrap(), 28.0 / 3.0 * b), "{sharp:?}");
+}
+
+/// A run with these values as its only course.
+fn torque(values: &dyn Fn(usize) -> f64) -> Courses {
+    let time = courses(1.0).time_s().to_vec();
+    let values = (0..time.len()).map(values).collect();
+    let mut found = Courses::new(time).unwrap();
+    found.push("input_torque_n_m", values).unwrap();
+    found
+}
+
+/// The evidence of a method of order 2 without kinks.
+fn rungs(name: &str, coarser: [Courses; 2]) -> Evidence {
+    let [two, three] = coarser;
+    let rung = |refinement: f64, run: Courses| Rung {
+        refinement,
+        run: Ok(run),
+        wall_s: 1.0,
+    };
+    let ladder = Ladder {
+        method: Method::Step {
+            order: 2.0,
+            limit: None,
+        },
+        finest: 1e-5,
+        coarser: vec![rung(2.0, two), rung(4.0, three)],
+    };
+    Evidence::ladder(name, ladder)
+}
+
+/// Differences of the right size confirm an order only where they point the same way: a cosine of a half and more.
+#[test]
+fn an_order_is_confirmed_by_differences_that_point_the_same_way() {
+    for (cosine, wanted) in [
+        (1.0, Basis::Observed),
+        (0.55, Basis::Observed),
+        (0.45, Basis::Unconfirmed),
+        (0.0, Basis::Unconfirmed),
+        (-1.0, Basis::Unconfirmed),
+    ] {
+        let across = f64::sqrt(1.0 - cosine * cosine);
+        let turn = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let small = 1e-3;
+        let two = move |_: usize| 1.0 + small;
+        let three = move |k: usize| two(k) + 4.0 * small * (cosine + across * turn(k));
+        let evidence = [rungs("native", [torque(&two), torque(&three)])];
+        let rules = Rules {
+            evidence: &evidence,
+            ..Rules::default()
+        };
+        let one = [participant("native", Track::Native, torque(&|_| 1.0))];
+        let found = compare_with(&context(), &one, &rules).unwrap();
+        let steady = found.engines[0].uncertainty.iter();
+        let mut steady = steady.filter(|u| u.window == WindowKind::Steady);
+        let basis = steady.next().unwrap().l2.estimate().unwrap().basis;
+        assert_eq!(basis, wanted, "{cosine}");
+    }
+}
+
+/// Beyond the horizon every run is a sample: u of a figure is three times how far the furthest is from the finest.
+#[test]
+fn beyond_the_horizon_u_is_three_times_the_spread() {
+    let parted = Context {
+        divergence: Some(Divergence {
+            horizon_s: Some(0.1),
+            largest_share: 1.0,
+            told: String::new(),
+        }),
+        ..context()
+    };
+    let evidence = [rungs("native", [torque(&|_| 1.001), torque(&|_| 0.998)])];
+    let rules = Rules {
+        evidence: &evidence,
+        ..Rules::default()
+    };
+    let one = [participant("native", Track::Native, torque(&|_| 1.0))];
+    let found = compare_with(&parted, &one, &rules).unwrap();
+    let mut steady = found.engines[0].uncertainty.iter();
+    let steady = steady.find(|u| u.window == WindowKind::Steady).unwrap();
+    let u = steady.mean.estimate().unwrap();
+    assert_eq!(u.basis, Basis::Spread);
+    assert!((u.u - 3.0 * 2e-3).abs() < 1e-12, "{u:?}");
+}
+
+/// Between U and 2 U two engines agree to 2 U where an order was not confirmed, and differ where both were.
+#[test]
+fn an_unconfirmed_size_is_a_bound_at_twice_itself() {
+    let at = |basis: Basis, distance: f64| {
+        let estimate = Estimate {
+            basis,
+            ..Estimate::stated(1e-3)
+        };
+        let [a, b] = ["a", "b"].map(|name| Side::known(name, estimate));
+        verdict::pair(distance, &a, &b, 0.01)
+    };
+    for basis in [
+        Basis::Unconfirmed,
+        Basis::TwoRungs,
+        Basis::Tolerance,
+        Basis::Series,
+    ] {
+        assert_eq!(at(basis, 3e-3), Verdict::Agree { to: 4e-3 }, "{basis:?}");
+    }
+    for basis in [Basis::Observed, Basis::Rounding, Basis::Stated] {
+        let differ = at(basis, 3e-3);
+        assert!(matches!(differ, Verdict::Differ { at_least } if (at_least - 1e-3).abs() < 1e-12));
+        assert_eq!(at(basis, 2e-3), Verdict::Agree { to: 2e-3 }, "{basis:?}");
+    }
+}
+
+/// The order of kinks confirms a method that is better than that; with friction nothing but the method's own does.
+#[test]
+fn kinks_confirm_and_friction_does_not() {
+    let at = |observed: f64, limit: f64| {
+        let step = |difference: f64| order::Step {
+            ratio: 2.0,
+            difference,
+        };
+        let steps = [step(1.0), step(2_f64.powf(observed))];
+        let method = Method::Step {
+            order: 4.0,
+            limit: Some(limit),
+        };
+        order::estimate(&steps, Some(1.0), method, 0.0)
+            .unwrap()
+            .basis
+    };
+    assert_eq!(at(2.5, order::CONTACTS), Basis::Observed);
+    assert_eq!(at(1.0, order::FRICTION), Basis::Unconfirmed);
+    assert_eq!(at(2.5, order::FRICTION), Basis::Unconfirmed);
+    assert_eq!(at(4.0, order::FRICTION), Basis::Observed);
+}

@@ -1,0 +1,87 @@
+//! Gears of one's own, as a user writes them: at most 15 lines and no `[solver]`. Each is compared at the first try.
+//!
+//! Only the beginning of each run is taken here, and the engines that every build has; docs/verdicts.md shows the whole runs in
+//! all engines.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use pinwheel_compare::{RESOLUTION, Verdict};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::{Override, Scene};
+use pinwheel_studies::comparison::{self, Effort, Input};
+use pinwheel_studies::{Control, choice};
+
+/// Share of its run that is taken of each gear.
+const BEGINNING: f64 = 0.02;
+
+fn gears() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/gears");
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut found: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    found.sort();
+    found
+}
+
+/// No gear is refused, no engine of ours fails, no two differ, and what is not sharp says why.
+#[test]
+fn hard_own_gears_are_compared_at_the_first_try() {
+    let gears = gears();
+    assert!(gears.len() >= 9, "{gears:?}");
+    for path in gears {
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(
+            text.lines().count() <= 15 && !text.contains("[solver]"),
+            "{path:?}"
+        );
+        let path = path.to_str().unwrap();
+        let whole = Scene::load(path, &[]).unwrap();
+        let duration_s = BEGINNING * whole.solver.duration_s;
+        let short = Override::new("solver.duration_s", duration_s.to_string());
+        let scene = Scene::load(path, &[short]).unwrap();
+        let engines = choice::engines(
+            &["native-reduced", "native-lagrange", "rapier-shared-law"],
+            &scene,
+        )
+        .unwrap();
+        let input = Input {
+            gearbox: &Gearbox::new(&scene).unwrap(),
+            engines: &engines,
+            data: &[],
+        };
+        let effort = Effort {
+            longest: Duration::from_secs(20),
+            ..Effort::of(&scene)
+        };
+        let found = comparison::run_with(&input, effort, &Control::quiet()).unwrap();
+        for one in &found.participants {
+            assert!(
+                one.status.is_finished(),
+                "{path}: {}: {:?}",
+                one.name,
+                one.status
+            );
+        }
+        let comparison = &found.comparison;
+        println!("{path}: {:?}", comparison.counts);
+        assert_eq!(
+            comparison.outcome.exit_status(),
+            0,
+            "{path}: {:?}",
+            comparison.counts
+        );
+        assert!(comparison.counts.agree > 0, "{path}");
+        for pair in &comparison.pairs {
+            for entry in &pair.entries {
+                match &entry.verdict {
+                    // Twice the resolution where no order was confirmed.
+                    Verdict::Agree { to } => assert!(*to <= 2.0 * RESOLUTION, "{path}: {to}"),
+                    Verdict::NotResolved { reason, stated, .. } => {
+                        assert!(*stated && !reason.is_empty(), "{path}: {reason}");
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+}

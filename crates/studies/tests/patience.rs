@@ -1,0 +1,170 @@
+//! What a comparison gives a foreign engine: its coarsest run first, each rung once, and no run for ever.
+
+use std::path::Path;
+use std::sync::Mutex;
+use std::time::Duration;
+
+use pinwheel_compare::{Comparison, Status, Track};
+use pinwheel_engines::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, by_name};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::{Override, Scene};
+use pinwheel_studies::comparison::{self, Effort, Input};
+
+/// An engine by our own solver that says what its runs took: so much a step.
+struct Slow {
+    track: Track,
+    second_per_step: f64,
+    /// Whether it really takes that long.
+    sleeps: bool,
+    /// Steps asked for, s.
+    steps_s: Mutex<Vec<f64>>,
+    /// Samples reported.
+    samples: Mutex<usize>,
+}
+
+impl Slow {
+    fn new(track: Track, second_per_step: f64) -> Self {
+        Self {
+            track,
+            second_per_step,
+            sleeps: false,
+            steps_s: Mutex::default(),
+            samples: Mutex::default(),
+        }
+    }
+}
+
+/// What a comparison owns of it.
+struct Borrowed(&'static Slow);
+
+impl Engine for Borrowed {
+    fn name(&self) -> &str {
+        "slow"
+    }
+
+    fn track(&self) -> Track {
+        self.0.track
+    }
+
+    fn version(&self) -> String {
+        "0".to_owned()
+    }
+
+    fn summary(&self) -> &str {
+        "slow"
+    }
+
+    fn differences(&self) -> &str {
+        ""
+    }
+
+    fn refinement(&self) -> Option<Refinement> {
+        (self.0.track == Track::SharedLaw).then_some(Refinement {
+            knob: Knob::Step,
+            order: 4.0,
+        })
+    }
+
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+        let gearbox = gearbox
+            .with_solver(|solver| solver.integrator = "rk4".to_owned())
+            .unwrap();
+        Ok(Box::new(move |control: &Control<'_>| {
+            let slow = self.0;
+            let solver = &gearbox.scene.solver;
+            slow.steps_s.lock().unwrap().push(solver.step_s);
+            if slow.sleeps {
+                for time_s in solver.sample_times_s() {
+                    *slow.samples.lock().unwrap() += 1;
+                    std::thread::sleep(Duration::from_secs_f64(slow.second_per_step));
+                    if control.reached(time_s) {
+                        return Err(EngineError::Cancelled);
+                    }
+                }
+            }
+            let native = by_name("native-reduced", &gearbox.scene).unwrap();
+            let mut run = native.prepare(&gearbox)?.run(control)?;
+            run.stats.wall_s = slow.second_per_step * solver.duration_s / solver.step_s;
+            Ok::<Run, EngineError>(run)
+        }))
+    }
+}
+
+fn gear() -> Gearbox {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/gears/single.toml");
+    let short = Override::new("solver.duration_s", "0.004");
+    Gearbox::new(&Scene::load(path.to_str().unwrap(), &[short]).unwrap()).unwrap()
+}
+
+fn compare(gearbox: &Gearbox, slow: &'static Slow, longest: Duration) -> Comparison {
+    let engines: Vec<Box<dyn Engine>> = vec![Box::new(Borrowed(slow))];
+    let input = Input {
+        gearbox,
+        engines: &engines,
+        data: &[],
+    };
+    let effort = Effort {
+        longest,
+        ..Effort::of(&gearbox.scene)
+    };
+    let quiet = pinwheel_studies::Control::quiet();
+    comparison::run_with(&input, effort, &quiet)
+        .unwrap()
+        .comparison
+}
+
+/// Three runs of 1, 1/2 and 1/4: 1.75 times the finest, and none twice.
+#[test]
+fn a_ladder_that_fits_takes_each_run_once() {
+    let gearbox = gear();
+    let step_s = gearbox.scene.solver.step_s;
+    let slow: &Slow = Box::leak(Box::new(Slow::new(Track::SharedLaw, 1e-3)));
+    let found = compare(&gearbox, slow, Duration::from_secs(30));
+    let steps = slow.steps_s.lock().unwrap().clone();
+    let cost: f64 = steps.iter().map(|step| step_s / step).sum();
+    assert_eq!(steps.len(), 3, "{steps:?}");
+    // Samples stay on steps: the coarser ones are a little finer than 2 and 4.
+    assert!((1.75..1.9).contains(&cost), "{steps:?}");
+    assert!(steps[0] > 3.0 * step_s && steps[1] == step_s, "{steps:?}");
+    assert!(found.engines[0].ladder.as_ref().unwrap().cost.unwrap() < 1.9);
+}
+
+/// Its coarsest run becomes the finest where the others would take longer than there is.
+#[test]
+fn a_ladder_that_does_not_fit_begins_coarser() {
+    let gearbox = gear();
+    let solver = &gearbox.scene.solver;
+    // The run at the scene's step would take 100 s.
+    let second_per_step = 100.0 * solver.step_s / solver.duration_s;
+    let slow: &Slow = Box::leak(Box::new(Slow::new(Track::SharedLaw, second_per_step)));
+    let found = compare(&gearbox, slow, Duration::from_secs(60));
+    let steps = slow.steps_s.lock().unwrap().clone();
+    assert!(
+        steps.iter().all(|step| *step > 3.0 * solver.step_s),
+        "{steps:?}"
+    );
+    assert_eq!(found.engines[0].status, Status::Finished);
+    assert!(found.engines[0].ladder.is_some());
+    let asked: f64 = steps.iter().map(|step| 100.0 * solver.step_s / step).sum();
+    assert!(asked < 60.0, "{asked} s: {steps:?}");
+}
+
+/// A run whose pace says that it takes hours is given up, and the reason says what would do.
+#[test]
+fn hard_a_run_without_end_is_given_up() {
+    let gearbox = gear();
+    let slow = Slow {
+        sleeps: true,
+        ..Slow::new(Track::OwnContact, 0.02)
+    };
+    let slow: &Slow = Box::leak(Box::new(slow));
+    let found = compare(&gearbox, slow, Duration::from_millis(100));
+    let all = gearbox.scene.solver.sample_times_s().len();
+    let reported = *slow.samples.lock().unwrap();
+    assert!(reported < all / 2, "{reported} of {all}");
+    let Status::Unsupported { reason } = &found.engines[0].status else {
+        panic!("{:?}", found.engines[0].status);
+    };
+    assert!(reason.contains("--longest"), "{reason}");
+    assert_eq!(found.outcome.exit_status(), 0);
+}
