@@ -5,6 +5,7 @@
 //! internal sleeve k at `R_w e^{i (psi + 2 pi k/zi)}` with the output angle psi; hole k of every wheel
 //! stands around internal sleeve k at t = 0, its centre at `R_w` from the wheel's.
 
+use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 
 use pinwheel_contact::{Complex, Epitrochoid};
@@ -31,6 +32,28 @@ pub struct Geometry {
     lobes: f64,
 }
 
+thread_local! {
+    /// The last curve and what it was made of.
+    static LAST: RefCell<Option<((f64, u32, f64), Epitrochoid)>> = const { RefCell::new(None) };
+}
+
+/// The curve. Its bounds are searched for, which takes as long as a thousand steps; the runs of a sweep mostly share it.
+fn curve(eccentricity: f64, sleeves: u32, shortening: f64) -> Result<Epitrochoid, GearboxError> {
+    let of = (eccentricity, sleeves, shortening);
+    LAST.with_borrow_mut(|last| match last {
+        Some((known, curve)) if *known == of => Ok(curve.clone()),
+        _ => {
+            let made = Epitrochoid::new(eccentricity, sleeves, shortening).map_err(|_| {
+                GearboxError::Geometry(
+                    "no epitrochoid has this eccentricity, shortening and number of sleeves".into(),
+                )
+            })?;
+            *last = Some((of, made.clone()));
+            Ok(made)
+        }
+    })
+}
+
 impl Geometry {
     /// Geometry of a checked gear.
     ///
@@ -38,12 +61,7 @@ impl Geometry {
     /// Parameters for which there is no curve.
     pub fn new(gear: &Gear) -> Result<Self, GearboxError> {
         let sleeves = u32::try_from(gear.external_sleeves).unwrap_or(u32::MAX);
-        let curve =
-            Epitrochoid::new(gear.eccentricity_m, sleeves, gear.shortening).map_err(|_| {
-                GearboxError::Geometry(
-                    "no epitrochoid has this eccentricity, shortening and number of sleeves".into(),
-                )
-            })?;
+        let curve = curve(gear.eccentricity_m, sleeves, gear.shortening)?;
         let spread = |n: usize| (0..n).map(move |k| TAU * k as f64 / n as f64);
         let mut wheel_phases: Vec<f64> = spread(gear.wheels).collect();
         let lobes = gear.external_sleeves as f64 - 1.0;

@@ -69,7 +69,7 @@ pub(super) fn decides(figure: &Figure) -> String {
         .collect();
     keys.sort_by(|a, b| b.0.total_cmp(&a.0));
     let words = keys.iter().take(MOST_KEYS);
-    let words = words.map(|(share, key)| format!("{key} {:.0} %", 100.0 * share));
+    let words = words.map(|(share, key)| format!("{key} {:.0} %", 100.0 * share.min(1.0)));
     words.collect::<Vec<_>>().join(", ")
 }
 
