@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import json
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -44,6 +45,8 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
         """Runs that did not finish; their rows say why."""
         self.cpu_s = core.cpu_s()
         """CPU time of all runs, s."""
+        self.tolerances: list[dict[str, Any]] = json.loads(core.tolerances())
+        """What a sample says, as in `summary.json`: for each engine quantiles, sensitivities, and the yield."""
         self._text = STYLES.sub("", core.text())
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
@@ -100,7 +103,13 @@ def _array(values: Sequence[Any]) -> npt.NDArray[Any]:
 
 
 def _text(
-    scene: Scene, vary: Mapping[str, Any], measure: Sequence[str] | None, window_s: Sequence[float] | None, folder: str
+    scene: Scene,
+    vary: Mapping[str, Any],
+    sample: Mapping[str, Any],
+    specification: Mapping[str, Any],
+    measure: Sequence[str] | None,
+    window_s: Sequence[float] | None,
+    folder: str,
 ) -> str:
     """A sweep file for a scene and what varies."""
     name, _, sets = scene._inner.spec()
@@ -118,9 +127,17 @@ def _text(
         (_core.key(key), toml_value(values if isinstance(values, Mapping) else _values(key, values)))
         for key, values in vary.items()
     ]
-    names = {key for key, _ in varied}
+    drawn = [
+        (key if key in ("points", "seed", "method") else _core.key(key), toml_value(value)) for key, value in sample.items()
+    ]
+    names = {key for key, _ in [*varied, *drawn]}
     lines += ["[set]", *(f"{key} = {value}" for key, value in dict(sets).items() if key not in names)]
-    return "\n".join([*lines, "[vary]", *(f"{key} = {value}" for key, value in varied), ""])
+    lines += ["[vary]", *(f"{key} = {value}" for key, value in varied)]
+    if drawn:
+        lines += ["[sample]", *(f"{key} = {value}" for key, value in drawn)]
+    if specification:
+        lines += ["[specification]", *(f"{key} = {toml_value(value)}" for key, value in specification.items())]
+    return "\n".join([*lines, ""])
 
 
 def _cores() -> int:
@@ -138,6 +155,8 @@ def sweep(
     source: Scene | str | os.PathLike[str],
     *,
     vary: Mapping[str, Any] | None = None,
+    sample: Mapping[str, Any] | None = None,
+    specification: Mapping[str, Any] | None = None,
     engines: Sequence[EngineLike] = (),
     measure: Sequence[str] | None = None,
     window_s: Sequence[float] | None = None,
@@ -153,7 +172,9 @@ def sweep(
     """Runs a sweep and writes its output folder, which is the same byte for byte however it is run.
 
     `source`: a sweep file (docs/sweeps.md), or a scene with `vary`: keys with lists, arrays, or ranges
-    `{"from": 0.0, "to": 1e-3, "points": 11}`; all combinations are run. `keys` are set in every run.
+    `{"from": 0.0, "to": 1e-3, "points": 11}`; all combinations are run. `sample` takes keys at random instead, or besides:
+    `{"points": 1000, "backlash_m": {"from": 0.0, "to": 1e-5}}`; `specification`: limits on columns of the results,
+    `{"lost_motion_arcmin": {"most": 1.0}}`, and the yield in `tolerances`. `keys` are set in every run.
     `client`: a `distributed.Client`, whose workers then do the runs in batches (of `batch` runs; by itself about half a
     second of work); without it `jobs` threads do. Finished runs are kept beside the output, in `OUT.unfinished`, in the
     same form as the program keeps them: `resume` goes on with those, and with the runs of an earlier output in `out`.
@@ -163,16 +184,18 @@ def sweep(
     `OSError`; after `KeyboardInterrupt` and `ClusterError` finished runs are kept.
     """
     with ExitStack() as stack:
-        if isinstance(source, Scene) or vary is not None:
+        if isinstance(source, Scene) or vary is not None or sample is not None:
             scene = source if isinstance(source, Scene) else Scene(source)
-            if not vary:
-                raise InputError("nothing varies; give vary={...}, or a sweep file")
+            if not vary and not sample:
+                raise InputError("nothing varies; give vary={...} or sample={...}, or a sweep file")
             folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="pinwheel-"))
-            text, path = _text(scene.with_(**keys) if keys else scene, vary, measure, window_s, folder), "sweep.toml"
+            scene = scene.with_(**keys) if keys else scene
+            text = _text(scene, vary or {}, sample or {}, specification or {}, measure, window_s, folder)
+            path = "sweep.toml"
             sets: list[tuple[str, str]] = []
         else:
-            if measure is not None or window_s is not None:
-                raise InputError("a sweep file has `measure` and `window_s` itself; write them there")
+            if measure is not None or window_s is not None or specification is not None:
+                raise InputError("a sweep file has `measure`, `window_s` and `specification` itself; write them there")
             path = os.fspath(source)
             try:
                 text = Path(path).read_text(encoding="utf-8")

@@ -253,6 +253,12 @@ impl Sweep {
         Ok((broken.count(), first))
     }
 
+    /// What a sample says, JSON: a list, empty without one.
+    fn tolerances(&self) -> PyResult<String> {
+        let found = sweeps::tolerances(&self.plan, &sweeps::results(&self.plan, &self.records()?));
+        serde_json::to_string(&found).map_err(|error| errors::json(&error))
+    }
+
     /// What a terminal shows.
     fn text(&self) -> PyResult<String> {
         let files = [("results", "results.csv"), ("report", "index.html")]

@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_courses::{Courses, Ending};
 use pinwheel_studies::sweep::{
-    Column, Journal, Plan, RunRecord, Sweep, SweepError, execute, results,
+    Column, Journal, Plan, RunRecord, Shard, Sweep, SweepError, execute, execute_some, gather,
+    results, tolerances,
 };
 use pinwheel_studies::{Control, Progress};
 
@@ -212,4 +213,200 @@ fn divergence_and_refusal_are_results() {
         Journal::open(folder.path(), None, "a test").unwrap().len(),
         2
     );
+}
+
+const SAMPLE: &str = "\
+scene = \"steel\"
+engines = [\"statics\"]
+[sample]
+points = 64
+gear.backlash_m = { from = 1e-6, to = 5e-6 }
+contact.young_pa = { mean = 2e11, deviation = 5e9 }
+contact.poisson = { deviation = 0.02, plus_minus = 0.01 }
+[specification]
+lost_motion_arcmin = { most = 0.9 }
+";
+
+fn drawn(plan: &Plan, place: usize) -> Vec<f64> {
+    let runs = plan.runs.iter();
+    runs.flat_map(|run| run.values[place].1.numbers()).collect()
+}
+
+/// Every part of a hypercube's distribution holds one value, a Sobol sequence is as even and goes on where a shorter one
+/// ended, seeds differ, and bounds hold.
+#[test]
+fn samples_are_distributed_as_asked() {
+    for method in ["latin-hypercube", "sobol", "random"] {
+        let text = |seed: u32, points: usize| {
+            let head = format!("[sample]\nmethod = \"{method}\"\nseed = {seed}\n");
+            SAMPLE
+                .replace("[sample]\n", &head)
+                .replace("64", &points.to_string())
+        };
+        let first = plan(&text(1, 64));
+        assert_eq!(first.runs.len(), 64);
+        let values = |place: usize| drawn(&first, place);
+        assert_eq!(drawn(&plan(&text(1, 64)), 0), values(0));
+        assert_ne!(drawn(&plan(&text(2, 64)), 0), values(0), "{method}");
+        let mut parts: Vec<usize> = values(0)
+            .iter()
+            .map(|x| ((x - 1e-6) / 4e-6 * 64.0) as usize)
+            .collect();
+        parts.sort_unstable();
+        parts.dedup();
+        assert_eq!(parts.len() == 64, method != "random", "{method}: {parts:?}");
+        if method == "sobol" {
+            assert_eq!(drawn(&plan(&text(1, 128)), 1)[..64], values(1));
+        }
+        let young = values(1);
+        let mean = young.iter().sum::<f64>() / 64.0;
+        let square = young.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 63.0;
+        let (off, deviation) = ((mean - 2e11).abs() / 5e9, square.sqrt() / 5e9);
+        let even = if method == "random" { 0.4 } else { 0.06 };
+        assert!(
+            off < even && (deviation - 1.0).abs() < even,
+            "{method}: {off} {deviation}"
+        );
+        let poisson = first.runs[0].scene.contact.poisson;
+        assert!(
+            values(2).contains(&poisson) && young.contains(&first.runs[0].scene.contact.young_pa)
+        );
+        let middle = plan("scene = \"steel\"").runs[0].scene.contact.poisson;
+        assert!(
+            values(2).iter().all(|x| (x - middle).abs() <= 0.01),
+            "{method}"
+        );
+    }
+    // A list of values, each drawn alone.
+    let list = "scene = \"paper\"\n[sample]\npoints = 3\noutput.channels = { from = 0.0, to = 1.0, each = 4 }\n";
+    let sweep = Sweep::from_toml(list, Path::new("mine.toml")).unwrap();
+    assert_eq!(
+        sweep.sample.as_ref().map(|sample| sample.keys.len()),
+        Some(1)
+    );
+}
+
+/// Threads and shards give the same, and the yield is that of the rows.
+#[test]
+fn a_sample_is_the_same_whoever_runs_it() {
+    let (plan, folder) = (plan(SAMPLE), tempfile::tempdir().unwrap());
+    let journal = |name: &str| Journal::open(&folder.path().join(name), None, "a test").unwrap();
+    let records = run(&plan, &journal("one"), 1);
+    let one = csv(&plan, &records);
+    assert_eq!(one, csv(&plan, &run(&plan, &journal("three"), 3)));
+    for shard in ["1/2", "2/2"] {
+        let shard: Shard = shard.parse().unwrap();
+        let own = Journal::shard(&folder.path().join("parts"), None, shard, "a test").unwrap();
+        execute_some(&plan, &shard.picks(64), &own, 1, &Control::quiet()).unwrap();
+    }
+    let parts = gather(&plan, &journal("parts")).unwrap();
+    assert_eq!(one, csv(&plan, &parts));
+    let table = results(&plan, &records);
+    let lost = numbers(table.column("lost_motion_arcmin"));
+    let kept = lost.iter().filter(|x| **x <= 0.9).count();
+    let [found] = tolerances(&plan, &table).try_into().unwrap();
+    let of = found.yielded.unwrap();
+    assert_eq!((of.kept, of.runs, of.alone), (kept, 64, vec![of.share]));
+    assert!(0 < kept && kept < 64 && of.interval[0] < of.share && of.share < of.interval[1]);
+    // Balances of one gear are those of its design.
+    let gearbox = pinwheel_gearbox::Gearbox::new(&plan.runs[5].scene).unwrap();
+    let design = pinwheel_studies::design::run(&gearbox, false, &Control::quiet()).unwrap();
+    assert_eq!(lost[5], design.torsion.lost_motion_arcmin.mean);
+    // More play is more lost motion, and nothing decides more.
+    let figure = found
+        .figures
+        .iter()
+        .find(|f| f.name == "lost_motion_arcmin");
+    let first = &figure.unwrap().sensitivities[0];
+    assert!(
+        first.key == "gear.backlash_m" && first.coefficient.unwrap() > 0.9,
+        "{first:?}"
+    );
+}
+
+#[test]
+fn bad_input_samples() {
+    let told = |text: &str| {
+        let sweep = Sweep::from_toml(text, Path::new("mine.toml"));
+        let plan = sweep.and_then(|sweep| Plan::new(sweep, &[]));
+        let line = plan.expect_err(text).to_string();
+        assert!(!line.contains('\n'), "{line}");
+        line
+    };
+    for (line, part) in [
+        ("x = 1", "line 5: `x` has no distribution; write { from"),
+        ("point = 100", "did you mean `points`?"),
+        ("gear.backlash_m = 1e-6", "has no distribution"),
+        (
+            "gear.backlash_m = { form = 1, to = 2 }",
+            "`form` is no key of a distribution",
+        ),
+        (
+            "gear.backlash_m = { from = 2, to = 1 }",
+            "`from` is not below `to`",
+        ),
+        (
+            "gear.backlash_m = { from = 1 }",
+            "has no `deviation`, and not both",
+        ),
+        ("gear.backlash_m = { mean = 1 }", "has a mean and no"),
+        ("gear.backlash_m = { deviation = 0 }", "not above 0"),
+        ("gear.backlash_m = { deviation = nan }", "no finite number"),
+        (
+            "gear.backlash_m = { plus_minus = 1e-6, to = 1 }",
+            "two ways",
+        ),
+        (
+            "gear.backlash_m = { from = 0.0, to = 1.0, each = 0 }",
+            "`each` is no whole number",
+        ),
+        (
+            "gear.backlash_m = { mean = 0.0, deviation = 1e-6, from = 1.0 }",
+            "leave next to nothing of the distribution",
+        ),
+        (
+            "contact.law = { deviation = 1.0 }",
+            "the scene has no number there",
+        ),
+        (
+            "gear.backlsh_m = { from = 0.0, to = 1e-6 }",
+            "did you mean `gear.backlash_m`?",
+        ),
+        (
+            "gear.backlash_m = { from = -2.0, to = -1.0 }",
+            "run 1 (gear.backlash_m = ",
+        ),
+        (
+            "gear.backlash_m = { from = 0.0, to = 1e-6 }\n[vary]\ngear.backlash_m = [0.0]",
+            "given twice",
+        ),
+        (
+            "gear.backlash_m = { from = 0.0, to = 1e-6 }\n[specification]\nlost_motion_arcmn = { most = 1 }",
+            "did you mean `lost_motion_arcmin`?",
+        ),
+        (
+            "gear.backlash_m = { from = 0.0, to = 1e-6 }\n[specification]\nlost_motion_arcmin = { least = 2, most = 1 }",
+            "`least` above its `most`",
+        ),
+        (
+            "gear.backlash_m = { from = 0.0, to = 1e-6 }\n[specification]\nlost_motion_arcmin = 1",
+            "no `least` or `most`",
+        ),
+    ] {
+        let text = format!("scene = \"steel\"\n[sample]\n{line}\n");
+        let text = match line.contains("point") {
+            true => text,
+            false => text.replace("[sample]\n", "[sample]\npoints = 4\n"),
+        };
+        let text = format!("engines = [\"statics\"]\n{text}");
+        let line = told(&text);
+        assert!(line.contains(part), "{text}\n{line}");
+    }
+    assert!(told("scene = \"paper\"\n[sample]\n").contains("no `points`"));
+    assert!(told("scene = \"paper\"\n[sample]\npoints = 3\n").contains("no key of the scene"));
+    let wide = "scene = \"paper\"\n[sample]\npoints = 9\nmethod = \"sobol\"\noutput.x = { from = 0, to = 1, each = 300 }";
+    assert!(told(wide).contains("latin-hypercube"));
+    let long =
+        "scene = \"paper\"\n[sample]\npoints = 60000\noutput.x = { from = 0, to = 1, each = 300 }";
+    assert!(told(long).contains("fewer points"));
 }

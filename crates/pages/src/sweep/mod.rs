@@ -139,7 +139,7 @@ pub fn page(
 /// Simulated time of all runs, s: balances have none.
 fn simulated_s(plan: &Plan) -> f64 {
     let moving = plan.runs.iter().filter(|run| run.engine != STATICS);
-    moving.map(|run| run.scene.solver.duration_s).sum()
+    moving.fold(0.0, |sum, run| sum + run.scene.solver.duration_s)
 }
 
 /// A figure that is charted: column, heading, unit.

@@ -69,7 +69,7 @@ pub(super) fn decides(figure: &Figure) -> String {
         .collect();
     keys.sort_by(|a, b| b.0.total_cmp(&a.0));
     let words = keys.iter().take(MOST_KEYS);
-    let words = words.map(|(share, key)| format!("{key} {:.0} %", 100.0 * share));
+    let words = words.map(|(share, key)| format!("{key} {:.0} %", 100.0 * share.min(1.0)));
     words.collect::<Vec<_>>().join(", ")
 }
 
@@ -110,7 +110,7 @@ pub(super) fn section(plan: &Plan, table: &Results, all: &[Found]) -> Section {
         if let Some(of) = &found.yielded {
             blocks.push(limits(&plan.sweep.specification, of));
         }
-        blocks.push(figures(plan, found));
+        blocks.extend(figures(plan, found));
     }
     if let [_] = all {
         let charts = charts(plan, table, &all[0]);
@@ -119,7 +119,7 @@ pub(super) fn section(plan: &Plan, table: &Results, all: &[Found]) -> Section {
         }
     }
     blocks.push(Block::Text(
-        "In brackets: where a quantile lies with 95 % confidence. What decides: the share of a figure's variance that a key brings, by \
+        "In brackets: where a quantile lies with 95 % confidence. A key's share of the variance is by \
          regression where a straight line explains 70 % of it or more, otherwise by first-order Sobol indices."
             .to_owned(),
     ));
@@ -154,7 +154,7 @@ fn limits(limits: &[Limit], of: &Yield) -> Block {
     })
 }
 
-fn figures(plan: &Plan, found: &Found) -> Block {
+fn figures(plan: &Plan, found: &Found) -> [Block; 2] {
     let quantile = |of: Option<&Quantile>| match of {
         None => Cell::text(""),
         Some(of) => {
@@ -166,7 +166,8 @@ fn figures(plan: &Plan, found: &Found) -> Block {
             Cell::number(text, of.value)
         }
     };
-    let rows = shown(plan, found).into_iter().map(|figure| {
+    let shown = shown(plan, found);
+    let rows = shown.iter().map(|figure| {
         let [low, middle, high] = between(figure);
         vec![
             Cell::text(named(&figure.name)),
@@ -175,10 +176,9 @@ fn figures(plan: &Plan, found: &Found) -> Block {
             quantile(low),
             quantile(middle),
             quantile(high),
-            Cell::text(decides(figure)),
         ]
     });
-    Block::Table(Table {
+    let spread = Block::Table(Table {
         caption: format!("Figures over {} runs", found.runs),
         columns: vec![
             Heading::text("Figure"),
@@ -187,10 +187,32 @@ fn figures(plan: &Plan, found: &Found) -> Block {
             Heading::number("5 % of runs below"),
             Heading::number("Half below"),
             Heading::number("95 % below"),
-            Heading::text("What decides"),
         ],
         rows: rows.collect(),
-    })
+    });
+    let share = |share: Option<f64>| {
+        share.map_or_else(
+            || Cell::text(""),
+            |x| Cell::number(format!("{:.0}", 100.0 * x), 100.0 * x),
+        )
+    };
+    let rows = shown.iter().map(|figure| {
+        vec![
+            Cell::text(named(&figure.name)),
+            Cell::text(decides(figure)),
+            share(figure.linear),
+        ]
+    });
+    let keys = Block::Table(Table {
+        caption: "What decides: shares of a figure's variance".to_owned(),
+        columns: vec![
+            Heading::text("Figure"),
+            Heading::text("Keys"),
+            Heading::number("By a straight line (%)"),
+        ],
+        rows: rows.collect(),
+    });
+    [spread, keys]
 }
 
 /// How the first figures are distributed, with their limits.
