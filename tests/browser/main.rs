@@ -70,6 +70,37 @@ const LOOK_AT: &str = r#"(async () => {
   };
 })()"#;
 
+/// Curves that are in a legend and not to be seen when all others are hidden: lines as well as points, one at a time, for
+/// curves that agree lie on each other.
+const SERIES: &str = r#"(async () => {
+  const rest = () => new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(r, 30))));
+  const pen = new OffscreenCanvas(1, 1).getContext('2d');
+  const rgb = (colour) => { pen.fillStyle = colour; pen.fillRect(0, 0, 1, 1); return pen.getImageData(0, 0, 1, 1).data; };
+  const faults = [];
+  let looked = 0;
+  for (const legend of document.querySelectorAll('.legend')) {
+    const chips = [...legend.querySelectorAll('.chip')];
+    const panel = legend.closest('.panel') || document.getElementById('chart');
+    const set = (chip, on) => { if ((chip.getAttribute('aria-pressed') === 'true') !== on) chip.click(); };
+    for (const chip of chips) {
+      chips.forEach((other) => set(other, other === chip));
+      await rest();
+      const wanted = rgb(getComputedStyle(chip.querySelector('path')).stroke);
+      let hits = 0;
+      for (const canvas of panel.querySelectorAll('.uplot canvas')) {
+        const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+        for (let k = 0; k < data.length; k += 4) {
+          if (data[k + 3] > 100 && Math.abs(data[k] - wanted[0]) + Math.abs(data[k + 1] - wanted[1]) + Math.abs(data[k + 2] - wanted[2]) < 40) hits += 1;
+        }
+      }
+      looked += 1;
+      if (hits < 12) faults.push(`${panel.querySelector('h3')?.textContent}: ${chip.textContent}: ${hits} pixels`);
+    }
+    chips.forEach((chip) => set(chip, true));
+  }
+  return { looked, faults };
+})()"#;
+
 /// Everything that is wrong with the open page in one look.
 fn faults(browser: &mut Chromium, look: Look) -> (Vec<String>, Value) {
     browser.theme(look);
@@ -120,6 +151,12 @@ fn flawless(browser: &mut Chromium, name: &str, page: &Path, plots: u64, gearbox
             let (faults, seen) = faults(browser, look);
             wrong.extend(faults.iter().map(|f| format!("{width} {theme}: {f}")));
             assert!(seen["plots"].as_u64().unwrap() >= plots, "{seen}");
+            if width == 1280 && !dark {
+                let series = browser.evaluate(SERIES);
+                let missing = series["faults"].as_array().unwrap();
+                wrong.extend(missing.iter().map(|f| format!("a curve is not drawn: {f}")));
+                assert!(series["looked"].as_u64().unwrap() >= plots, "{series}");
+            }
             assert_eq!(seen["gearboxes"].as_u64().unwrap(), gearboxes, "{seen}");
         }
     }

@@ -9,7 +9,7 @@ use pinwheel_report::format::{self, NONE, significant};
 use pinwheel_report::study::{
     self, Block, Cell, Column, Courses, Mark, Section, Study, Table, Tile, Verdict,
 };
-use pinwheel_report::terminal::{self, GOOD, QUIET, TITLE, lines, paragraph, styled};
+use pinwheel_report::terminal::{self, QUIET, TITLE, lines, paragraph, styled};
 use pinwheel_scene::keys::key;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::designs::{Change, Judged, Outcome, Row};
@@ -50,7 +50,7 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
 pub fn text(found: &Outcome) -> String {
     let [a, b] = &found.names;
     let head = |first: &str| {
-        [first, a, b, "change", ""]
+        [first, a, b, "change"]
             .map(|text| terminal::Cell::figure(text).styled(TITLE))
             .into()
     };
@@ -71,36 +71,45 @@ pub fn text(found: &Outcome) -> String {
         text.push_str(&lines(&rows));
     }
     if followed > 0 {
-        text.push_str(&format!("and {followed} keys that follow from them\n"));
+        let keys = counted(followed, "key that follows", "keys that follow");
+        text.push_str(&format!("and {keys} from them\n"));
     }
     rows = vec![head("")];
     let derived = found.derived.iter().filter(|r| r.judged != Judged::Same);
     let means = found.courses.first().map(|(_, rows)| rows.as_slice());
-    let torque = means.unwrap_or_default().iter().filter(|row| is_headline(row));
+    let torque = means
+        .unwrap_or_default()
+        .iter()
+        .filter(|row| is_headline(row));
     for row in derived.chain(&found.figures).chain(torque) {
-        let (style, word) = match row.judged {
-            Judged::Same => (Some(QUIET), "same"),
-            Judged::BelowUncertainty => (Some(GOOD), "below uncertainty"),
-            Judged::Differ => (None, ""),
-            Judged::NotKnown => (Some(QUIET), "uncertainty not known"),
-            Judged::Missing => (Some(QUIET), "not in both"),
-        };
-        let word = terminal::Cell::text(word);
-        let word = match style {
-            Some(style) => word.styled(style),
-            None => word,
-        };
         let [a, b] = shown(row);
+        let change = terminal::Cell::figure(match row.judged {
+            Judged::BelowUncertainty => "not shown".to_owned(),
+            _ => change(row),
+        });
         rows.push(vec![
             terminal::Cell::text(label(row)),
             terminal::Cell::figure(a),
             terminal::Cell::figure(b),
-            terminal::Cell::figure(change(row)),
-            word,
+            match row.judged {
+                Judged::Differ => change,
+                _ => change.styled(QUIET),
+            },
         ]);
     }
+    let hidden =
+        "not shown: the difference is below the uncertainty of both together (after \u{b1})";
+    let below = found
+        .figures
+        .iter()
+        .any(|row| row.judged == Judged::BelowUncertainty);
+    let note = if below {
+        paragraph(hidden)
+    } else {
+        String::new()
+    };
     format!(
-        "{text}\n{}\n{}",
+        "{text}\n{}{note}\n{}",
         lines(&rows),
         paragraph(&verdict(found).headline)
     )
@@ -125,14 +134,21 @@ fn verdict(found: &Outcome) -> Verdict {
     let headline = if found.identical() {
         "The designs are identical: every key has the same value".to_owned()
     } else if differ == 0 {
-        format!("No difference was shown: none of {total} figures differs by more than its uncertainty")
+        format!(
+            "No difference was shown: none of {total} figures differs by more than its uncertainty"
+        )
     } else {
         format!("{differ} of {total} figures differ by more than their uncertainty")
     };
     let unknown = total - same - below - differ;
     let mut detail = format!(
-        "{} keys of the scene differ; {same} figures are the same, {below} differ by less than their uncertainty",
-        found.changed.len()
+        "{}; {} the same, {below} with a difference below the uncertainty",
+        counted(
+            found.changed.len(),
+            "key of the scene differs",
+            "keys of the scene differ"
+        ),
+        counted(same, "figure is", "figures are"),
     );
     if unknown > 0 {
         detail.push_str(&format!(", of {unknown} it is not known"));
@@ -145,6 +161,10 @@ fn verdict(found: &Outcome) -> Verdict {
         headline,
         detail: format!("{detail}."),
     }
+}
+
+fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 /// What a file would write, as people read it.
@@ -162,6 +182,7 @@ fn value(value: Option<&Value>) -> String {
 fn change(row: &Row) -> String {
     match row.change() {
         _ if row.judged == Judged::Same => "0".to_owned(),
+        Some(share) if share >= 9.0 => format!("\u{d7} {}", significant(1.0 + share, 3)),
         Some(share) if share.abs() >= 1e-4 => {
             let sign = if share > 0.0 { "+" } else { "" };
             format!("{sign}{} %", significant(100.0 * share, 3))
@@ -196,7 +217,9 @@ fn shown(row: &Row) -> [String; 2] {
 fn tiles(found: &Outcome) -> Vec<Tile> {
     let wanted = |row: &&Row| HEADLINES.contains(&row.key.as_str());
     let tile = |row: &Row| {
-        let [a, b] = row.values.map(|v| v.map_or_else(|| NONE.to_owned(), figure));
+        let [a, b] = row
+            .values
+            .map(|v| v.map_or_else(|| NONE.to_owned(), figure));
         Tile {
             label: row.what.clone(),
             value: format!("{a} \u{2192} {b}"),
@@ -204,6 +227,7 @@ fn tiles(found: &Outcome) -> Vec<Tile> {
             detail: match row.judged {
                 Judged::Same => "the same".to_owned(),
                 Judged::Differ => change(row),
+                Judged::BelowUncertainty => "no difference shown".to_owned(),
                 _ => format!("{}: {}", change(row), judged(row).0),
             },
         }
@@ -215,8 +239,11 @@ fn tiles(found: &Outcome) -> Vec<Tile> {
 fn judged(row: &Row) -> (String, Mark) {
     match row.judged {
         Judged::Same => ("the same".to_owned(), Mark::Muted),
-        Judged::BelowUncertainty => ("below the uncertainty: no difference shown".to_owned(), Mark::Muted),
-        Judged::Differ => ("differs".to_owned(), Mark::None),
+        Judged::BelowUncertainty => (
+            "below the uncertainty: no difference shown".to_owned(),
+            Mark::Muted,
+        ),
+        Judged::Differ => (String::new(), Mark::None),
         Judged::NotKnown => ("uncertainty not known".to_owned(), Mark::Warn),
         Judged::Missing => ("not in both".to_owned(), Mark::Warn),
     }
@@ -290,7 +317,11 @@ fn scene(found: &Outcome) -> Section {
         .filter(|row| row.judged != Judged::Same)
         .peekable();
     if differing.peek().is_some() {
-        blocks.push(table(found, "What follows from the dimensions and the load", differing));
+        blocks.push(table(
+            found,
+            "What follows from the dimensions and the load",
+            differing,
+        ));
     }
     if let Some(followed) = keys("Keys that both scenes leave to a formula", true) {
         blocks.push(Block::Details {
@@ -326,7 +357,10 @@ fn over_time(found: &Outcome) -> Option<Section> {
         let caption = format!("Means and peaks, {} window", window.word());
         table(found, &caption, rows.iter())
     };
-    let mut tables = found.courses.iter().map(|(window, rows)| of_window(window, rows));
+    let mut tables = found
+        .courses
+        .iter()
+        .map(|(window, rows)| of_window(window, rows));
     let mut blocks = vec![Block::Courses(courses)];
     blocks.extend(tables.next());
     let rest: Vec<Block> = tables.collect();
@@ -345,7 +379,10 @@ fn over_time(found: &Outcome) -> Option<Section> {
 
 fn curves(found: &Outcome) -> Section {
     let [a, b] = &found.names;
-    let designs = [(a.as_str(), &found.designs[0]), (b.as_str(), &found.designs[1])];
+    let designs = [
+        (a.as_str(), &found.designs[0]),
+        (b.as_str(), &found.designs[1]),
+    ];
     let mut charts = vec![design::torsion_chart(&designs)];
     charts.extend(design::transmission_charts(&designs));
     charts.extend(design::sharing_charts(&designs));

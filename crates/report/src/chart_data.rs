@@ -634,7 +634,9 @@ mod tests {
         let time: Vec<f64> = (0..4001).map(|k| f64::from(k) * 1e-4).collect();
         let mut state = 1_u64;
         let mut noise = move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
             (state >> 33) as f64 / f64::from(1_u32 << 30)
         };
         let mut forces = || -> Vec<Vec<f64>> {
@@ -648,7 +650,11 @@ mod tests {
         let size: usize = channels.iter().map(|c| c.packed.len()).sum();
         assert!(size > BUDGET / 2 && size <= BUDGET, "{size}");
         assert_eq!(channels.len(), 60, "{:?}", found.notes);
-        assert!(found.notes[1].contains("no peak is lost"), "{:?}", found.notes);
+        assert!(
+            found.notes[1].contains("no peak is lost"),
+            "{:?}",
+            found.notes
+        );
     }
 
     #[test]
@@ -657,8 +663,14 @@ mod tests {
         let forces = |count: usize| vec![time.clone(); count];
         let few = participant("a", Track::Native, &time, forces(2));
         let found = data(&[few, participant("b", Track::Native, &time, forces(3))]);
-        let engines = found.quantities[0].channels.iter().map(|c| c.engines.clone());
-        assert_eq!(engines.collect::<Vec<_>>(), [vec![0, 1], vec![0, 1], vec![1]]);
+        let engines = found.quantities[0]
+            .channels
+            .iter()
+            .map(|c| c.engines.clone());
+        assert_eq!(
+            engines.collect::<Vec<_>>(),
+            [vec![0, 1], vec![0, 1], vec![1]]
+        );
         let mut read = crate::packed::tests::Reader::new(&found.quantities[0].channels[2].packed);
         assert_eq!(read.places(), [0usize; 0]);
         assert!((read.column()[600] - 0.6).abs() < 1e-4);

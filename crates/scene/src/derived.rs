@@ -129,21 +129,81 @@ impl Derived {
             ..
         } = self.walls;
         vec![
-            line("ratio", self.ratio as f64, "", "the output turns against the input"),
-            line("circle of the external sleeves", circle, "m", "R + d, R = e zk/m"),
+            line(
+                "ratio",
+                self.ratio as f64,
+                "",
+                "the output turns against the input",
+            ),
+            line(
+                "circle of the external sleeves",
+                circle,
+                "m",
+                "R + d, R = e zk/m",
+            ),
             line("profile from", pits, "m", "pits"),
             line("profile to", tips, "m", "lobe tips"),
-            line("radius of curvature, lobe tip", self.tip_curvature_radius_m, "m", ""),
-            line("radius of curvature, pit", self.pit_curvature_radius_m, "m", "negative: concave"),
-            line("largest external sleeve", self.smallest_convex_radius_m, "m", "a larger one undercuts the wheel"),
-            line("clearance in the holes", self.hole_clearance_m, "m", "hole - sleeve - eccentricity"),
-            line("wall, hole to profile", hole_to_profile_m, "m", "thinnest place of all holes"),
+            line(
+                "radius of curvature, lobe tip",
+                self.tip_curvature_radius_m,
+                "m",
+                "",
+            ),
+            line(
+                "radius of curvature, pit",
+                self.pit_curvature_radius_m,
+                "m",
+                "negative: concave",
+            ),
+            line(
+                "largest external sleeve",
+                self.smallest_convex_radius_m,
+                "m",
+                "a larger one undercuts the wheel",
+            ),
+            line(
+                "clearance in the holes",
+                self.hole_clearance_m,
+                "m",
+                "hole - sleeve - eccentricity",
+            ),
+            line(
+                "wall, hole to profile",
+                hole_to_profile_m,
+                "m",
+                "thinnest place of all holes",
+            ),
             line("wall, hole to hole", hole_to_hole_m, "m", ""),
-            line("gap, external sleeves", sleeve_to_sleeve_m, "m", "between neighbours"),
-            line("free play to one side", self.free_play_rad, "rad", "d sqrt(1 - m^2)/(e zs), at the wheel"),
-            line("driver torque, ideal", self.ideal_input_torque_n_m, "N m", expected),
-            line("largest external sleeve force", self.external_force_estimate_n, "N", "a wheel, rigid and without clearance: 4 T/(e zs zk)"),
-            line("largest internal sleeve force", self.internal_force_estimate_n, "N", "a wheel, likewise: 4 T/(zi Rw)"),
+            line(
+                "gap, external sleeves",
+                sleeve_to_sleeve_m,
+                "m",
+                "between neighbours",
+            ),
+            line(
+                "free play to one side",
+                self.free_play_rad,
+                "rad",
+                "d sqrt(1 - m^2)/(e zs), at the wheel",
+            ),
+            line(
+                "driver torque, ideal",
+                self.ideal_input_torque_n_m,
+                "N m",
+                expected,
+            ),
+            line(
+                "largest external sleeve force",
+                self.external_force_estimate_n,
+                "N",
+                "a wheel, rigid and without clearance: 4 T/(e zs zk)",
+            ),
+            line(
+                "largest internal sleeve force",
+                self.internal_force_estimate_n,
+                "N",
+                "a wheel, likewise: 4 T/(zi Rw)",
+            ),
         ]
     }
 }

@@ -135,8 +135,14 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyErr
         designs.push(design::run(input.gearboxes[k], true, control)?);
         let at = Progress::new(k, 2, &names[k]);
         let context = context(&gearbox.scene);
-        let (participant, evidence) =
-            climb(input.engine, gearbox, &context, input.efforts[k], at, control)?;
+        let (participant, evidence) = climb(
+            input.engine,
+            gearbox,
+            &context,
+            input.efforts[k],
+            at,
+            control,
+        )?;
         let name = &names[k];
         let participant = Participant {
             name: name.clone(),

@@ -96,7 +96,9 @@ fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failu
     };
     let engine = choice::find(name, &first.scene)?;
     let [a, b] = [0, 1].map(|k| effort(args, specs[k], &gearboxes[k].scene));
-    let names = gearboxes.map(|gearbox| gearbox.scene.name.as_str()).join("-and-");
+    let names = gearboxes
+        .map(|gearbox| gearbox.scene.name.as_str())
+        .join("-and-");
     let folder = Folder::prepare(&args.out.folder(&names, "compare"), args.out.force)?;
     let input = designs::Input {
         gearboxes,

@@ -167,8 +167,20 @@ impl Summed {
                 ),
                 &internal.largest_force_n,
             ),
-            of("external_touching", "external pins that carry", "", external.touching.mean, touch),
-            of("internal_touching", "internal pins that carry", "", internal.touching.mean, touch),
+            of(
+                "external_touching",
+                "external pins that carry",
+                "",
+                external.touching.mean,
+                touch,
+            ),
+            of(
+                "internal_touching",
+                "internal pins that carry",
+                "",
+                internal.touching.mean,
+                touch,
+            ),
             of(
                 "external_pressure_mpa",
                 "largest pressure, external",
@@ -176,7 +188,13 @@ impl Summed {
                 pressed(0),
                 "line contact over the face width, edges left out",
             ),
-            of("internal_pressure_mpa", "largest pressure, internal", "MPa", pressed(1), "likewise"),
+            of(
+                "internal_pressure_mpa",
+                "largest pressure, internal",
+                "MPa",
+                pressed(1),
+                "likewise",
+            ),
             of(
                 "pressure_sliding_mpa_m_s",
                 "largest pressure times sliding",
@@ -219,7 +237,7 @@ pub(super) fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<Fi
             "lost motion by a run",
             "arcmin",
             cycle.lost_motion_arcmin,
-            cycle.uncertainty_arcmin,
+            cycle.lost_motion_uncertainty_arcmin,
             "of a slow loop of the load, the mean of both branches",
         ));
         figures.push(figure(
@@ -227,7 +245,7 @@ pub(super) fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<Fi
             "width of the loop at no load",
             "arcmin",
             cycle.width_arcmin,
-            cycle.uncertainty_arcmin,
+            cycle.width_uncertainty_arcmin,
             "what friction holds back, and what swings",
         ));
     }

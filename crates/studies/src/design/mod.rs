@@ -217,7 +217,10 @@ pub fn run(gearbox: &Gearbox, runs: bool, control: &Control<'_>) -> Result<Outco
         unloaded,
     };
     let summed = balances.summed(1, 0);
-    let courses = [(&balances.loaded, rated), (&balances.unloaded, NO_LOAD * rated)];
+    let courses = [
+        (&balances.loaded, rated),
+        (&balances.unloaded, NO_LOAD * rated),
+    ];
     let transmission = courses.map(|(found, torque)| {
         let error: Vec<f64> = found.iter().map(|pose| ARCMIN * pose.error_rad).collect();
         let spread = Spread::of(error.iter().copied());
