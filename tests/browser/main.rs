@@ -202,6 +202,40 @@ fn browser_sees_what_is_wrong() {
     }
 }
 
+/// It happened: points without a width were never seen, and the chart looked like one with fewer curves.
+#[test]
+fn browser_misses_curves_that_are_not_drawn() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let done = run_in(dir.path(), ["design", "paper", "--statics", "--out", "d"]);
+    assert_eq!(done.code, Some(0), "{done:?}");
+    let page = dir.path().join("d/index.html");
+    let text = std::fs::read_to_string(&page).unwrap();
+    let look = Look {
+        width: 1280,
+        dark: false,
+        still: true,
+    };
+    let mut missing = |broken: &[(&str, &str)]| {
+        let mut text = text.clone();
+        for (sound, fault) in broken {
+            assert!(text.contains(sound), "{sound} is not in the page");
+            text = text.replace(sound, fault);
+        }
+        std::fs::write(&page, text).unwrap();
+        browser.open(&page, look);
+        browser.evaluate(SERIES)["faults"].as_array().unwrap().len()
+    };
+    assert_eq!(missing(&[]), 0);
+    // Points of the chart of orders.
+    let width = "...(series.marks ? { width: 0 } : {})";
+    assert!(missing(&[(width, "width: undefined")]) > 0);
+    // Every line.
+    assert!(missing(&[("series.thin ? 1 : 1.6", "series.thin ? 1 : 0")]) > 0);
+}
+
 /// The page of a short comparison, in `dir`.
 fn comparison(dir: &Path) -> PathBuf {
     let args = [

@@ -18,6 +18,9 @@ use serde_json::Value;
 use crate::design::{self, HEADLINES, figure, with_uncertainty};
 use crate::{PageError, animation};
 
+/// Keys that one reads before the figures; more are folded.
+const MANY: usize = 12;
+
 /// The whole page; `cancel` stops it while the motion is computed.
 ///
 /// # Errors
@@ -49,11 +52,9 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
 #[must_use]
 pub fn text(found: &Outcome) -> String {
     let [a, b] = &found.names;
-    let head = |first: &str| {
-        [first, a, b, "change"]
-            .map(|text| terminal::Cell::figure(text).styled(TITLE))
-            .into()
-    };
+    let head: Vec<terminal::Cell> = ["", a, b, "change"]
+        .map(|text| terminal::Cell::figure(text).styled(TITLE))
+        .into();
     let mut text = format!("{}\n", styled(TITLE, &format!("{a} and {b}")));
     let stated = found.changed.iter().filter(|change| !change.follows);
     let mut rows: Vec<Vec<terminal::Cell>> = stated
@@ -68,13 +69,14 @@ pub fn text(found: &Outcome) -> String {
         .collect();
     let followed = found.changed.len() - rows.len();
     if !rows.is_empty() {
+        rows.insert(0, head[..3].to_vec());
         text.push_str(&lines(&rows));
     }
     if followed > 0 {
         let keys = counted(followed, "key that follows", "keys that follow");
         text.push_str(&format!("and {keys} from them\n"));
     }
-    rows = vec![head("")];
+    rows = vec![head];
     let derived = found.derived.iter().filter(|r| r.judged != Judged::Same);
     let means = found.courses.first().map(|(_, rows)| rows.as_slice());
     let torque = means
@@ -305,7 +307,15 @@ fn scene(found: &Outcome) -> Section {
             })
         })
     };
-    let mut blocks: Vec<Block> = keys("Keys that differ", false).into_iter().collect();
+    let stated = keys("Keys that differ", false);
+    let many = found.changed.iter().filter(|c| !c.follows).count();
+    let mut blocks: Vec<Block> = match stated {
+        Some(table) if many > MANY => vec![Block::Details {
+            summary: format!("{many} keys differ"),
+            blocks: vec![table],
+        }],
+        other => other.into_iter().collect(),
+    };
     if found.identical() {
         blocks.push(Block::Text(
             "Every key of both scenes has the same value, but for name and description.".to_owned(),

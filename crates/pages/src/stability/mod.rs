@@ -122,7 +122,7 @@ fn tiles(survey: &Survey) -> Vec<Tile> {
     if let Some(horizon) = growth {
         tiles.push(tile(
             "A rounding grows to",
-            format!("{:.1e}", horizon.largest_share),
+            format::significant(horizon.largest_share, 2),
             "of the largest force",
             format!("at most, on {}", horizon.scene),
         ));
@@ -256,7 +256,7 @@ fn divergence(survey: &Survey) -> Section {
             (None, Some(t)) => (format!("{t:.4} s"), Mark::Warn),
             (None, None) => (format!("none in {} s", h.duration_s), Mark::Good),
         };
-        let figure = |value: f64| Cell::number(format!("{value:.1e}"), value);
+        let figure = |value: f64| Cell::number(format::significant(value, 2), value);
         vec![
             Cell::text(&h.scene),
             Cell::text(horizon).marked(mark),
@@ -315,7 +315,7 @@ fn drift(survey: &Survey) -> Option<Section> {
             .and_then(|v| v.as_str().map(str::to_owned))
             .unwrap_or_default();
         let figure = |value: Option<f64>| match value {
-            Some(value) => Cell::number(format!("{value:.1e}"), value),
+            Some(value) => Cell::number(format::significant(value, 2), value),
             None => Cell::text("-").marked(Mark::Muted),
         };
         vec![
