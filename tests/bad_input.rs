@@ -52,6 +52,33 @@ fn assert_parts(line: &str, parts: &[&str]) {
 }
 
 #[test]
+fn bad_input_two_designs() {
+    let dir = tempfile::tempdir().unwrap();
+    let idle = "base = \"paper\"\n[drive]\noutput_torque_n_m = 0.0\n";
+    std::fs::write(dir.path().join("idle.toml"), idle).unwrap();
+    for (words, part) in [
+        (&["paper", "papper"][..], "paper"),
+        (&["paper", "idle.toml"], "drive.output_torque_n_m"),
+        (
+            &[
+                "paper",
+                "steel",
+                "--engines",
+                "native-reduced,native-lagrange",
+            ],
+            "one engine",
+        ),
+        (&["paper", "steel", "--junit", "j.xml"], "--junit"),
+        (&["paper", "steel", "--set", "gear.wheels=0"], "gear.wheels"),
+        (&["paper", "steel", "eleven-pins"], "eleven-pins"),
+    ] {
+        let line = refusal(&run_in(dir.path(), ["compare"].iter().chain(words)), part);
+        assert!(line.contains(part), "{words:?}: {line}");
+    }
+    assert_eq!(names_in(dir.path()), ["idle.toml"]);
+}
+
+#[test]
 fn bad_input_unknown_key() {
     let line = refused_file("name = \"mine\"\n\n[gear]\nhole_radius = 0.0088\n");
     assert_parts(

@@ -194,6 +194,88 @@ fn compared(args: &[&str]) -> (Option<i32>, String, Value) {
     (outcome.code, outcome.stdout, summary)
 }
 
+/// Figures of a comparison of two designs that are judged so, by their keys.
+fn judged<'a>(summary: &'a Value, word: &str) -> Vec<&'a str> {
+    let rows = summary["figures"].as_array().unwrap().iter();
+    let so = rows.filter(|row| row["judged"] == word);
+    so.map(|row| row["key"].as_str().unwrap()).collect()
+}
+
+#[test]
+fn program_two_designs_side_by_side() {
+    let dir = tempfile::tempdir().unwrap();
+    let design = |name: &str, rest: &str| {
+        let text = format!("base = \"paper\"\n{rest}\n[solver]\nduration_s = 0.005\n");
+        std::fs::write(dir.path().join(name), text).unwrap();
+    };
+    design("a.toml", "");
+    design("b.toml", "[gear]\nbacklash_m = 1e-4");
+    let side_by_side = |other: &str, more: &[&str]| {
+        let words = ["compare", "a.toml", other, "--out", "r"];
+        let outcome = run_in(dir.path(), words.iter().chain(more));
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        (outcome.stdout, json(dir.path().join("r/summary.json")))
+    };
+    let (told, found) = side_by_side("b.toml", &[]);
+    assert_eq!(found["identical"], false);
+    assert_eq!(found["changed"][0]["key"], "gear.backlash_m");
+    assert_eq!(found["changed"].as_array().unwrap().len(), 1);
+    assert!(
+        judged(&found, "differ").contains(&"lost_motion_arcmin"),
+        "{found:#}"
+    );
+    // A wheel's pins do not know of the play of the others.
+    assert!(
+        judged(&found, "below-uncertainty").contains(&"internal_force_n"),
+        "{found:#}"
+    );
+    assert!(
+        told.contains("gear.backlash_m") && told.contains("differ by more"),
+        "{told}"
+    );
+    let wide = told.lines().map(|line| line.chars().count()).max();
+    assert!(wide <= Some(80), "{wide:?}: {told}");
+    for folder in ["design-1", "design-2"] {
+        let names = names_in(&dir.path().join("r").join(folder));
+        assert!(names.contains(&"courses.csv".to_owned()), "{names:?}");
+    }
+    // What `design` says of one alone is what stands here.
+    let alone = run_in(dir.path(), ["design", "b.toml", "--out", "d"]);
+    assert_eq!(alone.code, Some(0), "{alone:?}");
+    let alone = json(dir.path().join("d/summary.json"));
+    for (row, figure) in found["figures"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(alone["figures"].as_array().unwrap())
+    {
+        assert_eq!(row["key"], figure["key"]);
+        assert_eq!(row["values"][1], figure["value"], "{row}");
+    }
+    // The same design twice.
+    let (told, found) = side_by_side("a.toml", &[]);
+    assert_eq!(
+        (&found["identical"], &found["changed"]),
+        (&Value::Bool(true), &Value::from(Vec::<i32>::new()))
+    );
+    assert_eq!(
+        judged(&found, "same").len(),
+        found["figures"].as_array().unwrap().len()
+    );
+    assert!(told.contains("identical"), "{told}");
+    // A change that is there, and too small to be shown by any figure.
+    design("c.toml", "[contact]\nstiffness_multiplier = 0.0100000001");
+    let (told, found) = side_by_side("c.toml", &["--engines", "native-lagrange"]);
+    assert_eq!(found["engine"], "native-lagrange");
+    assert_eq!(found["identical"], false);
+    assert!(
+        judged(&found, "differ").is_empty(),
+        "{:#}",
+        found["figures"]
+    );
+    assert!(told.contains("No difference was shown"), "{told}");
+}
+
 /// The largest U of what agrees, over all pairs.
 fn bluntest(summary: &Value) -> f64 {
     let pairs = summary["pairs"].as_array().unwrap();

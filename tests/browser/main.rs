@@ -70,6 +70,37 @@ const LOOK_AT: &str = r#"(async () => {
   };
 })()"#;
 
+/// Curves that are in a legend and not to be seen when all others are hidden: lines as well as points, one at a time, for
+/// curves that agree lie on each other.
+const SERIES: &str = r#"(async () => {
+  const rest = () => new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(r, 30))));
+  const pen = new OffscreenCanvas(1, 1).getContext('2d');
+  const rgb = (colour) => { pen.fillStyle = colour; pen.fillRect(0, 0, 1, 1); return pen.getImageData(0, 0, 1, 1).data; };
+  const faults = [];
+  let looked = 0;
+  for (const legend of document.querySelectorAll('.legend')) {
+    const chips = [...legend.querySelectorAll('.chip')];
+    const panel = legend.closest('.panel') || document.getElementById('chart');
+    const set = (chip, on) => { if ((chip.getAttribute('aria-pressed') === 'true') !== on) chip.click(); };
+    for (const chip of chips) {
+      chips.forEach((other) => set(other, other === chip));
+      await rest();
+      const wanted = rgb(getComputedStyle(chip.querySelector('path')).stroke);
+      let hits = 0;
+      for (const canvas of panel.querySelectorAll('.uplot canvas')) {
+        const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+        for (let k = 0; k < data.length; k += 4) {
+          if (data[k + 3] > 100 && Math.abs(data[k] - wanted[0]) + Math.abs(data[k + 1] - wanted[1]) + Math.abs(data[k + 2] - wanted[2]) < 40) hits += 1;
+        }
+      }
+      looked += 1;
+      if (hits < 12) faults.push(`${panel.querySelector('h3')?.textContent}: ${chip.textContent}: ${hits} pixels`);
+    }
+    chips.forEach((chip) => set(chip, true));
+  }
+  return { looked, faults };
+})()"#;
+
 /// Everything that is wrong with the open page in one look.
 fn faults(browser: &mut Chromium, look: Look) -> (Vec<String>, Value) {
     browser.theme(look);
@@ -120,6 +151,12 @@ fn flawless(browser: &mut Chromium, name: &str, page: &Path, plots: u64, gearbox
             let (faults, seen) = faults(browser, look);
             wrong.extend(faults.iter().map(|f| format!("{width} {theme}: {f}")));
             assert!(seen["plots"].as_u64().unwrap() >= plots, "{seen}");
+            if width == 1280 && !dark {
+                let series = browser.evaluate(SERIES);
+                let missing = series["faults"].as_array().unwrap();
+                wrong.extend(missing.iter().map(|f| format!("a curve is not drawn: {f}")));
+                assert!(series["looked"].as_u64().unwrap() >= plots, "{series}");
+            }
             assert_eq!(seen["gearboxes"].as_u64().unwrap(), gearboxes, "{seen}");
         }
     }
@@ -163,6 +200,40 @@ fn browser_sees_what_is_wrong() {
             "{part} is not in {found:#?}"
         );
     }
+}
+
+/// It happened: points without a width were never seen, and the chart looked like one with fewer curves.
+#[test]
+fn browser_misses_curves_that_are_not_drawn() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let done = run_in(dir.path(), ["design", "paper", "--statics", "--out", "d"]);
+    assert_eq!(done.code, Some(0), "{done:?}");
+    let page = dir.path().join("d/index.html");
+    let text = std::fs::read_to_string(&page).unwrap();
+    let look = Look {
+        width: 1280,
+        dark: false,
+        still: true,
+    };
+    let mut missing = |broken: &[(&str, &str)]| {
+        let mut text = text.clone();
+        for (sound, fault) in broken {
+            assert!(text.contains(sound), "{sound} is not in the page");
+            text = text.replace(sound, fault);
+        }
+        std::fs::write(&page, text).unwrap();
+        browser.open(&page, look);
+        browser.evaluate(SERIES)["faults"].as_array().unwrap().len()
+    };
+    assert_eq!(missing(&[]), 0);
+    // Points of the chart of orders.
+    let width = "...(series.marks ? { width: 0 } : {})";
+    assert!(missing(&[(width, "width: undefined")]) > 0);
+    // Every line.
+    assert!(missing(&[("series.thin ? 1 : 1.6", "series.thin ? 1 : 0")]) > 0);
 }
 
 /// The page of a short comparison, in `dir`.

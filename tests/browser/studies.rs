@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use pinwheel_tests::{repository, run_in};
 
-use crate::chromium::Chromium;
+use crate::chromium::{Chromium, Look};
 use crate::flawless;
 
 /// Runs a study in `dir` and returns its page.
@@ -63,6 +63,70 @@ fn browser_shows_a_sweep() {
         "{:?}",
         browser.complaints()
     );
+}
+
+/// Sheets in print, with everything folded as it opens.
+fn sheets(browser: &mut Chromium, page: &Path) -> usize {
+    let look = Look {
+        width: 1280,
+        dark: false,
+        still: true,
+    };
+    browser.open(page, look);
+    browser.evaluate("new Promise((r) => setTimeout(r, 400))");
+    browser.sheets()
+}
+
+#[test]
+fn browser_shows_a_design() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let page = page(dir.path(), &["design", "paper-friction"]);
+    flawless(&mut browser, "design", &page, 6, 0);
+    // Names in backticks are code, in the lead too.
+    let lead = browser.evaluate("document.querySelector('.lead').innerHTML");
+    let lead = lead.as_str().unwrap();
+    assert!(lead.contains("<code>") && !lead.contains('`'), "{lead}");
+    let printed = sheets(&mut browser, &page);
+    assert!(printed <= 3, "{printed} sheets");
+}
+
+#[test]
+fn browser_shows_two_designs() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    // Other numbers of pins, and a name that is as long as it may be and holds what markup is made of.
+    let name = format!("loose & <b>{}", "long-".repeat(17));
+    let other = format!(
+        "base = \"eleven-pins\"\nname = \"{name}\"\n[gear]\nbacklash_m = 1e-4\n[solver]\nduration_s = 0.02\n"
+    );
+    std::fs::write(dir.path().join("other.toml"), other).unwrap();
+    let paper = "base = \"paper\"\nname = \"tight\"\n[solver]\nduration_s = 0.01\n";
+    std::fs::write(dir.path().join("paper.toml"), paper).unwrap();
+    let page = page(dir.path(), &["compare", "paper.toml", "other.toml"]);
+    flawless(&mut browser, "designs", &page, 8, 1);
+    // What only one of them has is drawn too: the twelfth sleeve.
+    let drawn = browser.evaluate(
+        "(async () => {
+          const choose = (id, value) => { const s = document.getElementById(id); s.value = value; s.dispatchEvent(new Event('change')); };
+          choose('quantity', [...document.querySelectorAll('#quantity option')].findIndex((o) => o.textContent === 'External sleeve force'));
+          choose('channel', '13');
+          await new Promise((r) => setTimeout(r, 500));
+          return document.body.dataset.drawn;
+        })()",
+    );
+    assert_eq!(drawn, "External sleeve force no. 13");
+    assert!(
+        browser.complaints().is_empty(),
+        "{:?}",
+        browser.complaints()
+    );
+    let printed = sheets(&mut browser, &page);
+    assert!(printed <= 5, "{printed} sheets");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! A design's page and text: what it is like to the shafts, who carries the load, and what the contacts bear.
 
+use pinwheel_report::colours;
 use pinwheel_report::format::{NONE, significant};
 use pinwheel_report::study::{
     self, Axis, Block, Cell, Chart, Column, Section, Series, Study, Style, Table, Tile,
@@ -240,40 +241,49 @@ fn section(id: &str, title: &str, blocks: Vec<Block>) -> Section {
     }
 }
 
-/// Designs of which a chart shows one line each, with what their lines are called before what they are.
+/// Designs of one chart with their names, which may be empty for one alone.
 pub(crate) type Drawn<'a> = [(&'a str, &'a Outcome)];
 
-/// What a line is called, of several designs with the design's name.
-fn named(design: &str, what: &str) -> String {
-    if design.is_empty() {
-        what.to_owned()
-    } else {
-        format!("{design}: {what}")
+/// A line of a design: of several designs with the design's name and colour; what else it is, its dash tells.
+fn of_design(
+    designs: &Drawn<'_>,
+    design: usize,
+    (variant, what): (usize, &str),
+    line: Series,
+) -> Series {
+    if designs.len() < 2 {
+        return Series {
+            label: what.to_owned(),
+            ..line
+        };
+    }
+    let names: Vec<&str> = designs.iter().map(|(name, _)| *name).collect();
+    Series {
+        label: format!("{}: {what}", names[design]),
+        colour: Some(colours::styles(&names)[design] + colours::COUNT * variant),
+        ..line
     }
 }
 
 /// Twist over torque, by statics and by a run.
 pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
     let mut series = Vec::new();
-    for (design, found) in designs {
+    for (k, (_, found)) in designs.iter().enumerate() {
         let torsion = &found.torsion;
-        series.push(Series {
+        let statics = Series {
             style: Style::Both,
-            ..line(
-                &named(design, "statics"),
-                &torsion.torque_n_m,
-                &torsion.twist_arcmin,
-            )
-        });
+            ..line("", &torsion.torque_n_m, &torsion.twist_arcmin)
+        };
+        series.push(of_design(designs, k, (0, "statics"), statics));
         let Some(cycle) = &found.cycle else { continue };
         let closed = cycle.closed_from.min(cycle.angle_arcmin.len());
         let half = closed + (cycle.angle_arcmin.len() - closed) / 2;
         for (what, range) in [
-            ("run, load falls", closed..half),
-            ("run, load rises", half..cycle.angle_arcmin.len()),
+            ((1, "run, load falls"), closed..half),
+            ((2, "run, load rises"), half..cycle.angle_arcmin.len()),
         ] {
             let (x, y) = (&cycle.torque_n_m[range.clone()], &cycle.angle_arcmin[range]);
-            series.push(line(&named(design, what), x, y));
+            series.push(of_design(designs, k, what, line("", x, y)));
         }
     }
     chart(
@@ -308,27 +318,28 @@ fn torsion(found: &Outcome) -> Section {
 /// What transmission errors and their orders are called.
 const LOADS: [&str; 2] = ["rated load", "no load"];
 
-/// Transmission error over the period of each, and its orders.
+/// Transmission error over the period of each, and its orders; of several designs those under the rated load.
 pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
     let (mut series, mut spectrum) = (Vec::new(), Vec::new());
-    for (design, found) in designs {
+    for (k, (_, found)) in designs.iter().enumerate() {
         let turn = degrees(&found.input_angle_rad);
-        for (of, load) in found.transmission.iter().zip(LOADS) {
-            let label = named(design, load);
+        for (n, (of, load)) in found.transmission.iter().zip(LOADS).enumerate() {
             let about_mean = of.error_arcmin.iter().map(|error| error - of.mean_arcmin);
-            series.push(line(&label, &turn, &about_mean.collect::<Vec<_>>()));
+            let error = line("", &turn, &about_mean.collect::<Vec<_>>());
+            series.push(of_design(designs, k, (n, load), error));
+            if n > 0 && designs.len() > 1 {
+                continue; // Points have no dash that tells them apart.
+            }
             let column = |value: fn(&Harmonic) -> f64| -> Vec<f64> {
                 of.harmonics.iter().map(value).collect()
             };
             let orders = column(|harmonic| harmonic.input_order);
-            spectrum.push(Series {
+            let amplitudes = column(|harmonic| harmonic.amplitude_arcmin);
+            let points = Series {
                 style: Style::Points,
-                ..line(
-                    &label,
-                    &orders,
-                    &column(|harmonic| harmonic.amplitude_arcmin),
-                )
-            });
+                ..line("", &orders, &amplitudes)
+            };
+            spectrum.push(of_design(designs, k, (n, load), points));
         }
     }
     [
@@ -393,18 +404,16 @@ fn transmission(found: &Outcome) -> Section {
 
 /// Force over place, of external and internal pins.
 pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
-    let stages = ["External pins", "Internal pins"].into_iter().enumerate();
-    let of = |(k, title): (usize, &str)| {
-        let series = designs.iter().map(|(design, found)| {
-            let sharing = &found.sharing[k];
-            line(
-                &named(design, "largest force"),
-                &sharing.place_deg,
-                &sharing.force_n,
-            )
+    let of = |(stage, title): (usize, &str)| {
+        let series = designs.iter().enumerate().map(|(k, (_, found))| {
+            let sharing = &found.sharing[stage];
+            // Places at which no pose has a touching pin are not zeros of a curve.
+            let all = sharing.place_deg.iter().zip(&sharing.force_n);
+            let (x, y): (Vec<f64>, Vec<f64>) = all.filter(|(_, force)| **force > 0.0).unzip();
+            of_design(designs, k, (0, "largest force"), line("", &x, &y))
         });
-        let touch = match designs {
-            [(_, found)] => touching(&found.sharing[k]),
+        let note = match designs {
+            [(_, found)] => format!("{}.", touching(&found.sharing[stage])),
             _ => String::new(),
         };
         chart(
@@ -412,9 +421,10 @@ pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
             "Place of the pin from the eccentric (degrees)",
             "Force (N)",
             series.collect(),
-            &touch,
+            &note,
         )
     };
+    let stages = ["External pins", "Internal pins"].into_iter().enumerate();
     stages.map(of).collect()
 }
 
@@ -464,28 +474,23 @@ fn sharing(found: &Outcome) -> Section {
 
 /// Force on the bearing of wheel 0 over the period of each.
 pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
-    let series = designs.iter().flat_map(|(design, found)| {
+    let mut series = Vec::new();
+    for (k, (_, found)) in designs.iter().enumerate() {
         let turn = degrees(&found.input_angle_rad);
-        let bearing = found.bearings.first();
-        bearing.into_iter().flat_map(move |bearing| {
-            [
-                (
-                    named(design, "away from the input's axis"),
-                    &bearing.radial_n,
-                ),
-                (
-                    named(design, "around the input's axis"),
-                    &bearing.tangential_n,
-                ),
-            ]
-            .map(|(label, force)| line(&label, &turn, force))
-        })
-    });
+        for bearing in found.bearings.iter().take(1) {
+            for (part, force) in [
+                ((0, "away from the input's axis"), &bearing.radial_n),
+                ((1, "around the input's axis"), &bearing.tangential_n),
+            ] {
+                series.push(of_design(designs, k, part, line("", &turn, force)));
+            }
+        }
+    }
     chart(
         "Force on the wheel's bearing",
         "Input angle (degrees)",
         "Force (N)",
-        series.collect(),
+        series,
         "",
     )
 }

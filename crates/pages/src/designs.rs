@@ -9,7 +9,7 @@ use pinwheel_report::format::{self, NONE, significant};
 use pinwheel_report::study::{
     self, Block, Cell, Column, Courses, Mark, Section, Study, Table, Tile, Verdict,
 };
-use pinwheel_report::terminal::{self, GOOD, QUIET, TITLE, lines, paragraph, styled};
+use pinwheel_report::terminal::{self, QUIET, TITLE, lines, paragraph, styled};
 use pinwheel_scene::keys::key;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::designs::{Change, Judged, Outcome, Row};
@@ -17,6 +17,9 @@ use serde_json::Value;
 
 use crate::design::{self, HEADLINES, figure, with_uncertainty};
 use crate::{PageError, animation};
+
+/// Keys that one reads before the figures; more are folded.
+const MANY: usize = 12;
 
 /// The whole page; `cancel` stops it while the motion is computed.
 ///
@@ -49,11 +52,9 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
 #[must_use]
 pub fn text(found: &Outcome) -> String {
     let [a, b] = &found.names;
-    let head = |first: &str| {
-        [first, a, b, "change", ""]
-            .map(|text| terminal::Cell::figure(text).styled(TITLE))
-            .into()
-    };
+    let head: Vec<terminal::Cell> = ["", a, b, "change"]
+        .map(|text| terminal::Cell::figure(text).styled(TITLE))
+        .into();
     let mut text = format!("{}\n", styled(TITLE, &format!("{a} and {b}")));
     let stated = found.changed.iter().filter(|change| !change.follows);
     let mut rows: Vec<Vec<terminal::Cell>> = stated
@@ -68,12 +69,14 @@ pub fn text(found: &Outcome) -> String {
         .collect();
     let followed = found.changed.len() - rows.len();
     if !rows.is_empty() {
+        rows.insert(0, head[..3].to_vec());
         text.push_str(&lines(&rows));
     }
     if followed > 0 {
-        text.push_str(&format!("and {followed} keys that follow from them\n"));
+        let keys = counted(followed, "key that follows", "keys that follow");
+        text.push_str(&format!("and {keys} from them\n"));
     }
-    rows = vec![head("")];
+    rows = vec![head];
     let derived = found.derived.iter().filter(|r| r.judged != Judged::Same);
     let means = found.courses.first().map(|(_, rows)| rows.as_slice());
     let torque = means
@@ -81,29 +84,34 @@ pub fn text(found: &Outcome) -> String {
         .iter()
         .filter(|row| is_headline(row));
     for row in derived.chain(&found.figures).chain(torque) {
-        let (style, word) = match row.judged {
-            Judged::Same => (Some(QUIET), "same"),
-            Judged::BelowUncertainty => (Some(GOOD), "below uncertainty"),
-            Judged::Differ => (None, ""),
-            Judged::NotKnown => (Some(QUIET), "uncertainty not known"),
-            Judged::Missing => (Some(QUIET), "not in both"),
-        };
-        let word = terminal::Cell::text(word);
-        let word = match style {
-            Some(style) => word.styled(style),
-            None => word,
-        };
         let [a, b] = shown(row);
+        let change = terminal::Cell::figure(match row.judged {
+            Judged::BelowUncertainty => "not shown".to_owned(),
+            _ => change(row),
+        });
         rows.push(vec![
             terminal::Cell::text(label(row)),
             terminal::Cell::figure(a),
             terminal::Cell::figure(b),
-            terminal::Cell::figure(change(row)),
-            word,
+            match row.judged {
+                Judged::Differ => change,
+                _ => change.styled(QUIET),
+            },
         ]);
     }
+    let hidden =
+        "not shown: the difference is below the uncertainty of both together (after \u{b1})";
+    let below = found
+        .figures
+        .iter()
+        .any(|row| row.judged == Judged::BelowUncertainty);
+    let note = if below {
+        paragraph(hidden)
+    } else {
+        String::new()
+    };
     format!(
-        "{text}\n{}\n{}",
+        "{text}\n{}{note}\n{}",
         lines(&rows),
         paragraph(&verdict(found).headline)
     )
@@ -136,8 +144,13 @@ fn verdict(found: &Outcome) -> Verdict {
     };
     let unknown = total - same - below - differ;
     let mut detail = format!(
-        "{} keys of the scene differ; {same} figures are the same, {below} differ by less than their uncertainty",
-        found.changed.len()
+        "{}; {} the same, {below} with a difference below the uncertainty",
+        counted(
+            found.changed.len(),
+            "key of the scene differs",
+            "keys of the scene differ"
+        ),
+        counted(same, "figure is", "figures are"),
     );
     if unknown > 0 {
         detail.push_str(&format!(", of {unknown} it is not known"));
@@ -150,6 +163,10 @@ fn verdict(found: &Outcome) -> Verdict {
         headline,
         detail: format!("{detail}."),
     }
+}
+
+fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 /// What a file would write, as people read it.
@@ -167,6 +184,7 @@ fn value(value: Option<&Value>) -> String {
 fn change(row: &Row) -> String {
     match row.change() {
         _ if row.judged == Judged::Same => "0".to_owned(),
+        Some(share) if share >= 9.0 => format!("\u{d7} {}", significant(1.0 + share, 3)),
         Some(share) if share.abs() >= 1e-4 => {
             let sign = if share > 0.0 { "+" } else { "" };
             format!("{sign}{} %", significant(100.0 * share, 3))
@@ -211,6 +229,7 @@ fn tiles(found: &Outcome) -> Vec<Tile> {
             detail: match row.judged {
                 Judged::Same => "the same".to_owned(),
                 Judged::Differ => change(row),
+                Judged::BelowUncertainty => "no difference shown".to_owned(),
                 _ => format!("{}: {}", change(row), judged(row).0),
             },
         }
@@ -226,7 +245,7 @@ fn judged(row: &Row) -> (String, Mark) {
             "below the uncertainty: no difference shown".to_owned(),
             Mark::Muted,
         ),
-        Judged::Differ => ("differs".to_owned(), Mark::None),
+        Judged::Differ => (String::new(), Mark::None),
         Judged::NotKnown => ("uncertainty not known".to_owned(), Mark::Warn),
         Judged::Missing => ("not in both".to_owned(), Mark::Warn),
     }
@@ -288,7 +307,15 @@ fn scene(found: &Outcome) -> Section {
             })
         })
     };
-    let mut blocks: Vec<Block> = keys("Keys that differ", false).into_iter().collect();
+    let stated = keys("Keys that differ", false);
+    let many = found.changed.iter().filter(|c| !c.follows).count();
+    let mut blocks: Vec<Block> = match stated {
+        Some(table) if many > MANY => vec![Block::Details {
+            summary: format!("{many} keys differ"),
+            blocks: vec![table],
+        }],
+        other => other.into_iter().collect(),
+    };
     if found.identical() {
         blocks.push(Block::Text(
             "Every key of both scenes has the same value, but for name and description.".to_owned(),

@@ -23,7 +23,7 @@ const PinwheelCharts = (() => {
   const DASHES = [[], [10, 4], [3, 3], [12, 3, 3, 3], [6, 2], [2, 5], [14, 3, 2, 3, 2, 3], [1, 2]];
   const COLOURS = 16;
   // Past the last dash and the last colour they begin again, with others.
-  const dashOf = (style) => DASHES[(style + 3 * Math.floor(style / 8) + 2 * Math.floor(style / COLOURS)) % DASHES.length];
+  const dashOf = (style) => DASHES[(style + 3 * Math.floor(style / 8) + 3 * Math.floor(style / COLOURS)) % DASHES.length];
   // Values shown at the cursor at most.
   const MOST = 14;
   // How far from the cursor a curve's sample may be to be read, pixels.

@@ -100,6 +100,14 @@ impl Writer {
     }
 }
 
+/// Text, deflated, as base64.
+pub(crate) fn text(text: &str) -> String {
+    Writer {
+        bytes: text.as_bytes().to_vec(),
+    }
+    .finish()
+}
+
 /// Power of two at or below a positive number.
 fn log2(value: f64) -> i32 {
     value.log2().floor() as i32

@@ -41,12 +41,12 @@ pub fn page(found: &Paper, made: &Provenance, cancel: &AtomicBool) -> Result<Str
         count(Verdict::Conditional),
         count(Verdict::DoesNotHold),
     );
-    let mut sections = motion(cancel)?;
-    sections.push(overview(found));
-    sections.extend(found.figures.iter().map(section));
+    let mut sections = vec![overview(found)];
     if !found.claims.is_empty() {
         sections.push(claims(found));
     }
+    sections.extend(motion(cancel)?);
+    sections.extend(found.figures.iter().map(section));
     sections.push(costs(found));
     let study = Study {
         title: "The paper, computed again".into(),
@@ -206,23 +206,25 @@ fn section(figure: &Figure) -> Section {
     Section {
         id: figure.id.clone(),
         title: figure.name.clone(),
-        blocks: vec![
-            Block::Heading(figure.title.clone()),
-            Block::Html(said(figure)),
-            Block::Charts(figure.plots.iter().map(chart).collect()),
-            Block::Details {
-                summary: "Numbers".into(),
-                blocks: vec![Block::Table(Table {
-                    caption: format!("Numbers of {}", figure.name),
-                    columns: vec![
-                        Column::text("Number"),
-                        Column::number("Value"),
-                        Column::text("Unit"),
-                    ],
-                    rows: numbers,
-                })],
-            },
-        ],
+        blocks: vec![Block::Details {
+            summary: format!("{}: {}", figure.title, words::figure(figure.verdict)),
+            blocks: vec![
+                Block::Html(said(figure)),
+                Block::Charts(figure.plots.iter().map(chart).collect()),
+                Block::Details {
+                    summary: "Numbers".into(),
+                    blocks: vec![Block::Table(Table {
+                        caption: format!("Numbers of {}", figure.name),
+                        columns: vec![
+                            Column::text("Number"),
+                            Column::number("Value"),
+                            Column::text("Unit"),
+                        ],
+                        rows: numbers,
+                    })],
+                },
+            ],
+        }],
     }
 }
 
@@ -281,41 +283,46 @@ fn chart(plot: &Plot) -> Chart {
 }
 
 fn claims(found: &Paper) -> Section {
-    let rows = found
-        .claims
-        .iter()
-        .map(|judged| {
-            vec![
-                Cell::text(&judged.claim.claim),
-                Cell::text(words::claim(judged.verdict)).marked(words::mark(judged.verdict)),
-                Cell::text(&judged.figure),
-                Cell::text(&judged.claim.remark),
-                Cell::text(&judged.claim.judged_by),
-                Cell::text(&judged.claim.place),
-            ]
+    let judged = found.claims.iter().map(|judged| {
+        vec![
+            Cell::text(&judged.claim.claim),
+            Cell::text(words::claim(judged.verdict)).marked(words::mark(judged.verdict)),
+            Cell::text(&judged.figure),
+        ]
+    });
+    let reasons = found.claims.iter().map(|judged| {
+        vec![
+            Cell::text(&judged.claim.claim),
+            Cell::text(&judged.claim.remark),
+            Cell::text(&judged.claim.judged_by),
+            Cell::text(&judged.claim.place),
+        ]
+    });
+    let table = |caption: &str, columns: &[&str], rows: Vec<Vec<Cell>>| {
+        Block::Table(Table {
+            caption: caption.into(),
+            columns: columns.iter().copied().map(Column::text).collect(),
+            rows,
         })
-        .collect();
+    };
+    let reasons = table(
+        "Why, by which computation, and where in the paper",
+        &["Claim", "Why", "Judged by", "Where"],
+        reasons.collect(),
+    );
     Section {
         id: "claims".into(),
         title: "Claims".into(),
         blocks: vec![
-            Block::Text(
-                "What the paper says in words, each judged by a computation of its own.".into(),
+            table(
+                "What the paper says in words, each judged by a computation of its own",
+                &["Claim", "Verdict", "Our figure"],
+                judged.collect(),
             ),
-            Block::Table(Table {
-                caption: "The paper's claims".into(),
-                columns: [
-                    "Claim",
-                    "Verdict",
-                    "Our figure",
-                    "Why",
-                    "Judged by",
-                    "Where",
-                ]
-                .map(Column::text)
-                .to_vec(),
-                rows,
-            }),
+            Block::Details {
+                summary: "Why, by which computation, and where in the paper".into(),
+                blocks: vec![reasons],
+            },
         ],
     }
 }
@@ -350,7 +357,9 @@ fn costs(found: &Paper) -> Section {
     Section {
         id: "cost".into(),
         title: "Cost".into(),
-        blocks: vec![
+        blocks: vec![Block::Details {
+            summary: "time of a run, beside the paper's".into(),
+            blocks: vec![
             Block::Text(
                 "Wall time of 0.6 s of the gearbox, 60 000 steps of 1e-5 s by Heun's method, on one core. The paper's machine is not \
                  named, so the ratio compares program and machine together. The paper scans all points for every sleeve; only points \
@@ -368,5 +377,6 @@ fn costs(found: &Paper) -> Section {
                 rows,
             }),
         ],
+        }],
     }
 }

@@ -25,13 +25,18 @@ pub(super) fn section(survey: &Survey) -> Option<Section> {
         ),
         Block::List(answer(&entries, &limits)),
     ];
+    let mut tables = Vec::new();
     if !limits.is_empty() {
-        blocks.push(limit_table(&limits));
+        tables.push(limit_table(&limits));
     }
     if !entries.is_empty() {
-        blocks.push(error_table(survey, &entries));
+        tables.push(error_table(survey, &entries));
         blocks.push(Block::Charts(vec![chart(survey, &entries)]));
     }
+    blocks.push(Block::Details {
+        summary: "Limits and errors in figures".to_owned(),
+        blocks: tables,
+    });
     Some(Section {
         id: "damping".to_owned(),
         title: "Above C = 8".to_owned(),

@@ -119,7 +119,15 @@ pub(super) fn sections(survey: &Survey) -> Vec<Section> {
     let section = |id: &str, title: &str, text: String, block: Block| Section {
         id: id.to_owned(),
         title: title.to_owned(),
-        blocks: vec![Block::Text(text), block],
+        // The first map answers; the others are looked up.
+        blocks: if id == "map" {
+            vec![Block::Text(text), block]
+        } else {
+            vec![Block::Details {
+                summary: "of every scene with every method".to_owned(),
+                blocks: vec![Block::Text(text), block],
+            }]
+        },
     };
     vec![
         section(

@@ -122,7 +122,7 @@ fn tiles(survey: &Survey) -> Vec<Tile> {
     if let Some(horizon) = growth {
         tiles.push(tile(
             "A rounding grows to",
-            format!("{:.1e}", horizon.largest_share),
+            format::significant(horizon.largest_share, 2),
             "of the largest force",
             format!("at most, on {}", horizon.scene),
         ));
@@ -180,7 +180,6 @@ fn scenes(survey: &Survey) -> Section {
                 .marked(served(error)),
                 None => Cell::text("none").marked(Mark::Bad),
             },
-            Cell::text(&row.why),
         ]
     });
     let references = survey.rows.iter().flatten().map(|row| {
@@ -200,6 +199,7 @@ fn scenes(survey: &Survey) -> Section {
                 ),
                 None => Cell::text("-").marked(Mark::Muted),
             },
+            Cell::text(&row.why),
         ]
     });
     Section {
@@ -207,18 +207,17 @@ fn scenes(survey: &Survey) -> Section {
         title: "Scenes".to_owned(),
         blocks: vec![
             Block::Table(Table {
-                caption: "What is hard, what integrator = auto takes for it, and what does best, with the errors of the forces"
+                caption: "What integrator = auto takes for a hard scene, and what does best, with the errors of the forces"
                     .to_owned(),
                 columns: vec![
                     Column::text("Scene"),
                     Column::text("auto"),
                     Column::text("Best"),
-                    Column::text("Why it is hard"),
                 ],
                 rows: rows.collect(),
             }),
             Block::Details {
-                summary: "The converged runs that errors are measured against".to_owned(),
+                summary: "Why each is hard, and the converged run that errors are measured against".to_owned(),
                 blocks: vec![Block::Table(Table {
                     caption: "Method with its step or tolerance, and how far a run at twice the step, or ten times the tolerance, \
                               lies from it"
@@ -227,6 +226,7 @@ fn scenes(survey: &Survey) -> Section {
                         Column::text("Scene"),
                         Column::text("Converged run"),
                         Column::number("Distance of a coarser one, forces"),
+                        Column::text("Why it is hard"),
                     ],
                     rows: references.collect(),
                 })],
@@ -256,7 +256,7 @@ fn divergence(survey: &Survey) -> Section {
             (None, Some(t)) => (format!("{t:.4} s"), Mark::Warn),
             (None, None) => (format!("none in {} s", h.duration_s), Mark::Good),
         };
-        let figure = |value: f64| Cell::number(format!("{value:.1e}"), value);
+        let figure = |value: f64| Cell::number(format::significant(value, 2), value);
         vec![
             Cell::text(&h.scene),
             Cell::text(horizon).marked(mark),
@@ -281,18 +281,6 @@ fn divergence(survey: &Survey) -> Section {
                 "Each scene runs twice with the same fixed steps, the second time with the wheels' moment of inertia moved to the next \
                  representable number. The horizon is where the forces first differ by {VISIBLE:.0e} of the largest. {told}"
             )),
-            Block::Table(Table {
-                caption:
-                    "What a change in the last digit grows to, as a share of the largest force"
-                        .to_owned(),
-                columns: vec![
-                    Column::text("Scene"),
-                    Column::text("Horizon"),
-                    Column::number("Largest"),
-                    Column::number("In the last tenth"),
-                ],
-                rows: rows.collect(),
-            }),
             Block::Charts(vec![Chart {
                 title: "Where it grows most".to_owned(),
                 x: Axis::linear("Time (s)"),
@@ -300,6 +288,21 @@ fn divergence(survey: &Survey) -> Section {
                 series: series.collect(),
                 note: "A chaotic scene would rise as a straight line up to 1.".to_owned(),
             }]),
+            Block::Details {
+                summary: "Every scene".to_owned(),
+                blocks: vec![Block::Table(Table {
+                    caption:
+                        "What a change in the last digit grows to, as a share of the largest force"
+                            .to_owned(),
+                    columns: vec![
+                        Column::text("Scene"),
+                        Column::text("Horizon"),
+                        Column::number("Largest"),
+                        Column::number("In the last tenth"),
+                    ],
+                    rows: rows.collect(),
+                })],
+            },
         ],
     }
 }
@@ -312,7 +315,7 @@ fn drift(survey: &Survey) -> Option<Section> {
             .and_then(|v| v.as_str().map(str::to_owned))
             .unwrap_or_default();
         let figure = |value: Option<f64>| match value {
-            Some(value) => Cell::number(format!("{value:.1e}"), value),
+            Some(value) => Cell::number(format::significant(value, 2), value),
             None => Cell::text("-").marked(Mark::Muted),
         };
         vec![
@@ -327,24 +330,27 @@ fn drift(survey: &Survey) -> Option<Section> {
     Some(Section {
         id: "drift".to_owned(),
         title: "Long run".to_owned(),
-        blocks: vec![
-            Block::Text(format!(
-                "The preset `paper` over {} s with all bodies and multipliers, under each stabilisation, against the reduced form, which \
+        blocks: vec![Block::Details {
+            summary: "what joints, forces and phase do over a long time".to_owned(),
+            blocks: vec![
+                Block::Text(format!(
+                    "The preset `paper` over {} s with all bodies and multipliers, under each stabilisation, against the reduced form, which \
                  has no joints that could come apart.",
-                survey.plan.drift_s.unwrap_or_default()
-            )),
-            Block::Table(Table {
-                caption: "Joints, forces and phase after a long run".to_owned(),
-                columns: vec![
-                    Column::text("Stabilisation"),
-                    Column::number("Joint error (m)"),
-                    Column::number("Forces (relative L2)"),
-                    Column::number("Driver torque (relative L2)"),
-                    Column::number("Output angle at the end (rad)"),
-                    Column::text("Failure"),
-                ],
-                rows: rows.collect(),
-            }),
-        ],
+                    survey.plan.drift_s.unwrap_or_default()
+                )),
+                Block::Table(Table {
+                    caption: "Joints, forces and phase after a long run".to_owned(),
+                    columns: vec![
+                        Column::text("Stabilisation"),
+                        Column::number("Joint error (m)"),
+                        Column::number("Forces (relative L2)"),
+                        Column::number("Driver torque (relative L2)"),
+                        Column::number("Output angle at the end (rad)"),
+                        Column::text("Failure"),
+                    ],
+                    rows: rows.collect(),
+                }),
+            ],
+        }],
     })
 }

@@ -86,7 +86,7 @@ pub struct Section {
     pub id: String,
     /// Heading; also the link's text in the top bar, so short.
     pub title: String,
-    /// What stands under it.
+    /// What stands under it. [`Block::Details`] alone folds the whole section behind its title; print leaves it out.
     pub blocks: Vec<Block>,
 }
 

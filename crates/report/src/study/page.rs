@@ -45,6 +45,8 @@ struct SectionHtml<'a> {
     id: &'a str,
     title: &'a str,
     body: String,
+    /// What stands beside the title of a section that is folded as a whole.
+    folded: Option<String>,
 }
 
 #[derive(Template)]
@@ -82,10 +84,15 @@ pub(super) fn render(study: &Study) -> Result<String, ReportError> {
         .sections
         .iter()
         .map(|section| {
+            let (inside, folded) = match section.blocks.as_slice() {
+                [Block::Details { summary, blocks }] => (blocks.as_slice(), Some(inline(summary))),
+                blocks => (blocks, None),
+            };
             Ok(SectionHtml {
                 id: &section.id,
                 title: &section.title,
-                body: blocks(&section.blocks, &mut charts)?,
+                body: blocks(inside, &mut charts)?,
+                folded,
             })
         })
         .collect::<Result<Vec<_>, ReportError>>()?;

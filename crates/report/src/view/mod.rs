@@ -14,7 +14,7 @@ use pinwheel_compare::{Comparison, Outcome, Track, Verdict, WindowKind};
 
 use crate::assets::{ASSETS, Assets};
 use crate::chart_data::{ChartData, json_for_script};
-use crate::{Fact, ReportError, ReportInput, animation, colours, format};
+use crate::{Fact, ReportError, ReportInput, animation, colours, format, packed};
 use banner::{Banner, Difference, Tile};
 use costs::Costs;
 use tracks::TrackSection;
@@ -35,6 +35,8 @@ pub(crate) struct Page<'a> {
     animation: Option<String>,
     chart_notes: Vec<String>,
     chart_json: Option<String>,
+    /// All metrics of all pairs, packed: nobody reads them all, and as markup they are a sixth of the page.
+    metrics: String,
     tracks: Vec<TrackSection>,
     engines: Vec<EngineCard>,
     energy: Vec<energy::EnergyRow>,
@@ -77,6 +79,8 @@ impl<'a> Page<'a> {
         let names: Vec<&str> = comparison.engines.iter().map(|e| e.name.as_str()).collect();
         let styles = colours::styles(&names);
         let charts = ChartData::of(comparison, input.participants);
+        let tracks = tracks::sections(comparison, &styles);
+        let pairs = tracks.iter().flat_map(|track| &track.pairs);
         Ok(Self {
             scene: &comparison.context.scene,
             description: &comparison.context.description,
@@ -98,7 +102,8 @@ impl<'a> Page<'a> {
                 .transpose()?,
             chart_notes: charts.as_ref().map(notes).unwrap_or_default(),
             chart_json: charts.as_ref().map(json_for_script).transpose()?,
-            tracks: tracks::sections(comparison, &styles),
+            metrics: packed::text(&serde_json::to_string(&pairs::all_metrics(pairs))?),
+            tracks,
             engines: engine_cards(comparison, &styles),
             energy: energy::rows(comparison, &styles),
             costs: costs::table(comparison, &styles),

@@ -1,8 +1,12 @@
 //! One line for each pair, and behind it everything that was judged and measured of it.
 
+use std::collections::BTreeMap;
+
 use pinwheel_compare::comparison::{EngineEntry, Judgement, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::{Check, Comparison, Outcome, Quantity, Track, Verdict};
+
+use serde::Serialize;
 
 use super::{Mark, mark, quantity_label};
 use crate::format::{self, NONE, relative, relative_or_none, significant};
@@ -42,6 +46,7 @@ pub(super) struct JudgedRow {
 }
 
 /// One quantity in one window.
+#[derive(Serialize)]
 pub(super) struct MetricRow {
     pub(super) window: &'static str,
     pub(super) quantity: String,
@@ -50,7 +55,7 @@ pub(super) struct MetricRow {
 }
 
 /// Names of the metrics and what they mean.
-pub(super) const COLUMNS: [(&str, &str); 13] = [
+const COLUMNS: [(&str, &str); 13] = [
     ("L2", "RMS of the difference over the larger RMS"),
     ("L\u{221e}", "largest difference over the larger peak"),
     ("end", "difference of the last sample, relative"),
@@ -164,7 +169,8 @@ fn judged(comparison: &Comparison, entry: &PairEntry) -> Vec<JudgedRow> {
 }
 
 fn key(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |v| v.to_string())
+    // Seven digits sort as all do.
+    value.map_or_else(String::new, |v| format!("{v:.6e}"))
 }
 
 fn judgement(comparison: &Comparison, of: (&str, &'static str), j: &Judgement) -> JudgedRow {
@@ -269,6 +275,22 @@ fn not_judged<'a>(
         }
     }
     found
+}
+
+/// Every metric of every pair, by the pair's name: what the page's script unfolds.
+#[derive(Serialize)]
+pub(super) struct AllMetrics<'a> {
+    columns: [(&'static str, &'static str); 13],
+    pairs: BTreeMap<&'a str, &'a [MetricRow]>,
+}
+
+pub(super) fn all_metrics<'a>(pairs: impl Iterator<Item = &'a PairView>) -> AllMetrics<'a> {
+    AllMetrics {
+        columns: COLUMNS,
+        pairs: pairs
+            .map(|pair| (pair.name.as_str(), pair.metrics.as_slice()))
+            .collect(),
+    }
 }
 
 fn metric_row(comparison: &Comparison, entry: &PairEntry) -> MetricRow {

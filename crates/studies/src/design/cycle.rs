@@ -25,8 +25,10 @@ pub struct Cycle {
     pub lost_motion_arcmin: Option<f64>,
     /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping.
     pub width_arcmin: Option<f64>,
-    /// How far both may be off: by the run's own verification of the forces, and by how far samples are apart.
-    pub uncertainty_arcmin: Option<f64>,
+    /// How far each may be off: by the run's own verification of the forces, and by how far samples are apart.
+    pub lost_motion_uncertainty_arcmin: Option<f64>,
+    /// The width's.
+    pub width_uncertainty_arcmin: Option<f64>,
     /// How the run ended.
     pub status: &'static str,
     /// Sample times, s.
@@ -112,16 +114,16 @@ pub(super) fn run(
         Some((mean(LOST * rated)? - mean(-LOST * rated)?).abs())
     };
     let width = |every: usize| both(0.0, every).map(|(a, b)| (a - b).abs());
-    let moved = |of: &dyn Fn(usize) -> Option<f64>| Some((of(1)? - of(2)?).abs());
     let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
-    let uncertainty_arcmin = (|| {
-        let sampled = moved(&lost)?.max(moved(&width)?);
-        Some(sampled + error?.forces * lost(1)?.max(width(1)?))
-    })();
+    let off = |of: &dyn Fn(usize) -> Option<f64>| {
+        let value = of(1)?;
+        Some((value - of(2)?).abs() + error?.forces * value)
+    };
     Ok(Cycle {
         lost_motion_arcmin: lost(1),
         width_arcmin: width(1),
-        uncertainty_arcmin,
+        lost_motion_uncertainty_arcmin: off(&lost),
+        width_uncertainty_arcmin: off(&width),
         status: found.ending.word(),
         closed_from: down.start,
         time_s,

@@ -237,7 +237,7 @@ pub(super) fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<Fi
             "lost motion by a run",
             "arcmin",
             cycle.lost_motion_arcmin,
-            cycle.uncertainty_arcmin,
+            cycle.lost_motion_uncertainty_arcmin,
             "of a slow loop of the load, the mean of both branches",
         ));
         figures.push(figure(
@@ -245,7 +245,7 @@ pub(super) fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<Fi
             "width of the loop at no load",
             "arcmin",
             cycle.width_arcmin,
-            cycle.uncertainty_arcmin,
+            cycle.width_uncertainty_arcmin,
             "what friction holds back, and what swings",
         ));
     }
