@@ -12,7 +12,7 @@ Examples:
   pinwheel bench backlash-0.6 --engines native,rapier-shared-law
   pinwheel bench steel --longest 300  let the peers take the steps they need
   pinwheel bench paper --parts scaling --out out/scaling
-  pinwheel bench paper --parts batch --set 'drive.start="equilibrium"'
+  pinwheel bench paper --parts batch --set drive.start=equilibrium
                                       gears a second and core
 
 Writes DIR/index.html (`pinwheel open` shows it), DIR/summary.json and, beside
