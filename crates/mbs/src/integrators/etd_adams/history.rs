@@ -90,10 +90,12 @@ pub(super) struct History {
     pub(super) points: Vec<Point>,
     /// How many of them hold something.
     pub(super) known: usize,
-    /// Backward differences of the remainder at the newest point, of rising order.
-    pub(super) differences: Vec<Vec<f64>>,
+    /// Backward differences of the remainder at the newest point, of rising order, one after the other.
+    differences: Vec<f64>,
     /// How many of them are those of the points.
     differed: usize,
+    /// How many are those of the points without the newest.
+    before: usize,
 }
 
 impl History {
@@ -107,19 +109,20 @@ impl History {
         Self {
             points: vec![point; points],
             known: 0,
-            differences: vec![vec![0.0; count]; differences],
+            differences: vec![0.0; count * differences],
             differed: 0,
+            before: 0,
         }
     }
 
     /// The points are others than they were.
     pub(super) fn change(&mut self) {
-        self.differed = 0;
+        (self.differed, self.before) = (0, 0);
     }
 
     /// Room for a new point before the others; the oldest is forgotten.
     pub(super) fn push(&mut self) -> &mut Point {
-        self.change();
+        (self.differed, self.before) = (0, self.differed);
         self.points.rotate_right(1);
         self.known = (self.known + 1).min(self.points.len());
         &mut self.points[0]
@@ -147,23 +150,31 @@ impl History {
         if self.differed >= count {
             return;
         }
-        self.differed = count;
-        let Self {
-            points,
-            differences,
-            ..
-        } = self;
-        for (row, point) in differences.iter_mut().zip(points.iter()).take(count) {
-            row.copy_from_slice(&point.g);
-        }
-        for order in 1..count {
-            for k in (order..count).rev() {
-                let (low, high) = differences.split_at_mut(k);
-                for (older, newer) in high[0].iter_mut().zip(&low[k - 1]) {
-                    *older = newer - *older;
+        let width = self.points[0].g.len();
+        // Those of the oldest point that counts, then one point after the other.
+        let first = if self.before + 1 >= count {
+            0
+        } else {
+            count - 1
+        };
+        for (known, point) in self.points[..=first].iter().rev().enumerate() {
+            let orders = if first == 0 { count } else { known + 1 };
+            for (c, g) in point.g.iter().enumerate() {
+                let mut difference = *g;
+                for kept in self.differences[c..].iter_mut().step_by(width).take(orders) {
+                    let older = std::mem::replace(kept, difference);
+                    difference -= older;
                 }
             }
         }
+        (self.differed, self.before) = (count, 0);
+    }
+
+    /// The difference of an order that is there.
+    #[inline]
+    pub(super) fn difference(&self, order: usize) -> &[f64] {
+        let width = self.points[0].g.len();
+        &self.differences[order * width..(order + 1) * width]
     }
 
     /// Coefficients b_k of the polynomial through the first `count` points, whose differences are there: one after the
@@ -173,7 +184,8 @@ impl History {
         let width = self.points[0].g.len();
         for (k, out) in out.chunks_exact_mut(width).take(count).enumerate() {
             out.fill(0.0);
-            for (j, row) in self.differences.iter().enumerate().take(count).skip(k) {
+            let rows = self.differences.chunks_exact(width).enumerate();
+            for (j, row) in rows.take(count).skip(k) {
                 let weight = POWERS[j][k];
                 for (out, d) in out.iter_mut().zip(row) {
                     *out += weight * d;

@@ -128,13 +128,14 @@ impl Multistep {
 
     /// The remainders of all points, the newest of which is at `time`, beside the present linear part.
     fn set_remainders(&mut self, time: f64, h: f64) {
+        self.history.change();
         for k in 0..self.history.known {
             self.set_remainder(k, time - k as f64 * h);
         }
     }
 
+    /// The remainder of one point, whose differences are not taken yet.
     fn set_remainder(&mut self, k: usize, time: f64) {
-        self.history.change();
         let point = &mut self.history.points[k];
         self.line.measure(time, &point.y, &mut self.x);
         for (i, (g, f)) in point.g.iter_mut().zip(&point.f).enumerate() {
@@ -182,21 +183,22 @@ impl Multistep {
         self.last_built
     }
 
-    /// Puts `x` of `y` and the polynomial through `count` points where `advance` reads them.
-    fn know(&mut self, time: f64, y: &[f64], count: usize) {
+    /// Puts `x` of `y` and the polynomial through `count` points where `advance` reads them, and gives their number.
+    fn know(&mut self, time: f64, y: &[f64], count: usize) -> usize {
         let n = self.linear.dimension;
-        self.known.fill(0.0);
+        let used = n + count * self.linear.remainders();
         self.line.measure(time, y, &mut self.known[..n]);
-        self.history.coefficients(count, &mut self.known[n..]);
+        self.history.coefficients(count, &mut self.known[n..used]);
+        used
     }
 
     /// The state a time `tau` from `time`, where it is `y`, by the remainder of the points that are known.
     fn state_at(&mut self, time: f64, y: &[f64], h: f64, tau: f64, out: &mut [f64]) {
         let count = self.history.known.min(TERMS);
         self.history.differ(count);
-        self.know(time, y, count);
+        let used = self.know(time, y, count);
         self.between.build(&self.linear, tau, h);
-        self.between.advance(&self.linear, &self.known, out);
+        self.between.advance(&self.linear, &self.known[..used], out);
         self.line.restore(time + tau, out);
     }
 
@@ -206,12 +208,13 @@ impl Multistep {
         let (n, width) = (self.linear.dimension, self.linear.remainders());
         let count = self.history.known.min(TERMS);
         self.history.differ(count);
-        self.know(time, y, count);
+        let used = self.know(time, y, count);
         self.between.build(&self.linear, -to, h);
         for k in 1..count.min(HIGHEST + 1) {
-            self.between.advance(&self.linear, &self.known, &mut self.x);
+            self.between
+                .advance(&self.linear, &self.known[..used], &mut self.x);
             self.known[..n].copy_from_slice(&self.x);
-            shift(&mut self.known[n..], width, -to / h);
+            shift(&mut self.known[n..used], width, -to / h);
             let point = &mut self.history.points[k];
             point.g.copy_from_slice(&self.known[n..n + width]);
             for (i, f) in point.f.iter_mut().enumerate() {
@@ -272,7 +275,8 @@ pub struct EtdAdams {
     shown: bool,
     /// f of all rows, and errors.
     f: Vec<f64>,
-    scale: Vec<f64>,
+    /// Inverses of what errors of the components may be.
+    weights: Vec<f64>,
 }
 
 impl EtdAdams {
@@ -305,7 +309,7 @@ impl EtdAdams {
             seen: zeros.clone(),
             shown: false,
             f: zeros.clone(),
-            scale: zeros,
+            weights: zeros,
         }
     }
 
@@ -451,10 +455,10 @@ impl EtdAdams {
         }
     }
 
-    /// RMS of `f`, an error by component, in tolerances; `scale` is that of the state.
+    /// RMS of `f`, an error by component, in tolerances.
     fn norm(&self) -> f64 {
-        let square = |(e, s): (&f64, &f64)| (e / (self.tolerance * s)) * (e / (self.tolerance * s));
-        let sum: f64 = self.f.iter().zip(&self.scale).map(square).sum();
+        let square = |(e, weight): (&f64, &f64)| (e * weight) * (e * weight);
+        let sum: f64 = self.f.iter().zip(&self.weights).map(square).sum();
         let norm = (sum / self.f.len() as f64).sqrt();
         if norm.is_finite() {
             norm
@@ -509,10 +513,10 @@ impl EtdAdams {
         let end = if lands { self.aim } else { self.time + h };
         let matrices = multistep.matrices(h);
         multistep.history.differ(order);
-        multistep.know(self.time, &self.y, order);
+        let used = multistep.know(self.time, &self.y, order);
         let (linear, step) = (&multistep.linear, &multistep.steps[matrices]);
         step.propagator
-            .advance(linear, &multistep.known, &mut self.seen);
+            .advance(linear, &multistep.known[..used], &mut self.seen);
         multistep.line.restore(end, &mut self.seen);
         if lands {
             system.derivative_to_observe(end, &self.seen, &mut self.f);
@@ -526,12 +530,15 @@ impl EtdAdams {
         multistep.set_remainder(0, end);
         let known = multistep.history.known;
         multistep.history.differ(known.min(TERMS));
-        let (step, differences) = (&multistep.steps[matrices], &multistep.history.differences);
-        system.scale(&self.seen, &mut self.scale);
+        let (step, history) = (&multistep.steps[matrices], &multistep.history);
+        system.scale(&self.seen, &mut self.weights);
+        for scale in &mut self.weights {
+            *scale = (self.tolerance * *scale).recip();
+        }
         let errors: [f64; 2] = std::array::from_fn(|k| {
             let order = ORDERS[k];
             if order + 1 < known {
-                transform(&step.errors[k], &differences[order + 1], &mut self.f);
+                transform(&step.errors[k], history.difference(order + 1), &mut self.f);
                 self.norm()
             } else {
                 f64::INFINITY
@@ -544,7 +551,11 @@ impl EtdAdams {
             (self.wanted, self.which) = (0.5 * h, 0);
             return error.is_infinite().then_some(false);
         }
-        transform(&step.corrections[which], &differences[order], &mut self.f);
+        transform(
+            &step.corrections[which],
+            history.difference(order),
+            &mut self.f,
+        );
         for ((y, seen), change) in self.y.iter_mut().zip(&self.seen).zip(&self.f) {
             *y = seen + change;
         }
