@@ -125,14 +125,9 @@ pub(crate) struct OutArgs {
 pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
-    /// Engine, see `pinwheel engines`; `native` takes the formulation that the scene asks for.
-    #[arg(
-        long,
-        value_name = "NAME",
-        default_value = "native",
-        conflicts_with = "solver"
-    )]
-    pub(crate) engine: String,
+    /// Engine, see `pinwheel engines`; `native` takes the formulation that the scene asks for [default: native].
+    #[arg(long, value_name = "NAME", conflicts_with = "solver")]
+    pub(crate) engine: Option<String>,
     #[command(flatten)]
     pub(crate) solvers: Solvers,
     /// Do not repeat the run at twice its step to see whether the step resolves the scene (native engines).

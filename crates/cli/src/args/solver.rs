@@ -25,6 +25,19 @@ impl Solvers {
         names.map_err(|error| Failure::input(error.to_string()))
     }
 
+    /// The one engine that `names` and they give; `native` if there is none.
+    pub(crate) fn only(&self, names: &[String]) -> Result<String, Failure> {
+        let joined = self.join()?;
+        let mut all = names.iter().chain(&joined);
+        match (all.next(), all.next()) {
+            (None, _) => Ok("native".to_owned()),
+            (Some(one), None) => Ok(one.clone()),
+            _ => Err(Failure::input(
+                "one engine runs here: name one, or compare one scene by several",
+            )),
+        }
+    }
+
     /// `names` with theirs; none stays none, which stands for all.
     pub(crate) fn join_named(&self, names: &[String]) -> Result<Vec<String>, Failure> {
         let joined = self.join()?;

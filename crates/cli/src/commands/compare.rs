@@ -1,14 +1,12 @@
 //! `pinwheel compare`: one scene, several engines, one report; or two scenes, one engine.
 
-use std::path::Path;
-
 use pinwheel::gearbox::Gearbox;
 use pinwheel::pages;
 use pinwheel::scene::CheckedScene;
 use pinwheel::studies::comparison::{self, Effort, Input, foreign};
 use pinwheel::studies::{Provenance, choice, designs, junit};
 
-use crate::args::{self, CompareArgs, ForeignArgs};
+use crate::args::{self, CompareArgs};
 use crate::failure::{ENGINE, Failure};
 use crate::folder::Folder;
 use crate::progress::watched;
@@ -19,7 +17,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     if let Some(other) = &args.other {
         return designs(args, &gearbox, other);
     }
-    let data = open(&args.foreign)?;
+    let data = foreign::open_all(&args.foreign.against, &args.foreign.map)?;
     let gearbox = foreign::with_channels(&data, gearbox)?;
     let scene = &gearbox.scene;
     let asked_by_name = !args.engines.is_empty();
@@ -60,20 +58,8 @@ fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failu
     let second = args.scene.load_as(other)?;
     let gearboxes = [first, &second];
     let specs = [args.scene.scene.as_str(), other];
-    let named = match args.engines.as_slice() {
-        [] => args.solvers.join()?,
-        names => args.solvers.join_named(names)?,
-    };
-    let name = match named.as_slice() {
-        [] => "native",
-        [one] => one,
-        _ => {
-            return Err(Failure::input(
-                "two designs are compared by one engine: name one in --engines, or compare one scene",
-            ));
-        }
-    };
-    let engine = choice::find(name, &first.scene)?;
+    let name = args.solvers.only(&args.engines)?;
+    let engine = choice::find(&name, &first.scene)?;
     let [a, b] = [0, 1].map(|k| effort(args, specs[k], &gearboxes[k].scene));
     let names = gearboxes
         .map(|gearbox| gearbox.scene.name.as_str())
@@ -108,18 +94,4 @@ fn effort(args: &CompareArgs, spec: &str, scene: &CheckedScene) -> Result<Effort
         args.longest,
         args.resolution,
     )?)
-}
-
-/// Reads the maps and files, before anything long is run.
-fn open(args: &ForeignArgs) -> Result<Vec<foreign::Data>, Failure> {
-    let (files, maps) = (args.against.len(), args.map.len());
-    if files != maps && maps > 1 {
-        return Err(Failure::input(format!(
-            "--against is given {files} times and --map {maps} times; give one map for each file, or one for all"
-        )));
-    }
-    // One map serves all files.
-    let maps = args.map.iter().cycle().map(|path| path.as_path());
-    let files = args.against.iter().map(|path| -> &Path { path });
-    Ok(foreign::open(files.zip(maps))?)
 }

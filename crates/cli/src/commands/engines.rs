@@ -9,6 +9,5 @@ use crate::screen;
 
 pub(crate) fn engines(args: &JsonArgs) -> Result<u8, Failure> {
     let listed = choice::listed();
-    screen::show_or_json(args.json, &listed, || pages::engines::text(&listed))?;
-    Ok(0)
+    screen::show_or_json(args.json, &listed, || pages::engines::text(&listed)).map(|()| 0)
 }

@@ -13,6 +13,6 @@ pub(crate) fn explain(args: &ExplainArgs) -> Result<u8, Failure> {
         explained::explain(&gearbox).map_err(|error| Failure::input(error.to_string()))?;
     screen::show_or_json(args.out.json, &explanation, || {
         pages::explain::text(&explanation)
-    })?;
-    Ok(0)
+    })
+    .map(|()| 0)
 }

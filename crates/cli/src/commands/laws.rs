@@ -7,6 +7,5 @@ use crate::failure::Failure;
 use crate::screen;
 
 pub(crate) fn laws(args: &JsonArgs) -> Result<u8, Failure> {
-    screen::show_or_json(args.json, &pages::laws::json(), pages::laws::text)?;
-    Ok(0)
+    screen::show_or_json(args.json, &pages::laws::json(), pages::laws::text).map(|()| 0)
 }

@@ -13,17 +13,8 @@ use crate::screen;
 pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
     let gearbox = args.scene.load()?;
     let scene = &gearbox.scene;
-    let joined = args.solvers.join()?;
-    let name = match joined.as_slice() {
-        [] => &args.engine,
-        [one] => one,
-        _ => {
-            return Err(Failure::input(
-                "run takes one --solver; compare takes several",
-            ));
-        }
-    };
-    let engine = choice::find(name, scene)?;
+    let name = args.solvers.only(args.engine.as_slice())?;
+    let engine = choice::find(&name, scene)?;
     engine.prepare(&gearbox).map_err(StudyError::Engine)?;
     let folder = Folder::prepare(&args.out.folder(&scene.name, "run"), args.out.force)?;
     let found = watched("run", |control| {

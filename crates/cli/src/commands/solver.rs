@@ -19,9 +19,8 @@ pub(crate) fn solver(args: &SolverArgs) -> Result<u8, Failure> {
         SolverAction::Job { scene, folder } => job(scene, folder),
         SolverAction::Library => {
             let library = external::law_library().map_err(Failure::engine)?;
-            let folder = library.parent().unwrap_or(&library);
-            screen::show(&folder.display().to_string())?;
-            Ok(0)
+            let folder = library.parent().unwrap_or(&library).display();
+            screen::show(&folder.to_string()).map(|()| 0)
         }
     }
 }

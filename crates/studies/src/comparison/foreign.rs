@@ -59,6 +59,22 @@ pub fn open<'a>(
     Ok(list)
 }
 
+/// The same with one map for each file, or one for all.
+///
+/// # Errors
+/// As [`open`]; several maps, but not as many as files.
+pub fn open_all(files: &[PathBuf], maps: &[PathBuf]) -> Result<Vec<Data>, StudyError> {
+    if files.len() != maps.len() && maps.len() > 1 {
+        return Err(StudyError::Input(format!(
+            "--against is given {} times and --map {} times; give one map for each file, or one for all",
+            files.len(),
+            maps.len()
+        )));
+    }
+    let files = files.iter().map(PathBuf::as_path);
+    open(files.zip(maps.iter().cycle().map(PathBuf::as_path)))
+}
+
 fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
     let fail = |path: &Path, what: &dyn std::fmt::Display| {
         StudyError::Input(format!("{}: {what}", path.display()))
