@@ -223,7 +223,7 @@ impl Levers {
         let moment = self.internal::<S, L, LOADS>(simd, law, shapes, bodies, output, found);
         let hubs = self.layout.wheel_bodies();
         if LOADS {
-            self.scatter(&mut found.loads[..]);
+            self.scatter(found.loads);
         } else {
             found.moments[Layout::OUTPUT] += moment;
             for (total, wheel) in found.moments[hubs].iter_mut().zip(&self.wheels) {
