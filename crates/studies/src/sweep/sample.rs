@@ -89,6 +89,9 @@ impl Sample {
                 )),
             },
         };
+        // First: a mistyped key is named before a missing one.
+        let mut keys = Vec::new();
+        leaves(table, "", place, &mut keys)?;
         let points = whole("points", 2, MOST_POINTS as i64)?.ok_or_else(|| {
             (
                 0,
@@ -111,8 +114,6 @@ impl Sample {
                 })?
             }
         };
-        let mut keys = Vec::new();
-        leaves(table, "", place, &mut keys)?;
         if keys.is_empty() {
             return Err((
                 0,
