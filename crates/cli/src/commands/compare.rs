@@ -90,7 +90,7 @@ fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failu
         [one] => one,
         _ => {
             return Err(Failure::input(
-                "two designs are compared by one engine: name one in --engines, or compare one scene",
+                "two designs are compared by one engine; name one in --engines, or compare one scene",
             ));
         }
     };
