@@ -105,10 +105,20 @@ fn browser_shows_two_designs() {
         "base = \"eleven-pins\"\nname = \"{name}\"\n[gear]\nbacklash_m = 1e-4\n[solver]\nduration_s = 0.02\n"
     );
     std::fs::write(dir.path().join("other.toml"), other).unwrap();
-    let paper = "base = \"paper\"\nname = \"tight\"\n[solver]\nduration_s = 0.01\n";
+    let paper = "base = \"paper\"\nname = \"tight\"\n[drive]\ninput_speed_rad_s = 20.0\n[solver]\nduration_s = 0.01\n";
     std::fs::write(dir.path().join("paper.toml"), paper).unwrap();
     let page = page(dir.path(), &["compare", "paper.toml", "other.toml"]);
     flawless(&mut browser, "designs", &page, 8, 1);
+    let text = std::fs::read_to_string(dir.path().join("o/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let windows = summary["courses"].as_object().unwrap().values();
+    for row in windows.flat_map(|rows| rows.as_array().unwrap()) {
+        let values = row["values"].as_array().unwrap();
+        assert!(
+            values.iter().all(|v| v.is_number()),
+            "of each its own pins: {row}"
+        );
+    }
     // What only one of them has is drawn too: the twelfth sleeve.
     let drawn = browser.evaluate(
         "(async () => {

@@ -23,18 +23,20 @@ const BUDGET: Budget = Budget {
 /// `cancel` was set.
 pub fn of(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<(Animation, f64)>, PageError> {
     let scene = &gearbox.scene;
-    let duration = stretch(scene);
+    let (step, duration) = sampled(scene);
     let title = format!("{}, native solver", scene.name);
-    let found = window(gearbox, &title, (0.0, duration), cancel)?;
+    let found = window(gearbox, &title, (0.0, duration), step, cancel)?;
     Ok(found.map(|animation| (animation, 0.5 * duration)))
 }
 
-/// How long a page shows the scene's gearbox in motion, s.
-pub(crate) fn stretch(scene: &Scene) -> f64 {
-    scene.solver.duration_s.min(sampling(scene).1)
+/// How far apart samples of the scene's motion are, and how long a page shows it, s.
+pub(crate) fn sampled(scene: &Scene) -> (f64, f64) {
+    let (step, stretch) = sampling(scene);
+    (step, scene.solver.duration_s.min(stretch))
 }
 
-/// A gearbox's motion from `from_s` to `to_s`, recorded anew with the channels that a picture needs.
+/// A gearbox's motion from `from_s` to `to_s`, recorded anew every `step` seconds with the channels that a picture needs.
+/// Pictures beside each other share both.
 ///
 /// # Errors
 /// `cancel` was set.
@@ -42,9 +44,9 @@ pub fn window(
     gearbox: &Gearbox,
     title: &str,
     (from_s, to_s): (f64, f64),
+    step: f64,
     cancel: &AtomicBool,
 ) -> Result<Option<Animation>, PageError> {
-    let step = sampling(&gearbox.scene).0;
     let recording = gearbox.with_solver(|solver| {
         solver.formulation = Formulation::Reduced;
         // No denser than the scene's own samples on short runs, which would only be straight lines.

@@ -177,10 +177,12 @@ fn touching(sharing: &Sharing) -> String {
 
 fn tiles(found: &Outcome) -> Vec<Tile> {
     let wanted = |one: &&Figure| HEADLINES.contains(&one.key);
+    // The uncertainty stands in the unit's small type.
+    let bound = |u: Option<f64>| u.map(|u| format!("\u{b1} {} ", significant(u, 1)));
     let tile = |one: &Figure| Tile {
         label: one.what.to_owned(),
-        value: with_uncertainty(one.value, one.uncertainty),
-        unit: one.unit.to_owned(),
+        value: one.value.map_or_else(|| NONE.to_owned(), figure),
+        unit: format!("{}{}", bound(one.uncertainty).unwrap_or_default(), one.unit),
         detail: how(found, one),
     };
     found.figures.iter().filter(wanted).map(tile).collect()

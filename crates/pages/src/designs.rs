@@ -407,12 +407,13 @@ fn curves(found: &Outcome) -> Section {
 /// Both in motion, over the time that both run.
 fn motion(found: &Outcome, cancel: &AtomicBool) -> Result<Option<Section>, PageError> {
     let scenes = [0, 1].map(|k| &found.designs[k].scene);
-    let duration = scenes.map(|scene| animation::stretch(scene));
-    let duration = duration[0].min(duration[1]);
+    let [a, b] = scenes.map(|scene| animation::sampled(scene));
+    let (step, duration) = (a.0.min(b.0), a.1.min(b.1));
     let mut views = Vec::new();
     for (scene, name) in scenes.into_iter().zip(&found.names) {
         if let Ok(gearbox) = Gearbox::new(scene) {
-            views.extend(animation::window(&gearbox, name, (0.0, duration), cancel)?);
+            let span = (0.0, duration);
+            views.extend(animation::window(&gearbox, name, span, step, cancel)?);
         }
     }
     if views.is_empty() {

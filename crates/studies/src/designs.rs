@@ -11,7 +11,6 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use pinwheel_compare::comparison::EngineSummary;
 use pinwheel_compare::{
     Comparison, Context, Evidence, Participant, Rules, Scales, Status, WindowKind, compare_with,
 };
@@ -160,7 +159,17 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyErr
         resolution: input.efforts[0].resolution,
         ..Rules::default()
     };
-    let comparison = compare_with(&shared(scenes), &participants, &rules)?;
+    let context = shared(scenes);
+    let comparison = compare_with(&context, &participants, &rules)?;
+    // Gears with other numbers of pins have other channels: each one's figures are of its own.
+    let alone = |k: usize| {
+        let rules = Rules {
+            evidence: &evidence[k..=k],
+            ..rules
+        };
+        compare_with(&context, &participants[k..=k], &rules)
+    };
+    let alone = [alone(0)?, alone(1)?];
     let designs: [design::Outcome; 2] = designs
         .try_into()
         .map_err(|_| StudyError::Input("two designs are compared".to_owned()))?;
@@ -169,7 +178,7 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyErr
         changed: changed(scenes)?,
         derived: derived(scenes, [&designs[0].dimensions, &designs[1].dimensions]),
         figures: figures(&designs),
-        courses: courses(&comparison),
+        courses: courses(&alone),
         names,
         designs,
         comparison,
@@ -309,29 +318,25 @@ fn figures(designs: &[design::Outcome; 2]) -> Vec<Row> {
 }
 
 /// Mean and peak of every quantity, window by window.
-fn courses(comparison: &Comparison) -> Vec<(WindowKind, Vec<Row>)> {
-    let [a, b] = comparison.engines.as_slice() else {
-        return Vec::new();
-    };
-    let windows = comparison.windows.iter().map(|window| window.kind);
+fn courses(alone: &[Comparison; 2]) -> Vec<(WindowKind, Vec<Row>)> {
+    let windows = alone[0].windows.iter().map(|window| window.kind);
     windows
-        .map(|window| (window, statistics(comparison, [a, b], window)))
+        .map(|window| (window, statistics(alone, window)))
         .collect()
 }
 
-fn statistics(
-    comparison: &Comparison,
-    engines: [&EngineSummary; 2],
-    window: WindowKind,
-) -> Vec<Row> {
+fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<Row> {
     let mut rows = Vec::new();
-    for quantity in &comparison.quantities {
+    let only_b = alone[1].quantities.iter();
+    let only_b = only_b.filter(|q| alone[0].quantities.iter().all(|other| other.name != q.name));
+    for quantity in alone[0].quantities.iter().chain(only_b) {
+        let engines = [0, 1].map(|k| alone[k].engines.first());
         let statistics = engines.map(|engine| {
-            let figures = engine.figures.iter().find(|f| f.window == window)?;
+            let figures = engine?.figures.iter().find(|f| f.window == window)?;
             figures.quantities.get(&quantity.name)
         });
         let uncertainty = engines.map(|engine| {
-            let mut all = engine.uncertainty.iter();
+            let mut all = engine?.uncertainty.iter();
             all.find(|u| u.window == window && u.quantity == quantity.name)
         });
         if statistics.iter().all(Option::is_none) {

@@ -144,7 +144,8 @@ fn motion(cancel: &AtomicBool) -> Result<Vec<Section>, PageError> {
         };
         let built = scene.check().map_err(GearboxError::from);
         if let Ok(gearbox) = built.and_then(|scene| Gearbox::new(&scene)) {
-            views.extend(animation::window(&gearbox, &title, TURN, cancel)?);
+            let (step, _) = animation::sampled(&gearbox.scene);
+            views.extend(animation::window(&gearbox, &title, TURN, step, cancel)?);
         }
     }
     if views.is_empty() {
