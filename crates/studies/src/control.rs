@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::Thread;
 use std::time::{Duration, Instant};
 
+use cpu_time::ProcessTime;
 use pinwheel_engines::{Engine, EngineError, Run, RunStats, by_name};
 use pinwheel_gearbox::energy::EnergyAccount;
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
@@ -160,8 +161,10 @@ impl Control<'_> {
             };
             let duration = all / at.total as f64;
             let share = (reached - at.done as f64 * duration) / duration;
-            // From its first sample on: packages may have to be installed before.
-            let took = begin.get_or_init(Instant::now).elapsed();
+            // From its first sample on: packages may have to be installed before. CPU time, where that is less: a busy
+            // machine makes no engine slower than it is, and programs of their own have limits of their own.
+            let (wall, cpu) = begin.get_or_init(|| (Instant::now(), ProcessTime::now()));
+            let took = wall.elapsed().min(cpu.elapsed());
             // Not all engines say how far they are.
             let pace = if share > 0.0 {
                 took.as_secs_f64() / share
