@@ -420,7 +420,7 @@ fn crossval_rapier_load_changes() {
 }
 
 /// A modified profile and errors of single parts under the scene's own law: native in both formulations, rapier with the law
-/// as a load and through its contacts. The step is the same for all of rapier's, so only its own error is left.
+/// as a load and through its contacts, from equilibrium. Measured 1.7e-13 between the formulations, 3.6e-7 with rapier.
 #[test]
 fn crossval_rapier_deviations() {
     for preset in ["modified", "toleranced"] {
@@ -439,20 +439,20 @@ fn crossval_rapier_deviations() {
             native(&scene, "rk4", 2e-6)
         };
         for quantity in [TORQUES[0], TORQUES[1], FORCES[0], FORCES[1]] {
-            assert_close(&lagrange, &reference, &[quantity], (0.0, 0.02), 1e-6);
+            assert_close(&lagrange, &reference, &[quantity], (0.0, 0.02), 1e-11);
             assert_close(
                 &run(SHARED, &scene),
                 &reference,
                 &[quantity],
                 (0.0, 0.02),
-                1e-4,
+                1e-6,
             );
             assert_close(
                 &run(HOOK, &scene),
                 &reference,
                 &[quantity],
                 (0.0, 0.02),
-                1e-3,
+                1e-6,
             );
         }
     }

@@ -227,7 +227,10 @@ class ContactLaw:
             # A sleeve that made the edge touches only when its centre is within the epitrochoid (a vertex within its radius
             # implies it, too), a larger one from a little outside.
             if np.any(larger > 0.0):
-                inside |= np.abs(p) < self.curve.radius_m * (1.0 + self.curve.ratio) + larger
+                # The normal leans from the radius by less than asin m + asin(e/R).
+                lean = math.asin(self.curve.shortening) + math.asin(self.curve.ratio)
+                reach = larger / math.cos(min(1.1 * lean, 1.5))
+                inside |= np.abs(p) < np.abs(self.curve.point(a)) + reach
             within &= inside
             at.append((p, a))
         kept = np.nonzero(within)[0]

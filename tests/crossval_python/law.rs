@@ -18,6 +18,7 @@ fn crossval_python_law_in_numpy() {
     let play = ("gear.backlash_m", "0.0006");
     let paper = ("contact.law", "paper");
     let points = ("contact.detection", "points");
+    let coarse = ("contact.wheel_points", "600");
     let flanks = ("gear.modification.rotational_rad", "2e-4");
     for (preset, settings, largest) in [
         ("paper", vec![], 1e-12),
@@ -33,7 +34,7 @@ fn crossval_python_law_in_numpy() {
         ("paper-refined", vec![], 1e-11),
         ("modified", vec![paper, friction], 3e-11),
         ("toleranced", vec![paper, friction], 3e-11),
-        ("toleranced", vec![paper, points, flanks], 3e-11),
+        ("toleranced", vec![paper, points, coarse, flanks], 3e-11),
     ] {
         let scene = scene(preset, &settings);
         let found = law_agreement(&scene.clone().check().unwrap(), 10_000, 1).unwrap();

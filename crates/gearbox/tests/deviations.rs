@@ -299,7 +299,7 @@ fn edge(scene: &CheckedScene, count: usize) -> Vec<Complex> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 16, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Penetrations against the nearest of very many points of the edge, for both detections.
     #[test]

@@ -528,10 +528,10 @@ fn refused_deviation(lines: &str) -> String {
 
 #[test]
 fn bad_input_modifications() {
-    for (lines, parts) in [
+    let cases: [(&str, &[&str]); 7] = [
         (
             "gear.modification.rotational_rad = -1e-4",
-            &["rotational_rad", "from 0 to"][..],
+            &["rotational_rad", "from 0 to"],
         ),
         (
             "gear.modification.equidistant_m = 0.01",
@@ -567,7 +567,8 @@ fn bad_input_modifications() {
             "gear.shortening = 0.98\ngear.external_sleeve_radius_m = 0.002\ngear.modification.radial_m = -0.00099",
             &["radial_m", "crosses itself", "make it larger"],
         ),
-    ] {
+    ];
+    for (lines, parts) in cases {
         let line = refused_deviation(lines);
         for part in parts {
             assert!(line.contains(part), "{lines}: {line}");
@@ -578,11 +579,11 @@ fn bad_input_modifications() {
 #[test]
 fn bad_input_errors_of_parts() {
     let list = |count: usize, value: &str| format!("[{}]", vec![value; count].join(", "));
-    for (key, value, parts) in [
+    let cases: [(&str, String, &[&str]); 8] = [
         (
             "external_sleeve_radius_m",
             list(15, "1e-6"),
-            &["has 15 entries", "16 external sleeves", "give 16 numbers"][..],
+            &["has 15 entries", "16 external sleeves", "give 16 numbers"],
         ),
         (
             "hole_radial_m",
@@ -611,7 +612,8 @@ fn bad_input_errors_of_parts() {
             list(16, "0.0"),
             &["did you mean `gear.errors.external_sleeve_radius_m`?"],
         ),
-    ] {
+    ];
+    for (key, value, parts) in cases {
         let line = refused_deviation(&format!("gear.errors.{key} = {value}"));
         for part in parts {
             assert!(line.contains(part), "{key}: {line}");
