@@ -336,12 +336,21 @@ fn hard_levers_find_what_touches() {
         scene.gear.external_sleeve_radius_m = 0.001;
         scene.gear.wheels = random(1.0, 3.999) as usize;
         scene.gear.backlash_m = random(-4e-4, 1.4e-3).max(0.0);
+        // A quarter of the wheels are ground larger or smaller.
+        scene.gear.modification.radial_m = if random(0.0, 1.0) < 0.25 {
+            random(-4e-4, 1e-4)
+        } else {
+            0.0
+        };
         let mut gearbox = Gearbox::new(&CheckedScene::unchecked(scene)).unwrap();
         let curve = &gearbox.geometry.curve;
         let (zs, radius) = (f64::from(curve.lobes()), curve.pitch_radius());
         // A quarter of a pitch to either side, most often about as far as the play goes.
         let reach = if random(0.0, 1.0) < 0.8 {
-            2.0 * gearbox.scene.gear.backlash_m / (0.0028 * zs) + 2e-5 / (0.0028 * zs)
+            2.0 * (gearbox.scene.gear.backlash_m - gearbox.scene.gear.modification.radial_m)
+                .max(0.0)
+                / (0.0028 * zs)
+                + 2e-5 / (0.0028 * zs)
         } else {
             0.25 * std::f64::consts::TAU / zs
         };

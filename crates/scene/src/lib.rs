@@ -66,15 +66,14 @@ pub use assumptions::{Assumption, assumptions};
 pub use catalogue::Catalogue;
 pub use checked::{CheckedScene, Origin, Source};
 pub use derived::{Derived, Frequency, Line, Walls, derived};
-pub use deviations::{Errors, Modification};
 pub use error::{Fault, Place, SceneError};
 pub use json::JOB_PROTOCOL;
 pub use keys::{KEYS, Key};
 pub use layout::{Layout, Sleeve};
 pub use load::MOST_BYTES;
 pub use model::{
-    BodyMass, Contact, Detection, Drive, Formulation, FrictionLaw, Gear, LoadChange, Masses,
-    Output, PlusMinus, Scene, Solver, Stabilisation, Start,
+    BodyMass, Contact, Detection, Drive, Errors, Formulation, FrictionLaw, Gear, LoadChange,
+    Masses, Modification, Output, PlusMinus, Scene, Solver, Stabilisation, Start,
 };
 pub use outline::Outline;
 pub use parse::Override;

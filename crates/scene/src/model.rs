@@ -7,8 +7,6 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-use crate::deviations::{Errors, Modification};
-
 /// A complete scene. SI units; angles counter-clockwise; see the field groups.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -325,4 +323,56 @@ impl PlusMinus {
     pub fn standard(self) -> f64 {
         self.plus_minus / 3.0_f64.sqrt()
     }
+}
+
+/// How the wheels' profile departs from the one that fits the ring.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Modification {
+    /// By how much the generating sleeve is larger than the ring's, m: above 0 the whole edge lies that much further in.
+    pub equidistant_m: f64,
+    /// By how much the generating circle is larger than R, m: below 0 the wheel is smaller.
+    pub radial_m: f64,
+    /// delta, rad: the angle by which both flanks of a lobe are turned towards its middle.
+    pub rotational_rad: f64,
+}
+
+/// Deviations of single parts from their places and sizes; an empty list: none. Angles and directions: the nominal
+/// part's radius outwards, and counter-clockwise across it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Errors {
+    /// External sleeves, outwards, m.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub external_sleeve_radial_m: Vec<f64>,
+    /// External sleeves, counter-clockwise, m.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub external_sleeve_tangential_m: Vec<f64>,
+    /// Radii of external sleeves, m.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub external_sleeve_radius_m: Vec<f64>,
+    /// Internal sleeves, outwards from the output's axis, m.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub internal_sleeve_radial_m: Vec<f64>,
+    /// Internal sleeves, counter-clockwise, m.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub internal_sleeve_tangential_m: Vec<f64>,
+    /// Radii of internal sleeves, m.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub internal_sleeve_radius_m: Vec<f64>,
+    /// Holes, outwards from their wheel's centre, m; wheel by wheel.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hole_radial_m: Vec<f64>,
+    /// Holes, counter-clockwise, m; wheel by wheel.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hole_tangential_m: Vec<f64>,
+    /// Radii of holes, m; wheel by wheel.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hole_radius_m: Vec<f64>,
+    /// Of each wheel's eccentric, m.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub eccentricity_m: Vec<f64>,
+    /// Of the angle of each wheel's eccentric, rad.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub phase_rad: Vec<f64>,
 }

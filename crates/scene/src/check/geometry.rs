@@ -134,7 +134,7 @@ fn profile(gear: &Gear) -> Result<(), Fault> {
     ];
     if q >= curve.smallest_convex_radius() && !gear.modification.is_none() {
         let plain = Gear {
-            modification: deviations::Modification::default(),
+            modification: crate::model::Modification::default(),
             ..gear.clone()
         };
         // Where the gear itself is undercut, that is what is told.

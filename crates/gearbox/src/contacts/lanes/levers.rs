@@ -1,7 +1,7 @@
 //! Contacts of a gear whose bodies stand where their joints hold them: angles and rates are all there is to know.
 //!
-//! With phi, psi, theta the angles of input, output and wheel, f the phase of the wheel's eccentric, b the backlash, a0 the
-//! place where the ideal mesh has the foot of a sleeve in direction beta, and E = e^{i zs a0}, that sleeve's centre stands at
+//! With phi, psi, theta the angles of input, output and wheel, f the phase of the wheel's eccentric, b how far sleeves
+//! stand outside of C (the backlash, less a radial modification), a0 the place where the ideal mesh has the foot of a sleeve in direction beta, and E = e^{i zs a0}, that sleeve's centre stands at
 //! the offset q from C(a0), in directions turned by a0 (see [`local_feet`](pinwheel_contact::Epitrochoid::local_feet)):
 //!
 //! ```text
@@ -188,10 +188,11 @@ impl Levers {
                 .map(|&f| Complex::unit(f).scale(gear.eccentricity_m))
                 .collect(),
             eccentricity: gear.eccentricity_m,
-            backlash: gear.backlash_m,
+            // How far sleeves stand outside of C, which a radial modification makes larger or smaller.
+            backlash: gear.pitch_radius_m() + gear.backlash_m - geometry.curve.pitch_radius(),
             radius: geometry.curve.pitch_radius(),
             lobes: f64::from(geometry.curve.lobes()),
-            shortening: gear.shortening,
+            shortening: gear.generating_shortening(),
             repulsion: geometry.curve.repulsion(),
             points: Column::padded(geometry.internal_points.iter().map(|&p| p.into())),
             units: nothing(angles.len()),

@@ -55,7 +55,7 @@ impl Shapes {
         let holes = geometry.hole_centres.iter();
         Self {
             curve: geometry.curve.clone(),
-            shortening: gear.shortening,
+            shortening: gear.generating_shortening(),
             zk: gear.external_sleeves as u32,
             external_radius: q,
             profile_stiffness: hertz.of_radius(q),
