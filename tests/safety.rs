@@ -339,7 +339,7 @@ fn regress_what_a_kill_leaves_is_cleaned_up() {
 #[test]
 fn regress_two_sweeps_on_one_output() {
     let dir = tempfile::tempdir().unwrap();
-    sweep_file(dir.path(), "0.2");
+    sweep_file(dir.path(), "2.0"); // long enough to be met
     let first = start(
         dir.path(),
         &["sweep", "s.toml", "--jobs", "1", "--out", "o"],

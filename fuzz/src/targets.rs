@@ -218,7 +218,9 @@ pub fn sweep(bytes: &[u8]) -> bool {
         }
     };
     let lengths = sweep.axes.iter().map(|axis| axis.len());
+    let points = sweep.sample.as_ref().map_or(1, |sample| sample.points);
     let runs = lengths.fold(sweep.engines.len(), usize::saturating_mul);
+    let runs = runs.saturating_mul(points);
     if runs > RUNS {
         return true;
     }

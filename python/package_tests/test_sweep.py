@@ -63,7 +63,12 @@ def test_each_resumes_the_others_journal(program, expected, sweep_file, tmp_path
 
 def test_a_sample_is_the_same_on_a_cluster(cluster, tmp_path):
     ask = {
-        "sample": {"points": 48, "method": "sobol", "backlash_m": {"from": 1e-6, "to": 5e-6}, "young_pa": {"deviation": 5e9}},
+        "sample": {
+            "points": 48,
+            "method": "sobol",
+            "backlash_m": {"from": 1e-6, "to": 5e-6},
+            "young_pa": {"deviation": 5e9},
+        },
         "specification": {"lost_motion_arcmin": {"most": 0.9}},
         "engines": ["statics"],
     }

@@ -225,6 +225,20 @@ impl<'a> Statics<'a> {
         self.moments(phi, wheels, psi, &mut here)
     }
 
+    /// Whether the ideal mesh is in balance without a load, but for rounding. Where else in its play the gear would come to
+    /// rest nothing decides: forces of next to no depth have no slope to follow.
+    fn rests(&mut self, phi: f64, wheels: &[f64]) -> bool {
+        let psi = self.gearbox.geometry.ideal_output_angle(phi);
+        let mut moments = vec![0.0; wheels.len()];
+        let mut largest = |turn: f64| {
+            let turned: Vec<f64> = wheels.iter().map(|angle| angle + turn).collect();
+            let output = self.moments(phi, &turned, psi + turn, &mut moments);
+            let all = moments.iter().map(|moment| moment.abs());
+            all.fold(output.abs(), f64::max)
+        };
+        largest(0.0) <= 1e-3 * largest(1e-9)
+    }
+
     /// The equilibrium at the input angle `phi` (rad) under the load torque `load` (N m on the output).
     ///
     /// # Errors
@@ -237,6 +251,9 @@ impl<'a> Statics<'a> {
         let mut wheels: Vec<f64> = (0..n)
             .map(|i| self.gearbox.geometry.ideal_wheel_angle(i, phi))
             .collect();
+        if load == 0.0 && self.rests(phi, &wheels) {
+            return Ok(self.equilibrium(phi, wheels, ideal, load));
+        }
         if let Some(psi) = self.newton(phi, load, &mut wheels) {
             return Ok(self.equilibrium(phi, wheels, psi, load));
         }

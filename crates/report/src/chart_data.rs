@@ -599,10 +599,14 @@ mod tests {
         let marks: Vec<bool> = data.engines.iter().map(|e| e.marks).collect();
         assert_eq!(marks, [false, false, true, false]);
         let channel = &data.quantities[0].channels[1];
-        assert_eq!(channel.engines, [0, 1, 2, 3]);
+        assert_eq!(
+            channel.engines,
+            [0, 1, 3, 2],
+            "those with most samples come first"
+        );
         let mut read = crate::packed::tests::Reader::new(&channel.packed);
         assert_eq!(read.places(), [0usize; 0], "all samples are kept");
-        let [base, rig, marks, peer] = [(); 4].map(|()| read.column());
+        let [base, rig, peer, marks] = [(); 4].map(|()| read.column());
         let name = "external_sleeve_force_n_1";
         let wanted = participants[2].courses.channel(name).unwrap();
         assert_eq!(

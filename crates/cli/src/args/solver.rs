@@ -33,7 +33,7 @@ impl Solvers {
             (None, _) => Ok("native".to_owned()),
             (Some(one), None) => Ok(one.clone()),
             _ => Err(Failure::input(
-                "one engine runs here: name one, or compare one scene by several",
+                "one engine runs here; name one, or compare one scene by several",
             )),
         }
     }

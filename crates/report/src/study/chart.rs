@@ -23,7 +23,7 @@ use serde::Serialize;
 ///     series: vec![errors],
 ///     ..Chart::default()
 /// };
-/// let section = Section { id: "order".into(), title: "Order".into(), blocks: vec![Block::Chart(chart)] };
+/// let section = Section { id: "order".into(), title: "Order".into(), blocks: vec![Block::Charts(vec![chart])] };
 /// let page = render(&Study { title: "mine".into(), sections: vec![section], ..Study::default() })?;
 /// assert!(page.contains("Error against step"));
 /// # Ok::<(), pinwheel_report::ReportError>(())

@@ -83,6 +83,8 @@ impl Effort {
     }
 }
 
+/// What one run may take however little time there is: nobody minds a second.
+const LEAST: Duration = Duration::from_millis(500);
 /// Share of the resolution that one engine's uncertainty may take: it leaves room for the other's.
 const TARGET: f64 = 0.45;
 /// Most that one refinement makes finer.
@@ -354,7 +356,7 @@ pub(crate) fn climb(
     let mut ways = Engines::ways(engine, gearbox).into_iter();
     // What its user states is run, and so is the native engine.
     let limited = !effort.obey && engine.track() != Track::Native;
-    let most = limited.then(|| effort.longest.saturating_mul(WITHIN));
+    let most = limited.then(|| effort.longest.max(LEAST).saturating_mul(WITHIN));
     let Some(mut engines) = ways.next() else {
         let participant = take_part(engine, gearbox, most, at, control)?;
         let excuse = if participant.cost.recorded.is_some() {
