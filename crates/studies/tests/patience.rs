@@ -157,7 +157,7 @@ fn hard_a_run_without_end_is_given_up() {
     let gearbox = gear();
     let slow = Slow {
         works: true,
-        ..Slow::new(Track::OwnContact, 0.005)
+        ..Slow::new(Track::OwnContact, 0.025)
     };
     let slow: &Slow = Box::leak(Box::new(slow));
     let found = compare(&gearbox, slow, Duration::from_millis(100));
