@@ -122,6 +122,9 @@ struct Engines<'a> {
 /// Share of a tolerance below which no error is believed: near rest steps are bounded by stability, whatever the tolerance, and
 /// all runs of a ladder err alike (5e-10 at 5e-7 where their differences said 1.5e-10).
 const STABLE: f64 = 2e-3;
+/// The same of the exponential method, whose steps end at samples, so that all runs of a ladder take the same ones where little
+/// happens: errors to 3.3 tolerances where these agreed (28 random gears; a gear of three wheels stood 1.4 off foreign engines).
+const BLIND: f64 = 4.0;
 /// Tolerance of RODAS5P where a comparison begins: ten times looser is as loose as it may be.
 const ROSENBROCK: f64 = 1e-6;
 /// Relative tolerance of exudyn's Newton iterations, which sets what the implicit form leaves.
@@ -295,8 +298,7 @@ impl<'a> Engines<'a> {
     fn left(&self, value: f64) -> f64 {
         match self.knob {
             Knob::Step(_) => self.floor,
-            // Its steps end at samples, of which all runs of a ladder have the same.
-            Knob::Tolerance if solver_of(&self.gearbox) == "etd-adams" => value,
+            Knob::Tolerance if solver_of(&self.gearbox) == "etd-adams" => BLIND * value,
             Knob::Tolerance => self.floor.max(STABLE * value),
         }
     }
