@@ -21,6 +21,7 @@ use pinwheel_faults::{Fault, factor};
 use pulp::Simd;
 
 use crate::lanes::{ComplexLanes, Lanes, Mask};
+use crate::search::Search;
 use crate::{Complex, Epitrochoid};
 
 /// Feet of several points; where `inside` is not set the values hold no meaning.
@@ -81,45 +82,6 @@ const SIN: [f64; 6] = [
     1.0 / 6.0,
     1.0,
 ];
-
-/// What the search needs of a curve, in units of R.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Search {
-    zk: f64,
-    /// m.
-    shortening: f64,
-    /// H.
-    pub(crate) repulsion: f64,
-    /// Of -f^(n)(0)/(n! zk^(n-1)) for n = 2 to 5: the constant and the factor of m cos or m sin.
-    series: [[f64; 2]; 4],
-    /// Bound of |f'''|/(6 zk^2), for small r.
-    third: f64,
-}
-
-impl Search {
-    pub(crate) fn new(sleeves: u32, m: f64, repulsion: f64) -> Self {
-        let zk = f64::from(sleeves);
-        let zs = zk - 1.0;
-        Self {
-            zk,
-            shortening: m,
-            repulsion,
-            series: [
-                [0.0, -1.5 * zs / zk],
-                [
-                    -(1.0 + m * m * zk * zk) / (6.0 * zk * zk),
-                    -(1.0 + zk.powi(4) - zs.powi(4)) / (6.0 * zk.powi(3)),
-                ],
-                [0.0, (zk.powi(5) - zs.powi(5) - 1.0) / (24.0 * zk.powi(4))],
-                [
-                    (1.0 + m * m * zk.powi(4)) / (120.0 * zk.powi(4)),
-                    (1.0 + zk.powi(6) - zs.powi(6)) / (120.0 * zk.powi(5)),
-                ],
-            ],
-            third: (m * m + 4.0 * m + 1.0 / (zk * zk)) / 6.0,
-        }
-    }
-}
 
 /// Sum of an alternating series in x^2, coefficients highest first.
 #[inline(always)]

@@ -11,7 +11,7 @@
 //! smooth curve. kappa > 0 where C bulges outwards (lobe), < 0 in a pit.
 
 use crate::Complex;
-use crate::closest_lanes::Search;
+use crate::search::Search;
 
 /// Why a curve cannot be made.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

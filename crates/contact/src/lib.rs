@@ -60,6 +60,7 @@ mod hole;
 mod lanes;
 pub mod laws;
 mod points;
+mod search;
 
 pub use closest_lanes::{FeetLanes, LocalFeet};
 pub use complex::Complex;

@@ -66,7 +66,7 @@ pub fn open<'a>(
 pub fn open_all(files: &[PathBuf], maps: &[PathBuf]) -> Result<Vec<Data>, StudyError> {
     if files.len() != maps.len() && maps.len() > 1 {
         return Err(StudyError::Input(format!(
-            "--against is given {} times and --map {} times; give one map for each file, or one for all",
+            "{} files and {} maps; give one map for each file, or one for all",
             files.len(),
             maps.len()
         )));

@@ -30,8 +30,8 @@ use toml_edit::{Document, Item, TableLike, Value as Toml};
 
 use crate::sweep::SweepError;
 use crate::sweep::axis::{self, Axis};
-use crate::sweep::sample::Sample;
-use crate::sweep::tolerance::Limit;
+use crate::sweep::sample::{NotFinite, Sample, finite};
+use crate::sweep::specification::Limit;
 
 /// Bytes of a sweep file at most.
 const MOST_BYTES: usize = 1 << 20;
@@ -348,14 +348,9 @@ impl Reader<'_> {
             {
                 return Err(wrong(format!("has `{key}`, which is no limit")));
             }
-            let number = |key: &str| match ends.get(key) {
-                None => Ok(None),
-                Some(item) => item
-                    .as_float()
-                    .or_else(|| item.as_integer().map(|x| x as f64))
-                    .filter(|x| x.is_finite())
-                    .map(Some)
-                    .ok_or_else(|| wrong(format!("has a `{key}` that is no finite number"))),
+            let number = |key: &str| {
+                let number = ends.get(key).map(finite).transpose();
+                number.map_err(|NotFinite| wrong(format!("has a `{key}` that is no finite number")))
             };
             let (least, most) = (number("least")?, number("most")?);
             match (least, most) {

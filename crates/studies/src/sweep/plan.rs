@@ -11,7 +11,7 @@ use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Override, Scene, SceneError, did_you_mean};
 
 use crate::sweep::axis::Value;
-use crate::sweep::results::columns_of;
+use crate::sweep::spread::columns_of;
 use crate::sweep::statics::{self, STATICS, Statics};
 use crate::sweep::{Sweep, SweepError};
 

@@ -9,34 +9,7 @@ use pinwheel_engines::{Engine, Run};
 use serde::{Deserialize, Serialize};
 
 use crate::sweep::PlannedRun;
-
-/// Figures of one quantity over the window, all its channels together; NaN where one is not finite.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
-    /// Mean.
-    #[serde(deserialize_with = "number")]
-    pub mean: f64,
-    /// Smallest value.
-    #[serde(deserialize_with = "number")]
-    pub min: f64,
-    /// Largest value.
-    #[serde(deserialize_with = "number")]
-    pub max: f64,
-    /// Root mean square.
-    #[serde(deserialize_with = "number")]
-    pub rms: f64,
-    /// Largest magnitude.
-    #[serde(deserialize_with = "number")]
-    pub peak: f64,
-    /// How far the means of the window's halves are from its mean: what the window's place does to the mean.
-    #[serde(default)]
-    pub drift: f64,
-}
-
-/// A number, or nothing for one that is not finite: JSON has no others.
-fn number<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
-    Ok(Option::deserialize(source)?.unwrap_or(f64::NAN))
-}
+use crate::sweep::spread::Spread;
 
 /// The number, or NaN for all that are none.
 fn finite(value: f64) -> f64 {

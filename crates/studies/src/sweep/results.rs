@@ -6,9 +6,9 @@ use pinwheel_compare::limits::fits;
 use pinwheel_courses::{CoursesError, Ending};
 
 use crate::sweep::axis::Value;
-use crate::sweep::record::{RunRecord, Spread};
-use crate::sweep::tolerance::keeps;
-use crate::sweep::{Plan, PlannedRun, statics};
+use crate::sweep::record::RunRecord;
+use crate::sweep::spread::FIGURES;
+use crate::sweep::{Limit, Plan, PlannedRun, statics};
 
 /// Values of one column, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,32 +28,8 @@ pub struct Results {
     pub columns: Vec<(String, Column)>,
 }
 
-/// Figures in the order of their columns.
-const FIGURES: [(&str, fn(&Spread) -> f64); 5] = [
-    ("mean", |s| s.mean),
-    ("min", |s| s.min),
-    ("max", |s| s.max),
-    ("rms", |s| s.rms),
-    ("peak", |s| s.peak),
-];
-
 /// Column that says whether a run keeps the specification: 1 or 0.
 const WITHIN: &str = "within_specification";
-
-/// Columns of figures that runs with these quantities may have; without motion there are none.
-pub(super) fn columns_of<'a>(
-    quantities: impl Iterator<Item = &'a str>,
-    moves: bool,
-) -> impl Iterator<Item = String> {
-    let powers = ["efficiency", "efficiency_accounted"];
-    let powers = powers.into_iter().filter(move |_| moves).map(str::to_owned);
-    powers.chain(quantities.flat_map(|quantity| {
-        let names = FIGURES.iter().map(|(figure, _)| *figure);
-        names
-            .map(move |figure| format!("{figure}_{quantity}"))
-            .collect::<Vec<_>>()
-    }))
-}
 
 /// The results of all runs, in the plan's order: the same whatever the number of threads.
 #[must_use]
@@ -112,7 +88,7 @@ pub fn results(plan: &Plan, records: &[RunRecord]) -> Results {
     }
     let limits = &plan.sweep.specification;
     if !limits.is_empty() {
-        let kept = (0..records.len()).map(|row| Some(i64::from(keeps(limits, &table, row))));
+        let kept = (0..records.len()).map(|row| Some(i64::from(table.keeps(limits, row))));
         let kept = Column::Whole(kept.collect());
         table.columns.push((WITHIN.to_owned(), kept));
     }
@@ -201,6 +177,12 @@ impl Results {
             Column::Whole(values) => values.get(row).copied().flatten().map(|x| x as f64),
             Column::Text(_) => None,
         }
+    }
+
+    /// Whether a run keeps a whole specification.
+    pub(super) fn keeps(&self, limits: &[Limit], row: usize) -> bool {
+        let holds = |limit: &Limit| limit.holds(self.number(&limit.figure, row));
+        limits.iter().all(holds)
     }
 
     /// Number of rows.

@@ -4,7 +4,7 @@
 //! and shared among machines as any other sweep, and the same seed gives the same runs everywhere.
 
 use statrs::distribution::{ContinuousCDF, Normal};
-use toml_edit::{TableLike, Value as Toml};
+use toml_edit::{Item, TableLike, Value as Toml};
 
 use pinwheel_scene::{CheckedScene, nearest};
 
@@ -228,6 +228,16 @@ fn leaves(
     Ok(())
 }
 
+/// A value that is no finite number.
+pub(super) struct NotFinite;
+
+/// The number of an item.
+pub(super) fn finite(item: &Item) -> Result<f64, NotFinite> {
+    let whole = || item.as_integer().map(|x| x as f64);
+    let number = item.as_float().or_else(whole);
+    number.filter(|x| x.is_finite()).ok_or(NotFinite)
+}
+
 impl Distribution {
     const KEYS: [&str; 6] = ["mean", "deviation", "from", "to", "plus_minus", "each"];
 
@@ -237,14 +247,9 @@ impl Distribution {
                 return Err(format!("`{key}` is no key of a distribution"));
             }
         }
-        let number = |key: &str| match table.get(key) {
-            None => Ok(None),
-            Some(item) => item
-                .as_float()
-                .or_else(|| item.as_integer().map(|x| x as f64))
-                .filter(|x| x.is_finite())
-                .map(Some)
-                .ok_or_else(|| format!("`{key}` is no finite number")),
+        let number = |key: &str| {
+            let number = table.get(key).map(finite).transpose();
+            number.map_err(|NotFinite| format!("`{key}` is no finite number"))
         };
         let above_0 = |key: &str| match number(key)? {
             Some(x) if x <= 0.0 => Err(format!("`{key}` is not above 0")),

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::{Beta, Binomial, ContinuousCDF, DiscreteCDF};
 
-use super::{Column, Plan, Results, Value};
+use super::{Column, Limit, Plan, Results, Value};
 
 /// Share of the cases in which an interval holds the truth.
 const CONFIDENCE: f64 = 0.95;
@@ -26,27 +26,6 @@ const QUANTILES: [f64; 5] = [0.01, 0.05, 0.5, 0.95, 0.99];
 /// Runs of a class at least, and classes at most.
 const CLASS: usize = 20;
 const CLASSES: usize = 30;
-
-/// A limit of a specification, on a column of the results.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Limit {
-    /// The column.
-    pub figure: String,
-    /// Not less than that.
-    pub least: Option<f64>,
-    /// Not more than that.
-    pub most: Option<f64>,
-}
-
-impl Limit {
-    /// Whether a figure keeps it; what is not there does not.
-    #[must_use]
-    pub fn holds(&self, value: Option<f64>) -> bool {
-        value.is_some_and(|x| {
-            self.least.is_none_or(|least| x >= least) && self.most.is_none_or(|most| x <= most)
-        })
-    }
-}
 
 /// A quantile.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -178,20 +157,10 @@ pub fn tolerances(plan: &Plan, table: &Results) -> Vec<Found> {
     all
 }
 
-/// Whether a run keeps the whole specification.
-pub(super) fn keeps(limits: &[Limit], table: &Results, row: usize) -> bool {
-    limits
-        .iter()
-        .all(|limit| limit.holds(table.number(&limit.figure, row)))
-}
-
 fn yielded(limits: &[Limit], table: &Results, rows: &[usize]) -> Yield {
     let runs = rows.len();
     let share = |kept: usize| kept as f64 / runs.max(1) as f64;
-    let kept = rows
-        .iter()
-        .filter(|&&row| keeps(limits, table, row))
-        .count();
+    let kept = rows.iter().filter(|&&row| table.keeps(limits, row)).count();
     let alone = limits.iter().map(|limit| {
         let held = |row: &&usize| limit.holds(table.number(&limit.figure, **row));
         share(rows.iter().filter(held).count())

@@ -1,0 +1,40 @@
+//! Constants of a curve for the search of closest points in lanes ([`crate::closest_lanes`]).
+
+/// What the search needs of a curve, in units of R.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Search {
+    pub(crate) zk: f64,
+    /// m.
+    pub(crate) shortening: f64,
+    /// H.
+    pub(crate) repulsion: f64,
+    /// Of -f^(n)(0)/(n! zk^(n-1)) for n = 2 to 5: the constant and the factor of m cos or m sin.
+    pub(crate) series: [[f64; 2]; 4],
+    /// Bound of |f'''|/(6 zk^2), for small r.
+    pub(crate) third: f64,
+}
+
+impl Search {
+    pub(crate) fn new(sleeves: u32, m: f64, repulsion: f64) -> Self {
+        let zk = f64::from(sleeves);
+        let zs = zk - 1.0;
+        Self {
+            zk,
+            shortening: m,
+            repulsion,
+            series: [
+                [0.0, -1.5 * zs / zk],
+                [
+                    -(1.0 + m * m * zk * zk) / (6.0 * zk * zk),
+                    -(1.0 + zk.powi(4) - zs.powi(4)) / (6.0 * zk.powi(3)),
+                ],
+                [0.0, (zk.powi(5) - zs.powi(5) - 1.0) / (24.0 * zk.powi(4))],
+                [
+                    (1.0 + m * m * zk.powi(4)) / (120.0 * zk.powi(4)),
+                    (1.0 + zk.powi(6) - zs.powi(6)) / (120.0 * zk.powi(5)),
+                ],
+            ],
+            third: (m * m + 4.0 * m + 1.0 / (zk * zk)) / 6.0,
+        }
+    }
+}

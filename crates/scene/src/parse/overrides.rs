@@ -1,0 +1,60 @@
+//! What replaces a key of a file.
+
+use std::str::FromStr;
+
+use crate::error::{Place, SceneError};
+use crate::load::MOST_BYTES;
+
+/// One `--set key=value`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Override {
+    pub(super) key: String,
+    pub(super) value: String,
+}
+
+impl Override {
+    /// Replaces `key` (`gear.backlash_m`) by `value`, a TOML value or a bare word.
+    #[must_use]
+    pub fn new(key: impl Into<String>, value: impl Into<String>) -> Self {
+        Self {
+            key: key.into(),
+            value: value.into(),
+        }
+    }
+
+    /// The key, e.g. `gear.backlash_m`.
+    #[must_use]
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+
+    pub(super) fn place(&self) -> Place {
+        Place::Set(format!("{}={}", self.key, self.value))
+    }
+}
+
+impl FromStr for Override {
+    type Err = SceneError;
+
+    fn from_str(text: &str) -> Result<Self, SceneError> {
+        let fault = |what| SceneError::Override {
+            text: text.to_owned(),
+            what,
+        };
+        if text.len() > MOST_BYTES {
+            return Err(SceneError::Override {
+                text: String::new(),
+                what: "is far too long",
+            });
+        }
+        let (key, value) = text.split_once('=').ok_or_else(|| fault("has no `=`"))?;
+        let (key, value) = (key.trim(), value.trim());
+        if key.is_empty() {
+            return Err(fault("has no key"));
+        }
+        if value.is_empty() {
+            return Err(fault("has no value"));
+        }
+        Ok(Self::new(key, value))
+    }
+}

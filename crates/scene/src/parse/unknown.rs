@@ -1,0 +1,79 @@
+//! Keys that do not exist, and which one was meant.
+
+use toml::{Table, Value};
+
+use crate::error::{Place, SceneError};
+use crate::keys::{KEYS, Key};
+use crate::suggest::nearest;
+use crate::table::lookup;
+
+/// The key by which a scene begins with another.
+pub(super) const BASE: &str = "base";
+
+/// A key without a row: "did you mean", of the same table first, then the same name elsewhere.
+pub(super) fn unknown(place: Place, key: String, prefix: &str, table: &Table) -> SceneError {
+    let name = key.rsplit('.').next().unwrap_or(&key);
+    let mut siblings: Vec<&str> = Vec::new();
+    for row in KEYS {
+        let Some(rest) = row.name.strip_prefix(prefix) else {
+            continue;
+        };
+        let here = rest.split('.').next().unwrap_or(rest);
+        if !siblings.contains(&here) {
+            siblings.push(here);
+        }
+    }
+    if prefix.is_empty() {
+        siblings.push(BASE);
+    }
+    let elsewhere = || {
+        let leaf = |row: &Key| row.name.rsplit('.').next().unwrap_or(row.name);
+        let near = nearest(name, KEYS.iter().map(leaf))?;
+        KEYS.iter().find(|row| leaf(row) == near)
+    };
+    let remedy = if is_pitch(name) {
+        pitch_remedy(table)
+    } else if let Some(near) = nearest(name, siblings.iter().copied()) {
+        format!("did you mean `{prefix}{near}`?")
+    } else if let Some(row) = elsewhere() {
+        format!("did you mean `{}`?", row.name)
+    } else {
+        format!("known here: {}", siblings.join(", "))
+    };
+    SceneError::Key {
+        place,
+        key,
+        what: "is no key of a scene".to_owned(),
+        remedy,
+    }
+}
+
+/// Whether a word means the circle of the external sleeves, for which the field has many names.
+fn is_pitch(name: &str) -> bool {
+    [
+        "pitch_",
+        "pin_circle",
+        "pin_radius",
+        "ring_",
+        "roller_circle",
+        "external_circle",
+    ]
+    .iter()
+    .any(|word| name.starts_with(word))
+}
+
+/// R is not a key that is often needed: e zk/m gives it.
+fn pitch_remedy(table: &Table) -> String {
+    let number = |name: &str| match lookup(table, name) {
+        Some(Value::Float(number)) => Some(*number),
+        Some(Value::Integer(whole)) => Some(*whole as f64),
+        _ => None,
+    };
+    let product = number("gear.eccentricity_m")
+        .zip(number("gear.external_sleeves"))
+        .map(|(e, zk)| format!(", here {:.6} over that radius", e * zk));
+    format!(
+        "the circle of the external sleeves is `gear.pin_circle_radius_m` (m), or gear.shortening = e zk/R{}",
+        product.unwrap_or_default()
+    )
+}
