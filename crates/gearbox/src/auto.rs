@@ -3,7 +3,7 @@
 //! What is planned here is a good first try, from [`Frequencies`]; [`resolve`](crate::resolve) verifies it on the run
 //! itself, refines it, and falls back on the next plan of the [`chain`] where it fails.
 
-use pinwheel_mbs::integrators::METHODS;
+use pinwheel_mbs::integrators::method;
 
 use crate::energy::EnergyAccount;
 use crate::frequencies::Frequencies;
@@ -77,9 +77,7 @@ impl Plan {
     /// Whether the tolerance sets its steps.
     #[must_use]
     pub fn adaptive(&self) -> bool {
-        METHODS
-            .iter()
-            .any(|m| m.name == self.integrator && m.adaptive)
+        method(self.integrator).is_some_and(|method| method.adaptive)
     }
 
     /// What sets its steps, in words.

@@ -24,6 +24,8 @@ pub use uncertainty::{Rung, Uncertainty, Verdict};
 
 use std::rc::Rc;
 
+use pinwheel_mbs::integrators::method;
+
 use crate::auto::{self, COARSER_ROSENBROCK, EXPONENTIAL, Plan};
 use crate::native::{self, NativeError, NativeRun};
 use crate::pace::Limits;
@@ -118,6 +120,7 @@ impl Search<'_> {
         watch: &mut dyn FnMut(f64) -> bool,
     ) -> Result<bool, NativeError> {
         let ladder = Ladder::of(plan, self.gearbox.has_friction());
+        let unseen = method(plan.integrator).map_or(0.0, |method| method.unseen);
         let mut plan = plan.finer(1.0 / ladder.first);
         let mut factor = ladder.first;
         let mut before: Option<Rc<NativeRun>> = None;
@@ -159,7 +162,7 @@ impl Search<'_> {
                             moved,
                             ladder
                                 .error(moved, factor, last)
-                                .at_least(ladder.blind * plan.tolerance),
+                                .at_least(unseen * plan.tolerance),
                         )
                     });
                     let index = self.rungs.len() - 1;
@@ -323,8 +326,6 @@ struct Ladder {
     cost: f64,
     /// Least and most of a refinement.
     factors: (f64, f64),
-    /// Share of the tolerance that no distance shows: at rest all runs see the same contact begin in the same step.
-    blind: f64,
 }
 
 impl Ladder {
@@ -336,21 +337,18 @@ impl Ladder {
                 order: 1.0,
                 cost: 0.5,
                 factors: (4.0, 64.0),
-                blind: 0.0,
             },
             (true, "rodas5p") => Self {
                 first: COARSER_ROSENBROCK,
                 order: 0.9,
                 cost: 0.2,
                 factors: (10.0, 100.0),
-                blind: 0.0,
             },
             (true, EXPONENTIAL) => Self {
                 first: 10.0,
                 order: 0.9,
                 cost: 0.3,
                 factors: (10.0, 100.0),
-                blind: 1.0,
             },
             // Where friction sets the steps, tolerances change them little, and the error no more: measured on
             // `paper-friction` between 1e-7 and 1e-9, 5 in the driver's torque.
@@ -359,14 +357,12 @@ impl Ladder {
                 order: 0.45,
                 cost: 0.2,
                 factors: (10.0, 100.0),
-                blind: 0.0,
             },
             (true, _) => Self {
                 first: 10.0,
                 order: 0.9,
                 cost: 0.2,
                 factors: (10.0, 100.0),
-                blind: 0.0,
             },
             // Kinks leave two orders, friction's switches one and a half, points one.
             (false, _) => Self {
@@ -374,7 +370,6 @@ impl Ladder {
                 order: 1.0,
                 cost: 1.0,
                 factors: (2.0, 8.0),
-                blind: 0.0,
             },
         }
     }

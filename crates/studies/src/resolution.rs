@@ -10,7 +10,7 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::{Distance, Gearbox};
-use pinwheel_mbs::integrators::METHODS;
+use pinwheel_mbs::integrators::method;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
@@ -118,7 +118,7 @@ pub fn check(
 /// of its samples. Its start is not computed again.
 fn refined(gearbox: &Gearbox, factor: f64) -> Result<(Gearbox, String), StudyError> {
     let name = &gearbox.scene.solver.integrator;
-    let adaptive = METHODS.iter().any(|m| m.name == name && m.adaptive);
+    let adaptive = method(name).is_some_and(|m| m.adaptive);
     let other = gearbox.with_solver(|solver| {
         if adaptive {
             solver.tolerance /= if factor > 1.0 { 10.0 } else { 0.1 };

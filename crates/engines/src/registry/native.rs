@@ -4,7 +4,7 @@ use cpu_time::ThreadTime;
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
 use pinwheel_gearbox::resolve::{self, Budget, Uncertainty};
 use pinwheel_gearbox::{Gearbox, auto};
-use pinwheel_mbs::integrators::METHODS;
+use pinwheel_mbs::integrators::method;
 use pinwheel_scene::{Detection, Fault, Formulation, Scene, load_course};
 
 use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
@@ -227,7 +227,7 @@ fn settings(scene: &Scene, uncertainty: Option<&Uncertainty>) -> String {
         return format!("{form}, {}, {}", rung.integrator, rung.setting);
     }
     let named = &solver.integrator;
-    let adaptive = METHODS.iter().any(|m| m.name == named && m.adaptive);
+    let adaptive = method(named).is_some_and(|m| m.adaptive);
     if adaptive {
         format!("{form}, {named}, tolerance {:e}", solver.tolerance)
     } else {

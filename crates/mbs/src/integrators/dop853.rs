@@ -20,6 +20,7 @@ pub(super) const INFO: MethodInfo = MethodInfo {
     summary: "Dormand-Prince 8(5,3), steps from the tolerance, dense output: for smooth motion and many digits",
     order: 8,
     adaptive: true,
+    unseen: super::UNSEEN,
 };
 
 const SAFETY: f64 = 0.9;

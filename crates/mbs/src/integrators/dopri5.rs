@@ -18,6 +18,7 @@ pub(super) const INFO: MethodInfo = MethodInfo {
     summary: "Dormand-Prince 5(4), steps from the tolerance, dense output",
     order: 5,
     adaptive: true,
+    unseen: super::UNSEEN,
 };
 
 const STAGES: usize = 7;

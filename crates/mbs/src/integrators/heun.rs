@@ -19,4 +19,5 @@ pub(super) const INFO: MethodInfo = MethodInfo {
     summary: "Heun, second order, fixed step (the paper's method)",
     order: 2,
     adaptive: false,
+    unseen: 0.0,
 };

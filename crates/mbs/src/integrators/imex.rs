@@ -22,6 +22,7 @@ pub(super) const INFO: MethodInfo = MethodInfo {
     summary: "ARS(2,2,2), second order, fixed step, friction implicit: for scenes with friction",
     order: 2,
     adaptive: false,
+    unseen: 0.0,
 };
 
 /// g.

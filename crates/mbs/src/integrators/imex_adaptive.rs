@@ -22,6 +22,7 @@ pub(super) const INFO: MethodInfo = MethodInfo {
     summary: "ARS(2,2,2), second order, steps from the tolerance, friction implicit",
     order: 2,
     adaptive: true,
+    unseen: super::UNSEEN,
 };
 
 /// Share of the step that the estimate allows.

@@ -134,6 +134,19 @@ pub struct MethodInfo {
     pub order: u32,
     /// Whether the step follows from a tolerance.
     pub adaptive: bool,
+    /// Error that runs at different tolerances may share, so that their differences do not show it: a share of the finest
+    /// tolerance, relative to the quantity. 0 for a fixed step.
+    pub unseen: f64,
+}
+
+/// [`MethodInfo::unseen`] of error control: near rest the step is bounded by stability, whatever the tolerance, and all runs err
+/// alike (5e-10 at 5e-7 where their differences said 1.5e-10).
+pub const UNSEEN: f64 = 2e-3;
+
+/// The method of this name.
+#[must_use]
+pub fn method(name: &str) -> Option<&'static MethodInfo> {
+    METHODS.iter().find(|method| method.name == name)
 }
 
 /// The table of all methods: a row is a module, whose `INFO` says what users are told, and how a run begins.

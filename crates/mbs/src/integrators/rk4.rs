@@ -19,4 +19,5 @@ pub(super) const INFO: MethodInfo = MethodInfo {
     summary: "classical Runge-Kutta, fourth order, fixed step",
     order: 4,
     adaptive: false,
+    unseen: 0.0,
 };

@@ -25,6 +25,7 @@ pub(super) const INFO: MethodInfo = MethodInfo {
     summary: "RODAS5P, Rosenbrock 5(4), steps from the tolerance, dense output: for friction and other stiffness at tight tolerances",
     order: 5,
     adaptive: true,
+    unseen: super::UNSEEN,
 };
 
 const SAFETY: f64 = 0.9;

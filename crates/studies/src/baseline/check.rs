@@ -1,7 +1,7 @@
 //! Checking the solver as it is now against an accepted baseline.
 
 use pinwheel_gearbox::auto;
-use pinwheel_mbs::integrators::METHODS;
+use pinwheel_mbs::integrators::method;
 use serde::Serialize;
 
 use super::Options;
@@ -101,7 +101,7 @@ pub fn check(
         let adaptive = match &job.solver {
             // Its counts may follow from roundings as an adaptive method's do.
             Some(_) => true,
-            None => METHODS.iter().any(|m| m.name == integrator && m.adaptive),
+            None => method(&integrator).is_some_and(|m| m.adaptive),
         };
         let mut found = CaseCheck {
             scene: case.name.to_owned(),

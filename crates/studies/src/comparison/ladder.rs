@@ -16,7 +16,7 @@ use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, Native, by_name};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, Plan};
-use pinwheel_mbs::integrators::METHODS;
+use pinwheel_mbs::integrators::{UNSEEN, method};
 use pinwheel_scene::{CheckedScene, Override, preset};
 
 use super::take_part;
@@ -115,16 +115,12 @@ struct Engines<'a> {
     excuse: Option<&'static str>,
     /// What its iterations leave, whatever its step.
     floor: f64,
+    /// What all its runs may miss alike, as a share of the tolerance.
+    unseen: f64,
     /// What one run may take.
     most: Option<Duration>,
 }
 
-/// Share of a tolerance below which no error is believed: near rest steps are bounded by stability, whatever the tolerance, and
-/// all runs of a ladder err alike (5e-10 at 5e-7 where their differences said 1.5e-10).
-const STABLE: f64 = 2e-3;
-/// The same of the exponential method, whose steps end at samples, so that all runs of a ladder take the same ones where little
-/// happens: errors to 3.3 tolerances where these agreed (28 random gears; a gear of three wheels stood 1.4 off foreign engines).
-const BLIND: f64 = 4.0;
 /// Tolerance of RODAS5P where a comparison begins: ten times looser is as loose as it may be.
 const ROSENBROCK: f64 = 1e-6;
 /// Relative tolerance of exudyn's Newton iterations, which sets what the implicit form leaves.
@@ -147,6 +143,7 @@ impl<'a> Engines<'a> {
             value: scene.solver.step_s,
             excuse: friction.then_some(EXPLICIT),
             floor: 0.0,
+            unseen: UNSEEN,
             most: None,
         };
         match own.name() {
@@ -174,7 +171,7 @@ impl<'a> Engines<'a> {
     /// A native engine with the method that the scene names.
     fn native(own: &'a dyn Engine, gearbox: Gearbox) -> Option<Self> {
         let solver = &gearbox.scene.solver;
-        let method = METHODS.iter().find(|m| m.name == solver.integrator)?;
+        let method = method(&solver.integrator)?;
         let (knob, value) = if method.adaptive {
             (Knob::Tolerance, solver.tolerance)
         } else {
@@ -188,6 +185,7 @@ impl<'a> Engines<'a> {
             value,
             excuse: None,
             floor: 0.0,
+            unseen: method.unseen,
             most: None,
         })
     }
@@ -209,6 +207,7 @@ impl<'a> Engines<'a> {
             value,
             excuse: None,
             floor: 0.0,
+            unseen: method(plan.integrator).map_or(0.0, |method| method.unseen),
             most: None,
         })
     }
@@ -298,8 +297,7 @@ impl<'a> Engines<'a> {
     fn left(&self, value: f64) -> f64 {
         match self.knob {
             Knob::Step(_) => self.floor,
-            Knob::Tolerance if solver_of(&self.gearbox) == "etd-adams" => BLIND * value,
-            Knob::Tolerance => self.floor.max(STABLE * value),
+            Knob::Tolerance => self.floor.max(self.unseen * value),
         }
     }
 

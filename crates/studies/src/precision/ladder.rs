@@ -1,7 +1,7 @@
 //! The settings a method is tried with, coarse to fine, and when to stop.
 
 use pinwheel_engines::Track;
-use pinwheel_mbs::integrators::METHODS;
+use pinwheel_mbs::integrators;
 use pinwheel_scene::Scene;
 use serde::Serialize;
 
@@ -21,7 +21,7 @@ impl Knob {
     /// The knob of an integrator of ours.
     #[must_use]
     pub fn of(method: &str) -> Self {
-        let adaptive = METHODS.iter().any(|m| m.name == method && m.adaptive);
+        let adaptive = integrators::method(method).is_some_and(|m| m.adaptive);
         if adaptive {
             Self::Tolerance
         } else {

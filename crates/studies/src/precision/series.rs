@@ -6,7 +6,7 @@ use std::time::Instant;
 use cpu_time::ProcessTime;
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, EngineError, Run, Track};
-use pinwheel_mbs::integrators::METHODS;
+use pinwheel_mbs::integrators;
 use pinwheel_scene::{Fault, Scene};
 use serde::Serialize;
 
@@ -177,10 +177,9 @@ pub(super) fn run(
         version: engine.version(),
         track: engine.track(),
         method: method.unwrap_or("own").to_owned(),
-        order: METHODS
-            .iter()
-            .find(|m| Some(m.name) == method)
-            .map(|m| m.order),
+        order: method
+            .and_then(integrators::method)
+            .map(|method| method.order),
         knob,
         points: Vec::new(),
         stopped: Stopped::Finished,
