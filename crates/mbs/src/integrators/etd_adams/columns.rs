@@ -1,4 +1,4 @@
-//! Small dense matrices by columns: products with vectors as sums of columns, in registers.
+//! Small dense matrices by columns: products with vectors as sums of columns.
 
 /// Rows summed side by side. Each row's sum takes its columns in order, so that all processors round alike.
 const ROWS: usize = 8;
@@ -109,5 +109,31 @@ impl Columns {
 fn add(sums: &mut [f64; ROWS], x: f64, column: &[f64; ROWS]) {
     for (sum, entry) in sums.iter_mut().zip(column) {
         *sum += x * entry;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// More rows than a block has: the product is that by rows, bit by bit.
+    #[test]
+    fn products_are_those_by_rows() {
+        let (rows, columns) = (ROWS + 3, 7);
+        let mut matrix = Columns::zero(rows, columns);
+        let number = |k: usize| (1.7 * k as f64).sin();
+        for i in 0..rows {
+            for j in 0..columns {
+                *matrix.entry_mut(i, j) = number(i * columns + j);
+            }
+        }
+        let x: Vec<f64> = (0..4).map(|k| number(100 + k)).collect();
+        let mut out = vec![0.0; rows];
+        matrix.multiply(2, &x, &mut out);
+        for (i, out) in out.iter().enumerate() {
+            let terms = x.iter().enumerate();
+            let sum = terms.fold(0.0, |sum, (j, x)| sum + x * number(i * columns + 2 + j));
+            assert_eq!(*out, sum, "row {i}");
+        }
     }
 }

@@ -118,14 +118,7 @@ impl Linear {
     }
 
     /// out = factor x L + diagonal, of square matrices; `scaled` is L by the factor.
-    fn multiply(
-        &self,
-        factor: f64,
-        scaled: &[f64],
-        x: &Columns,
-        diagonal: f64,
-        out: &mut Columns,
-    ) {
+    fn multiply(&self, factor: f64, scaled: &[f64], x: &Columns, diagonal: f64, out: &mut Columns) {
         for (j, weights) in scaled.chunks_exact(self.remainders()).enumerate() {
             // q' = v.
             let rate = j.checked_sub(self.first).filter(|_| self.first > 0);
@@ -212,8 +205,7 @@ impl Propagator {
         for j in (1..self.terms).rev() {
             for c in 0..count {
                 let to = n + j * count + c;
-                self.matrix
-                    .combine(to, &POWERS[j][..=j], n + c, count);
+                self.matrix.combine(to, &POWERS[j][..=j], n + c, count);
             }
         }
     }
@@ -225,8 +217,7 @@ impl Propagator {
 
     /// What the k-th term alone does.
     pub(super) fn term(&self, linear: &Linear, k: usize, d: &[f64], out: &mut [f64]) {
-        self.matrix
-            .multiply(linear.dimension + k * d.len(), d, out);
+        self.matrix.multiply(linear.dimension + k * d.len(), d, out);
     }
 
     /// out = what the term after the k-th does, less what the k-th does.
