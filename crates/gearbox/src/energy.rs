@@ -119,8 +119,10 @@ impl EnergyAccount {
 
     /// Works up to the last samples, whose last intervals the newest entry has made more accurate.
     fn settle(&mut self) {
-        for (mark, work) in self.leg.marked() {
-            self.marks[mark].works = add(self.before_leg, work);
+        for entry in &self.leg.entries[..self.leg.len] {
+            if let Some(mark) = entry.mark {
+                self.marks[mark].works = add(self.before_leg, entry.work);
+            }
         }
     }
 
@@ -160,8 +162,10 @@ impl EnergyAccount {
 
 /// The account from one sample to another.
 fn between(a: &Mark, b: &Mark) -> EnergyAudit {
-    let [driver_j, load_j, damping_j, friction_j] = [0, 1, 2, 3].map(|k| b.works[k] - a.works[k]);
-    let [kinetic_j, stored_j] = [0, 1].map(|k| b.energies[k] - a.energies[k]);
+    let work = |k: usize| b.works[k] - a.works[k];
+    let (driver_j, load_j, damping_j, friction_j) = (work(0), work(1), work(2), work(3));
+    let energy = |k: usize| b.energies[k] - a.energies[k];
+    let (kinetic_j, stored_j) = (energy(0), energy(1));
     let remainder_j = kinetic_j + stored_j + damping_j + friction_j - driver_j - load_j;
     let held_j = a
         .energies
@@ -182,6 +186,17 @@ fn between(a: &Mark, b: &Mark) -> EnergyAudit {
     }
 }
 
+/// One time of a leg.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Entry {
+    time: f64,
+    powers: Four,
+    /// From the leg's start, J; of the last entry as far as its power is known.
+    work: Four,
+    /// The sample it is.
+    mark: Option<usize>,
+}
+
 /// The last entries of a leg, as many as one interval's cubic needs; what lies before is in their works.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Leg {
@@ -189,100 +204,88 @@ struct Leg {
     len: usize,
     /// Whether there were more.
     cut: bool,
-    time: [f64; 4],
-    powers: [Four; 4],
-    /// From the leg's start, J; of the last entry as far as its power is known.
-    works: [Four; 4],
-    /// The samples among them.
-    marks: [Option<usize>; 4],
+    entries: [Entry; 4],
 }
 
 impl Leg {
     fn add(&mut self, time: f64, powers: Four) {
         if self.len == 4 {
-            self.time.rotate_left(1);
-            self.powers.rotate_left(1);
-            self.works.rotate_left(1);
-            self.marks.rotate_left(1);
+            self.entries.copy_within(1.., 0);
             self.cut = true;
         } else {
             self.len += 1;
         }
-        let last = self.len - 1;
-        (self.time[last], self.powers[last], self.marks[last]) = (time, powers, None);
+        self.entries[self.len - 1] = Entry {
+            time,
+            powers,
+            ..Entry::default()
+        };
         // The cubic of an interval inside reaches one entry farther on each side: the last but one interval is
         // settled now, and with the fourth entry of a leg all before it.
         let first = if self.cut { 2 } else { 1 };
         for k in first..self.len {
-            self.works[k] = add(self.works[k - 1], self.interval(k - 1));
+            let interval = interval(&self.entries[..self.len], k - 1);
+            self.entries[k].work = add(self.entries[k - 1].work, interval);
         }
-    }
-
-    /// Work over the interval from entry `k` to the next, J.
-    fn interval(&self, k: usize) -> Four {
-        let (time, powers) = (&self.time[..self.len], &self.powers[..self.len]);
-        interval(time, powers, k)
     }
 
     /// Works so far, J.
     fn work(&self) -> Four {
-        self.len.checked_sub(1).map_or([0.0; 4], |k| self.works[k])
+        let last = self.len.checked_sub(1);
+        last.map_or([0.0; 4], |k| self.entries[k].work)
     }
 
     /// The last entry is sample `mark`.
     fn mark(&mut self, mark: usize) {
         if let Some(last) = self.len.checked_sub(1) {
-            self.marks[last] = Some(mark);
+            self.entries[last].mark = Some(mark);
         }
-    }
-
-    /// Samples among the last entries, and the works up to them.
-    fn marked(&self) -> impl Iterator<Item = (usize, Four)> + '_ {
-        let kept = self.marks.iter().zip(&self.works).take(self.len);
-        kept.filter_map(|(mark, &work)| mark.map(|mark| (mark, work)))
     }
 }
 
 fn add(a: Four, b: Four) -> Four {
-    [0, 1, 2, 3].map(|k| a[k] + b[k])
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
 }
 
 /// Integrals over [t_k, t_k+1] of the polynomial through these two to four entries.
-fn interval(time: &[f64], values: &[Four], k: usize) -> Four {
-    let (low, h) = (time[k], time[k + 1] - time[k]);
-    let even = |pair: &[f64]| (pair[1] - pair[0] - h).abs() < EQUAL * h;
-    if time.len() == 4 && time.windows(2).all(even) {
+fn interval(entries: &[Entry], k: usize) -> Four {
+    let (low, h) = (entries[k].time, entries[k + 1].time - entries[k].time);
+    let even = |a: usize| (entries[a + 1].time - entries[a].time - h).abs() < EQUAL * h;
+    if entries.len() == 4 && even(0) && even(1) && even(2) {
         // The same integral for equal intervals, which nearly all are.
-        let weights: [f64; 4] = match k {
+        let [a, b, c, d]: [f64; 4] = match k {
             0 => [9.0, 19.0, -5.0, 1.0],
             1 => [-1.0, 13.0, 13.0, -1.0],
             _ => [1.0, -5.0, 19.0, 9.0],
         };
-        return weighted(values, |i| h * weights[i] / 24.0);
+        let share = h / 24.0;
+        return weighted(entries, [share * a, share * b, share * c, share * d]);
     }
     // Gauss' three points, exact for the cubic.
     let x = 0.5 * 0.6_f64.sqrt();
     let points = [(0.5 - x, 5.0), (0.5, 8.0), (0.5 + x, 5.0)];
     let lagrange = |i: usize, t: f64| -> f64 {
-        let others = (0..time.len()).filter(|&j| j != i);
-        others
-            .map(|j| (t - time[j]) / (time[i] - time[j]))
-            .product()
+        let others = (0..entries.len()).filter(|&j| j != i);
+        let factor = |j: usize| (t - entries[j].time) / (entries[i].time - entries[j].time);
+        others.map(factor).product()
     };
-    weighted(values, |i| {
-        let sum: f64 = points
+    let mut weights = [0.0; 4];
+    for (i, weight) in weights.iter_mut().enumerate().take(entries.len()) {
+        let parts = points
             .iter()
-            .map(|(at, weight)| weight * lagrange(i, low + h * at))
-            .sum();
-        h * sum / 18.0
-    })
+            .map(|(at, weight)| weight * lagrange(i, low + h * at));
+        *weight = h * parts.sum::<f64>() / 18.0;
+    }
+    weighted(entries, weights)
 }
 
-fn weighted(values: &[Four], weight: impl Fn(usize) -> f64) -> Four {
-    values.iter().enumerate().fold([0.0; 4], |sum, (i, value)| {
-        let w = weight(i);
-        add(sum, value.map(|v| w * v))
-    })
+fn weighted(entries: &[Entry], weights: [f64; 4]) -> Four {
+    let mut sum = [0.0; 4];
+    for (k, entry) in entries.iter().enumerate() {
+        let (w, [a, b, c, d]) = (weights[k], entry.powers);
+        sum = add(sum, [w * a, w * b, w * c, w * d]);
+    }
+    sum
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use std::f64::consts::{PI, TAU};
 
 use pinwheel_contact::{Complex, Epitrochoid};
 use pinwheel_faults::{Fault, armed};
+use pinwheel_scene::{largest_hole_play, largest_play};
 
 use crate::GearboxError;
 use crate::scene::Gear;
@@ -42,6 +43,10 @@ pub struct Geometry {
     pub hole_centres: Vec<Vec<Complex>>,
     /// Radii of the holes of every wheel, m.
     pub hole_radii_m: Vec<Vec<f64>>,
+    /// By how much a wheel can turn from the ideal mesh without touching, at most, rad.
+    pub(crate) play_rad: f64,
+    /// The same of the output in its holes, rad.
+    pub(crate) hole_play_rad: f64,
     lobes: f64,
 }
 
@@ -114,6 +119,8 @@ impl Geometry {
             hole_radii_m: (0..wheels)
                 .map(|i| (0..internal).map(|k| gear.hole_radius_of_m(i, k)).collect())
                 .collect(),
+            play_rad: largest_play(gear),
+            hole_play_rad: largest_hole_play(gear),
             lobes,
         })
     }

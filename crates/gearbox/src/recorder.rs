@@ -45,7 +45,10 @@ impl Recorder {
         Self {
             layout,
             time: Vec::with_capacity(samples),
-            columns: vec![Vec::with_capacity(samples); columns::HEAD.len() + sleeves],
+            // A clone of an empty column would have no room.
+            columns: (0..columns::HEAD.len() + sleeves)
+                .map(|_| Vec::with_capacity(samples))
+                .collect(),
             forces: vec![[0.0; 2]; sleeves],
             channels: Values::new(gearbox, samples),
         }
@@ -112,11 +115,12 @@ impl Recorder {
             .sum();
         self.time.push(t);
         let head = [driver_torque, output_torque, output.angle];
-        let values = head
-            .into_iter()
-            .chain(forces.iter().map(|&[fx, fy]| magnitude(fx, fy)));
-        for (column, value) in self.columns.iter_mut().zip(values) {
+        let (heads, sleeves) = self.columns.split_at_mut(head.len());
+        for (column, value) in heads.iter_mut().zip(head) {
             column.push(value);
+        }
+        for (column, &[fx, fy]) in sleeves.iter_mut().zip(forces) {
+            column.push(magnitude(fx, fy));
         }
     }
 

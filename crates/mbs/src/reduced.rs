@@ -41,6 +41,8 @@ pub struct Reduced<F> {
     /// Lumped moment of inertia of every body.
     inertia: Vec<f64>,
     free: Vec<BodyId>,
+    /// Bodies that nothing turns, and their start.
+    idle: Vec<(BodyId, BodyState)>,
     leaves: Vec<BodyId>,
     /// Of the free bodies.
     free_inertia: Vec<f64>,
@@ -144,6 +146,9 @@ impl<F: Forces> Reduced<F> {
         for carried in &carried {
             carrier_of[carried.body] = Some(carried.carrier);
         }
+        let idle = (0..n).filter(|&body| angles[body] == Angle::Idle);
+        let idle = idle.map(|body| (body, mechanism.bodies[body].start));
+        let idle = idle.collect();
         let moving: Vec<f64> = free.iter().map(|&body| inertia[body]).collect();
         Ok(Self {
             scales: None,
@@ -164,6 +169,7 @@ impl<F: Forces> Reduced<F> {
             carriers,
             inertia,
             free,
+            idle,
             loads: vec![Wrench::default(); n],
             moments: vec![0.0; n],
             turns: vec![(1.0, 0.0); n],
@@ -248,14 +254,14 @@ impl<F: Forces> Reduced<F> {
             let (s, c) = self.bodies[carrier].angle.sin_cos();
             self.turns[carrier] = (c, s);
         }
-        for carried in &self.carried {
-            let (c, s) = self.turns[carried.carrier];
-            let [ax, ay] = carried.arm;
+        for &Carried { body, carrier, arm } in &self.carried {
+            let (c, s) = self.turns[carrier];
+            let [ax, ay] = arm;
             let (rx, ry) = (c * ax - s * ay, s * ax + c * ay);
-            let base = self.bodies[carried.carrier];
-            let body = &mut self.bodies[carried.body];
-            (body.x, body.y) = (base.x + rx, base.y + ry);
-            (body.vx, body.vy) = (-base.rate * ry, base.rate * rx);
+            let BodyState { x, y, rate, .. } = self.bodies[carrier];
+            let body = &mut self.bodies[body];
+            (body.x, body.y) = (x + rx, y + ry);
+            (body.vx, body.vy) = (-rate * ry, rate * rx);
         }
     }
 
@@ -268,11 +274,8 @@ impl<F: Forces> Reduced<F> {
             return;
         }
         self.place(t, y);
-        for (body, angle) in self.angles.iter().enumerate() {
-            if *angle == Angle::Idle {
-                let start = self.mechanism.bodies[body].start;
-                self.bodies[body].angle = start.angle + start.rate * t;
-            }
+        for &(body, start) in &self.idle {
+            self.bodies[body].angle = start.angle + start.rate * t;
         }
         self.loads.fill(Wrench::default());
         self.evaluated.energy = self.forces.apply_held(t, &self.bodies, &mut self.loads);

@@ -159,6 +159,7 @@ impl Column {
         }
     }
 
+    #[inline(always)]
     fn clear(&mut self) {
         self.x.fill(0.0);
         self.y.fill(0.0);
@@ -250,9 +251,8 @@ impl Levers {
             unit.im.store(&mut self.units.y[from..]);
         }
         let (units, input) = (&self.units, self.units.at(0));
-        let wheels = self.wheels.iter_mut().zip(&self.eccentrics).zip(hubs);
-        for (k, ((wheel, &eccentric), body)) in wheels.enumerate() {
-            let centre = eccentric * input;
+        for (k, wheel) in self.wheels.iter_mut().enumerate() {
+            let centre = self.eccentrics[k] * input;
             let multiple = units.at(2 + n + k);
             let off = centre * multiple + Complex::new(self.eccentricity, 0.0);
             *wheel = Wheel {
@@ -260,7 +260,7 @@ impl Levers {
                 turn: units.at(2 + k),
                 mesh: off.scale(-1.0 / self.radius),
                 phase: multiple.conj(),
-                rate: body.rate,
+                rate: hubs[k].rate,
                 ..Wheel::default()
             };
         }
@@ -429,17 +429,22 @@ impl Levers {
     fn scatter(&self, loads: &mut [Wrench]) {
         let layout = &self.layout;
         let kinds = [layout.external_bodies(), layout.internal_bodies()];
-        for (forces, bodies) in self.forces.iter().zip(kinds) {
-            let count = bodies.len();
-            let loads = &mut loads[bodies];
-            for (x, y) in forces.x.chunks(count).zip(forces.y.chunks(count)) {
-                for ((load, x), y) in loads.iter_mut().zip(x).zip(y) {
-                    load.fx += x;
-                    load.fy += y;
+        // No zipped iterators: the compiler may leave them outside of the function that has the vector instructions.
+        for (kind, bodies) in kinds.iter().enumerate() {
+            let (forces, count) = (&self.forces[kind], bodies.len());
+            // The first sleeves stand again after the last.
+            for from in (0..forces.x.len()).step_by(count) {
+                let to = (from + count).min(forces.x.len());
+                let (x, y) = (&forces.x[from..to], &forces.y[from..to]);
+                let loads = &mut loads[bodies.start..][..x.len()];
+                for (j, load) in loads.iter_mut().enumerate() {
+                    load.fx += x[j];
+                    load.fy += y[j];
                 }
             }
         }
-        for (load, wheel) in loads[layout.wheel_bodies()].iter_mut().zip(&self.wheels) {
+        for (k, load) in loads[layout.wheel_bodies()].iter_mut().enumerate() {
+            let wheel = &self.wheels[k];
             load.fx += wheel.force.re;
             load.fy += wheel.force.im;
             load.moment += wheel.moment;

@@ -1,28 +1,8 @@
 //! What a multistep method remembers: equally spaced states, f there, and the remainder beside the linear part.
 
-use super::propagator::Linear;
+use std::collections::VecDeque;
 
-/// Backward differences become coefficients of powers: `s (s + 1) ... (s + j - 1)/j! = sum_k powers[j][k] s^k/k!`.
-const fn powers() -> [[f64; MOST]; MOST] {
-    let mut out = [[0.0; MOST]; MOST];
-    out[0][0] = 1.0;
-    let mut j = 1;
-    while j < MOST {
-        // Times (s + j - 1)/j; s times s^k/k! is (k + 1) s^(k+1)/(k+1)!.
-        let mut k = 0;
-        while k < j {
-            out[j][k] += out[j - 1][k] * (j - 1) as f64 / j as f64;
-            out[j][k + 1] += out[j - 1][k] * (k + 1) as f64 / j as f64;
-            k += 1;
-        }
-        j += 1;
-    }
-    out
-}
-
-/// Differences at most.
-pub(super) const MOST: usize = 9;
-pub(super) const POWERS: [[f64; MOST]; MOST] = powers();
+use super::propagator::{Linear, POWERS};
 
 /// The straight line that states are measured from: `x = y - origin - rate (t - time)`.
 ///
@@ -57,7 +37,6 @@ impl Line {
     }
 
     /// x of y.
-    #[inline]
     pub(super) fn measure(&self, time: f64, y: &[f64], x: &mut [f64]) {
         for (k, (x, y)) in x.iter_mut().zip(y).enumerate() {
             *x = y - self.at(k, time);
@@ -65,7 +44,6 @@ impl Line {
     }
 
     /// y of x, in place.
-    #[inline]
     pub(super) fn restore(&self, time: f64, x: &mut [f64]) {
         for (k, x) in x.iter_mut().enumerate() {
             *x += self.at(k, time);
@@ -84,13 +62,27 @@ pub(super) struct Point {
     pub(super) g: Vec<f64>,
 }
 
+impl Point {
+    /// The remainder beside L x.
+    pub(super) fn set_remainder(&mut self, product: &[f64]) {
+        for (g, (f, product)) in self.g.iter_mut().zip(self.f.iter().zip(product)) {
+            *g = f - product;
+        }
+    }
+}
+
 /// Points at the distance of the step, the newest first.
 #[derive(Debug, Clone)]
 pub(super) struct History {
-    pub(super) points: Vec<Point>,
+    pub(super) points: VecDeque<Point>,
     /// How many of them hold something.
-    pub(super) known: usize,
-    /// Backward differences of the remainder at the newest point, of rising order, one after the other.
+    pub(super) count: usize,
+    /// Length of x.
+    dimension: usize,
+    /// Of the remainder.
+    width: usize,
+    /// x, written where it is needed, then backward differences of the remainder at the newest point, of rising order, one
+    /// after the other.
     differences: Vec<f64>,
     /// How many of them are those of the points.
     differed: usize,
@@ -107,9 +99,11 @@ impl History {
             g: vec![0.0; count],
         };
         Self {
-            points: vec![point; points],
-            known: 0,
-            differences: vec![0.0; count * differences],
+            points: vec![point; points].into(),
+            count: 0,
+            dimension: n,
+            width: count,
+            differences: vec![0.0; n + count * differences],
             differed: 0,
             before: 0,
         }
@@ -123,8 +117,8 @@ impl History {
     /// Room for a new point before the others; the oldest is forgotten.
     pub(super) fn push(&mut self) -> &mut Point {
         (self.differed, self.before) = (0, self.differed);
+        self.count = (self.count + 1).min(self.points.len());
         self.points.rotate_right(1);
-        self.known = (self.known + 1).min(self.points.len());
         &mut self.points[0]
     }
 
@@ -132,38 +126,39 @@ impl History {
     pub(super) fn pop(&mut self) {
         self.change();
         self.points.rotate_left(1);
-        self.known -= 1;
+        self.count -= 1;
     }
 
     /// Every other point: the step doubles.
     pub(super) fn thin(&mut self) {
         self.change();
-        self.known = self.known.div_ceil(2);
-        for k in 1..self.known {
+        self.count = self.count.div_ceil(2);
+        for k in 1..self.count {
             self.points.swap(k, 2 * k);
         }
     }
 
     /// Differences of orders below `count`, which so many points give.
-    #[inline]
     pub(super) fn differ(&mut self, count: usize) {
         if self.differed >= count {
             return;
         }
-        let width = self.points[0].g.len();
         // Those of the oldest point that counts, then one point after the other.
         let first = if self.before + 1 >= count {
             0
         } else {
             count - 1
         };
-        for (known, point) in self.points[..=first].iter().rev().enumerate() {
-            let orders = if first == 0 { count } else { known + 1 };
-            for (c, g) in point.g.iter().enumerate() {
-                let mut difference = *g;
-                for kept in self.differences[c..].iter_mut().step_by(width).take(orders) {
-                    let older = std::mem::replace(kept, difference);
+        let (width, differences) = (self.width, &mut self.differences[self.dimension..]);
+        for k in (0..=first).rev() {
+            let orders = if first == 0 { count } else { first - k + 1 };
+            for (c, g) in self.points[k].g.iter().enumerate() {
+                let (mut difference, mut at) = (*g, c);
+                for _ in 0..orders {
+                    let older = differences[at];
+                    differences[at] = difference;
                     difference -= older;
+                    at += width;
                 }
             }
         }
@@ -173,18 +168,30 @@ impl History {
     /// The difference of an order that is there.
     #[inline]
     pub(super) fn difference(&self, order: usize) -> &[f64] {
-        let width = self.points[0].g.len();
-        &self.differences[order * width..(order + 1) * width]
+        &self.differences[self.dimension + order * self.width..][..self.width]
+    }
+
+    /// Room for x.
+    #[inline]
+    pub(super) fn x_mut(&mut self) -> &mut [f64] {
+        &mut self.differences[..self.dimension]
+    }
+
+    /// x as it was written, and the first `count` differences.
+    #[inline]
+    pub(super) fn known(&self, count: usize) -> &[f64] {
+        &self.differences[..self.dimension + count * self.width]
     }
 
     /// Coefficients b_k of the polynomial through the first `count` points, whose differences are there: one after the
     /// other in `out`.
-    #[inline]
     pub(super) fn coefficients(&self, count: usize, out: &mut [f64]) {
-        let width = self.points[0].g.len();
+        let width = self.width;
         for (k, out) in out.chunks_exact_mut(width).take(count).enumerate() {
             out.fill(0.0);
-            let rows = self.differences.chunks_exact(width).enumerate();
+            let rows = self.differences[self.dimension..]
+                .chunks_exact(width)
+                .enumerate();
             for (j, row) in rows.take(count).skip(k) {
                 let weight = POWERS[j][k];
                 for (out, d) in out.iter_mut().zip(row) {

@@ -19,11 +19,13 @@
 //! sample takes anyway, so that both cost one. The sample is then the predicted state, unless it is too far off. Steps change
 //! by factors of two (and to whatever an uneven distance to the next sample asks for), so that all processors take the same.
 
+mod columns;
 mod history;
 mod propagator;
 
-use self::history::{History, Line, POWERS, shift};
-use self::propagator::{Linear, Propagator, dot};
+use self::columns::Columns;
+use self::history::{History, Line, shift};
+use self::propagator::{Linear, Propagator};
 use super::dopri5::{Dense, Dopri5};
 use super::{MethodInfo, StepCounts, StepError, Stepper, short_step};
 use crate::OdeSystem;
@@ -79,10 +81,10 @@ const SAME: f64 = 1e-9;
 /// A step's matrices.
 #[derive(Debug, Clone)]
 struct Step {
+    /// Of x and of differences.
     propagator: Propagator,
-    /// By order: h Gamma_K and h (Gamma_K+1 - Gamma_K), states by remainders.
-    corrections: [Vec<f64>; 2],
-    errors: [Vec<f64>; 2],
+    /// By order: h (Gamma_K+1 - Gamma_K), states by remainders.
+    errors: [Columns; 2],
 }
 
 /// What exists once the system has told its Jacobian.
@@ -102,6 +104,8 @@ struct Multistep {
     /// x, then coefficients of the remainder.
     known: Vec<f64>,
     x: Vec<f64>,
+    /// L x.
+    product: Vec<f64>,
 }
 
 impl Multistep {
@@ -109,11 +113,10 @@ impl Multistep {
         let (structure, n) = (system.structure(), system.dimension());
         let linear = Linear::new(&structure, n);
         let count = linear.remainders();
-        let matrix = vec![0.0; n * count];
+        let error = Columns::zero(n, count);
         let step = Step {
             propagator: Propagator::new(&linear, TERMS),
-            corrections: [matrix.clone(), matrix.clone()],
-            errors: [matrix.clone(), matrix],
+            errors: [error.clone(), error],
         };
         Self {
             jacobian,
@@ -125,6 +128,7 @@ impl Multistep {
             between: Propagator::new(&linear, TERMS),
             known: vec![0.0; n + TERMS * count],
             x: vec![0.0; n],
+            product: vec![0.0; count],
             linear,
         }
     }
@@ -132,17 +136,12 @@ impl Multistep {
     /// The remainders of all points, the newest of which is at `time`, beside the present linear part.
     fn set_remainders(&mut self, time: f64, h: f64) {
         self.history.change();
-        for k in 0..self.history.known {
-            self.set_remainder(k, time - k as f64 * h);
-        }
-    }
-
-    /// The remainder of one point, whose differences are not taken yet.
-    fn set_remainder(&mut self, k: usize, time: f64) {
-        let point = &mut self.history.points[k];
-        self.line.measure(time, &point.y, &mut self.x);
-        for (i, (g, f)) in point.g.iter_mut().zip(&point.f).enumerate() {
-            *g = f - self.linear.product(i, &self.x);
+        for k in 0..self.history.count {
+            let point = &mut self.history.points[k];
+            self.line
+                .measure(time - k as f64 * h, &point.y, &mut self.x);
+            self.linear.product(&self.x, &mut self.product);
+            point.set_remainder(&self.product);
         }
     }
 
@@ -168,20 +167,10 @@ impl Multistep {
         self.last_built = (self.last_built + 1) % KEPT;
         let step = &mut self.steps[self.last_built];
         step.propagator.build(&self.linear, h, h);
-        for (which, &order) in ORDERS.iter().enumerate() {
-            let (correction, error) = (&mut step.corrections[which], &mut step.errors[which]);
-            correction.fill(0.0);
-            error.fill(0.0);
-            for (k, (this, next)) in POWERS[order]
-                .iter()
-                .zip(&POWERS[order + 1])
-                .enumerate()
-                .take(order + 2)
-            {
-                step.propagator.add_term(&self.linear, k, *this, correction);
-                step.propagator
-                    .add_term(&self.linear, k, next - this, error);
-            }
+        step.propagator.take_differences(&self.linear);
+        for (&order, error) in ORDERS.iter().zip(&mut step.errors) {
+            step.propagator
+                .difference_of_terms(&self.linear, order, error);
         }
         self.last_built
     }
@@ -197,11 +186,11 @@ impl Multistep {
 
     /// The state a time `tau` from `time`, where it is `y`, by the remainder of the points that are known.
     fn state_at(&mut self, time: f64, y: &[f64], h: f64, tau: f64, out: &mut [f64]) {
-        let count = self.history.known.min(TERMS);
+        let count = self.history.count.min(TERMS);
         self.history.differ(count);
         let used = self.know(time, y, count);
         self.between.build(&self.linear, tau, h);
-        self.between.advance(&self.linear, &self.known[..used], out);
+        self.between.advance(&self.known[..used], out);
         self.line.restore(time + tau, out);
     }
 
@@ -209,32 +198,25 @@ impl Multistep {
     /// the states are those that it leads to, back from `y` at `time`.
     fn respace(&mut self, time: f64, y: &[f64], h: f64, to: f64) {
         let (n, width) = (self.linear.dimension, self.linear.remainders());
-        let count = self.history.known.min(TERMS);
+        let count = self.history.count.min(TERMS);
         self.history.differ(count);
         let used = self.know(time, y, count);
         self.between.build(&self.linear, -to, h);
         for k in 1..count.min(HIGHEST + 1) {
-            self.between
-                .advance(&self.linear, &self.known[..used], &mut self.x);
+            self.between.advance(&self.known[..used], &mut self.x);
             self.known[..n].copy_from_slice(&self.x);
             shift(&mut self.known[n..used], width, -to / h);
             let point = &mut self.history.points[k];
             point.g.copy_from_slice(&self.known[n..n + width]);
-            for (i, f) in point.f.iter_mut().enumerate() {
-                *f = point.g[i] + self.linear.product(i, &self.x);
+            self.linear.product(&self.x, &mut point.f);
+            for (f, g) in point.f.iter_mut().zip(&point.g) {
+                *f += g;
             }
             point.y.copy_from_slice(&self.x);
             self.line.restore(time - k as f64 * to, &mut point.y);
         }
         self.history.change();
-        self.history.known = count.min(HIGHEST + 1);
-    }
-}
-
-/// out = matrix d, of states by remainders.
-fn transform(matrix: &[f64], d: &[f64], out: &mut [f64]) {
-    for (row, out) in matrix.chunks_exact(d.len()).zip(out) {
-        *out = dot(row, d);
+        self.history.count = count.min(HIGHEST + 1);
     }
 }
 
@@ -403,7 +385,7 @@ impl EtdAdams {
             point.f.copy_from_slice(&self.f[first..]);
         }
         self.counts.evaluations += order as u64 + 1;
-        multistep.history.known = order + 1;
+        multistep.history.count = order + 1;
         multistep.renew(self.time, h, &self.y);
         (self.h, self.wanted, self.explicit) = (h, h, explicit);
         (self.taken, self.since_look, self.which) = (0, 0, 0);
@@ -412,7 +394,7 @@ impl EtdAdams {
 
     /// The step to take, s: the wanted one, or what divides the way to the next time asked for.
     fn fitting(&self, multistep: &Multistep) -> f64 {
-        let room = multistep.history.known > 2 * ORDERS[self.which];
+        let room = multistep.history.count > 2 * ORDERS[self.which];
         let largest = if self.wanted > self.h && !room {
             self.h
         } else {
@@ -458,6 +440,21 @@ impl EtdAdams {
         }
     }
 
+    /// Turns scales into weights.
+    fn weigh(&mut self) {
+        for scale in &mut self.weights {
+            *scale = (self.tolerance * *scale).recip();
+        }
+    }
+
+    /// From the state seen to that one with the change `f`.
+    fn change(&mut self) {
+        for ((y, seen), change) in self.y.iter_mut().zip(&self.seen).zip(&self.f) {
+            *y = seen + change;
+        }
+        self.shown = self.norm() <= SHOWN;
+    }
+
     /// RMS of `f`, an error by component, in tolerances.
     fn norm(&self) -> f64 {
         let square = |(e, weight): (&f64, &f64)| (e * weight) * (e * weight);
@@ -501,7 +498,7 @@ impl EtdAdams {
         } else if h < self.h {
             multistep.respace(self.time, &self.y, self.h, h);
         }
-        if multistep.history.known <= ORDERS[self.which] {
+        if multistep.history.count <= ORDERS[self.which] {
             self.which = 0;
         }
         self.h = h;
@@ -516,32 +513,39 @@ impl EtdAdams {
         let end = if lands { self.aim } else { self.time + h };
         let matrices = multistep.matrices(h);
         multistep.history.differ(order);
-        let used = multistep.know(self.time, &self.y, order);
-        let (linear, step) = (&multistep.linear, &multistep.steps[matrices]);
-        step.propagator
-            .advance(linear, &multistep.known[..used], &mut self.seen);
-        multistep.line.restore(end, &mut self.seen);
+        let Multistep {
+            linear,
+            line,
+            history,
+            steps,
+            x,
+            product,
+            ..
+        } = multistep;
+        let step = &steps[matrices];
+        line.measure(self.time, &self.y, history.x_mut());
+        step.propagator.advance(history.known(order), x);
+        linear.product(x, product);
+        self.seen.copy_from_slice(x);
+        line.restore(end, &mut self.seen);
         if lands {
             system.derivative_to_observe(end, &self.seen, &mut self.f);
         } else {
             system.derivative(end, &self.seen, &mut self.f);
         }
         self.counts.evaluations += 1;
-        let point = multistep.history.push();
+        let point = history.push();
         point.y.copy_from_slice(&self.seen);
         point.f.copy_from_slice(&self.f[linear.first..]);
-        multistep.set_remainder(0, end);
-        let known = multistep.history.known;
-        multistep.history.differ(known.min(TERMS));
-        let (step, history) = (&multistep.steps[matrices], &multistep.history);
+        point.set_remainder(product);
+        let known = history.count;
+        history.differ(known.min(TERMS));
         system.scale(&self.seen, &mut self.weights);
-        for scale in &mut self.weights {
-            *scale = (self.tolerance * *scale).recip();
-        }
+        self.weigh();
         let errors: [f64; 2] = std::array::from_fn(|k| {
             let order = ORDERS[k];
             if order + 1 < known {
-                transform(&step.errors[k], history.difference(order + 1), &mut self.f);
+                step.errors[k].multiply(0, history.difference(order + 1), &mut self.f);
                 self.norm()
             } else {
                 f64::INFINITY
@@ -550,19 +554,13 @@ impl EtdAdams {
         let error = errors[which];
         if error > REJECT {
             self.counts.rejected += 1;
-            multistep.history.pop();
+            history.pop();
             (self.wanted, self.which) = (0.5 * h, 0);
             return error.is_infinite().then_some(false);
         }
-        transform(
-            &step.corrections[which],
-            history.difference(order),
-            &mut self.f,
-        );
-        for ((y, seen), change) in self.y.iter_mut().zip(&self.seen).zip(&self.f) {
-            *y = seen + change;
-        }
-        self.shown = self.norm() <= SHOWN;
+        let change = history.difference(order);
+        step.propagator.term(linear, order, change, &mut self.f);
+        self.change();
         self.time = end;
         self.taken += 1;
         self.counts.steps += 1;
@@ -570,7 +568,7 @@ impl EtdAdams {
         self.which = usize::from(errors[1] < errors[0]);
         let error = errors[self.which];
         let gain = 2.0_f64.powi(ORDERS[self.which] as i32 + 2);
-        let may_grow = 2.0 * h * multistep.linear.size <= TURNS;
+        let may_grow = 2.0 * h * linear.size <= TURNS;
         self.wanted = if error > HALVE {
             0.5 * h
         } else if may_grow && error * gain < GROW {

@@ -3,17 +3,40 @@
 //! ```text
 //! x' = L x + g(t),    g(t + s h) = sum_k b_k s^k/k!
 //! x(t + tau) = phi_0(tau L) x + tau sum_k (tau/h)^k phi_k+1(tau L) b_k,
-//! phi_k(A) = sum_i A^i/(i + k)!,    phi_k = A phi_k+1 + I/k!
+//! phi_k(A) = sum_i A^i/(i + k)!,    phi_k = phi_k+1 A + I/k!
 //! ```
 //! The highest phi is a Taylor sum in Horner's form, the others follow by the recurrence [Hochbruck & Ostermann 2010, 2.1].
 //! Steps with |tau| |L| up to 3 or so lose no digits, and methods take no longer ones.
 
+use super::columns::Columns;
 use crate::jacobian::{Jacobian, Structure};
 
 /// Taylor sums end where the next term is below this share of the first.
 const ROUNDING: f64 = 1e-17;
 /// And after so many terms at the latest.
 const MOST_TERMS: usize = 60;
+
+/// Backward differences become coefficients of powers: `s (s + 1) ... (s + j - 1)/j! = sum_k powers[j][k] s^k/k!`.
+const fn powers() -> [[f64; MOST]; MOST] {
+    let mut out = [[0.0; MOST]; MOST];
+    out[0][0] = 1.0;
+    let mut j = 1;
+    while j < MOST {
+        // Times (s + j - 1)/j; s times s^k/k! is (k + 1) s^(k+1)/(k+1)!.
+        let mut k = 0;
+        while k < j {
+            out[j][k] += out[j - 1][k] * (j - 1) as f64 / j as f64;
+            out[j][k + 1] += out[j - 1][k] * (k + 1) as f64 / j as f64;
+            k += 1;
+        }
+        j += 1;
+    }
+    out
+}
+
+/// Differences at most.
+pub(super) const MOST: usize = 9;
+pub(super) const POWERS: [[f64; MOST]; MOST] = powers();
 
 /// L, of systems of second order with the unit matrix in the first rows, which have no remainder g.
 #[derive(Debug, Clone)]
@@ -23,7 +46,7 @@ pub(super) struct Linear {
     /// First row with a remainder.
     pub(super) first: usize,
     /// Rows from the first on.
-    rows: Vec<f64>,
+    rows: Columns,
     /// Bound of |L| in units in which positions and rates are alike, 1/s.
     pub(super) size: f64,
 }
@@ -37,7 +60,7 @@ impl Linear {
         Self {
             dimension,
             first,
-            rows: vec![0.0; dimension * (dimension - first)],
+            rows: Columns::zero(dimension - first, dimension),
             size: 0.0,
         }
     }
@@ -48,18 +71,21 @@ impl Linear {
     }
 
     pub(super) fn read(&mut self, jacobian: &Jacobian) {
-        let (first, count) = (self.first, self.remainders());
+        let first = self.first;
         let (mut stiffest, mut quickest): (f64, f64) = (0.0, 0.0);
-        for (i, row) in self.rows.chunks_exact_mut(self.dimension).enumerate() {
-            let (positions, rates) = row.split_at_mut(first);
-            for (j, entry) in positions.iter_mut().enumerate() {
-                *entry = jacobian.position().map_or(0.0, |k| k.entry(i, j));
+        for i in 0..self.remainders() {
+            let (mut stiff, mut quick) = (0.0, 0.0);
+            for j in 0..self.dimension {
+                let (sum, value) = match (j.checked_sub(first), jacobian.position()) {
+                    (Some(j), _) => (&mut quick, jacobian.rate().entry(i, j)),
+                    (None, Some(position)) => (&mut stiff, position.entry(i, j)),
+                    (None, None) => (&mut stiff, 0.0),
+                };
+                *sum += value.abs();
+                *self.rows.entry_mut(i, j) = value;
             }
-            for (j, entry) in rates.iter_mut().enumerate().take(count) {
-                *entry = jacobian.rate().entry(i, j);
-            }
-            stiffest = stiffest.max(positions.iter().map(|x| x.abs()).sum());
-            quickest = quickest.max(rates.iter().map(|x| x.abs()).sum());
+            stiffest = stiffest.max(stiff);
+            quickest = quickest.max(quick);
         }
         self.size = stiffest.sqrt() + quickest;
     }
@@ -67,8 +93,8 @@ impl Linear {
     /// Largest difference of two, as a share of the larger one's entries, positions and rates apart.
     pub(super) fn distance(&self, other: &Self) -> f64 {
         let (mut moved, mut largest) = ([0.0_f64; 2], [0.0_f64; 2]);
-        for (k, (a, b)) in self.rows.iter().zip(&other.rows).enumerate() {
-            let kind = usize::from(k % self.dimension >= self.first);
+        for (column, a, b) in self.rows.pairs(&other.rows) {
+            let kind = usize::from(column >= self.first);
             moved[kind] = moved[kind].max((a - b).abs());
             largest[kind] = largest[kind].max(a.abs()).max(b.abs());
         }
@@ -77,42 +103,30 @@ impl Linear {
         rates.max(moved[0] / largest[0].max(f64::MIN_POSITIVE))
     }
 
-    /// Row `i` of L x, of those with a remainder.
-    #[inline]
-    pub(super) fn product(&self, i: usize, x: &[f64]) -> f64 {
-        let n = self.dimension;
-        dot(&self.rows[i * n..(i + 1) * n], x)
+    /// L x, rows with a remainder.
+    pub(super) fn product(&self, x: &[f64], out: &mut [f64]) {
+        self.rows.multiply(0, x, out);
     }
 
-    /// out = factor L x + diagonal, of square matrices.
-    fn multiply(&self, factor: f64, x: &[f64], diagonal: f64, out: &mut [f64]) {
-        let n = self.dimension;
-        for (i, out) in out.chunks_exact_mut(n).enumerate() {
-            match i.checked_sub(self.first) {
-                // q' = v.
-                None => {
-                    let row = &x[(self.first + i) * n..(self.first + i + 1) * n];
-                    for (out, x) in out.iter_mut().zip(row) {
-                        *out = factor * x;
-                    }
-                }
-                Some(i) => {
-                    out.fill(0.0);
-                    for (l, x) in self.rows[i * n..(i + 1) * n].iter().zip(x.chunks_exact(n)) {
-                        let l = factor * l;
-                        for (out, x) in out.iter_mut().zip(x) {
-                            *out += l * x;
-                        }
-                    }
-                }
+    /// Its columns by a factor, rows with a remainder, one after the other.
+    fn write_scaled(&self, factor: f64, out: &mut [f64]) {
+        for (j, column) in out.chunks_exact_mut(self.remainders()).enumerate() {
+            for (i, out) in column.iter_mut().enumerate() {
+                *out = factor * self.rows.entry(i, j);
             }
-            out[i] += diagonal;
         }
     }
-}
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    /// out = factor x L + diagonal, of square matrices; `scaled` is L by the factor.
+    fn multiply(&self, factor: f64, scaled: &[f64], x: &Columns, diagonal: f64, out: &mut Columns) {
+        for (j, weights) in scaled.chunks_exact(self.remainders()).enumerate() {
+            // q' = v.
+            let rate = j.checked_sub(self.first).filter(|_| self.first > 0);
+            let one = rate.map(|k| (k, factor));
+            out.set_sum(j, x, one, self.first, weights);
+            *out.entry_mut(j, j) += diagonal;
+        }
+    }
 }
 
 /// What a time `tau` makes of a state and of a polynomial remainder.
@@ -121,34 +135,33 @@ pub(super) struct Propagator {
     /// s; NaN: none.
     pub(super) tau: f64,
     /// Coefficients of the remainder, b_0 and so on.
-    pub(super) terms: usize,
-    /// By row: what multiplies x, then what multiplies b_0, b_1 and so on.
-    rows: Vec<f64>,
+    terms: usize,
+    /// What multiplies x, then what multiplies b_0, b_1 and so on.
+    matrix: Columns,
     /// phi_k+1 and phi_k: scratch.
-    above: Vec<f64>,
-    here: Vec<f64>,
+    above: Columns,
+    here: Columns,
+    /// tau L: scratch.
+    scaled: Vec<f64>,
 }
 
 impl Propagator {
     pub(super) fn new(linear: &Linear, terms: usize) -> Self {
         let n = linear.dimension;
+        let square = Columns::zero(n, n);
         Self {
             tau: f64::NAN,
             terms,
-            rows: vec![0.0; n * (n + terms * linear.remainders())],
-            above: vec![0.0; n * n],
-            here: vec![0.0; n * n],
+            matrix: Columns::zero(n, n + terms * linear.remainders()),
+            above: square.clone(),
+            here: square,
+            scaled: vec![0.0; n * linear.remainders()],
         }
-    }
-
-    fn width(&self, linear: &Linear) -> usize {
-        linear.dimension + self.terms * linear.remainders()
     }
 
     /// Becomes that of `tau`, for polynomials in the time over `unit`.
     pub(super) fn build(&mut self, linear: &Linear, tau: f64, unit: f64) {
         let (n, first, count) = (linear.dimension, linear.first, linear.remainders());
-        let width = self.width(linear);
         // 1/(i + terms)!, until |tau L|^i of them is nothing beside the first.
         let mut inverse = [0.0; MOST_TERMS];
         inverse[0] = (1..=self.terms).fold(1.0, |f, k| f / k as f64);
@@ -158,57 +171,61 @@ impl Propagator {
             size *= linear.size * tau.abs() / (used + self.terms) as f64;
             used += 1;
         }
+        linear.write_scaled(tau, &mut self.scaled);
         self.above.fill(0.0);
         for i in 0..n {
-            self.above[i * n + i] = inverse[used - 1];
+            *self.above.entry_mut(i, i) = inverse[used - 1];
         }
         for &diagonal in inverse[..used - 1].iter().rev() {
-            linear.multiply(tau, &self.above, diagonal, &mut self.here);
+            linear.multiply(tau, &self.scaled, &self.above, diagonal, &mut self.here);
             std::mem::swap(&mut self.above, &mut self.here);
         }
         let mut factorial = (1..self.terms).fold(1.0, |f, k| f / k as f64);
         for k in (0..self.terms).rev() {
             // `above` is phi_k+1.
             let weight = tau * (tau / unit).powi(k as i32);
-            let at = n + k * count;
-            for i in 0..n {
-                let from = &self.above[i * n + first..(i + 1) * n];
-                let to = &mut self.rows[i * width + at..][..count];
-                for (to, from) in to.iter_mut().zip(from) {
-                    *to = weight * from;
-                }
+            for c in 0..count {
+                let to = n + k * count + c;
+                self.matrix.set_scaled(to, weight, &self.above, first + c);
             }
-            linear.multiply(tau, &self.above, factorial, &mut self.here);
+            linear.multiply(tau, &self.scaled, &self.above, factorial, &mut self.here);
             std::mem::swap(&mut self.above, &mut self.here);
             factorial *= k as f64;
         }
         for i in 0..n {
-            self.rows[i * width..][..n].copy_from_slice(&self.above[i * n..(i + 1) * n]);
+            self.matrix.set_scaled(i, 1.0, &self.above, i);
         }
         self.tau = tau;
     }
 
-    /// The state `tau` later: `known` holds x and then as many coefficients of the remainder as there are.
-    #[inline]
-    pub(super) fn advance(&self, linear: &Linear, known: &[f64], x: &mut [f64]) {
-        let width = self.width(linear);
-        for (row, x) in self.rows.chunks_exact(width).zip(x) {
-            *x = dot(row, known);
+    /// From now on it is not the coefficients b_k that are known but backward differences at the distance of the unit:
+    /// what multiplies the j-th of them is h Gamma_j.
+    pub(super) fn take_differences(&mut self, linear: &Linear) {
+        let (n, count) = (linear.dimension, linear.remainders());
+        for j in (1..self.terms).rev() {
+            for c in 0..count {
+                let to = n + j * count + c;
+                self.matrix.combine(to, &POWERS[j][..=j], n + c, count);
+            }
         }
     }
 
-    /// Adds to a matrix of states by remainders: `factor` times what b_k does.
-    pub(super) fn add_term(&self, linear: &Linear, k: usize, factor: f64, out: &mut [f64]) {
-        let (width, count) = (self.width(linear), linear.remainders());
-        let at = linear.dimension + k * count;
-        for (row, out) in self
-            .rows
-            .chunks_exact(width)
-            .zip(out.chunks_exact_mut(count))
-        {
-            for (out, x) in out.iter_mut().zip(&row[at..at + count]) {
-                *out += factor * x;
-            }
+    /// The state `tau` later: `known` holds x and then as many of what is known of the remainder as there are.
+    pub(super) fn advance(&self, known: &[f64], x: &mut [f64]) {
+        self.matrix.multiply(0, known, x);
+    }
+
+    /// What the k-th term alone does.
+    pub(super) fn term(&self, linear: &Linear, k: usize, d: &[f64], out: &mut [f64]) {
+        self.matrix.multiply(linear.dimension + k * d.len(), d, out);
+    }
+
+    /// out = what the term after the k-th does, less what the k-th does.
+    pub(super) fn difference_of_terms(&self, linear: &Linear, k: usize, out: &mut Columns) {
+        let (n, count) = (linear.dimension, linear.remainders());
+        for c in 0..count {
+            let at = n + k * count + c;
+            out.set_sum(c, &self.matrix, Some((at + count, 1.0)), at, &[-1.0]);
         }
     }
 }

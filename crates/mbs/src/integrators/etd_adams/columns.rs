@@ -1,0 +1,139 @@
+//! Small dense matrices by columns: products with vectors as sums of columns.
+
+/// Rows summed side by side. Each row's sum takes its columns in order, so that all processors round alike.
+const ROWS: usize = 8;
+
+/// A matrix; rows are padded to blocks of [`ROWS`].
+#[derive(Debug, Clone)]
+pub(super) struct Columns {
+    columns: usize,
+    /// Block by block, the columns of each one after the other.
+    entries: Vec<[f64; ROWS]>,
+}
+
+impl Columns {
+    pub(super) fn zero(rows: usize, columns: usize) -> Self {
+        Self {
+            columns,
+            entries: vec![[0.0; ROWS]; rows.div_ceil(ROWS) * columns],
+        }
+    }
+
+    pub(super) fn fill(&mut self, value: f64) {
+        for block in &mut self.entries {
+            *block = [value; ROWS];
+        }
+    }
+
+    #[inline]
+    pub(super) fn entry(&self, row: usize, column: usize) -> f64 {
+        self.entries[row / ROWS * self.columns + column][row % ROWS]
+    }
+
+    #[inline]
+    pub(super) fn entry_mut(&mut self, row: usize, column: usize) -> &mut f64 {
+        &mut self.entries[row / ROWS * self.columns + column][row % ROWS]
+    }
+
+    /// Every entry with that of another matrix of this size, and its column.
+    pub(super) fn pairs<'a>(
+        &'a self,
+        other: &'a Self,
+    ) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
+        let blocks = self.entries.iter().zip(&other.entries).enumerate();
+        blocks.flat_map(move |(k, (a, b))| {
+            let both = a.iter().zip(b);
+            both.map(move |(&a, &b)| (k % self.columns, a, b))
+        })
+    }
+
+    /// out = the columns from `first` on, as many as x has entries, times x.
+    pub(super) fn multiply(&self, first: usize, x: &[f64], out: &mut [f64]) {
+        let blocks = self.entries.chunks_exact(self.columns);
+        for (block, out) in blocks.zip(out.chunks_mut(ROWS)) {
+            let mut sums = [0.0; ROWS];
+            for (column, x) in block[first..].iter().zip(x) {
+                add(&mut sums, *x, column);
+            }
+            out.copy_from_slice(&sums[..out.len()]);
+        }
+    }
+
+    /// Column `to` = factor times column `from` of another matrix of as many rows.
+    pub(super) fn set_scaled(&mut self, to: usize, factor: f64, other: &Self, from: usize) {
+        let blocks = self.entries.chunks_exact_mut(self.columns);
+        for (block, other) in blocks.zip(other.entries.chunks_exact(other.columns)) {
+            let mut scaled = [0.0; ROWS];
+            add(&mut scaled, factor, &other[from]);
+            block[to] = scaled;
+        }
+    }
+
+    /// Column `to` = what one of the columns of another matrix of as many rows gives by its factor, if any, and the sum of
+    /// the columns from `first` on by their weights.
+    pub(super) fn set_sum(
+        &mut self,
+        to: usize,
+        other: &Self,
+        one: Option<(usize, f64)>,
+        first: usize,
+        weights: &[f64],
+    ) {
+        let blocks = self.entries.chunks_exact_mut(self.columns);
+        for (block, other) in blocks.zip(other.entries.chunks_exact(other.columns)) {
+            let mut sums = [0.0; ROWS];
+            if let Some((column, factor)) = one {
+                add(&mut sums, factor, &other[column]);
+            }
+            for (column, weight) in other[first..].iter().zip(weights) {
+                add(&mut sums, *weight, column);
+            }
+            block[to] = sums;
+        }
+    }
+
+    /// Column `to` = sum of weights[k] times the columns from `from` on at a distance of `step`.
+    pub(super) fn combine(&mut self, to: usize, weights: &[f64], from: usize, step: usize) {
+        for block in self.entries.chunks_exact_mut(self.columns) {
+            let mut sums = [0.0; ROWS];
+            for (column, weight) in block[from..].iter().step_by(step).zip(weights) {
+                add(&mut sums, *weight, column);
+            }
+            block[to] = sums;
+        }
+    }
+}
+
+/// sums += x column.
+#[inline]
+fn add(sums: &mut [f64; ROWS], x: f64, column: &[f64; ROWS]) {
+    for (sum, entry) in sums.iter_mut().zip(column) {
+        *sum += x * entry;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// More rows than a block has: the product is that by rows, bit by bit.
+    #[test]
+    fn products_are_those_by_rows() {
+        let (rows, columns) = (ROWS + 3, 7);
+        let mut matrix = Columns::zero(rows, columns);
+        let number = |k: usize| (1.7 * k as f64).sin();
+        for i in 0..rows {
+            for j in 0..columns {
+                *matrix.entry_mut(i, j) = number(i * columns + j);
+            }
+        }
+        let x: Vec<f64> = (0..4).map(|k| number(100 + k)).collect();
+        let mut out = vec![0.0; rows];
+        matrix.multiply(2, &x, &mut out);
+        for (i, out) in out.iter().enumerate() {
+            let terms = x.iter().enumerate();
+            let sum = terms.fold(0.0, |sum, (j, x)| sum + x * number(i * columns + 2 + j));
+            assert_eq!(*out, sum, "row {i}");
+        }
+    }
+}
