@@ -111,6 +111,9 @@ pub(super) fn banner(comparison: &Comparison) -> Banner {
             format!("{n} limits")
         }
     };
+    // An engine that cannot run a scene says so beforehand; that is no finding.
+    let engines = || comparison.engines.iter();
+    let broken = engines().filter(|e| e.status.is_broken()).count();
     let differing = counts.differ + counts.model_beyond;
     let (class, sign, headline) = if differing > 0 {
         let all = differing + counts.exceeded;
@@ -127,8 +130,8 @@ pub(super) fn banner(comparison: &Comparison) -> Banner {
             "\u{2715}",
             format!("{} of {checked} exceeded", counts.exceeded),
         )
-    } else if comparison.unfinished > 0 {
-        let (count, runs) = match comparison.unfinished {
+    } else if broken > 0 {
+        let (count, runs) = match broken {
             1 => ("1".to_owned(), "engine"),
             n => (n.to_string(), "engines"),
         };
