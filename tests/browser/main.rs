@@ -324,6 +324,8 @@ fn browser_shows_the_paper() {
         serde_json::from_str(&std::fs::read_to_string(dir.path().join("p/summary.json")).unwrap())
             .unwrap();
     assert_eq!(summary["figures"][0]["verdict"], "holds");
+    // Two gearboxes took a sheet each.
+    assert!(browser.sheets() <= 2, "{} sheets", browser.sheets());
     let courses = std::fs::read_to_string(dir.path().join("p/fig-09a/courses.csv")).unwrap();
     assert!(courses.starts_with("time_s,") && courses.lines().count() > 1000);
 }
