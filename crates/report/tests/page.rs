@@ -139,14 +139,13 @@ fn banner_follows_the_verdict() {
 /// An engine that was left out beforehand is no finding, and the terminal says so too.
 #[test]
 fn who_is_left_out_breaks_nothing() {
-    let mut three = two(1.0);
+    let [one, other] = two(1.0);
     let mut out = participant("slow", Track::OwnContact, 1.0);
     out.status = Status::Unsupported {
         reason: "give it more time".to_owned(),
     };
     out.courses = Courses::default();
-    three.push(out);
-    let page = page(&three);
+    let page = page(&[one, other, out]);
     assert!(!page.contains("did not finish") && !page.contains("banner fail"));
     assert!(page.contains("give it more time") && page.contains("troubles left-out"));
 }
