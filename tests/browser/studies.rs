@@ -141,7 +141,7 @@ fn browser_shows_two_designs() {
     assert_eq!(banner[0], "banner finding");
     let said = banner[1].as_str().unwrap();
     assert!(
-        said.contains("figures differ; most: ") && said.contains('%') || said.contains('\u{d7}'),
+        said.contains("figures differ, most: ") && said.contains('%') || said.contains('\u{d7}'),
         "{said}"
     );
     // What only one of them has is drawn too: the twelfth sleeve.

@@ -144,8 +144,8 @@ fn verdict(found: &Outcome) -> Verdict {
         match most.as_slice() {
             [] => format!("{differ} of {total} figures differ by more than their uncertainty"),
             most => format!(
-                "{differ} of {total} figures differ; most: {}",
-                most.join(", ")
+                "{differ} of {total} figures differ, most: {}",
+                most.join("; ")
             ),
         }
     };

@@ -71,7 +71,7 @@ fn results(found: &Results) -> Vec<(&'static str, String)> {
         let how = match found.uncertainty {
             "verified" => "\u{b1}: by the run's own verification, see its note",
             "estimated" => "\u{b1}: estimated from one more run, see resolution",
-            _ => "not verified: nobody looked how far these figures may be off",
+            _ => "not verified: the run was made once, how far its figures may be off is not known",
         };
         rows.push(("uncertainty", how.to_owned()));
     }

@@ -15,7 +15,7 @@ pub struct Figure {
     pub name: String,
     /// The figure, in the unit of its name.
     pub value: f64,
-    /// How far it may be off by the run's numerical error; `None`: nobody looked.
+    /// How far it may be off by the run's numerical error; `None` where that is not known.
     pub uncertainty: Option<f64>,
 }
 
@@ -37,7 +37,7 @@ pub enum Known {
     Verified(Distance),
     /// By one coarser (or finer) run.
     Estimated(Distance),
-    /// Nobody looked.
+    /// Not verified.
     Nothing,
 }
 

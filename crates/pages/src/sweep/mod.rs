@@ -498,7 +498,8 @@ fn runs(plan: &Plan, table: &Results) -> Vec<Block> {
     };
     if !reasons.is_empty() {
         blocks.push(Block::Details {
-            summary: "Why runs did not finish".to_owned(),
+            summary: "Remarks on runs: how they ended, and which figures to read with care"
+                .to_owned(),
             blocks: vec![Block::List(reasons)],
         });
     }
