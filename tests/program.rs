@@ -22,6 +22,54 @@ fn done(outcome: Outcome) -> String {
     outcome.stdout
 }
 
+/// It happened: the whole run's figures stood beside "from 0.3 s on". Each has its uncertainty, and a converged run lies within it.
+#[test]
+fn program_run_gives_figures_of_its_window_and_how_far_they_may_be_off() {
+    let dir = tempfile::tempdir().unwrap();
+    let figures = |words: &[&str], out: &str| {
+        let args = ["run", "paper", "--out", out];
+        let shown = done(run_in(dir.path(), args.iter().chain(words)));
+        (
+            shown,
+            json(dir.path().join(out).join("run.json"))["results"].clone(),
+        )
+    };
+    let (shown, found) = figures(&[], "one");
+    assert!(
+        shown.contains('\u{b1}') && shown.contains("estimated from one more run"),
+        "{shown}"
+    );
+    assert_eq!(found["from_s"], 0.3);
+    let get = |found: &Value, name: &str, key: &str| {
+        let list = found["figures"].as_array().unwrap();
+        let figure = list.iter().find(|f| f["name"] == name).unwrap();
+        figure[key].as_f64()
+    };
+    // The start-up swings from -0.15 to 3.88 N m.
+    let least = get(&found, "min_input_torque_n_m", "value").unwrap();
+    assert!(least > 1.4, "{found}");
+    let (_, exact) = figures(&["--engine", "native-resolved"], "exact");
+    for name in [
+        "mean_input_torque_n_m",
+        "peak_external_sleeve_force_n",
+        "peak_internal_sleeve_force_n",
+        "efficiency",
+    ] {
+        let off = get(&found, name, "value").unwrap() - get(&exact, name, "value").unwrap();
+        let bound = get(&found, name, "uncertainty").unwrap();
+        assert!(
+            off.abs() <= bound && bound < 0.02 * get(&found, name, "value").unwrap(),
+            "{name}: {off} off, {bound} said"
+        );
+    }
+    let (shown, found) = figures(&["--unchecked"], "unchecked");
+    assert!(
+        shown.contains("not verified") && !shown.contains('\u{b1}'),
+        "{shown}"
+    );
+    assert_eq!(get(&found, "mean_input_torque_n_m", "uncertainty"), None);
+}
+
 #[test]
 fn program_run_writes_courses_and_their_record() {
     let dir = tempfile::tempdir().unwrap();

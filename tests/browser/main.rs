@@ -324,6 +324,11 @@ fn browser_shows_the_paper() {
         serde_json::from_str(&std::fs::read_to_string(dir.path().join("p/summary.json")).unwrap())
             .unwrap();
     assert_eq!(summary["figures"][0]["verdict"], "holds");
+    // Two gearboxes took a sheet each in print.
+    browser.media("print");
+    let wide = browser.evaluate("document.querySelector('.gearbox-view canvas').clientWidth");
+    assert!(wide.as_u64().unwrap() < 250, "{wide} px wide");
+    browser.media("");
     let courses = std::fs::read_to_string(dir.path().join("p/fig-09a/courses.csv")).unwrap();
     assert!(courses.starts_with("time_s,") && courses.lines().count() > 1000);
 }

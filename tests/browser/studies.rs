@@ -24,6 +24,14 @@ fn browser_shows_the_bench() {
                  --set solver.duration_s=0.005";
     let page = page(dir.path(), &words.split_whitespace().collect::<Vec<_>>());
     flawless(&mut browser, "bench", &page, 1, 0);
+    let printed = sheets(&mut browser, &page);
+    assert!(printed <= 4, "{printed} sheets");
+    // The chart comes before any table, and what is depth is folded.
+    let seen = browser.evaluate(
+        "[document.querySelector('main .uplot').getBoundingClientRect().top + scrollY < 900, \
+          document.querySelectorAll('details.depth:not([open])').length >= 3, document.querySelector('.banner').className]",
+    );
+    assert_eq!(seen, serde_json::json!([true, true, "banner finding"]));
 }
 
 #[test]
@@ -37,6 +45,13 @@ fn browser_shows_a_sweep() {
     std::fs::write(dir.path().join("small.toml"), sweep).unwrap();
     let page = page(dir.path(), &["sweep", "small.toml"]);
     flawless(&mut browser, "sweep", &page, 0, 0);
+    let printed = sheets(&mut browser, &page);
+    assert!(printed <= 2, "{printed} sheets");
+    let seen = browser.evaluate(
+        "[document.querySelector('.heat-map').getBoundingClientRect().bottom < 900, document.querySelectorAll('details.depth:not([open])').length, \
+          document.querySelector('.banner .headline').textContent.startsWith('External sleeve force, peak: '), document.body.textContent.includes('did not finish')]",
+    );
+    assert_eq!(seen, serde_json::json!([true, 2, true, false]));
     // Two axes are a map; lines, other axes and figures are a choice away.
     let seen = browser.evaluate(
         "(async () => {
@@ -119,6 +134,16 @@ fn browser_shows_two_designs() {
             "of each its own pins: {row}"
         );
     }
+    // Nothing has passed or failed: what differs is said, by name and how much.
+    let banner = browser.evaluate(
+        "[document.querySelector('.banner').className, document.querySelector('.banner .headline').textContent]",
+    );
+    assert_eq!(banner[0], "banner finding");
+    let said = banner[1].as_str().unwrap();
+    assert!(
+        said.contains("figures differ, most: ") && said.contains('%') || said.contains('\u{d7}'),
+        "{said}"
+    );
     // What only one of them has is drawn too: the twelfth sleeve.
     let drawn = browser.evaluate(
         "(async () => {
@@ -188,4 +213,6 @@ fn browser_shows_a_baseline() {
     ];
     let page = page(dir.path(), &words);
     flawless(&mut browser, "baseline", &page, 2, 0);
+    let printed = sheets(&mut browser, &page);
+    assert!(printed <= 4, "{printed} sheets");
 }

@@ -160,6 +160,12 @@ impl Ending {
         *self == Self::Finished
     }
 
+    /// True where the engine was able to run and did not come through, or is broken itself.
+    #[must_use]
+    pub fn is_broken(&self) -> bool {
+        matches!(self, Self::Diverged { .. } | Self::Failed { .. })
+    }
+
     /// One word for tables: `finished`, `diverged`, `unsupported`, `failed`.
     #[must_use]
     pub fn word(&self) -> &'static str {

@@ -133,7 +133,9 @@ impl Courses {
     /// Sample indices with `from_s <= t <= to_s`, widened by a rounding's breadth at both ends.
     #[must_use]
     pub fn window(&self, from_s: f64, to_s: f64) -> Range<usize> {
-        let slack = 1e-9 * to_s.abs().max(1e-9);
+        // An open end says nothing of how times are rounded.
+        let scale = if to_s.is_finite() { to_s } else { from_s };
+        let slack = 1e-9 * scale.abs().max(1e-9);
         let start = self.time_s.partition_point(|&t| t < from_s - slack);
         let end = self.time_s.partition_point(|&t| t <= to_s + slack);
         start..end.max(start)
@@ -163,6 +165,7 @@ mod tests {
         let courses = Courses::new((0..=10).map(|k| f64::from(k) * 0.1).collect()).unwrap();
         assert_eq!(courses.window(0.3, 0.6), 3..7);
         assert_eq!(courses.window(2.0, 3.0), 11..11);
+        assert_eq!(courses.window(0.3, f64::INFINITY), 3..11);
     }
 
     #[test]

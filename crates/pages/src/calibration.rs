@@ -72,7 +72,7 @@ pub fn power(found: &power::Outcome) -> String {
         title("fault"),
         title("told"),
         heading("D / U"),
-        heading("smallest told"),
+        heading("smallest detected"),
     ]];
     for one in &found.found {
         let told = if one.told {

@@ -1,6 +1,8 @@
 //! The page and the table of `pinwheel solver check`.
 
-use pinwheel_report::study::{Block, Cell, Column, Mark, Section, Study, Table, Verdict, render};
+use pinwheel_report::study::{
+    Block, Cell, Column, Mark, Section, Study, Table, Tone, Verdict, render,
+};
 use pinwheel_report::terminal::{self, BAD, GOOD, QUIET, TITLE, lines, styled};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::conformance::{Outcome, State};
@@ -93,7 +95,7 @@ pub fn page(found: &Outcome, made: &Provenance) -> Result<String, PageError> {
                `paper`."
             .to_owned(),
         verdict: Some(Verdict {
-            good: found.passed(),
+            tone: Tone::of(found.passed()),
             headline: headline(found),
             detail: format!("{}, {}", found.version, found.track.as_str()),
         }),

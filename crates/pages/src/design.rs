@@ -1,7 +1,7 @@
 //! A design's page and text: what it is like to the shafts, who carries the load, and what the contacts bear.
 
 use pinwheel_report::colours;
-use pinwheel_report::format::{NONE, significant};
+use pinwheel_report::format::{self, NONE, significant};
 use pinwheel_report::study::{
     self, Axis, Block, Cell, Chart, Column, Section, Series, Study, Style, Table, Tile,
 };
@@ -150,9 +150,9 @@ fn how(found: &Outcome, one: &Figure) -> String {
             let rated = found.efficiency.last().and_then(|run| run.efficiency);
             parts.extend(rated.map(|efficiency| {
                 format!(
-                    "{} % by the works, {:+.2} % of them created by the law",
+                    "{} % by the works, {} % of them created by the law",
                     figure(100.0 * efficiency.measured),
-                    100.0 * efficiency.created_share
+                    format::signed_percent(efficiency.created_share)
                 )
             }));
         }
@@ -524,7 +524,10 @@ fn efficiency(found: &Outcome) -> Section {
             Cell::number(figure(run.output_torque_n_m), run.output_torque_n_m),
             percent(run.efficiency.map(|e| e.of_losses)),
             percent(run.efficiency.map(|e| e.measured)),
-            percent(run.efficiency.map(|e| e.created_share)),
+            run.efficiency.map_or_else(
+                || Cell::text("-"),
+                |e| Cell::number(format::signed_percent(e.created_share), e.created_share),
+            ),
             Cell::text(run.status),
         ]
     });

@@ -7,7 +7,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_report::animation::markup;
 use pinwheel_report::format::{self, NONE, significant};
 use pinwheel_report::study::{
-    self, Block, Cell, Column, Courses, Mark, Section, Study, Table, Tile, Verdict,
+    self, Block, Cell, Column, Courses, Mark, Section, Study, Table, Tile, Tone, Verdict,
 };
 use pinwheel_report::terminal::{self, QUIET, TITLE, lines, paragraph, styled};
 use pinwheel_scene::keys::key;
@@ -140,7 +140,14 @@ fn verdict(found: &Outcome) -> Verdict {
             "No difference was shown: none of {total} figures differs by more than its uncertainty"
         )
     } else {
-        format!("{differ} of {total} figures differ by more than their uncertainty")
+        let most: Vec<String> = most(found).iter().map(|row| moved(row)).collect();
+        match most.as_slice() {
+            [] => format!("{differ} of {total} figures differ by more than their uncertainty"),
+            most => format!(
+                "{differ} of {total} figures differ, most: {}",
+                most.join("; ")
+            ),
+        }
     };
     let unknown = total - same - below - differ;
     let mut detail = format!(
@@ -159,10 +166,40 @@ fn verdict(found: &Outcome) -> Verdict {
         detail.push_str(&format!(". {name}: {reason}"));
     }
     Verdict {
-        good: found.broken().is_none(),
+        tone: if found.broken().is_some() {
+            Tone::Bad
+        } else {
+            Tone::Neutral
+        },
         headline,
         detail: format!("{detail}."),
     }
+}
+
+/// The headline figures that differ most, largest change first.
+fn most(found: &Outcome) -> Vec<&Row> {
+    const MOST: usize = 3;
+    let differs = |row: &&Row| row.judged == Judged::Differ && row.change().is_some();
+    let headline = |row: &&Row| HEADLINES.contains(&row.key.as_str());
+    let mut rows: Vec<&Row> = found
+        .figures
+        .iter()
+        .filter(headline)
+        .filter(differs)
+        .collect();
+    // By the factor, whichever way.
+    let factor = |row: &Row| {
+        row.change()
+            .map_or(0.0, |share| (1.0 + share).abs().ln().abs())
+    };
+    rows.sort_by(|a, b| factor(b).total_cmp(&factor(a)));
+    rows.truncate(MOST);
+    rows
+}
+
+/// `torsional stiffness × 43.5`.
+fn moved(row: &Row) -> String {
+    format!("{} {}", row.what, change(row))
 }
 
 fn counted(count: usize, one: &str, many: &str) -> String {

@@ -1,57 +1,38 @@
 //! One run on a terminal.
 
-use pinwheel_compare::statistics::{Statistics, View};
 use pinwheel_courses::columns;
-use pinwheel_gearbox::Efficiency;
+use pinwheel_report::format::{self, NONE};
 use pinwheel_report::terminal::{Cell, TITLE, lines, styled};
+use pinwheel_studies::results::{Figure, Results};
 use pinwheel_studies::single::Outcome;
 
-/// Five significant digits, and no negative zero.
-fn digits(value: f64) -> String {
-    let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
-    if rounded.abs() < 1e-9 {
-        "0".to_owned()
-    } else {
-        rounded.to_string()
+/// A figure, `factor` times, with what it may be off by.
+fn known(figure: &Figure, factor: f64) -> String {
+    let value = factor * figure.value;
+    let uncertainty = figure.uncertainty.map(|u| factor * u);
+    let (value, bound) = format::bounded(value, uncertainty, 0.0);
+    match bound.as_str() {
+        "" => value,
+        bound => format!("{value} {}", bound.replace('\u{202f}', " ")),
     }
 }
 
-/// What one runs it for: torque, forces and efficiency after the start-up, as far as the run goes beyond it.
-fn results(found: &Outcome) -> Vec<(&'static str, String)> {
-    let courses = &found.run.courses;
-    let account = found.run.stats.energy.last();
-    let from = account.map_or(0.5 * found.scene.solver.duration_s, |audit| audit.from_s);
-    let window = courses.window(from, f64::INFINITY);
-    let of = |group: &str| {
-        let channels = courses.group(group);
-        let channels = if channels.is_empty() {
-            courses.channel(group).into_iter().collect()
-        } else {
-            channels
-        };
-        let inside = |values: &'_ [f64]| values.get(window.clone()).map(<[f64]>::to_vec);
-        let inside: Option<Vec<Vec<f64>>> = channels.into_iter().map(inside).collect();
-        let inside = inside?;
-        Statistics::of(&View::new(inside.iter().map(Vec::as_slice).collect()))
-    };
-    // Relative uncertainty of the forces and of the torque, where the run knows it.
-    let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
-    let give = |value: f64, share: Option<f64>| match share {
-        Some(share) => format!(" \u{b1} {:.1e}", value.abs() * share),
-        None => String::new(),
+/// What one runs it for, in words.
+fn results(found: &Results) -> Vec<(&'static str, String)> {
+    let plain = |name: &str| {
+        let value = found.get(name).map(|figure| format::figure(figure.value));
+        value.unwrap_or_else(|| NONE.to_owned())
     };
     let mut rows = Vec::new();
-    if let Some(torque) = of(columns::INPUT_TORQUE) {
-        let share = error.map(|e| e.driver_torque);
+    let torque = columns::INPUT_TORQUE;
+    if let Some(mean) = found.get(&format!("mean_{torque}")) {
+        let [least, most] = ["min", "max"].map(|end| plain(&format!("{end}_{torque}")));
         rows.push((
             "driver torque",
             format!(
-                "mean {}{} N m, {} to {}, from {:.4} s on",
-                digits(torque.mean),
-                give(torque.rms, share),
-                digits(torque.min),
-                digits(torque.max),
-                from
+                "mean {} N m; {least} to {most}, from {} s on",
+                known(mean, 1.0),
+                format::plain(found.from_s)
             ),
         ));
     }
@@ -59,30 +40,40 @@ fn results(found: &Outcome) -> Vec<(&'static str, String)> {
         ("external forces", columns::EXTERNAL_FORCE),
         ("internal forces", columns::INTERNAL_FORCE),
     ] {
-        if let Some(force) = of(group) {
-            let share = error.map(|e| e.forces);
+        if let Some(peak) = found.get(&format!("peak_{group}")) {
+            let mean = found.get(&format!("mean_{group}"));
             rows.push((
                 label,
                 format!(
-                    "peak {}{} N, mean {} N",
-                    digits(force.peak),
-                    give(force.peak, share),
-                    digits(force.mean)
+                    "peak {} N, mean {} N",
+                    known(peak, 1.0),
+                    mean.map_or_else(|| NONE.to_owned(), |mean| known(mean, 1.0))
                 ),
             ));
         }
     }
-    if let Some(efficiency) = account.and_then(Efficiency::of) {
+    if let (Some(lost), Some(works), Some(created)) = (
+        found.get("efficiency_accounted"),
+        found.get("efficiency"),
+        found.get("created_share"),
+    ) {
         rows.push((
             "efficiency",
             format!(
-                "{:.2}{} % by what contacts lose; {:.2} % by the works, {:+.2} % of them created by the law",
-                100.0 * efficiency.of_losses,
-                give(100.0 * efficiency.of_losses, error.map(|e| e.driver_torque)),
-                100.0 * efficiency.measured,
-                100.0 * efficiency.created_share
+                "{} % by what contacts lose; {:.2} % by the works, {} % of them created by the law",
+                known(lost, 100.0),
+                100.0 * works.value,
+                format::signed_percent(created.value)
             ),
         ));
+    }
+    if !rows.is_empty() {
+        let how = match found.uncertainty {
+            "verified" => "\u{b1}: by the run's own verification, see its note",
+            "estimated" => "\u{b1}: estimated from one more run, see resolution",
+            _ => "not verified: the run was made once, how far its figures may be off is not known",
+        };
+        rows.push(("uncertainty", how.to_owned()));
     }
     rows
 }
@@ -93,7 +84,7 @@ pub fn text(found: &Outcome, courses: &str) -> String {
     let stats = &found.run.stats;
     let row = |label: &str, value: String| vec![Cell::text(label), Cell::text(value)];
     // What one runs it for comes first.
-    let mut rows: Vec<Vec<Cell>> = results(found)
+    let mut rows: Vec<Vec<Cell>> = results(&found.results())
         .into_iter()
         .map(|(label, value)| row(label, value))
         .collect();

@@ -98,6 +98,12 @@ pub fn metres(value: f64) -> String {
     format!("{}\u{202f}{unit}", significant(scaled, 2))
 }
 
+/// A share in percent with its sign; what rounds to nothing has a plus.
+pub fn signed_percent(share: f64) -> String {
+    let hundredths = (1e4 * share).round() + 0.0;
+    format!("{:+.2}", hundredths / 100.0)
+}
+
 /// A setting as it was meant, without the digits that binary arithmetic has added: `1e-6`, not `1.0000000000000002e-6`.
 pub fn plain(value: f64) -> String {
     let meant: f64 = format!("{value:.9e}").parse().unwrap_or(value);

@@ -136,6 +136,20 @@ fn banner_follows_the_verdict() {
     assert!(page.contains("diverged at t = 0.250000 s: wheel angle"));
 }
 
+/// An engine that was left out beforehand is no finding, and the terminal says so too.
+#[test]
+fn who_is_left_out_breaks_nothing() {
+    let [one, other] = two(1.0);
+    let mut out = participant("slow", Track::OwnContact, 1.0);
+    out.status = Status::Unsupported {
+        reason: "give it more time".to_owned(),
+    };
+    out.courses = Courses::default();
+    let page = page(&[one, other, out]);
+    assert!(!page.contains("did not finish") && !page.contains("banner fail"));
+    assert!(page.contains("give it more time") && page.contains("troubles left-out"));
+}
+
 /// What an engine gave before it diverged feeds no headline, whatever numbers it left.
 #[test]
 fn a_diverged_engine_feeds_no_headline() {
@@ -236,7 +250,7 @@ fn nobody_finished() {
     };
     lost.courses = Courses::default();
     let page = page(&[lost]);
-    assert!(page.contains("1 engine did not finish") && page.contains("no friction"));
+    assert!(page.contains("No engine could run this scene") && page.contains("no friction"));
     assert!(!page.contains("chart-data\">"));
 }
 

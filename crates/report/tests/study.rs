@@ -17,7 +17,7 @@ fn sample() -> Study {
         eyebrow: "Speed against error".into(),
         lead: "What a run costs & what it gives.".into(),
         verdict: Some(Verdict {
-            good: true,
+            tone: Tone::Good,
             headline: "Native wins".into(),
             detail: "by `factor` < 50".into(),
         }),

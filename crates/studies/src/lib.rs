@@ -71,6 +71,7 @@ pub mod provenance;
 pub mod published;
 pub mod recording;
 pub mod resolution;
+pub mod results;
 mod sampling;
 pub mod single;
 pub mod stability;

@@ -32,6 +32,10 @@ pub struct Resolution {
     pub other: String,
     /// How far the run moves; `None` if the other run failed too.
     pub moved: Option<Distance>,
+    /// What follows for the run's own error from the time on that was asked for: 5/4 of the distance there, as of errors that
+    /// are of first order in the step. Methods of order two or more lose half an order or more to contacts and friction, and
+    /// this bounds what is left. `None` where both runs have too few samples in common there.
+    pub error: Option<Distance>,
     /// The most that it may.
     pub most: f64,
     /// How the coarser run failed, after which the other one was finer.
@@ -68,13 +72,15 @@ impl Resolution {
 }
 
 /// Repeats the native run of `gearbox` that gave `courses` in `evaluations` of the forces, seeing every other sample; `watch`
-/// receives the simulated time and returns true to stop. For named methods: a run by `auto` brings its own verification.
+/// receives the simulated time and returns true to stop; the error is told of the time from `from_s` on. For named methods: a run
+/// by `auto` brings its own verification.
 ///
 /// # Errors
 /// Cancelled, or a scene that cannot be modelled.
 pub fn check(
     gearbox: &Gearbox,
     (courses, evaluations): (&Courses, u64),
+    from_s: f64,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Resolution, StudyError> {
     let mut spent = 0;
@@ -88,6 +94,7 @@ pub fn check(
         (Ended::Whole(coarser), other, cost) => Ok(Resolution {
             other,
             moved: Some(Distance::between(gearbox, &coarser.courses, courses)),
+            error: error(gearbox, (&coarser.courses, courses), from_s),
             most: MOST,
             failure: None,
             cost,
@@ -99,19 +106,43 @@ pub fn check(
             ..,
         ) => {
             let (fine, other, cost) = again(2.0)?;
-            let moved = match fine {
-                Ended::Whole(finer) => Some(Distance::between(gearbox, courses, &finer.courses)),
-                Ended::Diverged { .. } => None,
+            let (moved, error) = match fine {
+                Ended::Whole(finer) => (
+                    Some(Distance::between(gearbox, courses, &finer.courses)),
+                    // Twice what the finer run has left.
+                    error(gearbox, (courses, &finer.courses), from_s).map(|e| e.times(2.0)),
+                ),
+                Ended::Diverged { .. } => (None, None),
             };
             Ok(Resolution {
                 other,
                 moved,
+                error,
                 most: MOST_TO_FINER,
                 failure: Some(format!("t = {time_s:.4} s: {quantity}")),
                 cost,
             })
         }
     }
+}
+
+/// Of the finer of two runs that are a refinement apart: the grid convergence index for first order and a factor of two [Roache
+/// 1998, ch. 5]. Tolerances are a factor of ten apart, which bounds it all the more.
+fn error(
+    gearbox: &Gearbox,
+    (coarser, finer): (&Courses, &Courses),
+    from_s: f64,
+) -> Option<Distance> {
+    const SAFETY: f64 = 1.25;
+    let [coarser, finer] = [coarser, finer].map(|courses| {
+        let rows: Vec<usize> = courses.window(from_s, f64::INFINITY).collect();
+        courses.select(&rows)
+    });
+    // Of two samples and less nothing is learnt.
+    let enough = coarser.len().min(finer.len()) > 2;
+    let found = enough.then(|| Distance::between(gearbox, &coarser, &finer))?;
+    let known = found.worst().is_finite();
+    known.then(|| found.times(SAFETY).at_least(f64::EPSILON))
 }
 
 /// The gearbox at a step `factor` times finer, or at a tolerance ten times finer (coarser where `factor` is below 1), and then half

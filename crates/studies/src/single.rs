@@ -15,6 +15,7 @@ use crate::control::{Control, Progress, of_scene};
 use crate::output::{OutputError, write_json};
 use crate::provenance::{Machine, Provenance};
 use crate::resolution::{self, Resolution};
+use crate::results::{self, Known, Results};
 
 /// Everything about one run but its courses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,6 +39,9 @@ pub(crate) struct RunRecord<'a> {
     /// What the engine itself knows of its numerical uncertainty.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) uncertainty: Option<&'a Uncertainty>,
+    /// What it was run for, with how far that may be off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    results: Option<Results>,
     scene: &'a Scene,
     /// Values of the scene that its file does not write.
     assumptions: Vec<Assumption>,
@@ -149,7 +153,13 @@ fn check(
     let formed = formed.map_err(|fault| of_scene(&gearbox.scene, fault.into()))?;
     let label = format!("{} once more, coarser", engine.name());
     let mut watch = control.watch(&formed.scene, Progress::new(0, 1, &label));
-    match resolution::check(&formed, (&run.courses, run.stats.rhs_calls), &mut watch) {
+    let from_s = results::from_s(run, &gearbox.scene);
+    match resolution::check(
+        &formed,
+        (&run.courses, run.stats.rhs_calls),
+        from_s,
+        &mut watch,
+    ) {
         Ok(found) => Ok(Some(found)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
         Err(error) => Err(StudyError::Unrepeated(Box::new(error))),
@@ -167,6 +177,19 @@ impl Outcome {
             )),
             _ => None,
         }
+    }
+
+    /// What it was run for.
+    #[must_use]
+    pub fn results(&self) -> Results {
+        let verified = self.run.uncertainty.as_ref().and_then(|u| u.error);
+        let estimated = self.resolution.as_ref().and_then(|r| r.error);
+        let known = match (verified, estimated) {
+            (Some(error), _) => Known::Verified(error),
+            (None, Some(error)) => Known::Estimated(error),
+            (None, None) => Known::Nothing,
+        };
+        Results::of(&self.run, &self.scene, known)
     }
 
     /// That its step or tolerance does not resolve the scene, with a remedy.
@@ -193,6 +216,7 @@ impl Outcome {
         let record = RunRecord {
             resolution: self.resolution.as_ref(),
             uncertainty: self.run.uncertainty.as_ref(),
+            results: self.ending.is_finished().then(|| self.results()),
             ..RunRecord::new(
                 (&self.engine, &self.version, self.track.as_str()),
                 &self.scene,
@@ -230,6 +254,7 @@ impl<'a> RunRecord<'a> {
             stats,
             resolution: None,
             uncertainty: None,
+            results: None,
             scene,
             assumptions: assumptions(scene),
             pinwheel_version: made.version,

@@ -100,6 +100,7 @@ fn hard_unresolved_runs_are_told() {
         resolution::check(
             &gearbox,
             (&run.courses, run.counts.evaluations),
+            0.0,
             &mut |_| false,
         )
         .unwrap()

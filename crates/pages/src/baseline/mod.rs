@@ -1,7 +1,7 @@
 //! The page of a check: before and after, overlaid, by what moved most.
 
 use pinwheel_report::study::{
-    self, Axis, Block, Cell, Chart, Column, Mark, Section, Series, Study, Style, Table, Tile,
+    self, Axis, Block, Cell, Chart, Column, Mark, Section, Series, Study, Style, Table, Tile, Tone,
 };
 use pinwheel_studies::baseline::{
     CaseCheck, Check, Head, Overlay, QuantityCheck, Verdict, limits, table,
@@ -38,6 +38,18 @@ pub fn page(
         .filter(|(_, quantity)| quantity.verdict != Verdict::Same)
         .collect();
     moved.sort_by(|(_, a), (_, b)| b.change.total_cmp(&a.change));
+    // What is worse is read, what passed is folded.
+    let bad = |verdict: Verdict| verdict == Verdict::Worse;
+    let passed = found.cases.iter().filter(|case| !bad(case.verdict)).count();
+    let mut cases = cases_section(found);
+    if passed == found.cases.len() {
+        cases = cases.folded(format!("{passed} cases, none worse"));
+    }
+    let mut costs = costs_section(found);
+    let counts = || found.cases.iter().flat_map(|case| &case.costs);
+    if !counts().any(|cost| bad(cost.verdict)) {
+        costs = costs.folded("Counts of the program's work, none worse");
+    }
     let study = Study {
         title: format!("baseline {name}"),
         eyebrow: "What moved since it was accepted".to_owned(),
@@ -49,17 +61,21 @@ pub fn page(
             head.made.commit
         ),
         verdict: Some(study::Verdict {
-            good: found.verdict != Verdict::Worse,
+            tone: match found.verdict {
+                Verdict::Worse => Tone::Bad,
+                Verdict::Changed | Verdict::New => Tone::Neutral,
+                Verdict::Same | Verdict::Better => Tone::Good,
+            },
             headline: headline(found.verdict).to_owned(),
             detail: table::sentence(found),
         }),
         tiles: tiles(found, &moved),
         sections: vec![
             moved_section(&moved),
-            cases_section(found),
-            costs_section(found),
-            limits_section(),
-            history_section(head, found),
+            cases,
+            costs,
+            limits_section().folded("What a figure may move by, and why"),
+            history_section(head, found).folded("What was accepted, when and why"),
         ],
         command: made.command.clone(),
         versions: made.versions(),
@@ -148,7 +164,15 @@ fn moved_section(moved: &[Moved<'_>]) -> Section {
             let overlay = quantity.overlay.as_ref()?;
             Some(charts(case, quantity, overlay))
         });
-        blocks.push(Block::Charts(drawn.take(SHOWN).flatten().collect()));
+        let mut drawn = drawn.take(SHOWN);
+        blocks.push(Block::Charts(drawn.next().into_iter().flatten().collect()));
+        let rest: Vec<Chart> = drawn.flatten().collect();
+        if !rest.is_empty() {
+            blocks.push(Block::Details {
+                summary: "Charts of what moved less".to_owned(),
+                blocks: vec![Block::Charts(rest)],
+            });
+        }
         blocks.push(Block::Table(moved_table(moved)));
     }
     Section {

@@ -1,7 +1,7 @@
 //! The page of `pinwheel bench`: headline, then scene, mechanisms, scaling and batch.
 
 use pinwheel_report::format::{limit, relative, seconds, significant};
-use pinwheel_report::study::{Block, Section, Study, Tile, Verdict, render};
+use pinwheel_report::study::{Block, Section, Study, Tile, Tone, Verdict, render};
 use pinwheel_studies::precision::{Advantage, Ranking, WorkPrecision};
 
 use pinwheel_studies::Provenance;
@@ -46,14 +46,32 @@ pub fn page(measured: &Measured, made: &Provenance) -> Result<String, PageError>
             .sections
             .extend(scene::sections(found, rankings, &measured.unequal));
     }
+    // Beside a scene the rest is depth; alone it is what was asked for.
+    let alone = measured.study.is_none();
+    let mut add = |section: Section, beside: &str| {
+        study.sections.push(if alone {
+            section
+        } else {
+            section.folded(beside)
+        });
+    };
     if let Some(found) = &measured.mechanisms {
-        study.sections.push(mechanisms::section(found));
+        add(
+            mechanisms::section(found),
+            "The same methods on mechanisms with published solutions",
+        );
     }
     if let Some(found) = &measured.scaling {
-        study.sections.push(scaling::section(found));
+        add(
+            scaling::section(found),
+            "Cost of a right-hand side over the size of the gear",
+        );
     }
     if let Some(found) = &measured.batch {
-        study.sections.push(batch::section(found));
+        add(
+            batch::section(found),
+            "Gears a second on one core, as in a sweep",
+        );
     }
     if !measured.complete {
         study.sections.insert(
@@ -98,7 +116,7 @@ fn versions(measured: &Measured, made: &Provenance) -> Vec<(String, String)> {
 fn verdict(study: &WorkPrecision, ranking: &Ranking, lead: &Advantage) -> Verdict {
     let factor = significant(lead.ratio, 2);
     Verdict {
-        good: lead.ratio >= 1.0,
+        tone: Tone::Neutral,
         headline: format!(
             "At a force error of {} the native solver is {}{factor} times faster than the fastest peer",
             limit(ranking.error),

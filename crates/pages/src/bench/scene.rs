@@ -19,11 +19,11 @@ pub(super) fn sections(
     unequal: &[(String, String)],
 ) -> Vec<Section> {
     vec![
-        costs(study, rankings),
         plots(study),
-        reference(study),
-        differences(study, unequal),
-        points(study),
+        costs(study, rankings),
+        reference(study).folded("What errors are measured against, and its own"),
+        differences(study, unequal).folded("What the figures do not compare"),
+        points(study).folded("Every step and tolerance of every series"),
     ]
 }
 
@@ -143,14 +143,19 @@ fn plots(study: &WorkPrecision) -> Section {
     )];
     let reduced = |series: &precision::Series| series.engine != "native-lagrange";
     for (k, window) in study.windows.iter().enumerate() {
-        blocks.push(Block::Heading(format!(
-            "{}: {} s to {} s",
-            window.name, window.from_s, window.to_s
-        )));
-        blocks.push(Block::Charts(vec![
+        let title = format!("{}: {} s to {} s", window.name, window.from_s, window.to_s);
+        let charts = Block::Charts(vec![
             chart(study, k, Measure::Cpu, &reduced),
             chart(study, k, Measure::Rhs, &reduced),
-        ]));
+        ]);
+        // One pair is read first.
+        blocks.push(match k {
+            0 => charts,
+            _ => Block::Details {
+                summary: title,
+                blocks: vec![charts],
+            },
+        });
     }
     let lagrange = |series: &precision::Series| series.engine == "native-lagrange";
     if study.series.iter().any(lagrange) {

@@ -6,7 +6,8 @@ use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_report::animation::markup as animate;
 use pinwheel_report::format::significant;
 use pinwheel_report::study::{
-    Axis, Block, Cell, Chart, Column, Section, Series, Study, Style, Table, Tile, render,
+    self, Axis, Block, Cell, Chart, Column, Section, Series, Study, Style, Table, Tile, Tone,
+    render,
 };
 use pinwheel_scene::Scene;
 use pinwheel_studies::paper::claims::Verdict;
@@ -54,21 +55,16 @@ pub fn page(found: &Paper, made: &Provenance, cancel: &AtomicBool) -> Result<Str
         lead: "Each figure from our own runs in the paper's axes and units: what the paper says it shows, whether ours \
                shows it, and by which number. Figures of the paper are not reproduced here; the words are a summary."
             .into(),
-        // A claim that does not hold is a finding, not a failure: no banner.
-        verdict: None,
-        tiles: {
-            let mut all_tiles = vec![Tile {
-                label: "Figures and claims that hold".into(),
-                value: holds.to_string(),
-                unit: format!("of {all}"),
-                detail: format!(
-                    "{sometimes} under a condition, {not} do not; from {} runs in {:.0} s",
-                    found.runs, found.wall_s
-                ),
-            }];
-            all_tiles.extend(tiles(found));
-            all_tiles
-        },
+        // A claim that does not hold is a finding, not a failure.
+        verdict: Some(study::Verdict {
+            tone: Tone::Neutral,
+            headline: format!("{holds} of {all} figures and claims hold when computed again"),
+            detail: format!(
+                "{sometimes} hold under a condition, {not} do not; by {} runs.",
+                found.runs
+            ),
+        }),
+        tiles: tiles(found),
         sections,
         command: made.command.clone(),
         versions: made.versions(),

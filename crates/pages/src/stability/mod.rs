@@ -8,7 +8,7 @@ pub use text::text;
 
 use pinwheel_report::format;
 use pinwheel_report::study::{
-    self, Axis, Block, Cell, Chart, Column, Mark, Section, Series, Study, Style, Table, Tile,
+    self, Axis, Block, Cell, Chart, Column, Mark, Section, Series, Study, Style, Table, Tile, Tone,
     Verdict,
 };
 use pinwheel_studies::divergence::{Horizon, VISIBLE};
@@ -60,13 +60,13 @@ fn verdict(survey: &Survey) -> Verdict {
     );
     if rows == 0 {
         Verdict {
-            good: false,
+            tone: Tone::Bad,
             headline: "No scene of the atlas is done yet".to_owned(),
             detail,
         }
     } else if unserved.is_empty() {
         Verdict {
-            good: done == all,
+            tone: Tone::of(done == all),
             headline: format!(
                 "Each of the {rows} scenes has a method that gives it within {served}"
             ),
@@ -74,7 +74,7 @@ fn verdict(survey: &Survey) -> Verdict {
         }
     } else {
         Verdict {
-            good: false,
+            tone: Tone::Bad,
             headline: format!(
                 "{} of {rows} scenes have no method within {served}: {}",
                 unserved.len(),

@@ -4,7 +4,7 @@ use pinwheel_compare::quantities;
 use pinwheel_report::format::{count, humane, plain, seconds, significant};
 use pinwheel_report::study::{
     Block, Cell, Column as Heading, Grid, GridAxis, GridFigure, Mark, Section, Study, Table, Tile,
-    Verdict, render,
+    Tone, Verdict, render,
 };
 use pinwheel_studies::sweep::{Axis, Column, Plan, Results, RunRecord, Value};
 use pinwheel_studies::sweep::{STATICS, tolerances as found_of};
@@ -70,6 +70,7 @@ pub fn page(
         sections.push(tolerances::section(plan, table, &sampled));
     }
     let grid = grid(plan, records, table);
+    let answer = answer(&grid, plan);
     // Over random values there is no line to draw.
     if sampled.is_empty()
         && !grid.figures.is_empty()
@@ -81,16 +82,23 @@ pub fn page(
             blocks: vec![Block::Grid(grid)],
         });
     }
-    sections.push(Section {
+    let all = Section {
         id: "runs".to_owned(),
         title: "Runs".to_owned(),
         blocks: runs(plan, table),
+    };
+    // Where there is something to look at before.
+    sections.push(if sections.is_empty() {
+        all
+    } else {
+        all.folded("Every run: what was varied, how it ended, its figures")
     });
-    sections.push(Section {
+    let file = Section {
         id: "sweep".to_owned(),
         title: "Sweep file".to_owned(),
         blocks: vec![Block::Code(sweep.text.trim_end().to_owned())],
-    });
+    };
+    sections.push(file.folded("What was asked for"));
     let mut versions = made.versions();
     for record in records {
         let version = (record.engine.clone(), record.engine_version.clone());
@@ -104,12 +112,13 @@ pub fn page(
         lead,
         verdict: (unfinished > 0)
             .then(|| Verdict {
-                good: false,
+                tone: Tone::Bad,
                 headline: format!("{unfinished} of {} runs did not finish", records.len()),
                 detail: "They are in the table with the reason, and gaps in the figures."
                     .to_owned(),
             })
-            .or_else(|| tolerances::verdict(&sampled)),
+            .or_else(|| tolerances::verdict(&sampled))
+            .or(answer),
         tiles: vec![
             tile(
                 "Runs",
@@ -134,6 +143,57 @@ pub fn page(
         machine: made.machine.rows(),
     };
     Ok(render(&study)?)
+}
+
+/// What the first figure does over the runs: from where to where, and beyond what it may be off by.
+fn answer(grid: &Grid, plan: &Plan) -> Option<Verdict> {
+    let figure = grid.figures.first()?;
+    let (name, unit) = match figure
+        .label
+        .strip_suffix(')')
+        .and_then(|l| l.rsplit_once(" ("))
+    {
+        Some((name, unit)) => (name, format!(" {unit}")),
+        None => (figure.label.as_str(), String::new()),
+    };
+    let known = figure.values.iter().enumerate();
+    let known = known.filter_map(|(run, value)| Some((run, (*value)?)));
+    let (least, low) = known.clone().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (most, high) = known.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let bound = |run: usize| match figure.uncertainty.get(run).copied().flatten() {
+        Some(u) => format!(" \u{b1}\u{202f}{}", significant(u, 1)),
+        None => String::new(),
+    };
+    let at = |run: usize| {
+        let places = grid.axes.iter().zip(&grid.runs[run]);
+        let named = places.filter(|(axis, _)| axis.values.len() > 1);
+        let words = named.map(|(axis, place)| format!("{} {}", axis.label, axis.values[*place]));
+        words.collect::<Vec<_>>().join(", ")
+    };
+    let off = figure.uncertainty.iter().flatten().copied();
+    let off = off.fold(f64::NAN, f64::max);
+    let headline = if high - low <= 2.0 * off {
+        format!("{name}: no trend beyond what the runs may be off by")
+    } else {
+        let digits = |value| significant(value, 4);
+        format!(
+            "{name}: {}{} to {}{}{unit}",
+            digits(low),
+            bound(least),
+            digits(high),
+            bound(most)
+        )
+    };
+    let runs = plan.runs.len();
+    Some(Verdict {
+        tone: Tone::Neutral,
+        headline,
+        detail: format!(
+            "Least at {}; largest at {}; over {runs} runs.",
+            at(least),
+            at(most)
+        ),
+    })
 }
 
 /// Simulated time of all runs, s: balances have none.
@@ -430,16 +490,16 @@ fn runs(plan: &Plan, table: &Results) -> Vec<Block> {
             .enumerate()
             .take(MOST_ROWS)
             .filter_map(|(row, reason)| {
-                reason
-                    .as_ref()
-                    .map(|reason| format!("Run {}: {reason}", row + 1))
+                let reason = reason.as_deref().filter(|reason| !reason.is_empty())?;
+                Some(format!("Run {}: {reason}", row + 1))
             })
             .collect(),
         _ => Vec::new(),
     };
     if !reasons.is_empty() {
         blocks.push(Block::Details {
-            summary: "Why runs did not finish".to_owned(),
+            summary: "Remarks on runs: how they ended, and which figures to read with care"
+                .to_owned(),
             blocks: vec![Block::List(reasons)],
         });
     }

@@ -3,7 +3,7 @@
 use pinwheel_compare::quantities::label_and_unit;
 use pinwheel_report::format::significant;
 use pinwheel_report::study::{
-    Axis, Block, Cell, Chart, Column as Heading, Section, Series, Table, Verdict,
+    Axis, Block, Cell, Chart, Column as Heading, Section, Series, Table, Tone, Verdict,
 };
 use pinwheel_studies::sweep::{Column, Figure, Found, Limit, Plan, Quantile, Results, Yield};
 
@@ -89,7 +89,7 @@ pub(super) fn verdict(found: &[Found]) -> Option<Verdict> {
     let (worst, of) = yields.min_by(|a, b| a.1.share.total_cmp(&b.1.share))?;
     let [low, high] = of.interval.map(|share| 100.0 * share);
     Some(Verdict {
-        good: of.kept == of.runs,
+        tone: Tone::of(of.kept == of.runs),
         headline: format!("Yield {:.1} %", 100.0 * of.share),
         detail: format!(
             "{} of {} runs keep the specification; with 95 % confidence {low:.1} to {high:.1} % of all gears do ({}).",

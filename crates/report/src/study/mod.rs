@@ -58,11 +58,30 @@ pub struct Study {
 #[derive(Debug, Clone)]
 pub struct Verdict {
     /// Whether everything the study asks for holds.
-    pub good: bool,
+    pub tone: Tone,
     /// The answer.
     pub headline: String,
     /// What it rests on.
     pub detail: String,
+}
+
+/// How an answer is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tone {
+    /// All that is asked for holds.
+    Good,
+    /// Something does not.
+    Bad,
+    /// Nothing was to hold: a finding.
+    Neutral,
+}
+
+impl Tone {
+    /// Good or bad.
+    #[must_use]
+    pub fn of(good: bool) -> Self {
+        if good { Self::Good } else { Self::Bad }
+    }
 }
 
 /// One figure in large type.
@@ -88,6 +107,21 @@ pub struct Section {
     pub title: String,
     /// What stands under it. [`Block::Details`] alone folds the whole section behind its title; print leaves it out.
     pub blocks: Vec<Block>,
+}
+
+impl Section {
+    /// The same behind its title, with `beside` next to it.
+    #[must_use]
+    pub fn folded(self, beside: impl Into<String>) -> Self {
+        let fold = Block::Details {
+            summary: beside.into(),
+            blocks: self.blocks,
+        };
+        Self {
+            blocks: vec![fold],
+            ..self
+        }
+    }
 }
 
 /// A piece of a section.

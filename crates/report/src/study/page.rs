@@ -3,7 +3,7 @@
 use askama::Template;
 
 use super::chart::ChartJson;
-use super::{Block, Cell, Chart, Courses, Grid, Mark, Study, Table, Tile};
+use super::{Block, Cell, Chart, Courses, Grid, Mark, Study, Table, Tile, Tone, Verdict};
 use crate::ReportError;
 use crate::assets::{ASSETS, Assets};
 use crate::chart_data::json_for_script;
@@ -99,12 +99,7 @@ pub(super) fn render(study: &Study) -> Result<String, ReportError> {
     let json: Vec<ChartJson<'_>> = charts.into_iter().map(ChartJson::of).collect();
     let page = Page {
         study,
-        banner: study.verdict.as_ref().map(|verdict| Banner {
-            class: if verdict.good { "pass" } else { "fail" },
-            sign: if verdict.good { "\u{2713}" } else { "\u{2715}" },
-            headline: &verdict.headline,
-            detail: inline(&verdict.detail),
-        }),
+        banner: study.verdict.as_ref().map(banner),
         tiles: &study.tiles,
         sections,
         chart_json: if json.is_empty() {
@@ -121,6 +116,20 @@ pub(super) fn render(study: &Study) -> Result<String, ReportError> {
         grid_js: include_str!("../../assets/grid.js"),
     };
     Ok(page.render()?)
+}
+
+fn banner(verdict: &Verdict) -> Banner<'_> {
+    let (class, sign) = match verdict.tone {
+        Tone::Good => ("pass", "\u{2713}"),
+        Tone::Bad => ("fail", "\u{2715}"),
+        Tone::Neutral => ("finding", "\u{2192}"),
+    };
+    Banner {
+        class,
+        sign,
+        headline: &verdict.headline,
+        detail: inline(&verdict.detail),
+    }
 }
 
 /// Blocks of sections themselves: grids and time series are not folded.

@@ -111,6 +111,9 @@ pub(super) fn banner(comparison: &Comparison) -> Banner {
             format!("{n} limits")
         }
     };
+    // An engine that cannot run a scene says so beforehand; that is no finding.
+    let engines = || comparison.engines.iter();
+    let broken = engines().filter(|e| e.status.is_broken()).count();
     let differing = counts.differ + counts.model_beyond;
     let (class, sign, headline) = if differing > 0 {
         let all = differing + counts.exceeded;
@@ -127,8 +130,8 @@ pub(super) fn banner(comparison: &Comparison) -> Banner {
             "\u{2715}",
             format!("{} of {checked} exceeded", counts.exceeded),
         )
-    } else if comparison.unfinished > 0 {
-        let (count, runs) = match comparison.unfinished {
+    } else if broken > 0 {
+        let (count, runs) = match broken {
             1 => ("1".to_owned(), "engine"),
             n => (n.to_string(), "engines"),
         };
@@ -143,6 +146,9 @@ pub(super) fn banner(comparison: &Comparison) -> Banner {
         ("open", "\u{25cb}", format!("{n} {verb} not resolved"))
     } else if counts.agree + counts.model > 0 {
         ("pass", "\u{2713}", "Every statement holds".to_owned())
+    } else if !engines().any(|e| e.status.is_finished()) {
+        let headline = "No engine could run this scene".to_owned();
+        ("open", "\u{25cb}", headline)
     } else if counts.stated > 0 && counts.within == 0 {
         let headline = "Not resolved, for stated reasons".to_owned();
         ("open", "\u{25cb}", headline)
@@ -237,7 +243,13 @@ pub(super) fn tiles(comparison: &Comparison) -> Vec<Tile> {
         tiles.push(Tile {
             label: "Efficiency".to_owned(),
             value: format::significant(100.0 * value, 5),
-            uncertainty: String::new(),
+            uncertainty: median(&efficiency_shares(engines, window)).map_or_else(
+                String::new,
+                |share| {
+                    let off = format::significant(100.0 * value.abs() * share, 1);
+                    format!("\u{b1}\u{202f}{off}")
+                },
+            ),
             unit: "%".to_owned(),
             detail: median(&accounted).map_or_else(String::new, |own| {
                 format!(
@@ -249,6 +261,22 @@ pub(super) fn tiles(comparison: &Comparison) -> Vec<Tile> {
         });
     }
     tiles
+}
+
+/// How far each engine's efficiency may be off, as a share: its powers are those of the mean torques.
+fn efficiency_shares(engines: &[&EngineSummary], window: WindowKind) -> Vec<f64> {
+    let share = |engine: &EngineSummary, quantity: &str| {
+        let mut known = engine.uncertainty.iter();
+        let of = known.find(|u| u.window == window && u.quantity == quantity)?;
+        let figures = engine.figures.iter().find(|f| f.window == window)?;
+        let mean = figures.quantities.get(quantity)?.mean.abs();
+        Some(of.mean.u()? / mean).filter(|share| share.is_finite())
+    };
+    let both = |engine: &&EngineSummary| {
+        let input = share(engine, quantities::INPUT_TORQUE)?;
+        Some(input + share(engine, quantities::OUTPUT_TORQUE)?)
+    };
+    engines.iter().filter_map(both).collect()
 }
 
 fn quantity_tile(

@@ -1,0 +1,132 @@
+//! What one runs a scene for: driver's torque, peaks of the forces and efficiency after the start-up, each with how far it may be
+//! off where that is known.
+
+use pinwheel_compare::statistics::{Statistics, View};
+use pinwheel_courses::{Courses, columns};
+use pinwheel_engines::Run;
+use pinwheel_gearbox::{Distance, Efficiency};
+use pinwheel_scene::CheckedScene;
+use serde::Serialize;
+
+/// A figure of a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Figure {
+    /// As in the columns of a sweep, e.g. `mean_input_torque_n_m`.
+    pub name: String,
+    /// The figure, in the unit of its name.
+    pub value: f64,
+    /// How far it may be off by the run's numerical error; `None` where that is not known.
+    pub uncertainty: Option<f64>,
+}
+
+/// The figures of a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Results {
+    /// Where their window begins, s; it ends with the run.
+    pub from_s: f64,
+    /// How it is known how far they may be off.
+    pub uncertainty: &'static str,
+    /// In the order in which they are shown.
+    pub figures: Vec<Figure>,
+}
+
+/// What is known of a run's error, as a share of forces and torque.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Known {
+    /// By the run's own ladder of refinements.
+    Verified(Distance),
+    /// By one coarser (or finer) run.
+    Estimated(Distance),
+    /// Not verified.
+    Nothing,
+}
+
+impl Known {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Verified(_) => "verified",
+            Self::Estimated(_) => "estimated",
+            Self::Nothing => "not verified",
+        }
+    }
+
+    fn shares(self) -> Option<Distance> {
+        match self {
+            Self::Verified(error) | Self::Estimated(error) => Some(error),
+            Self::Nothing => None,
+        }
+    }
+}
+
+/// Where the results of a run begin, s: with the last window of its energy account, or at its half.
+#[must_use]
+pub fn from_s(run: &Run, scene: &CheckedScene) -> f64 {
+    let account = run.stats.energy.last();
+    account.map_or(0.5 * scene.solver.duration_s, |audit| audit.from_s)
+}
+
+impl Results {
+    /// Those of `run`, as far as it has what they are made of.
+    #[must_use]
+    pub fn of(run: &Run, scene: &CheckedScene, known: Known) -> Self {
+        let from_s = from_s(run, scene);
+        let shares = known.shares();
+        let mut figures = Vec::new();
+        let mut push = |name: &str, value: f64, size: f64, share: Option<f64>| {
+            figures.push(Figure {
+                name: name.to_owned(),
+                value,
+                uncertainty: share.map(|share| size.abs() * share),
+            });
+        };
+        let torque = shares.map(|d| d.driver_torque);
+        if let Some(found) = statistics(&run.courses, columns::INPUT_TORQUE, from_s) {
+            let quantity = columns::INPUT_TORQUE;
+            push(&format!("mean_{quantity}"), found.mean, found.rms, torque);
+            push(&format!("min_{quantity}"), found.min, found.rms, torque);
+            push(&format!("max_{quantity}"), found.max, found.rms, torque);
+        }
+        let forces = shares.map(|d| d.forces);
+        for group in [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE] {
+            if let Some(found) = statistics(&run.courses, group, from_s) {
+                push(&format!("peak_{group}"), found.peak, found.peak, forces);
+                push(&format!("mean_{group}"), found.mean, found.rms, forces);
+            }
+        }
+        if let Some(found) = run.stats.energy.last().and_then(Efficiency::of) {
+            push("efficiency", found.measured, found.measured, torque);
+            push(
+                "efficiency_accounted",
+                found.of_losses,
+                found.of_losses,
+                torque,
+            );
+            push("created_share", found.created_share, 1.0, torque);
+        }
+        Self {
+            from_s,
+            uncertainty: known.words(),
+            figures,
+        }
+    }
+
+    /// The figure of that name.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<&Figure> {
+        self.figures.iter().find(|figure| figure.name == name)
+    }
+}
+
+/// Over all channels of a quantity, from `from_s` on.
+fn statistics(courses: &Courses, group: &str, from_s: f64) -> Option<Statistics> {
+    let window = courses.window(from_s, f64::INFINITY);
+    let mut channels = courses.group(group);
+    if channels.is_empty() {
+        channels = courses.channel(group).into_iter().collect();
+    }
+    let inside = channels
+        .into_iter()
+        .map(|values| values.get(window.clone()))
+        .collect::<Option<Vec<_>>>()?;
+    Statistics::of(&View::new(inside))
+}
