@@ -159,12 +159,37 @@ impl Statistics {
     /// Of a view; `None` without values or with one that is not finite.
     #[must_use]
     pub fn of(view: &View<'_>) -> Option<Self> {
+        let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut finite = true;
+        for value in view.channels.iter().copied().flatten().copied() {
+            finite &= value.is_finite();
+            min = min.min(value);
+            max = max.max(value);
+        }
+        let count = view.count();
+        if !finite || count == 0 {
+            return None;
+        }
+        let peak = max.max(-min);
+        let (mut sum, mut squares) = (0.0, 0.0);
+        let scale = if peak == 0.0 {
+            1.0
+        } else {
+            power_of_two_below(peak)
+        };
+        for channel in &view.channels {
+            for value in *channel {
+                let scaled = value / scale;
+                sum += scaled;
+                squares += scaled * scaled;
+            }
+        }
         Some(Self {
-            mean: view.mean()?,
-            min: view.values().fold(f64::INFINITY, f64::min),
-            max: view.values().fold(f64::NEG_INFINITY, f64::max),
-            rms: view.rms()?,
-            peak: view.peak()?,
+            mean: sum / count as f64 * scale,
+            min,
+            max,
+            rms: scale * (squares / count as f64).sqrt(),
+            peak,
         })
     }
 }

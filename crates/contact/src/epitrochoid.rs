@@ -237,8 +237,8 @@ impl Epitrochoid {
     /// Reach of the curve to either side [Federer 1959]: inf |y - x|^2 / (2 |(y - x) . n_x|), outside and inside, m; and
     /// the largest sqrt(g)/(2 rho) with rho the reach outside of a place, 1/m.
     ///
-    /// Computed from samples of one lobe against the whole curve and lowered by the margin that
-    /// the sampling needs; the curvature bound, which the samples approach last, is exact.
+    /// Computed from samples of half a lobe, which mirrors the other half, against the whole curve, and lowered by the
+    /// margin that the sampling needs; the curvature bound, which the samples approach last, is exact.
     fn reaches(&self) -> (f64, f64, f64) {
         const PER_LOBE: u32 = 48;
         let lobes = self.lobes();
@@ -251,21 +251,23 @@ impl Epitrochoid {
             .collect();
         let (mut outside, mut inside) = (f64::INFINITY, f64::INFINITY);
         let mut repulsion: f64 = 0.0;
-        for k in 0..PER_LOBE {
+        for k in 0..=PER_LOBE / 2 {
             let x = self.at(f64::from(k) * step);
             let mut here = 10.0 * self.pitch_radius;
             if x.curvature < 0.0 {
                 here = here.min(-1.0 / x.curvature);
             }
+            // Half the curvatures of the balls that touch here and meet the curve there, by their side; of the place itself
+            // NaN, which neither takes.
+            let (mut most, mut least): (f64, f64) = (0.0, 0.0);
             for y in &others {
                 let chord = *y - x.position;
-                let height = chord.dot(x.normal);
-                let radius = chord.norm2() / (2.0 * height.abs());
-                if chord.norm2() > 0.0 && radius.is_finite() {
-                    let side = if height > 0.0 { &mut here } else { &mut inside };
-                    *side = side.min(radius);
-                }
+                let bend = chord.dot(x.normal) / chord.norm2();
+                most = most.max(bend);
+                least = least.min(bend);
             }
+            here = here.min(0.5 / most);
+            inside = inside.min(0.5 / least.abs());
             outside = outside.min(here);
             repulsion = repulsion.max(x.speed / (2.0 * here * self.pitch_radius));
         }

@@ -5,7 +5,6 @@
 //! some elastic twist, far below a pitch.
 
 use pinwheel_mbs::BodyState;
-use pinwheel_scene::{largest_hole_play, largest_play};
 
 use crate::Gearbox;
 use crate::Layout;
@@ -20,14 +19,13 @@ const PITCHES: f64 = 0.25;
 pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
     let geometry = &gearbox.geometry;
     let input = bodies[Layout::INPUT].angle;
-    let play = largest_play(&gearbox.scene.gear);
     for (i, body) in gearbox.layout.wheel_bodies().enumerate() {
         let ideal = geometry.ideal_wheel_angle(i, input);
         judge(
             gearbox,
             &|| format!("wheel {i}"),
             bodies[body].angle - ideal,
-            play,
+            geometry.wheel_play_rad,
         )?;
     }
     check_output(gearbox, input, bodies[Layout::OUTPUT].angle)
@@ -38,9 +36,9 @@ pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
 /// # Errors
 /// By how much it left its mesh, or that it is not finite.
 pub fn check_output(gearbox: &Gearbox, input: f64, output: f64) -> Result<(), String> {
-    let gear = &gearbox.scene.gear;
-    let play = largest_play(gear) + largest_hole_play(gear);
-    let off = output - gearbox.geometry.ideal_output_angle(input);
+    let geometry = &gearbox.geometry;
+    let play = geometry.wheel_play_rad + geometry.hole_play_rad;
+    let off = output - geometry.ideal_output_angle(input);
     judge(gearbox, &|| "the output shaft".into(), off, play)
 }
 
