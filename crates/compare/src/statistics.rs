@@ -107,15 +107,11 @@ impl<'a> View<'a> {
 }
 
 /// Largest magnitude of finite values; `None` otherwise.
-pub(crate) fn peak(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut peak = None;
-    for value in values {
-        if !value.is_finite() {
-            return None;
-        }
-        peak = Some(value.abs().max(peak.unwrap_or(0.0)));
-    }
-    peak
+pub(crate) fn peak(mut values: impl Iterator<Item = f64>) -> Option<f64> {
+    let first = values.next().filter(|value| value.is_finite())?.abs();
+    values.try_fold(first, |peak, value| {
+        value.is_finite().then(|| peak.max(value.abs()))
+    })
 }
 
 /// The largest power of two not above `value` > 0: dividing by it rounds nothing.

@@ -241,14 +241,23 @@ impl Epitrochoid {
     /// margin that the sampling needs; the curvature bound, which the samples approach last, is exact.
     fn reaches(&self) -> (f64, f64, f64) {
         const PER_LOBE: u32 = 48;
+        const LANES: usize = 4;
         let lobes = self.lobes();
         // Far lobes only matter across the wheel; thinning them keeps huge gears cheap.
         let stride = (lobes / 256).max(1);
         let step = std::f64::consts::TAU / f64::from(lobes * PER_LOBE);
-        let others: Vec<Complex> = (0..lobes * PER_LOBE)
-            .filter(|k| k / PER_LOBE < 3 || k / PER_LOBE >= lobes - 3 || k % stride == 0)
-            .map(|k| self.at(f64::from(k) * step).position)
-            .collect();
+        let (mut xs, mut ys) = (Vec::new(), Vec::new());
+        for k in 0..lobes * PER_LOBE {
+            if k / PER_LOBE < 3 || k / PER_LOBE >= lobes - 3 || k % stride == 0 {
+                let other = self.at(f64::from(k) * step).position;
+                xs.push(other.re);
+                ys.push(other.im);
+            }
+        }
+        // Whole lanes: the first place again changes nothing.
+        let whole = xs.len().next_multiple_of(LANES);
+        xs.resize(whole, xs[0]);
+        ys.resize(whole, ys[0]);
         let (mut outside, mut inside) = (f64::INFINITY, f64::INFINITY);
         let mut repulsion: f64 = 0.0;
         for k in 0..=PER_LOBE / 2 {
@@ -258,16 +267,22 @@ impl Epitrochoid {
                 here = here.min(-1.0 / x.curvature);
             }
             // Half the curvatures of the balls that touch here and meet the curve there, by their side; of the place itself
-            // NaN, which neither takes.
-            let (mut most, mut least): (f64, f64) = (0.0, 0.0);
-            for y in &others {
-                let chord = *y - x.position;
-                let bend = chord.dot(x.normal) / chord.norm2();
-                most = most.max(bend);
-                least = least.min(bend);
+            // NaN, which is neither more nor less.
+            let (mut most, mut least) = ([0.0; LANES], [0.0; LANES]);
+            for (xs, ys) in xs.chunks_exact(LANES).zip(ys.chunks_exact(LANES)) {
+                for lane in 0..LANES {
+                    let (cx, cy) = (xs[lane] - x.position.re, ys[lane] - x.position.im);
+                    let bend = (cx * x.normal.re + cy * x.normal.im) / (cx * cx + cy * cy);
+                    most[lane] = if bend > most[lane] { bend } else { most[lane] };
+                    least[lane] = if bend < least[lane] {
+                        bend
+                    } else {
+                        least[lane]
+                    };
+                }
             }
-            here = here.min(0.5 / most);
-            inside = inside.min(0.5 / least.abs());
+            here = here.min(0.5 / most.into_iter().fold(0.0, f64::max));
+            inside = inside.min(0.5 / least.into_iter().fold(0.0, f64::min).abs());
             outside = outside.min(here);
             repulsion = repulsion.max(x.speed / (2.0 * here * self.pitch_radius));
         }
