@@ -180,6 +180,10 @@ pub(super) fn run(
             Err(RecvTimeoutError::Disconnected) => break,
         }
     }
+    // It may have ended before anybody looked.
+    if let Some(time) = heard.reached_s {
+        reached(time);
+    }
     Ok(Ran {
         end: stopped.unwrap_or(End::Status(status)),
         wall_s,
