@@ -259,22 +259,56 @@ fn regress_a_baseline_sees_a_change_of_the_solver() {
     let same = ran(&["baseline", "check", "mine", "--repeats", "0"]);
     assert_eq!(same.code, Some(0), "{}{}", same.stdout, same.stderr);
 
-    // Fewer iterations: the midpoint rule is no longer solved.
+    // Each change moves what it should: errors, or counts.
     let source = folder.path().join("midpoint.c");
     let text = std::fs::read_to_string(&source).expect("source");
-    std::fs::write(&source, text.replace("again < 8", "again < 1")).expect("written");
     let line = "cc -O2 -o solver midpoint.c -L\"$(pinwheel solver library)\" -lpinwheel_law -lm";
-    let built = Command::new("sh")
-        .args(["-c", line])
-        .current_dir(folder.path())
-        .env("PATH", path())
-        .status();
-    assert!(built.expect("a shell").success());
-    let junit = ["--repeats", "0", "--junit", "junit.xml"];
-    let worse = ran(&[&["baseline", "check", "mine"][..], &junit].concat());
-    assert_eq!(worse.code, Some(1), "{}{}", worse.stdout, worse.stderr);
-    let junit = std::fs::read_to_string(folder.path().join("junit.xml")).expect("junit");
-    assert!(junit.contains("<failure"), "{junit}");
+    let damped = "for (b = 0; b < count; b++) state[b][3] *= 0.9, state[b][4] *= 0.9, state[b][5] *= 0.9;\n    \
+                  if (pinwheel_law_loads(gear";
+    for (what, from, to, seen, unseen) in [
+        (
+            "the midpoint rule is no longer solved",
+            "again < 8",
+            "again < 1",
+            "error of",
+            "sides",
+        ),
+        (
+            "every contact is damped by a tenth less",
+            "if (pinwheel_law_loads(gear",
+            damped,
+            "error of",
+            "sides",
+        ),
+        (
+            "steps of half the length",
+            "/ pinwheel_law_step(gear)",
+            "/ (0.5 * pinwheel_law_step(gear))",
+            "right-hand sides 9",
+            "error of",
+        ),
+    ] {
+        assert!(text.contains(from), "{what}");
+        std::fs::write(&source, text.replace(from, to)).expect("written");
+        let built = Command::new("sh")
+            .args(["-c", line])
+            .current_dir(folder.path())
+            .env("PATH", path())
+            .status();
+        assert!(built.expect("a shell").success(), "{what}");
+        let junit = ["--repeats", "0", "--junit", "junit.xml"];
+        let worse = ran(&[&["baseline", "check", "mine"][..], &junit].concat());
+        let said = format!("{what}\n{}{}", worse.stdout, worse.stderr);
+        assert_eq!(worse.code, Some(1), "{said}");
+        assert!(worse.stdout.contains("1 worse"), "{said}");
+        let junit = std::fs::read_to_string(folder.path().join("junit.xml")).expect("junit");
+        let failure = junit.lines().find(|line| line.contains("<failure"));
+        let failure = failure.unwrap_or_default();
+        assert!(
+            failure.contains(seen) && !failure.contains(unseen),
+            "{what}\n{junit}"
+        );
+    }
 
     // A baseline is held against the solvers that made it and no others.
     let other = run_in(folder.path(), ["baseline", "check", "mine", "--dir", "b"]);

@@ -97,13 +97,11 @@ def test_bad_input_names_the_key(keys, key, part):
     assert (str(again), again.key) == (line, caught.value.key)
 
 
-
-
 def test_bad_input_of_files(tmp_path):
     with pytest.raises(SceneError, match="did you mean the preset `paper`"):
         Scene("papr")
     file = tmp_path / "mine.toml"
-    file.write_text("base = \"paper\"\n[gear]\nwheels = 0\n")
+    file.write_text('base = "paper"\n[gear]\nwheels = 0\n')
     with pytest.raises(SceneError, match=r"mine.toml, line 3: `gear.wheels`"):
         Scene(file)
     with pytest.raises(SceneError, match="gives no `gear"):

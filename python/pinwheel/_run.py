@@ -94,9 +94,7 @@ class Run:
             values = self[name]
             count = f" ({values.shape[1]})" if values.ndim == 2 else ""
             cells = (np.mean(values), np.min(values), np.max(values)) if values.size else (np.nan,) * 3
-            rows.append(
-                f"<tr><td>{html.escape(name)}{count}</td>" + "".join(f"<td>{x:.5g}</td>" for x in cells) + "</tr>"
-            )
+            rows.append(f"<tr><td>{html.escape(name)}{count}</td>" + "".join(f"<td>{x:.5g}</td>" for x in cells) + "</tr>")
         head = "<tr><th></th><th>mean</th><th>min</th><th>max</th></tr>"
         return f"<p>{html.escape(repr(self)[1:-1])}</p><table>{head}{''.join(rows)}</table>"
 

@@ -107,15 +107,11 @@ impl<'a> View<'a> {
 }
 
 /// Largest magnitude of finite values; `None` otherwise.
-pub(crate) fn peak(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut peak = None;
-    for value in values {
-        if !value.is_finite() {
-            return None;
-        }
-        peak = Some(value.abs().max(peak.unwrap_or(0.0)));
-    }
-    peak
+pub(crate) fn peak(mut values: impl Iterator<Item = f64>) -> Option<f64> {
+    let first = values.next().filter(|value| value.is_finite())?.abs();
+    values.try_fold(first, |peak, value| {
+        value.is_finite().then(|| peak.max(value.abs()))
+    })
 }
 
 /// The largest power of two not above `value` > 0: dividing by it rounds nothing.
@@ -159,12 +155,37 @@ impl Statistics {
     /// Of a view; `None` without values or with one that is not finite.
     #[must_use]
     pub fn of(view: &View<'_>) -> Option<Self> {
+        let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut finite = true;
+        for value in view.channels.iter().copied().flatten().copied() {
+            finite &= value.is_finite();
+            min = min.min(value);
+            max = max.max(value);
+        }
+        let count = view.count();
+        if !finite || count == 0 {
+            return None;
+        }
+        let peak = max.max(-min);
+        let (mut sum, mut squares) = (0.0, 0.0);
+        let scale = if peak == 0.0 {
+            1.0
+        } else {
+            power_of_two_below(peak)
+        };
+        for channel in &view.channels {
+            for value in *channel {
+                let scaled = value / scale;
+                sum += scaled;
+                squares += scaled * scaled;
+            }
+        }
         Some(Self {
-            mean: view.mean()?,
-            min: view.values().fold(f64::INFINITY, f64::min),
-            max: view.values().fold(f64::NEG_INFINITY, f64::max),
-            rms: view.rms()?,
-            peak: view.peak()?,
+            mean: sum / count as f64 * scale,
+            min,
+            max,
+            rms: scale * (squares / count as f64).sqrt(),
+            peak,
         })
     }
 }

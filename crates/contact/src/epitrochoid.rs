@@ -237,35 +237,52 @@ impl Epitrochoid {
     /// Reach of the curve to either side [Federer 1959]: inf |y - x|^2 / (2 |(y - x) . n_x|), outside and inside, m; and
     /// the largest sqrt(g)/(2 rho) with rho the reach outside of a place, 1/m.
     ///
-    /// Computed from samples of one lobe against the whole curve and lowered by the margin that
-    /// the sampling needs; the curvature bound, which the samples approach last, is exact.
+    /// Computed from samples of half a lobe, which mirrors the other half, against the whole curve, and lowered by the
+    /// margin that the sampling needs; the curvature bound, which the samples approach last, is exact.
     fn reaches(&self) -> (f64, f64, f64) {
         const PER_LOBE: u32 = 48;
+        const LANES: usize = 4;
         let lobes = self.lobes();
         // Far lobes only matter across the wheel; thinning them keeps huge gears cheap.
         let stride = (lobes / 256).max(1);
         let step = std::f64::consts::TAU / f64::from(lobes * PER_LOBE);
-        let others: Vec<Complex> = (0..lobes * PER_LOBE)
-            .filter(|k| k / PER_LOBE < 3 || k / PER_LOBE >= lobes - 3 || k % stride == 0)
-            .map(|k| self.at(f64::from(k) * step).position)
-            .collect();
+        let (mut xs, mut ys) = (Vec::new(), Vec::new());
+        for k in 0..lobes * PER_LOBE {
+            if k / PER_LOBE < 3 || k / PER_LOBE >= lobes - 3 || k % stride == 0 {
+                let other = self.at(f64::from(k) * step).position;
+                xs.push(other.re);
+                ys.push(other.im);
+            }
+        }
+        // Whole lanes: the first place again changes nothing.
+        let whole = xs.len().next_multiple_of(LANES);
+        xs.resize(whole, xs[0]);
+        ys.resize(whole, ys[0]);
         let (mut outside, mut inside) = (f64::INFINITY, f64::INFINITY);
         let mut repulsion: f64 = 0.0;
-        for k in 0..PER_LOBE {
+        for k in 0..=PER_LOBE / 2 {
             let x = self.at(f64::from(k) * step);
             let mut here = 10.0 * self.pitch_radius;
             if x.curvature < 0.0 {
                 here = here.min(-1.0 / x.curvature);
             }
-            for y in &others {
-                let chord = *y - x.position;
-                let height = chord.dot(x.normal);
-                let radius = chord.norm2() / (2.0 * height.abs());
-                if chord.norm2() > 0.0 && radius.is_finite() {
-                    let side = if height > 0.0 { &mut here } else { &mut inside };
-                    *side = side.min(radius);
+            // Half the curvatures of the balls that touch here and meet the curve there, by their side; of the place itself
+            // NaN, which is neither more nor less.
+            let (mut most, mut least) = ([0.0; LANES], [0.0; LANES]);
+            for (xs, ys) in xs.chunks_exact(LANES).zip(ys.chunks_exact(LANES)) {
+                for lane in 0..LANES {
+                    let (cx, cy) = (xs[lane] - x.position.re, ys[lane] - x.position.im);
+                    let bend = (cx * x.normal.re + cy * x.normal.im) / (cx * cx + cy * cy);
+                    most[lane] = if bend > most[lane] { bend } else { most[lane] };
+                    least[lane] = if bend < least[lane] {
+                        bend
+                    } else {
+                        least[lane]
+                    };
                 }
             }
+            here = here.min(0.5 / most.into_iter().fold(0.0, f64::max));
+            inside = inside.min(0.5 / least.into_iter().fold(0.0, f64::min).abs());
             outside = outside.min(here);
             repulsion = repulsion.max(x.speed / (2.0 * here * self.pitch_radius));
         }

@@ -6,7 +6,6 @@
 //! stands around internal sleeve k at t = 0, its centre at `R_w` from the wheel's. Errors of the parts move them from
 //! there; a wheel's edge is that of its modified profile.
 
-use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 
 use pinwheel_contact::{Complex, Epitrochoid};
@@ -43,33 +42,11 @@ pub struct Geometry {
     pub hole_centres: Vec<Vec<Complex>>,
     /// Radii of the holes of every wheel, m.
     pub hole_radii_m: Vec<Vec<f64>>,
-    /// By how much a wheel can turn from the ideal mesh without touching, at most, rad.
-    pub(crate) play_rad: f64,
+    /// How far a wheel turns freely at most, rad.
+    pub wheel_play_rad: f64,
     /// The same of the output in its holes, rad.
-    pub(crate) hole_play_rad: f64,
+    pub hole_play_rad: f64,
     lobes: f64,
-}
-
-thread_local! {
-    /// The last curve and what it was made of.
-    static LAST: RefCell<Option<((f64, u32, f64), Epitrochoid)>> = const { RefCell::new(None) };
-}
-
-/// The curve. Its bounds are searched for, which takes as long as a thousand steps; the runs of a sweep mostly share it.
-fn curve(eccentricity: f64, sleeves: u32, shortening: f64) -> Result<Epitrochoid, GearboxError> {
-    let of = (eccentricity, sleeves, shortening);
-    LAST.with_borrow_mut(|last| match last {
-        Some((known, curve)) if *known == of => Ok(curve.clone()),
-        _ => {
-            let made = Epitrochoid::new(eccentricity, sleeves, shortening).map_err(|_| {
-                GearboxError::Geometry(
-                    "no epitrochoid has this eccentricity, shortening and number of sleeves".into(),
-                )
-            })?;
-            *last = Some((of, made.clone()));
-            Ok(made)
-        }
-    })
 }
 
 impl Geometry {
@@ -80,7 +57,8 @@ impl Geometry {
     pub fn new(gear: &Gear) -> Result<Self, GearboxError> {
         let sleeves = u32::try_from(gear.external_sleeves).unwrap_or(u32::MAX);
         let shortening = gear.generating_shortening();
-        let curve = curve(gear.eccentricity_m, sleeves, shortening)?;
+        let curve = Epitrochoid::new(gear.eccentricity_m, sleeves, shortening)
+            .map_err(|error| GearboxError::Geometry(error.to_string()))?;
         let (wheels, external, internal) =
             (gear.wheels, gear.external_sleeves, gear.internal_sleeves);
         let lobes = gear.external_sleeves as f64 - 1.0;
@@ -119,7 +97,7 @@ impl Geometry {
             hole_radii_m: (0..wheels)
                 .map(|i| (0..internal).map(|k| gear.hole_radius_of_m(i, k)).collect())
                 .collect(),
-            play_rad: largest_play(gear),
+            wheel_play_rad: largest_play(gear),
             hole_play_rad: largest_hole_play(gear),
             lobes,
         })

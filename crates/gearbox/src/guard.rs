@@ -25,7 +25,7 @@ pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
             gearbox,
             &|| format!("wheel {i}"),
             bodies[body].angle - ideal,
-            geometry.play_rad,
+            geometry.wheel_play_rad,
         )?;
     }
     check_output(gearbox, input, bodies[Layout::OUTPUT].angle)
@@ -37,7 +37,7 @@ pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
 /// By how much it left its mesh, or that it is not finite.
 pub fn check_output(gearbox: &Gearbox, input: f64, output: f64) -> Result<(), String> {
     let geometry = &gearbox.geometry;
-    let play = geometry.play_rad + geometry.hole_play_rad;
+    let play = geometry.wheel_play_rad + geometry.hole_play_rad;
     let off = output - geometry.ideal_output_angle(input);
     judge(gearbox, &|| "the output shaft".into(), off, play)
 }

@@ -76,7 +76,7 @@ pub use model::{
     Masses, Modification, Output, PlusMinus, Scene, Solver, Stabilisation, Start,
 };
 pub use outline::Outline;
-pub use parse::Override;
+pub use parse::{Draft, Override};
 pub use presets::{PRESETS, Preset, preset};
 pub use scales::{Scales, free_play, largest_hole_play, largest_play};
 pub use suggest::{did_you_mean, nearest};

@@ -20,6 +20,61 @@ pub use overrides::Override;
 use layers::Layers;
 use unknown::BASE;
 
+/// What many scenes have in common, read once: a file with its base, and overrides.
+///
+/// ```
+/// use pinwheel_scene::{Draft, Override};
+///
+/// let draft = Draft::load("paper", &["drive.output_torque_n_m=30".parse()?])?;
+/// let loose = draft.with(&[Override::new("gear.backlash_m", "6e-4")])?;
+/// assert_eq!((loose.gear.backlash_m, loose.drive.output_torque_n_m), (6e-4, 30.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Draft {
+    spec: String,
+    overrides: Vec<Override>,
+    layers: Layers,
+}
+
+impl Draft {
+    /// Reads `spec` as [`Scene::load`] does and applies the overrides; nothing is filled in or checked together yet.
+    ///
+    /// # Errors
+    /// The first fault found, on one line with its remedy.
+    pub fn load(spec: &str, overrides: &[Override]) -> Result<Self, SceneError> {
+        let read;
+        let text = match preset(spec) {
+            Some(text) => text,
+            None => {
+                read = load::read(spec)?;
+                &read
+            }
+        };
+        Ok(Self {
+            spec: spec.to_owned(),
+            overrides: overrides.to_vec(),
+            layers: Layers::read(text, spec, overrides)?,
+        })
+    }
+
+    /// The scene with more overrides: the same as [`Scene::load`] with all of them.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn with(&self, overrides: &[Override]) -> Result<CheckedScene, SceneError> {
+        if overrides.iter().any(|set| set.key() == BASE) {
+            let all = [self.overrides.as_slice(), overrides].concat();
+            return Scene::load(&self.spec, &all);
+        }
+        let mut layers = self.layers.clone();
+        for set in overrides {
+            layers.set(set)?;
+        }
+        layers.finish()
+    }
+}
+
 impl Scene {
     /// Loads `spec`, the bare name of a preset (`paper`) or the path of a scene file, applies the
     /// overrides and checks the result.
@@ -27,11 +82,7 @@ impl Scene {
     /// # Errors
     /// The first fault found, on one line with its remedy.
     pub fn load(spec: &str, overrides: &[Override]) -> Result<CheckedScene, SceneError> {
-        if let Some(text) = preset(spec) {
-            return Self::from_toml(text, spec, overrides);
-        }
-        let text = load::read(spec)?;
-        Self::from_toml(&text, spec, overrides)
+        Draft::load(spec, overrides)?.layers.finish()
     }
 
     /// Reads a scene from TOML text (or JSON, which begins with a brace: a scene, or a job file that holds one), applies
@@ -48,12 +99,7 @@ impl Scene {
         source_name: &str,
         overrides: &[Override],
     ) -> Result<CheckedScene, SceneError> {
-        let mut layers = Layers::new(source_name);
-        layers.file(text, source_name, overrides, 0)?;
-        for set in overrides.iter().filter(|set| set.key() != BASE) {
-            layers.set(set)?;
-        }
-        layers.finish()
+        Layers::read(text, source_name, overrides)?.finish()
     }
 
     /// The scene as TOML with every key written out.

@@ -5,7 +5,7 @@ use std::path::Path;
 use pinwheel_compare::{Comparison, Status, Verdict};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
-use crate::baseline::{self, Check};
+use crate::baseline::{self, CaseCheck, Check};
 use crate::output::{OutputError, write_text};
 
 /// How a case ended.
@@ -148,13 +148,9 @@ pub fn of_baseline(name: &str, check: &Check) -> Vec<Suite> {
         name: format!("{}, {}", case.scene, case.choice),
         time_s: None,
         ended: match case.verdict {
-            baseline::Verdict::Worse => Ended::Failed(case.trouble.clone().unwrap_or_else(|| {
-                let moved = case.moved_most();
-                moved.map_or_else(
-                    || "a count is above its limit".to_owned(),
-                    |quantity| format!("{} is worse", quantity.label),
-                )
-            })),
+            baseline::Verdict::Worse => {
+                Ended::Failed(case.trouble.clone().unwrap_or_else(|| worse(case)))
+            }
             _ => Ended::Passed,
         },
     });
@@ -162,4 +158,18 @@ pub fn of_baseline(name: &str, check: &Check) -> Vec<Suite> {
         name: format!("baseline {name}"),
         cases: cases.collect(),
     }]
+}
+
+/// Every error and count of a case that rose beyond its limit.
+fn worse(case: &CaseCheck) -> String {
+    let is_worse = |verdict| verdict == baseline::Verdict::Worse;
+    let errors = case.quantities.iter().filter(|q| is_worse(q.verdict));
+    let errors = errors.map(|q| {
+        let (label, before, after) = (q.label, q.error_before, q.error_after);
+        format!("error of {label} {before:.2e}, now {after:.2e}")
+    });
+    let counts = case.costs.iter().filter(|cost| is_worse(cost.verdict));
+    let counts =
+        counts.map(|cost| format!("{} {:.0}, now {:.0}", cost.label, cost.before, cost.after));
+    errors.chain(counts).collect::<Vec<_>>().join("; ")
 }

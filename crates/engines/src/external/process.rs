@@ -180,6 +180,10 @@ pub(super) fn run(
             Err(RecvTimeoutError::Disconnected) => break,
         }
     }
+    // It may have ended before anybody looked.
+    if let Some(time) = heard.reached_s {
+        reached(time);
+    }
     Ok(Ran {
         end: stopped.unwrap_or(End::Status(status)),
         wall_s,
@@ -446,4 +450,26 @@ pub(super) fn plain(text: &str, most: usize) -> String {
     let shown = text.chars().map(|c| if c.is_control() { ' ' } else { c });
     let cut: String = shown.take(most).collect();
     cut.trim().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a program says without end takes no memory without end.
+    #[test]
+    fn hard_long_lines_and_logs_are_cut() {
+        let mut heard = Heard::default();
+        for _ in 0..100 {
+            let bytes = vec![b'x'; 1 << 14];
+            let orders = true;
+            heard.take(&Piece { bytes, orders });
+            let (bytes, orders) = (vec![b'y'; 1 << 14], false);
+            heard.take(&Piece { bytes, orders });
+        }
+        assert_eq!(heard.bytes, 200 << 14);
+        assert_eq!(heard.line.len(), LINE);
+        assert!(heard.head.len() + heard.tail.len() <= LOG_KEPT);
+        assert!(heard.log().contains("[...]"));
+    }
 }

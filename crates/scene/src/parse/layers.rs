@@ -26,26 +26,41 @@ use crate::uncertain::{EXAMPLE, UNCERTAIN};
 const DEEPEST: usize = 8;
 
 /// The table being built, and where each of its values came from.
-pub(super) struct Layers<'a> {
-    source: &'a str,
+#[derive(Debug, Clone)]
+pub(super) struct Layers {
+    source: String,
     table: Table,
     places: HashMap<String, Place>,
     /// Which base each key came from, for those that the file itself does not write.
     inherited: HashMap<String, String>,
 }
 
-impl<'a> Layers<'a> {
-    pub(super) fn new(source: &'a str) -> Self {
+impl Layers {
+    fn new(source: &str) -> Self {
         Self {
-            source,
+            source: source.to_owned(),
             table: Table::new(),
             places: HashMap::new(),
             inherited: HashMap::new(),
         }
     }
 
+    /// A text with its base and overrides.
+    pub(super) fn read(
+        text: &str,
+        source: &str,
+        overrides: &[Override],
+    ) -> Result<Self, SceneError> {
+        let mut layers = Self::new(source);
+        layers.file(text, source, overrides, 0)?;
+        for set in overrides.iter().filter(|set| set.key() != BASE) {
+            layers.set(set)?;
+        }
+        Ok(layers)
+    }
+
     /// Lays a file over what there is, its base below it.
-    pub(super) fn file(
+    fn file(
         &mut self,
         text: &str,
         source: &str,
@@ -366,8 +381,8 @@ impl<'a> Layers<'a> {
 
     pub(super) fn finish(mut self) -> Result<CheckedScene, SceneError> {
         let located =
-            |fault: Fault, places: &HashMap<String, Place>| located(fault, places, self.source);
-        if let Some(stem) = Path::new(self.source).file_stem().and_then(|s| s.to_str()) {
+            |fault: Fault, places: &HashMap<String, Place>| located(fault, places, &self.source);
+        if let Some(stem) = Path::new(&self.source).file_stem().and_then(|s| s.to_str()) {
             let name = self.table.entry("name");
             name.or_insert_with(|| Value::String(stem.to_owned()));
         }
@@ -375,7 +390,7 @@ impl<'a> Layers<'a> {
         let filled = fill(&mut self.table).map_err(|fault| match fault {
             Gap::Fault(fault) => located(fault, &self.places),
             Gap::Missing(keys) => SceneError::Missing {
-                source_name: self.source.to_owned(),
+                source_name: self.source.clone(),
                 keys,
             },
         })?;
@@ -397,7 +412,7 @@ impl<'a> Layers<'a> {
                 let what = error.inner().message().trim().to_owned();
                 SceneError::Key {
                     place: self.places.get(&key).cloned().unwrap_or(Place::Default {
-                        source: self.source.to_owned(),
+                        source: self.source.clone(),
                     }),
                     what: format!("is not understood: {what}"),
                     remedy: "write one of the listed values".to_owned(),

@@ -8,7 +8,7 @@ use pinwheel_compare::limits::fits;
 use pinwheel_courses::{columns, group_of};
 use pinwheel_engines::{Engine, by_name};
 use pinwheel_scene::channels::Channels;
-use pinwheel_scene::{CheckedScene, Override, Scene, SceneError, did_you_mean};
+use pinwheel_scene::{CheckedScene, Draft, Override, Scene, SceneError, did_you_mean};
 
 use crate::sweep::axis::Value;
 use crate::sweep::spread::columns_of;
@@ -107,6 +107,7 @@ impl Plan {
         guests: Guests,
         cancel: &AtomicBool,
     ) -> Result<Self, SweepError> {
+        let mut draft = None;
         if let Some(sample) = &sweep.sample {
             let values: Vec<(String, Value)> = values_at(&sweep, 0);
             let fault = |what: String| SweepError::Run {
@@ -115,7 +116,7 @@ impl Plan {
                 what,
             };
             // About the first of what else is varied: distributions without a mean are about the scene's own value.
-            let scene = scene_at(&sweep, overrides, &values);
+            let scene = scene_at(&mut draft, &sweep, overrides, &values);
             let scene = scene.map_err(|source| SweepError::Scene {
                 number: 1,
                 values: in_words(&values),
@@ -148,12 +149,12 @@ impl Plan {
             }
             let values = values_at(&sweep, point);
             let number = runs.len() + 1;
-            let scene =
-                scene_at(&sweep, overrides, &values).map_err(|source| SweepError::Scene {
-                    number,
-                    values: in_words(&values),
-                    source: Box::new(source),
-                })?;
+            let scene = scene_at(&mut draft, &sweep, overrides, &values);
+            let scene = scene.map_err(|source| SweepError::Scene {
+                number,
+                values: in_words(&values),
+                source: Box::new(source),
+            })?;
             let wrong = |what: String| SweepError::Run {
                 number,
                 values: in_words(&values),
@@ -283,22 +284,25 @@ fn values_at(sweep: &Sweep, point: usize) -> Vec<(String, Value)> {
     .collect()
 }
 
+/// The scene of a run; `draft` is what all have in common, read when the first asks for it.
 fn scene_at(
+    draft: &mut Option<Draft>,
     sweep: &Sweep,
     overrides: &[Override],
     values: &[(String, Value)],
 ) -> Result<CheckedScene, SceneError> {
-    let varied = values
+    let draft = match draft {
+        Some(draft) => draft,
+        None => {
+            let common = [sweep.set.as_slice(), overrides].concat();
+            draft.insert(Draft::load(&sweep.scene, &common)?)
+        }
+    };
+    let varied: Vec<Override> = values
         .iter()
-        .map(|(key, value)| Override::new(key.clone(), value.to_toml()));
-    let all: Vec<Override> = sweep
-        .set
-        .iter()
-        .chain(overrides)
-        .cloned()
-        .chain(varied)
+        .map(|(key, value)| Override::new(key.clone(), value.to_toml()))
         .collect();
-    Scene::load(&sweep.scene, &all)
+    draft.with(&varied)
 }
 
 /// `gear.backlash_m = 0.0003, contact.damping_n_s_m = 8`.
