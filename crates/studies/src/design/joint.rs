@@ -206,6 +206,10 @@ impl Joint {
             let _ = writeln!(text, "    {what}");
         };
         line("Equivalent joint of a cycloidal gear; SI units, angles in rad.");
+        line(&format!(
+            "ratio: {}; input and output turn against each other",
+            self.ratio
+        ));
         for figure in &self.figures {
             let off = figure.uncertainty.filter(|u| *u > 0.0);
             let off = off.map_or_else(String::new, |u| format!(" (within {u:.1e})"));
@@ -239,7 +243,7 @@ impl Joint {
             )
         };
         let rubs = format!(
-            " damping=\"{}\" frictionloss=\"{}\" solreffriction=\"{} 1\"",
+            " damping=\"{}\" frictionloss=\"{}\" solreffriction=\"{:.1e} 1\"",
             self.viscous(),
             self.coulomb(),
             4.0 * step
@@ -260,7 +264,7 @@ impl Joint {
         }
         format!(
             "<mujoco model=\"{name}\">\n  <!--\n{}    A longer step will do where the output carries much more inertia.\n  -->\n  \
-             <compiler angle=\"radian\"/>\n  <option timestep=\"{step}\" integrator=\"implicitfast\"/>\n  <worldbody>\n{}{}  \
+             <compiler angle=\"radian\"/>\n  <option timestep=\"{step:.0e}\" integrator=\"implicitfast\"/>\n  <worldbody>\n{}{}  \
              </worldbody>\n  <tendon>\n{tendons}  </tendon>\n  <actuator>\n    \
              <motor name=\"{name}-motor\" joint=\"{name}-input\"/>\n  </actuator>\n</mujoco>\n",
             self.remarks(),
@@ -294,10 +298,10 @@ impl Joint {
              URDF holds no stiffness and no play: the gear below is rigid. Drake has no Coulomb friction and leaves it out.\n  -->\n  \
              <link name=\"{name}-housing\"/>\n  <link name=\"{name}-output\">\n    <inertial>\n      <mass value=\"{}\"/>\n      \
              <inertia ixx=\"{inertia}\" iyy=\"{inertia}\" izz=\"{inertia}\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>\n    </inertial>\n  </link>\n  \
-             <joint name=\"{name}-output\" type=\"continuous\">\n    <parent link=\"{name}-housing\"/>\n    \
+             <joint name=\"{name}-joint\" type=\"continuous\">\n    <parent link=\"{name}-housing\"/>\n    \
              <child link=\"{name}-output\"/>\n    <axis xyz=\"0 0 1\"/>\n    \
              <dynamics damping=\"{}\" friction=\"{}\"/>\n  </joint>\n  <transmission name=\"{name}-gear\">\n    \
-             <type>transmission_interface/SimpleTransmission</type>\n    <joint name=\"{name}-output\">\n      \
+             <type>transmission_interface/SimpleTransmission</type>\n    <joint name=\"{name}-joint\">\n      \
              <hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface>\n    </joint>\n    \
              <actuator name=\"{name}-motor\">\n      <mechanicalReduction>{ratio}</mechanicalReduction>\n      \
              <drake:gear_ratio value=\"{ratio}\"/>\n      <drake:rotor_inertia value=\"{}\"/>\n    </actuator>\n  \
@@ -322,7 +326,7 @@ impl Joint {
              The gear below is rigid: stiffness and play stand in this comment alone. Drake leaves Coulomb friction out.\n    -->\n    \
              <link name=\"{name}-housing\"/>\n    <link name=\"{name}-output\">\n      <inertial>\n        <mass>{}</mass>\n        \
              <inertia><ixx>{inertia}</ixx><iyy>{inertia}</iyy><izz>{inertia}</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia>\n      \
-             </inertial>\n    </link>\n    <joint name=\"{name}-output\" type=\"revolute\">\n      \
+             </inertial>\n    </link>\n    <joint name=\"{name}-joint\" type=\"revolute\">\n      \
              <parent>{name}-housing</parent>\n      <child>{name}-output</child>\n      <axis>\n        <xyz>0 0 1</xyz>\n        \
              <dynamics><damping>{}</damping><friction>{}</friction></dynamics>\n        \
              <limit><effort>{}</effort></limit>\n      </axis>\n      \
@@ -435,7 +439,7 @@ fn of_balances(poses: &[&Pose], rated: f64) -> Vec<Figure> {
             "arcmin",
             Some(play.mean),
             Some(&play),
-            "between both directions at a ten-thousandth of the rated torque, mean",
+            "between both directions at a ten-thousandth of the rated torque, mean; without play what the first contacts give way",
         ),
         figure(
             "joint_stiffness_n_m_per_rad",
