@@ -32,11 +32,6 @@ pub(super) fn slopes(gearbox: &Gearbox) -> Jacobian {
     Jacobian::new(&Structure::SecondOrder { is_leaf }, 2 * free)
 }
 
-/// 1/x; `None` for 0.
-fn inverse(x: f64) -> Option<f64> {
-    (x != 0.0).then(|| x.recip())
-}
-
 impl Statics<'_> {
     /// Stiffness, N m/rad, and damping, N m s/rad, of the output about a balance, the input locked and the wheels following.
     /// `None`: the contacts have no slopes.
@@ -108,10 +103,11 @@ impl Statics<'_> {
             for (i, own) in moments.iter().enumerate() {
                 let hub = OUTPUT + 1 + i;
                 // A wheel that touches nothing carries nothing, wherever in its play it is.
-                let Some(inverse) = inverse(slopes.entry(hub, hub)) else {
+                let own_slope = slopes.entry(hub, hub);
+                if own_slope == 0.0 {
                     continue;
-                };
-                let share = slopes.entry(OUTPUT, hub) * inverse;
+                }
+                let share = slopes.entry(OUTPUT, hub) / own_slope;
                 slope -= share * slopes.entry(hub, OUTPUT);
                 moment -= share * own;
             }
@@ -122,10 +118,10 @@ impl Statics<'_> {
             for (i, (angle, ideal)) in wheels.iter_mut().zip(&ideal).enumerate() {
                 let hub = OUTPUT + 1 + i;
                 let own = slopes.entry(hub, hub);
-                let Some(inverse) = inverse(own) else {
+                if own == 0.0 {
                     continue;
-                };
-                let step = -(moments[i] + slopes.entry(hub, OUTPUT) * step) * inverse;
+                }
+                let step = -(moments[i] + slopes.entry(hub, OUTPUT) * step) / own;
                 *angle += step;
                 moved = moved.max(step.abs());
                 inside &= own < 0.0 && (*angle - ideal).abs() < half_wheel;
