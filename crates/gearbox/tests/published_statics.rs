@@ -233,7 +233,7 @@ fn mean_driver_torque(law: &str) -> f64 {
 }
 
 /// What a gear turns freely when its profile is cut 50 um smaller, equidistant or by a smaller pin circle, by the package: the
-/// least gap over lever, against the balances under next to no load in both directions.
+/// least gap over lever, against the balances under next to no load in both directions. Measured: at most 1.5 % more.
 #[test]
 fn cycloidgen_measures_the_same_play() {
     let data = table("cycloidgen");
@@ -243,6 +243,8 @@ fn cycloidgen_measures_the_same_play() {
         let name = recorded["scene"].as_str().unwrap();
         for (k, wanted) in numbers(recorded, "play_arcmin").into_iter().enumerate() {
             let mut scene = Scene::load(name, &[]).unwrap().into_scene();
+            // The package looks at one disc; two share the play of the tighter one.
+            scene.gear.wheels = 1;
             let modification = &mut scene.gear.modification;
             [modification.equidistant_m, modification.radial_m] = [[5e-5, 0.0], [0.0, -5e-5]][k];
             let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
