@@ -20,8 +20,9 @@ from typing import Any
 import numpy as np
 
 try:
+    from cycloidgen.analysis.stiffness import analyse_stiffness
     from cycloidgen.core.kinematics import contacts, output_loads, output_stage_period
-    from cycloidgen.core.spec import GearSpec
+    from cycloidgen.core.spec import GearSpec, OffsetMode
 except ModuleNotFoundError as error:
     sys.exit(f"{error}; install it with `pip install --require-hashes --no-deps -r python/requirements-cycloidgen.txt`")
 
@@ -29,6 +30,8 @@ from pinwheel_engines.scene import Scene
 
 # Poses over a period; of these the extremes are recorded.
 POSES = 48
+# Modification of the profile, equidistant or of the pin circle.
+CLEARANCE_MM = 0.05
 # Sleeves on the line of centres have levers of 1e-17 m and forces to match: they carry nothing.
 NOTHING_N = 1e-9
 
@@ -47,6 +50,12 @@ def specification(scene: Scene) -> GearSpec:
         output_bolt_circle_radius=1e3 * gear.internal_circle_radius_m,
         output_torque_Nm=scene.drive.output_torque_n_m,
     )
+
+
+def play_arcmin(spec: GearSpec, mode: OffsetMode) -> float:
+    """Largest free play of the ring stage with the profile cut smaller by `CLEARANCE_MM`, both directions."""
+    cut = spec.model_copy(update={"profile_clearance": CLEARANCE_MM, "offset_mode": mode})
+    return float(analyse_stiffness(cut).lost_motion_ring_arcmin)
 
 
 def ring_pose(spec: GearSpec, phi: float, torque_n_m: float) -> dict[str, Any]:
@@ -101,6 +110,7 @@ def loads(scene: Scene) -> dict[str, Any]:
         "bearing_n": extremes([float(np.hypot(*pose["bearing_n"])) for pose in ring]),
         "output_n": extremes([max(pose["forces_n"]) for pose in output]),
         "loaded_output_sleeves": extremes([loaded(pose) for pose in output]),
+        "play_arcmin": [play_arcmin(spec, mode) for mode in (OffsetMode.EQUIDISTANT, OffsetMode.PIN_CIRCLE)],
         "forces_n": [force for force in ring[0]["forces_n"] if force > NOTHING_N],
         "ring": ring,
         "output": output,

@@ -7,6 +7,7 @@
 mod accuracy;
 mod cycloidgen;
 mod guards;
+mod joint;
 mod law;
 mod own_gear;
 mod package;

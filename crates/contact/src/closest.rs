@@ -64,16 +64,18 @@ impl Epitrochoid {
         match self.local_search(p, unit, multiple, limit) {
             Local::Outside => None,
             Local::Foot(foot) => (foot.distance < limit).then_some(foot),
-            Local::Unknown if limit <= 0.0 && self.outside_by_ray(p, unit, multiple) => None,
+            Local::Unknown if self.outside_by_ray(p, unit, multiple, limit.max(0.0)) => None,
             Local::Unknown => self.foot_by_search(p, limit),
         }
     }
 
-    /// True if the ray from the origin through `p` certainly leaves the curve before it reaches `p`.
+    /// True if the ray from the origin through `p` certainly leaves the curve before it reaches `p`, and `p` is farther from
+    /// the curve than `away`.
     ///
     /// C(a) is moved along its tangent onto the ray. What is left beside the ray (w) changes the radius by
-    /// less than w times the steepest slope of the curve against circles.
-    fn outside_by_ray(&self, p: Complex, unit: Complex, multiple: Complex) -> bool {
+    /// less than w times the steepest slope of the curve against circles. Points that near to `p` lie within asin(away/|p|) of
+    /// the ray and |p| - away or more from the origin: too far for the curve, whose radius grows by e^(slope angle) at most.
+    fn outside_by_ray(&self, p: Complex, unit: Complex, multiple: Complex, away: f64) -> bool {
         let radius = p.norm();
         let ray = p.scale(1.0 / radius);
         let (mut u, mut v) = (unit, multiple);
@@ -90,7 +92,8 @@ impl Epitrochoid {
         let at = self.at_unit(u, v);
         let (along, beside) = (at.position.dot(ray), at.position.cross(ray).abs());
         let margin = 2.0 * self.steepest * beside + RAY_MARGIN * self.pitch_radius;
-        along > 0.0 && beside < RAY_BESIDE * radius && along + margin < radius
+        let growth = (self.steepest * (away / radius).asin()).exp();
+        along > 0.0 && beside < RAY_BESIDE * radius && (along + margin) * growth < radius - away
     }
 
     /// The rare case, kept out of the hot path.

@@ -195,3 +195,39 @@ proptest! {
         }
     }
 }
+
+/// Sleeves larger than the edge's offset touch outside the curve, too: found where the search over the whole curve finds them,
+/// and nowhere else, from starts beside the ideal mesh's.
+#[test]
+fn feet_within_a_limit_are_those_of_the_whole_curve() {
+    let (mut near, mut far) = (0, 0);
+    for (zk, m) in [(16, 0.7), (40, 0.6), (11, 0.9)] {
+        let curve = Epitrochoid::new(ECCENTRICITY, zk, m).unwrap();
+        for k in 0..2000_u32 {
+            let a = 0.00314 * f64::from(k);
+            let limit = [1e-7, 1e-5, 3e-4, 2e-3][k as usize % 4];
+            let at = curve.at(a);
+            // From half the limit inside to twice the limit outside, and lifted off along the ray.
+            let away = limit * (0.31 * f64::from(k % 9) - 0.5);
+            let lifted = at.position.scale(0.02 * f64::from(k % 3));
+            let p = at.position + at.normal.scale(away) + lifted;
+            let start = Complex::unit(a + 2e-3 * f64::from(k % 5) - 4e-3);
+            let found = curve.foot_within(p, start, start.powu(zk), limit);
+            let whole = curve.closest(p);
+            assert_eq!(
+                found.is_some(),
+                whole.distance < limit,
+                "{zk} {k}: {}",
+                whole.distance
+            );
+            match found {
+                Some(foot) => {
+                    assert!((foot.distance - whole.distance).abs() < 1e-15, "{zk} {k}");
+                    near += 1;
+                }
+                None => far += 1,
+            }
+        }
+    }
+    assert!(near > 1000 && far > 1000, "{near} {far}");
+}

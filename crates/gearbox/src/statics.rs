@@ -244,19 +244,32 @@ impl<'a> Statics<'a> {
     /// # Errors
     /// [`GearboxError::NoEquilibrium`]: the load is more than the teeth carry before they jump.
     pub fn solve(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
-        let n = self.gearbox.layout.wheels;
         let ideal = self.gearbox.geometry.ideal_output_angle(phi);
-        let half = self.brackets().1;
-        let (mut low, mut high) = (ideal - half, ideal + half);
-        let mut wheels: Vec<f64> = (0..n)
-            .map(|i| self.gearbox.geometry.ideal_wheel_angle(i, phi))
-            .collect();
+        let mut wheels = self.ideal_wheels(phi);
         if load == 0.0 && self.rests(phi, &wheels) {
             return Ok(self.equilibrium(phi, wheels, ideal, load));
         }
         if let Some(psi) = self.newton(phi, load, &mut wheels) {
             return Ok(self.equilibrium(phi, wheels, psi, load));
         }
+        self.solve_by_brackets(phi, load)
+    }
+
+    fn ideal_wheels(&self, phi: f64) -> Vec<f64> {
+        (0..self.gearbox.layout.wheels)
+            .map(|i| self.gearbox.geometry.ideal_wheel_angle(i, phi))
+            .collect()
+    }
+
+    /// The same by brackets alone: hundreds of times the evaluations, and what Newton's method is held against.
+    ///
+    /// # Errors
+    /// As [`Statics::solve`].
+    pub fn solve_by_brackets(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+        let ideal = self.gearbox.geometry.ideal_output_angle(phi);
+        let half = self.brackets().1;
+        let (mut low, mut high) = (ideal - half, ideal + half);
+        let mut wheels = self.ideal_wheels(phi);
         for (end, sign) in [(low, 1.0), (high, -1.0)] {
             let mut at = wheels.clone();
             if (self.balance_wheels(phi, end, &mut at) + load) * sign < 0.0 {

@@ -232,6 +232,37 @@ fn mean_driver_torque(law: &str) -> f64 {
     sum / f64::from(poses)
 }
 
+/// What a gear turns freely when its profile is cut 50 um smaller, equidistant or by a smaller pin circle, by the package: the
+/// least gap over lever, against the balances under next to no load in both directions. Measured: at most 1.5 % more.
+#[test]
+fn cycloidgen_measures_the_same_play() {
+    let data = table("cycloidgen");
+    let tolerance = number(&data, "play_tolerance");
+    for recorded in data["gear"].as_array().unwrap() {
+        let recorded = recorded.as_table().unwrap();
+        let name = recorded["scene"].as_str().unwrap();
+        for (k, wanted) in numbers(recorded, "play_arcmin").into_iter().enumerate() {
+            let mut scene = Scene::load(name, &[]).unwrap().into_scene();
+            // The package looks at one disc; two share the play of the tighter one.
+            scene.gear.wheels = 1;
+            let modification = &mut scene.gear.modification;
+            [modification.equidistant_m, modification.radial_m] = [[5e-5, 0.0], [0.0, -5e-5]][k];
+            let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+            let load = 1e-6 * gearbox.scene.drive.output_torque_n_m;
+            let mut statics = Statics::new(&gearbox).unwrap();
+            let mut play = 0.0_f64;
+            for pose in 0..16_u32 {
+                let phi = TAU * f64::from(pose) / 16.0 / gearbox.scene.gear.external_sleeves as f64;
+                let [there, back] = [load, -load].map(|load| statics.solve(phi, load).unwrap());
+                play = play.max(there.output - back.output);
+            }
+            let found = play * 10_800.0 / std::f64::consts::PI;
+            println!("{name}: {found} arcmin, cycloidgen {wanted}");
+            close(found, wanted, tolerance, name);
+        }
+    }
+}
+
 #[test]
 fn too_much_load_is_refused() {
     let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();
@@ -318,45 +349,81 @@ fn slow_runs_tend_to_the_statics() {
     );
 }
 
-/// Newton's method against nested brackets, which the scalar loop leaves as the only way: the same angles to rounding, in a
-/// hundredth of the evaluations. Measured: at most 2e-14 rad, and 11 evaluations a pose after 1200 to 9000.
+/// Newton's method against nested brackets: the same angles to rounding, in a hundredth of the evaluations, in lanes and in the
+/// loop that handles one pair after the other.
 #[test]
 fn newton_finds_what_brackets_find() {
-    for (preset, sets) in [
-        ("paper", &[][..]),
-        ("steel", &[]),
-        ("backlash-0.6", &[]),
-        ("forty-pins", &[]),
-        ("eleven-pins", &[("contact.law", "paper-conservative")]),
-        ("paper", &[("contact.law", "line-contact")]),
-        ("paper", &[("drive.output_torque_n_m", "-30")]),
+    for (preset, sets, kernel) in [
+        ("paper", &[][..], Kernel::Lanes),
+        ("paper", &[], Kernel::Scalar),
+        ("steel", &[], Kernel::Lanes),
+        ("backlash-0.6", &[], Kernel::Lanes),
+        ("forty-pins", &[], Kernel::Lanes),
+        ("toleranced", &[], Kernel::Lanes),
+        (
+            "toleranced",
+            &[("drive.output_torque_n_m", "0.0022")],
+            Kernel::Lanes,
+        ),
+        (
+            "eleven-pins",
+            &[("contact.law", "paper-conservative")],
+            Kernel::Lanes,
+        ),
+        ("paper", &[("contact.law", "line-contact")], Kernel::Lanes),
+        (
+            "paper",
+            &[("drive.output_torque_n_m", "-30")],
+            Kernel::Lanes,
+        ),
     ] {
         let sets: Vec<pinwheel_scene::Override> = sets
             .iter()
             .map(|&(k, v)| pinwheel_scene::Override::new(k, v))
             .collect();
         let mut gearbox = Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap();
+        gearbox.kernel = kernel;
         let load = gearbox.scene.drive.output_torque_n_m;
+        let light = load.abs() < 0.01;
         let poses = [0.0, 0.013, 0.4, 1.7];
-        let mut solve = |kernel: Kernel| {
-            gearbox.kernel = kernel;
-            let mut statics = Statics::new(&gearbox).unwrap();
-            let found = poses.map(|phi| statics.solve(phi, load).unwrap());
-            (found, statics.evaluations())
-        };
-        let ((fast, few), (slow, many)) = (solve(Kernel::Lanes), solve(Kernel::Scalar));
+        let mut statics = Statics::new(&gearbox).unwrap();
+        let fast = poses.map(|phi| statics.solve(phi, load).unwrap());
+        let few = statics.evaluations();
+        let slow = poses.map(|phi| statics.solve_by_brackets(phi, load).unwrap());
+        let many = statics.evaluations() - few;
         let mut worst: f64 = 0.0;
         for (a, b) in fast.iter().zip(&slow) {
             worst = worst.max((a.output - b.output).abs());
-            for (a, b) in a.wheels.iter().zip(&b.wheels) {
+            // Under next to no load one wheel may be anywhere in its play.
+            for (a, b) in a.wheels.iter().zip(&b.wheels).filter(|_| !light) {
                 worst = worst.max((a - b).abs());
             }
         }
-        println!("{preset}: {worst:.1e} rad, {few} evaluations after {many}");
-        assert!(worst < 1e-13, "{preset}: {worst:e} rad");
+        println!("{preset} under {load} N m: {worst:.1e} rad, {few} evaluations after {many}");
+        // Measured: 2e-15 rad; 3e-13 where the forces of a load that light are next to nothing.
+        let (limit, most) = if light { (1e-12, 40) } else { (1e-13, 20) };
+        assert!(worst < limit, "{preset}: {worst:e} rad");
         assert!(
-            few <= 20 * poses.len() as u64,
-            "{preset}: {few} evaluations"
+            few <= most * poses.len() as u64 && few < many / 20,
+            "{preset}: {few} evaluations, {many} by brackets"
         );
+    }
+}
+
+/// Stiffness about a balance against differences of balances. Measured: 1.6e-7 off, which is the law's bend over 0.1 % of the load.
+#[test]
+fn compliance_is_the_slope_of_balances() {
+    for preset in ["paper", "steel", "toleranced"] {
+        let gearbox = Gearbox::new(&Scene::load(preset, &[]).unwrap()).unwrap();
+        let mut statics = Statics::new(&gearbox).unwrap();
+        for phi in [0.0, 0.4] {
+            let [less, here, more] =
+                [0.999, 1.0, 1.001].map(|share| statics.solve(phi, 22.0 * share).unwrap());
+            let slope = 0.044 / (more.output - less.output);
+            let [stiffness, damping] = statics.compliance(&here).unwrap();
+            println!("{preset}: {stiffness} N m/rad, differences {slope}; {damping} N m s/rad");
+            close(stiffness, slope, 1e-6, preset);
+            assert!(damping > 0.0, "{preset}: {damping}");
+        }
     }
 }

@@ -9,7 +9,7 @@ use pinwheel_report::terminal::{self, TITLE, lines, styled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::design::{Figure, Harmonic, Outcome, Sharing};
+use pinwheel_studies::design::{Figure, Harmonic, Joint, Outcome, Sharing};
 
 use crate::PageError;
 
@@ -41,6 +41,7 @@ pub fn page(found: &Outcome, made: &Provenance) -> Result<String, PageError> {
     if !found.efficiency.is_empty() {
         sections.push(efficiency(found));
     }
+    sections.extend(found.joint.as_ref().map(joint));
     sections.push(dimensions(found));
     Ok(study::render(&Study {
         title: scene.name.clone(),
@@ -136,11 +137,7 @@ pub(crate) fn with_uncertainty(value: Option<f64>, uncertainty: Option<f64>) -> 
 
 /// How a figure is counted, its spread over the mesh, and what only this gear's outcome knows.
 fn how(found: &Outcome, one: &Figure) -> String {
-    let mut parts = vec![one.how.to_owned()];
-    if let Some([least, largest]) = one.over_the_mesh {
-        let (least, largest) = (figure(least), figure(largest));
-        parts.push(format!("{least} to {largest} over the mesh"));
-    }
+    let mut parts = vec![counted(one)];
     match one.key {
         "lost_motion_run_arcmin" => parts.push(format!(
             "{} by statics at that pose",
@@ -188,31 +185,78 @@ fn tiles(found: &Outcome) -> Vec<Tile> {
     found.figures.iter().filter(wanted).map(tile).collect()
 }
 
-fn all_figures(found: &Outcome) -> Section {
-    let rows = found.figures.iter().map(|one| {
+/// Figures with their uncertainty; `how`: how one is counted.
+fn table(caption: &str, figures: &[Figure], how: impl Fn(&Figure) -> String) -> Block {
+    let rows = figures.iter().map(|one| {
         let value = with_uncertainty(one.value, one.uncertainty);
         vec![
             Cell::text(one.what),
             Cell::number(value, one.value.unwrap_or(f64::NAN)),
             Cell::text(one.unit),
-            Cell::text(how(found, one)),
+            Cell::text(how(one)),
+        ]
+    });
+    Block::Table(Table {
+        caption: caption.to_owned(),
+        columns: vec![
+            Column::text("Figure"),
+            Column::number("Value"),
+            Column::text("Unit"),
+            Column::text("How"),
+        ],
+        rows: rows.collect(),
+    })
+}
+
+fn all_figures(found: &Outcome) -> Section {
+    let caption = "For a data sheet; after \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own \
+                   verification";
+    let all = table(caption, &found.figures, |one| how(found, one));
+    section("figures", "Figures", vec![all])
+}
+
+/// How a figure is counted, and its spread over the mesh.
+fn counted(one: &Figure) -> String {
+    let spread = one.over_the_mesh.map(|[least, largest]| {
+        let (least, largest) = (figure(least), figure(largest));
+        format!("{}; {least} to {largest} over the mesh", one.how)
+    });
+    spread.unwrap_or_else(|| one.how.to_owned())
+}
+
+fn joint(joint: &Joint) -> Section {
+    let springs = joint.springs.iter().map(|spring| {
+        let band = 2.0 * spring.dead_band_rad;
+        vec![
+            Cell::number(figure(band), band),
+            Cell::number(
+                figure(spring.stiffness_n_m_per_rad),
+                spring.stiffness_n_m_per_rad,
+            ),
         ]
     });
     section(
-        "figures",
-        "Figures",
-        vec![Block::Table(Table {
-            caption: "For a data sheet; after \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own \
-                      verification"
-                .to_owned(),
-            columns: vec![
-                Column::text("Figure"),
-                Column::number("Value"),
-                Column::text("Unit"),
-                Column::text("How"),
-            ],
-            rows: rows.collect(),
-        })],
+        "joint",
+        "As a joint",
+        vec![
+            Block::Text(format!(
+                "The gear as one joint of a robot's model, of ratio {}: the files `joint_mujoco.xml`, `joint.urdf` and `joint.sdf` hold it, \
+                 the latter two for Drake as well. It has no transmission error, and everywhere the mesh's mean stiffness and play.",
+                joint.ratio
+            )),
+            table("What the joint is made of", &joint.figures, counted),
+            Block::Details {
+                summary: "Springs in parallel".to_owned(),
+                blocks: vec![Block::Table(Table {
+                    caption: "Springs of the joint, which act beyond their dead band".to_owned(),
+                    columns: vec![
+                        Column::number("Dead band, both sides (rad)"),
+                        Column::number("Stiffness (N m/rad)"),
+                    ],
+                    rows: springs.collect(),
+                })],
+            },
+        ],
     )
 }
 

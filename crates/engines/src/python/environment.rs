@@ -42,7 +42,7 @@ impl Requirements {
 }
 
 /// What the engines need.
-pub(super) const ENGINES: Requirements = Requirements {
+pub const ENGINES: Requirements = Requirements {
     name: "engines",
     file: "python/requirements.txt",
     only_listed: false,

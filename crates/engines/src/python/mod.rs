@@ -32,7 +32,7 @@ mod watch;
 pub use crate::cache::CacheError;
 pub use agreement::{Agreement, law_agreement};
 #[cfg(feature = "crossval")]
-pub use environment::{Environment, Requirements, environment};
+pub use environment::{ENGINES, Environment, Requirements, environment};
 #[cfg(feature = "crossval")]
 pub use error::PythonError;
 pub use guest::Guest;

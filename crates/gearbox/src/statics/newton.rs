@@ -12,7 +12,7 @@
 use pinwheel_mbs::{Jacobian, Structure};
 use pinwheel_scene::{largest_hole_play, largest_play};
 
-use super::{ANGLE, Statics};
+use super::{ANGLE, Equilibrium, Statics};
 use crate::{Gearbox, Layout};
 
 /// Steps at most; a gear takes 5 to 10.
@@ -33,6 +33,42 @@ pub(super) fn slopes(gearbox: &Gearbox) -> Jacobian {
 }
 
 impl Statics<'_> {
+    /// Stiffness, N m/rad, and damping, N m s/rad, of the output about a balance, the input locked and the wheels following.
+    /// `None`: the contacts have no slopes.
+    ///
+    /// With s the rate of change all slopes are K + s D. Wheels that follow are eliminated as in a step of Newton's method; what
+    /// is left is taken to first order in s.
+    pub fn compliance(&mut self, at: &Equilibrium) -> Option<[f64; 2]> {
+        let mut moments = vec![0.0; at.wheels.len()];
+        self.moments(at.input, &at.wheels, at.output, &mut moments);
+        if !self.find_slopes() {
+            return None;
+        }
+        let (k, d) = (self.slopes.position()?, self.slopes.rate());
+        let (mut stiffness, mut damping) = (k.entry(OUTPUT, OUTPUT), d.entry(OUTPUT, OUTPUT));
+        for hub in OUTPUT + 1..=OUTPUT + at.wheels.len() {
+            let (to, from, own) = (
+                k.entry(OUTPUT, hub),
+                k.entry(hub, OUTPUT),
+                k.entry(hub, hub),
+            );
+            if own == 0.0 {
+                continue;
+            }
+            stiffness -= to * from / own;
+            damping -= (d.entry(OUTPUT, hub) * from + to * d.entry(hub, OUTPUT)
+                - to * from * d.entry(hub, hub) / own)
+                / own;
+        }
+        Some([-stiffness, -damping])
+    }
+
+    /// Slopes of the contacts where they were evaluated last; false if they have none.
+    fn find_slopes(&mut self) -> bool {
+        self.slopes.clear();
+        self.field.add_slopes(&self.bodies, &mut self.slopes)
+    }
+
     /// The output's angle in balance, the wheels' in `wheels`, which holds the ideal mesh on entry and, after a failure,
     /// again. `None`: the contacts have no slopes, or the way led out of the brackets.
     pub(super) fn newton(&mut self, phi: f64, load: f64, wheels: &mut [f64]) -> Option<f64> {
@@ -59,15 +95,19 @@ impl Statics<'_> {
         let mut last = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let output = self.moments(phi, wheels, psi, &mut moments) + load;
-            self.slopes.clear();
-            if !self.field.add_slopes(&self.bodies, &mut self.slopes) {
+            if !self.find_slopes() {
                 return None;
             }
             let slopes = self.slopes.position()?;
             let (mut slope, mut moment) = (slopes.entry(OUTPUT, OUTPUT), output);
             for (i, own) in moments.iter().enumerate() {
                 let hub = OUTPUT + 1 + i;
-                let share = slopes.entry(OUTPUT, hub) / slopes.entry(hub, hub);
+                // A wheel that touches nothing carries nothing, wherever in its play it is.
+                let own_slope = slopes.entry(hub, hub);
+                if own_slope == 0.0 {
+                    continue;
+                }
+                let share = slopes.entry(OUTPUT, hub) / own_slope;
                 slope -= share * slopes.entry(hub, OUTPUT);
                 moment -= share * own;
             }
@@ -78,6 +118,9 @@ impl Statics<'_> {
             for (i, (angle, ideal)) in wheels.iter_mut().zip(&ideal).enumerate() {
                 let hub = OUTPUT + 1 + i;
                 let own = slopes.entry(hub, hub);
+                if own == 0.0 {
+                    continue;
+                }
                 let step = -(moments[i] + slopes.entry(hub, OUTPUT) * step) / own;
                 *angle += step;
                 moved = moved.max(step.abs());

@@ -81,27 +81,49 @@ impl Balances {
 
     /// The figures of statics.
     pub(super) fn figures(&self) -> Vec<Figure> {
-        let mut figures = self.summed(1, 0).figures();
-        for half in [0, 1] {
-            for (figure, other) in figures.iter_mut().zip(self.summed(2, half).figures()) {
-                let moved = figure.value.zip(other.value).map(|(a, b)| (a - b).abs());
-                figure.uncertainty = figure.uncertainty.zip(moved).map(|(u, moved)| u.max(moved));
-            }
-        }
-        figures
+        halves(|every, of| self.summed(every, of).figures())
     }
+}
+
+impl Figure {
+    /// A figure that is one for the whole mesh.
+    pub(super) fn new(
+        key: &'static str,
+        what: &'static str,
+        unit: &'static str,
+        value: Option<f64>,
+        uncertainty: Option<f64>,
+        how: &'static str,
+    ) -> Self {
+        Self {
+            key,
+            what,
+            unit,
+            value,
+            uncertainty: value.and(uncertainty),
+            over_the_mesh: None,
+            how,
+        }
+    }
+}
+
+/// Figures of every so many poses from one on: those of all, as uncertain as those of either half differ from them.
+pub(super) fn halves(of: impl Fn(usize, usize) -> Vec<Figure>) -> Vec<Figure> {
+    let mut figures = of(1, 0);
+    for half in [0, 1] {
+        for (figure, other) in figures.iter_mut().zip(of(2, half)) {
+            let moved = figure.value.zip(other.value).map(|(a, b)| (a - b).abs());
+            figure.uncertainty = figure.uncertainty.zip(moved).map(|(u, moved)| u.max(moved));
+        }
+    }
+    figures
 }
 
 impl Summed {
     fn figures(&self) -> Vec<Figure> {
-        let of = |key, what, unit, value: f64, how| Figure {
-            key,
-            what,
-            unit,
-            value: Some(value),
-            uncertainty: Some(ROUNDING * value.abs()),
-            over_the_mesh: None,
-            how,
+        let of = |key, what, unit, value: f64, how| {
+            let rounding = ROUNDING * value.abs();
+            Figure::new(key, what, unit, Some(value), Some(rounding), how)
         };
         let over = |figure: Figure, spread: &Spread| Figure {
             over_the_mesh: Some([spread.min, spread.max]),
@@ -221,15 +243,7 @@ impl Summed {
 
 /// The figures of runs.
 pub(super) fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<Figure> {
-    let figure = |key, what, unit, value: Option<f64>, uncertainty, how| Figure {
-        key,
-        what,
-        unit,
-        value,
-        uncertainty: value.and(uncertainty),
-        over_the_mesh: None,
-        how,
-    };
+    let figure = Figure::new;
     let mut figures = Vec::new();
     if let Some(cycle) = cycle {
         figures.push(figure(

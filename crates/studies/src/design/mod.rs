@@ -21,6 +21,7 @@
 mod cycle;
 mod drawing;
 mod figures;
+mod joint;
 mod mesh;
 mod orders;
 
@@ -40,6 +41,7 @@ use crate::{Control, Progress, StudyError, single};
 pub use cycle::Cycle;
 pub use drawing::{CHORD_M, Drawing};
 pub use figures::Figure;
+pub use joint::{Friction, Joint, Spring};
 pub use mesh::{Bearing, Pair, Pressure, Sharing, Stage};
 pub use orders::Harmonic;
 
@@ -162,6 +164,8 @@ pub struct Outcome {
     pub cycle: Option<Cycle>,
     /// Efficiency over speed and torque; empty if runs were not asked for.
     pub efficiency: Vec<Operating>,
+    /// The gear as one joint of a robot's model; `None` if it was not asked for.
+    pub joint: Option<Joint>,
     /// The discs as drawings.
     pub discs: Vec<Drawing>,
 }
@@ -171,6 +175,28 @@ pub struct Outcome {
 /// # Errors
 /// Cancelled; no load or more of it than the teeth carry; a scene that cannot be modelled.
 pub fn run(gearbox: &Gearbox, runs: bool, control: &Control<'_>) -> Result<Outcome, StudyError> {
+    let mut found = figures_of(gearbox, runs, control)?;
+    let period = Poses::of(&gearbox.scene.gear).period;
+    let joint = Statics::new(gearbox).and_then(|mut statics| {
+        let rated = (found.rated_torque_n_m, period);
+        Joint::identify(&mut statics, gearbox, rated, &found.efficiency)
+    });
+    found.joint = Some(joint.map_err(|source| StudyError::Scene {
+        scene: gearbox.scene.name.clone(),
+        source,
+    })?);
+    Ok(found)
+}
+
+/// The same without the joint, which samples of a sweep do not need.
+///
+/// # Errors
+/// See [`run`].
+pub(crate) fn figures_of(
+    gearbox: &Gearbox,
+    runs: bool,
+    control: &Control<'_>,
+) -> Result<Outcome, StudyError> {
     let scene = &gearbox.scene;
     let rated = load_course::largest(&scene.drive);
     if rated <= 0.0 {
@@ -270,6 +296,7 @@ pub fn run(gearbox: &Gearbox, runs: bool, control: &Control<'_>) -> Result<Outco
         transmission,
         cycle,
         efficiency,
+        joint: None,
         discs: drawing::discs(scene)?,
     })
 }
@@ -371,7 +398,7 @@ fn operating(
 }
 
 impl Outcome {
-    /// Writes `summary.json`, `torsion.csv`, `period.csv` and, of runs, `hysteresis.csv` into the folder `dir`.
+    /// Writes `summary.json`, `torsion.csv`, `period.csv`, of runs `hysteresis.csv`, and the joint into the folder `dir`.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -405,6 +432,9 @@ impl Outcome {
             let names = ["time_s", "torque_n_m", "output_angle_arcmin"];
             let columns = [&cycle.time_s, &cycle.torque_n_m, &cycle.angle_arcmin];
             table(dir, "hysteresis.csv", &names, &columns)?;
+        }
+        if let Some(joint) = &self.joint {
+            joint.write(dir)?;
         }
         for (number, disc) in self.discs.iter().enumerate() {
             disc.write(dir, number)?;

@@ -78,13 +78,14 @@ impl Engine for Statics {
                 cancel: control.cancel,
                 progress: &|_| {},
             };
-            let found = design::run(&gearbox, false, &watched).map_err(|error| match error {
-                StudyError::Cancelled => EngineError::Cancelled,
-                error => EngineError::Unsupported {
-                    engine: STATICS.to_owned(),
-                    reason: error.to_string(),
-                },
-            })?;
+            let found =
+                design::figures_of(&gearbox, false, &watched).map_err(|error| match error {
+                    StudyError::Cancelled => EngineError::Cancelled,
+                    error => EngineError::Unsupported {
+                        engine: STATICS.to_owned(),
+                        reason: error.to_string(),
+                    },
+                })?;
             let stats = RunStats {
                 wall_s: wall.elapsed().as_secs_f64(),
                 cpu_s: cpu.elapsed().as_secs_f64(),

@@ -1,0 +1,582 @@
+//! One gear joint that stands for the whole gear in a robot's model.
+//!
+//! With the twist u = psi + phi/zs of the output psi against the input phi, both as they turn, the joint is
+//!
+//! ```text
+//! J_out psi'' = T - k(u) - c u' - friction(psi'),    J_in phi'' = T_in - (k(u) + c u')/zs
+//! k(u) = sum of k_i max(0, |u| - b_i) sign(u)
+//! ```
+//! * **k**: springs in parallel, each with its dead band. They pass through the balances at [`LEVELS`] of the rated torque, mean
+//!   over the mesh and both directions, as the steepening curve below which none of them lies. Free play is the first dead band.
+//! * **c**: damping of the contacts about the balance under the rated load, wheels following ([`Statics::compliance`]).
+//! * **friction**: what runs lose, as a torque on the output, fitted by a constant, a part that grows with the load and one that
+//!   grows with the speed. None of them below 0. Without runs it is not known, and left out.
+//! * **J_in**: the input shaft and the wheels' masses on its eccentrics. **J_out**: the output with its pins, and the wheels, which
+//!   turn with it.
+//!
+//! What the joint has not: transmission error, and how stiffness and play change over the mesh (their spread is given).
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use nalgebra::{DMatrix, DVector};
+use pinwheel_gearbox::statics::Statics;
+use pinwheel_gearbox::{Gearbox, GearboxError};
+use serde::Serialize;
+
+use super::figures::{Figure, halves};
+use super::{ARCMIN, Operating, Spread};
+use crate::output::{OutputError, file_name, write_text};
+
+/// Shares of the rated torque at which the joint's springs meet the gear.
+const LEVELS: [f64; 6] = [1e-4, 0.03, 0.1, 0.25, 0.5, 1.0];
+/// Poses over one period of the mesh.
+const POSES: usize = 12;
+/// Steps of a simulation in one period of the joint's own vibration.
+const STEPS: f64 = 60.0;
+
+/// A spring of the joint with its dead band.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spring {
+    /// Twist to either side at which it begins to act, rad.
+    pub dead_band_rad: f64,
+    /// Beyond that, N m/rad.
+    pub stiffness_n_m_per_rad: f64,
+}
+
+/// Friction as a torque on the output.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Friction {
+    /// Whatever load and speed, N m.
+    pub constant_n_m: f64,
+    /// Under the rated load, and in proportion to the load, N m.
+    pub of_rated_load_n_m: f64,
+    /// In proportion to the output's speed, N m s/rad.
+    pub viscous_n_m_s_per_rad: f64,
+}
+
+/// The joint.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Joint {
+    /// Turns of the input per turn of the output; below 0, as they turn against each other.
+    pub ratio: f64,
+    /// In parallel between input and output, by growing dead band.
+    pub springs: Vec<Spring>,
+    /// Beside the springs, N m s/rad; `None`: the contacts have no slopes.
+    pub damping_n_m_s_per_rad: Option<f64>,
+    /// `None`: no runs told.
+    pub friction: Option<Friction>,
+    /// About the input's axis, kg m^2.
+    pub input_inertia_kg_m2: f64,
+    /// About the output's axis, kg m^2.
+    pub output_inertia_kg_m2: f64,
+    /// All of it with its uncertainty and its spread over the mesh.
+    pub figures: Vec<Figure>,
+    /// Torque of the curve that the springs follow, N m.
+    pub torque_n_m: Vec<f64>,
+    /// Twist there, mean over the mesh and both directions, rad.
+    pub twist_rad: Vec<f64>,
+    #[serde(skip)]
+    masses_kg: [f64; 2],
+    #[serde(skip)]
+    rated_n_m: f64,
+    #[serde(skip)]
+    name: String,
+}
+
+/// Balances of one pose.
+struct Pose {
+    /// Half the twist between both directions, by [`LEVELS`], rad.
+    twist: [f64; LEVELS.len()],
+    /// Mean of both directions.
+    damping: Option<f64>,
+}
+
+impl Joint {
+    /// The joint of a gear under a rated load, from balances over the period `period` of the input, and from runs.
+    pub(super) fn identify(
+        statics: &mut Statics<'_>,
+        gearbox: &Gearbox,
+        (rated, period): (f64, f64),
+        runs: &[Operating],
+    ) -> Result<Self, GearboxError> {
+        let mut poses = Vec::with_capacity(POSES);
+        for k in 0..POSES {
+            let phi = period * k as f64 / POSES as f64;
+            poses.push(Pose::find(statics, phi, rated)?);
+        }
+        let all: Vec<&Pose> = poses.iter().collect();
+        let springs = springs(&mean_twists(&all), rated);
+        if springs.is_empty() {
+            return Err(GearboxError::NoEquilibrium { load_n_m: rated });
+        }
+        let (scene, ratio) = (&gearbox.scene, gearbox.geometry.ratio());
+        let (mass, gear) = (&scene.mass, &scene.gear);
+        let wheels = gear.wheels as f64;
+        let pins = gear.internal_sleeves as f64 * mass.internal_sleeve.mass_kg;
+        let circling = gearbox.geometry.eccentricities_m.iter();
+        let input_inertia_kg_m2 = mass.input_shaft.moment_kg_m2
+            + circling.map(|e| mass.wheel.mass_kg * e * e).sum::<f64>();
+        let output_inertia_kg_m2 = mass.output_shaft.moment_kg_m2
+            + pins * gear.internal_circle_radius_m.powi(2)
+            + wheels * mass.wheel.moment_kg_m2;
+        let found = friction(runs, rated, ratio);
+        let figures = halves(|every, of| {
+            let some: Vec<&Pose> = all.iter().skip(of).step_by(every).copied().collect();
+            of_balances(&some, rated)
+        });
+        let twist_rad = mean_twists(&all).to_vec();
+        let mut joint = Self {
+            ratio: -ratio,
+            springs,
+            damping_n_m_s_per_rad: all.iter().map(|pose| pose.damping).sum::<Option<f64>>(),
+            friction: found.map(|(friction, _)| friction),
+            input_inertia_kg_m2,
+            output_inertia_kg_m2,
+            figures,
+            torque_n_m: LEVELS.map(|share| share * rated).to_vec(),
+            twist_rad,
+            masses_kg: [
+                mass.input_shaft.mass_kg + wheels * mass.wheel.mass_kg,
+                mass.output_shaft.mass_kg + pins,
+            ],
+            rated_n_m: rated,
+            name: file_name(&scene.name),
+        };
+        if let Some(damping) = &mut joint.damping_n_m_s_per_rad {
+            *damping /= POSES as f64;
+        }
+        joint.figures.extend(of_friction(found));
+        joint.figures.extend(joint.of_masses());
+        Ok(joint)
+    }
+
+    fn of_masses(&self) -> [Figure; 3] {
+        let reflected =
+            self.output_inertia_kg_m2 + self.ratio * self.ratio * self.input_inertia_kg_m2;
+        [
+            (
+                "joint_input_inertia_kg_m2",
+                "inertia at the input",
+                self.input_inertia_kg_m2,
+                "input shaft, and the wheels' masses on its eccentrics",
+            ),
+            (
+                "joint_output_inertia_kg_m2",
+                "inertia at the output",
+                self.output_inertia_kg_m2,
+                "output with its pins, and the wheels, which turn with it",
+            ),
+            (
+                "joint_reflected_inertia_kg_m2",
+                "both, seen from the output",
+                reflected,
+                "the input's times the ratio squared, and the output's",
+            ),
+        ]
+        .map(|(key, what, value, how)| {
+            Figure::new(key, what, "kg m^2", Some(value), Some(0.0), how)
+        })
+    }
+
+    /// Friction in motion under the rated load, N m.
+    fn coulomb(&self) -> f64 {
+        self.friction
+            .map_or(0.0, |f| f.constant_n_m + f.of_rated_load_n_m)
+    }
+
+    fn viscous(&self) -> f64 {
+        self.friction.map_or(0.0, |f| f.viscous_n_m_s_per_rad)
+    }
+
+    /// A step that follows the joint's own vibration, s, of one digit.
+    fn step_s(&self) -> f64 {
+        let stiffness: f64 = self.springs.iter().map(|s| s.stiffness_n_m_per_rad).sum();
+        let input = self.ratio * self.ratio * self.input_inertia_kg_m2;
+        let square = stiffness * (1.0 / self.output_inertia_kg_m2 + 1.0 / input);
+        let step = std::f64::consts::TAU / square.sqrt() / STEPS;
+        let digit = 10.0_f64.powf(step.log10().floor());
+        digit * (step / digit).floor()
+    }
+
+    /// What all files say in their comments, as lines.
+    fn remarks(&self) -> String {
+        let mut text = String::new();
+        let mut line = |what: &str| {
+            let _ = writeln!(text, "    {what}");
+        };
+        line("Equivalent joint of a cycloidal gear; SI units, angles in rad.");
+        line(&format!(
+            "ratio: {}; input and output turn against each other",
+            self.ratio
+        ));
+        for figure in &self.figures {
+            let off = figure.uncertainty.filter(|u| *u > 0.0);
+            let off = off.map_or_else(String::new, |u| format!(" (within {u:.1e})"));
+            let value = figure.value.map_or_else(
+                || "not known".to_owned(),
+                |value| format!("{value:.6e} {}", figure.unit),
+            );
+            line(&format!("{}: {value}{off}; {}", figure.what, figure.how));
+        }
+        if self.friction.is_some() {
+            line("Friction below is that under the rated load; at part of it less, see above.");
+        } else {
+            line("Friction is not known, because no runs were asked for, and left out.");
+        }
+        text
+    }
+
+    /// MuJoCo: input and output as joints, between them fixed tendons as springs with dead bands.
+    ///
+    /// Source: MuJoCo XML reference, `tendon/fixed`: two values of `springlength` are a dead band; `frictionloss` of joints.
+    #[must_use]
+    pub fn mjcf(&self) -> String {
+        let (name, step) = (&self.name, self.step_s());
+        let damping = self.damping_n_m_s_per_rad.unwrap_or(0.0);
+        let body = |end: &str, inertia: f64, mass: f64, joint: &str, what: &str| {
+            format!(
+                "    <body name=\"{name}-{end}\">\n      \
+                 <!-- {what} The moment about z counts. -->\n      \
+                 <inertial pos=\"0 0 0\" mass=\"{mass}\" diaginertia=\"{inertia} {inertia} {inertia}\"/>\n      \
+                 <joint name=\"{name}-{end}\" type=\"hinge\" axis=\"0 0 1\"{joint}/>\n    </body>\n"
+            )
+        };
+        let rubs = format!(
+            " damping=\"{}\" frictionloss=\"{}\" solreffriction=\"{:.1e} 1\"",
+            self.viscous(),
+            self.coulomb(),
+            4.0 * step
+        );
+        let mut tendons = String::new();
+        for (k, spring) in self.springs.iter().enumerate() {
+            let damping = if k == 0 { damping } else { 0.0 };
+            let _ = write!(
+                tendons,
+                "    <fixed name=\"{name}-twist-{k}\" springlength=\"{0} {1}\" stiffness=\"{2}\" damping=\"{damping}\">\n      \
+                 <joint joint=\"{name}-output\" coef=\"1\"/>\n      \
+                 <joint joint=\"{name}-input\" coef=\"{3}\"/>\n    </fixed>\n",
+                -spring.dead_band_rad,
+                spring.dead_band_rad,
+                spring.stiffness_n_m_per_rad,
+                -1.0 / self.ratio
+            );
+        }
+        format!(
+            "<mujoco model=\"{name}\">\n  <!--\n{}    A longer step will do where the output carries much more inertia.\n  -->\n  \
+             <compiler angle=\"radian\"/>\n  <option timestep=\"{step:.0e}\" integrator=\"implicitfast\"/>\n  <worldbody>\n{}{}  \
+             </worldbody>\n  <tendon>\n{tendons}  </tendon>\n  <actuator>\n    \
+             <motor name=\"{name}-motor\" joint=\"{name}-input\"/>\n  </actuator>\n</mujoco>\n",
+            self.remarks(),
+            body(
+                "input",
+                self.input_inertia_kg_m2,
+                self.masses_kg[0],
+                "",
+                "Add the motor's rotor."
+            ),
+            body(
+                "output",
+                self.output_inertia_kg_m2,
+                self.masses_kg[1],
+                &rubs,
+                "The robot's link goes in here."
+            ),
+        )
+    }
+
+    /// URDF, with Drake's tags: a rigid gear. Stiffness and play have no place in it but the comment.
+    ///
+    /// Sources: ROS wiki, urdf/XML/joint and urdf/XML/Transmission; Drake, multibody/parsing, `drake:gear_ratio`,
+    /// `drake:rotor_inertia`.
+    #[must_use]
+    pub fn urdf(&self) -> String {
+        let (name, ratio) = (&self.name, self.ratio);
+        let inertia = self.output_inertia_kg_m2;
+        format!(
+            "<?xml version=\"1.0\"?>\n<robot name=\"{name}\" xmlns:drake=\"http://drake.mit.edu\">\n  <!--\n{}    \
+             URDF holds no stiffness and no play: the gear below is rigid. Drake has no Coulomb friction and leaves it out.\n  -->\n  \
+             <link name=\"{name}-housing\"/>\n  <link name=\"{name}-output\">\n    <inertial>\n      <mass value=\"{}\"/>\n      \
+             <inertia ixx=\"{inertia}\" iyy=\"{inertia}\" izz=\"{inertia}\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>\n    </inertial>\n  </link>\n  \
+             <joint name=\"{name}-joint\" type=\"continuous\">\n    <parent link=\"{name}-housing\"/>\n    \
+             <child link=\"{name}-output\"/>\n    <axis xyz=\"0 0 1\"/>\n    \
+             <dynamics damping=\"{}\" friction=\"{}\"/>\n  </joint>\n  <transmission name=\"{name}-gear\">\n    \
+             <type>transmission_interface/SimpleTransmission</type>\n    <joint name=\"{name}-joint\">\n      \
+             <hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface>\n    </joint>\n    \
+             <actuator name=\"{name}-motor\">\n      <mechanicalReduction>{ratio}</mechanicalReduction>\n      \
+             <drake:gear_ratio value=\"{ratio}\"/>\n      <drake:rotor_inertia value=\"{}\"/>\n    </actuator>\n  \
+             </transmission>\n</robot>\n",
+            self.remarks(),
+            self.masses_kg[1],
+            self.viscous(),
+            self.coulomb(),
+            self.input_inertia_kg_m2,
+        )
+    }
+
+    /// SDFormat with Drake's tags: the same rigid gear.
+    ///
+    /// Sources: SDFormat 1.8, `joint/axis`; Drake, multibody/parsing, `//model/joint/drake:gear_ratio`, `drake:rotor_inertia`.
+    #[must_use]
+    pub fn sdf(&self) -> String {
+        let name = &self.name;
+        let inertia = self.output_inertia_kg_m2;
+        format!(
+            "<?xml version=\"1.0\"?>\n<sdf version=\"1.8\" xmlns:drake=\"drake.mit.edu\">\n  <model name=\"{name}\">\n    <!--\n{}    \
+             The gear below is rigid: stiffness and play stand in this comment alone. Drake leaves Coulomb friction out.\n    -->\n    \
+             <link name=\"{name}-housing\"/>\n    <link name=\"{name}-output\">\n      <inertial>\n        <mass>{}</mass>\n        \
+             <inertia><ixx>{inertia}</ixx><iyy>{inertia}</iyy><izz>{inertia}</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia>\n      \
+             </inertial>\n    </link>\n    <joint name=\"{name}-joint\" type=\"revolute\">\n      \
+             <parent>{name}-housing</parent>\n      <child>{name}-output</child>\n      <axis>\n        <xyz>0 0 1</xyz>\n        \
+             <dynamics><damping>{}</damping><friction>{}</friction></dynamics>\n        \
+             <limit><effort>{}</effort></limit>\n      </axis>\n      \
+             <drake:rotor_inertia>{}</drake:rotor_inertia>\n      <drake:gear_ratio>{}</drake:gear_ratio>\n    </joint>\n  \
+             </model>\n</sdf>\n",
+            self.remarks(),
+            self.masses_kg[1],
+            self.viscous(),
+            self.coulomb(),
+            self.rated_n_m,
+            self.input_inertia_kg_m2,
+            self.ratio,
+        )
+    }
+
+    /// Writes `joint_mujoco.xml`, `joint.urdf` and `joint.sdf`.
+    pub(super) fn write(&self, dir: &Path) -> Result<(), OutputError> {
+        write_text(&dir.join("joint_mujoco.xml"), &self.mjcf())?;
+        write_text(&dir.join("joint.urdf"), &self.urdf())?;
+        write_text(&dir.join("joint.sdf"), &self.sdf())
+    }
+}
+
+impl Pose {
+    fn find(statics: &mut Statics<'_>, phi: f64, rated: f64) -> Result<Self, GearboxError> {
+        let mut pose = Self {
+            twist: [0.0; LEVELS.len()],
+            damping: None,
+        };
+        for (twist, share) in pose.twist.iter_mut().zip(LEVELS) {
+            let there = statics.solve(phi, share * rated)?;
+            let back = statics.solve(phi, -share * rated)?;
+            *twist = 0.5 * (there.output - back.output);
+            if share == 1.0 {
+                let both = [there, back].map(|at| statics.compliance(&at));
+                pose.damping = both[0].zip(both[1]).map(|(a, b)| 0.5 * (a[1] + b[1]));
+            }
+        }
+        Ok(pose)
+    }
+}
+
+fn mean_twists(poses: &[&Pose]) -> [f64; LEVELS.len()] {
+    std::array::from_fn(|level| {
+        let twists = poses.iter().map(|pose| pose.twist[level]);
+        twists.sum::<f64>() / poses.len() as f64
+    })
+}
+
+/// Springs in parallel through the twists at [`LEVELS`]: the steepening curve that lies nowhere above these points, so that no
+/// spring has to pull.
+fn springs(twists: &[f64], rated: f64) -> Vec<Spring> {
+    // Twist, torque and slope of the segments so far; a segment that is steeper than the next is merged with it.
+    let mut corners: Vec<[f64; 2]> = Vec::new();
+    let slope = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]) / (b[0] - a[0]);
+    for (&twist, share) in twists.iter().zip(LEVELS) {
+        let next = [twist, share * rated];
+        while let [.., before, last] = corners[..] {
+            if last[0] < next[0] && slope(before, last) < slope(last, next) {
+                break;
+            }
+            corners.pop();
+        }
+        if corners.last().is_none_or(|last| last[0] < next[0]) {
+            corners.push(next);
+        }
+    }
+    let mut found: Vec<Spring> = Vec::new();
+    let mut stiffness = 0.0;
+    for pair in corners.windows(2) {
+        let steeper = slope(pair[0], pair[1]);
+        // The first begins where its line meets no load.
+        let from = pair[0][0]
+            - if found.is_empty() {
+                pair[0][1] / steeper
+            } else {
+                0.0
+            };
+        found.push(Spring {
+            dead_band_rad: from.max(0.0),
+            stiffness_n_m_per_rad: steeper - stiffness,
+        });
+        stiffness = steeper;
+    }
+    found
+}
+
+/// The figures of balances, of these poses.
+fn of_balances(poses: &[&Pose], rated: f64) -> Vec<Figure> {
+    let twists = mean_twists(poses);
+    let at = |share: f64| LEVELS.iter().position(|level| *level == share);
+    let spread = |of: &dyn Fn(&Pose) -> f64| Spread::of(poses.iter().map(|pose| of(pose)));
+    let (Some(half), Some(full)) = (at(0.5), at(1.0)) else {
+        return Vec::new();
+    };
+    let play = spread(&|pose| 2.0 * ARCMIN * pose.twist[0]);
+    let stiff = |twists: &[f64]| 0.5 * rated / (twists[full] - twists[half]);
+    let stiffness = spread(&|pose| stiff(&pose.twist));
+    let line = twists[full] - rated / stiff(&twists);
+    let dampings: Option<Vec<f64>> = poses.iter().map(|pose| pose.damping).collect();
+    let damping = dampings.map(Spread::of);
+    let figure = |key, what, unit, value: Option<f64>, spread: Option<&Spread>, how| Figure {
+        over_the_mesh: spread.map(|spread| [spread.min, spread.max]),
+        ..Figure::new(key, what, unit, value, Some(0.0), how)
+    };
+    vec![
+        figure(
+            "joint_backlash_arcmin",
+            "free play",
+            "arcmin",
+            Some(play.mean),
+            Some(&play),
+            "between both directions at a ten-thousandth of the rated torque, mean; without play what the first contacts give way",
+        ),
+        figure(
+            "joint_stiffness_n_m_per_rad",
+            "torsional stiffness",
+            "N m/rad",
+            Some(stiff(&twists)),
+            Some(&stiffness),
+            "of the mean twist, between 50 and 100 % of the rated torque",
+        ),
+        figure(
+            "joint_dead_band_arcmin",
+            "dead band of that stiffness alone",
+            "arcmin",
+            Some(2.0 * ARCMIN * line.max(0.0)),
+            None,
+            "for a model of one spring; above the free play, as the first pins give way more",
+        ),
+        figure(
+            "joint_damping_n_m_s_per_rad",
+            "damping beside the stiffness",
+            "N m s/rad",
+            damping.as_ref().map(|spread| spread.mean),
+            damping.as_ref(),
+            "of the contacts about the rated load",
+        ),
+    ]
+}
+
+/// Friction of runs by least squares, and how far each part may be off.
+fn friction(runs: &[Operating], rated: f64, ratio: f64) -> Option<(Friction, [f64; 3])> {
+    let speed = runs.iter().map(|run| run.input_speed_rad_s.abs());
+    let speed = speed.fold(0.0, f64::max) / ratio;
+    // Shares of the rated load and speed, and the torque lost.
+    let mut rows: Vec<([f64; 3], f64)> = Vec::new();
+    for run in runs {
+        let lost = run.efficiency?.of_losses.recip() - 1.0;
+        let load = run.output_torque_n_m.abs();
+        let turn = run.input_speed_rad_s.abs() / ratio;
+        rows.push(([1.0, load / rated, turn / speed], lost * load));
+    }
+    let torque = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.1));
+    let mut kept = vec![0, 1, 2];
+    // A part that would drive is none; the others are fitted again.
+    while !kept.is_empty() && rows.len() > kept.len() {
+        let matrix = DMatrix::from_fn(rows.len(), kept.len(), |row, k| rows[row].0[kept[k]]);
+        let inverse = (matrix.transpose() * &matrix).try_inverse()?;
+        let parts = &inverse * matrix.transpose() * &torque;
+        let least = parts.imin();
+        if parts[least] < 0.0 {
+            kept.remove(least);
+            continue;
+        }
+        let left = (&matrix * &parts - &torque).norm_squared() / (rows.len() - kept.len()) as f64;
+        let (mut found, mut off) = ([0.0; 3], [left.sqrt(); 3]);
+        for (k, &part) in kept.iter().enumerate() {
+            found[part] = parts[k];
+            off[part] = (left * inverse[(k, k)]).sqrt();
+        }
+        let friction = Friction {
+            constant_n_m: found[0],
+            of_rated_load_n_m: found[1],
+            viscous_n_m_s_per_rad: found[2] / speed,
+        };
+        return Some((friction, [off[0], off[1], off[2] / speed]));
+    }
+    None
+}
+
+fn of_friction(found: Option<(Friction, [f64; 3])>) -> [Figure; 3] {
+    let part = |k: usize, of: fn(&Friction) -> f64, key, what, unit, how| {
+        let value = found.as_ref().map(|(friction, _)| of(friction));
+        Figure::new(key, what, unit, value, found.map(|(_, off)| off[k]), how)
+    };
+    [
+        part(
+            0,
+            |f| f.constant_n_m,
+            "joint_friction_n_m",
+            "friction, constant",
+            "N m",
+            "at the output, fitted to what runs lose",
+        ),
+        part(
+            1,
+            |f| f.of_rated_load_n_m,
+            "joint_friction_of_load_n_m",
+            "friction, of the rated load",
+            "N m",
+            "likewise; in proportion to the load",
+        ),
+        part(
+            2,
+            |f| f.viscous_n_m_s_per_rad,
+            "joint_viscous_n_m_s_per_rad",
+            "friction, viscous",
+            "N m s/rad",
+            "likewise; in proportion to the output's speed",
+        ),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The torque of the springs at a twist.
+    fn torque(springs: &[Spring], twist: f64) -> f64 {
+        let one = |s: &Spring| s.stiffness_n_m_per_rad * (twist - s.dead_band_rad).max(0.0);
+        springs.iter().map(one).sum()
+    }
+
+    #[test]
+    fn springs_pass_through_a_steepening_curve() {
+        let twists = [1.0, 1.5, 2.0, 2.6, 3.2, 4.0];
+        let found = springs(&twists, 10.0);
+        for (twist, share) in twists.into_iter().zip(LEVELS) {
+            assert!(
+                (torque(&found, twist) - 10.0 * share).abs() < 1e-12,
+                "{found:?}"
+            );
+        }
+        assert!(found.iter().all(|s| s.stiffness_n_m_per_rad > 0.0));
+        assert!(torque(&found, 0.99) == 0.0);
+    }
+
+    #[test]
+    fn springs_never_pull() {
+        // Between 25 and 50 % this one gives way more: a line passes below.
+        let twists = [1.0, 1.5, 2.0, 2.6, 4.0, 4.1];
+        let found = springs(&twists, 10.0);
+        assert!(
+            found.iter().all(|s| s.stiffness_n_m_per_rad > 0.0),
+            "{found:?}"
+        );
+        assert!((torque(&found, 4.1) - 10.0).abs() < 1e-12);
+        for (twist, share) in twists.into_iter().zip(LEVELS) {
+            assert!(torque(&found, twist) <= 10.0 * share + 1e-12, "{found:?}");
+        }
+    }
+}
