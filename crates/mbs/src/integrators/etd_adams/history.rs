@@ -1,5 +1,7 @@
 //! What a multistep method remembers: equally spaced states, f there, and the remainder beside the linear part.
 
+use serde::{Deserialize, Serialize};
+
 use super::propagator::Linear;
 
 /// Backward differences become coefficients of powers: `s (s + 1) ... (s + j - 1)/j! = sum_k powers[j][k] s^k/k!`.
@@ -27,7 +29,7 @@ pub(super) const POWERS: [[f64; MOST]; MOST] = powers();
 /// The straight line that states are measured from: `x = y - origin - rate (t - time)`.
 ///
 /// Angles grow without bound while what is elastic of them stays small; the line keeps the digits.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Line {
     time: f64,
     origin: Vec<f64>,
@@ -74,7 +76,7 @@ impl Line {
 }
 
 /// One remembered time.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Point {
     /// State at which f was evaluated.
     pub(super) y: Vec<f64>,
@@ -85,7 +87,7 @@ pub(super) struct Point {
 }
 
 /// Points at the distance of the step, the newest first.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct History {
     pub(super) points: Vec<Point>,
     /// How many of them hold something.

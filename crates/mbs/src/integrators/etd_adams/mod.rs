@@ -22,10 +22,12 @@
 mod history;
 mod propagator;
 
+use serde::{Deserialize, Serialize};
+
 use self::history::{History, Line, POWERS, shift};
 use self::propagator::{Linear, Propagator, dot};
 use super::dopri5::{Dense, Dopri5};
-use super::{MethodInfo, StepCounts, StepError, Stepper, short_step};
+use super::{MethodInfo, StepCounts, StepError, Stepper, restored, saved, short_step};
 use crate::OdeSystem;
 use crate::jacobian::Jacobian;
 
@@ -74,7 +76,7 @@ const KEPT: usize = 4;
 const SAME: f64 = 1e-9;
 
 /// A step's matrices.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Step {
     propagator: Propagator,
     /// By order: h Gamma_K and h (Gamma_K+1 - Gamma_K), states by remainders.
@@ -83,7 +85,7 @@ struct Step {
 }
 
 /// What exists once the system has told its Jacobian.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Multistep {
     jacobian: Jacobian,
     linear: Linear,
@@ -236,7 +238,7 @@ fn transform(matrix: &[f64], d: &[f64], out: &mut [f64]) {
 }
 
 /// A run with steps from a tolerance.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct EtdAdams {
     tolerance: f64,
     time: f64,
@@ -672,5 +674,13 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
             evaluations: self.counts.evaluations + start.evaluations,
             jacobians: self.counts.jacobians,
         }
+    }
+
+    fn save(&self) -> Vec<u8> {
+        saved(self)
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> bool {
+        restored(self, bytes)
     }
 }

@@ -8,6 +8,8 @@
 //! The highest phi is a Taylor sum in Horner's form, the others follow by the recurrence [Hochbruck & Ostermann 2010, 2.1].
 //! Steps with |tau| |L| up to 3 or so lose no digits, and methods take no longer ones.
 
+use serde::{Deserialize, Serialize};
+
 use crate::jacobian::{Jacobian, Structure};
 
 /// Taylor sums end where the next term is below this share of the first.
@@ -16,7 +18,7 @@ const ROUNDING: f64 = 1e-17;
 const MOST_TERMS: usize = 60;
 
 /// L, of systems of second order with the unit matrix in the first rows, which have no remainder g.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Linear {
     /// Of x.
     pub(super) dimension: usize,
@@ -116,7 +118,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// What a time `tau` makes of a state and of a polynomial remainder.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Propagator {
     /// s; NaN: none.
     pub(super) tau: f64,
