@@ -1,69 +1,11 @@
-//! Units as `pinwheel fmu` writes them, in the program and in fmpy.
-//!
-//! `PINWHEEL_FMPY` names a Python that has fmpy; without one that part says that it is skipped, unless `PINWHEEL_REQUIRE_FMPY` is
-//! set.
+//! `pinwheel fmu` in the program; what is in a unit is tested where it is made (`crates/fmu`).
 
 use std::fs;
-use std::process::Command;
 
-use pinwheel_tests::{Outcome, repository, run_in};
-
-const SETS: [&str; 8] = [
-    "--set",
-    "solver.integrator=etd-adams",
-    "--set",
-    "solver.tolerance=1e-9",
-    "--set",
-    "solver.duration_s=0.02",
-    "--set",
-    "solver.sample_s=1e-4",
-];
+use pinwheel_tests::run_in;
 
 #[test]
-fn crossval_a_unit_in_fmpy_is_the_native_run() {
-    let python = std::env::var("PINWHEEL_FMPY").unwrap_or_else(|_| "python3".to_owned());
-    let has = Command::new(&python).args(["-c", "import fmpy"]).output();
-    if !has.is_ok_and(|output| output.status.success()) {
-        let what = "no fmpy here; name a Python that has it by PINWHEEL_FMPY";
-        assert!(std::env::var_os("PINWHEEL_REQUIRE_FMPY").is_none(), "{what}");
-        println!("skipped: {what}");
-        return;
-    }
-    let folder = tempfile::tempdir().expect("folder");
-    for (scene, set) in [
-        ("paper", "solver.integrator=etd-adams"),
-        ("paper-friction", "solver.integrator=rodas5p"),
-    ] {
-        let mut sets = SETS;
-        sets[1] = set;
-        let words = |command: &str, out: &str| {
-            let mut words = vec![command.to_owned(), scene.to_owned()];
-            words.extend(sets.map(str::to_owned));
-            words.extend(["--out".to_owned(), out.to_owned()]);
-            if command == "run" {
-                words.push("--unchecked".to_owned());
-            }
-            run_in(folder.path(), words)
-        };
-        let unit = format!("{scene}.fmu");
-        for outcome in [words("run", scene), words("fmu", &unit)] {
-            assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
-        }
-        let measured: Outcome = Command::new(&python)
-            .arg(repository("tests/fmu.py"))
-            .arg(folder.path().join(&unit))
-            .arg(folder.path().join(scene).join("courses.csv"))
-            .output()
-            .expect("Python starts")
-            .into();
-        println!("{scene}\n{}", measured.stdout);
-        assert_eq!(measured.code, Some(0), "{}", measured.stderr);
-    }
-}
-
-/// The same bytes again, and the description escapes what a scene's name and words may hold.
-#[test]
-fn a_unit_is_written_whole_and_the_same() {
+fn a_unit_is_where_the_program_says() {
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();
     let scene = "base = \"paper\"\nname = \"a <b> & \\\"c\\\"\"\ndescription = \"1 < 2 & 'so'\"\n";
@@ -77,7 +19,11 @@ fn a_unit_is_written_whole_and_the_same() {
     let bytes = |out: &str| fs::read(dir.join(out)).expect(out);
     assert_eq!(bytes("one.fmu"), bytes("deep/two.fmu"));
     let told = run_in(dir, ["fmu", "paper", "--json"]);
-    assert!(told.stdout.contains("\"file\": \"out/paper.fmu\""), "{}", told.stdout);
+    assert!(
+        told.stdout.contains("\"file\": \"out/paper.fmu\""),
+        "{}",
+        told.stdout
+    );
     assert!(dir.join("out/paper.fmu").is_file());
 }
 
@@ -87,13 +33,35 @@ fn bad_input_of_units() {
     for (words, code, says) in [
         (&["fmu", "paper", "--out", "mine.toml"][..], 2, ".fmu"),
         (&["fmu", "papre"], 2, "paper"),
-        (&["fmu", "paper", "--set", "gear.backlash_mm=1"], 2, "gear.backlash_m"),
-        (&["fmu", "paper", "--set", "solver.integrator=euler"], 2, "euler"),
+        (
+            &["fmu", "paper", "--set", "gear.backlash_mm=1"],
+            2,
+            "gear.backlash_m",
+        ),
+        (
+            &["fmu", "paper", "--set", "solver.integrator=euler"],
+            2,
+            "euler",
+        ),
     ] {
         let outcome = run_in(folder.path(), words);
         assert_eq!(outcome.code, Some(code), "{words:?}: {}", outcome.stderr);
-        assert!(outcome.stderr.contains(says), "{words:?}: {}", outcome.stderr);
-        assert_eq!(outcome.stderr.trim_end().lines().count(), 1, "{}", outcome.stderr);
+        assert!(
+            outcome.stderr.contains(says),
+            "{words:?}: {}",
+            outcome.stderr
+        );
+        assert_eq!(
+            outcome.stderr.trim_end().lines().count(),
+            1,
+            "{}",
+            outcome.stderr
+        );
     }
-    assert!(fs::read_dir(folder.path()).expect("folder").next().is_none());
+    assert!(
+        fs::read_dir(folder.path())
+            .expect("folder")
+            .next()
+            .is_none()
+    );
 }

@@ -33,14 +33,8 @@ const LAST_SUCCESSFUL_TIME: c_int = 2;
 const TERMINATED: c_int = 3;
 
 /// What the logger writes: environment, instance, status, category, message in printf's form, its arguments.
-type Log = unsafe extern "C" fn(
-    *mut c_void,
-    *const c_char,
-    c_int,
-    *const c_char,
-    *const c_char,
-    ...
-);
+type Log =
+    unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
 
 /// `fmi2CallbackFunctions`.
 #[repr(C)]
@@ -451,7 +445,9 @@ fn none(component: Component, call: &str, count: usize) -> c_int {
         if count == 0 {
             return Ok(OK);
         }
-        Err(Refusal(format!("{call}: the unit has no variable of this type")))
+        Err(Refusal(format!(
+            "{call}: the unit has no variable of this type"
+        )))
     })
 }
 
@@ -576,7 +572,11 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
         let kept = kept(component, state)?;
         // SAFETY: null or a place.
         let size = unsafe { size.as_mut() }.ok_or_else(|| null("the place of the size"))?;
-        *size = kept.bytes.lock().unwrap_or_else(PoisonError::into_inner).len();
+        *size = kept
+            .bytes
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .len();
         Ok(OK)
     })
 }
@@ -597,9 +597,9 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
         let state = kept.bytes.lock().unwrap_or_else(PoisonError::into_inner);
         // SAFETY: the caller promises its length.
         let place = unsafe { array_mut("the place of the bytes", bytes, size)? };
-        let room = place.get_mut(..state.len()).ok_or_else(|| {
-            Refusal(format!("a state takes {} bytes, not {size}", state.len()))
-        })?;
+        let room = place
+            .get_mut(..state.len())
+            .ok_or_else(|| Refusal(format!("a state takes {} bytes, not {size}", state.len())))?;
         room.copy_from_slice(&state);
         Ok(OK)
     })
@@ -681,7 +681,12 @@ pub extern "C" fn fmi2GetRealOutputDerivatives(
 
 /// On to the next communication point.
 #[unsafe(no_mangle)]
-pub extern "C" fn fmi2DoStep(component: Component, from: f64, step: f64, _no_way_back: c_int) -> c_int {
+pub extern "C" fn fmi2DoStep(
+    component: Component,
+    from: f64,
+    step: f64,
+    _no_way_back: c_int,
+) -> c_int {
     on(component, |unit| done(unit.step(from, step)))
 }
 

@@ -139,7 +139,8 @@ impl Instance {
     pub fn enter_initialization(&mut self) -> Result<(), Refusal> {
         self.in_phase("fmi2EnterInitializationMode", &[Phase::Instantiated])?;
         self.held.phase = Phase::Initialising;
-        self.begin().inspect_err(|_| self.held.phase = Phase::Instantiated)
+        self.begin()
+            .inspect_err(|_| self.held.phase = Phase::Instantiated)
     }
 
     /// `fmi2ExitInitializationMode`.
@@ -222,7 +223,9 @@ impl Instance {
             return refused(format!("{call}: {name} is an output, which is computed"));
         }
         if !value.is_finite() {
-            return refused(format!("{call}: {name} must be a finite number, not {value}"));
+            return refused(format!(
+                "{call}: {name} must be a finite number, not {value}"
+            ));
         }
         let early = [Phase::Instantiated, Phase::Initialising];
         if matches!(variable.what, What::Input(_)) {
@@ -249,10 +252,15 @@ impl Instance {
             return refused(format!("{CALL}: {} is no input", variable.name));
         }
         if order != 1 {
-            return refused(format!("{CALL}: only the first derivative counts, not {order}"));
+            return refused(format!(
+                "{CALL}: only the first derivative counts, not {order}"
+            ));
         }
         if !value.is_finite() {
-            return refused(format!("{CALL}: {} must be finite, not {value}", variable.name));
+            return refused(format!(
+                "{CALL}: {} must be finite, not {value}",
+                variable.name
+            ));
         }
         self.in_phase(CALL, &[Phase::Initialising, Phase::Stepping])?;
         self.held.slopes[place] = value;

@@ -268,7 +268,8 @@ impl Model {
             let all = self.variables.iter().zip(values);
             all.filter(move |(v, value)| v.what == what && v.start != **value)
         };
-        let sets = changed(What::Key).map(|(v, value)| Override::new(&v.name, format!("{value:e}")));
+        let sets =
+            changed(What::Key).map(|(v, value)| Override::new(&v.name, format!("{value:e}")));
         let sets: Vec<Override> = sets.collect();
         let gearbox = if sets.is_empty() {
             self.gearbox.clone()
@@ -296,7 +297,10 @@ impl Model {
     /// The variables that hold the input and the output.
     pub(crate) fn holders(&self, values: &[f64]) -> [usize; 2] {
         let place = |input| {
-            let found = self.variables.iter().position(|v| v.what == What::Input(input));
+            let found = self
+                .variables
+                .iter()
+                .position(|v| v.what == What::Input(input));
             found.unwrap_or(0)
         };
         [
@@ -315,7 +319,8 @@ impl Model {
 
     fn of_what(&self, values: &[f64], what: What) -> f64 {
         let mut all = self.variables.iter().zip(values);
-        all.find(|(v, _)| v.what == what).map_or(f64::NAN, |(_, x)| *x)
+        all.find(|(v, _)| v.what == what)
+            .map_or(f64::NAN, |(_, x)| *x)
     }
 
     fn flag(&self, values: &[f64], flag: Flag) -> bool {
@@ -363,7 +368,8 @@ fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
     }
     let begun = CoSimulation::new(gearbox, Setup::of(&gearbox.scene.drive))
         .map_err(|error| error.to_string())?;
-    let about = "relative error a step of adaptive methods; one that the importer gives goes before it";
+    let about =
+        "relative error a step of adaptive methods; one that the importer gives goes before it";
     add("solver.tolerance", about, What::Tolerance, begun.method().1);
     let scene = serde_json::to_value(&*gearbox.scene).unwrap_or_default();
     for key in KEYS {

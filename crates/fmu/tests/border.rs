@@ -133,7 +133,14 @@ fn crossval_the_loaded_library_runs_rolls_back_and_refuses() {
         logger: hear as *const c_void,
         others: [ptr::null(); 4],
     };
-    let last = || HEARD.lock().expect("heard").last().cloned().unwrap_or_default();
+    let last = || {
+        HEARD
+            .lock()
+            .expect("heard")
+            .last()
+            .cloned()
+            .unwrap_or_default()
+    };
     // SAFETY: the functions of the standard with its types, on arrays of their lengths.
     unsafe {
         let library = Library::new(library()).expect("loads");
@@ -169,10 +176,18 @@ fn crossval_the_loaded_library_runs_rolls_back_and_refuses() {
         let get = function!(Get, b"fmi2GetReal");
         let set = function!(Set, b"fmi2SetReal");
         assert_eq!(step(unit, 0.0, 1e-3, 1), 3, "too early");
-        assert!(last().starts_with("3 gear %s logStatusError fmi2DoStep"), "{}", last());
+        assert!(
+            last().starts_with("3 gear %s logStatusError fmi2DoStep"),
+            "{}",
+            last()
+        );
         assert_eq!(setup(unit, 0, 0.0, 5.0, 0, 0.0), 0);
         assert_eq!((enter(unit), exit(unit)), (0, 0));
-        assert!(last().contains("etd-adams") || last().contains("rk2"), "{}", last());
+        assert!(
+            last().contains("etd-adams") || last().contains("rk2"),
+            "{}",
+            last()
+        );
         assert_eq!(step(unit, 5.0, 1e-3, 0), 0, "{}", last());
 
         let keep = function!(KeepState, b"fmi2GetFMUstate");
@@ -197,7 +212,11 @@ fn crossval_the_loaded_library_runs_rolls_back_and_refuses() {
         let mut length = 0;
         assert_eq!(size(unit, state, &raw mut length), 0);
         let mut bytes = vec![0; length];
-        assert_eq!(write(unit, state, bytes.as_mut_ptr(), length - 1), 3, "too short");
+        assert_eq!(
+            write(unit, state, bytes.as_mut_ptr(), length - 1),
+            3,
+            "too short"
+        );
         assert_eq!(write(unit, state, bytes.as_mut_ptr(), length), 0);
         let mut again = ptr::null_mut();
         assert_eq!(read(unit, bytes.as_ptr(), length, &raw mut again), 0);

@@ -247,10 +247,7 @@ impl CoSimulation {
         let mut mechanism = gearbox.mechanism();
         mechanism.drivers.clear();
         let mut motions = Vec::new();
-        let shafts = [
-            (setup.input, Layout::INPUT),
-            (setup.output, Layout::OUTPUT),
-        ];
+        let shafts = [(setup.input, Layout::INPUT), (setup.output, Layout::OUTPUT)];
         for (held, child) in shafts {
             if held == Held::BySpeed {
                 let begin = mechanism.bodies[child].start;
@@ -357,10 +354,14 @@ impl CoSimulation {
     /// second.
     pub fn hold(&mut self, held: [(f64, f64); 2]) {
         let t = self.time;
-        let goes_on = |now: &Straight, (value, slope): (f64, f64)| {
-            now.slope == slope && now.at(t) == value
-        };
-        if self.held.iter().zip(held).all(|(now, next)| goes_on(now, next)) {
+        let goes_on =
+            |now: &Straight, (value, slope): (f64, f64)| now.slope == slope && now.at(t) == value;
+        if self
+            .held
+            .iter()
+            .zip(held)
+            .all(|(now, next)| goes_on(now, next))
+        {
             return;
         }
         self.held = held.map(|(value, slope)| Straight {
@@ -450,12 +451,16 @@ impl CoSimulation {
         let t = self.time;
         let seen = self.system.observe(t, &self.y);
         let mut torques = seen.driver_torques.iter().copied();
-        let mut torque = |side: Held, held: Straight| match side {
-            Held::BySpeed => torques.next().unwrap_or(f64::NAN),
-            Held::ByTorque => held.at(t),
+        let mut driver = || torques.next().unwrap_or(f64::NAN);
+        let input = match self.setup.input {
+            Held::BySpeed => driver(),
+            Held::ByTorque => self.held[0].at(t),
         };
-        let input = torque(self.setup.input, self.held[0]);
-        let output = torque(self.setup.output, self.held[1]);
+        // Beside the torque that is held and the scene's.
+        let output = match self.setup.output {
+            Held::BySpeed => driver(),
+            Held::ByTorque => 0.0,
+        };
         self.recorder
             .record_loads(t, input, seen.bodies, seen.loads);
         if self.recorder.wants_channels() {
@@ -473,10 +478,7 @@ impl CoSimulation {
                 seen.bodies[Layout::INPUT].rate,
             ],
             output_speed_rad_s: seen.bodies[Layout::OUTPUT].rate,
-            load_torque_n_m: match self.setup.output {
-                Held::BySpeed => output,
-                Held::ByTorque => seen.loads[Layout::OUTPUT].moment,
-            },
+            load_torque_n_m: output + seen.loads[Layout::OUTPUT].moment,
             largest_force_n: sleeves.iter().map(|f| f.fx.hypot(f.fy)).fold(0.0, f64::max),
         };
         self.recorder.take_last(row);

@@ -81,7 +81,8 @@ fn guarded<T>(failed: impl FnOnce(i32) -> T, call: impl FnOnce() -> Result<T, Fa
 
 /// The law behind a handle.
 fn find(handle: *const PinwheelLaw) -> Result<Arc<Mutex<Law>>, Failure> {
-    LAWS.find(handle).ok_or_else(|| argument("the handle is none that is open: null, closed, or made up"))
+    LAWS.find(handle)
+        .ok_or_else(|| argument("the handle is none that is open: null, closed, or made up"))
 }
 
 /// Runs a call on the law behind a handle.

@@ -31,7 +31,10 @@ pub(crate) fn fmu(args: &FmuArgs) -> Result<u8, Failure> {
     let bytes = package
         .bytes()
         .map_err(|error| Failure::engine(error.to_string()))?;
-    if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+    if let Some(folder) = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+    {
         fs::create_dir_all(folder).map_err(|error| OutputError::new(folder, &error))?;
     }
     replace(&file, &bytes)?;
