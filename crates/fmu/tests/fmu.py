@@ -7,7 +7,8 @@ import sys
 
 import fmpy
 from fmpy import fmi2
-from fmpy.fmi2 import FMICallException, FMU2Slave
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 COMPARED = ["input_torque_n_m", "output_torque_n_m", "output_angle_rad", "external_sleeve_force_n_3"]

@@ -73,7 +73,7 @@ fn against_run(scene: &str, sets: &[&str], step_s: f64) -> f64 {
         }
     }
     let worst = COMPARED.iter().zip(&own).map(|(name, own)| {
-        let run = run.courses.column(name).expect(name);
+        let run = run.courses.channel(name).expect(name);
         let run: Vec<f64> = run.iter().step_by(every).copied().collect();
         let off = distance(own, &run);
         println!("{scene} {step_s} {name} {off:.2e}");
