@@ -37,6 +37,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Explain(args) => commands::explain::explain(args),
         Command::Init(args) => commands::design::init(args),
         Command::Design(args) => commands::design::design(args),
+        Command::Fmu(args) => commands::fmu::fmu(args),
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Engines(args) => commands::engines::engines(args),
         Command::Laws(args) => commands::laws::laws(args),

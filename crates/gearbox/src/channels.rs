@@ -194,6 +194,12 @@ impl Values {
         }
     }
 
+    /// Takes the last sample out again.
+    pub(crate) fn take_last(&mut self, row: &mut Vec<f64>) {
+        let last = |column: &mut Option<Vec<f64>>| column.as_mut().and_then(Vec::pop);
+        row.extend(self.columns.iter_mut().map(|c| last(c).unwrap_or(f64::NAN)));
+    }
+
     /// Names and values of the columns that have one value for each of `samples`.
     pub(crate) fn finish(self, samples: usize) -> impl Iterator<Item = (String, Vec<f64>)> {
         let named = self.list.into_iter().zip(self.columns);

@@ -123,6 +123,7 @@ impl Gearbox {
     #[must_use]
     pub fn input_motion(&self) -> Motion {
         Motion {
+            from_s: 0.0,
             angle: 0.0,
             rate: self.scene.drive.input_speed_rad_s,
             acceleration: 0.0,

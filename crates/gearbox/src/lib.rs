@@ -28,6 +28,7 @@ mod balance;
 pub mod channels;
 mod compile;
 pub mod contacts;
+pub mod cosimulation;
 mod distance;
 mod due;
 mod efficiency;

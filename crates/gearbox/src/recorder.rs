@@ -39,9 +39,14 @@ impl Recorder {
     /// An empty recording with room for the scene's samples.
     #[must_use]
     pub fn new(gearbox: &Gearbox) -> Self {
+        Self::with_room(gearbox, gearbox.scene.solver.sample_times_s().len())
+    }
+
+    /// An empty recording with room for so many samples.
+    #[must_use]
+    pub(crate) fn with_room(gearbox: &Gearbox, samples: usize) -> Self {
         let layout = gearbox.layout;
         let sleeves = layout.external_sleeves + layout.internal_sleeves;
-        let samples = gearbox.scene.solver.sample_times_s().len();
         Self {
             layout,
             time: Vec::with_capacity(samples),
@@ -136,6 +141,16 @@ impl Recorder {
         let output_torque = self.columns[1].last().copied().unwrap_or(0.0);
         if let Some(channels) = &mut self.channels {
             channels.record(seen, output_torque);
+        }
+    }
+
+    /// Takes the last sample out again: its values in the order of the columns, NaN for what is not known.
+    pub(crate) fn take_last(&mut self, row: &mut Vec<f64>) {
+        row.clear();
+        self.time.pop();
+        row.extend(self.columns.iter_mut().filter_map(Vec::pop));
+        if let Some(channels) = &mut self.channels {
+            channels.take_last(row);
         }
     }
 

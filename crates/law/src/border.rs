@@ -19,7 +19,9 @@ use std::ffi::{CStr, CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
 use std::slice;
-use std::sync::{Arc, Mutex, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use pinwheel_handles::Handles;
 
 use crate::law::{Law, LawError};
 use crate::{ABI, LOAD, STATE};
@@ -39,8 +41,7 @@ pub struct PinwheelLaw {
     _private: [u8; 0],
 }
 
-/// All laws ever opened, by number - 1; closed ones leave their place empty.
-static LAWS: RwLock<Vec<Option<Arc<Mutex<Law>>>>> = RwLock::new(Vec::new());
+static LAWS: Handles<Mutex<Law>> = Handles::new();
 
 thread_local! {
     static ERROR: RefCell<CString> = RefCell::default();
@@ -80,10 +81,8 @@ fn guarded<T>(failed: impl FnOnce(i32) -> T, call: impl FnOnce() -> Result<T, Fa
 
 /// The law behind a handle.
 fn find(handle: *const PinwheelLaw) -> Result<Arc<Mutex<Law>>, Failure> {
-    let laws = LAWS.read().unwrap_or_else(PoisonError::into_inner);
-    let place = handle.addr().checked_sub(1);
-    let law = place.and_then(|place| laws.get(place)?.clone());
-    law.ok_or_else(|| argument("the handle is none that is open: null, closed, or made up"))
+    LAWS.find(handle)
+        .ok_or_else(|| argument("the handle is none that is open: null, closed, or made up"))
 }
 
 /// Runs a call on the law behind a handle.
@@ -147,11 +146,9 @@ pub unsafe extern "C" fn pinwheel_law_open(
             // SAFETY: not null, and the caller promises its end.
             let scene = unsafe { CStr::from_ptr(scene) }.to_str();
             let scene = scene.map_err(|_| argument("`scene` is not UTF-8 text"))?;
-            let law = Arc::new(Mutex::new(Law::open(scene)?));
-            let mut laws = LAWS.write().unwrap_or_else(PoisonError::into_inner);
-            laws.push(Some(law));
+            let law = LAWS.open(Mutex::new(Law::open(scene)?));
             // SAFETY: as above.
-            unsafe { out.write(ptr::without_provenance_mut(laws.len())) };
+            unsafe { out.write(law) };
             Ok(0)
         },
     )
@@ -341,12 +338,7 @@ pub extern "C" fn pinwheel_law_close(law: *mut PinwheelLaw) {
     guarded(
         |_| (),
         || {
-            let mut laws = LAWS.write().unwrap_or_else(PoisonError::into_inner);
-            let place = law.addr().checked_sub(1).and_then(|k| laws.get_mut(k));
-            let closed = place.and_then(Option::take);
-            // What closing does needs no lock.
-            drop(laws);
-            drop(closed);
+            LAWS.close(law);
             Ok(())
         },
     );

@@ -1,5 +1,7 @@
 //! Slopes of systems that do not know theirs.
 
+use serde::{Deserialize, Serialize};
+
 use crate::{Jacobian, OdeSystem};
 
 /// Share of a component's scale by which differences move it: errors of rounding and of the next term meet.
@@ -8,7 +10,7 @@ const SHARE: f64 = 6e-6;
 const TIME_SHARE: f64 = 1e-4;
 
 /// Slopes by central differences, for systems that do not know theirs.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Differences {
     y: Vec<f64>,
     scale: Vec<f64>,

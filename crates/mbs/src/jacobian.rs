@@ -9,6 +9,8 @@
 //! Velocities may be *hubs* and *leaves* (as in [`crate::sliding`]): what no entry joins to another leaf is
 //! eliminated one by one, and the Schur complement of the hubs is factored densely, with pivots. Nothing need be symmetric.
 
+use serde::{Deserialize, Serialize};
+
 use crate::lu::Lu;
 
 /// How f depends on y.
@@ -24,7 +26,7 @@ pub enum Structure {
 }
 
 /// A square matrix in which no entry joins two leaves.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Arrow {
     places: Vec<Place>,
     /// Hubs x hubs, row by row.
@@ -36,7 +38,7 @@ pub struct Arrow {
     leaves: Vec<f64>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 enum Place {
     Hub(usize),
     Leaf(usize),
@@ -132,7 +134,7 @@ impl Arrow {
 }
 
 /// A vector with hubs and leaves apart.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Parted {
     hubs: Vec<f64>,
     leaves: Vec<f64>,
@@ -193,7 +195,7 @@ fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
 }
 
 /// The slopes of a system's f, and the factors of s I - df/dy.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Jacobian {
     /// K, 1/s^2; `None`: of first order.
     pub(crate) position: Option<Arrow>,

@@ -1,7 +1,9 @@
 //! LU factors of a small dense matrix, in memory that is allocated once.
 
+use serde::{Deserialize, Serialize};
+
 /// P A = L U with the largest pivot of each column.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Lu {
     n: usize,
     /// A, row by row, then both factors.

@@ -7,6 +7,8 @@
 //! parent takes the opposite. A driver prescribes `angle_child - angle_parent = f(t)`; its
 //! multiplier is the torque **on the child**.
 
+use serde::{Deserialize, Serialize};
+
 use crate::{BodyId, BodyState};
 
 /// A rigid body and where it starts.
@@ -35,12 +37,14 @@ pub struct Revolute {
     pub child_point: [f64; 2],
 }
 
-/// f(t) = angle + rate t + acceleration t^2/2.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// f(t) = angle + rate (t - from) + acceleration (t - from)^2/2.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Motion {
-    /// f(0), rad.
+    /// When it begins, s.
+    pub from_s: f64,
+    /// f(from), rad.
     pub angle: f64,
-    /// f'(0), rad/s.
+    /// f'(from), rad/s.
     pub rate: f64,
     /// f'', rad/s^2.
     pub acceleration: f64,
@@ -51,6 +55,7 @@ impl Motion {
     #[must_use]
     #[inline]
     pub fn at(&self, t: f64) -> (f64, f64, f64) {
+        let t = t - self.from_s;
         (
             self.angle + t * (self.rate + 0.5 * t * self.acceleration),
             self.rate + t * self.acceleration,
@@ -155,7 +160,7 @@ impl Mechanism {
         for (k, driver) in self.drivers.iter().enumerate() {
             ends(format!("driver {k}"), driver.parent, driver.child)?;
             let m = driver.motion;
-            if ![m.angle, m.rate, m.acceleration]
+            if ![m.from_s, m.angle, m.rate, m.acceleration]
                 .iter()
                 .all(|x| x.is_finite())
             {

@@ -17,7 +17,7 @@
 
 use crate::forces::Forces;
 use crate::jacobian::{Jacobian, Structure};
-use crate::mechanism::{Mechanism, MechanismError};
+use crate::mechanism::{Mechanism, MechanismError, Motion};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
 use crate::pinned::{Angle, PinnedContacts};
 use crate::sliding::RateStage;
@@ -225,6 +225,18 @@ impl<F: Forces> Reduced<F> {
     #[must_use]
     pub fn free_bodies(&self) -> &[BodyId] {
         &self.free
+    }
+
+    /// From now on a driver prescribes another motion: whoever integrates starts anew.
+    pub fn set_motion(&mut self, driver: usize, motion: Motion) {
+        self.evaluated.valid = false;
+        self.mechanism.drivers[driver].motion = motion;
+    }
+
+    /// The applied forces, to be changed: whoever integrates starts anew.
+    pub fn forces_mut(&mut self) -> &mut F {
+        self.evaluated.valid = false;
+        &mut self.forces
     }
 
     /// Angles and rates.

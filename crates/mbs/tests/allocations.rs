@@ -61,6 +61,7 @@ fn mechanism() -> Mechanism {
             parent: None,
             child: 0,
             motion: Motion {
+                from_s: 0.0,
                 angle: 0.0,
                 rate: 1.0,
                 acceleration: 0.0,

@@ -98,6 +98,7 @@ fn carousel(driven: bool) -> Mechanism {
                 parent: None,
                 child: 0,
                 motion: Motion {
+                    from_s: 0.0,
                     angle: 0.0,
                     rate: 2.0,
                     acceleration: -0.7,

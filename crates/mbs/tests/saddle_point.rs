@@ -133,6 +133,7 @@ fn mechanism(
             parent: None,
             child: 0,
             motion: Motion {
+                from_s: 0.0,
                 angle: 0.0,
                 rate: 1.0,
                 acceleration: 0.3,

@@ -51,6 +51,7 @@
 //! | solvers behind one trait, and one of your own | [`engines`] |
 //! | metrics, limits and verdicts | [`mod@compare`] |
 //! | sweeps, baselines, cost of accuracy, stability, the paper's figures | [`studies`] |
+//! | a scene as a co-simulation unit | [`fmu`] |
 //! | pages and text of what was found | [`pages`] |
 //!
 //! `examples/` has five programs, each a little longer than the last: `run_a_gear`, `compare_engines`, `own_law`,
@@ -60,6 +61,7 @@ pub use pinwheel_compare as compare;
 pub use pinwheel_contact as contact;
 pub use pinwheel_courses as courses;
 pub use pinwheel_engines as engines;
+pub use pinwheel_fmu as fmu;
 pub use pinwheel_gearbox as gearbox;
 pub use pinwheel_mbs as mbs;
 pub use pinwheel_pages as pages;

@@ -7,6 +7,7 @@ pub(crate) mod compare;
 pub(crate) mod design;
 pub(crate) mod engines;
 pub(crate) mod explain;
+pub(crate) mod fmu;
 pub(crate) mod laws;
 pub(crate) mod open;
 pub(crate) mod paper;

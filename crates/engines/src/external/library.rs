@@ -1,28 +1,38 @@
-//! Where `libpinwheel_law` is.
+//! Where the libraries are that C programs load: `libpinwheel_law` and `libpinwheel_fmu`.
 
 use std::path::PathBuf;
 
-/// The variable that names it.
-const VARIABLE: &str = "PINWHEEL_LAW";
-
-/// The library: as `PINWHEEL_LAW` names it, or beside the program, where a build of the program puts it.
+/// The contact law's library: as `PINWHEEL_LAW` names it, or beside the program, where a build of the program puts it.
 ///
 /// # Errors
 /// It is nowhere: what to do, on one line.
 pub fn law_library() -> Result<PathBuf, String> {
+    library("law", "PINWHEEL_LAW")
+}
+
+/// The library of co-simulation units: as `PINWHEEL_FMU` names it, or beside the program.
+///
+/// # Errors
+/// As [`law_library`].
+pub fn fmu_library() -> Result<PathBuf, String> {
+    library("fmu", "PINWHEEL_FMU")
+}
+
+/// `libpinwheel_WHAT`, as the environment variable says or beside the program.
+fn library(what: &str, variable: &str) -> Result<PathBuf, String> {
     let name = format!(
-        "{}pinwheel_law{}",
+        "{}pinwheel_{what}{}",
         std::env::consts::DLL_PREFIX,
         std::env::consts::DLL_SUFFIX
     );
-    if let Some(named) = std::env::var_os(VARIABLE).filter(|value| !value.is_empty()) {
+    if let Some(named) = std::env::var_os(variable).filter(|value| !value.is_empty()) {
         let path = PathBuf::from(named);
         let found = path
             .is_file()
             .then(|| std::path::absolute(&path).unwrap_or(path.clone()));
         return found.ok_or_else(|| {
             format!(
-                "{VARIABLE} names {}, which is no file; name {name}, or unset it",
+                "{variable} names {}, which is no file; name {name}, or unset it",
                 path.display()
             )
         });
@@ -38,8 +48,8 @@ pub fn law_library() -> Result<PathBuf, String> {
     });
     found.next().ok_or_else(|| {
         format!(
-            "{name} is not beside the program; build it in Pinwheel's folder with `cargo build --release -p pinwheel-law` \
-             and name it by {VARIABLE}=target/release/{name}"
+            "{name} is not beside the program; build it in Pinwheel's folder with `cargo build --release -p pinwheel-{what}` \
+             and name it by {variable}=target/release/{name}"
         )
     })
 }

@@ -23,7 +23,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_law::job;
 
 use crate::engine::{Control, Engine, EngineError, Prepared, Refinement, Run, RunStats, Track};
-pub use library::law_library;
+pub use library::{fmu_library, law_library};
 pub use manifest::{Honours, Manifest, ManifestError, Refine, Stated};
 pub use pinwheel_law::job::{schema as job_schema, write as write_job};
 pub use process::end_all;

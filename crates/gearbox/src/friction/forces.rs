@@ -6,11 +6,14 @@ use pinwheel_mbs::{BodyState, ContactEnergy, Forces, Jacobian, Wrench};
 use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
 use crate::load_course::{self, LoadPiece};
+use crate::scene::{Contact as Contacts, Drive};
 use crate::{Gearbox, GearboxError};
 
 /// Applied forces of a gearbox.
-pub(crate) struct GearForces<'a> {
-    gearbox: &'a Gearbox,
+pub(crate) struct GearForces {
+    layout: Layout,
+    contact: Contacts,
+    drive: Drive,
     field: Box<dyn ContactField>,
     /// The load of this leg.
     load: LoadPiece,
@@ -18,20 +21,27 @@ pub(crate) struct GearForces<'a> {
     pairs: Vec<PairContact>,
 }
 
-impl<'a> GearForces<'a> {
-    pub(crate) fn new(gearbox: &'a Gearbox) -> Result<Self, GearboxError> {
+impl GearForces {
+    pub(crate) fn new(gearbox: &Gearbox) -> Result<Self, GearboxError> {
         let layout = gearbox.layout;
         let most = layout.wheels * (layout.external_sleeves + layout.internal_sleeves);
         Ok(Self {
-            gearbox,
+            layout,
+            contact: gearbox.scene.contact.clone(),
+            drive: gearbox.scene.drive.clone(),
             field: gearbox.contact_field()?,
             load: load_course::piece_at(&gearbox.scene.drive, 0.0),
             pairs: Vec::with_capacity(most),
         })
     }
+
+    /// Where the present leg begins, s: what [`enter_leg`](Forces::enter_leg) was told, or an earlier time of the same leg.
+    pub(crate) fn leg_s(&self) -> f64 {
+        self.load.from_s
+    }
 }
 
-impl Forces for GearForces<'_> {
+impl Forces for GearForces {
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
         loads[Layout::OUTPUT].moment += self.load.torque(time);
         self.field.add_loads(bodies, loads);
@@ -73,12 +83,12 @@ impl Forces for GearForces<'_> {
         contacts: &mut Vec<Contact>,
     ) {
         contacts.clear();
-        if !self.gearbox.has_friction() {
+        if !(self.contact.friction_coefficient > 0.0) {
             self.apply(time, bodies, loads);
             return;
         }
         loads[Layout::OUTPUT].moment += self.load.torque(time);
-        let (layout, law) = (self.gearbox.layout, &self.gearbox.scene.contact);
+        let (layout, law) = (self.layout, &self.contact);
         let wheels = layout.wheel_bodies().start;
         let pairs = &mut self.pairs;
         pairs.clear();
@@ -136,7 +146,7 @@ impl Forces for GearForces<'_> {
     }
 
     fn enter_leg(&mut self, from: f64) {
-        self.load = load_course::piece_at(&self.gearbox.scene.drive, from);
+        self.load = load_course::piece_at(&self.drive, from);
     }
 
     fn normal_force(&self, index: usize, listed: f64, rate: f64) -> f64 {

@@ -1,10 +1,13 @@
 //! What all methods share whose steps follow from a tolerance: where a run is, and how it goes on after a step.
 
-use super::{StepCounts, StepError, Stepper, short_step};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::{StepCounts, StepError, Stepper, restored, saved, short_step};
 use crate::OdeSystem;
 
 /// Where a run is.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Clock {
     /// End of the last accepted step, s.
     pub(super) time: f64,
@@ -51,7 +54,7 @@ impl Clock {
 }
 
 /// A method whose steps follow from a tolerance.
-pub(super) trait Adaptive {
+pub(super) trait Adaptive: Serialize + DeserializeOwned + Send {
     fn clock(&self) -> &Clock;
     fn clock_mut(&mut self) -> &mut Clock;
     /// State at the end of the last accepted step.
@@ -96,5 +99,13 @@ impl<S: OdeSystem, A: Adaptive> Stepper<S> for A {
 
     fn counts(&self) -> StepCounts {
         self.clock().counts
+    }
+
+    fn save(&self) -> Vec<u8> {
+        saved(self)
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> bool {
+        restored(self, bytes)
     }
 }

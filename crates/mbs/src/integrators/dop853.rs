@@ -10,6 +10,8 @@
 //! made only for steps in which somebody looks. What a rejected step computed is thrown away; the step after a
 //! rejection does not grow.
 
+use serde::{Deserialize, Serialize};
+
 use super::clock::{Adaptive, Clock};
 use super::dop853_coefficients::{A, C, D, E3, E5, EXTENDED, Row, STAGES};
 use super::{MethodInfo, StepError};
@@ -32,7 +34,7 @@ const EXPONENT: f64 = 1.0 / 8.0;
 const DENSE: usize = 7;
 
 /// A run with steps from a tolerance.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Dop853 {
     tolerance: f64,
     clock: Clock,

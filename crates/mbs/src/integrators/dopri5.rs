@@ -10,7 +10,9 @@
 //! divided by tolerance times the system's scale. What a rejected step computed is thrown away:
 //! only its error shortens the next attempt, and the step after a rejection does not grow.
 
-use super::{MethodInfo, StepCounts, StepError, Stepper, short_step};
+use serde::{Deserialize, Serialize};
+
+use super::{MethodInfo, StepCounts, StepError, Stepper, restored, saved, short_step};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
@@ -81,7 +83,7 @@ const PROPORTIONAL: f64 = 0.2 - 0.75 * INTEGRAL;
 const INTEGRAL: f64 = 0.04;
 
 /// A run with steps from a tolerance.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Dopri5 {
     tolerance: f64,
     time: f64,
@@ -100,7 +102,7 @@ pub struct Dopri5 {
 }
 
 /// The continuous extension of a step.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Dense {
     /// The step's end and its length, s.
     pub(super) end: f64,
@@ -291,5 +293,13 @@ impl<S: OdeSystem> Stepper<S> for Dopri5 {
 
     fn counts(&self) -> StepCounts {
         self.counts
+    }
+
+    fn save(&self) -> Vec<u8> {
+        saved(self)
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> bool {
+        restored(self, bytes)
     }
 }

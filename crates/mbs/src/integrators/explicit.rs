@@ -7,7 +7,9 @@
 //! derivatives [Hairer, Norsett, Wanner 1993, II.6]; the derivative at the end is the first stage
 //! of the next step and is evaluated once. Times are n h, not sums of h.
 
-use super::{StepCounts, StepError, Stepper};
+use serde::{Deserialize, Serialize};
+
+use super::{StepCounts, StepError, Stepper, restored, saved};
 use crate::OdeSystem;
 
 /// Coefficients; `a[i]` has i entries.
@@ -22,8 +24,10 @@ pub struct Tableau {
 }
 
 /// A fixed-step run of one tableau.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FixedStep {
+    /// What the run was started with; not saved.
+    #[serde(skip, default = "none")]
     tableau: &'static Tableau,
     h: f64,
     start: f64,
@@ -36,6 +40,15 @@ pub struct FixedStep {
     /// `stages[0]` holds f at the current state.
     fresh: bool,
     scratch: Vec<f64>,
+}
+
+/// Stands for a tableau until it is put back.
+fn none() -> &'static Tableau {
+    &Tableau {
+        a: &[],
+        b: &[],
+        c: &[],
+    }
 }
 
 impl FixedStep {
@@ -134,6 +147,17 @@ impl<S: OdeSystem> Stepper<S> for FixedStep {
 
     fn counts(&self) -> StepCounts {
         self.counts
+    }
+
+    fn save(&self) -> Vec<u8> {
+        saved(self)
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> bool {
+        let tableau = self.tableau;
+        let known = restored(self, bytes);
+        self.tableau = tableau;
+        known
     }
 }
 

@@ -14,7 +14,9 @@
 //! The state inside a step is a step of that length from the same start: friction in the samples is then
 //! as settled as at the ends of steps, which no polynomial through them can promise.
 
-use super::{MethodInfo, StepCounts, StepError, Stepper};
+use serde::{Deserialize, Serialize};
+
+use super::{MethodInfo, StepCounts, StepError, Stepper, restored, saved};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
@@ -31,7 +33,7 @@ pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 const DELTA: f64 = 1.0 - 0.5 / GAMMA;
 
 /// State with both parts of its derivative.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Point {
     pub(super) y: Vec<f64>,
     pub(super) e: Vec<f64>,
@@ -79,7 +81,7 @@ pub(super) fn advance<S: OdeSystem>(
 }
 
 /// A fixed-step run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ImexFixed {
     h: f64,
     start: f64,
@@ -172,5 +174,13 @@ impl<S: OdeSystem> Stepper<S> for ImexFixed {
 
     fn counts(&self) -> StepCounts {
         self.counts
+    }
+
+    fn save(&self) -> Vec<u8> {
+        saved(self)
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> bool {
+        restored(self, bytes)
     }
 }

@@ -12,6 +12,8 @@
 //! `target` is tolerance^(3/2): a method of order 2 then needs about tolerance^(-1/2) steps, and the error
 //! of the whole run, not that of one step, is proportional to the tolerance.
 
+use serde::{Deserialize, Serialize};
+
 use super::clock::{Adaptive, Clock};
 use super::imex::{Point, advance};
 use super::{MethodInfo, StepError};
@@ -32,7 +34,7 @@ const SHRINK: f64 = 0.2;
 const GROW: f64 = 2.0;
 
 /// An adaptive run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ImexAdaptive {
     target: f64,
     clock: Clock,

@@ -8,7 +8,7 @@
 
 use pinwheel_faults::{Fault, armed};
 
-use super::{StepCounts, StepError, StepSettings, Stepper, start};
+use super::{StepCounts, StepError, StepSettings, Stepper, restored, saved, start};
 use crate::OdeSystem;
 
 /// Distance from a leg's end that counts as being there, in steps of the settings.
@@ -144,5 +144,18 @@ impl<S: OdeSystem> Stepper<S> for Legs<S> {
             evaluations: self.past.evaluations + now.evaluations,
             jacobians: self.past.jacobians + now.jacobians,
         }
+    }
+
+    fn save(&self) -> Vec<u8> {
+        saved(&(&self.ends, self.past, self.aim, self.stepper.save()))
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> bool {
+        let mut all: (Vec<f64>, StepCounts, f64, Vec<u8>) = Default::default();
+        let known = restored(&mut all, bytes) && self.stepper.restore(&all.3);
+        if known {
+            (self.ends, self.past, self.aim) = (all.0, all.1, all.2);
+        }
+        known
     }
 }

@@ -58,6 +58,9 @@ pub use imex_adaptive::ImexAdaptive;
 pub use legs::Legs;
 pub use rodas5p::Rodas5p;
 
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
 use crate::OdeSystem;
 
 /// Settings a method may use.
@@ -70,7 +73,7 @@ pub struct StepSettings {
 }
 
 /// What a run of steps did.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct StepCounts {
     /// Accepted steps.
     pub steps: u64,
@@ -100,7 +103,7 @@ pub enum StepError {
 }
 
 /// A method in the course of a run.
-pub trait Stepper<S: OdeSystem> {
+pub trait Stepper<S: OdeSystem>: Send {
     /// One accepted step.
     ///
     /// # Errors
@@ -121,6 +124,23 @@ pub trait Stepper<S: OdeSystem> {
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]);
     /// Counts so far.
     fn counts(&self) -> StepCounts;
+    /// Everything that the next steps depend on, to the bit. Made for the same program; no format to keep.
+    fn save(&self) -> Vec<u8>;
+    /// Goes back to what was [saved](Self::save) of a run of the same method, settings and system. False: these bytes are of
+    /// something else, and nothing has changed.
+    fn restore(&mut self, bytes: &[u8]) -> bool;
+}
+
+/// All fields of a method; nothing that could not be read back.
+fn saved(method: &impl Serialize) -> Vec<u8> {
+    postcard::to_allocvec(method).unwrap_or_default()
+}
+
+fn restored<T: DeserializeOwned>(method: &mut T, bytes: &[u8]) -> bool {
+    postcard::from_bytes(bytes).is_ok_and(|saved| {
+        *method = saved;
+        true
+    })
 }
 
 /// A method as listed for users.

@@ -13,6 +13,8 @@
 //! A narrow ramp of f (regularised friction) is only treated implicitly by steps that land on it: tolerance times the scale of
 //! the rates must be smaller than the ramp, or the method jumps to and fro over it.
 
+use serde::{Deserialize, Serialize};
+
 use super::clock::{Adaptive, Clock};
 use super::rodas5p_coefficients::{A, C, D, GAMMA, H, STAGES, TIMES};
 use super::{MethodInfo, StepError};
@@ -35,7 +37,7 @@ const GROW: f64 = 5.0;
 const EXPONENT: f64 = 0.2;
 
 /// What is made when the first step shows how the system's f depends on y.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Slopes {
     jacobian: Jacobian,
     /// `None` until the system has refused to tell its own.
@@ -43,7 +45,7 @@ struct Slopes {
 }
 
 /// A run with steps from a tolerance.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Rodas5p {
     tolerance: f64,
     clock: Clock,

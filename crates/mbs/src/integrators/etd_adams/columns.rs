@@ -4,7 +4,7 @@
 const ROWS: usize = 8;
 
 /// A matrix; rows are padded to blocks of [`ROWS`].
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Columns {
     columns: usize,
     /// Block by block, the columns of each one after the other.

@@ -2,12 +2,14 @@
 
 use std::collections::VecDeque;
 
+use serde::{Deserialize, Serialize};
+
 use super::propagator::{Linear, POWERS};
 
 /// The straight line that states are measured from: `x = y - origin - rate (t - time)`.
 ///
 /// Angles grow without bound while what is elastic of them stays small; the line keeps the digits.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Line {
     time: f64,
     origin: Vec<f64>,
@@ -52,7 +54,7 @@ impl Line {
 }
 
 /// One remembered time.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Point {
     /// State at which f was evaluated.
     pub(super) y: Vec<f64>,
@@ -72,7 +74,7 @@ impl Point {
 }
 
 /// Points at the distance of the step, the newest first.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct History {
     pub(super) points: VecDeque<Point>,
     /// How many of them hold something.

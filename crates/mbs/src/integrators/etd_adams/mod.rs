@@ -23,11 +23,13 @@ mod columns;
 mod history;
 mod propagator;
 
+use serde::{Deserialize, Serialize};
+
 use self::columns::Columns;
 use self::history::{History, Line, shift};
 use self::propagator::{Linear, Propagator};
 use super::dopri5::{Dense, Dopri5};
-use super::{MethodInfo, StepCounts, StepError, Stepper, short_step};
+use super::{MethodInfo, StepCounts, StepError, Stepper, restored, saved, short_step};
 use crate::OdeSystem;
 use crate::jacobian::Jacobian;
 
@@ -79,7 +81,7 @@ const KEPT: usize = 4;
 const SAME: f64 = 1e-9;
 
 /// A step's matrices.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Step {
     /// Of x and of differences.
     propagator: Propagator,
@@ -88,7 +90,7 @@ struct Step {
 }
 
 /// What exists once the system has told its Jacobian.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Multistep {
     jacobian: Jacobian,
     linear: Linear,
@@ -221,7 +223,7 @@ impl Multistep {
 }
 
 /// A run with steps from a tolerance.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct EtdAdams {
     tolerance: f64,
     time: f64,
@@ -673,5 +675,13 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
             evaluations: self.counts.evaluations + start.evaluations,
             jacobians: self.counts.jacobians,
         }
+    }
+
+    fn save(&self) -> Vec<u8> {
+        saved(self)
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> bool {
+        restored(self, bytes)
     }
 }

@@ -8,6 +8,8 @@
 //! The highest phi is a Taylor sum in Horner's form, the others follow by the recurrence [Hochbruck & Ostermann 2010, 2.1].
 //! Steps with |tau| |L| up to 3 or so lose no digits, and methods take no longer ones.
 
+use serde::{Deserialize, Serialize};
+
 use super::columns::Columns;
 use crate::jacobian::{Jacobian, Structure};
 
@@ -39,7 +41,7 @@ pub(super) const MOST: usize = 9;
 pub(super) const POWERS: [[f64; MOST]; MOST] = powers();
 
 /// L, of systems of second order with the unit matrix in the first rows, which have no remainder g.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Linear {
     /// Of x.
     pub(super) dimension: usize,
@@ -130,7 +132,7 @@ impl Linear {
 }
 
 /// What a time `tau` makes of a state and of a polynomial remainder.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Propagator {
     /// s; NaN: none.
     pub(super) tau: f64,

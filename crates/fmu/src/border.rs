@@ -1,0 +1,767 @@
+//! The border to C: the functions of FMI 2.0 for co-simulation, by the names, types and numbers of the standard. All `unsafe` of
+//! this crate is in this file.
+//!
+//! What importers promise, and no code can check: texts end in a zero byte; arrays hold as many values as are said, aligned, and
+//! used by nobody else during the call; the logger is the standard's and outlives the unit. Everything else is checked: a
+//! component and a state are numbers that are never used twice, not addresses, so that one that was freed or made up is refused;
+//! null addresses are refused; no panic gets out. A call that is refused tells the logger why, returns `fmi2Error`, and the unit
+//! stays what it was. The memory is our own, not the importer's.
+
+#![allow(unsafe_code)]
+
+use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::ptr;
+use std::slice;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use pinwheel_handles::Handles;
+
+use crate::instance::{Instance, Refusal};
+use crate::model::Model;
+
+const OK: c_int = 0;
+const DISCARD: c_int = 2;
+const ERROR: c_int = 3;
+/// `fmi2CoSimulation` of `fmi2Type`.
+const CO_SIMULATION: c_int = 1;
+/// `fmi2LastSuccessfulTime` of `fmi2StatusKind`.
+const LAST_SUCCESSFUL_TIME: c_int = 2;
+/// `fmi2Terminated` of `fmi2StatusKind`.
+const TERMINATED: c_int = 3;
+
+/// What the logger writes: environment, instance, status, category, message in printf's form, its arguments.
+type Log =
+    unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
+
+/// `fmi2CallbackFunctions`.
+#[repr(C)]
+pub struct Callbacks {
+    /// Takes messages.
+    pub logger: Option<Log>,
+    /// Not used: `canNotUseMemoryManagementFunctions`.
+    pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
+    /// Not used.
+    pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
+    /// Not used: steps are done when the call returns.
+    pub step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
+    /// Given back to the logger.
+    pub environment: *mut c_void,
+}
+
+/// What the importer holds: only ever a number in the shape of an address.
+pub type Component = *mut c_void;
+/// Likewise.
+pub type State = *mut c_void;
+
+/// Who hears of refusals.
+struct Logger {
+    log: Option<Log>,
+    environment: *mut c_void,
+    name: CString,
+}
+
+// SAFETY: the standard has the importer answer for its environment in whatever thread it calls from; here it is only handed back.
+unsafe impl Send for Logger {}
+// SAFETY: as above; nothing of it changes.
+unsafe impl Sync for Logger {}
+
+impl Logger {
+    fn tell(&self, status: c_int, category: &CStr, message: &str) {
+        let Some(log) = self.log else { return };
+        // The message is a format: a percent sign stands for itself where it is doubled.
+        let text = message.replace('\0', " ").replace('%', "%%");
+        let text = CString::new(text).unwrap_or_default();
+        // SAFETY: the importer's logger, with what the standard says it takes.
+        unsafe {
+            log(
+                self.environment,
+                self.name.as_ptr(),
+                status,
+                category.as_ptr(),
+                text.as_ptr(),
+            );
+        }
+    }
+}
+
+struct Unit {
+    logger: Logger,
+    talks: AtomicBool,
+    instance: Mutex<Instance>,
+}
+
+/// A state and the unit it is of.
+struct Kept {
+    of: usize,
+    bytes: Mutex<Vec<u8>>,
+}
+
+static UNITS: Handles<Unit> = Handles::new();
+static STATES: Handles<Kept> = Handles::new();
+
+/// Runs a call on a unit and tells its logger of a refusal.
+fn on(component: Component, call: impl FnOnce(&mut Instance) -> Result<c_int, Refusal>) -> c_int {
+    let Some(unit) = UNITS.find(component) else {
+        return ERROR;
+    };
+    let outcome = catch_unwind(AssertUnwindSafe(|| {
+        let mut instance = unit.instance.lock().unwrap_or_else(PoisonError::into_inner);
+        call(&mut instance)
+    }));
+    let outcome = outcome.unwrap_or_else(|_| {
+        let what = "a fault in the unit, not in your call; please report it with the scene";
+        Err(Refusal(what.to_owned()))
+    });
+    outcome.unwrap_or_else(|Refusal(what)| {
+        unit.logger.tell(ERROR, c"logStatusError", &what);
+        ERROR
+    })
+}
+
+fn done(result: Result<(), Refusal>) -> Result<c_int, Refusal> {
+    result.map(|()| OK)
+}
+
+fn null(what: &str) -> Refusal {
+    Refusal(format!("{what} is null"))
+}
+
+/// An array from C.
+///
+/// # Safety
+/// Null, or as the module says with `length` values.
+unsafe fn array<'a, T>(what: &str, start: *const T, length: usize) -> Result<&'a [T], Refusal> {
+    if length == 0 {
+        return Ok(&[]);
+    }
+    if start.is_null() {
+        return Err(null(what));
+    }
+    // SAFETY: not null, and the caller promises its length.
+    Ok(unsafe { slice::from_raw_parts(start, length) })
+}
+
+/// An array from C to write to.
+///
+/// # Safety
+/// Null, or as the module says with `length` values.
+unsafe fn array_mut<'a, T>(
+    what: &str,
+    start: *mut T,
+    length: usize,
+) -> Result<&'a mut [T], Refusal> {
+    if length == 0 {
+        return Ok(&mut []);
+    }
+    if start.is_null() {
+        return Err(null(what));
+    }
+    // SAFETY: not null, and the caller promises its length.
+    Ok(unsafe { slice::from_raw_parts_mut(start, length) })
+}
+
+/// A text from C.
+///
+/// # Safety
+/// Null, or text that ends in a zero byte.
+unsafe fn text<'a>(start: *const c_char) -> Option<&'a str> {
+    if start.is_null() {
+        return None;
+    }
+    // SAFETY: not null, and the caller promises its end.
+    unsafe { CStr::from_ptr(start) }.to_str().ok()
+}
+
+/// The folder of an address as FMI gives it: `file:///folder`, `file:/folder`, or a bare path.
+fn folder(address: &str) -> PathBuf {
+    let path = match address.strip_prefix("file:") {
+        None => return PathBuf::from(address),
+        Some(rest) => rest.strip_prefix("//").unwrap_or(rest),
+    };
+    let path = path.strip_prefix("localhost").unwrap_or(path);
+    let path = percent_encoding::percent_decode_str(path).decode_utf8_lossy();
+    // A drive's letter stands after the slash.
+    let drive = cfg!(windows) && path.as_bytes().get(2) == Some(&b':');
+    PathBuf::from(if drive { &path[1..] } else { &*path })
+}
+
+/// `"default"`.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
+    c"default".as_ptr()
+}
+
+/// `"2.0"`.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetVersion() -> *const c_char {
+    c"2.0".as_ptr()
+}
+
+/// Whether the logger hears of more than refusals.
+///
+/// # Safety
+/// `categories`: null or `count` texts; they are not read: there is one category.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetDebugLogging(
+    component: Component,
+    on: c_int,
+    _count: usize,
+    _categories: *const *const c_char,
+) -> c_int {
+    let Some(unit) = UNITS.find(component) else {
+        return ERROR;
+    };
+    unit.talks.store(on != 0, Ordering::Relaxed);
+    OK
+}
+
+/// A new unit, or null.
+///
+/// # Safety
+/// Texts: null or with their end. `callbacks`: null or the standard's structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Instantiate(
+    name: *const c_char,
+    kind: c_int,
+    guid: *const c_char,
+    resources: *const c_char,
+    callbacks: *const Callbacks,
+    _visible: c_int,
+    talks: c_int,
+) -> Component {
+    // SAFETY: null or the standard's structure.
+    let callbacks = unsafe { callbacks.as_ref() };
+    // SAFETY: null or texts with their end.
+    let (name, guid, resources) = unsafe { (text(name), text(guid), text(resources)) };
+    let logger = Logger {
+        log: callbacks.and_then(|callbacks| callbacks.logger),
+        environment: callbacks.map_or(ptr::null_mut(), |callbacks| callbacks.environment),
+        name: CString::new(name.unwrap_or("pinwheel")).unwrap_or_default(),
+    };
+    let begin = || -> Result<Instance, String> {
+        if name.is_none_or(str::is_empty) {
+            return Err("fmi2Instantiate: the instance needs a name".to_owned());
+        }
+        if kind != CO_SIMULATION {
+            return Err("fmi2Instantiate: this unit is for co-simulation".to_owned());
+        }
+        let resources = resources.ok_or("fmi2Instantiate: the resources have no address")?;
+        let model = Model::read(&folder(resources))?;
+        if guid != Some(model.guid()) {
+            return Err(format!(
+                "fmi2Instantiate: the GUID {} is not that of this unit, {}",
+                guid.unwrap_or("that was given"),
+                model.guid()
+            ));
+        }
+        Ok(Instance::new(Arc::new(model)))
+    };
+    let begun = catch_unwind(AssertUnwindSafe(begin))
+        .unwrap_or_else(|_| Err("fmi2Instantiate: a fault in the unit; please report it".into()));
+    match begun {
+        Ok(instance) => UNITS.open(Unit {
+            logger,
+            talks: AtomicBool::new(talks != 0),
+            instance: Mutex::new(instance),
+        }),
+        Err(what) => {
+            logger.tell(ERROR, c"logStatusError", &what);
+            ptr::null_mut()
+        }
+    }
+}
+
+/// Ends a unit, and its states; null, and one that was ended, are no fault.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2FreeInstance(component: Component) {
+    // A fault while it is dropped stays here.
+    let _ = catch_unwind(|| {
+        UNITS.close(component);
+        STATES.close_all(|kept| kept.of == component.addr());
+    });
+}
+
+/// Times and tolerance of the simulation.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2SetupExperiment(
+    component: Component,
+    has_tolerance: c_int,
+    tolerance: f64,
+    start: f64,
+    has_stop: c_int,
+    stop: f64,
+) -> c_int {
+    on(component, |unit| {
+        let tolerance = (has_tolerance != 0).then_some(tolerance);
+        done(unit.setup(tolerance, start, (has_stop != 0).then_some(stop)))
+    })
+}
+
+/// The gear is put together.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2EnterInitializationMode(component: Component) -> c_int {
+    on(component, |unit| done(unit.enter_initialization()))
+}
+
+/// Steps may follow.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2ExitInitializationMode(component: Component) -> c_int {
+    on(component, |unit| {
+        unit.exit_initialization()?;
+        if let Some(own) = UNITS.find(component)
+            && own.talks.load(Ordering::Relaxed)
+        {
+            own.logger.tell(OK, c"logAll", &unit.method());
+        }
+        Ok(OK)
+    })
+}
+
+/// No more steps.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2Terminate(component: Component) -> c_int {
+    on(component, |unit| done(unit.terminate()))
+}
+
+/// As new.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2Reset(component: Component) -> c_int {
+    on(component, |unit| {
+        unit.reset();
+        Ok(OK)
+    })
+}
+
+/// Values of Reals.
+///
+/// # Safety
+/// `references` and `values`: null or of `count`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetReal(
+    component: Component,
+    references: *const c_uint,
+    count: usize,
+    values: *mut f64,
+) -> c_int {
+    on(component, |unit| {
+        // SAFETY: the caller promises their lengths.
+        let (references, values) = unsafe {
+            (
+                array("the list of value references", references, count)?,
+                array_mut("the list of values", values, count)?,
+            )
+        };
+        for (value, reference) in values.iter_mut().zip(references) {
+            *value = unit.real(*reference)?;
+        }
+        Ok(OK)
+    })
+}
+
+/// Values of Booleans.
+///
+/// # Safety
+/// As [`fmi2GetReal`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetBoolean(
+    component: Component,
+    references: *const c_uint,
+    count: usize,
+    values: *mut c_int,
+) -> c_int {
+    on(component, |unit| {
+        // SAFETY: the caller promises their lengths.
+        let (references, values) = unsafe {
+            (
+                array("the list of value references", references, count)?,
+                array_mut("the list of values", values, count)?,
+            )
+        };
+        for (value, reference) in values.iter_mut().zip(references) {
+            *value = c_int::from(unit.boolean(*reference)?);
+        }
+        Ok(OK)
+    })
+}
+
+/// Sets Reals.
+///
+/// # Safety
+/// As [`fmi2GetReal`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetReal(
+    component: Component,
+    references: *const c_uint,
+    count: usize,
+    values: *const f64,
+) -> c_int {
+    on(component, |unit| {
+        // SAFETY: the caller promises their lengths.
+        let (references, values) = unsafe {
+            (
+                array("the list of value references", references, count)?,
+                array("the list of values", values, count)?,
+            )
+        };
+        for (reference, value) in references.iter().zip(values) {
+            unit.set_real(*reference, *value)?;
+        }
+        Ok(OK)
+    })
+}
+
+/// Sets Booleans.
+///
+/// # Safety
+/// As [`fmi2GetReal`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetBoolean(
+    component: Component,
+    references: *const c_uint,
+    count: usize,
+    values: *const c_int,
+) -> c_int {
+    on(component, |unit| {
+        // SAFETY: the caller promises their lengths.
+        let (references, values) = unsafe {
+            (
+                array("the list of value references", references, count)?,
+                array("the list of values", values, count)?,
+            )
+        };
+        for (reference, value) in references.iter().zip(values) {
+            unit.set_boolean(*reference, *value != 0)?;
+        }
+        Ok(OK)
+    })
+}
+
+/// There are none of this type.
+fn none(component: Component, call: &str, count: usize) -> c_int {
+    on(component, |_| {
+        if count == 0 {
+            return Ok(OK);
+        }
+        Err(Refusal(format!(
+            "{call}: the unit has no variable of this type"
+        )))
+    })
+}
+
+/// There are no Integers.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetInteger(
+    component: Component,
+    _references: *const c_uint,
+    count: usize,
+    _values: *mut c_int,
+) -> c_int {
+    none(component, "fmi2GetInteger", count)
+}
+
+/// There are no Integers.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2SetInteger(
+    component: Component,
+    _references: *const c_uint,
+    count: usize,
+    _values: *const c_int,
+) -> c_int {
+    none(component, "fmi2SetInteger", count)
+}
+
+/// There are no Strings.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetString(
+    component: Component,
+    _references: *const c_uint,
+    count: usize,
+    _values: *mut *const c_char,
+) -> c_int {
+    none(component, "fmi2GetString", count)
+}
+
+/// There are no Strings.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2SetString(
+    component: Component,
+    _references: *const c_uint,
+    count: usize,
+    _values: *const *const c_char,
+) -> c_int {
+    none(component, "fmi2SetString", count)
+}
+
+/// A state of this unit.
+fn kept(component: Component, state: State) -> Result<Arc<Kept>, Refusal> {
+    let found = STATES.find(state);
+    let own = found.filter(|kept| kept.of == component.addr());
+    own.ok_or_else(|| Refusal("the state is none of this unit: null, freed, or made up".into()))
+}
+
+/// Puts bytes into a state that is there, or into a new one.
+fn keep(component: Component, bytes: Vec<u8>, place: &mut State) -> Result<(), Refusal> {
+    if place.is_null() {
+        *place = STATES.open(Kept {
+            of: component.addr(),
+            bytes: Mutex::new(bytes),
+        });
+    } else {
+        let there = kept(component, *place)?;
+        *there.bytes.lock().unwrap_or_else(PoisonError::into_inner) = bytes;
+    }
+    Ok(())
+}
+
+/// Copies the whole state of the unit.
+///
+/// # Safety
+/// `state`: null or the place of a state, which is null or of this unit.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetFMUstate(component: Component, state: *mut State) -> c_int {
+    on(component, |unit| {
+        // SAFETY: null or a place.
+        let state = unsafe { state.as_mut() }.ok_or_else(|| null("the place of the state"))?;
+        done(keep(component, unit.save()?, state))
+    })
+}
+
+/// Goes back to a state.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2SetFMUstate(component: Component, state: State) -> c_int {
+    on(component, |unit| {
+        let kept = kept(component, state)?;
+        let bytes = kept.bytes.lock().unwrap_or_else(PoisonError::into_inner);
+        done(unit.restore(&bytes))
+    })
+}
+
+/// Frees a state; null is no fault.
+///
+/// # Safety
+/// As [`fmi2GetFMUstate`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeFMUstate(component: Component, state: *mut State) -> c_int {
+    on(component, |_| {
+        // SAFETY: null or a place.
+        if let Some(state) = unsafe { state.as_mut() }
+            && !state.is_null()
+        {
+            kept(component, *state)?;
+            STATES.close(*state);
+            *state = ptr::null_mut();
+        }
+        Ok(OK)
+    })
+}
+
+/// Bytes that a state takes.
+///
+/// # Safety
+/// `size`: null or a place.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
+    component: Component,
+    state: State,
+    size: *mut usize,
+) -> c_int {
+    on(component, |_| {
+        let kept = kept(component, state)?;
+        // SAFETY: null or a place.
+        let size = unsafe { size.as_mut() }.ok_or_else(|| null("the place of the size"))?;
+        *size = kept
+            .bytes
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .len();
+        Ok(OK)
+    })
+}
+
+/// Writes a state as bytes.
+///
+/// # Safety
+/// `bytes`: null or of `size`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializeFMUstate(
+    component: Component,
+    state: State,
+    bytes: *mut u8,
+    size: usize,
+) -> c_int {
+    on(component, |_| {
+        let kept = kept(component, state)?;
+        let state = kept.bytes.lock().unwrap_or_else(PoisonError::into_inner);
+        // SAFETY: the caller promises its length.
+        let place = unsafe { array_mut("the place of the bytes", bytes, size)? };
+        let room = place
+            .get_mut(..state.len())
+            .ok_or_else(|| Refusal(format!("a state takes {} bytes, not {size}", state.len())))?;
+        room.copy_from_slice(&state);
+        Ok(OK)
+    })
+}
+
+/// Reads a state from bytes.
+///
+/// # Safety
+/// `bytes`: null or of `size`; `state`: as of [`fmi2GetFMUstate`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
+    component: Component,
+    bytes: *const u8,
+    size: usize,
+    state: *mut State,
+) -> c_int {
+    on(component, |unit| {
+        // SAFETY: the caller promises its length, and null or a place.
+        let (bytes, state) = unsafe { (array("the bytes", bytes, size)?, state.as_mut()) };
+        let state = state.ok_or_else(|| null("the place of the state"))?;
+        unit.check(bytes)?;
+        done(keep(component, bytes.to_vec(), state))
+    })
+}
+
+/// Not provided: `providesDirectionalDerivative` is false.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetDirectionalDerivative(
+    component: Component,
+    _unknown: *const c_uint,
+    _unknowns: usize,
+    _known: *const c_uint,
+    _knowns: usize,
+    _seed: *const f64,
+    _derivative: *mut f64,
+) -> c_int {
+    none(component, "fmi2GetDirectionalDerivative", 1)
+}
+
+/// First derivatives of inputs over the next step.
+///
+/// # Safety
+/// Arrays: null or of `count`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
+    component: Component,
+    references: *const c_uint,
+    count: usize,
+    orders: *const c_int,
+    values: *const f64,
+) -> c_int {
+    on(component, |unit| {
+        // SAFETY: the caller promises their lengths.
+        let (references, orders, values) = unsafe {
+            (
+                array("the list of value references", references, count)?,
+                array("the list of orders", orders, count)?,
+                array("the list of values", values, count)?,
+            )
+        };
+        for ((reference, order), value) in references.iter().zip(orders).zip(values) {
+            unit.set_slope(*reference, *order, *value)?;
+        }
+        Ok(OK)
+    })
+}
+
+/// Not provided: `maxOutputDerivativeOrder` is 0.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetRealOutputDerivatives(
+    component: Component,
+    _references: *const c_uint,
+    count: usize,
+    _orders: *const c_int,
+    _values: *mut f64,
+) -> c_int {
+    none(component, "fmi2GetRealOutputDerivatives", count)
+}
+
+/// On to the next communication point.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2DoStep(
+    component: Component,
+    from: f64,
+    step: f64,
+    _no_way_back: c_int,
+) -> c_int {
+    on(component, |unit| done(unit.step(from, step)))
+}
+
+/// Steps are done when their call returns, so there is nothing to cancel.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2CancelStep(component: Component) -> c_int {
+    on(component, |_| {
+        Err(Refusal("fmi2CancelStep: no step is under way".into()))
+    })
+}
+
+/// Of steps that are under way, of which there are none.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetStatus(component: Component, _kind: c_int, _status: *mut c_int) -> c_int {
+    on(component, |_| Ok(DISCARD))
+}
+
+/// The time of the last step that went well.
+///
+/// # Safety
+/// `value`: null or a place.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetRealStatus(
+    component: Component,
+    kind: c_int,
+    value: *mut f64,
+) -> c_int {
+    on(component, |unit| {
+        if kind != LAST_SUCCESSFUL_TIME {
+            return Ok(DISCARD);
+        }
+        // SAFETY: null or a place.
+        let value = unsafe { value.as_mut() }.ok_or_else(|| null("the place of the value"))?;
+        *value = unit.time_s();
+        Ok(OK)
+    })
+}
+
+/// There is none.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetIntegerStatus(
+    component: Component,
+    _kind: c_int,
+    _value: *mut c_int,
+) -> c_int {
+    on(component, |_| Ok(DISCARD))
+}
+
+/// The unit never wants to end a simulation.
+///
+/// # Safety
+/// `value`: null or a place.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetBooleanStatus(
+    component: Component,
+    kind: c_int,
+    value: *mut c_int,
+) -> c_int {
+    on(component, |_| {
+        if kind != TERMINATED {
+            return Ok(DISCARD);
+        }
+        // SAFETY: null or a place.
+        let value = unsafe { value.as_mut() }.ok_or_else(|| null("the place of the value"))?;
+        *value = 0;
+        Ok(OK)
+    })
+}
+
+/// There is none.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetStringStatus(
+    component: Component,
+    _kind: c_int,
+    _value: *mut *const c_char,
+) -> c_int {
+    on(component, |_| Ok(DISCARD))
+}

@@ -1,0 +1,442 @@
+//! A unit in the course of a simulation: which call may follow which, and what each does [FMI 2.0, 4.2].
+
+use std::sync::Arc;
+
+use pinwheel_gearbox::cosimulation::{CoSimulation, Shafts};
+use serde::{Deserialize, Serialize};
+
+use crate::model::{Model, Shaft, Variable, What};
+
+/// Why a call was refused, in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refusal(pub String);
+
+impl From<String> for Refusal {
+    fn from(what: String) -> Self {
+        Self(what)
+    }
+}
+
+fn refused<T>(what: impl Into<String>) -> Result<T, Refusal> {
+    Err(Refusal(what.into()))
+}
+
+/// Where in its life a unit is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+enum Phase {
+    Instantiated,
+    Initialising,
+    Stepping,
+    Terminated,
+    /// A step failed: an earlier state or a reset goes on.
+    Failed,
+}
+
+impl Phase {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Instantiated => "before fmi2EnterInitializationMode",
+            Self::Initialising => "in initialization mode",
+            Self::Stepping => "after fmi2ExitInitializationMode",
+            Self::Terminated => "after fmi2Terminate",
+            Self::Failed => "after a step that failed",
+        }
+    }
+}
+
+/// What the next calls depend on besides the gear.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Held {
+    phase: Phase,
+    /// By value reference.
+    values: Vec<f64>,
+    /// Of inputs, a second; for the next step alone.
+    slopes: Vec<f64>,
+    start_s: f64,
+    tolerance: Option<f64>,
+    /// The values that the gear began with.
+    begun: Vec<f64>,
+}
+
+/// All of it.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    guid: String,
+    held: Held,
+    gear: Option<Vec<u8>>,
+}
+
+/// A unit.
+pub struct Instance {
+    model: Arc<Model>,
+    held: Held,
+    gear: Option<CoSimulation>,
+    /// What was observed at the time reached.
+    seen: Option<(Shafts, Vec<f64>)>,
+}
+
+impl Instance {
+    /// A new one.
+    #[must_use]
+    pub fn new(model: Arc<Model>) -> Self {
+        let values: Vec<f64> = model.variables().iter().map(|v| v.start).collect();
+        Self {
+            held: Held {
+                phase: Phase::Instantiated,
+                slopes: vec![0.0; values.len()],
+                begun: values.clone(),
+                values,
+                start_s: 0.0,
+                tolerance: None,
+            },
+            model,
+            gear: None,
+            seen: None,
+        }
+    }
+
+    fn in_phase(&self, call: &str, phases: &[Phase]) -> Result<(), Refusal> {
+        if phases.contains(&self.held.phase) {
+            return Ok(());
+        }
+        let wanted: Vec<&str> = phases.iter().map(|phase| phase.words()).collect();
+        refused(format!(
+            "{call} came {}; it may come {}",
+            self.held.phase.words(),
+            wanted.join(" or ")
+        ))
+    }
+
+    /// `fmi2SetupExperiment`.
+    ///
+    /// # Errors
+    /// A wrong moment, or times that are none.
+    pub fn setup(
+        &mut self,
+        tolerance: Option<f64>,
+        start_s: f64,
+        stop_s: Option<f64>,
+    ) -> Result<(), Refusal> {
+        self.in_phase("fmi2SetupExperiment", &[Phase::Instantiated])?;
+        if !start_s.is_finite() || stop_s.is_some_and(|stop| !(stop >= start_s)) {
+            return refused(format!(
+                "fmi2SetupExperiment: a start at {start_s} s and a stop at {stop_s:?} s are no time"
+            ));
+        }
+        if tolerance.is_some_and(|tolerance| !(tolerance > 0.0 && tolerance < 0.1)) {
+            return refused(format!(
+                "fmi2SetupExperiment: a tolerance must be above 0 and below 0.1, not {tolerance:?}"
+            ));
+        }
+        (self.held.tolerance, self.held.start_s) = (tolerance, start_s);
+        Ok(())
+    }
+
+    /// `fmi2EnterInitializationMode`.
+    ///
+    /// # Errors
+    /// A wrong moment, or values that make no gear.
+    pub fn enter_initialization(&mut self) -> Result<(), Refusal> {
+        self.in_phase("fmi2EnterInitializationMode", &[Phase::Instantiated])?;
+        self.held.phase = Phase::Initialising;
+        self.begin()
+            .inspect_err(|_| self.held.phase = Phase::Instantiated)
+    }
+
+    /// `fmi2ExitInitializationMode`.
+    ///
+    /// # Errors
+    /// As [`enter_initialization`](Self::enter_initialization).
+    pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
+        self.in_phase("fmi2ExitInitializationMode", &[Phase::Initialising])?;
+        self.begin()?;
+        self.held.phase = Phase::Stepping;
+        Ok(())
+    }
+
+    /// `fmi2Terminate`.
+    ///
+    /// # Errors
+    /// A wrong moment.
+    pub fn terminate(&mut self) -> Result<(), Refusal> {
+        self.in_phase("fmi2Terminate", &[Phase::Stepping, Phase::Failed])?;
+        self.held.phase = Phase::Terminated;
+        Ok(())
+    }
+
+    /// `fmi2Reset`: as new.
+    pub fn reset(&mut self) {
+        *self = Self::new(Arc::clone(&self.model));
+    }
+
+    /// The gear at its start, unless it is there.
+    fn begin(&mut self) -> Result<(), Refusal> {
+        if self.gear.is_none() {
+            let values = &self.held.values;
+            let mut gear = self.model.begin(values, self.held.tolerance)?;
+            let holders = self.model.holders(values);
+            gear.hold(holders.map(|k| (values[k], 0.0)));
+            self.held.begun.clone_from(values);
+            (self.gear, self.seen) = (Some(gear), None);
+        }
+        Ok(())
+    }
+
+    fn variable(&self, call: &str, reference: u32) -> Result<(usize, &Variable), Refusal> {
+        let place = usize::try_from(reference).unwrap_or(usize::MAX);
+        let found = self.model.variables().get(place);
+        found.map(|v| (place, v)).ok_or_else(|| {
+            Refusal(format!(
+                "{call}: there is no variable of value reference {reference}"
+            ))
+        })
+    }
+
+    /// `fmi2SetReal` of one variable.
+    ///
+    /// # Errors
+    /// No such variable, one that cannot be set now, or a value that is no number.
+    pub fn set_real(&mut self, reference: u32, value: f64) -> Result<(), Refusal> {
+        let (place, variable) = self.variable("fmi2SetReal", reference)?;
+        if variable.is_boolean() {
+            return refused(format!("fmi2SetReal: {} is a Boolean", variable.name));
+        }
+        self.set("fmi2SetReal", place, value)
+    }
+
+    /// `fmi2SetBoolean` of one variable.
+    ///
+    /// # Errors
+    /// As [`set_real`](Self::set_real).
+    pub fn set_boolean(&mut self, reference: u32, value: bool) -> Result<(), Refusal> {
+        let (place, variable) = self.variable("fmi2SetBoolean", reference)?;
+        if !variable.is_boolean() {
+            return refused(format!("fmi2SetBoolean: {} is a Real", variable.name));
+        }
+        self.set("fmi2SetBoolean", place, f64::from(u8::from(value)))
+    }
+
+    fn set(&mut self, call: &str, place: usize, value: f64) -> Result<(), Refusal> {
+        let variable = &self.model.variables()[place];
+        let name = &variable.name;
+        if variable.is_output() {
+            return refused(format!("{call}: {name} is an output, which is computed"));
+        }
+        if !value.is_finite() {
+            return refused(format!(
+                "{call}: {name} must be a finite number, not {value}"
+            ));
+        }
+        let early = [Phase::Instantiated, Phase::Initialising];
+        if matches!(variable.what, What::Input(_)) {
+            let call = format!("{call} of the input {name}");
+            self.in_phase(&call, &[early[0], early[1], Phase::Stepping])?;
+        } else {
+            self.in_phase(&format!("{call} of the parameter {name}"), &early)?;
+        }
+        self.held.values[place] = value;
+        if self.held.phase != Phase::Stepping {
+            self.gear = None;
+        }
+        Ok(())
+    }
+
+    /// `fmi2SetRealInputDerivatives` of one input: its change a second over the next step.
+    ///
+    /// # Errors
+    /// No input, another order than the first, a wrong moment, or a value that is no number.
+    pub fn set_slope(&mut self, reference: u32, order: i32, value: f64) -> Result<(), Refusal> {
+        const CALL: &str = "fmi2SetRealInputDerivatives";
+        let (place, variable) = self.variable(CALL, reference)?;
+        if !matches!(variable.what, What::Input(_)) {
+            return refused(format!("{CALL}: {} is no input", variable.name));
+        }
+        if order != 1 {
+            return refused(format!(
+                "{CALL}: only the first derivative counts, not {order}"
+            ));
+        }
+        if !value.is_finite() {
+            return refused(format!(
+                "{CALL}: {} must be finite, not {value}",
+                variable.name
+            ));
+        }
+        self.in_phase(CALL, &[Phase::Initialising, Phase::Stepping])?;
+        self.held.slopes[place] = value;
+        Ok(())
+    }
+
+    /// `fmi2GetReal` of one variable.
+    ///
+    /// # Errors
+    /// No such variable, or one that is not known yet.
+    pub fn real(&mut self, reference: u32) -> Result<f64, Refusal> {
+        let (place, variable) = self.variable("fmi2GetReal", reference)?;
+        if variable.is_boolean() {
+            return refused(format!("fmi2GetReal: {} is a Boolean", variable.name));
+        }
+        let what = variable.what;
+        if !variable.is_output() {
+            return Ok(self.held.values[place]);
+        }
+        let known = [Phase::Initialising, Phase::Stepping, Phase::Terminated];
+        self.in_phase(&format!("fmi2GetReal of {}", variable.name), &known)?;
+        self.begin()?;
+        let Some(gear) = &mut self.gear else {
+            return refused("fmi2GetReal: there is no gear");
+        };
+        let (shafts, row) = self.seen.get_or_insert_with(|| {
+            let mut row = Vec::new();
+            (gear.observe(&mut row), row)
+        });
+        let value = match what {
+            What::Shaft(Shaft::InputAngle) => shafts.input[0],
+            What::Shaft(Shaft::InputSpeed) => shafts.input[1],
+            What::Shaft(Shaft::OutputSpeed) => shafts.output_speed_rad_s,
+            What::Shaft(Shaft::Load) => shafts.load_torque_n_m,
+            What::Shaft(Shaft::LargestForce) => shafts.largest_force_n,
+            What::Column(column) => row.get(column).copied().unwrap_or(f64::NAN),
+            _ => f64::NAN,
+        };
+        Ok(value)
+    }
+
+    /// `fmi2GetBoolean` of one variable.
+    ///
+    /// # Errors
+    /// No such variable.
+    pub fn boolean(&self, reference: u32) -> Result<bool, Refusal> {
+        let (place, variable) = self.variable("fmi2GetBoolean", reference)?;
+        if !variable.is_boolean() {
+            return refused(format!("fmi2GetBoolean: {} is a Real", variable.name));
+        }
+        Ok(self.held.values[place] != 0.0)
+    }
+
+    /// `fmi2DoStep`.
+    ///
+    /// # Errors
+    /// A wrong moment or time, or a motion that cannot go on.
+    pub fn step(&mut self, from_s: f64, step_s: f64) -> Result<(), Refusal> {
+        self.in_phase("fmi2DoStep", &[Phase::Stepping])?;
+        let Some(gear) = &mut self.gear else {
+            return refused("fmi2DoStep: there is no gear");
+        };
+        let to = from_s + step_s;
+        if !(step_s > 0.0 && to.is_finite() && to > from_s) {
+            return refused(format!(
+                "fmi2DoStep: a step of {step_s} s from {from_s} s is none"
+            ));
+        }
+        let now = self.held.start_s + gear.time_s();
+        if !((from_s - now).abs() <= 1e-6 * step_s + 1e-12 * now.abs()) {
+            return refused(format!(
+                "fmi2DoStep: the time is {now} s, not {from_s} s; an earlier state goes back"
+            ));
+        }
+        let holders = self.model.holders(&self.held.values);
+        gear.hold(holders.map(|k| (self.held.values[k], self.held.slopes[k])));
+        self.held.slopes.fill(0.0);
+        self.seen = None;
+        gear.advance(to - self.held.start_s).map_err(|what| {
+            self.held.phase = Phase::Failed;
+            Refusal(format!("fmi2DoStep: {what}"))
+        })
+    }
+
+    /// The method and its tolerance, in words.
+    #[must_use]
+    pub fn method(&self) -> String {
+        let words = |gear: &CoSimulation| {
+            let (name, tolerance) = gear.method();
+            format!("{name}, tolerance {tolerance:e}")
+        };
+        self.gear.as_ref().map_or_else(String::new, words)
+    }
+
+    /// The time reached, s.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.held.start_s + self.gear.as_ref().map_or(0.0, CoSimulation::time_s)
+    }
+
+    /// `fmi2GetFMUstate`: everything, to the bit.
+    ///
+    /// # Errors
+    /// What should not happen: a state that cannot be written.
+    pub fn save(&mut self) -> Result<Vec<u8>, Refusal> {
+        let saved = Saved {
+            guid: self.model.guid().to_owned(),
+            held: self.held.clone(),
+            gear: self.gear.as_mut().map(CoSimulation::save),
+        };
+        let mut bytes = postcard::to_allocvec(&saved)
+            .map_err(|error| Refusal(format!("the state cannot be written: {error}")))?;
+        bytes.extend(checksum(&bytes).to_le_bytes());
+        Ok(bytes)
+    }
+
+    /// `fmi2SetFMUstate`: back to a state of this unit or of another of the same model.
+    ///
+    /// # Errors
+    /// Bytes of something else; nothing has changed then.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), Refusal> {
+        let saved = self.read(bytes)?;
+        let held = saved.held;
+        // By bits: outputs hold no number.
+        let begun = self.held.begun.iter().zip(&held.begun);
+        let same = self.held.tolerance == held.tolerance
+            && begun.fold(true, |same, (a, b)| same && a.to_bits() == b.to_bits());
+        match (&saved.gear, &mut self.gear) {
+            (None, gear) => *gear = None,
+            (Some(state), Some(gear)) if same => {
+                if !gear.restore(state) {
+                    return refused("the state is none of this unit");
+                }
+            }
+            (Some(state), gear) => {
+                let mut begun = self.model.begin(&held.begun, held.tolerance)?;
+                if !begun.restore(state) {
+                    return refused("the state is none of this unit");
+                }
+                *gear = Some(begun);
+            }
+        }
+        (self.held, self.seen) = (held, None);
+        Ok(())
+    }
+
+    /// A state that is whole and of this model.
+    fn read(&self, bytes: &[u8]) -> Result<Saved, Refusal> {
+        let whole = bytes
+            .split_last_chunk::<8>()
+            .filter(|(state, sum)| checksum(state).to_le_bytes() == **sum);
+        let saved = whole.and_then(|(state, _)| postcard::from_bytes::<Saved>(state).ok());
+        let count = self.model.variables().len();
+        let of_this = |saved: &Saved| {
+            let lengths = [&saved.held.values, &saved.held.slopes, &saved.held.begun];
+            saved.guid == self.model.guid() && lengths.iter().all(|list| list.len() == count)
+        };
+        match saved {
+            None => refused("the state is damaged"),
+            Some(saved) if of_this(&saved) => Ok(saved),
+            Some(_) => refused("the state is of another unit"),
+        }
+    }
+
+    /// `fmi2DeSerializeFMUstate`: whether these bytes are a state of this model.
+    ///
+    /// # Errors
+    /// They are not.
+    pub fn check(&self, bytes: &[u8]) -> Result<(), Refusal> {
+        self.read(bytes).map(|_| ())
+    }
+}
+
+/// FNV-1a, 64 bits: finds bytes that were damaged.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
+    })
+}

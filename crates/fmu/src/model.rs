@@ -1,0 +1,407 @@
+//! What a unit holds: a scene, and the variables that follow from it.
+
+use std::path::Path;
+
+use pinwheel_gearbox::cosimulation::{CoSimulation, Held, Setup};
+use pinwheel_gearbox::{Gearbox, Recorder};
+use pinwheel_scene::channels::{FAMILIES, fits};
+use pinwheel_scene::keys::Kind;
+use pinwheel_scene::{CheckedScene, KEYS, Override, Scene};
+
+/// The scene's file among the resources.
+pub(crate) const SCENE_FILE: &str = "scene.toml";
+/// Parts of a scene whose numbers are parameters.
+const TUNED: [&str; 3] = ["gear.", "contact.", "mass."];
+
+/// What a variable stands for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum What {
+    /// A number of the scene, by its key: a fixed parameter.
+    Key,
+    /// The relative error a step: a fixed parameter.
+    Tolerance,
+    /// How the gear is held: a fixed Boolean parameter.
+    Flag(Flag),
+    /// What holds it: an input.
+    Input(Input),
+    /// Of the shafts: an output.
+    Shaft(Shaft),
+    /// A column of a run, by its number: an output.
+    Column(usize),
+}
+
+/// See [`FLAGS`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Flag {
+    /// The input shaft is free and driven by a torque.
+    DriveByTorque,
+    /// The output shaft's speed is prescribed.
+    LoadBySpeed,
+    /// The scene's load acts too.
+    SceneLoad,
+}
+
+/// See [`INPUTS`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Input {
+    /// Of the input shaft, rad/s.
+    DriveSpeed,
+    /// On the input shaft, N m.
+    DriveTorque,
+    /// On the output shaft, N m.
+    LoadTorque,
+    /// Of the output shaft, rad/s.
+    LoadSpeed,
+}
+
+/// See [`SHAFTS`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shaft {
+    /// Of the input, rad.
+    InputAngle,
+    /// Of the input, rad/s.
+    InputSpeed,
+    /// Of the output, rad/s.
+    OutputSpeed,
+    /// From outside on the output, N m.
+    Load,
+    /// On a sleeve, N.
+    LargestForce,
+}
+
+const FLAGS: [(Flag, &str, f64, &str); 3] = [
+    (
+        Flag::DriveByTorque,
+        "drive_by_torque",
+        0.0,
+        "true: the input shaft turns under drive_torque_n_m with its own inertia, from drive_speed_rad_s on; false: its speed is drive_speed_rad_s",
+    ),
+    (
+        Flag::LoadBySpeed,
+        "load_by_speed",
+        0.0,
+        "true: the output shaft's speed is load_speed_rad_s; false: load_torque_n_m acts on it",
+    ),
+    (
+        Flag::SceneLoad,
+        "scene_load",
+        1.0,
+        "true: the scene's load, with its ramp and changes, acts on the output shaft beside load_torque_n_m; false: that alone",
+    ),
+];
+
+const INPUTS: [(Input, &str, &str); 4] = [
+    (
+        Input::DriveSpeed,
+        "drive_speed_rad_s",
+        "speed of the input shaft, counter-clockwise",
+    ),
+    (
+        Input::DriveTorque,
+        "drive_torque_n_m",
+        "torque on the input shaft, counter-clockwise; counts with drive_by_torque",
+    ),
+    (
+        Input::LoadTorque,
+        "load_torque_n_m",
+        "torque on the output shaft, counter-clockwise: above 0 it opposes the motion of a positive input speed",
+    ),
+    (
+        Input::LoadSpeed,
+        "load_speed_rad_s",
+        "speed of the output shaft, counter-clockwise; counts with load_by_speed",
+    ),
+];
+
+const SHAFTS: [(Shaft, &str, &str); 5] = [
+    (
+        Shaft::InputAngle,
+        "input_angle_rad",
+        "angle of the input shaft, counter-clockwise",
+    ),
+    (
+        Shaft::InputSpeed,
+        "input_speed_rad_s",
+        "speed of the input shaft, counter-clockwise",
+    ),
+    (
+        Shaft::OutputSpeed,
+        "output_speed_rad_s",
+        "speed of the output shaft, counter-clockwise",
+    ),
+    (
+        Shaft::Load,
+        "total_load_n_m",
+        "torque from outside on the output shaft, the scene's load included, counter-clockwise",
+    ),
+    (
+        Shaft::LargestForce,
+        "largest_sleeve_force_n",
+        "largest of all sleeve forces",
+    ),
+];
+
+/// The columns of every run.
+const COLUMNS: [(&str, &str); 5] = [
+    (
+        "input_torque_n_m",
+        "torque of the drive on the input shaft, counter-clockwise",
+    ),
+    (
+        "output_torque_n_m",
+        "moment of the contact forces on the output shaft, counter-clockwise",
+    ),
+    (
+        "output_angle_rad",
+        "angle of the output shaft, counter-clockwise",
+    ),
+    (
+        "external_sleeve_force_n_*",
+        "force of all wheels on the external sleeve",
+    ),
+    (
+        "internal_sleeve_force_n_*",
+        "force of all wheels on the internal sleeve",
+    ),
+];
+
+/// A variable; its value reference is its place in the list.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// Ends in its unit; keys of the scene as they are there.
+    pub name: String,
+    /// What it is, with sign.
+    pub about: String,
+    /// What it stands for.
+    pub what: What,
+    /// What it holds at first; of Booleans 0 or 1, of outputs nothing.
+    pub start: f64,
+}
+
+impl Variable {
+    /// Whether it is a Boolean.
+    #[must_use]
+    pub fn is_boolean(&self) -> bool {
+        matches!(self.what, What::Flag(_))
+    }
+
+    /// Whether it is computed.
+    #[must_use]
+    pub fn is_output(&self) -> bool {
+        matches!(self.what, What::Shaft(_) | What::Column(_))
+    }
+}
+
+/// A scene and its variables.
+#[derive(Debug, Clone)]
+pub struct Model {
+    text: String,
+    gearbox: Gearbox,
+    variables: Vec<Variable>,
+    guid: String,
+}
+
+impl Model {
+    /// The model of a unit's resources.
+    ///
+    /// # Errors
+    /// What is missing or wrong.
+    pub fn read(resources: &Path) -> Result<Self, String> {
+        let path = resources.join(SCENE_FILE);
+        let text = std::fs::read_to_string(&path)
+            .map_err(|error| format!("{} cannot be read: {error}", path.display()))?;
+        let scene = Scene::from_toml(&text, SCENE_FILE, &[]).map_err(|error| error.to_string())?;
+        let gearbox = Gearbox::new(&scene).map_err(|error| error.to_string())?;
+        Self::new(text, gearbox)
+    }
+
+    /// The model of a compiled scene.
+    ///
+    /// # Errors
+    /// A scene that the native solver cannot run.
+    pub fn of(gearbox: &Gearbox) -> Result<Self, String> {
+        Self::new(gearbox.scene.to_toml(), gearbox.clone())
+    }
+
+    fn new(text: String, gearbox: Gearbox) -> Result<Self, String> {
+        let variables = variables(&gearbox)?;
+        let guid = guid(&text, &variables);
+        Ok(Self {
+            text,
+            gearbox,
+            variables,
+            guid,
+        })
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> &CheckedScene {
+        &self.gearbox.scene
+    }
+
+    /// The scene as it stands among the resources.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// All variables, by value reference.
+    #[must_use]
+    pub fn variables(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    /// What tells units apart: a hash of the scene, its variables and the version.
+    #[must_use]
+    pub fn guid(&self) -> &str {
+        &self.guid
+    }
+
+    /// The gear at its start under these values of all variables.
+    pub(crate) fn begin(
+        &self,
+        values: &[f64],
+        tolerance: Option<f64>,
+    ) -> Result<CoSimulation, String> {
+        let changed = |what: What| {
+            let all = self.variables.iter().zip(values);
+            all.filter(move |(v, value)| v.what == what && v.start != **value)
+        };
+        let sets =
+            changed(What::Key).map(|(v, value)| Override::new(&v.name, format!("{value:e}")));
+        let sets: Vec<Override> = sets.collect();
+        let gearbox = if sets.is_empty() {
+            self.gearbox.clone()
+        } else {
+            let scene = Scene::from_toml(&self.text, SCENE_FILE, &sets);
+            let scene = scene.map_err(|error| error.to_string())?;
+            Gearbox::new(&scene).map_err(|error| error.to_string())?
+        };
+        let own = changed(What::Tolerance).map(|(_, value)| *value).next();
+        let held = |flag, yes, no| if self.flag(values, flag) { yes } else { no };
+        let setup = Setup {
+            input: held(Flag::DriveByTorque, Held::ByTorque, Held::BySpeed),
+            output: held(Flag::LoadBySpeed, Held::BySpeed, Held::ByTorque),
+            speeds_rad_s: [
+                self.input(values, Input::DriveSpeed),
+                self.input(values, Input::LoadSpeed),
+            ],
+            torque_n_m: self.input(values, Input::LoadTorque),
+            scene_load: self.flag(values, Flag::SceneLoad),
+            tolerance: tolerance.or(own),
+        };
+        CoSimulation::new(&gearbox, setup).map_err(|error| error.to_string())
+    }
+
+    /// The variables that hold the input and the output.
+    pub(crate) fn holders(&self, values: &[f64]) -> [usize; 2] {
+        let place = |input| {
+            let found = self
+                .variables
+                .iter()
+                .position(|v| v.what == What::Input(input));
+            found.unwrap_or(0)
+        };
+        [
+            place(if self.flag(values, Flag::DriveByTorque) {
+                Input::DriveTorque
+            } else {
+                Input::DriveSpeed
+            }),
+            place(if self.flag(values, Flag::LoadBySpeed) {
+                Input::LoadSpeed
+            } else {
+                Input::LoadTorque
+            }),
+        ]
+    }
+
+    fn of_what(&self, values: &[f64], what: What) -> f64 {
+        let mut all = self.variables.iter().zip(values);
+        all.find(|(v, _)| v.what == what)
+            .map_or(f64::NAN, |(_, x)| *x)
+    }
+
+    fn flag(&self, values: &[f64], flag: Flag) -> bool {
+        self.of_what(values, What::Flag(flag)) != 0.0
+    }
+
+    fn input(&self, values: &[f64], input: Input) -> f64 {
+        self.of_what(values, What::Input(input))
+    }
+}
+
+fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
+    let mut all = Vec::new();
+    let mut add = |name: &str, about: &str, what: What, start: f64| {
+        all.push(Variable {
+            name: name.to_owned(),
+            about: about.to_owned(),
+            what,
+            start,
+        });
+    };
+    let speed = gearbox.scene.drive.input_speed_rad_s;
+    for (input, name, about) in INPUTS {
+        let start = match input {
+            Input::DriveSpeed => speed,
+            Input::LoadSpeed => -speed / gearbox.geometry.ratio(),
+            Input::DriveTorque | Input::LoadTorque => 0.0,
+        };
+        add(name, about, What::Input(input), start);
+    }
+    for (shaft, name, about) in SHAFTS {
+        add(name, about, What::Shaft(shaft), f64::NAN);
+    }
+    let columns = Recorder::contract(gearbox);
+    let channels = gearbox.channels.names().map(str::to_owned);
+    for (place, name) in columns.into_iter().chain(channels).enumerate() {
+        let families = FAMILIES.iter().map(|family| (family.pattern, family.about));
+        let mut known = COLUMNS.into_iter().chain(families);
+        let about = known.find(|(pattern, _)| fits(pattern, &name));
+        let about = about.map_or("", |(_, about)| about);
+        add(&name, about, What::Column(place), f64::NAN);
+    }
+    for (flag, name, start, about) in FLAGS {
+        add(name, about, What::Flag(flag), start);
+    }
+    let begun = CoSimulation::new(gearbox, Setup::of(&gearbox.scene.drive))
+        .map_err(|error| error.to_string())?;
+    let about =
+        "relative error a step of adaptive methods; one that the importer gives goes before it";
+    add("solver.tolerance", about, What::Tolerance, begun.method().1);
+    let scene = serde_json::to_value(&*gearbox.scene).unwrap_or_default();
+    for key in KEYS {
+        let pointer = format!("/{}", key.name.replace('.', "/"));
+        let value = scene.pointer(&pointer).and_then(serde_json::Value::as_f64);
+        let tuned = TUNED.iter().any(|part| key.name.starts_with(part));
+        if let (Kind::Number(_), true, Some(value)) = (key.kind, tuned, value) {
+            add(key.name, key.about, What::Key, value);
+        }
+    }
+    Ok(all)
+}
+
+/// FNV-1a, 128 bits [Fowler, Noll, Vo 1991], as a GUID is written.
+fn guid(text: &str, variables: &[Variable]) -> String {
+    const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+    let names = variables.iter().flat_map(|v| v.name.bytes().chain([0]));
+    let version = env!("CARGO_PKG_VERSION").bytes();
+    let hash = version
+        .chain(text.bytes())
+        .chain(names)
+        .fold(BASIS, |hash, byte| {
+            (hash ^ u128::from(byte)).wrapping_mul(PRIME)
+        });
+    let digits = format!("{hash:032x}");
+    format!(
+        "{{{}-{}-{}-{}-{}}}",
+        &digits[..8],
+        &digits[8..12],
+        &digits[12..16],
+        &digits[16..20],
+        &digits[20..]
+    )
+}

@@ -1,0 +1,381 @@
+//! The file: a zip archive of the description, the library and the scene, the same bytes for the same scene and library.
+
+use std::io::{Cursor, Write as _};
+use std::path::Path;
+use std::sync::Arc;
+
+use askama::Template;
+use pinwheel_gearbox::Gearbox;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+use crate::instance::{Instance, Refusal};
+use crate::model::{Model, SCENE_FILE, Variable, What};
+
+/// Channels that every unit has beside those that the scene asks for.
+const CHANNELS: [&str; 6] = [
+    "efficiency",
+    "input_power_w",
+    "output_power_w",
+    "damping_loss_w",
+    "friction_loss_w",
+    "transmission_error_arcmin",
+];
+
+/// Why there is no unit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum PackageError {
+    /// The scene.
+    Scene(String),
+    /// The library.
+    Library(String),
+    /// The first step fails.
+    Step(String),
+    /// The archive.
+    Archive(String),
+}
+
+impl std::fmt::Display for PackageError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (Self::Scene(what) | Self::Library(what) | Self::Step(what) | Self::Archive(what)) =
+            self;
+        f.write_str(what)
+    }
+}
+
+impl std::error::Error for PackageError {}
+
+/// A unit of FMI, as `UnitDefinitions` has it.
+struct Unit {
+    /// How names end that have it.
+    ending: &'static str,
+    name: &'static str,
+    /// Exponents of kg, m, s, rad; `None` where they are not whole.
+    base: Option<[i32; 4]>,
+    factor: f64,
+}
+
+const fn unit(ending: &'static str, name: &'static str, base: [i32; 4]) -> Unit {
+    Unit {
+        ending,
+        name,
+        base: Some(base),
+        factor: 1.0,
+    }
+}
+
+/// Longer endings first.
+const UNITS: [Unit; 14] = [
+    Unit {
+        ending: "_n_m15",
+        name: "N/m1.5",
+        base: None,
+        factor: 1.0,
+    },
+    Unit {
+        ending: "_arcmin",
+        name: "arcmin",
+        base: Some([0, 0, 0, 1]),
+        factor: std::f64::consts::PI / 10_800.0,
+    },
+    unit("_n_s_m", "N.s/m", [1, 0, -1, 0]),
+    unit("_kg_m2", "kg.m2", [1, 2, 0, 0]),
+    unit("_rad_s", "rad/s", [0, 0, -1, 1]),
+    unit("_n_m", "N.m", [1, 2, -2, 0]),
+    unit("_m_s", "m/s", [0, 1, -1, 0]),
+    unit("_rad", "rad", [0, 0, 0, 1]),
+    unit("_kg", "kg", [1, 0, 0, 0]),
+    unit("_pa", "Pa", [1, -1, -2, 0]),
+    unit("_n", "N", [1, 1, -2, 0]),
+    unit("_w", "W", [1, 2, -3, 0]),
+    unit("_m", "m", [0, 1, 0, 0]),
+    unit("_s", "s", [0, 0, 1, 0]),
+];
+
+impl Unit {
+    /// That of a variable; `None`: a number without.
+    fn of(name: &str) -> Option<&'static Self> {
+        let numbered = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        // The number of a sleeve or wheel, but not the 2 of m2.
+        let bare = numbered.strip_suffix('_').unwrap_or(name);
+        UNITS.iter().find(|unit| bare.ends_with(unit.ending))
+    }
+
+    /// The attributes of its `BaseUnit`.
+    fn attributes(&self) -> String {
+        let names = ["kg", "m", "s", "rad"];
+        let powers = names.iter().zip(self.base.unwrap_or_default());
+        let mut text: String = powers
+            .filter(|(_, power)| *power != 0)
+            .map(|(name, power)| format!(" {name}=\"{power}\""))
+            .collect();
+        if self.factor != 1.0 {
+            text += &format!(" factor=\"{:e}\"", self.factor);
+        }
+        text
+    }
+}
+
+/// A variable as the description has it.
+struct Row<'a> {
+    reference: usize,
+    of: &'a Variable,
+    causality: &'static str,
+    variability: &'static str,
+    unit: Option<&'static str>,
+    start: Option<String>,
+}
+
+impl<'a> Row<'a> {
+    fn new(reference: usize, of: &'a Variable) -> Self {
+        let (causality, variability) = match of.what {
+            What::Input(_) => ("input", "continuous"),
+            What::Shaft(_) | What::Column(_) => ("output", "continuous"),
+            What::Key | What::Tolerance | What::Flag(_) => ("parameter", "fixed"),
+        };
+        let start = match of.what {
+            What::Shaft(_) | What::Column(_) => None,
+            What::Flag(_) => Some((of.start != 0.0).to_string()),
+            _ => Some(format!("{:e}", of.start)),
+        };
+        Self {
+            reference,
+            of,
+            causality,
+            variability,
+            unit: Unit::of(&of.name).map(|unit| unit.name),
+            start,
+        }
+    }
+}
+
+#[derive(Template)]
+#[template(path = "modelDescription.xml")]
+struct Description<'a> {
+    name: &'a str,
+    identifier: &'a str,
+    about: &'a str,
+    guid: &'a str,
+    version: &'static str,
+    stop_s: String,
+    step_s: String,
+    units: Vec<&'static Unit>,
+    rows: &'a [Row<'a>],
+    outputs: Vec<usize>,
+}
+
+#[derive(Template)]
+#[template(path = "documentation.html")]
+struct Documentation<'a> {
+    name: &'a str,
+    about: &'a str,
+    version: &'static str,
+    method: &'a str,
+    rows: &'a [Row<'a>],
+}
+
+/// A unit, ready to be written.
+#[derive(Debug, Clone)]
+pub struct Package {
+    model: Arc<Model>,
+    identifier: String,
+    method: String,
+    library: Vec<u8>,
+}
+
+impl Package {
+    /// Makes the unit and tries its first step.
+    ///
+    /// # Errors
+    /// A scene that makes no unit, or a library that cannot be read.
+    pub fn new(gearbox: &Gearbox, library: &Path) -> Result<Self, PackageError> {
+        let mut channels = gearbox.scene.output.channels.clone();
+        for channel in CHANNELS {
+            if !gearbox.channels.names().any(|name| name == channel) {
+                channels.push(channel.to_owned());
+            }
+        }
+        let gearbox = gearbox.with_channels(channels);
+        let gearbox = gearbox.map_err(|error| PackageError::Scene(error.to_string()))?;
+        let model = Arc::new(Model::of(&gearbox).map_err(PackageError::Scene)?);
+        let mut trial = Instance::new(Arc::clone(&model));
+        let mut first = || -> Result<String, Refusal> {
+            trial.enter_initialization()?;
+            trial.exit_initialization()?;
+            trial.step(0.0, model.scene().solver.sample_s)?;
+            Ok(trial.method())
+        };
+        let method = first().map_err(|Refusal(what)| PackageError::Step(what))?;
+        if platform().is_none() {
+            let what = format!(
+                "FMI 2.0 has no place for libraries of {} on {}; build the unit on another machine",
+                std::env::consts::OS,
+                std::env::consts::ARCH
+            );
+            return Err(PackageError::Library(what));
+        }
+        let bytes = std::fs::read(library).map_err(|error| {
+            PackageError::Library(format!("{} cannot be read: {error}", library.display()))
+        })?;
+        Ok(Self {
+            identifier: identifier(&model.scene().name),
+            model,
+            method,
+            library: bytes,
+        })
+    }
+
+    /// What tells it from others.
+    #[must_use]
+    pub fn guid(&self) -> &str {
+        self.model.guid()
+    }
+
+    /// The method and tolerance it begins with, in words.
+    #[must_use]
+    pub fn method(&self) -> &str {
+        &self.method
+    }
+
+    /// How many variables it has.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.model.variables().len()
+    }
+
+    /// FMI's name of the platform that the library is for.
+    #[must_use]
+    pub fn platform(&self) -> &'static str {
+        platform().unwrap_or_default()
+    }
+
+    /// The archive.
+    ///
+    /// # Errors
+    /// What should not happen: an archive that cannot be written to memory.
+    pub fn bytes(&self) -> Result<Vec<u8>, PackageError> {
+        self.archive()
+            .map_err(|what| PackageError::Archive(format!("the unit cannot be written: {what}")))
+    }
+
+    fn archive(&self) -> Result<Vec<u8>, String> {
+        let scene = self.model.scene();
+        let all = self.model.variables().iter().enumerate();
+        let rows: Vec<Row<'_>> = all.map(|(k, variable)| Row::new(k, variable)).collect();
+        let used = |unit: &&Unit| rows.iter().any(|row| row.unit == Some(unit.name));
+        let version = env!("CARGO_PKG_VERSION");
+        let description = Description {
+            name: &scene.name,
+            identifier: &self.identifier,
+            about: &scene.description,
+            guid: self.model.guid(),
+            version,
+            stop_s: format!("{:e}", scene.solver.duration_s),
+            step_s: format!("{:e}", scene.solver.sample_s),
+            units: UNITS.iter().filter(used).collect(),
+            outputs: rows
+                .iter()
+                .filter(|row| row.of.is_output())
+                .map(|row| row.reference + 1)
+                .collect(),
+            rows: &rows,
+        };
+        let documentation = Documentation {
+            name: &scene.name,
+            about: &scene.description,
+            version,
+            method: &self.method,
+            rows: &rows,
+        };
+        let words = |error: &dyn std::fmt::Display| error.to_string();
+        let library = format!(
+            "binaries/{}/{}{}",
+            self.platform(),
+            self.identifier,
+            std::env::consts::DLL_SUFFIX
+        );
+        let description = description.render().map_err(|error| words(&error))?;
+        let documentation = documentation.render().map_err(|error| words(&error))?;
+        let files: [(&str, u32, &[u8]); 4] = [
+            ("modelDescription.xml", 0o644, description.as_bytes()),
+            (&library, 0o755, &self.library),
+            (
+                &format!("resources/{SCENE_FILE}"),
+                0o644,
+                self.model.text().as_bytes(),
+            ),
+            ("documentation/index.html", 0o644, documentation.as_bytes()),
+        ];
+        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, mode, bytes) in files {
+            let options = SimpleFileOptions::default()
+                .compression_method(CompressionMethod::Deflated)
+                .last_modified_time(DateTime::default())
+                .unix_permissions(mode);
+            archive
+                .start_file(name, options)
+                .map_err(|error| words(&error))?;
+            archive.write_all(bytes).map_err(|error| words(&error))?;
+        }
+        let written = archive.finish().map_err(|error| words(&error))?;
+        Ok(written.into_inner())
+    }
+}
+
+/// FMI's name of the platform of this build.
+fn platform() -> Option<&'static str> {
+    match (std::env::consts::OS, std::env::consts::ARCH) {
+        ("linux", "x86_64") => Some("linux64"),
+        ("windows", "x86_64") => Some("win64"),
+        ("macos", _) => Some("darwin64"),
+        _ => None,
+    }
+}
+
+/// A name as an identifier of C.
+fn identifier(name: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let text: String = name.chars().map(plain).take(64).collect();
+    if text.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        text
+    } else {
+        format!("gear_{text}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_follow_names() {
+        for (name, unit) in [
+            ("input_torque_n_m", Some("N.m")),
+            ("external_sleeve_force_n_12", Some("N")),
+            ("mass.wheel.moment_kg_m2", Some("kg.m2")),
+            ("wheel_0_external_stiffness_n_m15_3", Some("N/m1.5")),
+            ("transmission_error_arcmin", Some("arcmin")),
+            ("contact.damping_n_s_m", Some("N.s/m")),
+            ("contact.friction_ramp_m_s", Some("m/s")),
+            ("efficiency", None),
+            ("external_contact_ratio_0", None),
+        ] {
+            assert_eq!(Unit::of(name).map(|unit| unit.name), unit, "{name}");
+        }
+        let arcmin = UNITS.iter().find(|unit| unit.name == "arcmin");
+        assert!(arcmin.is_some_and(|unit| unit.attributes().contains("factor=\"2.908")));
+    }
+
+    #[test]
+    fn names_become_identifiers() {
+        for (name, wanted) in [
+            ("paper", "paper"),
+            ("backlash-0.6", "backlash_0_6"),
+            ("2 wheels", "gear_2_wheels"),
+            ("", "gear_"),
+            ("\u{e4}", "gear__"),
+        ] {
+            assert_eq!(identifier(name), wanted);
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Units as they are written: the same bytes again, and in fmpy against the native run.
+//!
+//! `PINWHEEL_FMPY` names a Python that has fmpy; without one that part says that it is skipped, unless `PINWHEEL_REQUIRE_FMPY` is
+//! set.
+
+use std::fs;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use pinwheel_fmu::Package;
+use pinwheel_gearbox::{Gearbox, native};
+use pinwheel_scene::{Override, Scene};
+
+/// `libpinwheel_fmu` of this build, beside the tests.
+fn library() -> PathBuf {
+    let name = format!(
+        "{}pinwheel_fmu{}",
+        std::env::consts::DLL_PREFIX,
+        std::env::consts::DLL_SUFFIX
+    );
+    let here = std::env::current_exe().expect("this test");
+    here.parent().expect("its folder").join(name)
+}
+
+fn gearbox(scene: &str, sets: &[&str]) -> Gearbox {
+    let sets: Vec<Override> = sets.iter().map(|set| set.parse().expect(set)).collect();
+    Gearbox::new(&Scene::load(scene, &sets).expect(scene)).expect("gearbox")
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bytes() {
+    let bytes = |sets: &[&str]| {
+        let package = Package::new(&gearbox("paper", sets), &library()).expect("package");
+        (package.guid().to_owned(), package.bytes().expect("bytes"))
+    };
+    let (one, two) = (bytes(&[]), bytes(&[]));
+    assert!(one == two && one.1.starts_with(b"PK"));
+    assert_ne!(bytes(&["gear.backlash_m=1e-4"]).0, one.0);
+    println!("{} bytes", one.1.len());
+}
+
+#[test]
+fn bad_input_a_library_that_is_not_there() {
+    let error = Package::new(&gearbox("paper", &[]), Path::new("/nowhere/lib.so"));
+    assert!(
+        error
+            .expect_err("none")
+            .to_string()
+            .contains("/nowhere/lib.so")
+    );
+}
+
+#[test]
+fn crossval_a_unit_in_fmpy_is_the_native_run() {
+    let python = std::env::var("PINWHEEL_FMPY").unwrap_or_else(|_| "python3".to_owned());
+    let has = Command::new(&python).args(["-c", "import fmpy"]).output();
+    if !has.is_ok_and(|output| output.status.success()) {
+        let what = "no fmpy here; name a Python that has it by PINWHEEL_FMPY";
+        assert!(
+            std::env::var_os("PINWHEEL_REQUIRE_FMPY").is_none(),
+            "{what}"
+        );
+        println!("skipped: {what}");
+        return;
+    }
+    let folder = tempfile::tempdir().expect("folder");
+    let [unit, courses] = ["unit.fmu", "courses.csv"].map(|name| folder.path().join(name));
+    for (scene, method, tolerance) in [
+        ("paper", "etd-adams", 1e-9),
+        ("paper-friction", "rodas5p", 1e-7),
+        ("steel", "etd-adams", 1e-10),
+    ] {
+        let [method, tolerance] = [
+            format!("solver.integrator={method}"),
+            format!("solver.tolerance={tolerance:e}"),
+        ];
+        let sets = [
+            method.as_str(),
+            tolerance.as_str(),
+            "solver.duration_s=0.02",
+            "solver.sample_s=1e-4",
+            // What a description has to escape.
+            "name=a <b> & \"c\"",
+            "description=1 < 2 & 'so'",
+        ];
+        let gearbox = gearbox(scene, &sets);
+        let package = Package::new(&gearbox, &library()).expect("package");
+        fs::write(&unit, package.bytes().expect("bytes")).expect("unit");
+        let run = native::run(&gearbox, &mut |_| false).expect("run");
+        let file = fs::File::create(&courses).expect("file");
+        run.courses
+            .write_csv(BufWriter::new(file))
+            .expect("courses");
+        let measured = Command::new(&python)
+            .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fmu.py"))
+            .args([&unit, &courses])
+            .output()
+            .expect("Python starts");
+        println!("{scene}\n{}", String::from_utf8_lossy(&measured.stdout));
+        let said = String::from_utf8_lossy(&measured.stderr);
+        assert!(measured.status.success(), "{scene}: {said}");
+    }
+}

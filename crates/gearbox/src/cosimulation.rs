@@ -1,0 +1,551 @@
+//! The native run in pieces that somebody else asks for, with shafts that somebody else holds.
+//!
+//! ```text
+//! input shaft:   speed omega(t) prescribed, or torque M(t) applied to the shaft's own inertia
+//! output shaft:  torque T(t) applied, or speed prescribed
+//! u(t) = value + slope (t - from),  from one communication point to the next
+//! ```
+//! What is held acts from a communication point on, where it may jump; there the method starts anew. As long as it stays what it
+//! was, the method goes on with its own steps and its history, so that the error is that of a run.
+//!
+//! The usual gear (speed in, torque out) takes the same forces as a run. Where the input is free or the output is not, moments
+//! are summed over all bodies and slopes are differences: more evaluations, the same motion.
+
+use pinwheel_mbs::integrators::{Legs, StepCounts, StepSettings, Stepper};
+use pinwheel_mbs::sliding::{Contact, RateStage};
+use pinwheel_mbs::{
+    BodyState, ContactEnergy, Driver, Forces, Formulation, Jacobian, Motion, Reduced, Wrench,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::auto::{self, AUTO};
+use crate::channels::{LawPairs, Seen};
+use crate::contacts::ContactField;
+use crate::friction::GearForces;
+use crate::load_course;
+use crate::scene::{self, Drive};
+use crate::{Gearbox, GearboxError, Layout, Recorder, guard};
+
+/// What a shaft is held by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Held {
+    /// Its speed, rad/s.
+    BySpeed,
+    /// A torque, N m.
+    ByTorque,
+}
+
+/// A quantity that is straight in time: value + slope (t - from).
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Straight {
+    /// At `from_s`.
+    pub value: f64,
+    /// Its change a second.
+    pub slope: f64,
+    /// s
+    pub from_s: f64,
+}
+
+impl Straight {
+    /// Its value at time `t`, s.
+    #[must_use]
+    pub fn at(&self, t: f64) -> f64 {
+        self.value + self.slope * (t - self.from_s)
+    }
+}
+
+/// How both shafts are held, counter-clockwise positive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setup {
+    /// The input shaft.
+    pub input: Held,
+    /// The output shaft.
+    pub output: Held,
+    /// Speeds of the shafts at t = 0, rad/s; that of the output counts where it is prescribed.
+    pub speeds_rad_s: [f64; 2],
+    /// Torque on the output beside the scene's load at t = 0, N m.
+    pub torque_n_m: f64,
+    /// Whether the scene's load, with its ramp and changes, acts on the output too.
+    pub scene_load: bool,
+    /// Relative error a step in place of what the scene says or [`auto`] plans.
+    pub tolerance: Option<f64>,
+}
+
+impl Setup {
+    /// As the scene has it.
+    #[must_use]
+    pub fn of(drive: &Drive) -> Self {
+        Self {
+            input: Held::BySpeed,
+            output: Held::ByTorque,
+            speeds_rad_s: [drive.input_speed_rad_s, 0.0],
+            torque_n_m: 0.0,
+            scene_load: true,
+            tolerance: None,
+        }
+    }
+}
+
+/// The forces of the gear and the torques that are held.
+struct HeldForces {
+    gear: GearForces,
+    input: Straight,
+    output: Straight,
+    /// Speed in, torque out: what the forces' short cuts are made for.
+    usual: bool,
+}
+
+impl HeldForces {
+    fn add(&self, time: f64, loads: &mut [Wrench]) {
+        loads[Layout::INPUT].moment += self.input.at(time);
+        loads[Layout::OUTPUT].moment += self.output.at(time);
+    }
+}
+
+impl Forces for HeldForces {
+    fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
+        self.gear.apply(time, bodies, loads);
+        self.add(time, loads);
+    }
+
+    fn apply_held(
+        &mut self,
+        time: f64,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+    ) -> Option<ContactEnergy> {
+        let energy = self.gear.apply_held(time, bodies, loads);
+        self.add(time, loads);
+        energy
+    }
+
+    fn moments(&mut self, time: f64, bodies: &[BodyState], moments: &mut [f64]) -> bool {
+        let known = self.usual && self.gear.moments(time, bodies, moments);
+        if known {
+            moments[Layout::OUTPUT] += self.output.at(time);
+        }
+        known
+    }
+
+    fn apply_without_friction(
+        &mut self,
+        time: f64,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+        contacts: &mut Vec<Contact>,
+    ) {
+        self.gear
+            .apply_without_friction(time, bodies, loads, contacts);
+        self.add(time, loads);
+    }
+
+    fn solve_friction(
+        &mut self,
+        time: f64,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+        stage: &mut RateStage<'_>,
+    ) -> Option<bool> {
+        if !self.usual {
+            return None;
+        }
+        let solved = self.gear.solve_friction(time, bodies, loads, stage)?;
+        self.add(time, loads);
+        Some(solved)
+    }
+
+    fn moment_slopes(&mut self, time: f64, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
+        let known = self.usual && self.gear.moment_slopes(time, bodies, slopes);
+        if known {
+            // The output is the first of the free bodies.
+            let (_, _, by_time) = slopes.parts_mut();
+            by_time[0] += self.output.slope;
+        }
+        known
+    }
+
+    fn enter_leg(&mut self, from: f64) {
+        self.gear.enter_leg(from);
+    }
+
+    fn normal_force(&self, index: usize, listed: f64, rate: f64) -> f64 {
+        self.gear.normal_force(index, listed, rate)
+    }
+}
+
+/// What is observed at a communication point.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Shafts {
+    /// Angle and speed of the input shaft, rad, rad/s.
+    pub input: [f64; 2],
+    /// Speed of the output shaft, rad/s.
+    pub output_speed_rad_s: f64,
+    /// Torque from outside on the output shaft, N m.
+    pub load_torque_n_m: f64,
+    /// Largest force on a sleeve, N.
+    pub largest_force_n: f64,
+}
+
+/// A gear between two communication points.
+pub struct CoSimulation {
+    gearbox: Gearbox,
+    setup: Setup,
+    integrator: String,
+    settings: StepSettings,
+    longest_step_s: f64,
+    breaks: Vec<f64>,
+    system: Reduced<HeldForces>,
+    stepper: Legs<Reduced<HeldForces>>,
+    field: Box<dyn ContactField>,
+    recorder: Recorder,
+    /// What holds the input and the output.
+    held: [Straight; 2],
+    /// Prescribed motions, in the order of the mechanism's drivers: input, output.
+    motions: Vec<Motion>,
+    time: f64,
+    y: Vec<f64>,
+}
+
+/// What the next steps depend on.
+#[derive(Serialize, Deserialize)]
+struct State {
+    time: f64,
+    y: Vec<f64>,
+    held: [Straight; 2],
+    motions: Vec<Motion>,
+    leg_s: f64,
+    stepper: Vec<u8>,
+}
+
+impl CoSimulation {
+    /// At t = 0. The scene's formulation does not count: the reduced form is exact and costs least.
+    ///
+    /// # Errors
+    /// A speed, load or tolerance that the scene's checks refuse.
+    pub fn new(gearbox: &Gearbox, setup: Setup) -> Result<Self, GearboxError> {
+        let mut gearbox = gearbox.with_solver(|solver| {
+            solver.formulation = scene::Formulation::Reduced;
+        })?;
+        let mut longest_step_s = f64::INFINITY;
+        if gearbox.scene.solver.integrator == AUTO {
+            let plan = auto::plan(&gearbox.scene, auto::PROMISE);
+            let plan = match setup.tolerance {
+                Some(tolerance) => plan.finer(plan.tolerance / tolerance),
+                None => plan,
+            };
+            longest_step_s = plan.limits().longest_step_s;
+            gearbox = plan.applied(&gearbox)?;
+        } else if let Some(tolerance) = setup.tolerance {
+            gearbox = gearbox.with_solver(|solver| solver.tolerance = tolerance)?;
+        }
+        let scales = gearbox.error_scales();
+        gearbox.start = Some(start(&gearbox, &setup)?);
+        let mut loaded = gearbox.clone();
+        if !setup.scene_load {
+            loaded.scene = loaded.scene.changed(|scene| unload(&mut scene.drive))?;
+        }
+        let mut mechanism = gearbox.mechanism();
+        mechanism.drivers.clear();
+        let mut motions = Vec::new();
+        let shafts = [(setup.input, Layout::INPUT), (setup.output, Layout::OUTPUT)];
+        for (held, child) in shafts {
+            if held == Held::BySpeed {
+                let begin = mechanism.bodies[child].start;
+                let motion = Motion {
+                    from_s: 0.0,
+                    angle: begin.angle,
+                    rate: begin.rate,
+                    acceleration: 0.0,
+                };
+                motions.push(motion);
+                mechanism.drivers.push(Driver {
+                    parent: None,
+                    child,
+                    motion,
+                });
+            }
+        }
+        let sleeves: Vec<usize> =
+            (gearbox.layout.external_bodies().start..gearbox.layout.bodies()).collect();
+        // Without friction nothing turns a sleeve.
+        let idle: &[usize] = if gearbox.has_friction() {
+            &[]
+        } else {
+            &sleeves
+        };
+        let forces = HeldForces {
+            gear: GearForces::new(&loaded)?,
+            input: Straight::default(),
+            output: Straight::default(),
+            usual: (setup.input, setup.output) == (Held::BySpeed, Held::ByTorque),
+        };
+        let mut system = Reduced::new(mechanism, forces, idle)?
+            .with_leaves(&sleeves)
+            .with_scales(scales);
+        if gearbox.channels.need_reactions() {
+            system = system.with_reactions();
+        }
+        let solver = &gearbox.scene.solver;
+        let (integrator, settings) = (
+            solver.integrator.clone(),
+            StepSettings {
+                step: solver.step_s,
+                tolerance: solver.tolerance,
+            },
+        );
+        let breaks = load_course::breaks(&loaded.scene.drive);
+        let y = system.initial();
+        let stepper = Legs::start(&integrator, settings, 0.0, &y, &breaks)
+            .ok_or_else(|| GearboxError::UnknownIntegrator(integrator.clone()))?
+            .with_longest(longest_step_s);
+        let held = [
+            Straight {
+                value: match setup.input {
+                    Held::BySpeed => setup.speeds_rad_s[0],
+                    Held::ByTorque => 0.0,
+                },
+                ..Straight::default()
+            },
+            Straight {
+                value: match setup.output {
+                    Held::BySpeed => setup.speeds_rad_s[1],
+                    Held::ByTorque => 0.0,
+                },
+                ..Straight::default()
+            },
+        ];
+        Ok(Self {
+            field: gearbox.contact_field()?,
+            recorder: Recorder::with_room(&gearbox, 1),
+            gearbox,
+            setup,
+            integrator,
+            settings,
+            longest_step_s,
+            breaks,
+            system,
+            stepper,
+            held,
+            motions,
+            time: 0.0,
+            y,
+        })
+    }
+
+    /// The time reached, s.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.time
+    }
+
+    /// The method and its relative error a step.
+    #[must_use]
+    pub fn method(&self) -> (&str, f64) {
+        (&self.integrator, self.settings.tolerance)
+    }
+
+    /// What the method did since the shafts were last held otherwise.
+    #[must_use]
+    pub fn counts(&self) -> StepCounts {
+        self.stepper.counts()
+    }
+
+    /// From now on the input and the output are held by these values (rad/s or N m, as the setup says) and their changes a
+    /// second.
+    pub fn hold(&mut self, held: [(f64, f64); 2]) {
+        let t = self.time;
+        let goes_on =
+            |now: &Straight, (value, slope): (f64, f64)| now.slope == slope && now.at(t) == value;
+        if self
+            .held
+            .iter()
+            .zip(held)
+            .all(|(now, next)| goes_on(now, next))
+        {
+            return;
+        }
+        self.held = held.map(|(value, slope)| Straight {
+            value,
+            slope,
+            from_s: t,
+        });
+        let sides = [self.setup.input, self.setup.output];
+        let mut driver = 0;
+        for (side, held) in sides.into_iter().zip(self.held) {
+            if side == Held::BySpeed {
+                let (angle, ..) = self.motions[driver].at(t);
+                self.motions[driver] = Motion {
+                    from_s: t,
+                    angle,
+                    rate: held.value,
+                    acceleration: held.slope,
+                };
+                driver += 1;
+            }
+        }
+        self.apply_held();
+        self.restart();
+    }
+
+    /// Tells the system what holds the shafts.
+    fn apply_held(&mut self) {
+        for (driver, motion) in self.motions.iter().enumerate() {
+            self.system.set_motion(driver, *motion);
+        }
+        let torque = |side: Held, held: Straight| match side {
+            Held::BySpeed => Straight::default(),
+            Held::ByTorque => held,
+        };
+        let (input, output) = (
+            torque(self.setup.input, self.held[0]),
+            torque(self.setup.output, self.held[1]),
+        );
+        let forces = self.system.forces_mut();
+        (forces.input, forces.output) = (input, output);
+    }
+
+    /// The method anew from here.
+    fn restart(&mut self) {
+        use pinwheel_mbs::OdeSystem as _;
+        let speed = self.gearbox.scene.drive.input_speed_rad_s;
+        let now = match self.setup.input {
+            Held::BySpeed => self.held[0].value,
+            Held::ByTorque => speed,
+        };
+        // Contacts come and go as fast as the input turns.
+        let share = (speed / now).abs().min(1.0);
+        let share = if share > 0.0 { share } else { 1.0 };
+        let begun = Legs::start(
+            &self.integrator,
+            self.settings,
+            self.time,
+            &self.y,
+            &self.breaks,
+        );
+        // The name was known when the first began.
+        if let Some(begun) = begun {
+            self.stepper = begun.with_longest(self.longest_step_s * share);
+        }
+        self.system.enter_leg(self.time);
+    }
+
+    /// Goes on to time `to`, s.
+    ///
+    /// # Errors
+    /// When and why no step can follow, or which quantity ran away.
+    pub fn advance(&mut self, to: f64) -> Result<(), String> {
+        self.stepper.aim(to);
+        while self.stepper.time() < to - 1e-9 * self.settings.step {
+            let step = self.stepper.step(&mut self.system);
+            step.map_err(|error| error.to_string())?;
+        }
+        self.stepper.interpolate(&mut self.system, to, &mut self.y);
+        self.time = to;
+        let seen = self.system.observe(to, &self.y);
+        guard::check(&self.gearbox, seen.bodies)
+            .map_err(|quantity| format!("diverged at t = {to:.6} s: {quantity}"))
+    }
+
+    /// Writes the values of a run's columns ([`Recorder::contract`], then the scene's channels) at the time reached to `row`.
+    pub fn observe(&mut self, row: &mut Vec<f64>) -> Shafts {
+        let t = self.time;
+        let seen = self.system.observe(t, &self.y);
+        let mut torques = seen.driver_torques.iter().copied();
+        let mut driver = || torques.next().unwrap_or(f64::NAN);
+        let input = match self.setup.input {
+            Held::BySpeed => driver(),
+            Held::ByTorque => self.held[0].at(t),
+        };
+        // Beside the torque that is held and the scene's.
+        let output = match self.setup.output {
+            Held::BySpeed => driver(),
+            Held::ByTorque => 0.0,
+        };
+        self.recorder
+            .record_loads(t, input, seen.bodies, seen.loads);
+        if self.recorder.wants_channels() {
+            self.recorder.record_channels(&mut Seen {
+                bodies: seen.bodies,
+                driver_torque_n_m: input,
+                reactions: seen.reactions,
+                contacts: &mut LawPairs(self.field.as_mut()),
+            });
+        }
+        let sleeves = &seen.loads[self.gearbox.layout.external_bodies().start..];
+        let shafts = Shafts {
+            input: [
+                seen.bodies[Layout::INPUT].angle,
+                seen.bodies[Layout::INPUT].rate,
+            ],
+            output_speed_rad_s: seen.bodies[Layout::OUTPUT].rate,
+            load_torque_n_m: output + seen.loads[Layout::OUTPUT].moment,
+            largest_force_n: sleeves.iter().map(|f| f.fx.hypot(f.fy)).fold(0.0, f64::max),
+        };
+        self.recorder.take_last(row);
+        shafts
+    }
+
+    /// Everything that the next steps depend on, to the bit; for the same program, scene and setup.
+    #[must_use]
+    pub fn save(&mut self) -> Vec<u8> {
+        let state = State {
+            time: self.time,
+            y: self.y.clone(),
+            held: self.held,
+            motions: self.motions.clone(),
+            leg_s: self.system.forces_mut().gear.leg_s(),
+            stepper: self.stepper.save(),
+        };
+        postcard::to_allocvec(&state).unwrap_or_default()
+    }
+
+    /// Goes back to a saved state. False: these bytes are none of this gear, and nothing has changed.
+    pub fn restore(&mut self, bytes: &[u8]) -> bool {
+        use pinwheel_mbs::OdeSystem as _;
+        let Ok(state) = postcard::from_bytes::<State>(bytes) else {
+            return false;
+        };
+        let alike = state.y.len() == self.y.len() && state.motions.len() == self.motions.len();
+        if !alike || !self.stepper.restore(&state.stepper) {
+            return false;
+        }
+        (self.time, self.y) = (state.time, state.y);
+        (self.held, self.motions) = (state.held, state.motions);
+        self.apply_held();
+        self.system.enter_leg(state.leg_s);
+        true
+    }
+}
+
+fn unload(drive: &mut Drive) {
+    drive.output_torque_n_m = 0.0;
+    drive.load_ramp_s = 0.0;
+    drive.load_changes.clear();
+}
+
+/// States at t = 0: the scene's start with the speed and the load that there are.
+fn start(gearbox: &Gearbox, setup: &Setup) -> Result<Vec<BodyState>, GearboxError> {
+    let drive = &gearbox.scene.drive;
+    let before = gearbox.load_torque(0.0);
+    let load = match (setup.output, setup.scene_load) {
+        // What holds the output's speed holds the scene's load at first.
+        (Held::BySpeed, _) => before,
+        (Held::ByTorque, true) => before + setup.torque_n_m,
+        (Held::ByTorque, false) => setup.torque_n_m,
+    };
+    let speed = setup.speeds_rad_s[0];
+    let mut states = if load == before && speed == drive.input_speed_rad_s {
+        gearbox.initial_states()
+    } else {
+        let other = gearbox.scene.changed(|scene| {
+            unload(&mut scene.drive);
+            scene.drive.output_torque_n_m = load;
+            scene.drive.input_speed_rad_s = speed;
+        })?;
+        Gearbox::new(&other)?.initial_states()
+    };
+    if setup.output == Held::BySpeed {
+        states[Layout::OUTPUT].rate = setup.speeds_rad_s[1];
+    }
+    Ok(states)
+}

@@ -1,0 +1,67 @@
+//! `pinwheel fmu` in the program; what is in a unit is tested where it is made (`crates/fmu`).
+
+use std::fs;
+
+use pinwheel_tests::run_in;
+
+#[test]
+fn a_unit_is_where_the_program_says() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let scene = "base = \"paper\"\nname = \"a <b> & \\\"c\\\"\"\ndescription = \"1 < 2 & 'so'\"\n";
+    fs::write(dir.join("mine.toml"), scene).expect("scene");
+    let make = |out: &str| run_in(dir, ["fmu", "mine.toml", "--out", out]);
+    for out in ["one.fmu", "deep/two.fmu"] {
+        let made = make(out);
+        assert_eq!(made.code, Some(0), "{}", made.stderr);
+        assert!(made.stdout.contains(out), "{}", made.stdout);
+    }
+    let bytes = |out: &str| fs::read(dir.join(out)).expect(out);
+    assert_eq!(bytes("one.fmu"), bytes("deep/two.fmu"));
+    let told = run_in(dir, ["fmu", "paper", "--json"]);
+    assert!(
+        told.stdout.contains("\"file\": \"out/paper.fmu\""),
+        "{}",
+        told.stdout
+    );
+    assert!(dir.join("out/paper.fmu").is_file());
+}
+
+#[test]
+fn bad_input_of_units() {
+    let folder = tempfile::tempdir().expect("folder");
+    for (words, code, says) in [
+        (&["fmu", "paper", "--out", "mine.toml"][..], 2, ".fmu"),
+        (&["fmu", "papre"], 2, "paper"),
+        (
+            &["fmu", "paper", "--set", "gear.backlash_mm=1"],
+            2,
+            "gear.backlash_m",
+        ),
+        (
+            &["fmu", "paper", "--set", "solver.integrator=euler"],
+            2,
+            "euler",
+        ),
+    ] {
+        let outcome = run_in(folder.path(), words);
+        assert_eq!(outcome.code, Some(code), "{words:?}: {}", outcome.stderr);
+        assert!(
+            outcome.stderr.contains(says),
+            "{words:?}: {}",
+            outcome.stderr
+        );
+        assert_eq!(
+            outcome.stderr.trim_end().lines().count(),
+            1,
+            "{}",
+            outcome.stderr
+        );
+    }
+    assert!(
+        fs::read_dir(folder.path())
+            .expect("folder")
+            .next()
+            .is_none()
+    );
+}
