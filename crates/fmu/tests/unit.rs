@@ -1,5 +1,7 @@
 //! Units against the native run, against themselves after a rollback, and held otherwise than by speed in and torque out.
 
+#![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
+
 use std::sync::Arc;
 
 use pinwheel_fmu::{Instance, Model};

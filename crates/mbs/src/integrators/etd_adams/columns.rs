@@ -1,5 +1,7 @@
 //! Small dense matrices by columns: products with vectors as sums of columns.
 
+use serde::{Deserialize, Serialize};
+
 /// Rows summed side by side. Each row's sum takes its columns in order, so that all processors round alike.
 const ROWS: usize = 8;
 
