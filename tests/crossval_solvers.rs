@@ -112,12 +112,13 @@ fn crossval_simbody_friction() {
     }
 }
 
-/// Measured 2.6e-6 and 9.1e-6. Times 4.
+/// Which step meets a kink of the friction is chance: at tolerances within a quarter of this one 2.2e-6 to 6.6e-6 and 1.8e-5 to
+/// 5.2e-5. Times 3 of the largest.
 #[test]
 fn crossval_ida_friction() {
     let (scene, resolved) = friction();
     let found = errors(IDA, &scene, (0.0, 0.01), &resolved);
-    assert_within(found, [1e-5, 4e-5]);
+    assert_within(found, [2e-5, 1.6e-4]);
 }
 
 /// Loads that jump, a start in equilibrium with friction, other gears, backlash and full stiffness. Measured 1.8e-7 to 7.3e-7

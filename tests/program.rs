@@ -278,7 +278,7 @@ fn program_two_designs_side_by_side() {
         "{found:#}"
     );
     assert!(
-        told.contains("gear.backlash_m") && told.contains("differ by more"),
+        told.contains("gear.backlash_m") && told.contains("figures differ"),
         "{told}"
     );
     let wide = told.lines().map(|line| line.chars().count()).max();

@@ -3,8 +3,8 @@
     python mujoco_joint.py joint_mujoco.xml courses.csv
 
 The table has the columns time_s, input_angle_rad, input_rate_rad_s, load_n_m and output_angle_rad of the gear, the load
-counter-clockwise on the output. Input and load are linear between its rows. Prints, as JSON, the output angles of the joint at
-these times and MuJoCo's version.
+counter-clockwise on the output. Input and load are linear between its rows. Prints, as JSON, the output angles of the joint
+at these times and MuJoCo's version.
 """
 
 from __future__ import annotations

@@ -21,17 +21,17 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 
 /// The input turns; the load goes from half of the rated one to all of it within two periods of the joint's vibration and, through
 /// the play, to half of it the other way within 20. RMS of the joint's output angle less the gear's, over the RMS of the gear's
-/// twist, before and after the load begins to turn round. Measured 2.2 and 5 %, 1.8 and 15 %, 1.0 and 20 %, 3.0 and 5 %: in the play
-/// the joint's damper acts, and contacts do not.
+/// twist, before and after the load begins to turn round. Measured 3.4 and 8.1 %, 2.9 and 21 %, 1.4 and 25 %, 3.1 and 5.4 %, times 1.5:
+/// in the play the joint's damper acts, and contacts do not.
 #[test]
 fn crossval_joint_follows_the_gear() {
     let environment =
         environment(ENGINES, &AtomicBool::new(false)).unwrap_or_else(|e| panic!("{e}"));
     for (preset, limits) in [
-        ("paper", [0.035, 0.08]),
-        ("steel", [0.03, 0.23]),
-        ("backlash-0.6", [0.02, 0.3]),
-        ("paper-friction", [0.045, 0.07]),
+        ("paper", [0.05, 0.12]),
+        ("steel", [0.044, 0.32]),
+        ("backlash-0.6", [0.021, 0.37]),
+        ("paper-friction", [0.047, 0.081]),
     ] {
         let rated = scene(preset, &[]);
         let period = std::f64::consts::TAU / Scales::of(&rated).modes_rad_s[0];
@@ -78,15 +78,19 @@ fn crossval_joint_follows_the_gear() {
         let angles = answer["output_angle_rad"].as_array().unwrap();
         let angles: Vec<f64> = angles.iter().map(|angle| angle.as_f64().unwrap()).collect();
         let (time, turn) = (courses.time_s(), speed / joint.ratio);
-        let twist = rms(output.iter().zip(time).map(|(psi, t)| psi - turn * t));
-        let (before, after) = output.split_at(time.partition_point(|t| *t < 20.0 * period));
-        let (first, then) = angles.split_at(before.len());
-        for ((when, limit), (joint, gear)) in ["loaded", "turning round"]
+        let twists: Vec<f64> = output
+            .iter()
+            .zip(time)
+            .map(|(psi, t)| psi - turn * t)
+            .collect();
+        let middle = time.partition_point(|t| *t < 20.0 * period);
+        for ((when, limit), window) in ["loaded", "turning round"]
             .into_iter()
             .zip(limits)
-            .zip([(first, before), (then, after)])
+            .zip([0..middle, middle..time.len()])
         {
-            let apart = rms(joint.iter().zip(gear).map(|(a, b)| a - b));
+            let twist = rms(twists[window.clone()].iter().copied());
+            let apart = rms(window.map(|k| angles[k] - output[k]));
             println!(
                 "{preset}, {when}: {:.3} arcmin off where the gear twists by {:.3} (RMS), MuJoCo {}",
                 ARCMIN * apart,

@@ -10,6 +10,7 @@ use pinwheel_scene::{CheckedScene, Scene};
 use crate::StudyError;
 use crate::choice;
 use crate::control::{Control, Progress, compile};
+use crate::folder::Drafts;
 use crate::output::{OutputError, file_name};
 use crate::ownership::sync;
 use crate::provenance::Provenance;
@@ -94,11 +95,12 @@ pub fn record(
     let (description, csv) = recording
         .write()
         .map_err(|error| OutputError::new(&path, &error))?;
+    fs::create_dir_all(&folder).map_err(|error| OutputError::new(&folder, &error))?;
+    let drafts = Drafts::in_folder(out, &recording.command)?;
     let write = || -> std::io::Result<()> {
-        fs::create_dir_all(&folder)?;
         // The courses first: without a description they are not a recording.
         for (ending, text) in [("csv", &csv), ("toml", &description)] {
-            let draft = path.with_extension(format!("{ending}.part"));
+            let draft = drafts.path().join(ending);
             fs::write(&draft, text)?;
             sync(&draft)?;
             fs::rename(&draft, path.with_extension(ending))?;

@@ -97,20 +97,7 @@ impl Folder {
         let place = Place::new(out, request)?;
         place.inspect()?;
         let beside = nearest_existing(place.target.parent().unwrap_or(&place.target));
-        remove_abandoned(&beside);
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(STAGING);
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt as _;
-            // As a plain mkdir would: the user's umask decides.
-            builder.permissions(fs::Permissions::from_mode(0o777));
-        }
-        let staging = Staging(
-            builder
-                .tempdir_in(&beside)
-                .map_err(|error| OutputError::new(&beside, &error))?,
-        );
+        let Drafts { owner, staging } = Drafts::in_folder(&beside, &place.request.command)?;
         #[cfg(unix)]
         {
             use std::os::unix::fs::MetadataExt as _;
@@ -123,7 +110,6 @@ impl Folder {
                 return Err(place.refuse("belongs to another user"));
             }
         }
-        let owner = Owner::take(staging.path(), &place.request.command)?;
         Ok(Self {
             place,
             owner,
@@ -196,6 +182,45 @@ impl Folder {
         // The name is there; should this fail, only a loss of power could take it away.
         let _ = sync(parent);
         Ok(self.place.shown)
+    }
+}
+
+/// A hidden folder for files that are made whole before they get their place nearby. Goes with its owner; where that was killed,
+/// the next one in the same place removes it.
+#[derive(Debug)]
+pub struct Drafts {
+    owner: Owner,
+    staging: Staging,
+}
+
+impl Drafts {
+    /// Makes one in `folder`, which exists; `command` is its author.
+    ///
+    /// # Errors
+    /// The folder cannot be written.
+    pub fn in_folder(folder: &Path, command: &str) -> Result<Self, OutputError> {
+        remove_abandoned(folder);
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(STAGING);
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt as _;
+            // As a plain mkdir would: the user's umask decides.
+            builder.permissions(fs::Permissions::from_mode(0o777));
+        }
+        let staging = Staging(
+            builder
+                .tempdir_in(folder)
+                .map_err(|error| OutputError::new(folder, &error))?,
+        );
+        let owner = Owner::take(staging.path(), command)?;
+        Ok(Self { owner, staging })
+    }
+
+    /// Where to write.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.staging.path()
     }
 }
 
