@@ -22,7 +22,7 @@ const TORQUE: [&str; 1] = ["input_torque_n_m"];
 fn simbody() -> bool {
     let nothing = scene("paper", &[("solver.duration_s", "0.0001")]);
     match attempt(SIMBODY, &nothing) {
-        Err(EngineError::Failed { reason, .. }) => {
+        Err(EngineError::Absent { reason, .. }) => {
             let required = std::env::var_os("PINWHEEL_REQUIRE_SIMBODY").is_some();
             assert!(!required, "{reason}");
             println!("skipped: {reason}");

@@ -137,4 +137,18 @@ fn crossval_python_program_without_packages_falls_back_on_recordings() {
         left.iter().all(|name| name.ends_with(".lock")),
         "half an environment: {left:?}"
     );
+    // Nobody asked for these by name: what is here is compared, and why the others are not is said.
+    let outcome = run(&[
+        "compare",
+        "one-wheel",
+        "--set",
+        "solver.duration_s=0.002",
+        "--longest",
+        "1",
+        "--out",
+        "own",
+    ]);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let page = std::fs::read_to_string(dir.path().join("own/index.html")).unwrap();
+    assert!(page.contains("not on this machine"), "{}", outcome.stdout);
 }

@@ -84,7 +84,15 @@ pub enum EngineError {
     /// The user asked to stop.
     #[error("stopped")]
     Cancelled,
-    /// The engine is not there or broke.
+    /// What the engine needs is not on this machine: a package, a compiler, a library.
+    #[error("{engine} is not on this machine: {reason}")]
+    Absent {
+        /// Engine name.
+        engine: String,
+        /// What is missing, and how to get it.
+        reason: String,
+    },
+    /// The engine broke.
     #[error("{engine} failed: {reason}")]
     Failed {
         /// Engine name.
@@ -211,7 +219,7 @@ pub trait Engine: Send + Sync {
     /// a scene on several engines compiles it once.
     ///
     /// # Errors
-    /// [`EngineError::Unsupported`] with the reason, or [`EngineError::Failed`] where the engine is not there.
+    /// [`EngineError::Unsupported`] with the reason, or [`EngineError::Absent`] where the engine is not there.
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError>;
 
     /// Whether it honours the scene.

@@ -78,7 +78,7 @@ pub(crate) fn engine(py: Python<'_>, error: &EngineError) -> PyErr {
             &message,
             &[("engine", text(py, engine)), ("reason", text(py, reason))],
         ),
-        EngineError::Failed { engine, reason } => raise(
+        EngineError::Failed { engine, reason } | EngineError::Absent { engine, reason } => raise(
             py,
             "EngineFailed",
             &message,

@@ -341,9 +341,11 @@ pub(crate) fn run_on(
             Ok(Ok((ended, partial.stats)))
         }
         Err(EngineError::Cancelled) => Err(StudyError::Cancelled),
-        Err(error @ (EngineError::Unsupported { .. } | EngineError::Failed { .. })) => {
-            Ok(Err(error.to_string()))
-        }
+        Err(
+            error @ (EngineError::Unsupported { .. }
+            | EngineError::Absent { .. }
+            | EngineError::Failed { .. }),
+        ) => Ok(Err(error.to_string())),
     }
 }
 

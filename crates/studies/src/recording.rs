@@ -75,7 +75,9 @@ pub fn record(
     let gearbox = compile(scene)?;
     let run = match control.engine(engine, &gearbox, Progress::new(0, 1, &label))? {
         Ok(run) => run,
-        Err(error @ EngineError::Failed { .. }) => return Ok(Recorded::Broken(error.to_string())),
+        Err(error @ (EngineError::Failed { .. } | EngineError::Absent { .. })) => {
+            return Ok(Recorded::Broken(error.to_string()));
+        }
         Err(error) => return Ok(Recorded::Left(error.to_string())),
     };
     let mut recording = Recording::new(engine, scene, run);

@@ -29,7 +29,10 @@ impl PythonEngine {
     fn not_ready(&self, error: NotReady) -> EngineError {
         match error {
             NotReady::Stopped => EngineError::Cancelled,
-            NotReady::Because(reason) => self.failed(reason),
+            NotReady::Because(reason) => EngineError::Absent {
+                engine: self.0.name.to_owned(),
+                reason: reason.to_string(),
+            },
         }
     }
 

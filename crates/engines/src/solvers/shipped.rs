@@ -10,7 +10,7 @@ use super::ready::{Missing, Ready};
 use super::{ida, simbody};
 use crate::cards::Card;
 use crate::engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, Track};
-use crate::external::Solver;
+use crate::external::{Solver, law_library};
 
 /// One shipped solver.
 struct Shipped {
@@ -63,6 +63,13 @@ impl Shipped {
         }
     }
 
+    fn absent(&self, reason: String) -> EngineError {
+        EngineError::Absent {
+            engine: self.card.name.to_owned(),
+            reason,
+        }
+    }
+
     /// The solver for a scene, made ready if it is not.
     fn solver(&self, gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Solver, EngineError> {
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
@@ -76,8 +83,9 @@ impl Shipped {
         drop(made);
         let ready = outcome.map_err(|missing| match missing {
             Missing::Stopped => EngineError::Cancelled,
-            Missing::Because(reason) => self.failed(reason),
+            Missing::Because(reason) => self.absent(reason),
         })?;
+        law_library().map_err(|reason| self.absent(reason))?;
         let manifest = ready
             .here
             .join(self.manifests[usize::from(gearbox.has_friction())]);

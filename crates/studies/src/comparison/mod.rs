@@ -253,7 +253,7 @@ fn take_part(
         None => control.engine(engine, gearbox, at)?,
     };
     // A live engine that is missing here (no Python, no network) may have been recorded.
-    if let Err(EngineError::Failed { reason, .. }) = &ran
+    if let Err(EngineError::Absent { reason, .. } | EngineError::Failed { reason, .. }) = &ran
         && let Some(recorded) = recorded::instead(engine.name(), &gearbox.scene, reason)
     {
         return take_part(recorded.as_ref(), gearbox, most, at, control);
@@ -271,6 +271,10 @@ fn take_part(
             Status::Diverged { time_s, quantity },
         ),
         Err(EngineError::Unsupported { reason, .. }) => (nothing(), Status::Unsupported { reason }),
+        Err(EngineError::Absent { reason, .. }) => {
+            let reason = format!("it is not on this machine: {reason}");
+            (nothing(), Status::Unsupported { reason })
+        }
         Err(EngineError::Failed { reason, .. }) => (nothing(), Status::Failed { reason }),
         Err(EngineError::Cancelled) => return Err(StudyError::Cancelled),
     };

@@ -365,9 +365,11 @@ fn once(
             Ok(Err(Outcome::GivenUp { time_s }))
         }
         Err(EngineError::Cancelled) => Err(StudyError::Cancelled),
-        Err(EngineError::Unsupported { reason, .. } | EngineError::Failed { reason, .. }) => {
-            Ok(Err(Outcome::Failed { reason }))
-        }
+        Err(
+            EngineError::Unsupported { reason, .. }
+            | EngineError::Absent { reason, .. }
+            | EngineError::Failed { reason, .. },
+        ) => Ok(Err(Outcome::Failed { reason })),
     }
 }
 

@@ -255,7 +255,9 @@ fn judged(
         Err(EngineError::Unsupported { reason, .. }) => {
             (empty(Ending::Unsupported { reason }), None)
         }
-        Err(EngineError::Failed { reason, .. }) => (empty(Ending::Failed { reason }), None),
+        Err(EngineError::Failed { reason, .. } | EngineError::Absent { reason, .. }) => {
+            (empty(Ending::Failed { reason }), None)
+        }
         Err(EngineError::Cancelled) => return None,
     })
 }
