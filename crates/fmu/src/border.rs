@@ -1,5 +1,5 @@
 //! The border to C: the functions of FMI 2.0 for co-simulation, by the names, types and numbers of the standard. All `unsafe` of
-//! this crate is in this file.
+//! this crate is in this file and in those below it.
 //!
 //! What importers promise, and no code can check: texts end in a zero byte; arrays hold as many values as are said, aligned, and
 //! used by nobody else during the call; the logger is the standard's and outlives the unit. Everything else is checked: a
@@ -9,7 +9,11 @@
 
 #![allow(unsafe_code)]
 
-use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
+pub mod states;
+pub mod status;
+pub mod values;
+
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::ptr;
@@ -23,14 +27,9 @@ use crate::instance::{Instance, Refusal};
 use crate::model::Model;
 
 const OK: c_int = 0;
-const DISCARD: c_int = 2;
 const ERROR: c_int = 3;
 /// `fmi2CoSimulation` of `fmi2Type`.
 const CO_SIMULATION: c_int = 1;
-/// `fmi2LastSuccessfulTime` of `fmi2StatusKind`.
-const LAST_SUCCESSFUL_TIME: c_int = 2;
-/// `fmi2Terminated` of `fmi2StatusKind`.
-const TERMINATED: c_int = 3;
 
 /// What the logger writes: environment, instance, status, category, message in printf's form, its arguments.
 type Log =
@@ -335,110 +334,6 @@ pub extern "C" fn fmi2Reset(component: Component) -> c_int {
     })
 }
 
-/// Values of Reals.
-///
-/// # Safety
-/// `references` and `values`: null or of `count`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetReal(
-    component: Component,
-    references: *const c_uint,
-    count: usize,
-    values: *mut f64,
-) -> c_int {
-    on(component, |unit| {
-        // SAFETY: the caller promises their lengths.
-        let (references, values) = unsafe {
-            (
-                array("the list of value references", references, count)?,
-                array_mut("the list of values", values, count)?,
-            )
-        };
-        for (value, reference) in values.iter_mut().zip(references) {
-            *value = unit.real(*reference)?;
-        }
-        Ok(OK)
-    })
-}
-
-/// Values of Booleans.
-///
-/// # Safety
-/// As [`fmi2GetReal`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBoolean(
-    component: Component,
-    references: *const c_uint,
-    count: usize,
-    values: *mut c_int,
-) -> c_int {
-    on(component, |unit| {
-        // SAFETY: the caller promises their lengths.
-        let (references, values) = unsafe {
-            (
-                array("the list of value references", references, count)?,
-                array_mut("the list of values", values, count)?,
-            )
-        };
-        for (value, reference) in values.iter_mut().zip(references) {
-            *value = c_int::from(unit.boolean(*reference)?);
-        }
-        Ok(OK)
-    })
-}
-
-/// Sets Reals.
-///
-/// # Safety
-/// As [`fmi2GetReal`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetReal(
-    component: Component,
-    references: *const c_uint,
-    count: usize,
-    values: *const f64,
-) -> c_int {
-    on(component, |unit| {
-        // SAFETY: the caller promises their lengths.
-        let (references, values) = unsafe {
-            (
-                array("the list of value references", references, count)?,
-                array("the list of values", values, count)?,
-            )
-        };
-        for (reference, value) in references.iter().zip(values) {
-            unit.set_real(*reference, *value)?;
-        }
-        Ok(OK)
-    })
-}
-
-/// Sets Booleans.
-///
-/// # Safety
-/// As [`fmi2GetReal`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetBoolean(
-    component: Component,
-    references: *const c_uint,
-    count: usize,
-    values: *const c_int,
-) -> c_int {
-    on(component, |unit| {
-        // SAFETY: the caller promises their lengths.
-        let (references, values) = unsafe {
-            (
-                array("the list of value references", references, count)?,
-                array("the list of values", values, count)?,
-            )
-        };
-        for (reference, value) in references.iter().zip(values) {
-            unit.set_boolean(*reference, *value != 0)?;
-        }
-        Ok(OK)
-    })
-}
-
 /// There are none of this type.
 fn none(component: Component, call: &str, count: usize) -> c_int {
     on(component, |_| {
@@ -449,234 +344,6 @@ fn none(component: Component, call: &str, count: usize) -> c_int {
             "{call}: the unit has no variable of this type"
         )))
     })
-}
-
-/// There are no Integers.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2GetInteger(
-    component: Component,
-    _references: *const c_uint,
-    count: usize,
-    _values: *mut c_int,
-) -> c_int {
-    none(component, "fmi2GetInteger", count)
-}
-
-/// There are no Integers.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2SetInteger(
-    component: Component,
-    _references: *const c_uint,
-    count: usize,
-    _values: *const c_int,
-) -> c_int {
-    none(component, "fmi2SetInteger", count)
-}
-
-/// There are no Strings.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2GetString(
-    component: Component,
-    _references: *const c_uint,
-    count: usize,
-    _values: *mut *const c_char,
-) -> c_int {
-    none(component, "fmi2GetString", count)
-}
-
-/// There are no Strings.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2SetString(
-    component: Component,
-    _references: *const c_uint,
-    count: usize,
-    _values: *const *const c_char,
-) -> c_int {
-    none(component, "fmi2SetString", count)
-}
-
-/// A state of this unit.
-fn kept(component: Component, state: State) -> Result<Arc<Kept>, Refusal> {
-    let found = STATES.find(state);
-    let own = found.filter(|kept| kept.of == component.addr());
-    own.ok_or_else(|| Refusal("the state is none of this unit: null, freed, or made up".into()))
-}
-
-/// Puts bytes into a state that is there, or into a new one.
-fn keep(component: Component, bytes: Vec<u8>, place: &mut State) -> Result<(), Refusal> {
-    if place.is_null() {
-        *place = STATES.open(Kept {
-            of: component.addr(),
-            bytes: Mutex::new(bytes),
-        });
-    } else {
-        let there = kept(component, *place)?;
-        *there.bytes.lock().unwrap_or_else(PoisonError::into_inner) = bytes;
-    }
-    Ok(())
-}
-
-/// Copies the whole state of the unit.
-///
-/// # Safety
-/// `state`: null or the place of a state, which is null or of this unit.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetFMUstate(component: Component, state: *mut State) -> c_int {
-    on(component, |unit| {
-        // SAFETY: null or a place.
-        let state = unsafe { state.as_mut() }.ok_or_else(|| null("the place of the state"))?;
-        done(keep(component, unit.save()?, state))
-    })
-}
-
-/// Goes back to a state.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2SetFMUstate(component: Component, state: State) -> c_int {
-    on(component, |unit| {
-        let kept = kept(component, state)?;
-        let bytes = kept.bytes.lock().unwrap_or_else(PoisonError::into_inner);
-        done(unit.restore(&bytes))
-    })
-}
-
-/// Frees a state; null is no fault.
-///
-/// # Safety
-/// As [`fmi2GetFMUstate`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2FreeFMUstate(component: Component, state: *mut State) -> c_int {
-    on(component, |_| {
-        // SAFETY: null or a place.
-        if let Some(state) = unsafe { state.as_mut() }
-            && !state.is_null()
-        {
-            kept(component, *state)?;
-            STATES.close(*state);
-            *state = ptr::null_mut();
-        }
-        Ok(OK)
-    })
-}
-
-/// Bytes that a state takes.
-///
-/// # Safety
-/// `size`: null or a place.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
-    component: Component,
-    state: State,
-    size: *mut usize,
-) -> c_int {
-    on(component, |_| {
-        let kept = kept(component, state)?;
-        // SAFETY: null or a place.
-        let size = unsafe { size.as_mut() }.ok_or_else(|| null("the place of the size"))?;
-        *size = kept
-            .bytes
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .len();
-        Ok(OK)
-    })
-}
-
-/// Writes a state as bytes.
-///
-/// # Safety
-/// `bytes`: null or of `size`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializeFMUstate(
-    component: Component,
-    state: State,
-    bytes: *mut u8,
-    size: usize,
-) -> c_int {
-    on(component, |_| {
-        let kept = kept(component, state)?;
-        let state = kept.bytes.lock().unwrap_or_else(PoisonError::into_inner);
-        // SAFETY: the caller promises its length.
-        let place = unsafe { array_mut("the place of the bytes", bytes, size)? };
-        let room = place
-            .get_mut(..state.len())
-            .ok_or_else(|| Refusal(format!("a state takes {} bytes, not {size}", state.len())))?;
-        room.copy_from_slice(&state);
-        Ok(OK)
-    })
-}
-
-/// Reads a state from bytes.
-///
-/// # Safety
-/// `bytes`: null or of `size`; `state`: as of [`fmi2GetFMUstate`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
-    component: Component,
-    bytes: *const u8,
-    size: usize,
-    state: *mut State,
-) -> c_int {
-    on(component, |unit| {
-        // SAFETY: the caller promises its length, and null or a place.
-        let (bytes, state) = unsafe { (array("the bytes", bytes, size)?, state.as_mut()) };
-        let state = state.ok_or_else(|| null("the place of the state"))?;
-        unit.check(bytes)?;
-        done(keep(component, bytes.to_vec(), state))
-    })
-}
-
-/// Not provided: `providesDirectionalDerivative` is false.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2GetDirectionalDerivative(
-    component: Component,
-    _unknown: *const c_uint,
-    _unknowns: usize,
-    _known: *const c_uint,
-    _knowns: usize,
-    _seed: *const f64,
-    _derivative: *mut f64,
-) -> c_int {
-    none(component, "fmi2GetDirectionalDerivative", 1)
-}
-
-/// First derivatives of inputs over the next step.
-///
-/// # Safety
-/// Arrays: null or of `count`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
-    component: Component,
-    references: *const c_uint,
-    count: usize,
-    orders: *const c_int,
-    values: *const f64,
-) -> c_int {
-    on(component, |unit| {
-        // SAFETY: the caller promises their lengths.
-        let (references, orders, values) = unsafe {
-            (
-                array("the list of value references", references, count)?,
-                array("the list of orders", orders, count)?,
-                array("the list of values", values, count)?,
-            )
-        };
-        for ((reference, order), value) in references.iter().zip(orders).zip(values) {
-            unit.set_slope(*reference, *order, *value)?;
-        }
-        Ok(OK)
-    })
-}
-
-/// Not provided: `maxOutputDerivativeOrder` is 0.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2GetRealOutputDerivatives(
-    component: Component,
-    _references: *const c_uint,
-    count: usize,
-    _orders: *const c_int,
-    _values: *mut f64,
-) -> c_int {
-    none(component, "fmi2GetRealOutputDerivatives", count)
 }
 
 /// On to the next communication point.
@@ -696,72 +363,4 @@ pub extern "C" fn fmi2CancelStep(component: Component) -> c_int {
     on(component, |_| {
         Err(Refusal("fmi2CancelStep: no step is under way".into()))
     })
-}
-
-/// Of steps that are under way, of which there are none.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2GetStatus(component: Component, _kind: c_int, _status: *mut c_int) -> c_int {
-    on(component, |_| Ok(DISCARD))
-}
-
-/// The time of the last step that went well.
-///
-/// # Safety
-/// `value`: null or a place.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetRealStatus(
-    component: Component,
-    kind: c_int,
-    value: *mut f64,
-) -> c_int {
-    on(component, |unit| {
-        if kind != LAST_SUCCESSFUL_TIME {
-            return Ok(DISCARD);
-        }
-        // SAFETY: null or a place.
-        let value = unsafe { value.as_mut() }.ok_or_else(|| null("the place of the value"))?;
-        *value = unit.time_s();
-        Ok(OK)
-    })
-}
-
-/// There is none.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2GetIntegerStatus(
-    component: Component,
-    _kind: c_int,
-    _value: *mut c_int,
-) -> c_int {
-    on(component, |_| Ok(DISCARD))
-}
-
-/// The unit never wants to end a simulation.
-///
-/// # Safety
-/// `value`: null or a place.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBooleanStatus(
-    component: Component,
-    kind: c_int,
-    value: *mut c_int,
-) -> c_int {
-    on(component, |_| {
-        if kind != TERMINATED {
-            return Ok(DISCARD);
-        }
-        // SAFETY: null or a place.
-        let value = unsafe { value.as_mut() }.ok_or_else(|| null("the place of the value"))?;
-        *value = 0;
-        Ok(OK)
-    })
-}
-
-/// There is none.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2GetStringStatus(
-    component: Component,
-    _kind: c_int,
-    _value: *mut *const c_char,
-) -> c_int {
-    on(component, |_| Ok(DISCARD))
 }

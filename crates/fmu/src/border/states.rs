@@ -1,0 +1,137 @@
+//! Whole states of a unit: kept, gone back to, written as bytes.
+
+use std::ptr;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::{Component, Kept, OK, Refusal, STATES, State, array, array_mut, done, null, on};
+use std::ffi::c_int;
+
+/// A state of this unit.
+fn kept(component: Component, state: State) -> Result<Arc<Kept>, Refusal> {
+    let found = STATES.find(state);
+    let own = found.filter(|kept| kept.of == component.addr());
+    own.ok_or_else(|| Refusal("the state is none of this unit: null, freed, or made up".into()))
+}
+
+/// Puts bytes into a state that is there, or into a new one.
+fn keep(component: Component, bytes: Vec<u8>, place: &mut State) -> Result<(), Refusal> {
+    if place.is_null() {
+        *place = STATES.open(Kept {
+            of: component.addr(),
+            bytes: Mutex::new(bytes),
+        });
+    } else {
+        let there = kept(component, *place)?;
+        *there.bytes.lock().unwrap_or_else(PoisonError::into_inner) = bytes;
+    }
+    Ok(())
+}
+
+/// Copies the whole state of the unit.
+///
+/// # Safety
+/// `state`: null or the place of a state, which is null or of this unit.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetFMUstate(component: Component, state: *mut State) -> c_int {
+    on(component, |unit| {
+        // SAFETY: null or a place.
+        let state = unsafe { state.as_mut() }.ok_or_else(|| null("the place of the state"))?;
+        done(keep(component, unit.save()?, state))
+    })
+}
+
+/// Goes back to a state.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2SetFMUstate(component: Component, state: State) -> c_int {
+    on(component, |unit| {
+        let kept = kept(component, state)?;
+        let bytes = kept.bytes.lock().unwrap_or_else(PoisonError::into_inner);
+        done(unit.restore(&bytes))
+    })
+}
+
+/// Frees a state; null is no fault.
+///
+/// # Safety
+/// As [`fmi2GetFMUstate`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeFMUstate(component: Component, state: *mut State) -> c_int {
+    on(component, |_| {
+        // SAFETY: null or a place.
+        if let Some(state) = unsafe { state.as_mut() }
+            && !state.is_null()
+        {
+            kept(component, *state)?;
+            STATES.close(*state);
+            *state = ptr::null_mut();
+        }
+        Ok(OK)
+    })
+}
+
+/// Bytes that a state takes.
+///
+/// # Safety
+/// `size`: null or a place.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
+    component: Component,
+    state: State,
+    size: *mut usize,
+) -> c_int {
+    on(component, |_| {
+        let kept = kept(component, state)?;
+        // SAFETY: null or a place.
+        let size = unsafe { size.as_mut() }.ok_or_else(|| null("the place of the size"))?;
+        *size = kept
+            .bytes
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .len();
+        Ok(OK)
+    })
+}
+
+/// Writes a state as bytes.
+///
+/// # Safety
+/// `bytes`: null or of `size`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializeFMUstate(
+    component: Component,
+    state: State,
+    bytes: *mut u8,
+    size: usize,
+) -> c_int {
+    on(component, |_| {
+        let kept = kept(component, state)?;
+        let state = kept.bytes.lock().unwrap_or_else(PoisonError::into_inner);
+        // SAFETY: the caller promises its length.
+        let place = unsafe { array_mut("the place of the bytes", bytes, size)? };
+        let room = place
+            .get_mut(..state.len())
+            .ok_or_else(|| Refusal(format!("a state takes {} bytes, not {size}", state.len())))?;
+        room.copy_from_slice(&state);
+        Ok(OK)
+    })
+}
+
+/// Reads a state from bytes.
+///
+/// # Safety
+/// `bytes`: null or of `size`; `state`: as of [`fmi2GetFMUstate`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
+    component: Component,
+    bytes: *const u8,
+    size: usize,
+    state: *mut State,
+) -> c_int {
+    on(component, |unit| {
+        // SAFETY: the caller promises its length, and null or a place.
+        let (bytes, state) = unsafe { (array("the bytes", bytes, size)?, state.as_mut()) };
+        let state = state.ok_or_else(|| null("the place of the state"))?;
+        unit.check(bytes)?;
+        done(keep(component, bytes.to_vec(), state))
+    })
+}

@@ -1,0 +1,80 @@
+//! What became of a step: all are done when their call returns.
+
+use std::ffi::{c_char, c_int};
+
+use super::{Component, null, on};
+
+/// `fmi2Discard` of `fmi2Status`: nothing to tell.
+const DISCARD: c_int = 2;
+/// `fmi2LastSuccessfulTime` of `fmi2StatusKind`.
+const LAST_SUCCESSFUL_TIME: c_int = 2;
+/// `fmi2Terminated` of `fmi2StatusKind`.
+const TERMINATED: c_int = 3;
+
+/// Of steps that are under way, of which there are none.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetStatus(component: Component, _kind: c_int, _status: *mut c_int) -> c_int {
+    on(component, |_| Ok(DISCARD))
+}
+
+/// The time of the last step that went well.
+///
+/// # Safety
+/// `value`: null or a place.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetRealStatus(
+    component: Component,
+    kind: c_int,
+    value: *mut f64,
+) -> c_int {
+    on(component, |unit| {
+        if kind != LAST_SUCCESSFUL_TIME {
+            return Ok(DISCARD);
+        }
+        // SAFETY: null or a place.
+        let value = unsafe { value.as_mut() }.ok_or_else(|| null("the place of the value"))?;
+        *value = unit.time_s();
+        Ok(super::OK)
+    })
+}
+
+/// There is none.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetIntegerStatus(
+    component: Component,
+    _kind: c_int,
+    _value: *mut c_int,
+) -> c_int {
+    on(component, |_| Ok(DISCARD))
+}
+
+/// The unit never wants to end a simulation.
+///
+/// # Safety
+/// `value`: null or a place.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetBooleanStatus(
+    component: Component,
+    kind: c_int,
+    value: *mut c_int,
+) -> c_int {
+    on(component, |_| {
+        if kind != TERMINATED {
+            return Ok(DISCARD);
+        }
+        // SAFETY: null or a place.
+        let value = unsafe { value.as_mut() }.ok_or_else(|| null("the place of the value"))?;
+        *value = 0;
+        Ok(super::OK)
+    })
+}
+
+/// There is none.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetStringStatus(
+    component: Component,
+    _kind: c_int,
+    _value: *mut *const c_char,
+) -> c_int {
+    on(component, |_| Ok(DISCARD))
+}
