@@ -218,6 +218,30 @@ fn tolerances_have_no_order_of_steps() {
     assert!((found.u - 3e-6).abs() < 1e-18);
 }
 
+#[test]
+fn regress_tolerances_that_scatter_are_bounded_by_their_spread() {
+    let at = |fine: f64, coarse: f64, method, floor| {
+        let steps = [fine, coarse].map(|difference| Step {
+            ratio: 100.0,
+            difference,
+        });
+        estimate(&steps, Some(0.0), method, floor)
+    };
+    let tolerance = Method::Tolerance { smooth: false };
+    // 9.4e-8 and 2.3e-7 over a hundredfold tolerance: order 0.2.
+    let found = at(9.4e-8, 2.3e-7, tolerance, 0.0).unwrap();
+    assert_eq!((found.basis, found.order), (Basis::Spread, None));
+    assert!((found.u - 3.0 * 3.24e-7).abs() < 1e-12, "{found:?}");
+    assert!(!found.basis.is_confirmed());
+    let bounce = at(1e-2, 1e-5, tolerance, 0.0).unwrap();
+    assert!(bounce.u >= 3e-2, "a bounce that the finest run alone has");
+    assert!((at(1e-9, 1e-9, tolerance, 1e-8).unwrap().u - 1e-8).abs() < 1e-20);
+    assert!(
+        at(9.4e-8, 2.3e-7, SMOOTH(4.0), 0.0).is_err(),
+        "steps have an order"
+    );
+}
+
 /// Share of true errors below u; u must not be blunt either: median of u over error below 5.
 fn coverage(honest: usize, mut ratios: Vec<f64>) -> f64 {
     ratios.sort_by(f64::total_cmp);

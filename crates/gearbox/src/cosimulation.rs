@@ -113,8 +113,9 @@ impl Forces for HeldForces {
         time: f64,
         bodies: &[BodyState],
         loads: &mut [Wrench],
+        observed: bool,
     ) -> Option<ContactEnergy> {
-        let energy = self.gear.apply_held(time, bodies, loads);
+        let energy = self.gear.apply_held(time, bodies, loads, observed);
         self.add(time, loads);
         energy
     }

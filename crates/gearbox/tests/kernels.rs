@@ -61,7 +61,7 @@ fn held(
     let mut loads = vec![Wrench::default(); bodies.len()];
     let mut moments = vec![0.0; bodies.len()];
     let known = field.add_moments(bodies, &mut moments);
-    let energy = field.add_held_loads(bodies, &mut loads);
+    let energy = field.add_held_loads(bodies, &mut loads, true).unwrap();
     known.then_some((moments, loads, energy))
 }
 
@@ -367,7 +367,7 @@ fn hard_levers_find_what_touches() {
             bodies[Layout::OUTPUT].angle = 0.0;
             let mut found = [0; 2].map(|_| vec![Wrench::default(); bodies.len()]);
             fields[0].add_loads(&bodies, &mut found[0]);
-            fields[1].add_held_loads(&bodies, &mut found[1]);
+            fields[1].add_held_loads(&bodies, &mut found[1], false);
             for body in gearbox.layout.external_bodies() {
                 let [a, b] = [0, 1].map(|k| found[k][body].fx.hypot(found[k][body].fy));
                 touching += u64::from(a > 0.0);

@@ -20,15 +20,20 @@ pub trait Forces {
         None
     }
 
-    /// [`apply_observed`](Self::apply_observed) where every body stands and moves as its joints hold it, which forces may
-    /// make use of.
+    /// [`apply`](Self::apply), or where the state is `observed` [`apply_observed`](Self::apply_observed), with every body
+    /// standing and moving as its joints hold it, which forces may make use of.
     fn apply_held(
         &mut self,
         time: f64,
         bodies: &[BodyState],
         loads: &mut [crate::Wrench],
+        observed: bool,
     ) -> Option<ContactEnergy> {
-        self.apply_observed(time, bodies, loads)
+        if observed {
+            return self.apply_observed(time, bodies, loads);
+        }
+        self.apply(time, bodies, loads);
+        None
     }
 
     /// Adds the moments about the pins (N m, by body) of the free bodies of [`Reduced`](crate::Reduced), loads of carried

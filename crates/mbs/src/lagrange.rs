@@ -363,7 +363,8 @@ impl<F: Forces> Lagrange<F> {
     fn evaluate(&mut self, t: f64) -> Result<(), usize> {
         self.loads.fill(Wrench::default());
         if self.stabilisation == Stabilisation::Projection {
-            self.forces.apply_held(t, &self.bodies, &mut self.loads);
+            self.forces
+                .apply_held(t, &self.bodies, &mut self.loads, false);
         } else {
             self.forces.apply(t, &self.bodies, &mut self.loads);
         }
@@ -471,7 +472,8 @@ impl<F: Forces> Formulation for Lagrange<F> {
         self.prepare(t, y);
         self.loads.fill(Wrench::default());
         let energy = if self.stabilisation == Stabilisation::Projection {
-            self.forces.apply_held(t, &self.bodies, &mut self.loads)
+            self.forces
+                .apply_held(t, &self.bodies, &mut self.loads, true)
         } else {
             self.forces.apply_observed(t, &self.bodies, &mut self.loads)
         };

@@ -290,7 +290,9 @@ impl<F: Forces> Reduced<F> {
             self.bodies[body].angle = start.angle + start.rate * t;
         }
         self.loads.fill(Wrench::default());
-        self.evaluated.energy = self.forces.apply_held(t, &self.bodies, &mut self.loads);
+        self.evaluated.energy = self
+            .forces
+            .apply_held(t, &self.bodies, &mut self.loads, true);
         self.sum_moments();
         (self.evaluated.valid, self.evaluated.time) = (true, t);
         self.evaluated.y.copy_from_slice(y);

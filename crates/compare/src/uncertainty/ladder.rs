@@ -351,11 +351,5 @@ fn spread(values: &[f64], floor: f64) -> Estimate {
         .iter()
         .map(|v| (v - values[0]).abs())
         .fold(0.0, f64::max);
-    Estimate {
-        u: (SAFETY_UNCONFIRMED * furthest).max(floor),
-        basis: Basis::Spread,
-        observed_order: None,
-        order: None,
-        safety: Some(SAFETY_UNCONFIRMED),
-    }
+    Estimate::spread(furthest, floor)
 }

@@ -5,7 +5,8 @@
 //! makes a bound of it: Roache's grid convergence index (Verification and Validation in Computational Science
 //! and Engineering, 1998, ch. 5). Fs = 1.25 where three runs show the order that the method promises, else 3.
 //! The caps on the order are those of Oberkampf & Roy (2010), ch. 8, and Eca & Hoekstra, J. Comput. Phys. 262
-//! (2014) 104.
+//! (2014) 104. Where runs at several tolerances show no order, because each chooses its steps
+//! anew, three times the largest difference of any two takes its place, as there. Fixed steps that show none say nothing.
 
 use serde::{Deserialize, Serialize};
 
@@ -117,7 +118,7 @@ pub enum Basis {
     Rounding,
     /// A figure of a series whose own uncertainty bounds it more sharply than the figure's ladder does.
     Series,
-    /// Runs beyond the divergence horizon, where each rung is a sample: three times their spread.
+    /// Runs at several tolerances that show no order, or that lie beyond the divergence horizon where each is a sample: three times their spread.
     Spread,
     /// The engine states it: a closed form, or a value the caller knows.
     Stated,
@@ -156,6 +157,18 @@ impl Estimate {
             observed_order: None,
             order: None,
             safety: None,
+        }
+    }
+
+    /// Of runs that are this far apart, none of which is nearer to the truth for all that they show.
+    #[must_use]
+    pub fn spread(apart: f64, floor: f64) -> Self {
+        Self {
+            u: (SAFETY_UNCONFIRMED * apart).max(floor),
+            basis: Basis::Spread,
+            observed_order: None,
+            order: None,
+            safety: Some(SAFETY_UNCONFIRMED),
         }
     }
 
@@ -310,6 +323,11 @@ pub fn estimate(
     };
     let observed = observed_order(fine, coarse).unwrap_or(f64::NEG_INFINITY);
     if !(observed >= method.least_order()) {
+        if matches!(method, Method::Tolerance { .. }) {
+            // No two runs are further apart than all their differences together.
+            let apart: f64 = steps.iter().map(|step| step.difference).sum();
+            return Ok(Estimate::spread(apart, floor));
+        }
         return Err(Unresolved::new(
             format!(
                 "it does not converge: from rung to rung the runs differ by {:.1e} and then by {:.1e} (observed order {}, \
@@ -323,10 +341,7 @@ pub fn estimate(
                 },
                 method.least_order()
             ),
-            match method {
-                Method::Step { .. } => "take a smaller step: half or a quarter",
-                Method::Tolerance { .. } => "take a smaller tolerance: a tenth or a hundredth",
-            },
+            "take a smaller step: half or a quarter",
         ));
     }
     let allowed = method.allowed_order();

@@ -76,9 +76,19 @@ pub trait ContactField: Send {
         false
     }
 
-    /// [`add_loads_with_energy`](Self::add_loads_with_energy) where every body stands where its joints hold it.
-    fn add_held_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) -> ContactEnergy {
-        self.add_loads_with_energy(bodies, loads)
+    /// [`add_loads`](Self::add_loads), or where the state is `observed`
+    /// [`add_loads_with_energy`](Self::add_loads_with_energy), with every body standing where its joints hold it.
+    fn add_held_loads(
+        &mut self,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+        observed: bool,
+    ) -> Option<ContactEnergy> {
+        if observed {
+            return Some(self.add_loads_with_energy(bodies, loads));
+        }
+        self.add_loads(bodies, loads);
+        None
     }
 
     /// Visits every touching pair (penetration > 0), wheel by wheel, external before internal.

@@ -62,9 +62,10 @@ impl Forces for GearForces {
         time: f64,
         bodies: &[BodyState],
         loads: &mut [Wrench],
+        observed: bool,
     ) -> Option<ContactEnergy> {
         loads[Layout::OUTPUT].moment += self.load.torque(time);
-        Some(self.field.add_held_loads(bodies, loads))
+        self.field.add_held_loads(bodies, loads, observed)
     }
 
     fn moments(&mut self, time: f64, bodies: &[BodyState], moments: &mut [f64]) -> bool {

@@ -7,7 +7,7 @@
 use std::time::Duration;
 
 use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION};
-use pinwheel_compare::uncertainty::{Method, Source, Unresolved};
+use pinwheel_compare::uncertainty::{Basis, Method, Unresolved};
 use pinwheel_compare::{
     Context, Evidence, Ladder, Participant, RESOLUTION, Rules, Rung, Status, Track, Uncertainty,
     compare_with,
@@ -233,12 +233,15 @@ impl<'a> Engines<'a> {
         plans.iter().filter_map(way).collect()
     }
 
+    fn rubs(&self) -> bool {
+        self.gearbox.scene.contact.friction_coefficient > 0.0
+    }
+
     fn method(&self) -> Method {
-        let friction = self.gearbox.scene.contact.friction_coefficient > 0.0;
         match self.knob {
             Knob::Step(order) => Method::Step {
                 order,
-                limit: Some(if friction { FRICTION } else { CONTACTS }),
+                limit: Some(if self.rubs() { FRICTION } else { CONTACTS }),
             },
             Knob::Tolerance => Method::Tolerance { smooth: false },
         }
@@ -443,7 +446,7 @@ pub(crate) fn climb(
         let evidence = evidence(&engines, value, &rungs);
         let found = refinement(context, &finest, &evidence, TARGET * effort.resolution)?;
         let Some(needed) = found.factor.filter(|_| free) else {
-            return Ok((finest, excused(evidence, excuse, found)));
+            return Ok((finest, excused(evidence, engines.rubs(), excuse, found)));
         };
         let (mut factor, least) = match engines.knob {
             Knob::Step(_) => (2_f64.powf(needed.log2().ceil()).clamp(2.0, MOST), 2.0),
@@ -469,7 +472,7 @@ pub(crate) fn climb(
                     "refined as far as {longest} s allow; the next run would take {next:.0} s (--longest)"
                 ));
             }
-            return Ok((finest, excused(evidence, excuse, found)));
+            return Ok((finest, excused(evidence, engines.rubs(), excuse, found)));
         };
         let before = std::mem::replace(&mut finest, finer);
         let wall_s = before.cost.wall_s;
@@ -515,8 +518,7 @@ fn evidence(engines: &Engines<'_>, value: f64, rungs: &[At]) -> Evidence {
 /// The evidence with its excuse. An engine that rubs, or did its best, and does not converge in one quantity is outside of the
 /// range in which its ladder shows errors: then it shows none. So is an engine with an excuse whose friction is
 /// still above the resolution anywhere: what it cannot follow shows in every quantity sooner or later.
-fn excused(evidence: Evidence, excuse: Option<String>, found: Needed) -> Evidence {
-    let rubs = matches!(&evidence.source, Source::Ladder(ladder) if ladder.method.allowed_order() <= FRICTION);
+fn excused(evidence: Evidence, rubs: bool, excuse: Option<String>, found: Needed) -> Evidence {
     let blunt = || Unresolved {
         reason: "its steps do not follow the friction: it is not resolved in every quantity"
             .to_owned(),
@@ -565,8 +567,14 @@ fn refinement(
     for one in all.filter(|u| pointwise(u.window)) {
         match (&one.l2, one.relative_l2) {
             (Uncertainty::Resolved(estimate), Some(share)) if share > target => {
+                // Runs that show no order may do so when they are finer; what is rounding stays.
+                let unseen = if estimate.basis == Basis::Spread {
+                    MOST
+                } else {
+                    1.0
+                };
                 let factor = estimate.refinement_for(estimate.u * target / share);
-                most = most.max(factor.unwrap_or(1.0));
+                most = most.max(factor.unwrap_or(unseen));
             }
             (Uncertainty::NotResolved(missing), _) => {
                 most = most.max(MOST);

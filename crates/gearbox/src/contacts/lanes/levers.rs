@@ -95,8 +95,8 @@ pub(super) struct Found<'a> {
     pub(super) moments: &'a mut [f64],
     /// With `LOADS`: on all bodies.
     pub(super) loads: &'a mut [Wrench],
-    /// With `LOADS`.
-    pub(super) energy: ContactEnergy,
+    /// With `LOADS`, where it is asked for.
+    pub(super) energy: Option<ContactEnergy>,
 }
 
 /// Numbers of a register's lanes.
@@ -452,7 +452,7 @@ impl Levers {
     }
 }
 
-/// Adds what contacts store and dissipate.
+/// Adds what contacts store and dissipate, where it is asked for.
 #[inline(always)]
 fn account<S: Simd>(
     law: &impl NormalLaw,
@@ -463,8 +463,11 @@ fn account<S: Simd>(
     force: Lanes<S>,
     inside: Mask<S>,
 ) {
+    let Some(energy) = found.energy.as_mut() else {
+        return;
+    };
     let elastic = law.force_lanes(stiffness, depth, depth.like(0.0));
     let stored = law.stored_lanes(stiffness, depth);
-    found.energy.stored_j += stored.only(inside).sum();
-    found.energy.damping_w += ((force - elastic) * closing).only(inside).sum();
+    energy.stored_j += stored.only(inside).sum();
+    energy.damping_w += ((force - elastic) * closing).only(inside).sum();
 }

@@ -287,21 +287,30 @@ impl ContactField for LaneField {
         let found = &mut Found {
             moments,
             loads: &mut [],
-            energy: ContactEnergy::default(),
+            energy: None,
         };
         self.levers::<false>(bodies, found)
     }
 
-    fn add_held_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) -> ContactEnergy {
+    fn add_held_loads(
+        &mut self,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+        observed: bool,
+    ) -> Option<ContactEnergy> {
         let mut found = Found {
             moments: &mut [],
             loads,
-            energy: ContactEnergy::default(),
+            energy: observed.then(ContactEnergy::default),
         };
         if self.levers::<true>(bodies, &mut found) {
             return found.energy;
         }
-        self.add_loads_with_energy(bodies, loads)
+        if observed {
+            return Some(self.add_loads_with_energy(bodies, loads));
+        }
+        self.add_loads(bodies, loads);
+        None
     }
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
