@@ -31,7 +31,16 @@ pub(super) fn unknown(place: Place, key: String, prefix: &str, table: &Table) ->
         let near = nearest(name, KEYS.iter().map(leaf))?;
         KEYS.iter().find(|row| leaf(row) == near)
     };
-    let remedy = if is_pitch(name) {
+    let is_table = || {
+        KEYS.iter()
+            .any(|row| row.name.split('.').next() == Some(name))
+    };
+    let remedy = if !prefix.is_empty() && is_table() {
+        format!(
+            "`{name}` is a table of its own: write it above [{}], or as [{name}]",
+            prefix.trim_end_matches('.')
+        )
+    } else if is_pitch(name) {
         pitch_remedy(table)
     } else if let Some(near) = nearest(name, siblings.iter().copied()) {
         format!("did you mean `{prefix}{near}`?")

@@ -71,6 +71,10 @@ fn unknown_keys_suggest_the_nearest() {
     for (set, suggestion) in [
         ("gear.backlsh_m=0.1", "did you mean `gear.backlash_m`?"),
         ("backlash_m=0.1", "did you mean `gear.backlash_m`?"),
+        (
+            "drive.contact.law=\"paper\"",
+            "`contact` is a table of its own: write it above [drive], or as [contact]",
+        ),
         ("gaer.wheels=1", "did you mean `gear`?"),
         ("solver.young_pa=1", "did you mean `contact.young_pa`?"),
         ("mass.wheel.mass=1", "did you mean `mass.wheel.mass_kg`?"),
