@@ -172,6 +172,14 @@ fn rounding_is_resolved() {
         assert!(found.basis.is_confirmed());
         assert_eq!(found.refinement_for(1e-15), None, "no step would do");
     }
+    // What all runs at several tolerances may miss alike is no rounding: nothing confirms it.
+    let steps = [Step {
+        ratio: 10.0,
+        difference: 1e-13,
+    }];
+    let found = estimate(&steps, None, Method::Tolerance { smooth: false }, 1e-12).unwrap();
+    assert_eq!((found.basis, found.u), (Basis::Tolerance, 1e-12));
+    assert!(!found.basis.is_confirmed());
     // Rounding at the fine end, truncation at the coarse: order 4 takes 1e-9 to 4e-12, or rounding if that is more.
     let found = at(&[1e-13, 1e-9]).unwrap();
     assert!(

@@ -306,18 +306,14 @@ pub fn estimate(
         })
     };
     let guarded = method.unconfirmed_safety();
-    if fine.difference <= floor {
-        return known(
-            Basis::Rounding,
-            None,
-            method.allowed_order(),
-            SAFETY_UNCONFIRMED,
-        );
-    }
-    let unseen = match method {
-        Method::Step { .. } => Basis::TwoRungs,
-        Method::Tolerance { .. } => Basis::Tolerance,
+    let (unseen, lowest) = match method {
+        Method::Step { .. } => (Basis::TwoRungs, Basis::Rounding),
+        // Its floor is what all its runs may miss alike, which nothing shows.
+        Method::Tolerance { .. } => (Basis::Tolerance, Basis::Tolerance),
     };
+    if fine.difference <= floor {
+        return known(lowest, None, method.allowed_order(), SAFETY_UNCONFIRMED);
+    }
     let Some(&coarse) = steps.get(1) else {
         return known(unseen, None, method.allowed_order(), guarded);
     };
