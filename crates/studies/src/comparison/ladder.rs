@@ -247,7 +247,14 @@ impl<'a> Engines<'a> {
         }
     }
 
-    /// Two coarser settings than `value`.
+    /// Begins where two coarser runs are possible.
+    fn leave_room(&mut self) {
+        if let Knob::Step(_) = self.knob {
+            self.value = self.value.min(self.gearbox.scene.solver.sample_s / 4.0);
+        }
+    }
+
+    /// Two coarser settings than `value`; fewer where a step would be longer than the samples are apart.
     fn coarser(&self, value: f64) -> Vec<f64> {
         let (Knob::Step(_), solver) = (&self.knob, &self.gearbox.scene.solver) else {
             // The resolved form is dear, and its error small: its rungs are further apart.
@@ -260,16 +267,24 @@ impl<'a> Engines<'a> {
             };
             return vec![value * factor, value * factor * factor];
         };
-        let steps = solver.sample_s / value;
-        let whole = (steps - steps.round()).abs() < 1e-6 && steps > 2.5;
-        if !whole {
-            return vec![2.0 * value, 4.0 * value];
-        }
-        // Samples stay on steps.
-        let steps = steps.round();
-        let mut found = vec![(steps / 2.0).ceil(), (steps / 4.0).ceil()];
+        // No step is longer than the samples are apart: engines end one at each, so a longer one would show nothing.
+        let sample_s = solver.sample_s;
+        let steps = sample_s / value;
+        let whole = (steps - steps.round()).abs() < 1e-6;
+        let mut found: Vec<f64> = [2.0, 4.0]
+            .iter()
+            .map(|times| {
+                if whole {
+                    // Samples stay on steps.
+                    sample_s / (steps.round() / times).ceil()
+                } else {
+                    times * value
+                }
+            })
+            .filter(|longer| *longer > 1.001 * value && *longer < 1.001 * sample_s)
+            .collect();
         found.dedup();
-        found.into_iter().map(|n| solver.sample_s / n).collect()
+        found
     }
 
     /// Runs at one setting.
@@ -372,6 +387,9 @@ pub(crate) fn climb(
     let longest = effort.longest.as_secs_f64();
     let free = !effort.obey && engines.rungs.is_none();
     engines.most = most;
+    if free {
+        engines.leave_room();
+    }
     // A foreign engine is asked for its coarsest run first: what that takes tells whether the others fit the time.
     let mut coarsest = None;
     if limited
@@ -499,6 +517,13 @@ fn unknown(name: &str, excuse: &str) -> Evidence {
 }
 
 fn evidence(engines: &Engines<'_>, value: f64, rungs: &[At]) -> Evidence {
+    if rungs.is_empty() {
+        return Evidence::unknown(
+            engines.own.name(),
+            "its step is as long as its samples are apart, so no coarser run shows its error",
+            "take a step of a quarter of solver.sample_s or less",
+        );
+    }
     let coarser = rungs.iter().map(|at| Rung {
         refinement: at.value / value,
         run: at.run.clone(),
@@ -598,4 +623,36 @@ fn refinement(
         factor: (most > 1.0).then_some(most),
         stuck,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Engines end a step at every sample. Asked for a longer one they ran the same steps again, and three equal runs passed for
+    /// three that agree to rounding.
+    #[test]
+    fn regress_no_rung_is_longer_than_the_samples_are_apart() {
+        let scene = preset("paper").expect("a preset");
+        let scene = pinwheel_scene::Scene::from_toml(scene, "paper", &[]).expect("a scene");
+        let mut gearbox = Gearbox::new(&scene).expect("a gear");
+        gearbox.scene.solver.sample_s = 1e-4;
+        let own = by_name("native-reduced", &gearbox.scene).expect("an engine");
+        let mut engines = Engines::native(own.as_ref(), gearbox).expect("a ladder");
+        for (step, longer) in [
+            (1e-4, &[][..]),
+            (5e-5, &[1e-4]),
+            (4e-5, &[8e-5]),
+            (2.5e-5, &[5e-5, 1e-4]),
+            (1e-5, &[2e-5, 1e-4 / 3.0]),
+        ] {
+            let found = engines.coarser(step);
+            assert_eq!(found.len(), longer.len(), "{step}: {found:?}");
+            let near = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() < 1e-12;
+            assert!(found.iter().zip(longer).all(near), "{step}: {found:?}");
+        }
+        engines.value = 1e-4;
+        engines.leave_room();
+        assert_eq!(engines.value, 2.5e-5);
+    }
 }
