@@ -178,9 +178,9 @@ impl Sweep {
         let mut record: RunRecord =
             serde_json::from_str(record).map_err(|error| errors::json(&error))?;
         let planned = self.plan.runs.get(k).ok_or_else(over)?;
-        record.scene = planned.scene.to_toml();
-        let ours =
-            sweeps::wanted_of(&self.plan, planned).map_err(|error| errors::sweep(py, &error))?;
+        let ours = sweeps::wanted_of(&self.plan, planned);
+        let (scene, ours) = ours.map_err(|error| errors::sweep(py, &error))?;
+        record.scene = scene;
         if record.identity() != ours {
             return Err(errors::input(
                 py,

@@ -444,7 +444,7 @@ fn tables(item: &Item) -> Option<Vec<&dyn TableLike>> {
 
 /// Names the key the user can change: one given with `--set` before one in the file `source` before one of its base
 /// before one that nobody wrote.
-fn located(fault: Fault, places: &HashMap<String, Place>, source: &str) -> SceneError {
+pub(super) fn located(fault: Fault, places: &HashMap<String, Place>, source: &str) -> SceneError {
     let first = fault.keys.first().map_or("scene", AsRef::as_ref);
     let rank = |place: &&Place| match place {
         Place::Set(_) => 0,

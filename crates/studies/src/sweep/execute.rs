@@ -123,16 +123,19 @@ pub fn find(
     planned: &PlannedRun,
     journal: &Journal,
 ) -> Result<Option<RunRecord>, SweepError> {
-    Ok(journal.find(&wanted_of(plan, planned)?, plan.sweep.courses))
+    let (_, identity) = wanted_of(plan, planned)?;
+    Ok(journal.find(&identity, plan.sweep.courses))
 }
 
-/// The [`RunRecord::identity`] that a run's record will have.
+/// The complete scene of a run as TOML, and the [`RunRecord::identity`] that its record will have.
 ///
 /// # Errors
 /// An engine that is gone.
-pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<String, SweepError> {
+pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<(String, String), SweepError> {
     let engine = plan.engine(planned)?;
-    Ok(wanted(planned, engine.as_ref(), &planned.scene.to_toml()))
+    let scene = planned.scene.to_toml();
+    let identity = wanted(planned, engine.as_ref(), &scene);
+    Ok((scene, identity))
 }
 
 /// Makes a run, and keeps its courses in the folder `courses` as is asked for; `None` when cancelled. `scene`: its complete
