@@ -271,7 +271,7 @@ impl<F: Fn(&Control<'_>) -> Result<Run, EngineError>> Prepared for F {
 }
 
 /// The scene compiled for `engine`, after another.
-fn compile(
+pub(crate) fn compile(
     engine: &str,
     last: Option<&Gearbox>,
     scene: &CheckedScene,
