@@ -1,6 +1,7 @@
 """Runs: the program's numbers, shapes, libraries, Ctrl-C, threads, divergence, laws."""
 
 import os
+import pickle
 import signal
 import threading
 import time
@@ -40,6 +41,8 @@ def test_shapes_and_libraries():
     assert cube["external_sleeve_force_n"].dims == ("time_s", "external_sleeve")
     assert cube["external_sleeve_force_n"].attrs["units"] == "N"
     assert "driver torque" in repr(run) and "<table>" in run._repr_html_()
+    again = pickle.loads(pickle.dumps(run))
+    assert again.scene == run.scene and again.stats == run.stats and again.to_pandas().equals(frame)
 
 
 def test_pictures(tmp_path):

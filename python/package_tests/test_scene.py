@@ -65,6 +65,14 @@ def test_scenes_never_change():
     scene = Scene("paper")
     with pytest.raises(AttributeError, match="with_"):
         scene.name = "other"
+    with pytest.raises(AttributeError, match="with_"):
+        del scene._toml
+
+
+def test_a_scene_is_a_mapping_of_its_keys():
+    scene = Scene("paper")
+    assert "backlash_m" in scene and "gear.backlash_m" in scene and "backlsh_m" not in scene and 3 not in scene
+    assert list(scene) == list(scene.keys()) and dict(scene)["gear.wheels"] == 2
 
 
 def test_repr_makes_it_again():

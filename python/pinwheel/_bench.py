@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pinwheel import _core
 from pinwheel._columns import wanted
 from pinwheel._compare import STYLES
-from pinwheel._engine import EngineLike
+from pinwheel._engine import EngineLike, several
 from pinwheel._page import show
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene
@@ -60,7 +60,7 @@ def _number(text: str) -> Any:
 
 def bench(
     scene: Scene | str,
-    engines: Sequence[EngineLike] = (),
+    engines: Sequence[EngineLike] | EngineLike = (),
     *,
     target: float = 1e-3,
     methods: Sequence[str] = (),
@@ -75,4 +75,4 @@ def bench(
     """
     made = scene if isinstance(scene, Scene) else Scene(scene)
     with telling(progress, "bench") as told:
-        return Bench(_core.bench(made._inner, list(engines), (target, repeats, longest_s), list(methods), told))
+        return Bench(_core.bench(made._inner, several(engines), (target, repeats, longest_s), list(methods), told))

@@ -35,7 +35,7 @@ def run_batch(batch: bytes) -> tuple[float, list[str]]:
     """On a worker: makes the runs; wall time, s, and records."""
     tasks, engines, courses = pickle.loads(batch)
     begun = time.perf_counter()
-    records = [_core.perform(task, engines, courses) for task in tasks]
+    records = _core.perform(tasks, engines, courses)
     return time.perf_counter() - begun, records
 
 

@@ -83,6 +83,9 @@ class Columns(Mapping[str, Floats]):
     def __contains__(self, name: object) -> bool:
         return name == "time_s" or name in self._index or name in self._groups
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (self.names, self.time_s.tobytes(), self._block.tobytes())
+
     def to_dict(self) -> dict[str, Floats]:
         """Every column by its full name, `time_s` first."""
         return {"time_s": self.time_s, **{name: self._block[k] for k, name in enumerate(self.names)}}
@@ -112,6 +115,10 @@ class Columns(Mapping[str, Floats]):
     def to_csv(self, path: str) -> None:
         """Writes the file that the program calls `courses.csv`: the same bytes."""
         self._core.save_csv(str(path))
+
+
+def _unpickled(names: tuple[str, ...], time: bytes, values: bytes) -> Columns:
+    return Columns(_core.Columns(names, time, values))
 
 
 def unit(name: str) -> str:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from pinwheel import _core
 from pinwheel._columns import Columns, wanted
-from pinwheel._engine import EngineLike
+from pinwheel._engine import EngineLike, several
 from pinwheel._page import show
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene
@@ -121,7 +121,7 @@ def _verdict(pair: dict[str, Any], entry: dict[str, Any]) -> Verdict:
 
 def compare(
     scene: Scene | str,
-    engines: Sequence[EngineLike] = (),
+    engines: Sequence[EngineLike] | EngineLike = (),
     *,
     against: Sequence[tuple[str | os.PathLike[str], str | os.PathLike[str]]] = (),
     progress: bool | Told | None = None,
@@ -141,4 +141,4 @@ def compare(
     made = scene if isinstance(scene, Scene) else Scene(scene)
     with telling(progress, "compare") as told:
         files = [(os.fspath(file), os.fspath(table)) for file, table in against]
-        return Comparison(made, _core.compare(made._inner, list(engines), files, told))
+        return Comparison(made, _core.compare(made._inner, several(engines), files, told))

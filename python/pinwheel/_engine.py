@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias, overload
 
@@ -165,6 +165,11 @@ class Engine:
 
 
 EngineLike: TypeAlias = str | Engine
+
+
+def several(engines: Sequence[EngineLike] | EngineLike) -> list[EngineLike]:
+    """Engines as a list; one alone needs none."""
+    return [engines] if isinstance(engines, str | Engine) else list(engines)
 
 
 @overload

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from pinwheel import _core
+from pinwheel.errors import SceneError
 
 if TYPE_CHECKING:
     from pinwheel._engine import EngineLike
@@ -117,6 +118,9 @@ class Scene:
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError("a scene never changes; scene.with_(...) gives another")
 
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError("a scene never changes; scene.with_(...) gives another")
+
     @property
     def name(self) -> str:
         """Name shown in results."""
@@ -139,6 +143,16 @@ class Scene:
         except KeyError:
             raise KeyError(f"{key} has no value in this scene") from None
         return value
+
+    def __contains__(self, key: object) -> bool:
+        try:
+            self[str(key)]
+        except (KeyError, SceneError):
+            return False
+        return True
+
+    def __iter__(self) -> Iterator[str]:
+        return self.keys()
 
     def keys(self) -> Iterator[str]:
         """Full names of all keys that have a value."""

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from pinwheel import _core
 from pinwheel._columns import wanted
 from pinwheel._compare import STYLES
-from pinwheel._engine import Engine, EngineLike
+from pinwheel._engine import Engine, EngineLike, several
 from pinwheel._page import show
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene, settings, toml_value
@@ -157,7 +157,7 @@ def sweep(
     vary: Mapping[str, Any] | None = None,
     sample: Mapping[str, Any] | None = None,
     specification: Mapping[str, Any] | None = None,
-    engines: Sequence[EngineLike] = (),
+    engines: Sequence[EngineLike] | EngineLike = (),
     measure: Sequence[str] | None = None,
     window_s: Sequence[float] | None = None,
     client: Client | None = None,
@@ -202,7 +202,8 @@ def sweep(
             except (OSError, UnicodeDecodeError) as error:
                 raise InputError(f"{path}: cannot be read: {error}; give a sweep file (TOML), see docs/sweeps.md") from error
             sets = settings(keys)
-        core = _core.Sweep(text, path, sets, list(engines), None if out is None else os.fspath(out), resume, force)
+        asked = several(engines)
+        core = _core.Sweep(text, path, sets, asked, None if out is None else os.fspath(out), resume, force)
         try:
             with telling(progress, core.name()) as told:
                 if client is None:
@@ -210,7 +211,7 @@ def sweep(
                 else:
                     from pinwheel._cluster import execute
 
-                    own = tuple(engine for engine in engines if isinstance(engine, Engine))
+                    own = tuple(engine for engine in asked if isinstance(engine, Engine))
                     execute(client, core, own, batch, told)
             core.finish()
         finally:

@@ -95,14 +95,51 @@ impl<'a> View<'a> {
     /// Mean; `None` without values or with one that is not finite.
     #[must_use]
     pub fn mean(&self) -> Option<f64> {
-        // Scaled as the root mean square is, so that the sum cannot overflow.
-        let peak = self.peak()?;
-        if peak == 0.0 {
-            return Some(0.0);
+        let scale = scale_of(extremes(&self.channels)?);
+        let mut sum = 0.0;
+        for channel in &self.channels {
+            for value in *channel {
+                sum += value * scale.recip();
+            }
         }
-        let scale = power_of_two_below(peak);
-        let sum: f64 = self.values().map(|v| v / scale).sum();
         Some(sum / self.count() as f64 * scale)
+    }
+}
+
+/// Smallest and largest of finite values; `None` without any or with one that is not finite.
+fn extremes(channels: &[&[f64]]) -> Option<[f64; 2]> {
+    const LANES: usize = 4;
+    let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    // What is not finite leaves NaN here.
+    let mut spoiled = [0.0; LANES];
+    let mut take = |lane: usize, value: f64| {
+        low[lane] = if value < low[lane] { value } else { low[lane] };
+        high[lane] = if value > high[lane] {
+            value
+        } else {
+            high[lane]
+        };
+        spoiled[lane] += value - value;
+    };
+    for channel in channels {
+        let (whole, rest) = channel.as_chunks::<LANES>();
+        for chunk in whole {
+            (0..LANES).for_each(|lane| take(lane, chunk[lane]));
+        }
+        rest.iter().for_each(|&value| take(0, value));
+    }
+    let low = low.into_iter().fold(f64::INFINITY, f64::min);
+    let high = high.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    (low <= high && spoiled.iter().sum::<f64>() == 0.0).then_some([low, high])
+}
+
+/// A power of two near the largest magnitude: sums and squares of values over it neither overflow nor vanish.
+fn scale_of([low, high]: [f64; 2]) -> f64 {
+    let peak = high.max(-low);
+    if peak == 0.0 {
+        1.0
+    } else {
+        power_of_two_below(peak)
     }
 }
 
@@ -114,10 +151,10 @@ pub(crate) fn peak(mut values: impl Iterator<Item = f64>) -> Option<f64> {
     })
 }
 
-/// The largest power of two not above `value` > 0: dividing by it rounds nothing.
+/// The largest power of two not above `value` > 0, and at least the smallest normal number: neither dividing by it nor
+/// multiplying by its inverse rounds.
 fn power_of_two_below(value: f64) -> f64 {
-    let power = f64::from_bits(value.to_bits() & 0x7ff0_0000_0000_0000);
-    if power > 0.0 { power } else { value }
+    f64::from_bits(value.to_bits() & 0x7ff0_0000_0000_0000).max(f64::MIN_POSITIVE)
 }
 
 /// Root mean square of finite values whose largest magnitude is `peak`: scaled down by it, so
@@ -155,37 +192,23 @@ impl Statistics {
     /// Of a view; `None` without values or with one that is not finite.
     #[must_use]
     pub fn of(view: &View<'_>) -> Option<Self> {
-        let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut finite = true;
-        for value in view.channels.iter().copied().flatten().copied() {
-            finite &= value.is_finite();
-            min = min.min(value);
-            max = max.max(value);
-        }
-        let count = view.count();
-        if !finite || count == 0 {
-            return None;
-        }
-        let peak = max.max(-min);
+        let [min, max] = extremes(&view.channels)?;
+        let scale = scale_of([min, max]);
         let (mut sum, mut squares) = (0.0, 0.0);
-        let scale = if peak == 0.0 {
-            1.0
-        } else {
-            power_of_two_below(peak)
-        };
         for channel in &view.channels {
             for value in *channel {
-                let scaled = value / scale;
+                let scaled = value * scale.recip();
                 sum += scaled;
                 squares += scaled * scaled;
             }
         }
+        let count = view.count() as f64;
         Some(Self {
-            mean: sum / count as f64 * scale,
+            mean: sum / count * scale,
             min,
             max,
-            rms: scale * (squares / count as f64).sqrt(),
-            peak,
+            rms: scale * (squares / count).sqrt(),
+            peak: max.max(-min),
         })
     }
 }
@@ -211,6 +234,9 @@ mod tests {
         assert!((figures.rms / 1e200 - 1.0).abs() < 1e-15);
         let largest = Statistics::of(&View::new(vec![&[f64::MAX, f64::MAX]])).unwrap();
         assert!(largest.mean.is_finite() && largest.rms.is_finite());
+        // Below the smallest normal number.
+        let tiny = Statistics::of(&View::new(vec![&[3e-320, -1e-320]])).unwrap();
+        assert_eq!((tiny.mean, tiny.peak), (1e-320, 3e-320));
     }
 
     #[test]
@@ -218,7 +244,16 @@ mod tests {
         assert!(Statistics::of(&View::new(vec![])).is_none());
         assert!(Statistics::of(&View::new(vec![&[]])).is_none());
         let spoiled = View::new(vec![&[1.0, 2.0], &[3.0, f64::INFINITY]]);
-        assert!(Statistics::of(&spoiled).is_none());
         assert_eq!(spoiled.first_not_finite(), Some((1, 1)));
+        // Wherever it stands: values are taken four at a time.
+        for place in 0..6 {
+            for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut values = [1.0; 6];
+                values[place] = odd;
+                let view = View::new(vec![&values]);
+                assert!(Statistics::of(&view).is_none() && view.mean().is_none());
+            }
+        }
+        assert!(View::new(vec![&[]]).mean().is_none());
     }
 }

@@ -117,6 +117,12 @@ impl Epitrochoid {
         Ok(curve)
     }
 
+    /// Whether it is what [`new`](Self::new) makes of these.
+    #[must_use]
+    pub fn is_of(&self, eccentricity: f64, sleeves: u32, shortening: f64) -> bool {
+        (self.eccentricity, self.sleeves, self.shortening) == (eccentricity, sleeves, shortening)
+    }
+
     /// R, m.
     #[must_use]
     pub fn pitch_radius(&self) -> f64 {

@@ -227,7 +227,8 @@ pub trait Engine: Send + Sync {
     /// # Errors
     /// As [`prepare`](Self::prepare).
     fn supports(&self, scene: &CheckedScene) -> Result<(), EngineError> {
-        self.prepare(&compile(self.name(), scene)?).map(|_| ())
+        self.prepare(&compile(self.name(), None, scene)?)
+            .map(|_| ())
     }
 
     /// Compiles, prepares and runs a scene.
@@ -235,7 +236,22 @@ pub trait Engine: Send + Sync {
     /// # Errors
     /// Any [`EngineError`]; a divergence keeps what was computed.
     fn run(&self, scene: &CheckedScene, control: &Control<'_>) -> Result<Run, EngineError> {
-        self.prepare(&compile(self.name(), scene)?)?.run(control)
+        self.run_after(&mut None, scene, control)
+    }
+
+    /// The same after another run, whose gearbox is `last`; afterwards it is this run's. What like gears have in common is
+    /// not computed again, and nothing else depends on it.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    fn run_after(
+        &self,
+        last: &mut Option<Gearbox>,
+        scene: &CheckedScene,
+        control: &Control<'_>,
+    ) -> Result<Run, EngineError> {
+        let gearbox = compile(self.name(), last.as_ref(), scene)?;
+        self.prepare(last.insert(gearbox))?.run(control)
     }
 }
 
@@ -254,9 +270,13 @@ impl<F: Fn(&Control<'_>) -> Result<Run, EngineError>> Prepared for F {
     }
 }
 
-/// The scene compiled for `engine`.
-pub(crate) fn compile(engine: &str, scene: &CheckedScene) -> Result<Gearbox, EngineError> {
-    Gearbox::new(scene).map_err(|error| EngineError::Unsupported {
+/// The scene compiled for `engine`, after another.
+pub(crate) fn compile(
+    engine: &str,
+    last: Option<&Gearbox>,
+    scene: &CheckedScene,
+) -> Result<Gearbox, EngineError> {
+    Gearbox::after(last, scene).map_err(|error| EngineError::Unsupported {
         engine: engine.to_owned(),
         reason: error.to_string(),
     })

@@ -14,8 +14,17 @@ impl Gearbox {
     /// # Errors
     /// Parameters that only fail once the model is built (see [`GearboxError`]).
     pub fn new(scene: &CheckedScene) -> Result<Self, GearboxError> {
+        Self::after(None, scene)
+    }
+
+    /// The same gearbox as [`new`](Self::new) gives, made with less work where one like it was made before.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn after(earlier: Option<&Self>, scene: &CheckedScene) -> Result<Self, GearboxError> {
         pinwheel_faults::compiled();
-        let geometry = Geometry::new(&scene.gear)?;
+        let earlier = earlier.map(|gearbox| &gearbox.geometry);
+        let geometry = Geometry::after(earlier, &scene.gear)?;
         let mut gearbox = Self {
             scene: scene.clone(),
             layout: Layout::of(&scene.gear),

@@ -55,10 +55,19 @@ impl Geometry {
     /// # Errors
     /// Parameters for which there is no curve.
     pub fn new(gear: &Gear) -> Result<Self, GearboxError> {
+        Self::after(None, gear)
+    }
+
+    /// The same, with the curve of another gear where it is the same curve: most of the work is in its reaches.
+    pub(crate) fn after(earlier: Option<&Self>, gear: &Gear) -> Result<Self, GearboxError> {
         let sleeves = u32::try_from(gear.external_sleeves).unwrap_or(u32::MAX);
-        let shortening = gear.generating_shortening();
-        let curve = Epitrochoid::new(gear.eccentricity_m, sleeves, shortening)
-            .map_err(|error| GearboxError::Geometry(error.to_string()))?;
+        let (eccentricity, shortening) = (gear.eccentricity_m, gear.generating_shortening());
+        let known = earlier.map(|earlier| &earlier.curve);
+        let curve = match known.filter(|curve| curve.is_of(eccentricity, sleeves, shortening)) {
+            Some(curve) => curve.clone(),
+            None => Epitrochoid::new(eccentricity, sleeves, shortening)
+                .map_err(|error| GearboxError::Geometry(error.to_string()))?,
+        };
         let (wheels, external, internal) =
             (gear.wheels, gear.external_sleeves, gear.internal_sleeves);
         let lobes = gear.external_sleeves as f64 - 1.0;

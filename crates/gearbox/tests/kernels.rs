@@ -386,3 +386,22 @@ fn hard_levers_find_what_touches() {
     println!("{poses} poses, {touching} contacts");
     assert!(touching > poses / 4);
 }
+
+/// What a gearbox takes over from one made before changes nothing of it.
+#[test]
+fn a_gearbox_after_another_is_the_same() {
+    let paper = Gearbox::new(&Scene::load("paper", &[]).unwrap()).unwrap();
+    for change in [
+        "drive.output_torque_n_m=11",
+        "gear.backlash_m=1e-4",
+        "gear.eccentricity_m=0.0027",
+        "gear.external_sleeves=15",
+        "gear.shortening=0.69",
+        "gear.modification.radial_m=-1e-5",
+    ] {
+        let scene = Scene::load("paper", &[change.parse().unwrap()]).unwrap();
+        let [after, new] = [Some(&paper), None].map(|last| Gearbox::after(last, &scene).unwrap());
+        assert_eq!(after.geometry, new.geometry, "{change}");
+        assert_eq!(after.scene, new.scene, "{change}");
+    }
+}

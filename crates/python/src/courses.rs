@@ -1,7 +1,8 @@
 //! Time series as bytes that numpy takes as they are.
 
 use pinwheel::Courses;
-use pyo3::exceptions::PyOSError;
+use pinwheel::courses::CoursesError;
+use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -11,6 +12,24 @@ pub(crate) struct Columns(pub(crate) Courses);
 
 #[pymethods]
 impl Columns {
+    /// Columns from what [`names`](Self::names), [`time`](Self::time) and [`values`](Self::values) gave: pickled ones.
+    #[new]
+    fn new(names: Vec<String>, time: &[u8], values: &[u8]) -> PyResult<Self> {
+        let numbers = |bytes: &[u8]| -> Vec<f64> {
+            let (all, _) = bytes.as_chunks::<8>();
+            all.iter().map(|bytes| f64::from_ne_bytes(*bytes)).collect()
+        };
+        let wrong = |error: CoursesError| PyValueError::new_err(error.to_string());
+        let mut courses = Courses::new(numbers(time)).map_err(wrong)?;
+        let samples = courses.len();
+        for (k, name) in names.into_iter().enumerate() {
+            let column = values.get(8 * samples * k..8 * samples * (k + 1));
+            let column = numbers(column.unwrap_or_default());
+            courses.push(name, column).map_err(wrong)?;
+        }
+        Ok(Self(courses))
+    }
+
     /// Names of the columns after the time, each ending in its unit, and in a number where there are several.
     fn names(&self) -> Vec<&str> {
         self.0

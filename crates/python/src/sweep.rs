@@ -150,7 +150,7 @@ impl Sweep {
     }
 
     /// Run `k` for a worker: number, engine, complete scene, window.
-    fn task(&self, k: usize) -> PyResult<(usize, String, String, [f64; 2])> {
+    fn task(&self, k: usize) -> PyResult<Task> {
         let planned = self.plan.runs.get(k).ok_or_else(over)?;
         let scene = planned.scene.to_toml();
         Ok((
@@ -178,9 +178,9 @@ impl Sweep {
         let mut record: RunRecord =
             serde_json::from_str(record).map_err(|error| errors::json(&error))?;
         let planned = self.plan.runs.get(k).ok_or_else(over)?;
-        record.scene = planned.scene.to_toml();
-        let ours =
-            sweeps::wanted_of(&self.plan, planned).map_err(|error| errors::sweep(py, &error))?;
+        let ours = sweeps::wanted_of(&self.plan, planned);
+        let (scene, ours) = ours.map_err(|error| errors::sweep(py, &error))?;
+        record.scene = scene;
         if record.identity() != ours {
             return Err(errors::input(
                 py,
@@ -280,36 +280,50 @@ impl Sweep {
     }
 }
 
-/// Makes a run that another process planned, and gives its record as JSON, without its scene; `courses`: the folder that
+/// A run for a worker: number, engine, complete scene as TOML, window.
+type Task = (usize, String, String, [f64; 2]);
+
+/// Makes runs that another process planned, and gives their records as JSON, without the scenes; `courses`: the folder that
 /// they go to, and how.
 #[pyfunction]
 pub(crate) fn perform(
     py: Python<'_>,
-    task: (usize, String, String, [f64; 2]),
+    tasks: Vec<Task>,
     engines: Vec<Bound<'_, PyAny>>,
     courses: Option<(PathBuf, String)>,
-) -> PyResult<String> {
-    let (number, engine, scene, window_s) = task;
-    let wrong = |error: &sweeps::SweepError| errors::sweep(py, error);
-    let planned = PlannedRun::from_parts(number, engine, &scene, window_s)
-        .map_err(|error| errors::scene(py, &error))?;
-    let (_, own) = guests::split(Asked::each(&engines)?);
-    let Some(engine) = Guests(own).engine(&planned.engine, &planned.scene) else {
-        let text = format!("this machine has no engine `{}`", planned.engine);
-        return Err(errors::input(py, &text));
-    };
+) -> PyResult<Vec<String>> {
     let keep = match courses.as_ref().map(|(_, how)| how.as_str()) {
         None => KeepCourses::None,
         Some("csv") => KeepCourses::Csv,
         Some(_) => KeepCourses::Parquet,
     };
     let place = courses.map(|(folder, _)| folder).unwrap_or_default();
-    let made = py.detach(|| {
-        let control = pinwheel::engines::Control::quiet();
-        sweeps::perform(&planned, engine.as_ref(), (&place, keep), &control)
+    let (_, own) = guests::split(Asked::each(&engines)?);
+    let guests = Guests(own);
+    let mut last = None;
+    let each = tasks.into_iter().map(|(number, engine, scene, window_s)| {
+        let planned = PlannedRun::from_parts(number, engine, &scene, window_s)
+            .map_err(|error| errors::scene(py, &error))?;
+        let Some(engine) = guests.engine(&planned.engine, &planned.scene) else {
+            let text = format!("this machine has no engine `{}`", planned.engine);
+            return Err(errors::input(py, &text));
+        };
+        let made = py.detach(|| {
+            let control = pinwheel::engines::Control::quiet();
+            let place = (place.as_path(), keep);
+            sweeps::perform(
+                &planned,
+                engine.as_ref(),
+                &scene,
+                place,
+                &mut last,
+                &control,
+            )
+        });
+        let record = made.map_err(|error| errors::sweep(py, &error))?;
+        let mut record = record.ok_or_else(|| PyRuntimeError::new_err("stopped"))?;
+        record.scene = String::new();
+        serde_json::to_string(&record).map_err(|error| errors::json(&error))
     });
-    let record = made.map_err(|error| wrong(&error))?;
-    let mut record = record.ok_or_else(|| PyRuntimeError::new_err("stopped"))?;
-    record.scene = String::new();
-    serde_json::to_string(&record).map_err(|error| errors::json(&error))
+    each.collect()
 }

@@ -83,10 +83,7 @@ impl Scene {
     /// The first fault found: its keys, what is wrong and the remedy.
     pub fn check(self) -> Result<CheckedScene, Fault> {
         check::check(&self)?;
-        Ok(CheckedScene {
-            scene: self,
-            origins: Arc::default(),
-        })
+        Ok(CheckedScene::unchecked(self))
     }
 }
 
@@ -98,14 +95,19 @@ impl CheckedScene {
     pub fn changed(&self, change: impl FnOnce(&mut Scene)) -> Result<Self, Fault> {
         let mut scene = self.scene.clone();
         change(&mut scene);
+        if scene == self.scene {
+            return Ok(self.clone());
+        }
         let mut changed = scene.check()?;
         changed.origins = Arc::clone(&self.origins);
         Ok(changed)
     }
 
-    pub(crate) fn with_origins(mut self, origins: Vec<Origin>) -> Self {
-        self.origins = origins.into();
-        self
+    /// A scene each of whose values is known to be in range, and where values come from.
+    pub(crate) fn together(scene: Scene, origins: Vec<Origin>) -> Result<Self, Fault> {
+        check::together(&scene)?;
+        let origins = origins.into();
+        Ok(Self { scene, origins })
     }
 
     /// The values that the scene's file does not write, in the order of [`crate::KEYS`], with what stands behind

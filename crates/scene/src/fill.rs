@@ -6,7 +6,7 @@ use crate::check;
 use crate::checked::{Origin, Source};
 use crate::error::Fault;
 use crate::formulas::Given;
-use crate::keys::{KEYS, Kind, Otherwise};
+use crate::keys::{self, Key, Kind, Otherwise};
 use crate::model::Scene;
 use crate::table::{insert, lookup, usual};
 
@@ -33,10 +33,10 @@ pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
     // Placeholders must not pass for the scene's own.
     scene.solver.duration_s = f64::MAX;
     let (mut part, mut sound) = ("", false);
-    for row in KEYS {
-        if lookup(table, row.name).is_some() {
-            continue;
-        }
+    let gaps: Vec<&Key> = keys::values(table)
+        .filter_map(|(row, value)| value.is_none().then_some(row))
+        .collect();
+    for row in gaps {
         let new_part = row.name.split('.').next().unwrap_or_default();
         let (value, source) = match row.otherwise {
             Otherwise::Required => {

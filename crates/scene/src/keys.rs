@@ -4,8 +4,11 @@
 //! a field of the model ([`crate::Scene`]), a row here, and whatever uses it. Rows stand in the order in which what is
 //! left out is filled in: a formula may use any row above its own.
 
+use toml::{Table, Value};
+
 use crate::formulas::{self, Given};
 use crate::names;
+use crate::table::lookup;
 
 /// What a key holds.
 #[derive(Clone, Copy)]
@@ -61,6 +64,19 @@ pub struct Key {
     pub about: &'static str,
     /// Help for who gave a wrong value.
     pub hint: &'static str,
+}
+
+/// Every row with what a scene's table holds there.
+pub(crate) fn values(table: &Table) -> impl Iterator<Item = (&'static Key, Option<&Value>)> {
+    // Rows of one table stand together: it is looked up once.
+    let mut last = ("", Some(table));
+    KEYS.iter().map(move |row| {
+        let (place, name) = row.name.rsplit_once('.').unwrap_or(("", row.name));
+        if place != last.0 {
+            last = (place, lookup(table, place).and_then(Value::as_table));
+        }
+        (row, last.1.and_then(|inner| inner.get(name)))
+    })
 }
 
 impl Range {

@@ -89,7 +89,9 @@ fn figures_are_the_courses() {
     let means = numbers(table.column("mean_input_torque_n_m"));
     let out = tempfile::tempdir().unwrap();
     for (k, record) in records.iter().enumerate() {
-        journal.copy(record, k + 1, out.path()).unwrap();
+        journal
+            .copy(record, plan.sweep.courses, k + 1, out.path())
+            .unwrap();
         let courses = Courses::load_csv(&out.path().join(format!("run-{:04}.csv", k + 1))).unwrap();
         let window = courses.window(0.001, 0.003);
         assert_eq!(window.len(), 21);

@@ -37,7 +37,7 @@ pub fn run(engine: &str, scene: &CheckedScene, fault: Fault) -> Result<Run, Engi
             calls: 0,
         }) as Box<dyn ContactField>
     };
-    let gearbox = compile(engine.0.name, scene)?;
+    let gearbox = compile(engine.0.name, None, scene)?;
     engine.run_with(&gearbox, &Control::quiet(), faulty, every)
 }
 

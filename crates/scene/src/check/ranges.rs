@@ -5,18 +5,17 @@ use std::borrow::Cow;
 use toml::{Table, Value};
 
 use crate::error::{Fault, one_line, quoted};
-use crate::keys::{KEYS, Key, Kind, Range};
+use crate::keys::{self, Key, Kind, Range};
 use crate::number::short;
 use crate::suggest::did_you_mean;
-use crate::table::lookup;
 
 /// Smaller numbers are no quantities of a gear; powers and quotients of them are zero or infinite.
 const SMALLEST: f64 = 1e-30;
 
 /// Checks the values there are; what is missing is none of its business.
 pub(crate) fn check(table: &Table) -> Result<(), Fault> {
-    for row in KEYS {
-        if let Some(value) = lookup(table, row.name) {
+    for (row, value) in keys::values(table) {
+        if let Some(value) = value {
             one(row, row.name.into(), value)?;
         }
     }

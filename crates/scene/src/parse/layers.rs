@@ -406,8 +406,10 @@ impl Layers {
             })
             .collect();
         origins.extend(filled);
-        let scene: Scene = serde_path_to_error::deserialize(Value::Table(self.table.clone()))
-            .map_err(|error| {
+        // Formulas may leave the ranges.
+        check::ranges(&self.table).map_err(|fault| located(fault, &self.places))?;
+        let scene: Scene =
+            serde_path_to_error::deserialize(Value::Table(self.table)).map_err(|error| {
                 let key = error.path().to_string();
                 let what = error.inner().message().trim().to_owned();
                 SceneError::Key {
@@ -419,10 +421,7 @@ impl Layers {
                     key,
                 }
             })?;
-        let checked = scene
-            .check()
-            .map_err(|fault| located(fault, &self.places))?;
-        Ok(checked.with_origins(origins))
+        CheckedScene::together(scene, origins).map_err(|fault| located(fault, &self.places))
     }
 }
 
@@ -445,7 +444,7 @@ fn tables(item: &Item) -> Option<Vec<&dyn TableLike>> {
 
 /// Names the key the user can change: one given with `--set` before one in the file `source` before one of its base
 /// before one that nobody wrote.
-fn located(fault: Fault, places: &HashMap<String, Place>, source: &str) -> SceneError {
+pub(super) fn located(fault: Fault, places: &HashMap<String, Place>, source: &str) -> SceneError {
     let first = fault.keys.first().map_or("scene", AsRef::as_ref);
     let rank = |place: &&Place| match place {
         Place::Set(_) => 0,

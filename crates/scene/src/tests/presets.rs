@@ -52,8 +52,19 @@ fn to_toml_round_trips_to_the_last_bit() {
     for preset in PRESETS {
         let mut scene = load(preset.name);
         scene.drive.input_speed_rad_s = 1.0 / 3.0 * 157.079_632_679_489_67;
-        let again = Scene::from_toml(&scene.to_toml(), "again.toml", &[]).unwrap();
+        let text = scene.to_toml();
+        let again = Scene::from_toml(&text, "again.toml", &[]).unwrap();
         assert_eq!(*again, scene);
+        assert_eq!(*Scene::from_complete(&text).unwrap(), scene);
+    }
+    let text = Scene::paper().to_toml();
+    for (from, to, told) in [
+        ("wheels = 2", "wheels = 0", "gear.wheels"),
+        ("wheels = 2", "weels = 2", "line"),
+        ("backlash_m = 0.0", "backlash_m = 0.1", "gear.backlash_m"),
+    ] {
+        let error = Scene::from_complete(&text.replace(from, to)).unwrap_err();
+        assert!(error.to_string().contains(told), "{error}");
     }
 }
 

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use pinwheel_courses::{Courses, Ending};
 use pinwheel_engines::{Engine, EngineError};
+use pinwheel_gearbox::Gearbox;
 
 use crate::control::{Control, Progress};
 use crate::pool::{self, lock};
@@ -13,6 +14,9 @@ use crate::sweep::file::KeepCourses;
 use crate::sweep::journal::{Journal, keep_courses};
 use crate::sweep::record::{RunRecord, wanted};
 use crate::sweep::{Plan, PlannedRun, SweepError};
+
+/// Reports of a run's progress at most.
+const TOLD: u64 = 100;
 
 /// What all threads share.
 struct Shared<'a> {
@@ -67,7 +71,7 @@ pub fn execute_some(
         records: Mutex::new(vec![None; picks.len()]),
         fault: Mutex::new(None),
     };
-    pool::each(jobs, picks.len(), || (), |(), k| shared.work(k));
+    pool::each(jobs, picks.len(), || None, |last, k| shared.work(last, k));
     let fault = shared
         .fault
         .into_inner()
@@ -119,39 +123,35 @@ pub fn find(
     planned: &PlannedRun,
     journal: &Journal,
 ) -> Result<Option<RunRecord>, SweepError> {
-    Ok(journal.find(&wanted_of(plan, planned)?, plan.sweep.courses))
+    let (_, identity) = wanted_of(plan, planned)?;
+    Ok(journal.find(&identity, plan.sweep.courses))
 }
 
-/// The [`RunRecord::identity`] that a run's record will have.
+/// The complete scene of a run as TOML, and the [`RunRecord::identity`] that its record will have.
 ///
 /// # Errors
 /// An engine that is gone.
-pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<String, SweepError> {
+pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<(String, String), SweepError> {
     let engine = plan.engine(planned)?;
-    Ok(wanted(planned, engine.as_ref(), &planned.scene.to_toml()))
+    let scene = planned.scene.to_toml();
+    let identity = wanted(planned, engine.as_ref(), &scene);
+    Ok((scene, identity))
 }
 
-/// Makes a run, and keeps its courses in the folder `courses` as is asked for; `None` when cancelled.
+/// Makes a run, and keeps its courses in the folder `courses` as is asked for; `None` when cancelled. `scene`: its complete
+/// scene as TOML; `last`: what the run before was computed with ([`Engine::run_after`]).
 ///
 /// # Errors
 /// Courses cannot be written.
 pub fn perform(
     planned: &PlannedRun,
     engine: &dyn Engine,
-    courses: (&Path, KeepCourses),
-    control: &pinwheel_engines::Control<'_>,
-) -> Result<Option<RunRecord>, SweepError> {
-    perform_as(planned, engine, &planned.scene.to_toml(), courses, control)
-}
-
-fn perform_as(
-    planned: &PlannedRun,
-    engine: &dyn Engine,
     scene: &str,
     (folder, keep): (&Path, KeepCourses),
+    last: &mut Option<Gearbox>,
     control: &pinwheel_engines::Control<'_>,
 ) -> Result<Option<RunRecord>, SweepError> {
-    let ran = engine.run(&planned.scene, control);
+    let ran = engine.run_after(last, &planned.scene, control);
     let Some((record, run)) = judged(planned, engine, scene, ran) else {
         return Ok(None);
     };
@@ -165,11 +165,11 @@ fn perform_as(
 
 impl Shared<'_> {
     /// Run `k` of the picks; false when no other is to begin.
-    fn work(&self, k: usize) -> bool {
+    fn work(&self, last: &mut Option<Gearbox>, k: usize) -> bool {
         if self.control.is_cancelled() {
             return false;
         }
-        match self.one(&self.plan.runs[self.picks[k]]) {
+        match self.one(last, &self.plan.runs[self.picks[k]]) {
             Ok(Some(record)) => {
                 lock(&self.records)[k] = Some(record);
                 self.finished.fetch_add(1, Ordering::Relaxed);
@@ -194,7 +194,11 @@ impl Shared<'_> {
     }
 
     /// One run, from the journal or anew; `None` when cancelled.
-    fn one(&self, planned: &PlannedRun) -> Result<Option<RunRecord>, SweepError> {
+    fn one(
+        &self,
+        last: &mut Option<Gearbox>,
+        planned: &PlannedRun,
+    ) -> Result<Option<RunRecord>, SweepError> {
         let duration = planned.scene.solver.duration_s;
         let keep = self.plan.sweep.courses;
         let engine = self.plan.engine(planned)?;
@@ -206,9 +210,15 @@ impl Shared<'_> {
             return Ok(Some(record));
         }
         let seen_us = AtomicU64::new(0);
+        let whole_us = (duration * 1e6) as u64;
         let reached = |time_s: f64| {
             let now = (time_s.clamp(0.0, duration) * 1e6) as u64;
-            let before = seen_us.swap(now, Ordering::Relaxed);
+            // All threads write to one counter: not at every sample.
+            let before = seen_us.load(Ordering::Relaxed);
+            if now < whole_us && now < before + whole_us / TOLD {
+                return;
+            }
+            seen_us.store(now, Ordering::Relaxed);
             self.simulated_us
                 .fetch_add(now.saturating_sub(before), Ordering::Relaxed);
             self.report();
@@ -218,7 +228,7 @@ impl Shared<'_> {
             progress: &reached,
         };
         let place = (self.journal.folder(), keep);
-        let made = perform_as(planned, engine.as_ref(), &scene, place, &control)?;
+        let made = perform(planned, engine.as_ref(), &scene, place, last, &control)?;
         if let Some(record) = &made {
             reached(duration);
             self.journal.keep(record)?;

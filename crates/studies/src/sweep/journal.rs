@@ -1,7 +1,6 @@
 //! Finished runs on disk, one file each, so that a sweep that was killed goes on where it stopped.
 //!
-//! A record is written beside its place and then renamed: it is there whole or not at all. What a
-//! record belongs to is its whole content (scene, engine, versions, window), so a sweep may be changed
+//! What a record belongs to is its whole content (scene, engine, versions, window), so a sweep may be changed
 //! between two attempts: runs it still asks for are found again, others are run.
 //!
 //! ```text
@@ -10,12 +9,13 @@
 //!    shard-2-of-8/              a folder like it for each shard, so that many processes write at once
 //! ```
 //!
-//! Records are not waited for to be on the disk, which would cost more than a short run: a kill loses nothing by it, and
-//! after a power cut a file that is not whole is no record. Courses are waited for, as a record says that they are there.
+//! Records are written where they stand and not waited for to be on the disk, which would cost as much as a short run. What a
+//! kill or a power cut leaves of one is no JSON, and so no record: that run is made again. Courses are written beside their
+//! place, waited for and then renamed, as a record says that they are there.
 
 use std::collections::HashMap;
-use std::fs;
-use std::io::Write as _;
+use std::fs::{self, File};
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Mutex;
@@ -310,13 +310,7 @@ impl Journal {
         let identity = record.identity();
         let path = place(&self.folder, &identity, "json");
         let text = serde_json::to_string_pretty(record).unwrap_or_default();
-        whole(&path, false, |sink| {
-            sink.write_all(text.as_bytes())
-                .map_err(|source| SweepError::Io {
-                    path: path.clone(),
-                    source,
-                })
-        })?;
+        write_new(&path, text.as_bytes()).map_err(at(&path))?;
         self.lock().insert(identity, (record.clone(), path));
         Ok(())
     }
@@ -325,7 +319,13 @@ impl Journal {
     ///
     /// # Errors
     /// A file cannot be read or written. A record that is not kept (a run that failed) is written anew.
-    pub fn copy(&self, record: &RunRecord, number: usize, folder: &Path) -> Result<(), SweepError> {
+    pub fn copy(
+        &self,
+        record: &RunRecord,
+        courses: KeepCourses,
+        number: usize,
+        folder: &Path,
+    ) -> Result<(), SweepError> {
         let target = folder.join(format!("{PREFIX}{number:04}.json"));
         let place = self
             .lock()
@@ -336,13 +336,10 @@ impl Journal {
             return fs::write(&target, text).map_err(at(&target));
         };
         linked(&path, &target)?;
-        for extension in ["csv", "parquet"] {
-            let (from, to) = (
-                path.with_extension(extension),
-                target.with_extension(extension),
-            );
+        if let Some(extension) = extension(courses) {
+            let from = path.with_extension(extension);
             if from.is_file() {
-                linked(&from, &to)?;
+                linked(&from, &target.with_extension(extension))?;
             }
         }
         Ok(())
@@ -364,7 +361,19 @@ fn linked(from: &Path, to: &Path) -> Result<(), SweepError> {
     }
 }
 
-fn at(path: &Path) -> impl Fn(std::io::Error) -> SweepError {
+/// Writes a file of its own: what stood there may have another name in an output.
+fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let made = File::create_new(path).or_else(|error| match error.kind() {
+        io::ErrorKind::AlreadyExists => {
+            fs::remove_file(path)?;
+            File::create_new(path)
+        }
+        _ => Err(error),
+    });
+    made?.write_all(bytes)
+}
+
+fn at(path: &Path) -> impl Fn(io::Error) -> SweepError {
     let path = path.to_owned();
     move |source| SweepError::Io {
         path: path.clone(),
@@ -402,13 +411,13 @@ pub(crate) fn keep_courses(
         return Ok(());
     };
     let file = place(folder, identity, extension);
-    whole(&file, true, |sink| {
+    whole(&file, |sink| {
         #[cfg(feature = "parquet")]
         if how == KeepCourses::Parquet {
             let written = pinwheel_courses::save_courses(courses, sink.path());
             return written.map_err(|fault| SweepError::Io {
                 path: file.clone(),
-                source: std::io::Error::other(fault),
+                source: io::Error::other(fault),
             });
         }
         let written = courses.write_csv(sink.as_file_mut());
@@ -419,10 +428,9 @@ pub(crate) fn keep_courses(
     })
 }
 
-/// Writes a file beside its place and renames it; `synced`: it is on the disk before it has its name.
+/// Writes a file beside its place and renames it: it is on the disk before it has its name.
 fn whole(
     path: &Path,
-    synced: bool,
     write: impl FnOnce(&mut tempfile::NamedTempFile) -> Result<(), SweepError>,
 ) -> Result<(), SweepError> {
     let folder = path.parent().unwrap_or(path);
@@ -432,9 +440,7 @@ fn whole(
         .tempfile_in(folder)
         .map_err(at(path))?;
     write(&mut sink)?;
-    if synced {
-        sink.as_file().sync_all().map_err(at(path))?;
-    }
+    sink.as_file().sync_all().map_err(at(path))?;
     sink.persist(path).map_err(|error| at(path)(error.error))?;
     Ok(())
 }

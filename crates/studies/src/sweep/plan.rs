@@ -48,7 +48,7 @@ impl PlannedRun {
             number,
             engine,
             values: Vec::new(),
-            scene: Scene::from_toml(scene, "a run of a sweep", &[])?,
+            scene: Scene::from_complete(scene)?,
             window_s,
         })
     }

@@ -55,7 +55,7 @@ pub fn write(
     write_text(&dir.join("sweep.toml"), &plan.sweep.text)?;
     let runs = output::folder(dir, "runs")?;
     for (run, record) in plan.runs.iter().zip(records) {
-        journal.copy(record, run.number, &runs)?;
+        journal.copy(record, plan.sweep.courses, run.number, &runs)?;
     }
     let sweep = &plan.sweep;
     let found = Payload {
