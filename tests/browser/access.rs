@@ -30,7 +30,9 @@ pub(crate) fn findings(browser: &mut Chromium) -> Vec<String> {
     browser.evaluate(&format!("{script}; 0"));
     let found = browser.evaluate(RUN);
     let found = found.as_array().unwrap().iter();
-    found.map(|line| format!("axe: {line}")).collect()
+    found
+        .map(|line| format!("axe: {}", line.as_str().unwrap()))
+        .collect()
 }
 
 /// Faults of the page as it stands, a line each.

@@ -148,7 +148,7 @@ fn browser_shows_measured_data() {
         "({
           first: document.querySelector('.track h2').textContent,
           unfolded: document.querySelector('.track .pair').open,
-          told: document.querySelector('.track').textContent.includes('0.0021 s were added to its times'),
+          told: document.querySelector('.track').textContent.includes('0.00210 s were added to its times'),
           residual: document.querySelector('.plot-title').textContent,
           base: document.getElementById('base').selectedOptions[0].textContent,
           drawn: document.body.dataset.drawn,

@@ -40,6 +40,7 @@ pub(super) fn sections(comparison: &Comparison, styles: &[usize]) -> Vec<TrackSe
         .into_iter()
         .enumerate()
         .map(|(k, name)| section(comparison, name, k, alone, styles))
+        .filter(|section| !section.figures.is_empty() || !section.groups.is_empty())
         .collect()
 }
 
