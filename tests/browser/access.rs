@@ -1,4 +1,39 @@
-//! Whether everyone can use a page: contrast, names, headings, labels; the rules of WCAG 2.2 AA that a script can see.
+//! Whether everyone can use a page: contrast, names, headings, labels; the rules of WCAG 2.2 AA that a script can see. Our own
+//! look knows the pages (lines of charts, sizes of buttons, what scrolls); axe-core knows more rules, where there is one.
+
+use std::sync::OnceLock;
+
+use crate::chromium::Chromium;
+
+/// The script of axe-core, if `PINWHEEL_AXE` names one; with `PINWHEEL_REQUIRE_AXE` set it must.
+fn axe() -> Option<&'static str> {
+    static SCRIPT: OnceLock<Option<String>> = OnceLock::new();
+    let read = || {
+        let Some(file) = std::env::var_os("PINWHEEL_AXE") else {
+            assert!(
+                std::env::var_os("PINWHEEL_REQUIRE_AXE").is_none(),
+                "PINWHEEL_REQUIRE_AXE is set and PINWHEEL_AXE is not: name axe.min.js of the package axe-core in it"
+            );
+            return None;
+        };
+        Some(std::fs::read_to_string(&file).unwrap())
+    };
+    SCRIPT.get_or_init(read).as_deref()
+}
+
+/// Serious and critical findings of axe-core on the page as it stands, a line each; nothing where there is no axe-core.
+pub(crate) fn findings(browser: &mut Chromium) -> Vec<String> {
+    const RUN: &str = "axe.run(document, { resultTypes: ['violations'] }).then((found) => found.violations        .filter((v) => v.impact === 'serious' || v.impact === 'critical')        .map((v) => `${v.id}, ${v.impact}, ${v.nodes.length} times: ${v.nodes[0].html.slice(0, 160)}`))";
+    let Some(script) = axe() else {
+        return Vec::new();
+    };
+    browser.evaluate(&format!("{script}; 0"));
+    let found = browser.evaluate(RUN);
+    let found = found.as_array().unwrap().iter();
+    found
+        .map(|line| format!("axe: {}", line.as_str().unwrap()))
+        .collect()
+}
 
 /// Faults of the page as it stands, a line each.
 pub(crate) const ACCESS: &str = r##"(() => {

@@ -239,10 +239,23 @@ impl Chromium {
 
     /// The whole page as a picture in `file`.
     pub(crate) fn picture(&mut self, file: &Path) {
-        let taken = self.call(
-            "Page.captureScreenshot",
+        self.take(
+            file,
             json!({"format": "png", "captureBeyondViewport": true}),
         );
+    }
+
+    /// The page's first 1280 by `high` pixels.
+    pub(crate) fn top(&mut self, file: &Path, high: u32) {
+        let clip = json!({"x": 0, "y": 0, "width": 1280, "height": high, "scale": 1});
+        self.take(
+            file,
+            json!({"format": "png", "captureBeyondViewport": true, "clip": clip}),
+        );
+    }
+
+    fn take(&mut self, file: &Path, how: Value) {
+        let taken = self.call("Page.captureScreenshot", how);
         std::fs::create_dir_all(file.parent().unwrap()).unwrap();
         let bytes = STANDARD.decode(taken["data"].as_str().unwrap()).unwrap();
         std::fs::write(file, bytes).unwrap();

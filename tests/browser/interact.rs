@@ -151,7 +151,7 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
         before,
         "the slider does not move by keys"
     );
-    // A cell of a matrix, or a line of what differs most, opens its pair.
+    // A cell of a matrix, or a line of what differs most, opens its pair, and what it is folded in.
     let open = "[...document.querySelectorAll('.pair')].filter((p) => p.open).length";
     assert_eq!(browser.evaluate(open), json!(0), "what passed is folded");
     browser.evaluate("document.querySelector('.heat a').focus()");
@@ -186,6 +186,51 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
         browser.complaints().is_empty(),
         "{:?}",
         browser.complaints()
+    );
+}
+
+/// The time line of the gearbox follows a mouse that drags along it.
+pub(crate) fn mice_scrub(browser: &mut Chromium, page: &Path) {
+    browser.open(page, DESK);
+    browser.evaluate(DRAWN);
+    let at = "document.querySelector('.gearboxes .at').textContent";
+    let [x, y, wide, _] = place(browser, "document.querySelector('.gearbox-time input')");
+    let mut seen = Vec::new();
+    for share in [-0.4, 0.0, 0.4] {
+        let to = x + share * wide;
+        let drag = [
+            ("mousePressed", x - 0.45 * wide, y),
+            ("mouseMoved", x - 0.1 * wide, y),
+            ("mouseMoved", to, y),
+            ("mouseReleased", to, y),
+        ];
+        browser.mouse(&drag, 1);
+        let told = text(browser, at);
+        let seconds = told.split(' ').nth(2).and_then(|s| s.parse::<f64>().ok());
+        seen.push(seconds.unwrap());
+    }
+    // A run of 0.02 s, from one end to the other.
+    for (seconds, wanted) in seen.iter().zip([0.002, 0.01, 0.018]) {
+        assert!((seconds - wanted).abs() < 0.001, "{seen:?}");
+    }
+}
+
+/// The switch of themes changes what is drawn, not only what is written.
+pub(crate) fn the_dark_reaches_the_charts(browser: &mut Chromium, page: &Path) {
+    const INK: &str = "(async () => { await new Promise((r) => setTimeout(r, 200)); const c = document.querySelector('#chart canvas'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; \
+        let [sum, n] = [0, 0]; for (let k = 0; k < d.length; k += 4) if (d[k + 3] > 250 && Math.abs(d[k] - d[k + 2]) < 30) { sum += d[k]; n += 1; } return sum / n; })()";
+    browser.open(page, DESK);
+    browser.evaluate(DRAWN);
+    let light = browser.evaluate(INK).as_f64().unwrap();
+    for _ in 0..2 {
+        click(browser, "document.querySelector('#theme')");
+    }
+    let theme = text(browser, "document.documentElement.dataset.theme");
+    assert_eq!(theme, "dark");
+    let dark = browser.evaluate(INK).as_f64().unwrap();
+    assert!(
+        (dark - light).abs() > 40.0,
+        "axes and grid of {light:.0} in the light and {dark:.0} in the dark"
     );
 }
 

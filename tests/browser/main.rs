@@ -19,7 +19,7 @@ use pinwheel_tests::run_in;
 use serde_json::Value;
 
 /// A phone, a tablet, a laptop and a desk.
-const WIDTHS: [u32; 4] = [390, 768, 1280, 1600];
+const WIDTHS: [u32; 4] = [390, 768, 1280, 1920];
 
 /// What a page looks like from inside, once all that can be opened is open.
 const LOOK_AT: &str = r#"(async () => {
@@ -114,6 +114,7 @@ fn faults(browser: &mut Chromium, look: Look) -> (Vec<String>, Value) {
     list("not drawn", "blank");
     list("too wide", "wide");
     list("not for everyone", "access");
+    faults.extend(access::findings(browser));
     if seen["overflow"].as_i64().unwrap() > 0 {
         faults.push(format!("{} px wider than the screen", seen["overflow"]));
     }
@@ -184,6 +185,11 @@ fn browser_sees_what_is_wrong() {
     };
     browser.open(&page, look);
     let (found, _) = faults(&mut browser, look);
+    if std::env::var_os("PINWHEEL_AXE").is_some() {
+        for rule in ["axe: color-contrast", "axe: button-name"] {
+            assert!(found.iter().any(|f| f.starts_with(rule)), "{found:#?}");
+        }
+    }
     for part in [
         "contrast 2.6",
         "no name: <button>",
@@ -269,7 +275,9 @@ fn browser_does_what_is_asked() {
     let questions = [
         interact::charts_answer,
         interact::keys_do_it_all,
+        interact::mice_scrub,
         interact::phones_are_served,
+        interact::the_dark_reaches_the_charts,
         interact::paper_is_spared,
         interact::old_browsers_read_it,
     ];
@@ -279,6 +287,140 @@ fn browser_does_what_is_asked() {
         if let Some(mut browser) = Chromium::start() {
             question(&mut browser, &page);
         }
+    }
+}
+
+/// Every question can be answered with no: a page with one fault in its script fails the one that is about it.
+#[test]
+#[ignore = "a minute; run it after a change of these tests or of the page's scripts"]
+fn browser_questions_see_broken_pages() {
+    type Question = fn(&mut Chromium, &Path);
+    let faults: [(&str, &str, &str, Question); 13] = [
+        (
+            "zoom by a drag",
+            "drag: { x: true,",
+            "drag: { x: false,",
+            interact::charts_answer,
+        ),
+        (
+            "zoom by a button",
+            "in: [0.25, -0.25]",
+            "in: [0, 0]",
+            interact::charts_answer,
+        ),
+        (
+            "toggle",
+            "state.visible[e] = !state.visible[e];",
+            "",
+            interact::charts_answer,
+        ),
+        (
+            "values at the cursor",
+            "box.hidden = false;",
+            "",
+            interact::charts_answer,
+        ),
+        (
+            "select a channel",
+            "state.channel = Number(channelSelect.value);",
+            "",
+            interact::charts_answer,
+        ),
+        (
+            "select another base",
+            "state.base = Number(baseSelect.value);",
+            "",
+            interact::charts_answer,
+        ),
+        (
+            "keys of a chart",
+            "ArrowRight: () => cursor(current + step)",
+            "ArrowRight: () => 0",
+            interact::keys_do_it_all,
+        ),
+        (
+            "fold",
+            "if (e.tagName === 'DETAILS') e.open = true;",
+            "",
+            interact::keys_do_it_all,
+        ),
+        (
+            "sort",
+            "rising ? order : -order",
+            "order",
+            interact::keys_do_it_all,
+        ),
+        (
+            "scrub",
+            "slider.addEventListener('input'",
+            "slider.addEventListener('nothing'",
+            interact::mice_scrub,
+        ),
+        (
+            "fingers",
+            "if (event.pointerType !== 'touch') return;",
+            "return;",
+            interact::phones_are_served,
+        ),
+        (
+            "dark",
+            "redraw() { known = new Map(); build(); }",
+            "redraw() { build(); }",
+            interact::the_dark_reaches_the_charts,
+        ),
+        (
+            "print",
+            ".topbar, .chart-controls, .chart-help, .skip, #copy,",
+            ".skip, #copy,",
+            interact::paper_is_spared,
+        ),
+    ];
+    let dir = tempfile::tempdir().unwrap();
+    let page = comparison(dir.path());
+    let text = std::fs::read_to_string(&page).unwrap();
+    let broken = dir.path().join("broken.html");
+    for (what, sound, fault, question) in faults {
+        let Some(mut browser) = Chromium::start() else {
+            return;
+        };
+        assert!(text.contains(sound), "{what}: {sound} is not in the page");
+        std::fs::write(&broken, text.replace(sound, fault)).unwrap();
+        let asked = || question(&mut browser, &broken);
+        let answer = std::panic::catch_unwind(std::panic::AssertUnwindSafe(asked));
+        assert!(answer.is_err(), "{what}: nobody saw that it is broken");
+    }
+}
+
+/// The pictures in the documents, from the pages as they are: `-- --ignored pictures`.
+#[test]
+#[ignore = "writes docs/report.png and docs/paper.png; minutes"]
+fn pictures_of_the_documents() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    for (words, name, high) in [
+        (&["compare", "paper", "--out", "report"][..], "report", 900),
+        (&["paper", "--out", "paper"][..], "paper", 1000),
+    ] {
+        // Pages that are there already, for example by a build with all engines.
+        let made = std::env::var_os("PINWHEEL_PAGES").map(PathBuf::from);
+        let place = made.unwrap_or_else(|| {
+            let done = run_in(dir.path(), words);
+            assert_eq!(done.code, Some(0), "{done:?}");
+            dir.path().to_owned()
+        });
+        let look = Look {
+            width: 1280,
+            dark: false,
+            still: true,
+        };
+        browser.open(&place.join(name).join("index.html"), look);
+        browser.evaluate("new Promise((r) => setTimeout(r, 1500))");
+        let file = pinwheel_tests::repository(&format!("docs/{name}.png"));
+        browser.top(&file, high);
+        let bytes = std::fs::metadata(&file).unwrap().len();
+        assert!(bytes < 300_000, "{}: {bytes} bytes", file.display());
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use pinwheel_courses::Courses;
 use pinwheel_tests::{repository, run_in};
 
 use crate::chromium::{Chromium, Look};
@@ -78,6 +79,91 @@ fn browser_shows_a_sweep() {
         "{:?}",
         browser.complaints()
     );
+}
+
+/// A panel for each value of a third axis, named apart.
+#[test]
+fn browser_shows_a_sweep_over_three_axes() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let sweep = "name = \"three\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.005\n[vary]\n\
+                 gear.backlash_m = [0.0, 2.0e-4]\ncontact.damping_n_s_m = [8.0, 64.0]\ndrive.output_torque_n_m = [11.0, 22.0, 33.0]\n";
+    std::fs::write(dir.path().join("three.toml"), sweep).unwrap();
+    let page = page(dir.path(), &["sweep", "three.toml"]);
+    flawless(&mut browser, "sweep-three", &page, 0, 0);
+    let seen = browser.evaluate(
+        "(() => {
+          const maps = [...document.querySelectorAll('.grid .scroll')];
+          return [maps.length, new Set(maps.map((m) => m.getAttribute('aria-label'))).size, document.querySelectorAll('.heat-map td.map').length];
+        })()",
+    );
+    // The axis with most values comes first, so that one of two values has the panels.
+    assert_eq!(seen, serde_json::json!([2, 2, 12]));
+}
+
+/// Measured data come first: drawn, with residual and budget, and with what was done to their times.
+#[test]
+fn browser_shows_measured_data() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let scene = "base = \"paper\"\nname = \"rigged\"\n[solver]\nduration_s = 0.02\nstep_s = 1e-5\n[uncertain]\n\
+                 contact.stiffness_multiplier = { plus_minus = 5e-4 }\n";
+    std::fs::write(dir.path().join("rigged.toml"), scene).unwrap();
+    let ran = run_in(dir.path(), ["run", "rigged.toml", "--out", "ours"]);
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let ours = Courses::load_csv(&dir.path().join("ours/courses.csv")).unwrap();
+    let [torque, force] =
+        ["input_torque_n_m", "external_sleeve_force_n_3"].map(|n| ours.channel(n).unwrap());
+    let mut text = "t;torque;F_3\n".to_owned();
+    for (k, time) in ours.time_s().iter().enumerate().skip(20) {
+        text.push_str(&format!(
+            "{};{};{}\n",
+            time - 0.0021,
+            1.004 * torque[k],
+            force[k]
+        ));
+    }
+    std::fs::write(dir.path().join("rig.csv"), text).unwrap();
+    let map = "name = \"rig\"\n[file]\nseparator = \";\"\n[time]\ncolumn = \"t\"\noffset_s = \"align\"\n[columns]\n\
+               input_torque_n_m = { column = \"torque\", uncertainty = { of_reading = 0.005 } }\n\
+               external_sleeve_force_n_3 = { column = \"F_3\" }\n";
+    std::fs::write(dir.path().join("rig.toml"), map).unwrap();
+    let words = "compare rigged.toml --engines native-reduced --against rig.csv --map rig.toml";
+    let page = page(dir.path(), &words.split(' ').collect::<Vec<_>>());
+    flawless(&mut browser, "measured", &page, 2, 1);
+    browser.open(
+        &page,
+        Look {
+            width: 1280,
+            dark: false,
+            still: true,
+        },
+    );
+    browser.evaluate("new Promise((r) => setTimeout(r, 600))");
+    let seen = browser.evaluate(
+        "({
+          first: document.querySelector('.track h2').textContent,
+          unfolded: document.querySelector('.track .pair').open,
+          told: document.querySelector('.track').textContent.includes('0.00210 s were added to its times'),
+          residual: document.querySelector('.plot-title').textContent,
+          base: document.getElementById('base').selectedOptions[0].textContent,
+          drawn: document.body.dataset.drawn,
+          long: /\\d\\.\\d{12}/.exec(document.querySelector('main').innerText)?.[0] || '',
+        })",
+    );
+    let residual =
+        "Difference to rig: the residual, and its budget of uncertainty as a strip (about 95 %)";
+    assert_eq!(
+        seen,
+        serde_json::json!({"first": "Measured", "unfolded": true, "told": true, "residual": residual, "base": "rig",
+                           "drawn": "Driver torque", "long": ""})
+    );
+    let printed = sheets(&mut browser, &page);
+    assert!(printed <= 3, "{printed} sheets");
 }
 
 /// Sheets in print, with everything folded as it opens.

@@ -185,7 +185,7 @@ impl Ending {
             Self::Diverged { time_s, quantity } => {
                 Some(format!("diverged at t = {time_s:.6} s: {quantity}"))
             }
-            Self::Unsupported { reason } => Some(format!("cannot run this scene: {reason}")),
+            Self::Unsupported { reason } => Some(format!("left out: {reason}")),
             Self::Failed { reason } => Some(format!("failed: {reason}")),
         }
     }

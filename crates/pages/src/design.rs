@@ -303,10 +303,9 @@ fn of_design(
             ..line
         };
     }
-    let names: Vec<&str> = designs.iter().map(|(name, _)| *name).collect();
     Series {
-        label: format!("{}: {what}", names[design]),
-        colour: Some(colours::styles(&names)[design] + colours::COUNT * variant),
+        label: format!("{}: {what}", designs[design].0),
+        colour: Some(design + colours::COUNT * variant),
         ..line
     }
 }

@@ -3,19 +3,23 @@
 use pinwheel_report::terminal::{Cell, TITLE, lines, paragraph};
 use pinwheel_studies::choice::Listed;
 
-/// One line an engine, and what their tracks mean.
+/// The engines by track, and what tracks mean.
 #[must_use]
 pub fn text(listed: &[Listed]) -> String {
-    let title = |text: &str| Cell::text(text).styled(TITLE);
-    let mut rows = vec![["engine", "track", "version", ""].map(title).to_vec()];
-    rows.extend(listed.iter().map(|engine| {
-        vec![
+    let mut rows: Vec<Vec<Cell>> = Vec::new();
+    let mut track = None;
+    let mut listed: Vec<&Listed> = listed.iter().collect();
+    listed.sort_by_key(|engine| engine.track);
+    for engine in listed {
+        if track != Some(engine.track) {
+            track = Some(engine.track);
+            rows.push(vec![Cell::text(engine.track.as_str()).styled(TITLE)]);
+        }
+        rows.push(vec![
             Cell::text(&engine.name),
-            Cell::text(engine.track.as_str()),
-            Cell::text(&engine.version),
-            Cell::text(&engine.summary),
-        ]
-    }));
+            Cell::text(format!("{}: {}", engine.version, engine.summary)),
+        ]);
+    }
     let tracks = [
         "`native` stands for the native engine in the formulation that the scene asks for.",
         "shared-law engines share the contact law and check the multibody side to many digits;",

@@ -99,11 +99,16 @@ const PinwheelCharts = (() => {
     for (let power = Math.ceil(from / every) * every; power <= to; power += every) places.push(10 ** power);
     return places;
   };
-  const powers = (values) => values.map((v) => {
-    const [mantissa, exponent] = v.toExponential(0).split('e').map(Number);
-    if (exponent >= -3 && exponent < 4) return String(Number(v.toPrecision(1)));
+  // All as powers of ten as soon as one would be hard to read as a number.
+  const powers = (values) => {
+    const parts = values.map((v) => v.toExponential(0).split('e').map(Number));
+    const plain = parts.every(([, exponent]) => exponent >= -3 && exponent < 4);
+    return parts.map(([mantissa, exponent], k) => (plain ? String(Number(values[k].toPrecision(1))) : power(mantissa, exponent)));
+  };
+  function power(mantissa, exponent) {
+    if (exponent === 0) return String(mantissa);
     return `${mantissa === 1 ? '' : `${mantissa}·`}10${[...String(exponent)].map((c) => SUPERSCRIPT[c]).join('')}`;
-  });
+  }
 
   function yRange(state) {
     return (plot, low, high) => {

@@ -82,7 +82,7 @@
         },
       };
     }
-    function map(panel, [low, high]) {
+    function map(panel, [low, high], title) {
       const figure = figures[state.figure];
       const [along, up] = [axes[state.x], state.second < 0 ? null : axes[state.second]];
       const head = make('tr', {}, make('td', { class: 'corner' }, up ? `${up.label} ↓ ${along.label} →` : along.label), ...along.values.map((v) => make('th', { scope: 'col', class: 'num' }, v)));
@@ -93,7 +93,7 @@
         const heat = high > low ? (0.85 * (value - low)) / (high - low) : 0;
         return make('td', { class: 'num map', style: `--heat:${heat.toFixed(3)}`, title: `run ${run + 1}${bound(figure.uncertainty[run])}` }, number(value, 4));
       })));
-      return make('div', { class: 'scroll', tabindex: '0', role: 'region', 'aria-label': `Map of ${figure.label}` }, make('table', { class: 'data heat-map' }, make('thead', {}, head), make('tbody', {}, ...rows)));
+      return make('div', { class: 'scroll', tabindex: '0', role: 'region', 'aria-label': panel === null ? `Map of ${title}` : `Map of ${figure.label}, ${title}` }, make('table', { class: 'data heat-map' }, make('thead', {}, head), make('tbody', {}, ...rows)));
     }
     function draw() {
       handles.forEach((handle) => handle.destroy());
@@ -109,7 +109,7 @@
       panels.replaceChildren(...all(state.third).map((panel) => {
         const title = panel === null ? figure.label : `${axes[state.third].label}: ${axes[state.third].values[panel]}`;
         const box = make('article', { class: 'panel' }, make('h3', {}, title));
-        if (state.map) box.append(map(panel, [Math.min(...finite), Math.max(...finite)]));
+        if (state.map) box.append(map(panel, [Math.min(...finite), Math.max(...finite)], title));
         else {
           const { spec, legend } = lines(panel);
           const plot = make('div', { class: 'plot' });

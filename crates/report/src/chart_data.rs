@@ -154,6 +154,14 @@ impl ChartData {
             notes,
         })
     }
+
+    pub(crate) fn with_colours_in_order(mut self, participants: &[Participant]) -> Self {
+        for line in &mut self.engines {
+            let place = participants.iter().position(|p| p.name == line.name);
+            line.style = place.unwrap_or(line.style);
+        }
+        self
+    }
 }
 
 /// Participants with something to draw, the first being what the others are stored against: a finished native run if there

@@ -114,7 +114,8 @@ pub fn plain(value: f64) -> String {
 }
 
 /// A figure that may be nothing but rounding: below its uncertainty, or below what double precision holds of `scale`, it
-/// is 0, and the bound is said. Returns the figure and what stands behind it (`± 3·10⁻⁷`), which may be empty.
+/// is 0, and the bound is said. It has no digits below those of its uncertainty. Returns the figure and what stands behind it
+/// (`± 3·10⁻⁷`), which may be empty.
 pub fn bounded(value: f64, uncertainty: Option<f64>, scale: f64) -> (String, String) {
     let rounding = ROUNDING * scale.abs();
     let uncertainty = uncertainty.filter(|u| u.is_finite());
@@ -127,10 +128,14 @@ pub fn bounded(value: f64, uncertainty: Option<f64>, scale: f64) -> (String, Str
         };
         return ("0".to_owned(), said);
     }
-    let said = uncertainty
-        .map(|u| format!("\u{b1}\u{202f}{}", significant(u, 1)))
-        .unwrap_or_default();
-    (figure(value), said)
+    let Some(u) = uncertainty.filter(|u| *u > 0.0) else {
+        return (figure(value), String::new());
+    };
+    let digits = exponent_after_rounding(value, 5) - exponent_after_rounding(u, 1) + 1;
+    (
+        significant(value, digits.clamp(1, 5) as usize),
+        format!("\u{b1}\u{202f}{}", significant(u, 1)),
+    )
 }
 
 /// What sums of many terms keep of double precision.
@@ -273,8 +278,17 @@ mod tests {
         );
         assert_eq!(
             bounded(1.5, Some(0.004), 1.0),
-            ("1.5000".to_owned(), "\u{b1}\u{202f}0.004".to_owned())
+            ("1.500".to_owned(), "\u{b1}\u{202f}0.004".to_owned())
         );
+        for (value, u, text) in [
+            (1.4564, 0.03, "1.46"),
+            (99.919, 2.0, "100"),
+            (132.45, 1.7, "132"),
+            (1.452_88, 1e-7, "1.4529"),
+            (9.9999, 0.01, "10.00"),
+        ] {
+            assert_eq!(bounded(value, Some(u), 1.0).0, text);
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What a pair's verdicts amount to, in a line: for pages and terminals alike.
 
 use pinwheel_compare::comparison::{Pair, PairEntry};
-use pinwheel_compare::{Check, Metric, Outcome, Verdict};
+use pinwheel_compare::{Check, Comparison, Metric, Outcome, Verdict};
 
 /// The number that a verdict rests on.
 #[derive(Debug, Clone, Copy)]
@@ -113,6 +113,57 @@ pub fn entry(entry: &PairEntry, number: fn(f64) -> String) -> String {
         }
         _ => said,
     }
+}
+
+/// Who is not resolved, and why.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unresolved {
+    /// The participant whose numerical uncertainty is not known well enough.
+    pub who: String,
+    /// Why, and what would do where something would.
+    pub why: String,
+    /// No setting would change it.
+    pub stated: bool,
+}
+
+/// Each participant that is not resolved, with its first reason.
+#[must_use]
+pub fn unresolved(comparison: &Comparison) -> Vec<Unresolved> {
+    let mut told: Vec<Unresolved> = Vec::new();
+    let pairs = comparison.pairs.iter().flat_map(|pair| &pair.entries);
+    let alone = comparison.engines.iter().flat_map(|engine| &engine.judged);
+    let all = pairs.map(|e| &e.verdict).chain(alone.map(|e| &e.verdict));
+    for found in all.filter_map(why) {
+        if !told.iter().any(|known| known.who == found.who) {
+            told.push(found);
+        }
+    }
+    told
+}
+
+/// Whose fault it is that a verdict is not resolved.
+#[must_use]
+pub fn why(verdict: &Verdict) -> Option<Unresolved> {
+    let Verdict::NotResolved {
+        participant,
+        reason,
+        remedy,
+        stated,
+        ..
+    } = verdict
+    else {
+        return None;
+    };
+    let why = if *stated {
+        reason.clone()
+    } else {
+        format!("{reason}; {remedy}")
+    };
+    Some(Unresolved {
+        who: participant.clone(),
+        why,
+        stated: *stated,
+    })
 }
 
 /// An engine's name where its track is said beside it.

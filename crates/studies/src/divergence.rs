@@ -51,6 +51,10 @@ impl Horizon {
             Some(t) => format!(
                 "A change in the last digit becomes visible after {t:.4} s: later, courses are compared by their statistics only."
             ),
+            None if self.largest_share == 0.0 => format!(
+                "A change in the last digit changes no force within {} s: courses are compared point by point.",
+                self.duration_s
+            ),
             None => format!(
                 "A change in the last digit never grows beyond {:.1e} of the largest force within {} s: courses are compared point by point.",
                 self.largest_share, self.duration_s

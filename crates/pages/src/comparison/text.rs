@@ -1,5 +1,6 @@
 //! What `pinwheel compare` says on stdout: figures of every engine, verdicts of every pair.
 
+use pinwheel_compare::comparison::EngineSummary;
 use pinwheel_compare::quantities::INPUT_TORQUE;
 use pinwheel_compare::{Comparison, Outcome, Track, Verdict, WindowKind};
 use pinwheel_report::statement;
@@ -21,6 +22,12 @@ pub fn text(scene: &Scene, comparison: &Comparison) -> String {
             )),
         ));
         text.push('\n');
+    }
+    for engine in &comparison.engines {
+        if let Some(reason) = engine.status.reason() {
+            text.push_str(&paragraph(&format!("{}: {reason}", engine.name)));
+            text.push('\n');
+        }
     }
     let measured = measured(comparison);
     if measured.len() > 1 {
@@ -52,10 +59,12 @@ pub fn text(scene: &Scene, comparison: &Comparison) -> String {
             ))
         ));
     }
+    let unresolved = statement::unresolved(comparison).into_iter();
+    let unresolved = unresolved.map(|found| format!("not resolved: {}: {}", found.who, found.why));
     for line in sharpened(comparison)
         .into_iter()
         .chain(budgets(comparison))
-        .chain(unresolved(comparison))
+        .chain(unresolved)
     {
         text.push_str(&format!("\n{}", paragraph(&line)));
     }
@@ -151,7 +160,7 @@ fn engines(comparison: &Comparison) -> Vec<Vec<Cell>> {
             row.push(Cell::figure("-"));
         }
         match engine.status.reason() {
-            Some(reason) => row.push(Cell::text(reason).styled(BAD)),
+            Some(_) => row.push(not_finished(engine)),
             None => row.push(own_verdict(
                 engine.judged.iter().map(|entry| &entry.verdict),
             )),
@@ -159,6 +168,14 @@ fn engines(comparison: &Comparison) -> Vec<Vec<Cell>> {
         rows.push(row);
     }
     rows
+}
+
+/// Why an engine has no figures, in a word; the reason stands below the table.
+fn not_finished(engine: &EngineSummary) -> Cell {
+    match engine.status.is_broken() {
+        true => Cell::text(engine.status.word()).styled(BAD),
+        false => Cell::text("left out").styled(QUIET),
+    }
 }
 
 /// Of what was judged of an engine alone, the worst.
@@ -312,38 +329,6 @@ fn budgets(comparison: &Comparison) -> Vec<String> {
                 budget.validation()
             ));
         }
-    }
-    told
-}
-
-/// Who is not resolved, why, and what would do: once for each reason.
-fn unresolved(comparison: &Comparison) -> Vec<String> {
-    let mut told: Vec<String> = Vec::new();
-    let mut seen: Vec<&str> = Vec::new();
-    let pairs = comparison.pairs.iter().flat_map(|pair| &pair.entries);
-    let alone = comparison.engines.iter().flat_map(|engine| &engine.judged);
-    let all = pairs.map(|e| &e.verdict).chain(alone.map(|e| &e.verdict));
-    for verdict in all {
-        let Verdict::NotResolved {
-            participant,
-            reason,
-            remedy,
-            stated,
-            ..
-        } = verdict
-        else {
-            continue;
-        };
-        if seen.contains(&participant.as_str()) {
-            continue;
-        }
-        seen.push(participant);
-        let remedy = if *stated {
-            String::new()
-        } else {
-            format!("; {remedy}")
-        };
-        told.push(format!("not resolved: {participant}: {reason}{remedy}"));
     }
     told
 }

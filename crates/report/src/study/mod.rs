@@ -160,10 +160,12 @@ pub enum Block {
 pub struct Courses(ChartData);
 
 impl Courses {
-    /// Those of the participants of a comparison; `None` if nobody has any.
+    /// Those of the participants of a comparison, which are no engines and have their colours in order; `None` if nobody has
+    /// any.
     #[must_use]
     pub fn of(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
-        ChartData::of(comparison, participants).map(Self)
+        let data = ChartData::of(comparison, participants)?;
+        Some(Self(data.with_colours_in_order(participants)))
     }
 }
 

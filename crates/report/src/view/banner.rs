@@ -4,6 +4,7 @@ use pinwheel_compare::comparison::EngineSummary;
 use pinwheel_compare::{Comparison, Outcome, Quantity, Track, WindowKind, quantities};
 
 use super::{Mark, mark, pairs, quantity_label, window_label};
+use crate::statement::Unresolved;
 use crate::{format, statement};
 
 /// The verdict.
@@ -17,6 +18,8 @@ pub(super) struct Banner {
     pub(super) finished: usize,
     /// Engine and reason of each run that did not finish.
     pub(super) unfinished: Vec<(String, String)>,
+    /// Who keeps comparisons from being resolved, why and what would do; not what nothing would change.
+    pub(super) unresolved: Vec<Unresolved>,
 }
 
 /// One headline figure.
@@ -193,6 +196,10 @@ pub(super) fn banner(comparison: &Comparison) -> Banner {
             .engines
             .iter()
             .filter_map(|e| Some((e.name.clone(), e.status.reason()?)))
+            .collect(),
+        unresolved: statement::unresolved(comparison)
+            .into_iter()
+            .filter(|found| !found.stated)
             .collect(),
     }
 }

@@ -28,9 +28,17 @@ pub(super) struct ColumnGroup {
 pub(super) struct FigureRow {
     pub(super) engine: String,
     pub(super) style: usize,
-    /// Text and the number it is sorted by.
-    pub(super) cells: Vec<(String, String)>,
-    pub(super) efficiency: (String, String),
+    pub(super) cells: Vec<FigureCell>,
+    pub(super) efficiency: FigureCell,
+}
+
+/// One figure.
+pub(super) struct FigureCell {
+    pub(super) text: String,
+    /// Below it: `± 0.007`, or another word.
+    pub(super) below: String,
+    /// What it is sorted by.
+    pub(super) key: String,
 }
 
 /// A name of a statistic and how to take it.
@@ -73,7 +81,7 @@ pub(super) fn tables(comparison: &Comparison, track: Track, styles: &[usize]) ->
                         columns: columns(q).iter().map(|(name, _)| *name).collect(),
                     })
                     .collect(),
-                efficiency: rows.iter().any(|row| row.efficiency.0 != format::NONE),
+                efficiency: rows.iter().any(|row| row.efficiency.text != format::NONE),
                 rows,
             }
         })
@@ -88,11 +96,14 @@ fn row(
     loads: &[&Quantity],
 ) -> Option<FigureRow> {
     let figures = engine.figures.iter().find(|f| f.window == window)?;
-    let cell = |value: Option<f64>| {
-        (
-            format::figure_or_none(value),
-            value.map_or_else(String::new, |v| v.to_string()),
-        )
+    let cell = |value: Option<f64>, u: Option<f64>| {
+        let bounded = value.map(|value| format::bounded(value, u, 0.0));
+        let (text, below) = bounded.unwrap_or_else(|| (format::NONE.to_owned(), String::new()));
+        FigureCell {
+            text,
+            below,
+            key: value.map_or_else(String::new, |v| v.to_string()),
+        }
     };
     let cells = loads
         .iter()
@@ -103,28 +114,22 @@ fn row(
                 .iter()
                 .find(|u| u.window == window && u.quantity == q.name);
             columns(q).iter().map(move |(name, of)| {
-                let (text, key) = cell(statistics.map(of));
                 let u = known.and_then(|known| match *name {
                     "mean" => known.mean.u(),
                     "rms" => known.rms.u(),
                     "max" if !q.is_torque() => known.peak.u(),
                     _ => None,
                 });
-                match u {
-                    Some(u) => (format!("{text} \u{b1} {}", format::significant(u, 1)), key),
-                    None => (text, key),
-                }
+                cell(statistics.map(of), u)
             })
         })
         .collect();
     let percent = figures.efficiency.map(|e| 100.0 * e);
-    let mut efficiency = cell(percent);
+    let mut efficiency = cell(percent, None);
     let own = figures.efficiency.zip(figures.efficiency_accounted);
     if let Some((_, own)) = own.filter(|(plain, own)| (plain - own).abs() > VISIBLE_SHARE) {
         let own = format::figure(100.0 * own);
-        efficiency
-            .0
-            .push_str(&format!(" ({own} without the law's own energy)"));
+        efficiency.below = format!("{own} without the law's own energy");
     }
     Some(FigureRow {
         engine: engine.name.clone(),

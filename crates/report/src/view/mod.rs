@@ -80,7 +80,8 @@ impl<'a> Page<'a> {
         let styles = colours::styles(&names);
         let charts = ChartData::of(comparison, input.participants);
         let tracks = tracks::sections(comparison, &styles);
-        let pairs = tracks.iter().flat_map(|track| &track.pairs);
+        let groups = tracks.iter().flat_map(|track| &track.groups);
+        let pairs = groups.flat_map(|group| &group.pairs);
         Ok(Self {
             scene: &comparison.context.scene,
             description: &comparison.context.description,

@@ -21,13 +21,23 @@ pub(super) struct PairView {
     pub(super) said: String,
     /// Of which quantity and window.
     pub(super) of: String,
-    /// Shown unfolded: it did not pass.
+    /// Shown unfolded: it differs, or is what one came for.
     pub(super) open: bool,
     pub(super) judged: Vec<JudgedRow>,
+    /// Why rows are not resolved, each reason once.
+    pub(super) unresolved: Vec<String>,
     /// Quantities and windows without a verdict, by reason.
     pub(super) unjudged: Vec<(String, String)>,
     pub(super) metrics: Vec<MetricRow>,
+    outcome: Outcome,
     order: f64,
+}
+
+/// Pairs of one outcome.
+pub(super) struct PairGroup {
+    /// What they have in common where they are too many to be listed at once.
+    pub(super) folded: Option<String>,
+    pub(super) pairs: Vec<PairView>,
 }
 
 /// One number that was judged.
@@ -42,6 +52,7 @@ pub(super) struct JudgedRow {
     /// Value over that, in per cent for the bar.
     pub(super) bar: Option<String>,
     pub(super) words: String,
+    unresolved: Option<String>,
     order: (Outcome, f64),
 }
 
@@ -85,8 +96,37 @@ pub(super) fn pair_id(pair: usize) -> String {
     format!("pair-{pair}")
 }
 
-/// The track's pairs and what was judged of its engines alone; those that did not pass first.
-pub(super) fn of_track(comparison: &Comparison, track: Track) -> Vec<PairView> {
+/// Pairs of one outcome that are listed without a fold.
+const FEW: usize = 3;
+
+/// The track's pairs and what was judged of its engines alone, by outcome, the gravest first. What differs is listed; of the
+/// rest there are too many to be read, so that more than a few are folded.
+pub(super) fn of_track(comparison: &Comparison, track: Track) -> Vec<PairGroup> {
+    let mut groups: Vec<(Outcome, Vec<PairView>)> = Vec::new();
+    for pair in listed(comparison, track) {
+        match groups.last_mut() {
+            Some((outcome, pairs)) if *outcome == pair.outcome => pairs.push(pair),
+            _ => groups.push((pair.outcome, vec![pair])),
+        }
+    }
+    let group = |(outcome, pairs): (Outcome, Vec<PairView>)| {
+        let words = match outcome {
+            Outcome::Finding => None,
+            Outcome::NotResolved => Some("not resolved"),
+            Outcome::Passed => Some("that hold"),
+            Outcome::Stated => Some("not resolved for a stated reason"),
+            Outcome::Nothing => Some("not judged"),
+        };
+        let words = words.filter(|_| pairs.len() > FEW && track != Track::Measured);
+        PairGroup {
+            folded: words.map(|words| format!("{} {words}", pairs.len())),
+            pairs,
+        }
+    };
+    groups.into_iter().map(group).collect()
+}
+
+fn listed(comparison: &Comparison, track: Track) -> Vec<PairView> {
     let pairs = comparison.pairs.iter().enumerate();
     let mut found: Vec<PairView> = pairs
         .filter(|(_, pair)| pair.track == track)
@@ -101,16 +141,19 @@ pub(super) fn of_track(comparison: &Comparison, track: Track) -> Vec<PairView> {
                 None => (Mark::NOTHING, "not judged".to_owned(), String::new()),
             };
             let entries = || pair.entries.iter();
-            let judged = entries().flat_map(|e| judged(comparison, e)).collect();
+            let judged = sorted(entries().flat_map(|e| judged(comparison, e)).collect());
+            let outcome = gravest.map_or(Outcome::Nothing, |e| e.verdict.outcome());
             let unjudged = entries().map(|e| (e.quantity.as_str(), e.window.word(), &e.verdict));
             PairView {
                 id: pair_id(k),
                 name: format!("{} \u{2194} {}", pair.a, pair.b),
-                open: gravest.is_some_and(|e| e.verdict.outcome() >= Outcome::NotResolved),
+                open: outcome == Outcome::Finding || track == Track::Measured,
+                outcome,
                 mark,
                 said,
                 of,
-                judged: sorted(judged),
+                unresolved: reasons_of(&judged),
+                judged,
                 unjudged: not_judged(comparison, unjudged),
                 metrics: entries().map(|e| metric_row(comparison, e)).collect(),
                 order: gravest.map_or(-1.0, statement::gravity),
@@ -119,7 +162,19 @@ pub(super) fn of_track(comparison: &Comparison, track: Track) -> Vec<PairView> {
         .collect();
     let engines = comparison.engines.iter().filter(|e| e.track == track);
     found.extend(engines.filter_map(|engine| alone(comparison, &engine.name, &engine.judged)));
-    found.sort_by(|a, b| b.order.total_cmp(&a.order));
+    let graver = |a: &PairView, b: &PairView| b.outcome.cmp(&a.outcome);
+    found.sort_by(|a, b| graver(a, b).then(b.order.total_cmp(&a.order)));
+    found
+}
+
+/// Why rows are not resolved, each reason once.
+fn reasons_of(judged: &[JudgedRow]) -> Vec<String> {
+    let mut found: Vec<String> = Vec::new();
+    for reason in judged.iter().filter_map(|row| row.unresolved.as_ref()) {
+        if !found.contains(reason) {
+            found.push(reason.clone());
+        }
+    }
     found
 }
 
@@ -139,9 +194,11 @@ fn alone(comparison: &Comparison, name: &str, entries: &[EngineEntry]) -> Option
         said: format!("{}, {}", worst.mark.word, worst.words),
         of: place(comparison, &entries.first()?.quantity, worst.window),
         open: exceeded,
+        outcome: worst.order.0,
+        unresolved: Vec::new(),
         unjudged: Vec::new(),
         metrics: Vec::new(),
-        order: if exceeded { 4e3 } else { 1.0 },
+        order: 1.0,
         judged,
     })
 }
@@ -175,20 +232,9 @@ fn key(value: Option<f64>) -> String {
 
 fn judgement(comparison: &Comparison, of: (&str, &'static str), j: &Judgement) -> JudgedRow {
     let u = |u: Option<f64>| relative_or_none(u);
-    let mut words = statement::verdict(&j.verdict, relative);
-    if let Verdict::NotResolved {
-        participant,
-        reason,
-        remedy,
-        stated,
-        ..
-    } = &j.verdict
-    {
-        words = format!("{participant}: {reason}");
-        if !stated {
-            words.push_str(&format!("; {remedy}"));
-        }
-    }
+    let words = statement::verdict(&j.verdict, relative);
+    let unresolved =
+        statement::why(&j.verdict).map(|found| format!("{}: {}", found.who, found.why));
     let combined = j.combined();
     let against = match (&j.budget, combined) {
         (Some(budget), _) => format!(
@@ -209,6 +255,7 @@ fn judgement(comparison: &Comparison, of: (&str, &'static str), j: &Judgement) -
         against,
         bar: None,
         words,
+        unresolved,
         order: (j.verdict.outcome(), combined.unwrap_or(f64::INFINITY)),
     }
 }
@@ -229,6 +276,7 @@ fn check(comparison: &Comparison, of: (&str, &'static str), check: &Check) -> Ju
         against: format!("limit {}", format::limit(check.limit)),
         bar: Some(format!("{:.1}", (100.0 * share).clamp(0.0, 100.0))),
         words: format!("{} of its limit", share_label(share)),
+        unresolved: None,
         order: (check.verdict().outcome(), share),
     }
 }

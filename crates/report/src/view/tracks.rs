@@ -1,10 +1,11 @@
 //! One section per track: figures, matrices, verdicts and details, never mixed with another's.
 
+use pinwheel_compare::comparison::EngineSummary;
 use pinwheel_compare::{Comparison, Track};
 
 use super::figures::{self, FigureTable};
 use super::matrices::{self, MatrixView};
-use super::pairs::{self, PairView};
+use super::pairs::{self, PairGroup};
 
 /// A track's part of the page.
 pub(super) struct TrackSection {
@@ -14,13 +15,17 @@ pub(super) struct TrackSection {
     pub(super) about: &'static str,
     pub(super) figures: Vec<FigureTable>,
     pub(super) matrices: Vec<MatrixView>,
-    pub(super) pairs: Vec<PairView>,
+    pub(super) groups: Vec<PairGroup>,
+    /// What was done to put measured data beside the others.
+    pub(super) notes: Vec<String>,
+    /// Says how cells and lines are read: the first track does.
+    pub(super) explains: bool,
     /// Why limits are what they are.
     pub(super) reasons: Vec<String>,
 }
 
-/// Sections in the order shared law, own contact, measured, native: native runs stand in the tables
-/// of all others, so that only what they say among themselves is left for the end.
+/// Sections in the order measured, shared law, own contact, native: who has measured asks for that, and native runs stand in
+/// the tables of all others, so that only what they say among themselves is left for the end.
 pub(super) fn sections(comparison: &Comparison, styles: &[usize]) -> Vec<TrackSection> {
     let finished = || comparison.engines.iter().filter(|e| e.status.is_finished());
     let mut names: Vec<Track> = Vec::new();
@@ -29,12 +34,13 @@ pub(super) fn sections(comparison: &Comparison, styles: &[usize]) -> Vec<TrackSe
             names.push(engine.track);
         }
     }
-    names.sort_by_key(|&name| (name == Track::Native, name));
+    names.sort_by_key(|&name| (name == Track::Native, name != Track::Measured, name));
     let alone = names.len() == 1;
     names
         .into_iter()
         .enumerate()
         .map(|(k, name)| section(comparison, name, k, alone, styles))
+        .filter(|section| !section.figures.is_empty() || !section.groups.is_empty())
         .collect()
 }
 
@@ -64,8 +70,8 @@ fn section(
         Track::Measured => (
             "Measured",
             "Data from elsewhere, another program's export or a test rig, by a map of its columns. \
-             Model, parameters, units and sampling may differ; what was done to put it beside the \
-             others stands in its notes. Only limits and uncertainties that the map states are used.",
+             Model, parameters, units and sampling may differ. Only limits and uncertainties that the \
+             map states are used.",
         ),
     };
     // Native figures stand beside those of every other track; repeat them only if there is none.
@@ -74,6 +80,13 @@ fn section(
     } else {
         figures::tables(comparison, name, styles)
     };
+    let measured = comparison.engines.iter().filter(|e| e.track == name);
+    let measured = measured.filter(|e| e.track == Track::Measured);
+    let notes = |engine: &EngineSummary| {
+        let of = engine.name.clone();
+        let notes = engine.cost.notes.clone().into_iter();
+        notes.map(move |note| format!("{of}: {note}"))
+    };
     TrackSection {
         id: format!("track-{}", place + 1),
         title,
@@ -81,6 +94,8 @@ fn section(
         figures,
         matrices: matrices::of_track(comparison, name),
         reasons: pairs::reasons(comparison, name),
-        pairs: pairs::of_track(comparison, name),
+        groups: pairs::of_track(comparison, name),
+        notes: measured.flat_map(notes).collect(),
+        explains: place == 0,
     }
 }

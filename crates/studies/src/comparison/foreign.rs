@@ -314,9 +314,11 @@ impl Data {
         }
         let times = own.time_s();
         // Without the digits that factor and offset have rounded.
-        let nano = |time: Option<&f64>| format!("{:.9}", time.copied().unwrap_or(0.0));
-        let short = |text: String| text.trim_end_matches('0').trim_end_matches('.').to_owned();
-        let (first, last) = (short(nano(times.first())), short(nano(times.last())));
+        let short = |time: f64| {
+            let text = format!("{time:.9}");
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        };
+        let [first, last] = [times.first(), times.last()].map(|t| short(t.copied().unwrap_or(0.0)));
         let offset = self.map.time.offset_s.seconds();
         notes.push(format!(
             "{} rows from {first} to {last} s{}.",
@@ -329,6 +331,7 @@ impl Data {
         ));
         let [from, to] = found.covers_s;
         if from > 0.0 || to < scene.solver.duration_s {
+            let [from, to] = [from, to].map(short);
             notes.push(format!(
                 "Compared from {from} to {to} s, which is what it covers of the run's {} s.",
                 scene.solver.duration_s
@@ -344,7 +347,8 @@ impl Data {
                 self.map.resample.method.word()
             ));
         }
-        if let Some([from, to]) = found.gaps_s.first() {
+        if let Some(gap) = found.gaps_s.first() {
+            let [from, to] = gap.map(short);
             notes.push(format!(
                 "{} gaps are too long to bridge, the first from {from} to {to} s: only the longest stretch without one is compared.",
                 found.gaps_s.len()
