@@ -119,7 +119,9 @@ fn regress_stated_limits_hold_in_their_window() {
     assert_eq!(entry(&found, WindowKind::Steady).verdict, Verdict::Within);
     let transient = entry(&found, WindowKind::Transient);
     assert!(transient.checks.is_empty(), "{transient:?}");
-    let value = entry(&found, WindowKind::Steady).checks[0].value.unwrap();
+    let check = &entry(&found, WindowKind::Steady).checks[0];
+    let value = check.value.unwrap();
+    assert_eq!(check.share(), value / 0.1);
     assert_eq!(
         entry(&at(value), WindowKind::Steady).verdict,
         Verdict::Within
@@ -388,6 +390,8 @@ fn beyond_the_horizon_u_is_three_times_the_spread() {
     let steady = steady.find(|u| u.window == WindowKind::Steady).unwrap();
     let u = steady.mean.estimate().unwrap();
     assert_eq!(u.basis, Basis::Spread);
+    // Of samples nothing is known there.
+    assert!(steady.l2.estimate().is_none() && steady.linf.estimate().is_none());
     assert!((u.u - 3.0 * 2e-3).abs() < 1e-12, "{u:?}");
 }
 
@@ -438,4 +442,89 @@ fn kinks_confirm_and_friction_does_not() {
     assert_eq!(at(1.0, order::FRICTION), Basis::Unconfirmed);
     assert_eq!(at(2.5, order::FRICTION), Basis::Unconfirmed);
     assert_eq!(at(4.0, order::FRICTION), Basis::Observed);
+}
+
+/// Above the resolution agreement says nothing, whatever confirms U, and a difference is told by confirmed orders alone.
+#[test]
+fn what_is_blunt_is_not_resolved() {
+    let at = |basis: Basis, distance: f64| {
+        let estimate = Estimate {
+            basis,
+            ..Estimate::stated(1e-3)
+        };
+        let [a, b] = ["a", "b"].map(|name| Side::known(name, estimate));
+        verdict::pair(distance, &a, &b, 1e-3)
+    };
+    let blunt = |found: Verdict| matches!(found, Verdict::NotResolved { .. });
+    assert!(blunt(at(Basis::Observed, 1e-3)) && blunt(at(Basis::Unconfirmed, 1e-3)));
+    assert!(blunt(at(Basis::Unconfirmed, 9e-3)));
+    assert!(matches!(at(Basis::Observed, 9e-3), Verdict::Differ { .. }));
+}
+
+/// Differences and ratios that are no such thing are told, not computed with.
+#[test]
+fn a_ladder_that_makes_no_sense_says_so() {
+    let of = |ratio: f64, difference: f64| {
+        let fine = order::Step {
+            ratio: 2.0,
+            difference: 1e-6,
+        };
+        let steps = [fine, order::Step { ratio, difference }];
+        let method = Method::Step {
+            order: 2.0,
+            limit: None,
+        };
+        order::estimate(&steps, Some(1.0), method, 0.0)
+    };
+    assert!(of(2.0, 4e-6).is_ok());
+    for difference in [f64::NAN, f64::INFINITY] {
+        let reason = of(2.0, difference).unwrap_err().reason;
+        assert!(reason.contains("not finite"), "{reason}");
+    }
+    for ratio in [1.0, 0.5, f64::INFINITY, f64::NAN] {
+        let reason = of(ratio, 4e-6).unwrap_err().reason;
+        assert!(reason.contains("not ordered"), "{ratio}: {reason}");
+    }
+}
+
+/// A figure confirms an order by differences of one sign, whatever the samples behind it do.
+#[test]
+fn a_figure_confirms_by_its_own_sign() {
+    let basis_of_the_mean = |sign: f64| {
+        let turn = |k: usize| if k.is_multiple_of(2) { 3.0 } else { -3.0 };
+        let two = move |k: usize| 1.0 + 1e-3 * (1.0 + turn(k));
+        let three = move |k: usize| two(k) + 4e-3 * (sign + turn(k));
+        let evidence = [rungs("native", [torque(&two), torque(&three)])];
+        let rules = Rules {
+            evidence: &evidence,
+            ..Rules::default()
+        };
+        let one = [participant("native", Track::Native, torque(&|_| 1.0))];
+        let found = compare_with(&context(), &one, &rules).unwrap();
+        let mut all = found.engines[0].uncertainty.iter();
+        let steady = all.find(|u| u.window == WindowKind::Steady).unwrap();
+        assert_eq!(steady.l2.estimate().unwrap().basis, Basis::Observed);
+        steady.mean.estimate().unwrap().basis
+    };
+    assert_eq!(basis_of_the_mean(1.0), Basis::Observed);
+    assert_eq!(basis_of_the_mean(-1.0), Basis::Unconfirmed);
+}
+
+/// How much finer a run must be: by the order, never coarser, and no number where none would do.
+#[test]
+fn what_a_target_asks_of_a_run() {
+    let estimate = Estimate {
+        order: Some(2.0),
+        ..Estimate::stated(1e-3)
+    };
+    assert_eq!(estimate.refinement_for(1e-3 / 16.0), Some(4.0));
+    assert_eq!(estimate.refinement_for(1.0), Some(1.0));
+    for target in [0.0, -1e-3, f64::NAN] {
+        assert_eq!(estimate.refinement_for(target), None, "{target}");
+    }
+    let rounding = Estimate {
+        basis: Basis::Rounding,
+        ..estimate
+    };
+    assert_eq!(rounding.refinement_for(1e-4), None);
 }

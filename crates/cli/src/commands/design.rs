@@ -4,7 +4,7 @@ use std::path::Path;
 
 use pinwheel::pages;
 use pinwheel::scene::Fault;
-use pinwheel::studies::output::replace_text;
+use pinwheel::studies::folder::replace;
 use pinwheel::studies::{Provenance, design};
 
 use crate::args::{self, DesignArgs, InitArgs, quoted};
@@ -31,7 +31,7 @@ pub(crate) fn init(args: &InitArgs) -> Result<u8, Failure> {
             args.file.display()
         )));
     }
-    replace_text(&args.file, &draft.text)?;
+    replace(&args.file, draft.text.as_bytes())?;
     let file = quoted(&args.file.display().to_string());
     screen::show(&format!(
         "{}\nscene   {}\nnext    pinwheel design {file}",

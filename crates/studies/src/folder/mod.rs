@@ -19,7 +19,7 @@
 //! ```
 
 use std::fs;
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
@@ -224,6 +224,31 @@ impl Drafts {
     }
 }
 
+/// Writes a file by itself: what was there is replaced as a whole or not at all, and a kill leaves nothing for good. Folders
+/// above it are made. A link stays and what it names is replaced; a pipe or a device is written to.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    let failed = |error: io::Error| OutputError::new(path, &error);
+    let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let there = fs::metadata(&place);
+    if there.is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        return fs::write(&place, bytes).map_err(failed);
+    }
+    let above = place.parent().filter(|above| !above.as_os_str().is_empty());
+    let above = above.unwrap_or(Path::new("."));
+    fs::create_dir_all(above).map_err(failed)?;
+    let drafts = Drafts::in_folder(above, "file")?;
+    let draft = drafts.path().join("draft");
+    let mut file = fs::File::create(&draft).map_err(failed)?;
+    file.write_all(bytes)
+        .and_then(|()| file.sync_all())
+        .map_err(failed)?;
+    drop(file);
+    fs::rename(&draft, &place).map_err(failed)
+}
+
 /// Folders of programs that were killed, in the folder `beside`.
 fn remove_abandoned(beside: &Path) {
     for entry in fs::read_dir(beside).into_iter().flatten().flatten() {
@@ -314,6 +339,30 @@ mod tests {
                 ..request
             },
         )
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_by_itself_is_replaced() {
+        use std::os::unix::fs::{FileTypeExt as _, PermissionsExt as _, symlink};
+        let base = tempfile::tempdir().unwrap();
+        let at = |name: &str| base.path().join(name);
+        replace(&at("deep/a"), b"one").unwrap();
+        let mode = |name: &str| fs::metadata(at(name)).unwrap().permissions().mode();
+        fs::write(at("plain"), "").unwrap();
+        assert_eq!(mode("deep/a"), mode("plain"), "as any new file");
+        symlink("deep/a", at("link")).unwrap();
+        replace(&at("link"), b"two").unwrap();
+        assert!(at("link").is_symlink());
+        assert_eq!(fs::read(at("deep/a")).unwrap(), b"two");
+        assert_eq!(names(&at("deep")), ["a"]);
+        // A device stays what it is.
+        symlink("/dev/null", at("null")).unwrap();
+        replace(&at("null"), b"gone").unwrap();
+        let null = fs::metadata(at("null")).unwrap();
+        assert!(null.file_type().is_char_device());
+        let error = replace(&at("deep"), b"x").unwrap_err().to_string();
+        assert!(error.contains("deep") && !error.contains('\n'), "{error}");
     }
 
     fn write(folder: &Folder, name: &str, text: &str) {
