@@ -1,6 +1,7 @@
 //! Kills at random moments, over all commands that write: nothing torn, nothing lost, nothing left behind.
 //!
-//! `PINWHEEL_KILLS=20` kills every command that often (3), and `PINWHEEL_KILLS_SEED` chooses other moments.
+//! `PINWHEEL_KILLS=20` kills every command that often (3), `PINWHEEL_KILLS_SEED` chooses other moments, and
+//! `PINWHEEL_KILLS_ONLY=init` kills that command alone.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -144,10 +145,6 @@ const WRITERS: [Writer; 16] = [
             "compare",
             "paper",
             "one-wheel",
-            "--engines",
-            "native,rapier-shared-law",
-            "--longest",
-            "1",
             SET[0],
             SET[1],
             "--out",
@@ -485,8 +482,12 @@ fn regress_kills_tear_nothing_and_lose_nothing() {
     };
     let kills = number("PINWHEEL_KILLS", 3) as usize;
     let seed = number("PINWHEEL_KILLS_SEED", 1);
+    let only = std::env::var("PINWHEEL_KILLS_ONLY").ok();
     let mut all = (0, 0);
     for (place, writer) in WRITERS.iter().enumerate() {
+        if only.as_ref().is_some_and(|only| writer.words[0] != only) {
+            continue;
+        }
         // Recording the whole set and calibrating take many seconds: only where more was asked for.
         let long = writer.words[..2] == ["baseline", "record"] || writer.words[0] == "calibrate";
         if long && kills <= 3 {

@@ -289,6 +289,9 @@ mod tests {
         // A change at either end of a window is none in it.
         let (present, _) = windows(&late(6000), SETTLING_S, &[1.0, 1.02, 1.05]);
         assert_eq!(present[1].load_changes, 1);
+        // A gear that settles sooner has a shorter transient.
+        let (present, _) = windows(&late(5000), 0.1, &[]);
+        assert_eq!(places(present)[1], (WindowKind::Transient, 1.0, 1.02));
         // Ten samples are enough, nine are not.
         let few = |count: u32| {
             let times = (0..count).map(|k| f64::from(k) * 5e-3);

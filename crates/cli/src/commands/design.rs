@@ -4,12 +4,11 @@ use std::path::Path;
 
 use pinwheel::pages;
 use pinwheel::scene::Fault;
-use pinwheel::studies::folder::replace;
 use pinwheel::studies::{Provenance, design};
 
 use crate::args::{self, DesignArgs, InitArgs, quoted};
 use crate::failure::Failure;
-use crate::folder::Folder;
+use crate::folder::{Folder, replace};
 use crate::progress::watched;
 use crate::screen;
 

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use pinwheel::engines::external;
 use pinwheel::fmu::{Package, PackageError};
-use pinwheel::studies::folder::replace;
 use pinwheel::studies::output::file_name;
 
 use crate::args::FmuArgs;
 use crate::failure::Failure;
+use crate::folder::replace;
 use crate::screen;
 
 pub(crate) fn fmu(args: &FmuArgs) -> Result<u8, Failure> {

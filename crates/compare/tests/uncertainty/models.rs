@@ -222,6 +222,21 @@ fn measured_data_get_a_budget() {
         found.counts.model, 2,
         "steady and transient; a model error is a result, not a failure"
     );
+    let (simulation, evidence) = native(1e-4);
+    let rig = participant("rig", Track::Measured, courses(1.02));
+    let rules = Rules {
+        evidence: &[evidence],
+        data: &[stated],
+        ..Rules::default()
+    };
+    let found = compare_with(&anywhere(), &[rig, simulation], &rules).unwrap();
+    let mut judged = entry(&found, FORCE).judgements.iter();
+    let mean = judged.find(|j| j.metric == Metric::Mean).unwrap();
+    assert!(
+        (mean.distance.unwrap() + 0.02 / 1.02).abs() < 1e-3,
+        "{mean:?}"
+    );
+    assert_eq!(mean.u_a, Some(0.004));
 }
 
 #[test]
