@@ -1,6 +1,7 @@
 //! Kills at random moments, over all commands that write: nothing torn, nothing lost, nothing left behind.
 //!
-//! `PINWHEEL_KILLS=20` kills every command that often (3), and `PINWHEEL_KILLS_SEED` chooses other moments.
+//! `PINWHEEL_KILLS=20` kills every command that often (3), `PINWHEEL_KILLS_SEED` chooses other moments, and
+//! `PINWHEEL_KILLS_ONLY=init` kills that command alone.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -15,10 +16,10 @@ use pinwheel_tests::{names_in, pinwheel};
 
 const SIGNALS: [&str; 3] = ["KILL", "TERM", "INT"];
 
-/// A command that writes the folder `out`.
+/// A command that writes `out`.
 struct Writer {
     words: &'static [&'static str],
-    /// What it writes, below the folder it works in.
+    /// What it writes, below the folder it works in: a folder or a single file.
     out: &'static str,
     /// Files of `out` that are the same whenever it is run to its end, by kills and resumes or at once.
     same: &'static [&'static str],
@@ -31,7 +32,7 @@ const SWEEP: &str = "name = \"s\"\nscene = \"paper\"\nengines = [\"native-reduce
 
 const SET: [&str; 2] = ["--set", "solver.duration_s=0.004"];
 
-const WRITERS: [Writer; 9] = [
+const WRITERS: [Writer; 16] = [
     Writer {
         words: &[
             "run",
@@ -140,6 +141,82 @@ const WRITERS: [Writer; 9] = [
         resume: None,
     },
     Writer {
+        words: &[
+            "compare",
+            "paper",
+            "one-wheel",
+            SET[0],
+            SET[1],
+            "--out",
+            "out",
+        ],
+        out: "out",
+        same: &[],
+        resume: None,
+    },
+    Writer {
+        words: &[
+            "compare",
+            "paper",
+            "--engines",
+            "native",
+            "--longest",
+            "1",
+            SET[0],
+            SET[1],
+            "--junit",
+            "verdicts.xml",
+            "--force",
+            "--out",
+            "out",
+        ],
+        out: "verdicts.xml",
+        same: &[],
+        resume: None,
+    },
+    Writer {
+        words: &["design", "mine.toml", "--out", "out"],
+        out: "out",
+        same: &["torsion.csv", "hysteresis.csv", "disc_0.dxf"],
+        resume: None,
+    },
+    Writer {
+        words: &[
+            "init",
+            "gear.toml",
+            "--ratio",
+            "39",
+            "--pin-circle-diameter-mm",
+            "104",
+            "--torque-n-m",
+            "200",
+            "--speed-rpm",
+            "1500",
+            "--force",
+        ],
+        out: "gear.toml",
+        same: &["gear.toml"],
+        resume: None,
+    },
+    Writer {
+        words: &["fmu", "mine.toml", "--out", "gear.fmu"],
+        out: "gear.fmu",
+        same: &["gear.fmu"],
+        resume: None,
+    },
+    Writer {
+        words: &["calibrate", "mine.toml", "--out", "out"],
+        out: "out",
+        same: &[],
+        resume: None,
+    },
+    Writer {
+        words: &["man", "--out", "out"],
+        out: "out",
+        same: &["pinwheel.1"],
+        resume: None,
+    },
+    Writer {
         words: &["baseline", "record", "--dir", "out", "new"],
         out: "out/new",
         same: &[],
@@ -147,9 +224,13 @@ const WRITERS: [Writer; 9] = [
     },
 ];
 
-/// Every file below a folder with its content; the marker, which names a process, without.
+/// Every file below a folder with its content, or the single file; the marker, which names a process, without.
 fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let (mut files, mut open) = (BTreeMap::new(), vec![folder.to_owned()]);
+    if folder.is_file() {
+        let name = folder.file_name().unwrap().into();
+        return BTreeMap::from([(name, fs::read(folder).unwrap())]);
+    }
     while let Some(place) = open.pop() {
         for name in names_in(&place) {
             let path = place.join(name);
@@ -226,6 +307,10 @@ fn assert_whole(writer: &Writer, out: &Path) {
             let read: Result<serde_json::Value, _> = serde_json::from_slice(bytes);
             assert!(read.is_ok(), "{what}: {} is torn", name.display());
         }
+        if name.extension().is_some_and(|ending| ending == "toml") {
+            let read: Result<toml::Table, _> = toml::from_str(std::str::from_utf8(bytes).unwrap());
+            assert!(read.is_ok(), "{what}: {} is torn", name.display());
+        }
         if name.extension().is_some_and(|ending| ending == "html") {
             assert!(
                 bytes.trim_ascii_end().ends_with(b"</html>"),
@@ -275,7 +360,10 @@ fn kill(writer: &Writer, kills: usize, random: &mut Dice) -> usize {
     for number in 0..kills {
         let fresh = number % 2 == 1;
         if fresh {
-            fs::remove_dir_all(dir.join(writer.words_out())).unwrap_or_default();
+            let place = dir.join(writer.words_out());
+            fs::remove_file(&place)
+                .or_else(|_| fs::remove_dir_all(&place))
+                .unwrap_or_default();
         }
         let earlier = fresh.then(BTreeMap::new).unwrap_or_else(|| content(&out));
         let signal = SIGNALS[number % 3];
@@ -368,7 +456,8 @@ fn kill(writer: &Writer, kills: usize, random: &mut Dice) -> usize {
     let mut left = names_in(dir);
     // A part of a bench or stability study that was stopped stands beside it on purpose.
     left.retain(|name| {
-        !kept.contains(name) && !["out", "said", "out.partial"].contains(&name.as_str())
+        let known = ["out", "said", "out.partial", writer.words_out()];
+        !kept.contains(name) && !known.contains(&name.as_str())
     });
     assert!(left.is_empty(), "{what} leaves {left:?}");
     met
@@ -380,7 +469,7 @@ impl Writer {
         self.resume.is_some() && (self.words[0] == "sweep" || out.exists())
     }
 
-    /// The folder that `--out` or `--dir` names.
+    /// What stands in the folder of work: what `--out` or `--dir` names, or what that is in.
     fn words_out(&self) -> &str {
         self.out.split('/').next().unwrap_or(self.out)
     }
@@ -393,10 +482,15 @@ fn regress_kills_tear_nothing_and_lose_nothing() {
     };
     let kills = number("PINWHEEL_KILLS", 3) as usize;
     let seed = number("PINWHEEL_KILLS_SEED", 1);
+    let only = std::env::var("PINWHEEL_KILLS_ONLY").ok();
     let mut all = (0, 0);
     for (place, writer) in WRITERS.iter().enumerate() {
-        // Recording the whole set takes many seconds: only where more was asked for.
-        if writer.words[..2] == ["baseline", "record"] && kills <= 3 {
+        if only.as_ref().is_some_and(|only| writer.words[0] != only) {
+            continue;
+        }
+        // Recording the whole set and calibrating take many seconds: only where more was asked for.
+        let long = writer.words[..2] == ["baseline", "record"] || writer.words[0] == "calibrate";
+        if long && kills <= 3 {
             continue;
         }
         let begin = Instant::now();

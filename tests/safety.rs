@@ -704,6 +704,41 @@ fn regress_a_megabyte_is_read_at_once() {
         "{:?}",
         begun.elapsed()
     );
+
+    // One column of 75 000 rows under 80 000 names: 12 GB, were it read that often.
+    let rows: String = (0..75_000)
+        .map(|k| format!("{:.5},1.25\n", 1e-5 * f64::from(k)))
+        .collect();
+    fs::write(dir.path().join("d.csv"), format!("time_s,a\n{rows}")).unwrap();
+    let names: String = (0..80_000).map(|k| format!("q{k} = \"a\"\n")).collect();
+    fs::write(dir.path().join("map.toml"), format!("[columns]\n{names}")).unwrap();
+    let against = ["--against", "d.csv", "--map", "map.toml"];
+    let words = [
+        &["compare", "paper", "--engines", "native-reduced"][..],
+        &against,
+        &SHORT,
+    ];
+    let begun = Instant::now();
+    let outcome = within(start(dir.path(), &words.concat()), 20.0);
+    assert_refused(&outcome, "feeds more than");
+    assert!(
+        begun.elapsed() < Duration::from_secs(8),
+        "{:?}",
+        begun.elapsed()
+    );
+
+    // 90 000 patterns, each held against all before it: 9 s.
+    let patterns: Vec<String> = (0..90_000).map(|k| format!("\"*{k}*\"")).collect();
+    let text = format!("scene = \"paper\"\nmeasure = [{}]\n", patterns.join(","));
+    fs::write(dir.path().join("s.toml"), text).unwrap();
+    let begun = Instant::now();
+    let outcome = within(start(dir.path(), &["sweep", "s.toml", "--list"]), 20.0);
+    assert_refused(&outcome, "`measure` names more than 1000");
+    assert!(
+        begun.elapsed() < Duration::from_secs(8),
+        "{:?}",
+        begun.elapsed()
+    );
 }
 
 /// A plan of many runs is made of many scenes: the first Ctrl-C ends that, too.
@@ -766,4 +801,41 @@ fn regress_a_rebuilt_program_reuses_no_runs() {
     }
     assert_eq!(run_in(dir.path(), words).code, Some(0));
     assert_ne!(times(), first);
+}
+
+/// So are those of a solver from outside whose program is another under the same version.
+#[cfg(unix)]
+#[test]
+fn regress_a_rebuilt_solver_reuses_no_runs() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let dir = tempfile::tempdir().unwrap();
+    let words = ["run", "paper", "--out", "own"];
+    assert_eq!(run_in(dir.path(), words.iter().chain(&SHORT)).code, Some(0));
+    let build = |remark: &str| {
+        let path = dir.path().join("solver.sh");
+        let text = format!(
+            "#!/bin/sh\n# {remark}\necho ran >> '{0}/ran'\ncp '{0}/own/courses.csv' \"$1/courses.csv\"\n",
+            dir.path().display()
+        );
+        fs::write(&path, text).unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    };
+    let manifest = "protocol = 1\nname = \"script\"\nversion = \"1\"\ntrack = \"own-contact\"\nsummary = \"copies\"\n\
+        command = [\"{here}/solver.sh\", \"{job}\"]\n";
+    fs::write(dir.path().join("solver.toml"), manifest).unwrap();
+    let text = "scene = \"paper\"\nengines = [\"script\"]\n[set]\nsolver.duration_s = 0.002\n[vary]\n\
+        gear.backlash_m = [0.0]\n";
+    fs::write(dir.path().join("s.toml"), text).unwrap();
+    let runs_after = |remark: &str| {
+        build(remark);
+        let words = ["sweep", "s.toml", "--solver", "solver.toml"];
+        let more = ["--out", "o", "--resume"];
+        let outcome = run_in(dir.path(), words.iter().chain(&more));
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        let ran = fs::read_to_string(dir.path().join("ran")).unwrap();
+        ran.lines().count()
+    };
+    assert_eq!(runs_after("first"), 1);
+    assert_eq!(runs_after("first"), 1);
+    assert_eq!(runs_after("second"), 2);
 }

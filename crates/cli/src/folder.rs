@@ -94,3 +94,10 @@ fn named_files() -> Vec<PathBuf> {
         value.into_iter().chain([PathBuf::from(word)])
     }))
 }
+
+/// Writes a file by itself; what stops the program before leaves nothing, and once begun it comes to its end.
+pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    interrupt::watched();
+    interrupt::check()?;
+    Ok(pinwheel::studies::folder::replace(path, bytes)?)
+}

@@ -129,3 +129,121 @@ pub(crate) fn predicted(a: &Participant, b: &Participant, window: &Window) -> Op
         (of_a, of_b) => Some(of_b.unwrap_or(0.0) - of_a.unwrap_or(0.0)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use pinwheel_courses::Courses;
+
+    use super::*;
+    use crate::participant::{Cost, Status, Track};
+
+    /// A participant with an account of each of these parts: from, to, remainder as a share.
+    fn participant(parts: &[(f64, f64, Option<f64>)]) -> Participant {
+        let energy = parts.iter().map(|&(from_s, to_s, share)| Energy {
+            from_s,
+            to_s,
+            driver_j: 1.0,
+            load_j: -1.0,
+            kinetic_j: 0.0,
+            stored_j: 0.0,
+            damping_j: 0.0,
+            friction_j: 0.0,
+            remainder_j: share.unwrap_or(0.0),
+            remainder_share: share,
+        });
+        Participant {
+            name: "a".to_owned(),
+            track: Track::Native,
+            version: String::new(),
+            summary: String::new(),
+            differences: String::new(),
+            courses: Courses::default(),
+            cost: Cost {
+                energy: energy.collect(),
+                ..Cost::default()
+            },
+            status: Status::Finished,
+        }
+    }
+
+    /// The second half of a run of 0.6 s.
+    const WINDOW: Window = Window {
+        kind: WindowKind::Steady,
+        from_s: 0.3,
+        to_s: 0.6,
+        samples: 100,
+        load_changes: 0,
+    };
+
+    /// Of several accounts the one that shares most of the window, and none that shares half of both or less.
+    #[test]
+    fn the_account_is_of_the_window() {
+        let of = |parts: &[(f64, f64, Option<f64>)]| {
+            account(&participant(parts), &WINDOW).map(|found| (found.from_s, found.to_s))
+        };
+        let best = [
+            (0.28, 0.6, Some(0.1)),
+            (0.31, 0.6, Some(0.2)),
+            (0.3, 0.56, Some(0.3)),
+        ];
+        assert_eq!(of(&best), Some((0.31, 0.6)));
+        assert_eq!(of(&[best[1], best[0]]), Some((0.31, 0.6)));
+        // 0.3 s of it in an account of 0.58 s and of 0.62 s.
+        assert_eq!(of(&[(0.02, 0.6, Some(0.1))]), Some((0.02, 0.6)));
+        assert_eq!(of(&[(0.3, 0.92, Some(0.1))]), None);
+        // 0.16 s of 0.3 s, 0.14 s, and none.
+        assert_eq!(of(&[(0.44, 0.6, Some(0.1))]), Some((0.44, 0.6)));
+        assert_eq!(of(&[(0.46, 0.6, Some(0.1))]), None);
+        assert_eq!(of(&[(0.0, 0.3, Some(0.1))]), None);
+        // What has no share is no account.
+        let unknown = [(0.3, 0.6, None), (0.3, 0.6, Some(f64::NAN))];
+        assert_eq!(of(&unknown), None);
+        assert_eq!(of(&[unknown[0], best[0]]), Some((0.28, 0.6)));
+    }
+
+    /// The driver of the one whose law creates more needs less.
+    #[test]
+    fn predicted_is_what_the_second_creates_beyond_the_first() {
+        let with = |share: f64| participant(&[(0.3, 0.6, Some(share))]);
+        let none = participant(&[]);
+        let close = |found: Option<f64>, expected: f64| {
+            assert!((found.unwrap() - expected).abs() < 1e-15, "{found:?}");
+        };
+        close(predicted(&with(0.01), &with(0.03), &WINDOW), 0.02);
+        close(predicted(&with(0.01), &none, &WINDOW), -0.01);
+        close(predicted(&none, &with(0.03), &WINDOW), 0.03);
+        assert_eq!(predicted(&none, &none, &WINDOW), None);
+    }
+
+    /// Each of the four conditions is one.
+    #[test]
+    fn a_statement_is_about_its_engine_friction_window_and_quantity() {
+        let statement = ModelTolerance {
+            engine: "mujoco*",
+            friction: Friction::Without,
+            window: STEADY,
+            quantity: "input_torque_n_m",
+            metric: Metric::Mean,
+            predicted: Prediction::Same,
+            tolerance: 1.0,
+            reason: "",
+        };
+        let (steady, input) = (WindowKind::Steady, "input_torque_n_m");
+        let applies = |s: &ModelTolerance, engine, friction, window, quantity| {
+            s.applies(engine, friction, window, quantity)
+        };
+        assert!(applies(&statement, "mujoco-own", false, steady, input));
+        assert!(!applies(&statement, "exudyn", false, steady, input));
+        assert!(!applies(&statement, "mujoco-own", true, steady, input));
+        let transient = WindowKind::Transient;
+        assert!(!applies(&statement, "mujoco-own", false, transient, input));
+        assert!(!applies(&statement, "mujoco-own", false, steady, "x"));
+        let with = ModelTolerance {
+            friction: Friction::With,
+            window: None,
+            ..statement
+        };
+        assert!(applies(&with, "mujoco-own", true, transient, input));
+        assert!(!applies(&with, "mujoco-own", false, steady, input));
+    }
+}

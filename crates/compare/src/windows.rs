@@ -255,6 +255,51 @@ mod tests {
         );
     }
 
+    /// What just fits is a window, of a run that begins late as well.
+    #[test]
+    fn what_just_fits_is_a_window() {
+        let late = |count: u32| {
+            let times = (0..=count).map(|k| 1.0 + f64::from(k) * 1e-4);
+            Courses::new(times.collect()).unwrap()
+        };
+        let places = |found: Vec<Window>| -> Vec<(WindowKind, f64, f64)> {
+            let place = |w: Window| (w.kind, rounded(w.from_s), rounded(w.to_s));
+            found.into_iter().map(place).collect()
+        };
+        // Twice what it takes to settle, and a sample less.
+        let (present, absent) = windows(&late(5000), SETTLING_S, &[]);
+        let expected = [
+            (WindowKind::Steady, 1.25, 1.5),
+            (WindowKind::Transient, 1.0, 1.05),
+        ];
+        assert_eq!(places(present), expected);
+        assert!(absent.is_empty());
+        let (present, absent) = windows(&late(4999), SETTLING_S, &[]);
+        let expected = [
+            (WindowKind::Transient, 1.0, 1.05),
+            (WindowKind::Whole, 1.0, 1.4999),
+        ];
+        assert_eq!(places(present), expected);
+        assert_eq!(absent[0].kind, WindowKind::Steady);
+        // Room for what the last change leaves behind and a fifth of that, and a sample less.
+        let (present, _) = windows(&late(6000), SETTLING_S, &[1.3]);
+        assert_eq!(places(present)[0], (WindowKind::Steady, 1.55, 1.6));
+        let (present, _) = windows(&late(6000), SETTLING_S, &[1.3001]);
+        assert_eq!(present[0].kind, WindowKind::Transient);
+        // A change at either end of a window is none in it.
+        let (present, _) = windows(&late(6000), SETTLING_S, &[1.0, 1.02, 1.05]);
+        assert_eq!(present[1].load_changes, 1);
+        // A gear that settles sooner has a shorter transient.
+        let (present, _) = windows(&late(5000), 0.1, &[]);
+        assert_eq!(places(present)[1], (WindowKind::Transient, 1.0, 1.02));
+        // Ten samples are enough, nine are not.
+        let few = |count: u32| {
+            let times = (0..count).map(|k| f64::from(k) * 5e-3);
+            windows(&Courses::new(times.collect()).unwrap(), SETTLING_S, &[]).0
+        };
+        assert_eq!((few(10).len(), few(9).len()), (1, 0));
+    }
+
     #[test]
     fn too_few_samples() {
         for time in [vec![], vec![0.0], vec![0.0, 0.3, 0.6]] {

@@ -6,7 +6,7 @@ use common::{context, courses, participant};
 use pinwheel_compare::comparison::{Comparison, PairEntry};
 use pinwheel_compare::limits::{Friction, Limit};
 use pinwheel_compare::uncertainty::{Basis, Estimate, Method, order};
-use pinwheel_compare::verdict::{self, Side};
+use pinwheel_compare::verdict::{self, Counts, Outcome, Side};
 use pinwheel_compare::{
     Context, Divergence, Evidence, Ladder, Metric, Participant, Rules, Rung, StatedLimit, Track,
     Verdict, WindowKind, compare_with,
@@ -119,7 +119,9 @@ fn regress_stated_limits_hold_in_their_window() {
     assert_eq!(entry(&found, WindowKind::Steady).verdict, Verdict::Within);
     let transient = entry(&found, WindowKind::Transient);
     assert!(transient.checks.is_empty(), "{transient:?}");
-    let value = entry(&found, WindowKind::Steady).checks[0].value.unwrap();
+    let check = &entry(&found, WindowKind::Steady).checks[0];
+    let value = check.value.unwrap();
+    assert_eq!(check.share(), value / 0.1);
     assert_eq!(
         entry(&at(value), WindowKind::Steady).verdict,
         Verdict::Within
@@ -364,6 +366,32 @@ fn an_order_is_confirmed_by_differences_that_point_the_same_way() {
         let basis = steady.next().unwrap().l2.estimate().unwrap().basis;
         assert_eq!(basis, wanted, "{cosine}");
     }
+    // Of one sign throughout, and large at other samples: a cosine of 0.2.
+    let large = |even: bool| {
+        move |k: usize| {
+            if k.is_multiple_of(2) == even {
+                1.0
+            } else {
+                0.1
+            }
+        }
+    };
+    let two = move |k: usize| 1.0 + 1e-3 * large(true)(k);
+    let three = move |k: usize| two(k) + 4e-3 * large(false)(k);
+    let evidence = [rungs("native", [torque(&two), torque(&three)])];
+    let rules = Rules {
+        evidence: &evidence,
+        ..Rules::default()
+    };
+    let one = [participant("native", Track::Native, torque(&|_| 1.0))];
+    let found = compare_with(&context(), &one, &rules).unwrap();
+    let mut steady = found.engines[0].uncertainty.iter();
+    let steady = steady.find(|u| u.window == WindowKind::Steady).unwrap();
+    assert_eq!(
+        steady.l2.estimate().unwrap().basis,
+        Basis::Unconfirmed,
+        "across"
+    );
 }
 
 /// Beyond the horizon every run is a sample: u of a figure is three times how far the furthest is from the finest.
@@ -388,6 +416,8 @@ fn beyond_the_horizon_u_is_three_times_the_spread() {
     let steady = steady.find(|u| u.window == WindowKind::Steady).unwrap();
     let u = steady.mean.estimate().unwrap();
     assert_eq!(u.basis, Basis::Spread);
+    // Of samples nothing is known there.
+    assert!(steady.l2.estimate().is_none() && steady.linf.estimate().is_none());
     assert!((u.u - 3.0 * 2e-3).abs() < 1e-12, "{u:?}");
 }
 
@@ -438,4 +468,302 @@ fn kinks_confirm_and_friction_does_not() {
     assert_eq!(at(1.0, order::FRICTION), Basis::Unconfirmed);
     assert_eq!(at(2.5, order::FRICTION), Basis::Unconfirmed);
     assert_eq!(at(4.0, order::FRICTION), Basis::Observed);
+}
+
+/// Above the resolution agreement says nothing, whatever confirms U, and a difference is told by confirmed orders alone.
+#[test]
+fn what_is_blunt_is_not_resolved() {
+    let at = |basis: Basis, distance: f64| {
+        let estimate = Estimate {
+            basis,
+            ..Estimate::stated(1e-3)
+        };
+        let [a, b] = ["a", "b"].map(|name| Side::known(name, estimate));
+        verdict::pair(distance, &a, &b, 1e-3)
+    };
+    let blunt = |found: Verdict| matches!(found, Verdict::NotResolved { .. });
+    assert!(blunt(at(Basis::Observed, 1e-3)) && blunt(at(Basis::Unconfirmed, 1e-3)));
+    assert!(blunt(at(Basis::Unconfirmed, 9e-3)));
+    assert!(matches!(at(Basis::Observed, 9e-3), Verdict::Differ { .. }));
+}
+
+/// Differences and ratios that are no such thing are told, not computed with.
+#[test]
+fn a_ladder_that_makes_no_sense_says_so() {
+    let of = |ratio: f64, difference: f64| {
+        let fine = order::Step {
+            ratio: 2.0,
+            difference: 1e-6,
+        };
+        let steps = [fine, order::Step { ratio, difference }];
+        let method = Method::Step {
+            order: 2.0,
+            limit: None,
+        };
+        order::estimate(&steps, Some(1.0), method, 0.0)
+    };
+    assert!(of(2.0, 4e-6).is_ok());
+    for difference in [f64::NAN, f64::INFINITY] {
+        let reason = of(2.0, difference).unwrap_err().reason;
+        assert!(reason.contains("not finite"), "{reason}");
+    }
+    for ratio in [1.0, 0.5, f64::INFINITY, f64::NAN] {
+        let reason = of(ratio, 4e-6).unwrap_err().reason;
+        assert!(reason.contains("not ordered"), "{ratio}: {reason}");
+    }
+}
+
+/// A figure confirms an order by differences of one sign, whatever the samples behind it do.
+#[test]
+fn a_figure_confirms_by_its_own_sign() {
+    let basis_of_the_mean = |sign: f64| {
+        let turn = |k: usize| if k.is_multiple_of(2) { 3.0 } else { -3.0 };
+        let two = move |k: usize| 1.0 + 1e-3 * (1.0 + turn(k));
+        let three = move |k: usize| two(k) + 4e-3 * (sign + turn(k));
+        let evidence = [rungs("native", [torque(&two), torque(&three)])];
+        let rules = Rules {
+            evidence: &evidence,
+            ..Rules::default()
+        };
+        let one = [participant("native", Track::Native, torque(&|_| 1.0))];
+        let found = compare_with(&context(), &one, &rules).unwrap();
+        let mut all = found.engines[0].uncertainty.iter();
+        let steady = all.find(|u| u.window == WindowKind::Steady).unwrap();
+        assert_eq!(steady.l2.estimate().unwrap().basis, Basis::Observed);
+        steady.mean.estimate().unwrap().basis
+    };
+    assert_eq!(basis_of_the_mean(1.0), Basis::Observed);
+    assert_eq!(basis_of_the_mean(-1.0), Basis::Unconfirmed);
+}
+
+/// How much finer a run must be: by the order, never coarser, and no number where none would do.
+#[test]
+fn what_a_target_asks_of_a_run() {
+    let estimate = Estimate {
+        order: Some(2.0),
+        ..Estimate::stated(1e-3)
+    };
+    assert_eq!(estimate.refinement_for(1e-3 / 16.0), Some(4.0));
+    assert_eq!(estimate.refinement_for(1.0), Some(1.0));
+    for target in [0.0, -1e-3, f64::NAN] {
+        assert_eq!(estimate.refinement_for(target), None, "{target}");
+    }
+    let rounding = Estimate {
+        basis: Basis::Rounding,
+        ..estimate
+    };
+    assert_eq!(rounding.refinement_for(1e-4), None);
+}
+
+/// A row that is for other scenes says for which.
+#[test]
+fn a_row_for_other_scenes_says_so() {
+    let at = |friction_coefficient: f64, friction: Friction| {
+        let rules = Rules {
+            limits: &[Limit {
+                friction,
+                ..row(WindowKind::Steady, 0.1)
+            }],
+            ..Rules::default()
+        };
+        let scene = Context {
+            friction_coefficient,
+            ..context()
+        };
+        let pair = [native(), other(Track::SharedLaw, 0.99)];
+        let found = compare_with(&scene, &pair, &rules).unwrap();
+        format!("{:?}", entry(&found, WindowKind::Steady).verdict)
+    };
+    let with = at(0.0, Friction::With);
+    assert!(with.contains("scenes with friction"), "{with}");
+    let without = at(0.1, Friction::Without);
+    assert!(without.contains("scenes without friction"), "{without}");
+}
+
+/// What counts amount to: the gravest decides, and nothing judged is not the same as nothing to judge.
+#[test]
+fn counts_amount_to_the_gravest() {
+    let nothing = Counts::default();
+    assert_eq!(nothing.outcome(), Outcome::Nothing);
+    let stated = Counts {
+        stated: 1,
+        ..nothing
+    };
+    assert_eq!(stated.outcome(), Outcome::Stated);
+    for passed in [
+        Counts { agree: 1, ..stated },
+        Counts {
+            within: 1,
+            ..stated
+        },
+        Counts { model: 1, ..stated },
+    ] {
+        assert_eq!(passed.outcome(), Outcome::Passed);
+        let open = Counts {
+            not_resolved: 1,
+            ..passed
+        };
+        assert_eq!(open.outcome(), Outcome::NotResolved);
+        for found in [
+            Counts { differ: 1, ..open },
+            Counts {
+                exceeded: 1,
+                ..open
+            },
+            Counts {
+                model_beyond: 1,
+                ..open
+            },
+        ] {
+            assert_eq!(found.outcome(), Outcome::Finding);
+        }
+    }
+}
+
+/// Richardson's formula needs one leading term, of an order that three runs showed.
+#[test]
+fn nothing_is_extrapolated_without_one_leading_term() {
+    let is_sharp = |shown: f64, limit: Option<f64>| {
+        let method = Method::Step { order: 2.0, limit };
+        let at = |h: f64| courses(1.0 + 1e-3 * h.powf(shown));
+        let ladder = |run: &dyn Fn(f64) -> Courses| Ladder {
+            method,
+            finest: 1e-5,
+            coarser: [2.0, 4.0]
+                .map(|refinement| Rung {
+                    refinement,
+                    run: Ok(run(refinement)),
+                    wall_s: 1.0,
+                })
+                .to_vec(),
+        };
+        let evidence = [
+            Evidence::ladder("native", ladder(&at)),
+            Evidence::ladder("other", ladder(&|_| courses(1.0))),
+        ];
+        let rules = Rules {
+            evidence: &evidence,
+            ..Rules::default()
+        };
+        let pair = [
+            participant("native", Track::Native, at(1.0)),
+            other(Track::SharedLaw, 1.0),
+        ];
+        let found = compare_with(&context(), &pair, &rules).unwrap();
+        entry(&found, WindowKind::Steady).extrapolated.is_some()
+    };
+    assert!(is_sharp(2.0, None));
+    assert!(!is_sharp(1.5, Some(1.5)), "a kink's error beside its own");
+    assert!(!is_sharp(1.0, None), "not the order of the method");
+}
+
+#[test]
+fn orders_of_tolerances_and_of_no_differences() {
+    let allowed = |smooth| Method::Tolerance { smooth }.allowed_order();
+    assert_eq!((allowed(true), allowed(false)), (1.0, 0.5));
+    let step = |ratio: f64, difference: f64| order::Step { ratio, difference };
+    let good = step(2.0, 1.0);
+    let seen = order::observed_order(good, step(2.0, 4.0)).unwrap();
+    assert!((seen - 2.0).abs() < 1e-12, "{seen}");
+    for bad in [
+        step(2.0, 0.0),
+        step(1.0, 1.0),
+        step(2.0, f64::NAN),
+        step(2.0, f64::INFINITY),
+    ] {
+        assert_eq!(order::observed_order(bad, good), None, "{bad:?}");
+        assert_eq!(order::observed_order(good, bad), None, "{bad:?}");
+    }
+}
+
+/// A rung with one sample more is not on the grid.
+#[test]
+fn a_rung_with_more_samples_is_refused() {
+    let base = courses(1.0);
+    let mut times = base.time_s().to_vec();
+    times.push(0.601);
+    let mut longer = Courses::new(times).unwrap();
+    for channel in base.channels() {
+        let mut values = channel.values.clone();
+        values.push(0.0);
+        longer.push(channel.name.clone(), values).unwrap();
+    }
+    let evidence = [
+        rungs("native", [longer.clone(), longer]),
+        rungs("other", [courses(1.0), courses(1.0)]),
+    ];
+    let rules = Rules {
+        evidence: &evidence,
+        ..Rules::default()
+    };
+    let pair = [native(), other(Track::SharedLaw, 1.0)];
+    let found = compare_with(&context(), &pair, &rules).unwrap();
+    let told = format!("{:?}", entry(&found, WindowKind::Steady).verdict);
+    assert!(told.contains("other sample times"), "{told}");
+}
+
+/// What is relative is so to the quantity's own size; rounding is a share of it.
+#[test]
+fn relative_sizes_are_of_the_quantity() {
+    let with = |floor: f64| {
+        let evidence = rungs("native", [torque(&|_| 2.001), torque(&|_| 2.005)]);
+        let rules = Rules {
+            evidence: &[evidence.with_floor(floor)],
+            ..Rules::default()
+        };
+        let one = [participant("native", Track::Native, torque(&|_| 2.0))];
+        let found = compare_with(&context(), &one, &rules).unwrap();
+        let mut all = found.engines[0].uncertainty.iter();
+        let steady = all.find(|u| u.window == WindowKind::Steady).unwrap();
+        steady.clone()
+    };
+    let steady = with(0.0);
+    let l2 = steady.l2.estimate().unwrap();
+    assert_eq!(l2.basis, Basis::Observed);
+    assert_eq!(steady.relative_l2, Some(l2.u / 2.0));
+    let rounding = with(1e-3);
+    let linf = rounding.linf.estimate().unwrap();
+    assert_eq!((linf.basis, linf.u), (Basis::Rounding, 2e-3));
+}
+
+/// The blunter side is named, with what it must be refined by: to what the other leaves of the resolution, or half of it.
+#[test]
+fn the_blunter_side_is_to_be_refined() {
+    let at = |of_b: f64| {
+        let of = |u: f64| Estimate {
+            order: Some(1.0),
+            ..Estimate::stated(u)
+        };
+        let [a, b] = [("a", 5e-3), ("b", of_b)].map(|(name, u)| Side::known(name, of(u)));
+        let told = |v: Verdict| match v {
+            Verdict::NotResolved {
+                participant,
+                remedy,
+                ..
+            } => (participant, remedy),
+            other => panic!("{other:?}"),
+        };
+        let found = told(verdict::pair(1e-3, &a, &b, 2e-3));
+        assert_eq!(found, told(verdict::pair(1e-3, &b, &a, 2e-3)));
+        assert_eq!(found.0, "a");
+        found.1
+    };
+    assert_eq!(at(5e-4), "refine a 3.4 times");
+    assert_eq!(at(1.9e-3), "refine a 5 times");
+}
+
+/// A model's difference counts as a finding where it is beyond what is stated, and only there.
+#[test]
+fn models_beyond_what_they_state_are_counted() {
+    for (within, beyond) in [(Some(true), 0), (None, 0), (Some(false), 1)] {
+        let mut counts = Counts::default();
+        counts.add(&Verdict::ModelDifference {
+            low: 0.0,
+            high: 1.0,
+            predicted: 0.0,
+            tolerance: None,
+            within,
+        });
+        assert_eq!((counts.model, counts.model_beyond), (1, beyond));
+    }
 }

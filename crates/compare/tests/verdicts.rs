@@ -433,6 +433,29 @@ fn regress_the_slack_of_the_grid() {
     };
     assert!(moved(0.5e-6) && moved(-0.5e-6));
     assert!(!moved(2e-6) && !moved(-2e-6));
+    // The first time of a run that begins late: the slack is a share of the spacing, not of the time.
+    let late = |by: f64| {
+        let times: Vec<f64> = courses(1.0).time_s().iter().map(|t| t + 100.0).collect();
+        let mut other = times.clone();
+        other[0] += by * 1e-3;
+        let [a, b] = [("a", times), ("b", other)]
+            .map(|(name, t)| participant(name, Track::Native, Courses::new(t).unwrap()));
+        compare(&context(), &[a, b], TABLE).is_ok()
+    };
+    assert!(late(0.5e-6) && !late(2e-6));
+    // The same of a recording with every other sample.
+    let sparse = |row: usize, by: f64| {
+        let times: Vec<f64> = courses(1.0).time_s().iter().map(|t| t + 100.0).collect();
+        let mut other: Vec<f64> = times.iter().copied().step_by(2).collect();
+        other[row] += by * 1e-3;
+        let [a, mut b] = [("a", times), ("b", other)]
+            .map(|(name, t)| participant(name, Track::Native, Courses::new(t).unwrap()));
+        b.cost.recorded = Some("earlier".to_owned());
+        compare(&context(), &[a, b], TABLE).is_ok()
+    };
+    for row in [0, 17] {
+        assert!(sparse(row, 0.5e-6) && !sparse(row, 2e-6), "{row}");
+    }
 }
 
 /// Loads are rounding below 1e-11 of the scene's own, and judged above.

@@ -183,6 +183,24 @@ mod tests {
         }
     }
 
+    /// A foot that is some points off, to either side, leads to the same vertex: the walk goes both ways.
+    #[test]
+    fn the_walk_goes_both_ways() {
+        let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap();
+        let points = ProfilePoints::new(&curve, 0.006, 0.006, 4000).unwrap();
+        let step = std::f64::consts::TAU / 4000.0;
+        for k in 0..100 {
+            let a = 0.0627 * f64::from(k);
+            let at = curve.at(a);
+            let p = at.position - at.normal.scale(0.006 + 1e-5);
+            let (_, right) = points.nearest(p, a);
+            for wrong in [-6.0, -2.3, -1.2, 1.2, 2.3, 6.0] {
+                let (_, found) = points.nearest(p, a + wrong * step);
+                assert_eq!(found, right, "{k} {wrong}");
+            }
+        }
+    }
+
     #[test]
     fn fine_points_have_the_exact_curvature() {
         let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap();

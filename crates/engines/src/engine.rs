@@ -202,6 +202,10 @@ pub trait Engine: Send + Sync {
     fn track(&self) -> Track;
     /// Version of the engine behind it.
     fn version(&self) -> String;
+    /// Changes when the engine is built anew under the same version; empty where it is part of this program.
+    fn build(&self) -> String {
+        String::new()
+    }
     /// One line for `pinwheel engines`.
     fn summary(&self) -> &str;
     /// How it differs from the native solver, in plain words, for the report.

@@ -6,7 +6,8 @@ use pinwheel_compare::{Comparison, Status, Verdict};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
 use crate::baseline::{self, CaseCheck, Check};
-use crate::output::{OutputError, write_text};
+use crate::folder::replace;
+use crate::output::OutputError;
 
 /// How a case ended.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,7 +77,7 @@ pub fn write(path: &Path, name: &str, suites: &[Suite]) -> Result<(), OutputErro
     let text = report
         .to_string()
         .map_err(|error| OutputError::new(path, &error))?;
-    write_text(path, &text)
+    replace(path, text.as_bytes())
 }
 
 /// Every engine's run as a case, and every pair's statements.

@@ -87,30 +87,6 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), OutputError> {
     fs::write(path, text).map_err(|error| OutputError::new(path, &error))
 }
 
-/// Writes a text file beside its place and moves it there, so that what was there is replaced as a whole or not at all.
-///
-/// # Errors
-/// The file cannot be written.
-pub fn replace_text(path: &Path, text: &str) -> Result<(), OutputError> {
-    replace(path, text.as_bytes())
-}
-
-/// The same of any bytes.
-///
-/// # Errors
-/// The file cannot be written.
-pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    let fail = |error: &dyn Display| OutputError::new(path, error);
-    let dir = path.parent().filter(|dir| !dir.as_os_str().is_empty());
-    let mut file = tempfile::NamedTempFile::new_in(dir.unwrap_or(Path::new(".")))
-        .map_err(|error| fail(&error))?;
-    file.write_all(bytes)
-        .and_then(|()| file.as_file().sync_all())
-        .map_err(|error| fail(&error))?;
-    file.persist(path).map_err(|error| fail(&error.error))?;
-    Ok(())
-}
-
 /// Makes the folder `name` in `dir`, and those above it.
 pub(crate) fn folder(dir: &Path, name: &str) -> Result<PathBuf, OutputError> {
     let place = dir.join(name);

@@ -38,14 +38,14 @@ impl Solvers {
         }
     }
 
-    /// `names` with theirs; none stays none, which stands for all.
+    /// `names` with theirs, each once; none stays none, which stands for all.
     pub(crate) fn join_named(&self, names: &[String]) -> Result<Vec<String>, Failure> {
         let joined = self.join()?;
-        let mut names = names.to_vec();
+        let mut all = names.to_vec();
         if !names.is_empty() {
-            names.extend(joined);
+            all.extend(joined.into_iter().filter(|name| !names.contains(name)));
         }
-        Ok(names)
+        Ok(all)
     }
 }
 

@@ -4,12 +4,11 @@ use std::path::Path;
 
 use pinwheel::pages;
 use pinwheel::scene::Fault;
-use pinwheel::studies::output::replace_text;
 use pinwheel::studies::{Provenance, design};
 
 use crate::args::{self, DesignArgs, InitArgs, quoted};
 use crate::failure::Failure;
-use crate::folder::Folder;
+use crate::folder::{Folder, replace};
 use crate::progress::watched;
 use crate::screen;
 
@@ -31,7 +30,7 @@ pub(crate) fn init(args: &InitArgs) -> Result<u8, Failure> {
             args.file.display()
         )));
     }
-    replace_text(&args.file, &draft.text)?;
+    replace(&args.file, draft.text.as_bytes())?;
     let file = quoted(&args.file.display().to_string());
     screen::show(&format!(
         "{}\nscene   {}\nnext    pinwheel design {file}",

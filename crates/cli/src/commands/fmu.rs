@@ -1,14 +1,14 @@
 //! `pinwheel fmu`: a scene as a co-simulation unit.
 
-use std::fs;
 use std::path::Path;
 
 use pinwheel::engines::external;
 use pinwheel::fmu::{Package, PackageError};
-use pinwheel::studies::output::{OutputError, file_name, replace};
+use pinwheel::studies::output::file_name;
 
 use crate::args::FmuArgs;
 use crate::failure::Failure;
+use crate::folder::replace;
 use crate::screen;
 
 pub(crate) fn fmu(args: &FmuArgs) -> Result<u8, Failure> {
@@ -31,12 +31,6 @@ pub(crate) fn fmu(args: &FmuArgs) -> Result<u8, Failure> {
     let bytes = package
         .bytes()
         .map_err(|error| Failure::engine(error.to_string()))?;
-    if let Some(folder) = file
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty())
-    {
-        fs::create_dir_all(folder).map_err(|error| OutputError::new(folder, &error))?;
-    }
     replace(&file, &bytes)?;
     let told = serde_json::json!({
         "file": file,

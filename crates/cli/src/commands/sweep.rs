@@ -114,7 +114,7 @@ fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
             .map(|name| name.trim().to_owned())
             .collect();
     }
-    sweep.engines.extend(args.solvers.join()?);
+    sweep.engines = args.solvers.join_named(&sweep.engines)?;
     Ok(Plan::within(
         sweep,
         &args::overrides(&args.set)?,

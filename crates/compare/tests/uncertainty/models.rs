@@ -58,6 +58,10 @@ fn own_contact_is_an_interval_against_a_prediction() {
         (predicted, tolerance, within),
         (-0.0095, Some(5e-3), Some(true))
     );
+    // Where something is stated, nothing else is judged beside it.
+    let stated = |found: &Verdict| matches!(found, Verdict::ModelDifference { tolerance, .. } if tolerance.is_some());
+    let judged = &entry(&found, TORQUE).judgements;
+    assert!(judged.iter().all(|j| stated(&j.verdict)), "{judged:?}");
     let difference = -0.0095 / 1.0095;
     assert!(
         low < difference && difference < high && high - low < 1e-4,
@@ -186,6 +190,12 @@ fn measured_data_get_a_budget() {
     let judgement = &entry(&found, FORCE).judgements[0];
     let budget = judgement.budget.unwrap();
     assert!((budget.validation() - 0.005).abs() < 1e-5, "{budget:?}");
+    // Each side's own: the simulation's numerics, the rig's statement.
+    assert_eq!(judgement.u_b, Some(0.004));
+    assert!(
+        judgement.u_a.is_some_and(|u| u > 1e-4 && u < 2e-4),
+        "{judgement:?}"
+    );
     assert!(
         matches!(entry(&found, FORCE).verdict, Verdict::NotDistinguishable { level } if (level - 0.01).abs() < 1e-5)
     );
@@ -212,6 +222,21 @@ fn measured_data_get_a_budget() {
         found.counts.model, 2,
         "steady and transient; a model error is a result, not a failure"
     );
+    let (simulation, evidence) = native(1e-4);
+    let rig = participant("rig", Track::Measured, courses(1.02));
+    let rules = Rules {
+        evidence: &[evidence],
+        data: &[stated],
+        ..Rules::default()
+    };
+    let found = compare_with(&anywhere(), &[rig, simulation], &rules).unwrap();
+    let mut judged = entry(&found, FORCE).judgements.iter();
+    let mean = judged.find(|j| j.metric == Metric::Mean).unwrap();
+    assert!(
+        (mean.distance.unwrap() + 0.02 / 1.02).abs() < 1e-3,
+        "{mean:?}"
+    );
+    assert_eq!(mean.u_a, Some(0.004));
 }
 
 #[test]

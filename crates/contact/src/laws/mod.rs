@@ -210,6 +210,105 @@ mod tests {
         }
     }
 
+    /// A law in lanes against itself, one contact at a time.
+    struct InLanes(Law);
+
+    impl pulp::WithSimd for InLanes {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let law = self.0;
+            let name = law.info().name;
+            let same = |lanes: Lanes<S>, value: f64| {
+                let all = lanes.as_slice().iter();
+                let off = all.map(|x| (x - value).abs()).fold(0.0, f64::max);
+                assert!(off <= 4e-15 * value.abs(), "{name}: {off:e} of {value:e}");
+            };
+            let splat = |x: f64| Lanes::splat(simd, x);
+            for depth in [1e-7, 4e-6, 1e-5, 3e-5, 4e-4] {
+                for rate in [-0.3, 0.0, 1e-4, 0.3] {
+                    let lanes = law.force_lanes(splat(9e7), splat(depth), splat(rate));
+                    same(lanes, law.force(9e7, depth, rate));
+                }
+                let stored = law.stored_lanes(splat(9e7), splat(depth));
+                same(stored, law.stored(9e7, depth));
+                match (law.along_lanes(splat(depth)), law.along(depth)) {
+                    (Some(lanes), Some(value)) => same(lanes, value),
+                    (lanes, value) => assert!(lanes.is_none() && value.is_none(), "{name}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lanes_are_the_law() {
+        for (_, law) in each() {
+            pulp::Arch::new().dispatch(InLanes(law));
+            pulp::Arch::Scalar.dispatch(InLanes(law));
+        }
+    }
+
+    /// Above its ramp and at rest a law is its stiffness times a power of the penetration.
+    #[test]
+    fn stiffnesses_are_those_of_the_force() {
+        for (name, law) in each() {
+            let power = if name == "line-contact" {
+                10.0 / 9.0
+            } else {
+                1.5
+            };
+            for hertz in [3e7, 9e7] {
+                let f = law.force(hertz, 4e-4, 0.0);
+                let expected = law.stiffness(hertz) * 4e-4_f64.powf(power);
+                assert!((f / expected - 1.0).abs() < 1e-12, "{name}: {f} {expected}");
+            }
+        }
+    }
+
+    /// The published factors at two restitutions, by hand.
+    #[test]
+    fn hysteresis_factors_are_those_of_their_authors() {
+        for (name, at_half, at_four_fifths) in [
+            ("hunt-crossley", 0.75, 0.3),
+            ("lee-wang", 0.375, 0.15),
+            ("herbert-mcwhannell", 1.0, 1.2 / 3.36),
+            ("lankarani-nikravesh", 0.5625, 0.27),
+            ("flores", 1.6, 0.4),
+        ] {
+            for (c, expected) in [(0.5, at_half), (0.8, at_four_fifths)] {
+                let chi = hysteresis_factor(name, c).expect("of the family");
+                assert!((chi - expected).abs() < 1e-15, "{name} {c}: {chi}");
+            }
+        }
+        assert!(hysteresis_factor("paper", 0.5).is_none());
+    }
+
+    /// A pair as a whole: the energy's gradient where the law has one, and nothing at all across a gap.
+    #[test]
+    fn responses_are_the_laws() {
+        for (name, law) in each() {
+            let touch = GapState {
+                stiffness: 9e7,
+                stiffness_slope: 2e9,
+                penetration: 3e-5,
+                rate: 0.1,
+            };
+            let found = law.respond(&touch);
+            assert_eq!(found.normal_force, law.force(9e7, 3e-5, 0.1), "{name}");
+            assert_eq!(found.stored, law.stored(9e7, 3e-5), "{name}");
+            let along = law.along(3e-5).map_or(0.0, |along| -2e9 * along);
+            assert_eq!(found.along_force, along, "{name}");
+            for penetration in [0.0, -1e-6, f64::NAN] {
+                let gap = GapState {
+                    penetration,
+                    ..touch
+                };
+                assert_eq!(law.respond(&gap), Response::default(), "{name}");
+            }
+        }
+    }
+
     struct Force;
 
     impl LawVisitor for Force {

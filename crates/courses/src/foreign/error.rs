@@ -44,6 +44,16 @@ pub enum ForeignError {
         /// Those there are.
         there: Vec<String>,
     },
+    /// A column feeds more of ours than anybody means.
+    #[error("`{key}`: column `{}` feeds more than {most} columns; map it once", short(.column))]
+    Uses {
+        /// The map's key that is one too many.
+        key: String,
+        /// The file's column.
+        column: String,
+        /// How many it may feed.
+        most: usize,
+    },
     /// Rows that cannot be read.
     #[error("{}; mend them, or write bad = \"skip\" under [rows] of the map to leave them out", rows(.bad, *.total))]
     Rows {

@@ -1,5 +1,6 @@
 //! Reading a foreign file: columns found, cells converted, bad rows named.
 
+use std::collections::{HashMap, HashSet};
 use std::io::{BufRead as _, BufReader, Read};
 
 use super::error::{BadRow, ForeignError, short};
@@ -11,6 +12,9 @@ use crate::Courses;
 const MOST_NAMED: usize = 1000;
 /// Rows that must be left.
 const FEWEST_ROWS: usize = 10;
+
+/// Columns of ours that one of the file may feed: thousands would make a small file a large one in memory.
+const MOST_USES: usize = 16;
 
 /// Largest magnitude of a value in our units: squares and sums of such stay finite.
 const LARGEST: f64 = 1e100;
@@ -135,11 +139,25 @@ pub fn read(source: impl Read, map: &Map) -> Result<Foreign, ForeignError> {
 /// Names of the file's columns.
 struct Header {
     names: Vec<String>,
+    /// Where each name stands first.
+    places: HashMap<String, usize>,
     /// Without a header columns go by number only.
     named: bool,
 }
 
 impl Header {
+    fn new(names: Vec<String>, named: bool) -> Self {
+        let mut places = HashMap::new();
+        for (index, name) in names.iter().enumerate() {
+            places.entry(name.clone()).or_insert(index);
+        }
+        Self {
+            names,
+            places,
+            named,
+        }
+    }
+
     fn name(&self, index: usize) -> String {
         self.names
             .get(index)
@@ -148,9 +166,7 @@ impl Header {
     }
 
     fn position(&self, column: &str) -> Option<usize> {
-        self.names
-            .iter()
-            .position(|name| self.named && name == column)
+        self.places.get(column).copied().filter(|_| self.named)
     }
 
     fn find(&self, key: &str, column: &ColumnRef) -> Result<usize, ForeignError> {
@@ -174,6 +190,7 @@ impl Header {
 /// Our columns, `*` written out; a plain name wins over a pattern.
 fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
     let mut list: Vec<Wanted> = Vec::new();
+    let mut known: HashSet<String> = HashSet::new();
     let patterns_last = map.columns.iter().filter(|(name, _)| !name.contains('*'));
     for (name, source) in
         patterns_last.chain(map.columns.iter().filter(|(name, _)| name.contains('*')))
@@ -189,6 +206,7 @@ fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
                 .columns()
                 .map(|column| header.find(name, column))
                 .collect();
+            known.insert(name.clone());
             list.push(Wanted {
                 name: name.clone(),
                 from: from?,
@@ -225,12 +243,25 @@ fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
                 break;
             };
             let name = name.replace('*', &number.to_string());
-            if !list.iter().any(|known| known.name == name) {
+            if known.insert(name.clone()) {
                 list.push(Wanted {
                     name,
                     from,
                     factor,
                     offset,
+                });
+            }
+        }
+    }
+    let mut uses = vec![0; header.names.len()];
+    for wanted in &list {
+        for &index in &wanted.from {
+            uses[index] += 1;
+            if uses[index] > MOST_USES {
+                return Err(ForeignError::Uses {
+                    key: wanted.name.clone(),
+                    column: header.name(index),
+                    most: MOST_USES,
                 });
             }
         }
@@ -338,10 +369,7 @@ impl<R: Read> Lines<R> {
         let Some((_, cells)) = (if format.header { self.next()? } else { None }) else {
             let most = if format.header { 0 } else { 10_000 };
             let names = (1..=most).map(|number: usize| number.to_string()).collect();
-            return Ok(Header {
-                names,
-                named: false,
-            });
+            return Ok(Header::new(names, false));
         };
         for _ in 0..format.lines_after_header {
             if self.next()?.is_none() {
@@ -355,9 +383,6 @@ impl<R: Read> Lines<R> {
                 .trim()
                 .to_owned()
         };
-        Ok(Header {
-            names: cells.into_iter().map(clean).collect(),
-            named: true,
-        })
+        Ok(Header::new(cells.into_iter().map(clean).collect(), true))
     }
 }

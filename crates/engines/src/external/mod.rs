@@ -15,13 +15,14 @@ pub mod scaffold;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use std::sync::{PoisonError, RwLock};
+use std::sync::{OnceLock, PoisonError, RwLock};
 use std::time::Duration;
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_law::job;
 
+use crate::cache::Fnv;
 use crate::engine::{Control, Engine, EngineError, Prepared, Refinement, Run, RunStats, Track};
 pub use library::{fmu_library, law_library};
 pub use manifest::{Honours, Manifest, ManifestError, Refine, Stated};
@@ -52,6 +53,8 @@ pub struct Solver {
     prefix: &'static str,
     /// What `{python}` stands for, if not the user's.
     python: Option<PathBuf>,
+    /// Hash of the manifest's and the program's files, when first asked for.
+    build: OnceLock<String>,
     log_bytes: u64,
     folder_bytes: u64,
 }
@@ -69,6 +72,7 @@ impl Solver {
             here: absolute.parent().unwrap_or(Path::new("/")).to_owned(),
             prefix: "pinwheel-job-",
             python: None,
+            build: OnceLock::new(),
             log_bytes: LOG_BYTES,
             folder_bytes: FOLDER_BYTES,
         })
@@ -123,6 +127,27 @@ impl Solver {
             Err(remedy) if self.manifest.wants("law") => Err(self.failed(remedy)),
             Err(_) => Ok(None),
         }
+    }
+
+    /// Of the command and of every file that it names: the program, the script.
+    fn hash(&self) -> u64 {
+        let here = self.here.to_string_lossy();
+        let mut hash = Fnv::default();
+        for word in &self.manifest.command {
+            hash.add(word.as_bytes());
+            // Where a word is `--input={here}/gear.dat`, the file begins behind the sign.
+            let word = word.replace("{here}", &here);
+            let names = [
+                Some(word.as_str()),
+                word.split_once('=').map(|(_, name)| name),
+            ];
+            let mut paths = names.into_iter().flatten().map(Path::new);
+            let file = paths.find(|path| path.is_absolute() && path.is_file());
+            if let Some(content) = file.and_then(|path| std::fs::read(path).ok()) {
+                hash.add(&content);
+            }
+        }
+        hash.value()
     }
 
     /// Runs it in a job folder that `fill` fills.
@@ -291,6 +316,11 @@ impl Engine for Solver {
             "{} (solver from outside)",
             plain(&self.manifest.version, 60)
         )
+    }
+
+    fn build(&self) -> String {
+        let hashed = || format!("{:016x}", self.hash());
+        self.build.get_or_init(hashed).clone()
     }
 
     fn summary(&self) -> &str {

@@ -19,7 +19,7 @@
 //! ```
 
 use std::fs;
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
@@ -208,13 +208,23 @@ impl Drafts {
             // As a plain mkdir would: the user's umask decides.
             builder.permissions(fs::Permissions::from_mode(0o777));
         }
-        let staging = Staging(
-            builder
+        let mut attempts = 3;
+        loop {
+            let staging = builder
                 .tempdir_in(folder)
-                .map_err(|error| OutputError::new(folder, &error))?,
-        );
-        let owner = Owner::take(staging.path(), command)?;
-        Ok(Self { owner, staging })
+                .map_err(|error| OutputError::new(folder, &error))?;
+            let staging = Staging(staging);
+            let owner = Owner::take(staging.path(), command);
+            attempts -= 1;
+            // Before it had its marker another program may have taken it for what a kill left.
+            let ours = owner.is_ok() && staging.path().join(MARKER).exists();
+            if ours || attempts == 0 {
+                return Ok(Self {
+                    owner: owner?,
+                    staging,
+                });
+            }
+        }
     }
 
     /// Where to write.
@@ -224,13 +234,61 @@ impl Drafts {
     }
 }
 
+/// Writes a file by itself: what was there is replaced as a whole or not at all, and a kill leaves nothing for good. Folders
+/// above it are made. A link stays and what it names is replaced; a pipe or a device is written to.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    let failed = |error: io::Error| OutputError::new(path, &error);
+    let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let there = fs::metadata(&place);
+    if there.is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        return fs::write(&place, bytes).map_err(failed);
+    }
+    let above = place.parent().filter(|above| !above.as_os_str().is_empty());
+    let above = above.unwrap_or(Path::new("."));
+    fs::create_dir_all(above).map_err(failed)?;
+    let drafts = Drafts::in_folder(above, "file")?;
+    let draft = drafts.path().join("draft");
+    let mut file = fs::File::create(&draft).map_err(failed)?;
+    file.write_all(bytes)
+        .and_then(|()| file.sync_all())
+        .map_err(failed)?;
+    drop(file);
+    fs::rename(&draft, &place).map_err(failed)
+}
+
 /// Folders of programs that were killed, in the folder `beside`.
 fn remove_abandoned(beside: &Path) {
     for entry in fs::read_dir(beside).into_iter().flatten().flatten() {
-        if entry.file_name().to_string_lossy().starts_with(STAGING) && abandoned(&entry.path()) {
-            remove(&entry.path());
+        let path = entry.path();
+        if !entry.file_name().to_string_lossy().starts_with(STAGING) {
+            continue;
+        }
+        if abandoned(&path) {
+            remove(&path);
+        } else {
+            remove_unmarked(&path);
         }
     }
+}
+
+/// Removes what a kill leaves between a folder and its marker: nothing in it, or an unwritten marker that nobody holds.
+fn remove_unmarked(folder: &Path) {
+    let names = fs::read_dir(folder).map(|entries| entries.flatten().map(|e| e.file_name()));
+    let alone = names.is_ok_and(|mut names| names.all(|name| name == MARKER));
+    let marker = folder.join(MARKER);
+    if alone
+        && Mark::of(folder).is_none()
+        && let Ok(file) = fs::File::options().write(true).open(&marker)
+        && file.try_lock().is_ok()
+    {
+        // Locked while it goes: an owner that comes too late sees that.
+        let _ = fs::remove_file(&marker);
+    }
+    // Takes none but an empty one.
+    let _ = fs::remove_dir(folder);
 }
 
 /// Removes a folder in the making, as far as possible. Its marker goes last: what a kill leaves is still known as ours.
@@ -314,6 +372,49 @@ mod tests {
                 ..request
             },
         )
+    }
+
+    #[test]
+    fn what_a_kill_leaves_before_the_marker_goes_too() {
+        let base = tempfile::tempdir().unwrap();
+        let at = |name: &str| base.path().join(name);
+        for name in ["empty", "unwritten", "held", "foreign"] {
+            fs::create_dir(at(&format!("{STAGING}{name}"))).unwrap();
+        }
+        let marker = |name: &str| at(&format!("{STAGING}{name}")).join(MARKER);
+        fs::write(marker("unwritten"), "").unwrap();
+        let held = fs::File::create(marker("held")).unwrap();
+        held.try_lock().unwrap();
+        fs::write(marker("foreign").with_file_name("letter"), "precious").unwrap();
+        let drafts = Drafts::in_folder(base.path(), "test").unwrap();
+        assert!(drafts.path().join(MARKER).exists());
+        drop(drafts);
+        let kept = ["foreign", "held"].map(|name| format!("{STAGING}{name}"));
+        assert_eq!(names(base.path()), kept);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_by_itself_is_replaced() {
+        use std::os::unix::fs::{FileTypeExt as _, PermissionsExt as _, symlink};
+        let base = tempfile::tempdir().unwrap();
+        let at = |name: &str| base.path().join(name);
+        replace(&at("deep/a"), b"one").unwrap();
+        let mode = |name: &str| fs::metadata(at(name)).unwrap().permissions().mode();
+        fs::write(at("plain"), "").unwrap();
+        assert_eq!(mode("deep/a"), mode("plain"), "as any new file");
+        symlink("deep/a", at("link")).unwrap();
+        replace(&at("link"), b"two").unwrap();
+        assert!(at("link").is_symlink());
+        assert_eq!(fs::read(at("deep/a")).unwrap(), b"two");
+        assert_eq!(names(&at("deep")), ["a"]);
+        // A device stays what it is.
+        symlink("/dev/null", at("null")).unwrap();
+        replace(&at("null"), b"gone").unwrap();
+        let null = fs::metadata(at("null")).unwrap();
+        assert!(null.file_type().is_char_device());
+        let error = replace(&at("deep"), b"x").unwrap_err().to_string();
+        assert!(error.contains("deep") && !error.contains('\n'), "{error}");
     }
 
     fn write(folder: &Folder, name: &str, text: &str) {

@@ -110,7 +110,9 @@ impl Sweep {
         let size = fs::metadata(path).map_err(failed)?;
         // Before it is read: a device has no end.
         if !size.is_file() || size.len() > MOST_BYTES as u64 {
-            return Err(unreadable("is no sweep file".to_owned()));
+            return Err(unreadable(
+                "is no sweep file: not a file, or far too long".to_owned(),
+            ));
         }
         Self::from_toml(&fs::read_to_string(path).map_err(failed)?, path)
     }
@@ -445,6 +447,11 @@ impl Reader<'_> {
             (None, text) => text.map(|text| vec![text.to_owned()]),
         };
         match texts {
+            Some(texts) if texts.len() > MOST_KEYS => Err(self.fault(
+                at,
+                format!("`{key}` names more than {MOST_KEYS}"),
+                "leave some out, or write one pattern with `*` for many",
+            )),
             Some(texts) if !texts.is_empty() => {
                 let twice = texts
                     .iter()

@@ -23,6 +23,9 @@ pub struct RunRecord {
     pub engine: String,
     /// Its version.
     pub engine_version: String,
+    /// Its build, where it is none of this program's: see [`Engine::build`].
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub engine_build: String,
     /// This program's version.
     pub pinwheel_version: String,
     /// Hash of the sources of the program that made it.
@@ -80,6 +83,7 @@ impl RunRecord {
         Self {
             engine: engine.name().to_owned(),
             engine_version: engine.version(),
+            engine_build: engine.build(),
             pinwheel_version: env!("CARGO_PKG_VERSION").to_owned(),
             program: SOURCES.to_owned(),
             scene: scene.to_owned(),
@@ -220,7 +224,7 @@ impl RunRecord {
     pub fn identity(&self) -> String {
         identity(
             &self.engine,
-            &self.engine_version,
+            [&self.engine_version, &self.engine_build],
             &self.pinwheel_version,
             &self.program,
             self.window_s,
@@ -250,7 +254,7 @@ pub(crate) const SOURCES: &str = env!("PINWHEEL_SOURCES");
 pub(crate) fn wanted(planned: &PlannedRun, engine: &dyn Engine, scene: &str) -> String {
     identity(
         engine.name(),
-        &engine.version(),
+        [&engine.version(), &engine.build()],
         env!("CARGO_PKG_VERSION"),
         SOURCES,
         planned.window_s,
@@ -261,11 +265,11 @@ pub(crate) fn wanted(planned: &PlannedRun, engine: &dyn Engine, scene: &str) -> 
 /// Everything that the figures of a run depend on, as text.
 fn identity(
     engine: &str,
-    version: &str,
+    [version, build]: [&str; 2],
     pinwheel: &str,
     program: &str,
     window_s: [f64; 2],
     scene: &str,
 ) -> String {
-    format!("{engine}\n{version}\n{pinwheel}\n{program}\n{window_s:?}\n{scene}")
+    format!("{engine}\n{version}\n{build}\n{pinwheel}\n{program}\n{window_s:?}\n{scene}")
 }
