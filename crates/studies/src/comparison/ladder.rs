@@ -635,8 +635,8 @@ mod tests {
     fn regress_no_rung_is_longer_than_the_samples_are_apart() {
         let scene = preset("paper").expect("a preset");
         let scene = pinwheel_scene::Scene::from_toml(scene, "paper", &[]).expect("a scene");
-        let mut gearbox = Gearbox::new(&scene).expect("a gear");
-        gearbox.scene.solver.sample_s = 1e-4;
+        let gearbox = Gearbox::new(&scene).expect("a gear");
+        assert_eq!(gearbox.scene.solver.sample_s, 1e-4);
         let own = by_name("native-reduced", &gearbox.scene).expect("an engine");
         let mut engines = Engines::native(own.as_ref(), gearbox).expect("a ladder");
         for (step, longer) in [
