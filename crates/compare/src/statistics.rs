@@ -119,7 +119,7 @@ fn extremes(channels: &[&[f64]]) -> Option<[f64; 2]> {
         } else {
             high[lane]
         };
-        spoiled[lane] += value - value;
+        spoiled[lane] += 0.0 * value;
     };
     for channel in channels {
         let (whole, rest) = channel.as_chunks::<LANES>();

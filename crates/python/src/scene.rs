@@ -91,18 +91,19 @@ impl Core {
     }
 }
 
-/// The full name of a key that is given in full or by its last part.
+/// The full name of a key that is given in full or by its last part; of several the one in the fewest tables, if it is alone
+/// there: `gear.hole_radius_m` before `gear.errors.hole_radius_m`.
 #[pyfunction]
 pub(crate) fn key(py: Python<'_>, name: &str) -> PyResult<String> {
     if ["name", "description", "base"].contains(&name) || KEYS.iter().any(|key| key.name == name) {
         return Ok(name.to_owned());
     }
     let last = |full: &'static str| full.rsplit('.').next().unwrap_or(full);
-    let found: Vec<&str> = KEYS
-        .iter()
-        .map(|key| key.name)
-        .filter(|full| last(full) == name)
-        .collect();
+    let ends = KEYS.iter().map(|key| key.name);
+    let mut found: Vec<&str> = ends.filter(|full| last(full) == name).collect();
+    let depth = |full: &str| full.matches('.').count();
+    let least = found.iter().map(|full| depth(full)).min();
+    found.retain(|full| Some(depth(full)) == least);
     let wrong = |what: String| {
         let fault = pinwheel::scene::SceneError::Key {
             place: pinwheel::scene::Place::Set(String::new()),
