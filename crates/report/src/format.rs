@@ -131,9 +131,14 @@ pub fn bounded(value: f64, uncertainty: Option<f64>, scale: f64) -> (String, Str
     let Some(u) = uncertainty.filter(|u| *u > 0.0) else {
         return (figure(value), String::new());
     };
-    let digits = exponent_after_rounding(value, 5) - exponent_after_rounding(u, 1) + 1;
+    let last = exponent_after_rounding(u, 1);
+    let down_to = |digits| {
+        let first = exponent_after_rounding(value, digits);
+        (first - last + 1).clamp(1, 5) as usize
+    };
     (
-        significant(value, digits.clamp(1, 5) as usize),
+        // Twice, for rounding may add a digit in front.
+        significant(value, down_to(down_to(5))),
         format!("\u{b1}\u{202f}{}", significant(u, 1)),
     )
 }
