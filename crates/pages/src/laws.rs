@@ -1,7 +1,7 @@
 //! The contact laws a scene can name.
 
 use pinwheel_contact::laws::{LAWS, LawInfo};
-use pinwheel_report::terminal::{TITLE, styled};
+use pinwheel_report::terminal::{Cell, TITLE, lines, paragraph, styled};
 use serde_json::json;
 
 /// All laws, one after the other.
@@ -34,18 +34,20 @@ fn in_words(law: &LawInfo) -> String {
     } else {
         "has no potential on a profile of varying curvature"
     };
-    let keys = if law.keys.is_empty() {
-        String::new()
-    } else {
-        format!("\n  keys    {}", law.keys.join(", "))
-    };
-    format!(
-        "{}: {}\n  force   {}\n  source  {}\n  domain  {}\n  slow    {}\n  energy  {potential}{keys}\n",
-        styled(TITLE, law.name),
-        law.summary,
-        law.formula,
-        law.source,
-        law.domain,
-        law.slow_impact,
-    )
+    let keys = law.keys.join(", ");
+    let facts = [
+        ("force", law.formula),
+        ("source", law.source),
+        ("domain", law.domain),
+        ("slow", law.slow_impact),
+        ("energy", potential),
+        ("keys", &keys),
+    ];
+    let facts = facts.into_iter().filter(|(_, said)| !said.is_empty());
+    let rows: Vec<Vec<Cell>> = facts
+        .map(|(what, said)| vec![Cell::text(format!("  {what}")), Cell::text(said)])
+        .collect();
+    let name = paragraph(&format!("{}: {}", law.name, law.summary));
+    let name = name.replacen(law.name, &styled(TITLE, law.name), 1);
+    format!("{name}\n{}", lines(&rows))
 }

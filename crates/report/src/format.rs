@@ -131,11 +131,20 @@ pub fn bounded(value: f64, uncertainty: Option<f64>, scale: f64) -> (String, Str
     let Some(u) = uncertainty.filter(|u| *u > 0.0) else {
         return (figure(value), String::new());
     };
-    let digits = exponent_after_rounding(value, 5) - exponent_after_rounding(u, 1) + 1;
-    (
-        significant(value, digits.clamp(1, 5) as usize),
-        format!("\u{b1}\u{202f}{}", significant(u, 1)),
-    )
+    let [first, last] = [
+        exponent_after_rounding(value, 5),
+        exponent_after_rounding(u, 1),
+    ];
+    let digits = first - last + 1;
+    let text = if digits >= 5 {
+        figure(value)
+    } else if (-3..6).contains(&first) {
+        // By decimals: rounding may add a digit in front.
+        minus(&format!("{value:.*}", (-last).max(0) as usize))
+    } else {
+        significant(value, digits.max(1) as usize)
+    };
+    (text, format!("\u{b1}\u{202f}{}", significant(u, 1)))
 }
 
 /// What sums of many terms keep of double precision.

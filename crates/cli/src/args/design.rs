@@ -10,6 +10,9 @@ use super::{OutArgs, SceneArgs};
 /// `pinwheel init`.
 #[derive(Debug, Args)]
 #[command(after_help = include_str!("../../help/init.txt").trim_ascii_end())]
+// clap does not wrap its own.
+#[command(override_usage = "pinwheel init <FILE> --ratio <RATIO>\n       \
+    --pin-circle-diameter-mm <MM> --torque-n-m <NM>\n       --speed-rpm <RPM> [OPTIONS]")]
 pub(crate) struct InitArgs {
     /// Scene file to write; `-` for standard output.
     pub(crate) file: PathBuf,

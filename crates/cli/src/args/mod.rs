@@ -36,7 +36,7 @@ const EXAMPLES: &str = include_str!("../../help/pinwheel.txt");
 
 /// Cross-validation of cycloidal gearbox dynamics: one scene, several engines, one report.
 #[derive(Debug, Parser)]
-#[command(name = "pinwheel", version, after_help = EXAMPLES, max_term_width = 100)]
+#[command(name = "pinwheel", version, after_help = EXAMPLES, max_term_width = 80)]
 #[command(arg_required_else_help = true, disable_help_subcommand = true)]
 struct Program {
     #[command(subcommand)]

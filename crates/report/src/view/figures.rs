@@ -129,7 +129,7 @@ fn row(
     let own = figures.efficiency.zip(figures.efficiency_accounted);
     if let Some((_, own)) = own.filter(|(plain, own)| (plain - own).abs() > VISIBLE_SHARE) {
         let own = format::figure(100.0 * own);
-        efficiency.below = format!("{own} without the law's own energy");
+        efficiency.below = format!("{own} by losses");
     }
     Some(FigureRow {
         engine: engine.name.clone(),
