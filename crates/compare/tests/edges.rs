@@ -220,6 +220,33 @@ fn regress_beyond_the_horizon_figures_are_judged() {
             judged.iter().all(|j| !j.metric.is_pointwise()),
             "{judged:?}"
         );
+        // Means count there; of a model of which nothing is stated nothing does.
+        let counted = judged.iter().any(|j| j.counts);
+        assert_eq!(counted, track == Track::SharedLaw, "{judged:?}");
+    }
+    // What a model states of means is judged on both sides of the horizon, what it states of samples before it alone.
+    for (scene, samples) in [(&parted, false), (&context(), true)] {
+        let bed = participant("mujoco-own-contact", Track::OwnContact, courses(1.0));
+        let evidence = [unknown("native"), unknown("mujoco-own-contact")];
+        let rules = Rules {
+            evidence: &evidence,
+            limits: &[],
+            ..Rules::default()
+        };
+        let found = compare_with(scene, &[native(), bed], &rules).unwrap();
+        let metrics = |quantity: &str| -> Vec<Metric> {
+            let mut entries = found.pairs[0].entries.iter();
+            let entry = entries.find(|e| e.quantity == quantity && e.window == WindowKind::Steady);
+            let judged = entry.unwrap().judgements.iter();
+            judged.map(|j| j.metric).collect()
+        };
+        assert_eq!(metrics("input_torque_n_m"), [Metric::Mean]);
+        let of_samples = if samples {
+            Metric::RelativeL2
+        } else {
+            Metric::Mean
+        };
+        assert_eq!(metrics(FORCE), [of_samples]);
     }
 }
 
@@ -516,9 +543,9 @@ fn a_ladder_that_makes_no_sense_says_so() {
 /// A figure confirms an order by differences of one sign, whatever the samples behind it do.
 #[test]
 fn a_figure_confirms_by_its_own_sign() {
-    let basis_of_the_mean = |sign: f64| {
+    let basis_of_the_mean = |first: f64, sign: f64| {
         let turn = |k: usize| if k.is_multiple_of(2) { 3.0 } else { -3.0 };
-        let two = move |k: usize| 1.0 + 1e-3 * (1.0 + turn(k));
+        let two = move |k: usize| 1.0 + 1e-3 * (first + turn(k));
         let three = move |k: usize| two(k) + 4e-3 * (sign + turn(k));
         let evidence = [rungs("native", [torque(&two), torque(&three)])];
         let rules = Rules {
@@ -532,8 +559,10 @@ fn a_figure_confirms_by_its_own_sign() {
         assert_eq!(steady.l2.estimate().unwrap().basis, Basis::Observed);
         steady.mean.estimate().unwrap().basis
     };
-    assert_eq!(basis_of_the_mean(1.0), Basis::Observed);
-    assert_eq!(basis_of_the_mean(-1.0), Basis::Unconfirmed);
+    for first in [1.0, -1.0] {
+        assert_eq!(basis_of_the_mean(first, first), Basis::Observed);
+        assert_eq!(basis_of_the_mean(first, -first), Basis::Unconfirmed);
+    }
 }
 
 /// How much finer a run must be: by the order, never coarser, and no number where none would do.
@@ -548,6 +577,11 @@ fn what_a_target_asks_of_a_run() {
     for target in [0.0, -1e-3, f64::NAN] {
         assert_eq!(estimate.refinement_for(target), None, "{target}");
     }
+    let first = Estimate {
+        order: Some(1.0),
+        ..estimate
+    };
+    assert_eq!(first.refinement_for(-1e-3), None);
     let rounding = Estimate {
         basis: Basis::Rounding,
         ..estimate
