@@ -227,6 +227,7 @@ mod tests {
             (found.map(|w| w.from_s), absent)
         };
         assert_eq!(steady(&[0.01, 0.05]).0, Some(0.3), "long over");
+        assert_eq!(steady(&[0.01]).0, Some(0.3), "no earlier than half");
         assert_eq!(steady(&[0.1, 0.2]).0, Some(0.45));
         assert_eq!(
             steady(&[0.1, 0.6, 0.7]).0,

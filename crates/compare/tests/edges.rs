@@ -220,7 +220,35 @@ fn regress_beyond_the_horizon_figures_are_judged() {
             judged.iter().all(|j| !j.metric.is_pointwise()),
             "{judged:?}"
         );
+        // Means count there; of a model of which nothing is stated nothing does.
+        let counted = judged.iter().any(|j| j.counts);
+        assert_eq!(counted, track == Track::SharedLaw, "{judged:?}");
     }
+    // What a model states of means is judged on both sides of the horizon, what it states of samples before it alone; in the
+    // place of what is not stated stands a distance without a statement.
+    let first = |scene: &Context, name: &str, quantity: &str| {
+        let own = participant(name, Track::OwnContact, courses(1.0));
+        let evidence = [unknown("native"), unknown(name)];
+        let rules = Rules {
+            evidence: &evidence,
+            limits: &[],
+            ..Rules::default()
+        };
+        let found = compare_with(scene, &[native(), own], &rules).unwrap();
+        let mut entries = found.pairs[0].entries.iter();
+        let entry = entries.find(|e| e.quantity == quantity && e.window == WindowKind::Steady);
+        let judged = &entry.unwrap().judgements;
+        assert_eq!(judged.len(), 1, "{judged:?}");
+        (judged[0].metric, !judged[0].reason.is_empty())
+    };
+    let (bed, torque) = ("mujoco-own-contact", "input_torque_n_m");
+    assert_eq!(first(&context(), bed, torque), (Metric::Mean, true));
+    assert_eq!(first(&parted, bed, torque), (Metric::Mean, true));
+    assert_eq!(first(&context(), bed, FORCE), (Metric::RelativeL2, true));
+    assert_eq!(first(&parted, bed, FORCE), (Metric::Mean, false));
+    let other = "other";
+    assert_eq!(first(&context(), other, FORCE), (Metric::RelativeL2, false));
+    assert_eq!(first(&parted, other, FORCE), (Metric::Mean, false));
 }
 
 /// What is not a number is no agreement, and the engine that gave it is named.
@@ -516,9 +544,9 @@ fn a_ladder_that_makes_no_sense_says_so() {
 /// A figure confirms an order by differences of one sign, whatever the samples behind it do.
 #[test]
 fn a_figure_confirms_by_its_own_sign() {
-    let basis_of_the_mean = |sign: f64| {
+    let basis_of_the_mean = |first: f64, sign: f64| {
         let turn = |k: usize| if k.is_multiple_of(2) { 3.0 } else { -3.0 };
-        let two = move |k: usize| 1.0 + 1e-3 * (1.0 + turn(k));
+        let two = move |k: usize| 1.0 + 1e-3 * (first + turn(k));
         let three = move |k: usize| two(k) + 4e-3 * (sign + turn(k));
         let evidence = [rungs("native", [torque(&two), torque(&three)])];
         let rules = Rules {
@@ -532,8 +560,10 @@ fn a_figure_confirms_by_its_own_sign() {
         assert_eq!(steady.l2.estimate().unwrap().basis, Basis::Observed);
         steady.mean.estimate().unwrap().basis
     };
-    assert_eq!(basis_of_the_mean(1.0), Basis::Observed);
-    assert_eq!(basis_of_the_mean(-1.0), Basis::Unconfirmed);
+    for first in [1.0, -1.0] {
+        assert_eq!(basis_of_the_mean(first, first), Basis::Observed);
+        assert_eq!(basis_of_the_mean(first, -first), Basis::Unconfirmed);
+    }
 }
 
 /// How much finer a run must be: by the order, never coarser, and no number where none would do.
@@ -548,6 +578,11 @@ fn what_a_target_asks_of_a_run() {
     for target in [0.0, -1e-3, f64::NAN] {
         assert_eq!(estimate.refinement_for(target), None, "{target}");
     }
+    let first = Estimate {
+        order: Some(1.0),
+        ..estimate
+    };
+    assert_eq!(first.refinement_for(-1e-3), None);
     let rounding = Estimate {
         basis: Basis::Rounding,
         ..estimate

@@ -473,7 +473,7 @@ mod tests {
             env!("CARGO_MANIFEST_DIR"),
             "/../../reference/baselines/accepted"
         );
-        let twice = |path: &Path| {
+        let twice = |path: &Path| -> io::Result<String> {
             let text = fs::read_to_string(path)?;
             Ok(text.replacen("scenes = [", "scenes = [\n    \"steel\",", 1))
         };
