@@ -28,6 +28,7 @@ mod cache;
 mod cards;
 mod engine;
 pub mod external;
+mod fnv;
 #[cfg(feature = "python")]
 pub mod python;
 #[cfg(feature = "rapier")]

@@ -22,8 +22,8 @@ use pinwheel_courses::Courses;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_law::job;
 
-use crate::cache::Fnv;
 use crate::engine::{Control, Engine, EngineError, Prepared, Refinement, Run, RunStats, Track};
+use crate::fnv::Fnv;
 pub use library::{fmu_library, law_library};
 pub use manifest::{Honours, Manifest, ManifestError, Refine, Stated};
 pub use pinwheel_law::job::{schema as job_schema, write as write_job};
