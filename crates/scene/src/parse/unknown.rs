@@ -31,11 +31,11 @@ pub(super) fn unknown(place: Place, key: String, prefix: &str, table: &Table) ->
         let near = nearest(name, KEYS.iter().map(leaf))?;
         KEYS.iter().find(|row| leaf(row) == near)
     };
-    let is_table = || {
-        KEYS.iter()
-            .any(|row| row.name.split('.').next() == Some(name))
+    let elsewhere_a_table = || {
+        let mut tables = KEYS.iter().filter_map(|row| row.name.split_once('.'));
+        !prefix.starts_with(&format!("{name}.")) && tables.any(|(table, _)| table == name)
     };
-    let remedy = if !prefix.is_empty() && is_table() {
+    let remedy = if !prefix.is_empty() && elsewhere_a_table() {
         format!(
             "`{name}` is a table of its own: write it above [{}], or as [{name}]",
             prefix.trim_end_matches('.')
