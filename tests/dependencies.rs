@@ -191,3 +191,28 @@ fn licences_are_read_as_they_are_meant() {
         assert_eq!(satisfied(expression, &allowed), wanted, "{expression}");
     }
 }
+
+/// `cargo run` is how a newcomer begins; it fails where several packages have programs and none is the one to run.
+#[test]
+fn regress_cargo_run_is_the_program() {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let mut command = Command::new(cargo);
+    let what = ["metadata", "--no-deps", "--offline", "--locked"];
+    command
+        .current_dir(repository("."))
+        .args(what)
+        .args(["--format-version", "1"]);
+    let output = command.output().expect("cargo runs");
+    assert!(output.status.success(), "cargo metadata fails");
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let built = told["workspace_default_members"]
+        .as_array()
+        .expect("members");
+    let packages = told["packages"].as_array().expect("packages");
+    let to_run: Vec<_> = packages
+        .iter()
+        .filter(|package| built.contains(&package["id"]))
+        .filter_map(|package| package["default_run"].as_str())
+        .collect();
+    assert_eq!(to_run, ["pinwheel"]);
+}
