@@ -426,8 +426,34 @@ fn a_driver_between_two_bodies_keeps_their_difference() {
     }
 }
 
-/// Weight, and two rubbing pairs: carried on carried, and carried on its carrier.
-struct Rubbing(Weight);
+/// Weight, and three rubbing pairs: carried on carried, carried on its carrier, and pinned on carried.
+struct Rubbing {
+    weight: Weight,
+    ramp: f64,
+}
+
+impl Rubbing {
+    fn of(mechanism: &Mechanism, ramp: f64) -> Self {
+        let weight = weight(mechanism);
+        Self { weight, ramp }
+    }
+
+    fn contacts(&self) -> [Contact; 3] {
+        let contact = |bodies, point, normal, normal_force| Contact {
+            bodies,
+            point,
+            normal,
+            normal_force,
+            coefficient: 0.3,
+            ramp: self.ramp,
+        };
+        [
+            contact([1, 2], [0.2, 0.9], [0.6, 0.8], 5.0),
+            contact([2, 0], [-0.5, -0.1], [-0.8, 0.6], 9.0),
+            contact([3, 1], [2.0, 0.7], [0.0, 1.0], 2.0),
+        ]
+    }
+}
 
 impl Forces for Rubbing {
     fn apply(&mut self, _: f64, _: &[BodyState], _: &mut [Wrench]) {
@@ -441,19 +467,9 @@ impl Forces for Rubbing {
         loads: &mut [Wrench],
         contacts: &mut Vec<Contact>,
     ) {
-        self.0.apply(t, bodies, loads);
-        let contact = |bodies, point, normal, normal_force| Contact {
-            bodies,
-            point,
-            normal,
-            normal_force,
-            coefficient: 0.3,
-            ramp: 1e-3,
-        };
+        self.weight.apply(t, bodies, loads);
         contacts.clear();
-        contacts.push(contact([1, 2], [0.2, 0.9], [0.6, 0.8], 5.0));
-        contacts.push(contact([2, 0], [-0.5, -0.1], [-0.8, 0.6], 9.0));
-        contacts.push(contact([3, 1], [2.0, 0.7], [0.0, 1.0], 2.0));
+        contacts.extend(self.contacts());
     }
 }
 
@@ -462,7 +478,7 @@ impl Forces for Rubbing {
 fn implicit_friction_is_the_same_in_both_forms() {
     for (driven, a) in [(false, 1e-3), (true, 1e-3), (false, 1.0), (true, 1.0)] {
         let m = carousel(driven);
-        let rubbing = || Rubbing(weight(&m));
+        let rubbing = || Rubbing::of(&m, 1e-3);
         let mut reduced = Reduced::new(m.clone(), rubbing(), &[]).unwrap();
         let contacts = Reduced::new(m.clone(), rubbing(), &[])
             .unwrap()
@@ -512,7 +528,7 @@ fn implicit_friction_is_the_same_in_both_forms() {
 #[test]
 fn implicit_friction_needs_the_contacts() {
     let m = carousel(false);
-    let mut system = Lagrange::new(m.clone(), Rubbing(weight(&m)), Stabilisation::None).unwrap();
+    let mut system = Lagrange::new(m.clone(), Rubbing::of(&m, 1e-3), Stabilisation::None).unwrap();
     let mut z = system.initial();
     let (mut f, mut j) = (vec![0.0; z.len()], vec![0.0; z.len()]);
     system.split_stage(0.0, 1e-3, &mut z, &mut f, &mut j);
@@ -662,4 +678,56 @@ fn kinetic_energy_is_half_of_mass_times_square() {
     let expected = 0.5 * (3.3 * (0.04 + 0.49) + 0.6 * 1.69);
     let found = kinetic_energy(&m, &[state; 2]);
     assert_relative_eq!(found, expected, max_relative = 1e-15);
+}
+
+/// Friction by its definition, from the speeds of the two bodies where they touch: what a stage adds to each rate.
+#[test]
+fn implicit_friction_is_that_of_the_speeds_at_the_contacts() {
+    for driven in [false, true] {
+        let m = carousel(driven);
+        let mut system = Reduced::new(m.clone(), Rubbing::of(&m, 10.0), &[]).unwrap();
+        let free = system.free_bodies().to_vec();
+        let (mut y, n) = (system.initial(), free.len());
+        let (mut e, mut i) = (vec![0.0; 2 * n], vec![0.0; 2 * n]);
+        system.split_stage(0.0, 0.02, &mut y, &mut e, &mut i);
+        let mut bodies = m.bodies.iter().map(|b| b.start).collect::<Vec<_>>();
+        for (k, &body) in free.iter().enumerate() {
+            bodies[body].rate = y[n + k];
+        }
+        let hub = bodies[0].rate;
+        for body in [1, 2] {
+            (bodies[body].vx, bodies[body].vy) = (-hub * bodies[body].y, hub * bodies[body].x);
+        }
+        let (mut moments, mut inertia) = ([0.0; 4], [0.5, 0.1, 0.2, 0.3]);
+        for contact in Rubbing::of(&m, 10.0).contacts() {
+            let [nx, ny] = contact.normal;
+            let speed = |body: usize| {
+                let b = bodies[body];
+                let (px, py) = (contact.point[0] - b.x, contact.point[1] - b.y);
+                -ny * (b.vx - b.rate * py) + nx * (b.vy + b.rate * px)
+            };
+            let slip = speed(contact.bodies[0]) - speed(contact.bodies[1]);
+            assert!(slip.abs() > 0.01 && slip.abs() < contact.ramp, "{slip}");
+            let friction = contact.coefficient * contact.normal_force * slip / contact.ramp;
+            for (body, sign) in contact.bodies.into_iter().zip([-friction, friction]) {
+                let (fx, fy) = (-ny * sign, nx * sign);
+                let b = bodies[body];
+                let (px, py) = (contact.point[0] - b.x, contact.point[1] - b.y);
+                moments[body] += px * fy - py * fx;
+                if body == 1 || body == 2 {
+                    moments[0] += b.x * fy - b.y * fx;
+                }
+            }
+        }
+        inertia[0] += 1.0 * (0.36 + 0.04) + 3.0 * (0.09 + 0.16);
+        for (k, &body) in free.iter().enumerate() {
+            let off = (i[n + k] - moments[body] / inertia[body]).abs();
+            holds(
+                "stage",
+                &format!("error of the rate of {body}"),
+                off,
+                ..1e-12,
+            );
+        }
+    }
 }
