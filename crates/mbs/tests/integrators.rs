@@ -1,7 +1,7 @@
 //! Every method of the registry passes the same tests.
 
 use pinwheel_mbs::OdeSystem;
-use pinwheel_mbs::integrators::{METHODS, StepSettings, Stepper, start};
+use pinwheel_mbs::integrators::{Legs, METHODS, StepError, StepSettings, Stepper, start};
 
 mod bounds;
 use bounds::holds;
@@ -86,8 +86,9 @@ fn adaptive_methods_follow_their_tolerance() {
             while run.time() < 2.0 {
                 let before = run.time();
                 run.step(&mut system).unwrap();
-                let middle = 0.5 * (before + run.time());
-                for t in [middle, run.time()] {
+                // Beside the middle, where a share and what is left of it are alike.
+                let inside = 0.7 * before + 0.3 * run.time();
+                for t in [inside, run.time()] {
                     run.interpolate(&mut system, t, &mut y);
                     worst = worst
                         .max((y[0] - exact(t)[0]).abs())
@@ -188,4 +189,189 @@ fn unknown_methods_are_refused() {
         tolerance: 1e-6,
     };
     assert!(start::<Smooth>("euler", settings, 0.0, &[0.0, 1.0]).is_none());
+}
+
+/// Smooth's slopes, with a note of what was asked for and with errors counted in another unit.
+struct Noted {
+    calls: u64,
+    settled: Vec<f64>,
+    unit: f64,
+}
+
+impl Noted {
+    fn new(unit: f64) -> Self {
+        Self {
+            calls: 0,
+            settled: Vec::new(),
+            unit,
+        }
+    }
+}
+
+impl OdeSystem for Noted {
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.calls += 1;
+        Smooth.derivative(t, y, dydt);
+    }
+
+    fn scale(&self, _: &[f64], scale: &mut [f64]) {
+        scale.fill(self.unit);
+    }
+
+    fn settle(&mut self, t: f64, _: &mut [f64]) {
+        self.settled.push(t);
+    }
+}
+
+fn noted(name: &str, tolerance: f64) -> Box<dyn Stepper<Noted>> {
+    let settings = StepSettings {
+        step: 0.05,
+        tolerance,
+    };
+    start(name, settings, 0.0, &exact(0.0)).expect("registered")
+}
+
+#[test]
+fn evaluations_are_counted() {
+    for method in METHODS {
+        let (mut system, mut run) = (Noted::new(1.0), noted(method.name, 1e-6));
+        let mut y = [0.0; 2];
+        for steps in 1..=20 {
+            run.step(&mut system).unwrap();
+            let inside = run.time() - 0.3 * run.next_step().min(0.01);
+            // A sample of a method with implicit stages is a step of its own, which does not count.
+            if !method.name.starts_with("imex") {
+                run.interpolate(&mut system, inside, &mut y);
+            }
+            let counts = run.counts();
+            assert_eq!(counts.evaluations, system.calls, "{}", method.name);
+            assert_eq!(counts.steps, steps, "{}", method.name);
+        }
+    }
+}
+
+/// Each state that is handed out has been put onto the invariants of its own time.
+#[test]
+fn states_are_settled_at_their_time() {
+    for method in METHODS {
+        let (mut system, mut run) = (Noted::new(1.0), noted(method.name, 1e-6));
+        let mut y = [0.0; 2];
+        for _ in 0..20 {
+            let before = run.time();
+            run.step(&mut system).unwrap();
+            let last = system.settled.last().copied();
+            assert_eq!(last, Some(run.time()), "{}", method.name);
+            let inside = 0.5 * (before + run.time());
+            run.interpolate(&mut system, inside, &mut y);
+            let last = system.settled.last().copied();
+            assert_eq!(last, Some(inside), "{}", method.name);
+        }
+    }
+}
+
+/// The state at a step's end, and before the first step, is not interpolated.
+#[test]
+fn ends_are_not_interpolated() {
+    for method in METHODS {
+        let mut run = stepper(method.name, 0.05, 1e-6);
+        let mut y = [0.0; 2];
+        for _ in 0..5 {
+            run.interpolate(&mut Smooth, run.time(), &mut y);
+            assert_eq!(y, run.state(), "{}", method.name);
+            run.step(&mut Smooth).unwrap();
+        }
+    }
+}
+
+/// An error is counted in tolerances times its scale: a unit 16 times larger is a tolerance 16 times larger; of a method
+/// of order 2, whose errors are bounded by tolerance^(3/2), a unit 64 times larger.
+#[test]
+fn the_scale_is_the_unit_of_the_tolerance() {
+    for method in METHODS.iter().filter(|m| m.adaptive) {
+        let unit = if method.order < 4 { 64.0 } else { 16.0 };
+        let (mut one, mut run) = (Noted::new(1.0), noted(method.name, 16e-7));
+        let (mut other, mut same) = (Noted::new(unit), noted(method.name, 1e-7));
+        for _ in 0..20 {
+            run.step(&mut one).unwrap();
+            same.step(&mut other).unwrap();
+            let off = (run.time() - same.time()).abs();
+            holds(method.name, "difference of the times, s", off, ..1e-12);
+        }
+    }
+}
+
+#[test]
+fn steps_can_be_shortened() {
+    for method in METHODS {
+        let mut run = stepper(method.name, 0.05, 1e-4);
+        for _ in 0..10 {
+            let (before, wanted) = (run.time(), run.next_step());
+            run.shorten(1e-3);
+            let next = run.next_step();
+            run.step(&mut Smooth).unwrap();
+            let taken = run.time() - before;
+            if method.adaptive {
+                holds(method.name, "step, s", taken, 0.0..1e-3 + 1e-12);
+            } else {
+                assert_eq!(next, wanted, "{}", method.name);
+            }
+        }
+    }
+}
+
+fn goes_on(what: &str, mut whole: Box<dyn Stepper<Smooth>>, mut rest: Box<dyn Stepper<Smooth>>) {
+    for _ in 0..12 {
+        whole.step(&mut Smooth).unwrap();
+    }
+    let (bytes, before) = (whole.save(), rest.save());
+    for wrong in [&[][..], &bytes[..bytes.len() / 2]] {
+        assert!(!rest.restore(wrong), "{what}: {} bytes", wrong.len());
+        assert!(rest.save() == before, "{what}: not what it was");
+    }
+    assert!(rest.restore(&bytes), "{what}: refused");
+    for _ in 0..12 {
+        whole.step(&mut Smooth).unwrap();
+        rest.step(&mut Smooth).unwrap();
+        assert_eq!(whole.time(), rest.time(), "{what}");
+        assert_eq!(whole.state(), rest.state(), "{what}");
+    }
+    assert_eq!(whole.counts(), rest.counts(), "{what}");
+}
+
+#[test]
+fn a_saved_run_goes_on_exactly() {
+    let settings = StepSettings {
+        step: 0.02,
+        tolerance: 1e-6,
+    };
+    for method in METHODS {
+        let run = || stepper(method.name, 0.02, 1e-6);
+        goes_on(method.name, run(), run());
+        let legs = || {
+            let breaks = [0.013, 0.301, 1e9];
+            Box::new(Legs::start(method.name, settings, 0.0, &exact(0.0), &breaks).unwrap())
+        };
+        goes_on(&format!("{} in legs", method.name), legs(), legs());
+    }
+}
+
+/// Slopes that are not finite at the start are said to be so there, not found by ever shorter steps.
+#[test]
+fn slopes_that_are_not_finite_at_the_start_are_named() {
+    for method in METHODS.iter().filter(|m| m.adaptive) {
+        let settings = StepSettings {
+            step: 0.3,
+            tolerance: 1e-6,
+        };
+        let mut run: Box<dyn Stepper<Broken>> =
+            start(method.name, settings, 2.0, &[0.5]).expect("registered");
+        let outcome = run.step(&mut Broken);
+        let expected = StepError::NotFinite { time: 2.0 };
+        assert_eq!(outcome, Err(expected), "{}", method.name);
+        assert_eq!(run.state(), [0.5], "{}", method.name);
+    }
 }
