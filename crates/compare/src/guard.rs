@@ -232,26 +232,17 @@ fn check(row: &Limit, value: Option<f64>, limit: f64, reason: String) -> Check {
 
 #[cfg(test)]
 mod tests {
-    use pinwheel_courses::Courses;
-
     use super::*;
-    use crate::participant::{Cost, Status};
+    use crate::participant::Cost;
 
     /// A run that tells no step is not one with a short step.
     #[test]
     fn regress_no_step_is_not_a_short_one() {
-        let of = |step_s: f64| Participant {
-            name: "a".to_owned(),
-            track: Track::Native,
-            version: String::new(),
-            summary: String::new(),
-            differences: String::new(),
-            courses: Courses::default(),
-            cost: Cost {
+        let of = |step_s: f64| {
+            Participant::that_cost(Cost {
                 step_s,
                 ..Cost::default()
-            },
-            status: Status::Finished,
+            })
         };
         let fits = |step_s: f64| step_suits(&of(step_s), Some(1e-5));
         assert!(fits(1e-5) && fits(1e-6) && !fits(1.1e-5));

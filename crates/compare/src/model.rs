@@ -132,10 +132,8 @@ pub(crate) fn predicted(a: &Participant, b: &Participant, window: &Window) -> Op
 
 #[cfg(test)]
 mod tests {
-    use pinwheel_courses::Courses;
-
     use super::*;
-    use crate::participant::{Cost, Status, Track};
+    use crate::participant::Cost;
 
     /// A participant with an account of each of these parts: from, to, remainder as a share.
     fn participant(parts: &[(f64, f64, Option<f64>)]) -> Participant {
@@ -151,19 +149,10 @@ mod tests {
             remainder_j: share.unwrap_or(0.0),
             remainder_share: share,
         });
-        Participant {
-            name: "a".to_owned(),
-            track: Track::Native,
-            version: String::new(),
-            summary: String::new(),
-            differences: String::new(),
-            courses: Courses::default(),
-            cost: Cost {
-                energy: energy.collect(),
-                ..Cost::default()
-            },
-            status: Status::Finished,
-        }
+        Participant::that_cost(Cost {
+            energy: energy.collect(),
+            ..Cost::default()
+        })
     }
 
     /// The second half of a run of 0.6 s.

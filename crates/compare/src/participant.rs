@@ -94,3 +94,20 @@ impl Context {
         horizon.is_none_or(|horizon| to_s <= horizon)
     }
 }
+
+#[cfg(test)]
+impl Participant {
+    /// A native run that cost this, without series.
+    pub(crate) fn that_cost(cost: Cost) -> Self {
+        Self {
+            name: "a".to_owned(),
+            track: Track::Native,
+            version: String::new(),
+            summary: String::new(),
+            differences: String::new(),
+            courses: Courses::default(),
+            cost,
+            status: Status::Finished,
+        }
+    }
+}

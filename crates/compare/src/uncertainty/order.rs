@@ -118,7 +118,8 @@ pub enum Basis {
     Rounding,
     /// A figure of a series whose own uncertainty bounds it more sharply than the figure's ladder does.
     Series,
-    /// Runs at several tolerances that show no order, or that lie beyond the divergence horizon where each is a sample: three times their spread.
+    /// Runs at several tolerances that show no order, or runs beyond the divergence horizon, where each is a sample: three
+    /// times their spread.
     Spread,
     /// The engine states it: a closed form, or a value the caller knows.
     Stated,

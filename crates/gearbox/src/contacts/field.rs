@@ -77,8 +77,8 @@ pub trait ContactField: Send {
     }
 
     /// [`add_loads`](Self::add_loads), or where the state is `observed`
-    /// [`add_loads_with_energy`](Self::add_loads_with_energy), with every body standing where its joints hold it.
-    fn add_held_loads(
+    /// [`add_loads_with_energy`](Self::add_loads_with_energy).
+    fn add_asked_loads(
         &mut self,
         bodies: &[BodyState],
         loads: &mut [Wrench],
@@ -89,6 +89,16 @@ pub trait ContactField: Send {
         }
         self.add_loads(bodies, loads);
         None
+    }
+
+    /// The same with every body standing where its joints hold it.
+    fn add_held_loads(
+        &mut self,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+        observed: bool,
+    ) -> Option<ContactEnergy> {
+        self.add_asked_loads(bodies, loads, observed)
     }
 
     /// Visits every touching pair (penetration > 0), wheel by wheel, external before internal.

@@ -306,11 +306,7 @@ impl ContactField for LaneField {
         if self.levers::<true>(bodies, &mut found) {
             return found.energy;
         }
-        if observed {
-            return Some(self.add_loads_with_energy(bodies, loads));
-        }
-        self.add_loads(bodies, loads);
-        None
+        self.add_asked_loads(bodies, loads, observed)
     }
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {

@@ -1,16 +1,18 @@
 //! The two formulations on mechanisms whose motion is known.
 
+#[path = "../bounds/mod.rs"]
+mod bounds;
+mod friction;
+mod loops;
+
 use approx::assert_relative_eq;
+use bounds::holds;
 use pinwheel_mbs::elements::kinetic_energy;
 use pinwheel_mbs::integrators::{StepSettings, Stepper, start};
-use pinwheel_mbs::sliding::Contact;
 use pinwheel_mbs::{
     Body, BodyState, Driver, ErrorScales, Forces, Formulation, Lagrange, Mechanism, MechanismError,
     Motion, OdeSystem, Reduced, Revolute, Stabilisation, Wrench,
 };
-
-mod bounds;
-use bounds::holds;
 
 /// Weight, and a spring on every body's angle that makes the motion less simple.
 struct Weight {
@@ -211,82 +213,6 @@ fn free_fall_of_a_compound_pendulum_keeps_its_energy() {
 }
 
 #[test]
-fn a_closed_loop_stays_closed() {
-    // A parallelogram of three rods, the middle one translating.
-    let rod = |name: &str, x: f64, y: f64, angle: f64| {
-        body(
-            name,
-            1.0,
-            1.0 / 12.0,
-            BodyState {
-                x,
-                y,
-                angle,
-                ..BodyState::default()
-            },
-        )
-    };
-    let up = std::f64::consts::FRAC_PI_2;
-    let mut m = Mechanism {
-        bodies: vec![
-            rod("left", 0.0, 0.5, up),
-            rod("top", 0.7, 1.0, 0.0),
-            rod("right", 1.4, 0.5, up),
-        ],
-        revolutes: vec![
-            Revolute {
-                parent: None,
-                parent_point: [0.0, 0.0],
-                child: 0,
-                child_point: [-0.5, 0.0],
-            },
-            Revolute {
-                parent: Some(0),
-                parent_point: [0.5, 0.0],
-                child: 1,
-                child_point: [-0.7, 0.0],
-            },
-            Revolute {
-                parent: None,
-                parent_point: [1.4, 0.0],
-                child: 2,
-                child_point: [-0.5, 0.0],
-            },
-            Revolute {
-                parent: Some(2),
-                parent_point: [0.5, 0.0],
-                child: 1,
-                child_point: [0.7, 0.0],
-            },
-        ],
-        drivers: Vec::new(),
-    };
-    for (k, speed) in [(0, -0.5), (1, -1.0), (2, -0.5)] {
-        m.bodies[k].start.vx = speed;
-        m.bodies[k].start.rate = if k == 1 { 0.0 } else { 1.0 };
-    }
-    let forces = Weight {
-        masses: vec![1.0; 3],
-        spring: 0.0,
-    };
-    let mut system = Lagrange::new(m, forces, Stabilisation::Projection).unwrap();
-    let y = run(&mut system, 5e-4, 0.3);
-    holds(
-        "rk4",
-        "joint error, m",
-        system.joint_error(0.3, &y),
-        ..1e-13,
-    );
-    holds(
-        "rk4",
-        "difference of the cranks, rad",
-        (y[2] - y[8]).abs(),
-        ..1e-10,
-    );
-    holds("rk4", "tilt of the top, rad", y[5].abs(), ..1e-10);
-}
-
-#[test]
 fn what_cannot_be_reduced_is_said() {
     let mut m = carousel(false);
     m.revolutes[1].child_point = [0.1, 0.0];
@@ -426,115 +352,6 @@ fn a_driver_between_two_bodies_keeps_their_difference() {
     }
 }
 
-/// Weight, and three rubbing pairs: carried on carried, carried on its carrier, and pinned on carried.
-struct Rubbing {
-    weight: Weight,
-    ramp: f64,
-}
-
-impl Rubbing {
-    fn of(mechanism: &Mechanism, ramp: f64) -> Self {
-        let weight = weight(mechanism);
-        Self { weight, ramp }
-    }
-
-    fn contacts(&self) -> [Contact; 3] {
-        let contact = |bodies, point, normal, normal_force| Contact {
-            bodies,
-            point,
-            normal,
-            normal_force,
-            coefficient: 0.3,
-            ramp: self.ramp,
-        };
-        [
-            contact([1, 2], [0.2, 0.9], [0.6, 0.8], 5.0),
-            contact([2, 0], [-0.5, -0.1], [-0.8, 0.6], 9.0),
-            contact([3, 1], [2.0, 0.7], [0.0, 1.0], 2.0),
-        ]
-    }
-}
-
-impl Forces for Rubbing {
-    fn apply(&mut self, _: f64, _: &[BodyState], _: &mut [Wrench]) {
-        unreachable!("an implicit stage asks for contacts")
-    }
-
-    fn apply_without_friction(
-        &mut self,
-        t: f64,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-        contacts: &mut Vec<Contact>,
-    ) {
-        self.weight.apply(t, bodies, loads);
-        contacts.clear();
-        contacts.extend(self.contacts());
-    }
-}
-
-/// Friction treated implicitly is the same in both forms, of free and of driven carriers, sliding and sticking.
-#[test]
-fn implicit_friction_is_the_same_in_both_forms() {
-    for (driven, a) in [(false, 1e-3), (true, 1e-3), (false, 1.0), (true, 1.0)] {
-        let m = carousel(driven);
-        let rubbing = || Rubbing::of(&m, 1e-3);
-        let mut reduced = Reduced::new(m.clone(), rubbing(), &[]).unwrap();
-        let contacts = Reduced::new(m.clone(), rubbing(), &[])
-            .unwrap()
-            .into_contacts();
-        let mut lagrange = Lagrange::new(m.clone(), rubbing(), Stabilisation::Projection)
-            .unwrap()
-            .with_contacts(contacts);
-        let free = reduced.free_bodies().to_vec();
-        let (mut y, mut z) = (reduced.initial(), lagrange.initial());
-        let (mut e, mut i) = (vec![0.0; y.len()], vec![0.0; y.len()]);
-        let (mut f, mut j) = (vec![0.0; z.len()], vec![0.0; z.len()]);
-        reduced.split_stage(0.0, a, &mut y, &mut e, &mut i);
-        lagrange.split_stage(0.0, a, &mut z, &mut f, &mut j);
-        let n = free.len();
-        for (k, body) in free.iter().enumerate() {
-            let at = 12 + 3 * body + 2;
-            for (what, found, expected) in [
-                ("rate", z[at], y[n + k]),
-                ("slope of the angle", f[at - 12], e[k]),
-                ("explicit part", f[at], e[n + k]),
-                ("implicit part", j[at], i[n + k]),
-            ] {
-                let off = (found - expected).abs() / expected.abs().max(1.0);
-                holds(&format!("{driven} {a} {body}"), what, off, ..1e-10);
-            }
-            assert!(i[n + k] != 0.0, "body {body} slides");
-        }
-        assert_eq!(reduced.newton_steps(), lagrange.newton_steps());
-        assert!(reduced.newton_steps() > 0);
-        // Where the carriers carry their bodies at the rates that friction leaves.
-        let hub = z[14];
-        for (body, [x, y]) in [(1, [0.6, 0.2]), (2, [-0.3, 0.4])] {
-            for (found, expected) in [(z[12 + 3 * body], -hub * y), (z[13 + 3 * body], hub * x)] {
-                let off = (found - expected).abs();
-                holds(
-                    &format!("{driven} {a}"),
-                    "speed of a centre, m/s",
-                    off,
-                    ..1e-10,
-                );
-            }
-        }
-    }
-}
-
-/// Without the contacts' dependence on the rates there is no implicit stage, and it says so.
-#[test]
-fn implicit_friction_needs_the_contacts() {
-    let m = carousel(false);
-    let mut system = Lagrange::new(m.clone(), Rubbing::of(&m, 1e-3), Stabilisation::None).unwrap();
-    let mut z = system.initial();
-    let (mut f, mut j) = (vec![0.0; z.len()], vec![0.0; z.len()]);
-    system.split_stage(0.0, 1e-3, &mut z, &mut f, &mut j);
-    assert!(f.iter().all(|x| x.is_nan()));
-}
-
 /// What the reduced form keeps of a state is told of that state alone, and with its own motion.
 #[test]
 fn what_is_observed_is_of_the_state_asked_for() {
@@ -591,78 +408,6 @@ fn errors_are_scaled_by_their_kind() {
     assert!(expected.eq(all));
 }
 
-/// A driven parallelogram that stands and moves beside its constraints is put back onto them, speeds included.
-#[test]
-fn loops_are_closed_from_a_distance() {
-    let rod = |name: &str, x: f64, y: f64, angle: f64| {
-        let start = BodyState {
-            x,
-            y,
-            angle,
-            ..BodyState::default()
-        };
-        body(name, 1.0, 0.1, start)
-    };
-    let pin = |parent, parent_point, child, child_point| Revolute {
-        parent,
-        parent_point,
-        child,
-        child_point,
-    };
-    let up = std::f64::consts::FRAC_PI_2;
-    let m = Mechanism {
-        bodies: vec![
-            rod("left", 0.0, 0.5, up),
-            rod("top", 0.7, 1.0, 0.0),
-            rod("right", 1.4, 0.5, up),
-        ],
-        revolutes: vec![
-            pin(None, [0.0, 0.0], 0, [-0.5, 0.0]),
-            pin(Some(0), [0.5, 0.0], 1, [-0.7, 0.0]),
-            pin(None, [1.4, 0.0], 2, [-0.5, 0.0]),
-            pin(Some(2), [0.5, 0.0], 1, [0.7, 0.0]),
-        ],
-        drivers: vec![Driver {
-            parent: None,
-            child: 0,
-            motion: Motion {
-                from_s: 0.0,
-                angle: up,
-                rate: 2.0,
-                acceleration: 0.0,
-            },
-        }],
-    };
-    let forces = weight(&m);
-    let mut system = Lagrange::new(m, forces, Stabilisation::Projection).unwrap();
-    let mut y = system.initial();
-    for (k, y) in y.iter_mut().enumerate() {
-        *y += 0.01 * (1.0 + k as f64).sin();
-    }
-    let t = 0.05;
-    system.settle(t, &mut y);
-    let angle = up + 2.0 * t;
-    let (s, c) = angle.sin_cos();
-    let expected = [
-        [0.5 * c, 0.5 * s, angle],
-        [0.7 + c, s, 0.0],
-        [1.4 + 0.5 * c, 0.5 * s, angle],
-        [-s, c, 2.0],
-        [-2.0 * s, 2.0 * c, 0.0],
-        [-s, c, 2.0],
-    ];
-    for (k, (found, expected)) in y.iter().zip(expected.iter().flatten()).enumerate() {
-        let off = (found - expected).abs();
-        holds("projection", &format!("error of y[{k}]"), off, ..1e-12);
-    }
-    holds(
-        "projection",
-        "joint error, m",
-        system.joint_error(t, &y),
-        ..1e-13,
-    );
-}
-
 #[test]
 fn kinetic_energy_is_half_of_mass_times_square() {
     let state = BodyState {
@@ -678,56 +423,4 @@ fn kinetic_energy_is_half_of_mass_times_square() {
     let expected = 0.5 * (3.3 * (0.04 + 0.49) + 0.6 * 1.69);
     let found = kinetic_energy(&m, &[state; 2]);
     assert_relative_eq!(found, expected, max_relative = 1e-15);
-}
-
-/// Friction by its definition, from the speeds of the two bodies where they touch: what a stage adds to each rate.
-#[test]
-fn implicit_friction_is_that_of_the_speeds_at_the_contacts() {
-    for driven in [false, true] {
-        let m = carousel(driven);
-        let mut system = Reduced::new(m.clone(), Rubbing::of(&m, 10.0), &[]).unwrap();
-        let free = system.free_bodies().to_vec();
-        let (mut y, n) = (system.initial(), free.len());
-        let (mut e, mut i) = (vec![0.0; 2 * n], vec![0.0; 2 * n]);
-        system.split_stage(0.0, 0.02, &mut y, &mut e, &mut i);
-        let mut bodies = m.bodies.iter().map(|b| b.start).collect::<Vec<_>>();
-        for (k, &body) in free.iter().enumerate() {
-            bodies[body].rate = y[n + k];
-        }
-        let hub = bodies[0].rate;
-        for body in [1, 2] {
-            (bodies[body].vx, bodies[body].vy) = (-hub * bodies[body].y, hub * bodies[body].x);
-        }
-        let (mut moments, mut inertia) = ([0.0; 4], [0.5, 0.1, 0.2, 0.3]);
-        for contact in Rubbing::of(&m, 10.0).contacts() {
-            let [nx, ny] = contact.normal;
-            let speed = |body: usize| {
-                let b = bodies[body];
-                let (px, py) = (contact.point[0] - b.x, contact.point[1] - b.y);
-                -ny * (b.vx - b.rate * py) + nx * (b.vy + b.rate * px)
-            };
-            let slip = speed(contact.bodies[0]) - speed(contact.bodies[1]);
-            assert!(slip.abs() > 0.01 && slip.abs() < contact.ramp, "{slip}");
-            let friction = contact.coefficient * contact.normal_force * slip / contact.ramp;
-            for (body, sign) in contact.bodies.into_iter().zip([-friction, friction]) {
-                let (fx, fy) = (-ny * sign, nx * sign);
-                let b = bodies[body];
-                let (px, py) = (contact.point[0] - b.x, contact.point[1] - b.y);
-                moments[body] += px * fy - py * fx;
-                if body == 1 || body == 2 {
-                    moments[0] += b.x * fy - b.y * fx;
-                }
-            }
-        }
-        inertia[0] += 1.0 * (0.36 + 0.04) + 3.0 * (0.09 + 0.16);
-        for (k, &body) in free.iter().enumerate() {
-            let off = (i[n + k] - moments[body] / inertia[body]).abs();
-            holds(
-                "stage",
-                &format!("error of the rate of {body}"),
-                off,
-                ..1e-12,
-            );
-        }
-    }
 }
