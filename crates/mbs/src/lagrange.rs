@@ -10,6 +10,7 @@
 //! which is 1e-4 of a penetration). [`Stabilisation`] says what is done about it.
 
 mod split;
+mod turning;
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -18,8 +19,9 @@ use crate::mechanism::{Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
 use crate::pinned::PinnedContacts;
 use crate::saddle::{Dependent, Rows, SaddlePoint, redundant};
-use crate::state::{BodyId, BodyState, Wrench};
+use crate::state::{BodyState, Wrench};
 use crate::tree::{Arms, Forest, turned};
+use turning::{Settled, Turning};
 
 /// What keeps the joints together besides the accelerations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,9 +56,9 @@ pub struct Lagrange<F> {
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
     arms: Vec<Arms>,
-    /// Bodies on which a revolute has an arm, and e^{i angle} of all bodies as far as it is needed.
-    turning: Vec<BodyId>,
-    turns: Vec<[f64; 2]>,
+    /// Which of the arms turn, and with whom.
+    turning: Vec<Turning>,
+    settled: Settled,
     reactions: Vec<[f64; 2]>,
     torques: Vec<f64>,
     /// How contacts depend on the free rates, where friction may be treated implicitly.
@@ -88,9 +90,9 @@ impl<F: Forces> Lagrange<F> {
             saddle: SaddlePoint::new(&mechanism),
             bodies: vec![BodyState::default(); n],
             loads: vec![Wrench::default(); n],
-            arms: vec![Arms::default(); mechanism.revolutes.len()],
-            turning: turning(&mechanism),
-            turns: vec![[1.0, 0.0]; n],
+            arms: mechanism.revolutes.iter().map(turning::at_rest).collect(),
+            turning: Turning::of(&mechanism),
+            settled: Settled::new(6 * n),
             reactions: vec![[0.0; 2]; mechanism.revolutes.len()],
             torques: vec![0.0; mechanism.drivers.len()],
             contacts: None,
@@ -130,6 +132,7 @@ impl<F: Forces> Lagrange<F> {
     }
 
     fn unpack(&mut self, y: &[f64]) {
+        self.settled.valid = false;
         let (q, v) = y.split_at(3 * self.bodies.len());
         let (q, v) = (q.as_chunks::<3>().0, v.as_chunks::<3>().0);
         for ((body, q), v) in self.bodies.iter_mut().zip(q).zip(v) {
@@ -154,22 +157,14 @@ impl<F: Forces> Lagrange<F> {
     }
 
     fn rotate_arms(&mut self) {
-        for &body in &self.turning {
-            let (s, c) = self.bodies[body].angle.sin_cos();
-            self.turns[body] = [c, s];
-        }
-        let by = |[c, s]: [f64; 2], [x, y]: [f64; 2]| [c * x - s * y, s * x + c * y];
-        for (arms, joint) in self.arms.iter_mut().zip(&self.mechanism.revolutes) {
-            arms.parent = match joint.parent {
-                None => joint.parent_point,
-                Some(p) => by(self.turns[p], joint.parent_point),
-            };
-            arms.child = by(self.turns[joint.child], joint.child_point);
+        for turning in &self.turning {
+            turning.rotate(self.bodies[turning.body].angle, &mut self.arms);
         }
     }
 
     /// Arms as they will stand after every body has turned on at its own rate for `time`.
     fn turn_arms(&mut self, time: f64) {
+        self.settled.valid = false;
         for (arms, joint) in self.arms.iter_mut().zip(&self.mechanism.revolutes) {
             let on = |point: [f64; 2], rate: f64| turned(point, rate * time);
             let parent_rate = joint.parent.map_or(0.0, |p| self.bodies[p].rate);
@@ -249,40 +244,31 @@ impl<F: Forces> Lagrange<F> {
 
     /// Right-hand side gamma of Eq. 9, with Baumgarte's feedback if chosen.
     fn set_gamma(&mut self, t: f64) {
-        let (b1, b2) = match self.stabilisation {
-            Stabilisation::Baumgarte { rate } => (2.0 * rate, rate * rate),
-            _ => (0.0, 0.0),
+        let revolutes = self.arms.len();
+        for k in 0..revolutes {
+            *self.saddle.constraint(k) = Vector3::zeros();
+        }
+        let kept = pinwheel_faults::factor(pinwheel_faults::Fault::DroppedGamma, 0.0);
+        for turning in &self.turning {
+            let rate = self.bodies[turning.body].rate;
+            turning.add_gamma(kept * rate * rate, &self.arms, &mut self.saddle);
+        }
+        for (k, driver) in self.mechanism.drivers.iter().enumerate() {
+            let (_, _, acceleration) = driver.motion.at(t);
+            *self.saddle.constraint(revolutes + k) = Vector3::new(acceleration, 0.0, 0.0);
+        }
+        let Stabilisation::Baumgarte { rate: b } = self.stabilisation else {
+            return;
         };
-        for k in 0..self.arms.len() {
-            let joint = &self.mechanism.revolutes[k];
-            let rate_parent = joint.parent.map_or(0.0, |p| self.bodies[p].rate);
-            let rate_child = self.bodies[joint.child].rate;
-            let kept = pinwheel_faults::factor(pinwheel_faults::Fault::DroppedGamma, 0.0);
-            let (wp2, wc2) = (
-                kept * rate_parent * rate_parent,
-                kept * rate_child * rate_child,
-            );
-            let arms = self.arms[k];
-            let mut gamma = [
-                wc2 * arms.child[0] - wp2 * arms.parent[0],
-                wc2 * arms.child[1] - wp2 * arms.parent[1],
-            ];
-            if b1 != 0.0 {
-                let (phi, rate) = self.revolute_error(k);
-                gamma[0] -= b1 * rate[0] + b2 * phi[0];
-                gamma[1] -= b1 * rate[1] + b2 * phi[1];
-            }
-            *self.saddle.constraint(k) = Vector3::new(gamma[0], gamma[1], 0.0);
+        let (b1, b2) = (2.0 * b, b * b);
+        for k in 0..revolutes {
+            let (phi, rate) = self.revolute_error(k);
+            let feedback = [0, 1].map(|i| b1 * rate[i] + b2 * phi[i]);
+            *self.saddle.constraint(k) -= Vector3::new(feedback[0], feedback[1], 0.0);
         }
         for k in 0..self.torques.len() {
-            let (_, _, acceleration) = self.mechanism.drivers[k].motion.at(t);
-            let (phi, rate) = if b1 == 0.0 {
-                (0.0, 0.0)
-            } else {
-                self.driver_error(k, t)
-            };
-            let gamma = acceleration - b1 * rate - b2 * phi;
-            *self.saddle.constraint(self.arms.len() + k) = Vector3::new(gamma, 0.0, 0.0);
+            let (phi, rate) = self.driver_error(k, t);
+            self.saddle.constraint(revolutes + k).x -= b1 * rate + b2 * phi;
         }
     }
 
@@ -382,7 +368,11 @@ impl<F: Forces> Lagrange<F> {
         Ok(())
     }
 
+    /// Bodies and arms at (t, y), unless they stand there.
     fn prepare(&mut self, t: f64, y: &[f64]) {
+        if self.settled.is(t, y) {
+            return;
+        }
         self.unpack(y);
         if self.stabilisation == Stabilisation::Projection {
             self.project(t);
@@ -390,17 +380,6 @@ impl<F: Forces> Lagrange<F> {
             self.rotate_arms();
         }
     }
-}
-
-/// Bodies on which a revolute has an arm.
-fn turning(mechanism: &Mechanism) -> Vec<BodyId> {
-    let has_arm = |body: &BodyId| {
-        mechanism.revolutes.iter().any(|j| {
-            (j.parent == Some(*body) && j.parent_point != [0.0; 2])
-                || (j.child == *body && j.child_point != [0.0; 2])
-        })
-    };
-    (0..mechanism.bodies.len()).filter(has_arm).collect()
 }
 
 impl<F: Forces> OdeSystem for Lagrange<F> {
@@ -448,6 +427,7 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
             self.unpack(y);
             self.project(t);
             self.pack(y);
+            self.settled.set(t, y);
         }
     }
 
@@ -510,9 +490,11 @@ impl<F: Forces> Formulation for Lagrange<F> {
             .map_or(0, PinnedContacts::newton_steps)
     }
 
-    fn joint_error(&mut self, _t: f64, y: &[f64]) -> f64 {
-        self.unpack(y);
-        self.rotate_arms();
+    fn joint_error(&mut self, t: f64, y: &[f64]) -> f64 {
+        if !self.settled.is(t, y) {
+            self.unpack(y);
+            self.rotate_arms();
+        }
         (0..self.arms.len())
             .map(|k| {
                 let ([x, y], _) = self.revolute_error(k);

@@ -85,24 +85,15 @@ impl<S: OdeSystem> Stepper<S> for FixedStep {
         self.evaluate_first_stage(system, t);
         for i in 1..self.stages.len() {
             let (known, rest) = self.stages.split_at_mut(i);
-            self.scratch.copy_from_slice(&self.y);
-            for (&a, k) in self.tableau.a[i].iter().zip(known.iter()) {
-                if a != 0.0 {
-                    axpy(a * h, k, &mut self.scratch);
-                }
-            }
+            set_sum(&mut self.scratch, &self.y, h, self.tableau.a[i], known);
             system.derivative(t + self.tableau.c[i] * h, &self.scratch, &mut rest[0]);
             self.counts.evaluations += 1;
         }
-        self.scratch.copy_from_slice(&self.y);
-        for (&b, k) in self.tableau.b.iter().zip(&self.stages) {
-            if b != 0.0 {
-                axpy(b * h, k, &mut self.scratch);
-            }
-        }
+        set_sum(&mut self.scratch, &self.y, h, self.tableau.b, &self.stages);
         let end = self.start + (self.counts.steps + 1) as f64 * h;
         system.settle(end, &mut self.scratch);
-        if !self.scratch.iter().all(|x| x.is_finite()) {
+        let finite = self.scratch.iter().fold(true, |all, x| all & x.is_finite());
+        if !finite {
             return Err(StepError::NotFinite { time: end });
         }
         std::mem::swap(&mut self.y_before, &mut self.y);
@@ -161,10 +152,28 @@ impl<S: OdeSystem> Stepper<S> for FixedStep {
     }
 }
 
-/// y += a x.
-#[inline]
-fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y += a * x;
+/// out = y + h (sum of weights times stages), two stages at a time, as every number is read and written anew.
+fn set_sum(out: &mut [f64], y: &[f64], h: f64, weights: &[f64], stages: &[Vec<f64>]) {
+    let mut terms = weights.iter().zip(stages).filter(|(w, _)| **w != 0.0);
+    let Some((w, k)) = terms.next() else {
+        out.copy_from_slice(y);
+        return;
+    };
+    match terms.next() {
+        None => {
+            for ((out, y), k) in out.iter_mut().zip(y).zip(k) {
+                *out = y + w * h * k;
+            }
+        }
+        Some((v, l)) => {
+            for (((out, y), k), l) in out.iter_mut().zip(y).zip(k).zip(l) {
+                *out = y + w * h * k + v * h * l;
+            }
+        }
+    }
+    for (w, k) in terms {
+        for (out, k) in out.iter_mut().zip(k) {
+            *out += w * h * k;
+        }
     }
 }

@@ -83,6 +83,7 @@ impl<F: Forces> Lagrange<F> {
             *self.saddle.body(k) = Vector3::new(load.fx, load.fy, load.moment);
         }
         self.saddle.solve();
+        self.settled.valid = false;
         for (k, i) in i[3 * n..].chunks_exact_mut(3).enumerate() {
             i.copy_from_slice(self.saddle.body(k).as_slice());
             let body = &mut self.bodies[k];

@@ -1,0 +1,126 @@
+//! What of the joints turns with the bodies, and the state at which all stands.
+
+use super::Arms;
+use crate::mechanism::{Mechanism, Revolute};
+use crate::saddle::SaddlePoint;
+use crate::state::BodyId;
+
+/// A revolute's arm on a body.
+#[derive(Debug, Clone, Copy)]
+struct Arm {
+    revolute: usize,
+    /// The body is the revolute's child, else its parent.
+    child: bool,
+    /// On the body, m.
+    point: [f64; 2],
+}
+
+/// A body and its arms. Arms on the ground never turn, and a joint at a centre of mass has none.
+#[derive(Debug, Clone)]
+pub(super) struct Turning {
+    pub(super) body: BodyId,
+    arms: Vec<Arm>,
+}
+
+/// The arms of a revolute as far as they never turn.
+pub(super) fn at_rest(joint: &Revolute) -> Arms {
+    let parent = match joint.parent {
+        None => joint.parent_point,
+        Some(_) => [0.0; 2],
+    };
+    Arms {
+        parent,
+        child: [0.0; 2],
+    }
+}
+
+impl Turning {
+    /// All that turn.
+    pub(super) fn of(mechanism: &Mechanism) -> Vec<Self> {
+        let arms_of = |body: BodyId| -> Vec<Arm> {
+            let joints = mechanism.revolutes.iter().enumerate();
+            let ends = joints.flat_map(|(revolute, j)| {
+                let ends = [
+                    (Some(j.child), true, j.child_point),
+                    (j.parent, false, j.parent_point),
+                ];
+                ends.map(|(of, child, point)| {
+                    (
+                        of,
+                        Arm {
+                            revolute,
+                            child,
+                            point,
+                        },
+                    )
+                })
+            });
+            let own = ends.filter(|(of, arm)| *of == Some(body) && arm.point != [0.0; 2]);
+            own.map(|(_, arm)| arm).collect()
+        };
+        let all = (0..mechanism.bodies.len()).map(|body| Self {
+            body,
+            arms: arms_of(body),
+        });
+        all.filter(|turning| !turning.arms.is_empty()).collect()
+    }
+
+    /// Puts the arms where they stand at the body's `angle`.
+    #[inline]
+    pub(super) fn rotate(&self, angle: f64, arms: &mut [Arms]) {
+        let (s, c) = angle.sin_cos();
+        for arm in &self.arms {
+            let ([x, y], arms) = (arm.point, &mut arms[arm.revolute]);
+            let turned = [c * x - s * y, s * x + c * y];
+            *(if arm.child {
+                &mut arms.child
+            } else {
+                &mut arms.parent
+            }) = turned;
+        }
+    }
+
+    /// Adds what the arms add to gamma, `squared` being the square of the body's rate.
+    #[inline]
+    pub(super) fn add_gamma(&self, squared: f64, arms: &[Arms], saddle: &mut SaddlePoint) {
+        for arm in &self.arms {
+            let arms = arms[arm.revolute];
+            let ([x, y], squared) = if arm.child {
+                (arms.child, squared)
+            } else {
+                (arms.parent, -squared)
+            };
+            let gamma = saddle.constraint(arm.revolute);
+            (gamma.x, gamma.y) = (gamma.x + squared * x, gamma.y + squared * y);
+        }
+    }
+}
+
+/// The state that was put onto the constraints last, if bodies and arms still stand there.
+#[derive(Debug, Clone)]
+pub(super) struct Settled {
+    pub(super) valid: bool,
+    time: f64,
+    y: Vec<f64>,
+}
+
+impl Settled {
+    pub(super) fn new(dimension: usize) -> Self {
+        Self {
+            valid: false,
+            time: 0.0,
+            y: vec![0.0; dimension],
+        }
+    }
+
+    pub(super) fn set(&mut self, time: f64, y: &[f64]) {
+        (self.valid, self.time) = (true, time);
+        self.y.copy_from_slice(y);
+    }
+
+    pub(super) fn is(&self, time: f64, y: &[f64]) -> bool {
+        // All of them: without a way out early the comparison takes several at a time.
+        let same = |all: bool, (a, b): (&f64, &f64)| all & (a == b);
+        self.valid && self.time == time && self.y.iter().zip(y).fold(true, same)
+    }
+}
