@@ -90,9 +90,9 @@ fn hard_kinks_limit_the_order_before_it_shows() {
     let found = at(Some(CONTACTS));
     assert_eq!(
         (found.basis, found.order),
-        (Basis::Observed, Some(CONTACTS))
+        (Basis::Unconfirmed, Some(CONTACTS))
     );
-    assert!(found.u > error && found.u < 2.0 * error, "{found:?}");
+    assert!(found.u > error && found.u < 4.0 * error, "{found:?}");
     // Friction allows less, and confirms nothing by orders near its own.
     let rough = Method::Step {
         order: 2.0,
@@ -327,5 +327,36 @@ proptest! {
         let smaller = estimate(&scaled, Some(1.0), SMOOTH(stated), 0.0).unwrap();
         prop_assert!((smaller.u / found.u - 1e-3).abs() < 1e-9);
         prop_assert_eq!(smaller.basis, found.basis);
+    }
+}
+
+/// Where in a step a contact opens is luck: one difference may be small for no reason, and the order shown is any. Measured:
+/// Runge-Kutta 4 on `steel`, first 3.3 ms, at steps of 1.6, 3.1 and 6.2 us, external forces.
+#[test]
+fn hard_kinks_show_any_order() {
+    let of = |fine: f64, coarse: f64| {
+        let steps = [fine, coarse].map(|difference| Step {
+            ratio: 2.0,
+            difference,
+        });
+        let method = Method::Step {
+            order: 4.0,
+            limit: Some(CONTACTS),
+        };
+        estimate(&steps, Some(1.0), method, 0.0).unwrap()
+    };
+    let error = 1.1e-4;
+    assert!(of(3.0e-4, 1.3e-2).u > error);
+    // The finest difference with Fs = 3, the other with 1.25, both at the kinks' order.
+    let kinks = |ratio: f64| ratio.powf(CONTACTS);
+    for (fine, coarse) in [(3.0e-4, 1.3e-2), (1e-4, 1.5e-4), (1e-4, 1e-3)] {
+        let found = of(fine, coarse);
+        let of_fine = 3.0 * fine / (kinks(2.0) - 1.0);
+        let of_coarse = 1.25 * coarse / (kinks(4.0) - kinks(2.0));
+        assert!(
+            (found.u / of_fine.max(of_coarse) - 1.0).abs() < 1e-12,
+            "{found:?}"
+        );
+        assert_eq!(found.order, Some(CONTACTS));
     }
 }

@@ -55,7 +55,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<u8, Failure> {
             effort: effort(0.01),
         };
         let found = watched("calibrate", |control| calibration::run(&input, control))?;
-        found.write(folder.path(), &made)?;
+        found.write(&input, folder.path(), &made)?;
         (pages::calibration::text(&found), found.is_honest())
     };
     let out = folder.publish()?;

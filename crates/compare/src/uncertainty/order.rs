@@ -3,7 +3,8 @@
 //! With H the step over the finest step, p the order and C a constant of the problem, `f(H) = f + C H^p`. Then
 //! `|f2 - f1| = C (H2^p - 1)` and the finest run is off by `C = |f2 - f1| / (H2^p - 1)`; the factor of safety Fs
 //! makes a bound of it: Roache's grid convergence index (Verification and Validation in Computational Science
-//! and Engineering, 1998, ch. 5). Fs = 1.25 where three runs show the order that the method promises, else 3.
+//! and Engineering, 1998, ch. 5). Fs = 1.25 where three runs show the order that the method promises, else 3; and 3 where
+//! contacts open and close in a method of a higher order than they allow.
 //! The caps on the order are those of Oberkampf & Roy (2010), ch. 8, and Eca & Hoekstra, J. Comput. Phys. 262
 //! (2014) 104. Where runs at several tolerances show no order, because each chooses its steps
 //! anew, three times the largest difference of any two takes its place, as there. Fixed steps that show none say nothing.
@@ -74,6 +75,12 @@ impl Method {
         }
     }
 
+    /// Whether contacts that open and close set the error, and not the method. Each is off by h^2.5 times a factor of where in
+    /// a step it falls, so that the order which three runs show is an accident.
+    fn is_kinked(self) -> bool {
+        matches!(self, Self::Step { order, limit: Some(limit) } if FRICTION < limit && limit < order)
+    }
+
     fn least_order(self) -> f64 {
         match self {
             Self::Step { .. } => LEAST_ORDER,
@@ -91,14 +98,12 @@ impl Method {
 
     /// Whether three runs that show `observed` confirm what is expected of method and scene.
     fn confirmed_by(self, observed: f64) -> bool {
-        let Self::Step { order, limit } = self else {
+        let Self::Step { order, .. } = self else {
             return false;
         };
-        // Friction confirms nothing: orders about 1 come and go there.
-        let from = limit
-            .filter(|l| *l > FRICTION)
-            .map_or(order, |l| l.min(order));
-        (from - ORDER_MARGIN..=order + ORDER_MARGIN).contains(&observed)
+        // Kinks confirm nothing. Nor does friction: orders about 1 come and go there.
+        let sound = !self.is_kinked();
+        sound && (order - ORDER_MARGIN..=order + ORDER_MARGIN).contains(&observed)
     }
 }
 
@@ -108,7 +113,8 @@ impl Method {
 pub enum Basis {
     /// Three runs showed the stated order: Fs = 1.25.
     Observed,
-    /// Three runs converge, with another order than stated: Fs = 3 with the lower of both orders.
+    /// Three runs converge, with another order than stated: Fs = 3 with the lower of both orders. Or contacts open and close,
+    /// which a method of a higher order than theirs cannot confirm: Fs = 3 with theirs.
     Unconfirmed,
     /// Two runs: the order is the stated one, unseen. What both runs miss alike cannot be seen.
     TwoRungs,
@@ -284,18 +290,23 @@ pub fn estimate(
         let mut refinement = fine.ratio;
         let mut largest = fine.difference / (refinement.powf(order) - 1.0);
         // Every rung predicts the error of the finest; an accident of one difference does not hide the others.
-        // Coarse runs fall with the method's own order where the scene's is lower.
-        let order = if method.allowed_order() < stated {
-            stated
+        // Over kinks with the kinks' order: where one difference happens to be small, the other is not.
+        // With friction coarse runs fall with the method's own order.
+        let (order, safety_of_others) = if method.is_kinked() {
+            (order, SAFETY)
+        } else if method.allowed_order() < stated {
+            (stated, safety)
         } else {
-            order
+            (order, safety)
         };
+        largest *= safety;
         for step in &steps[1..] {
             let next = refinement * step.ratio;
-            largest = largest.max(step.difference / (next.powf(order) - refinement.powf(order)));
+            let off = step.difference / (next.powf(order) - refinement.powf(order));
+            largest = largest.max(safety_of_others * off);
             refinement = next;
         }
-        (safety * largest).max(floor)
+        largest.max(floor)
     };
     let known = |basis, observed_order, order: f64, safety| {
         Ok(Estimate {
@@ -342,7 +353,11 @@ pub fn estimate(
         ));
     }
     let allowed = method.allowed_order();
-    let lower = observed.min(allowed);
+    let lower = if method.is_kinked() {
+        allowed
+    } else {
+        observed.min(allowed)
+    };
     let aligned = alignment.is_none_or(|cosine| cosine >= LEAST_ALIGNMENT);
     if aligned && method.confirmed_by(observed) {
         // What the order lacks tells how well it is known: as much again is taken off.

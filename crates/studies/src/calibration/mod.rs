@@ -27,7 +27,7 @@ use crate::StudyError;
 use crate::choice;
 use crate::comparison::{Effort, climb, context};
 use crate::control::{Control, Progress};
-use crate::output::OutputError;
+use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 
 /// What is held against what.
@@ -184,11 +184,16 @@ impl Outcome {
             .is_some_and(|all| all.coverage() >= COVERAGE && all.sharpness < SHARPNESS)
     }
 
-    /// Writes `summary.json` with every case into the folder `dir`.
+    /// Writes `summary.json` with every case into the folder `dir`, and the gears as scenes that can be run again.
     ///
     /// # Errors
-    /// The file cannot be written.
-    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+    /// A file cannot be written.
+    pub fn write(&self, input: &Input, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+        let scenes = output::folder(dir, "scenes")?;
+        for scene in &input.scenes {
+            let file = format!("{}.toml", output::file_name(&scene.name));
+            output::write_text(&scenes.join(file), &scene.to_toml())?;
+        }
         Summary::new(made, self).write(dir)
     }
 }
