@@ -92,7 +92,7 @@ fn hard_kinks_limit_the_order_before_it_shows() {
         (found.basis, found.order),
         (Basis::Unconfirmed, Some(CONTACTS))
     );
-    assert!(found.u > error && found.u < 4.0 * error, "{found:?}");
+    assert!(found.u > error && found.u < 10.0 * error, "{found:?}");
     // Friction allows less, and confirms nothing by orders near its own.
     let rough = Method::Step {
         order: 2.0,
@@ -347,12 +347,12 @@ fn hard_kinks_show_any_order() {
     };
     let error = 1.1e-4;
     assert!(of(3.0e-4, 1.3e-2).u > error);
-    // The finest difference with Fs = 3, the other with 1.25, both at the kinks' order.
+    // The larger of what either difference says, at the kinks' order.
     let kinks = |ratio: f64| ratio.powf(CONTACTS);
     for (fine, coarse) in [(3.0e-4, 1.3e-2), (1e-4, 1.5e-4), (1e-4, 1e-3)] {
         let found = of(fine, coarse);
         let of_fine = 3.0 * fine / (kinks(2.0) - 1.0);
-        let of_coarse = 1.25 * coarse / (kinks(4.0) - kinks(2.0));
+        let of_coarse = 3.0 * coarse / (kinks(4.0) - kinks(2.0));
         assert!(
             (found.u / of_fine.max(of_coarse) - 1.0).abs() < 1e-12,
             "{found:?}"

@@ -290,23 +290,19 @@ pub fn estimate(
         let mut refinement = fine.ratio;
         let mut largest = fine.difference / (refinement.powf(order) - 1.0);
         // Every rung predicts the error of the finest; an accident of one difference does not hide the others.
-        // Over kinks with the kinks' order: where one difference happens to be small, the other is not.
-        // With friction coarse runs fall with the method's own order.
-        let (order, safety_of_others) = if method.is_kinked() {
-            (order, SAFETY)
-        } else if method.allowed_order() < stated {
-            (stated, safety)
+        // With friction coarse runs fall with the method's own order. Over kinks with theirs: where luck makes one difference
+        // small, the next one is not.
+        let order = if method.allowed_order() < stated && !method.is_kinked() {
+            stated
         } else {
-            (order, safety)
+            order
         };
-        largest *= safety;
         for step in &steps[1..] {
             let next = refinement * step.ratio;
-            let off = step.difference / (next.powf(order) - refinement.powf(order));
-            largest = largest.max(safety_of_others * off);
+            largest = largest.max(step.difference / (next.powf(order) - refinement.powf(order)));
             refinement = next;
         }
-        largest.max(floor)
+        (safety * largest).max(floor)
     };
     let known = |basis, observed_order, order: f64, safety| {
         Ok(Estimate {

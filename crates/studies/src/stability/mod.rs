@@ -81,7 +81,7 @@ impl Default for Options {
             formulation,
             integrator: integrator.to_owned(),
             tolerance: match integrator {
-                "dopri5" | "etd-adams" => Some(1e-6),
+                "dopri5" | "etd-adams" | "rodas5p" => Some(1e-6),
                 "imex2-adaptive" => Some(1e-3),
                 _ => None,
             },
@@ -96,6 +96,7 @@ impl Default for Options {
                 method(reduced, "etd-adams"),
                 method(reduced, "imex2"),
                 method(reduced, "imex2-adaptive"),
+                method(reduced, "rodas5p"),
                 method(lagrange, "rk2"),
                 method(lagrange, "imex2"),
             ],
