@@ -286,23 +286,33 @@ pub fn estimate(
         ));
     }
     let stated = method.stated_order();
+    let observed = steps
+        .get(1)
+        .map(|&coarse| observed_order(fine, coarse).unwrap_or(f64::NEG_INFINITY));
     let bound = |order: f64, safety: f64| {
         let mut refinement = fine.ratio;
-        let mut largest = fine.difference / (refinement.powf(order) - 1.0);
+        let mut largest = safety * fine.difference / (refinement.powf(order) - 1.0);
         // Every rung predicts the error of the finest; an accident of one difference does not hide the others.
         // With friction coarse runs fall with the method's own order. Over kinks with theirs: where luck makes one difference
-        // small, the next one is not.
+        // small, the next one is not, and more than the method's own order is luck.
         let order = if method.allowed_order() < stated && !method.is_kinked() {
             stated
         } else {
             order
         };
+        let is_luck = observed.is_some_and(|observed| observed > stated);
+        let safety = if method.is_kinked() && !is_luck {
+            SAFETY
+        } else {
+            safety
+        };
         for step in &steps[1..] {
             let next = refinement * step.ratio;
-            largest = largest.max(step.difference / (next.powf(order) - refinement.powf(order)));
+            let off = step.difference / (next.powf(order) - refinement.powf(order));
+            largest = largest.max(safety * off);
             refinement = next;
         }
-        (safety * largest).max(floor)
+        largest.max(floor)
     };
     let known = |basis, observed_order, order: f64, safety| {
         Ok(Estimate {
@@ -322,10 +332,9 @@ pub fn estimate(
     if fine.difference <= floor {
         return known(lowest, None, method.allowed_order(), SAFETY_UNCONFIRMED);
     }
-    let Some(&coarse) = steps.get(1) else {
+    let (Some(observed), Some(&coarse)) = (observed, steps.get(1)) else {
         return known(unseen, None, method.allowed_order(), guarded);
     };
-    let observed = observed_order(fine, coarse).unwrap_or(f64::NEG_INFINITY);
     if !(observed >= method.least_order()) {
         if matches!(method, Method::Tolerance { .. }) {
             // No two runs are further apart than all their differences together.

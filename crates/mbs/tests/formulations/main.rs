@@ -385,6 +385,38 @@ fn what_is_observed_is_of_the_state_asked_for() {
     assert_relative_eq!(load, -2.0 * 9.81, max_relative = 1e-15);
 }
 
+/// What was settled is not put in place again, unless bodies have been elsewhere since.
+#[test]
+fn a_settled_state_is_evaluated_as_any_other() {
+    let m = carousel(true);
+    let fresh = || Lagrange::new(m.clone(), weight(&m), Stabilisation::Projection).unwrap();
+    let mut y = fresh().initial();
+    fresh().settle(0.2, &mut y);
+    let mut z = y.clone();
+    z[5] += 0.3;
+    let slopes = |system: &mut Lagrange<Weight>, t: f64, y: &[f64]| {
+        let mut slopes = vec![0.0; y.len()];
+        system.derivative(t, y, &mut slopes);
+        slopes
+    };
+    let expected = slopes(&mut fresh(), 0.2, &y);
+    let mut system = fresh();
+    system.settle(0.2, &mut y.clone());
+    assert_eq!(system.joint_error(0.2, &y), fresh().joint_error(0.2, &y));
+    assert_eq!(slopes(&mut system, 0.2, &y), expected);
+    // Another state, then another time, then again.
+    for (t, state) in [(0.2, &z), (0.3, &y), (0.2, &y)] {
+        assert_eq!(
+            slopes(&mut system, t, state),
+            slopes(&mut fresh(), t, state)
+        );
+    }
+    let (mut e, mut i) = (y.clone(), y.clone());
+    system.settle(0.2, &mut y.clone());
+    system.split_stage(0.2, 1e-3, &mut y.clone(), &mut e, &mut i);
+    assert_eq!(slopes(&mut system, 0.2, &y), expected);
+}
+
 #[test]
 fn errors_are_scaled_by_their_kind() {
     let scales = ErrorScales {
