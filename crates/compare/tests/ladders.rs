@@ -351,8 +351,8 @@ fn hard_kinks_show_any_order() {
     let kinks = |ratio: f64| ratio.powf(CONTACTS);
     for (fine, coarse, factor) in [
         (3.0e-4, 1.3e-2, 3.0),
-        (1e-4, 1.7e-3, 3.0),
-        (1e-4, 1.5e-3, 1.25),
+        (1e-4, 2.3e-3, 3.0),
+        (1e-4, 2.2e-3, 1.25),
         (1e-4, 1.5e-4, 1.25),
     ] {
         let found = of(fine, coarse);

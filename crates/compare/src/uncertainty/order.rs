@@ -294,13 +294,13 @@ pub fn estimate(
         let mut largest = safety * fine.difference / (refinement.powf(order) - 1.0);
         // Every rung predicts the error of the finest; an accident of one difference does not hide the others.
         // With friction coarse runs fall with the method's own order. Over kinks with theirs: where luck makes one difference
-        // small, the next one is not, and more than the method's own order is luck.
+        // small, the next one is not, and clearly more than the method's own order is luck.
         let order = if method.allowed_order() < stated && !method.is_kinked() {
             stated
         } else {
             order
         };
-        let is_luck = observed.is_some_and(|observed| observed > stated);
+        let is_luck = observed.is_some_and(|observed| observed > stated + ORDER_MARGIN);
         let safety = if method.is_kinked() && !is_luck {
             SAFETY
         } else {
