@@ -39,8 +39,8 @@ from pinwheel_engines.scene import Scene
 POSES = 48
 # Modification of the profile, equidistant or of the pin circle.
 CLEARANCE_MM = 0.05
-# Modification and line length for the twist under load, where gaps are of the size of the contacts' depths: with larger ones the
-# package's straight levers tell other sleeves to carry.
+# Modification and line length for the twist under load, where gaps are of the size of the contacts' depths: with larger
+# ones the package's straight levers tell other sleeves to carry.
 GAP_MM = 0.002
 LINE_MM = 10.0
 # Poses over the period of the mesh, and corners a lobe of the polygon that stands for the profile: gaps to a few nanometres.
@@ -91,8 +91,11 @@ def twist_arcmin(spec: GearSpec, phi: float, torque_n_m: float) -> float:
 
 
 def compliance(spec: GearSpec, mode: OffsetMode | None, torque_n_m: float) -> list[float]:
-    """Lost motion at 3 % of the torque (arcmin, mean over the poses), stiffness from 50 to 100 % (N m/arcmin, of the mean
-    twist) and transmission error under all of it (arcmin, peak to peak) of one disc."""
+    """Lost motion, stiffness and transmission error of one disc.
+
+    At 3 % of the torque, arcmin, mean over the poses; from 50 to 100 %, N m/arcmin, of the mean twist; under all of it,
+    arcmin, peak to peak.
+    """
     cut = {"disc_count": 1, "hole_clearance": 0.0, "profile_clearance": 0.0 if mode is None else GAP_MM}
     one = spec.model_copy(update=cut if mode is None else {**cut, "offset_mode": mode})
     period = 2 * np.pi * spec.lobes / (spec.lobes + 1) / gcd(spec.lobes, spec.output_pin_count)
