@@ -10,6 +10,7 @@ use pinwheel_scene::{Gear, Sleeve};
 use serde::Serialize;
 
 use super::Spread;
+use super::orders::ForceHarmonic;
 
 /// Poses for one passage of a sleeve.
 const PER_MESH: usize = 16;
@@ -270,6 +271,8 @@ pub struct Bearing {
     pub radial_n: Vec<f64>,
     /// Counter-clockwise about the input's axis, N, over the period: times e, the torque this wheel takes.
     pub tangential_n: Vec<f64>,
+    /// The largest harmonics of the part away from the axis, largest first.
+    pub radial_harmonics: Vec<ForceHarmonic>,
 }
 
 impl Bearing {
@@ -288,6 +291,7 @@ impl Bearing {
                 })),
                 radial_n: part(wheel, 0),
                 tangential_n: part(wheel, 1),
+                radial_harmonics: Vec::new(),
             })
             .collect()
     }
