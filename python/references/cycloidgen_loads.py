@@ -14,14 +14,21 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from math import gcd
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 try:
-    from cycloidgen.analysis.stiffness import analyse_stiffness
-    from cycloidgen.core.kinematics import contacts, output_loads, output_stage_period
+    from cycloidgen.analysis.stiffness import (
+        RAD_PER_ARCMIN,
+        _output_contacts,
+        _ring_contacts,
+        _solve_rotation,
+        analyse_stiffness,
+    )
+    from cycloidgen.core.kinematics import contacts, mesh_gaps, output_loads, output_stage_period
     from cycloidgen.core.spec import GearSpec, OffsetMode
 except ModuleNotFoundError as error:
     sys.exit(f"{error}; install it with `pip install --require-hashes --no-deps -r python/requirements-cycloidgen.txt`")
@@ -32,6 +39,13 @@ from pinwheel_engines.scene import Scene
 POSES = 48
 # Modification of the profile, equidistant or of the pin circle.
 CLEARANCE_MM = 0.05
+# Modification and line length for the twist under load, where gaps are of the size of the contacts' depths: with larger
+# ones the package's straight levers tell other sleeves to carry.
+GAP_MM = 0.002
+LINE_MM = 10.0
+# Poses over the period of the mesh, and corners a lobe of the polygon that stands for the profile: gaps to a few nanometres.
+TWIST_POSES = 8
+CORNERS = 3000
 # Sleeves on the line of centres have levers of 1e-17 m and forces to match: they carry nothing.
 NOTHING_N = 1e-9
 
@@ -56,6 +70,43 @@ def play_arcmin(spec: GearSpec, mode: OffsetMode) -> float:
     """Largest free play of the ring stage with the profile cut smaller by `CLEARANCE_MM`, both directions."""
     cut = spec.model_copy(update={"profile_clearance": CLEARANCE_MM, "offset_mode": mode})
     return float(analyse_stiffness(cut).lost_motion_ring_arcmin)
+
+
+def palmgren(stage: Any) -> Any:
+    """The stage's contacts with our law `line-contact` for all of them, of the same exponent as the package's own."""
+    return stage._replace(c=np.full(stage.arms.size, 3.84e-5 / LINE_MM**0.8))
+
+
+def twist_arcmin(spec: GearSpec, phi: float, torque_n_m: float) -> float:
+    """By how much one disc and the output turn under a torque, the input locked: the package's solver, stage by stage."""
+    # The other direction is the mirrored pose.
+    side, torque = (1.0 if torque_n_m > 0 else -1.0), 1e3 * abs(torque_n_m)
+    pose = contacts(spec, side * phi)
+    gaps = mesh_gaps(spec, side * phi, CORNERS * spec.lobes)[pose.loaded_mask] if spec.profile_clearance else 0.0
+    ring = palmgren(_ring_contacts(spec, pose, torque))
+    ring = ring._replace(gaps=np.maximum(gaps, np.zeros(ring.arms.size)))
+    output = palmgren(_output_contacts(spec, -side * phi, torque))
+    turned = sum(_solve_rotation(stage.c, stage.arms, stage.gaps, torque)[0] for stage in (ring, output))
+    return float(side * turned / RAD_PER_ARCMIN)
+
+
+def compliance(spec: GearSpec, mode: OffsetMode | None, torque_n_m: float) -> list[float]:
+    """Lost motion, stiffness and transmission error of one disc.
+
+    At 3 % of the torque, arcmin, mean over the poses; from 50 to 100 %, N m/arcmin, of the mean twist; under all of it,
+    arcmin, peak to peak.
+    """
+    cut = {"disc_count": 1, "hole_clearance": 0.0, "profile_clearance": 0.0 if mode is None else GAP_MM}
+    one = spec.model_copy(update=cut if mode is None else {**cut, "offset_mode": mode})
+    period = 2 * np.pi * spec.lobes / (spec.lobes + 1) / gcd(spec.lobes, spec.output_pin_count)
+    poses = np.linspace(0.0, period, TWIST_POSES, endpoint=False)
+
+    def twists(share: float) -> Any:
+        return np.array([twist_arcmin(one, float(phi), share * torque_n_m) for phi in poses])
+
+    half, full = twists(0.5), twists(1.0)
+    lost = np.mean(twists(0.03) - twists(-0.03))
+    return [float(lost), 0.5 * torque_n_m / float(np.mean(full - half)), float(np.ptp(full))]
 
 
 def ring_pose(spec: GearSpec, phi: float, torque_n_m: float) -> dict[str, Any]:
@@ -111,6 +162,11 @@ def loads(scene: Scene) -> dict[str, Any]:
         "output_n": extremes([max(pose["forces_n"]) for pose in output]),
         "loaded_output_sleeves": extremes([loaded(pose) for pose in output]),
         "play_arcmin": [play_arcmin(spec, mode) for mode in (OffsetMode.EQUIDISTANT, OffsetMode.PIN_CIRCLE)],
+        "compliance": [
+            figure
+            for mode in (None, OffsetMode.EQUIDISTANT, OffsetMode.PIN_CIRCLE)
+            for figure in compliance(spec, mode, torque)
+        ],
         "forces_n": [force for force in ring[0]["forces_n"] if force > NOTHING_N],
         "ring": ring,
         "output": output,

@@ -65,7 +65,7 @@ const fn unit(ending: &'static str, name: &'static str, base: [i32; 4]) -> Unit 
 }
 
 /// Longer endings first.
-const UNITS: [Unit; 14] = [
+const UNITS: [Unit; 15] = [
     Unit {
         ending: "_n_m15",
         name: "N/m1.5",
@@ -80,6 +80,7 @@ const UNITS: [Unit; 14] = [
     },
     unit("_n_s_m", "N.s/m", [1, 0, -1, 0]),
     unit("_kg_m2", "kg.m2", [1, 2, 0, 0]),
+    unit("_w_m2", "W/m2", [1, 0, -3, 0]),
     unit("_rad_s", "rad/s", [0, 0, -1, 1]),
     unit("_n_m", "N.m", [1, 2, -2, 0]),
     unit("_m_s", "m/s", [0, 1, -1, 0]),
@@ -357,6 +358,7 @@ mod tests {
             ("transmission_error_arcmin", Some("arcmin")),
             ("contact.damping_n_s_m", Some("N.s/m")),
             ("contact.friction_ramp_m_s", Some("m/s")),
+            ("wheel_0_external_pressure_sliding_w_m2_3", Some("W/m2")),
             ("efficiency", None),
             ("external_contact_ratio_0", None),
         ] {

@@ -316,9 +316,7 @@ impl<'a> Planner<'a> {
 
     /// Whether the equations know their Jacobian in closed form, without which a Rosenbrock step costs ten times as much.
     fn has_slopes(&self) -> bool {
-        let known = !self.rubs() || self.scene.gear.is_plain();
-        known
-            && self.scene.solver.formulation == Formulation::Reduced
+        self.scene.solver.formulation == Formulation::Reduced
             && self.scene.contact.friction_law == FrictionLaw::Regularised
     }
 

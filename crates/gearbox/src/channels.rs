@@ -8,6 +8,7 @@ use pinwheel_scene::channels::{Channels, Chosen, Joint, PairQuantity, Part, What
 use crate::Gearbox;
 use crate::contacts::{ContactEnergy, ContactField, PairContact};
 use crate::geometry::Geometry;
+use crate::pressure::LinePressure;
 use crate::{Layout, Sleeve};
 
 /// Minutes of arc of a radian.
@@ -86,6 +87,7 @@ pub(crate) struct Values {
     needs_losses: bool,
     /// Force above which a pair counts as pressing, N.
     pressing_n: f64,
+    pressure: LinePressure,
     layout: Layout,
     geometry: Geometry,
 }
@@ -120,6 +122,7 @@ impl Values {
             needs_contacts: asks(&[Whole::ExternalContacts, Whole::InternalContacts]),
             needs_losses: asks(&[Whole::DampingLoss, Whole::FrictionLoss]),
             pressing_n: Scales::of(&gearbox.scene).pressing_n(),
+            pressure: LinePressure::new(&gearbox.scene.contact),
             layout: gearbox.layout,
             geometry: gearbox.geometry.clone(),
             list: list.clone(),
@@ -158,9 +161,13 @@ impl Values {
                 continue;
             };
             let value = match chosen.what {
-                What::Pair(quantity) => {
-                    self.found[self.places[k]].map(|pair| of_pair(&pair, quantity))
-                }
+                What::Pair(quantity) => self.found[self.places[k]].map(|pair| {
+                    let wheel = &bodies[self.layout.wheel_bodies().start + pair.wheel];
+                    let centre = [wheel.x, wheel.y];
+                    of_pair(&pair, quantity, || {
+                        self.pressure.of(&self.geometry, &pair, centre, wheel.angle)
+                    })
+                }),
                 What::Joint(joint, part) => seen.reactions.and_then(|reactions| {
                     of_joint(self.layout, bodies, reactions, joint, chosen.number, part)
                 }),
@@ -209,7 +216,7 @@ impl Values {
     }
 }
 
-fn of_pair(pair: &PairContact, quantity: PairQuantity) -> f64 {
+fn of_pair(pair: &PairContact, quantity: PairQuantity, pressure: impl Fn() -> f64) -> f64 {
     match quantity {
         PairQuantity::Penetration => pair.penetration_m,
         PairQuantity::NormalVelocity => pair.normal_rate_m_s,
@@ -219,6 +226,8 @@ fn of_pair(pair: &PairContact, quantity: PairQuantity) -> f64 {
         PairQuantity::PointY => pair.point[1],
         PairQuantity::NormalForce => pair.normal_force_n,
         PairQuantity::FrictionForce => pair.friction_force_n,
+        PairQuantity::Pressure => pressure(),
+        PairQuantity::PressureSliding => pressure() * pair.tangential_rate_m_s.abs(),
     }
 }
 

@@ -42,6 +42,7 @@ mod geometry;
 pub mod guard;
 pub mod native;
 mod pace;
+pub mod pressure;
 mod recorder;
 pub mod resolve;
 pub mod statics;

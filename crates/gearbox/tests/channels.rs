@@ -85,6 +85,9 @@ fn both_formulations_give_the_same_channels() {
     }
 }
 
+/// Of pressures that K and the force tell, relative.
+const HERTZ: f64 = 1e-9;
+
 /// What the channels say of each other and of the contract's columns, at every sample.
 #[test]
 fn channels_fit_together() {
@@ -97,6 +100,13 @@ fn channels_fit_together() {
     let scene = Scene::load("eleven-pins", &[]).unwrap();
     let gearbox = Gearbox::new(&scene).unwrap();
     let pressing_n = Scales::of(&scene).pressing_n();
+    // p0 K/sqrt(F) = k sqrt(E*/(pi L)), with k from a hole's K and p0's formula written out.
+    let (gear, contact) = (&scene.gear, &scene.contact);
+    let modulus = contact.young_pa / (2.0 * (1.0 - contact.poisson.powi(2)));
+    let (hole, pin) = (gear.hole_radius_m, gear.internal_sleeve_radius_m);
+    let of_hole = column(&run.courses, "wheel_0_internal_stiffness_n_m15_0")[0];
+    let hertz = of_hole / (hole * pin / (hole - pin)).sqrt()
+        * (modulus / (std::f64::consts::PI * contact.line_length_m)).sqrt();
     let Layout {
         wheels,
         external_sleeves,
@@ -143,6 +153,14 @@ fn channels_fit_together() {
                     assert!(of("friction_force_n").abs() <= 0.05 * force * (1.0 + 1e-12));
                     assert!(of("friction_force_n") * of("tangential_velocity_m_s") <= 0.0);
                     pressing[usize::from(kind == "internal")] += f64::from(force > pressing_n);
+                    let (pressure, sliding) = (of("pressure_pa"), of("tangential_velocity_m_s"));
+                    let product = of("pressure_sliding_w_m2");
+                    near(product, pressure * sliding.abs(), 1e9, "p v");
+                    // After Hertz K grows with the root of the radius that the pressure falls with; that of holes is known.
+                    if kind == "external" && force > 1.0 {
+                        let found = pressure * of("stiffness_n_m15") / force.sqrt();
+                        assert!((found / hertz - 1.0).abs() < HERTZ, "{found} {hertz}");
+                    }
                 }
             }
         }

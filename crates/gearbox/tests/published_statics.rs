@@ -263,6 +263,68 @@ fn cycloidgen_measures_the_same_play() {
     }
 }
 
+/// Twist under load by the package's own kinematics and solver, with our line contact in it: lost motion, stiffness and
+/// transmission error with play and without.
+#[test]
+fn cycloidgen_twists_alike() {
+    let data = table("cycloidgen");
+    let tolerances = numbers(&data, "compliance_tolerances");
+    for recorded in data["gear"].as_array().unwrap() {
+        let recorded = recorded.as_table().unwrap();
+        let (name, torque) = (
+            recorded["scene"].as_str().unwrap(),
+            number(recorded, "wheel_torque_n_m"),
+        );
+        let cases = numbers(recorded, "compliance");
+        let cuts = [[0.0; 2], [2e-6, 0.0], [0.0, -2e-6]];
+        for (modification, wanted) in cuts.into_iter().zip(cases.chunks(3)) {
+            let mut scene = Scene::load(name, &[]).unwrap().into_scene();
+            let (gear, contact) = (&mut scene.gear, &mut scene.contact);
+            gear.wheels = 1;
+            [gear.modification.equidistant_m, gear.modification.radial_m] = modification;
+            contact.law = "line-contact".into();
+            (contact.line_length_m, contact.stiffness_multiplier) = (0.01, 1.0);
+            let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+            let found = compliance(&gearbox, torque);
+            for ((found, wanted), tolerance) in found.into_iter().zip(wanted).zip(&tolerances) {
+                println!(
+                    "{name} {modification:?}: {found:.6} {wanted:.6} {:+.2e}",
+                    found / wanted - 1.0
+                );
+                close(found, *wanted, *tolerance, name);
+            }
+        }
+    }
+}
+
+/// Lost motion, stiffness and transmission error as `reference/published/cycloidgen.toml` has them.
+fn compliance(gearbox: &Gearbox, torque: f64) -> [f64; 3] {
+    let (poses, gear) = (8_u32, &gearbox.scene.gear);
+    let (mut lobes, mut pins) = (gear.external_sleeves - 1, gear.internal_sleeves);
+    while pins > 0 {
+        (lobes, pins) = (pins, lobes % pins);
+    }
+    let period = TAU * gearbox.geometry.ratio() / gear.external_sleeves as f64 / lobes as f64;
+    let mut statics = Statics::new(gearbox).unwrap();
+    let mut twists = |share: f64| -> Vec<f64> {
+        let pose = |k: u32| {
+            let phi = period * f64::from(k) / f64::from(poses);
+            let found = statics.solve(phi, share * torque).unwrap();
+            let twist = found.output - gearbox.geometry.ideal_output_angle(phi);
+            twist * 10_800.0 / std::f64::consts::PI
+        };
+        (0..poses).map(pose).collect()
+    };
+    let [little, back, half, full] = [0.03, -0.03, 0.5, 1.0].map(&mut twists);
+    let mean = |all: &[f64]| all.iter().sum::<f64>() / f64::from(poses);
+    let (low, high) = range(&full);
+    [
+        mean(&little) - mean(&back),
+        0.5 * torque / (mean(&full) - mean(&half)),
+        high - low,
+    ]
+}
+
 #[test]
 fn too_much_load_is_refused() {
     let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();

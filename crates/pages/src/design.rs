@@ -540,6 +540,33 @@ pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
     )
 }
 
+/// Harmonics of the part that only loads the bearing.
+fn bearing_orders(found: &Outcome) -> Chart {
+    let harmonics = found
+        .bearings
+        .first()
+        .map(|bearing| &bearing.radial_harmonics);
+    let (orders, sizes): (Vec<f64>, Vec<f64>) = harmonics
+        .into_iter()
+        .flatten()
+        .map(|harmonic| (harmonic.input_order, harmonic.amplitude_n))
+        .unzip();
+    let points = Series {
+        style: Style::Points,
+        ..line("away from the input's axis", &orders, &sizes)
+    };
+    Chart {
+        y: Axis::log("Amplitude (N)"),
+        ..chart(
+            "Orders of the force",
+            "Cycles per turn of the input",
+            "",
+            vec![points],
+            "",
+        )
+    }
+}
+
 fn bearings(found: &Outcome) -> Section {
     section(
         "bearings",
@@ -550,7 +577,7 @@ fn bearings(found: &Outcome) -> Section {
                  away from it only loads the bearing. Wheel 0 of {}; the others follow a share of a turn later.",
                 found.bearings.len()
             )),
-            Block::Charts(vec![bearing_chart(&[("", found)])]),
+            Block::Charts(vec![bearing_chart(&[("", found)]), bearing_orders(found)]),
         ],
     )
 }

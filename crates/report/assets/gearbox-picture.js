@@ -82,7 +82,7 @@ const PinwheelPicture = (() => {
         const path = new Path2D();
         profile.forEach(([x, y], k) => (k === 0 ? path.moveTo(x, y) : path.lineTo(x, y)));
         path.closePath();
-        for (const [x, y] of body.holes) circle(path, x, y, gear.rh);
+        for (const [x, y, r] of body.holes) circle(path, x, y, r);
         circle(path, 0, 0, cam);
         return path;
       });
@@ -220,18 +220,24 @@ const PinwheelPicture = (() => {
       context.beginPath();
       circle(context, sleeve.x, sleeve.y, sleeve.r);
       stroke(context, colours.ink, 1);
-      const text = `${sleeve.kind} ${sleeve.number}: ${Math.hypot(sleeve.fx, sleeve.fy).toFixed(1)} N`;
+      const lines = [`${sleeve.kind} ${sleeve.number}: ${Math.hypot(sleeve.fx, sleeve.fy).toFixed(1)} N`];
+      if (sleeve.errors.some((error) => Math.abs(error) >= 0.05)) {
+        const [out, across, more] = sleeve.errors.map((error) => `${error < -0.05 ? '\u2212' : '+'}${Math.abs(error).toFixed(1)}`);
+        lines.push(`radial ${out}, tangential ${across}, radius ${more} \u00b5m`);
+      }
       const pixel = size / width;
       context.setTransform(pixel, 0, 0, pixel, 0, 0);
       context.font = colours.font;
-      const wide = context.measureText(text).width + 16;
-      const [x, y] = [width / 2 + (sleeve.x * scale) / pixel - wide / 2, width / 2 - ((sleeve.y + sleeve.r) * scale) / pixel - 32];
+      const wide = Math.max(...lines.map((line) => context.measureText(line).width)) + 16;
+      const high = 7 + 18 * lines.length;
+      const [middle, top] = [width / 2 + (sleeve.x * scale) / pixel, width / 2 - ((sleeve.y + sleeve.r) * scale) / pixel];
+      const [x, y] = [Math.min(width - wide - 4, Math.max(4, middle - wide / 2)), Math.max(4, top - high - 7)];
       context.beginPath();
-      context.roundRect(Math.min(width - wide - 4, Math.max(4, x)), Math.max(4, y), wide, 25, 6);
+      context.roundRect(x, y, wide, high, 6);
       fill(context, colours.ink);
       context.fillStyle = colours.sheet;
       context.textBaseline = 'middle';
-      context.fillText(text, Math.min(width - wide - 4, Math.max(4, x)) + 8, Math.max(4, y) + 13);
+      lines.forEach((line, k) => context.fillText(line, x + 8, y + 13 + 18 * k));
     }
     /** The sleeve under a point of the canvas, CSS pixels from its corner. */
     function under([left, top]) {

@@ -80,21 +80,19 @@ const PinwheelGearbox = (() => {
       }).flat();
     }
 
-    const external = Array.from({ length: gear.zk }, (_, number) => {
-      const beta = (TAU * number) / gear.zk;
-      return { kind: 'external', number, beta, x: (radius + gear.d) * Math.cos(beta), y: (radius + gear.d) * Math.sin(beta), r: gear.q, fx: 0, fy: 0 };
-    });
-    const internal = Array.from({ length: gear.zi }, (_, number) => ({ kind: 'internal', number, x: 0, y: 0, r: gear.ri, fx: 0, fy: 0 }));
+    // A part in the frame of what holds it, and its errors in micrometres: outwards, counter-clockwise, of its radius.
+    function part(kind, number, [px, py, r], [count, circle, nominal]) {
+      const beta = (TAU * number) / count;
+      const [c, s] = [Math.cos(beta), Math.sin(beta)];
+      const errors = [px * c + py * s - circle, py * c - px * s, r - nominal].map((mm) => 1e3 * mm);
+      return { kind, number, beta, px, py, x: px, y: py, r, errors, fx: 0, fy: 0 };
+    }
+    const external = gear.external.map((place, k) => part('external', k, place, [gear.zk, radius + gear.d, gear.q]));
+    const internal = gear.internal.map((place, k) => part('internal', k, place, [gear.zi, gear.rw, gear.ri]));
     const sleeves = [...external, ...internal];
-    const bodies = Array.from({ length: gear.wheels }, (_, i) => {
-      const phase = (TAU * i) / gear.wheels;
-      // In the wheel's own frame.
-      const holes = internal.map((_, k) => {
-        const beta = (TAU * k) / gear.zi - (Math.PI - phase) / zs;
-        return [gear.rw * Math.cos(beta), gear.rw * Math.sin(beta)];
-      });
+    const bodies = gear.bodies.map(({ e, phase, holes }) => {
       const forces = sleeves.map((sleeve) => ({ sleeve, force: 0, fx: 0, fy: 0 }));
-      return { phase, holes, x: 0, y: 0, theta: 0, forces, count: 0, loaded: 0 };
+      return { e, phase, holes, x: 0, y: 0, theta: 0, forces, count: 0, loaded: 0 };
     });
     const state = { t: 0, phi: 0, psi: 0, external, internal, sleeves, bodies, input: 0, output: 0 };
 
@@ -103,14 +101,14 @@ const PinwheelGearbox = (() => {
       const phi = view.speed * t;
       const psi = -phi / zs + between(error, s);
       Object.assign(state, { t, phi, psi, input: between(input, s), output: between(output, s) });
+      const [cos, sin] = [Math.cos(psi), Math.sin(psi)];
       for (const sleeve of internal) {
-        const beta = psi + (TAU * sleeve.number) / gear.zi;
-        sleeve.x = gear.rw * Math.cos(beta);
-        sleeve.y = gear.rw * Math.sin(beta);
+        sleeve.x = cos * sleeve.px - sin * sleeve.py;
+        sleeve.y = sin * sleeve.px + cos * sleeve.py;
       }
       for (const sleeve of sleeves) { sleeve.fx = 0; sleeve.fy = 0; }
       bodies.forEach((body, i) => {
-        const [x, y] = [gear.e * Math.cos(phi + body.phase), gear.e * Math.sin(phi + body.phase)];
+        const [x, y] = [body.e * Math.cos(phi + body.phase), body.e * Math.sin(phi + body.phase)];
         const theta = (Math.PI - phi - body.phase) / zs + between(wheels[i], s);
         const [c, sn] = [Math.cos(theta), Math.sin(theta)];
         Object.assign(body, { x, y, theta, count: 0, loaded: 0 });

@@ -3,6 +3,7 @@
 //! Angles travel as what parts them from the ideal mesh, forces pair by pair, packed: each to 1 in 16 000 of
 //! its channel's largest value. The script finds points and directions of contact on the same curve as the solver.
 
+use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
 use pinwheel_courses::{Courses, columns};
@@ -30,7 +31,7 @@ const PER_SLEEVE: f64 = 24.0;
 /// Forces below this share of the largest are not drawn.
 const LEAST: f64 = 1e-3;
 /// Radians of a minute of arc.
-const ARCMIN: f64 = std::f64::consts::PI / (180.0 * 60.0);
+const ARCMIN: f64 = PI / (180.0 * 60.0);
 
 fn channels(gear: &Gear) -> usize {
     3 + gear.wheels * (1 + gear.external_sleeves + gear.internal_sleeves)
@@ -39,7 +40,7 @@ fn channels(gear: &Gear) -> usize {
 /// How far apart samples of a scene should be, s, and how long a stretch fits into one page, s.
 #[must_use]
 pub fn sampling(scene: &Scene) -> (f64, f64) {
-    let turn = std::f64::consts::TAU / scene.drive.input_speed_rad_s.abs().max(1e-9);
+    let turn = TAU / scene.drive.input_speed_rad_s.abs().max(1e-9);
     let sleeve = turn / scene.gear.external_sleeves as f64;
     // Vibration of the wheels on their contacts, about 1 kHz, must not be lost either.
     let step = (sleeve / PER_SLEEVE).min(2e-4);
@@ -51,6 +52,8 @@ pub fn sampling(scene: &Scene) -> (f64, f64) {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Animation {
     title: String,
+    /// Parts have errors.
+    deviates: bool,
     view: View,
 }
 
@@ -87,6 +90,73 @@ struct GearJson {
     rh: f64,
     wheels: usize,
     d: f64,
+    /// Where the parts are, errors included: sleeves on the housing, sleeves on the output, wheels.
+    external: Vec<Place>,
+    internal: Vec<Place>,
+    bodies: Vec<WheelJson>,
+}
+
+/// Centre and radius in the frame of what holds the part.
+type Place = [f64; 3];
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct WheelJson {
+    /// Length of its eccentric, and its angle from the input's, rad.
+    e: f64,
+    phase: f64,
+    holes: Vec<Place>,
+}
+
+impl GearJson {
+    fn of(gear: &Gear) -> Self {
+        let mm = |metres: f64| 1e3 * metres;
+        // To a tenth of a nanometre.
+        let place =
+            |[x, y]: [f64; 2], radius: f64| [x, y, radius].map(|v| (1e10 * v).round() * 1e-7);
+        let lobes = gear.external_sleeves as f64 - 1.0;
+        let body = |i: usize| {
+            // Holes are cut where eccentrics without errors put their sleeves.
+            let start = (PI - TAU * i as f64 / gear.wheels as f64) / lobes;
+            let hole = |k| place(gear.hole_m(i, k, -start), gear.hole_radius_of_m(i, k));
+            WheelJson {
+                e: mm(gear.eccentricity_of_m(i)),
+                phase: gear.phase_of_rad(i),
+                holes: (0..gear.internal_sleeves).map(hole).collect(),
+            }
+        };
+        Self {
+            e: mm(gear.eccentricity_m),
+            zk: gear.external_sleeves,
+            r: mm(gear.pitch_radius_m()),
+            m: gear.generating_shortening(),
+            q: mm(gear.external_sleeve_radius_m),
+            edge: mm(gear.edge_offset_m()),
+            turn: gear.modification.rotational_rad,
+            zi: gear.internal_sleeves,
+            ri: mm(gear.internal_sleeve_radius_m),
+            rw: mm(gear.internal_circle_radius_m),
+            rh: mm(gear.hole_radius_m),
+            wheels: gear.wheels,
+            d: mm(gear.backlash_m),
+            external: (0..gear.external_sleeves)
+                .map(|j| {
+                    place(
+                        gear.external_sleeve_m(j),
+                        gear.external_sleeve_radius_of_m(j),
+                    )
+                })
+                .collect(),
+            internal: (0..gear.internal_sleeves)
+                .map(|k| {
+                    place(
+                        gear.internal_sleeve_m(k),
+                        gear.internal_sleeve_radius_of_m(k),
+                    )
+                })
+                .collect(),
+            bodies: (0..gear.wheels).map(body).collect(),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -154,25 +224,11 @@ impl Animation {
             .collect();
         loads.sort_by(f64::total_cmp);
         let full = loads.get(loads.len() * 99 / 100).copied().unwrap_or(1.0);
-        let mm = |metres: f64| 1e3 * metres;
         Some(Self {
             title: title.into(),
+            deviates: !gear.errors.is_none(),
             view: View {
-                gear: GearJson {
-                    e: mm(gear.eccentricity_m),
-                    zk: gear.external_sleeves,
-                    r: mm(gear.pitch_radius_m()),
-                    m: gear.generating_shortening(),
-                    q: mm(gear.external_sleeve_radius_m),
-                    edge: mm(gear.edge_offset_m()),
-                    turn: gear.modification.rotational_rad,
-                    zi: gear.internal_sleeves,
-                    ri: mm(gear.internal_sleeve_radius_m),
-                    rw: mm(gear.internal_circle_radius_m),
-                    rh: mm(gear.hole_radius_m),
-                    wheels: gear.wheels,
-                    d: mm(gear.backlash_m),
-                },
+                gear: GearJson::of(gear),
                 speed: scene.drive.input_speed_rad_s,
                 from: start,
                 step: (end - start) / (time.len() - 1) as f64,
@@ -206,7 +262,7 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
         "<style>{}</style>\n<div class=\"gearboxes\"><div class=\"gearbox-views\">\n",
         include_str!("../assets/animation.css")
     );
-    for Animation { title, view } in views {
+    for Animation { title, view, .. } in views {
         let title = escape(title);
         let _ = writeln!(
             html,
@@ -247,10 +303,15 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
         );
     }
     let full = crate::format::significant(first.view.full, 3);
+    let deviations = if views.iter().any(|v| v.deviates) {
+        " and its errors; parts stand where theirs put them, to scale"
+    } else {
+        ""
+    };
     let _ = write!(
         html,
         "</div></div><div class=\"gearbox-key\"><span>0</span><span class=\"ramp\"></span><span>{full}\u{202f}N, a full arrow. Strip: largest force of a pair over time, \
-         <span style=\"color:var(--accent)\">external</span> and <span style=\"color:var(--force-middle-ink)\">internal</span>. Point at a sleeve for its force.</span></div>\n\
+         <span style=\"color:var(--accent)\">external</span> and <span style=\"color:var(--force-middle-ink)\">internal</span>. Point at a sleeve for its force{deviations}.</span></div>\n\
          <script type=\"application/json\">{}</script></div>\n<script>{}{}{}</script>",
         json_for_script(&block)?,
         include_str!("../assets/gearbox.js"),
@@ -321,6 +382,37 @@ mod tests {
         let html = markup(&[made], 0.004).unwrap();
         assert!(html.contains("a &lt;gear&gt;") && html.contains("\"begin\":2"));
         assert!(!html.contains("http:") && !html.contains("https:"));
+    }
+
+    #[test]
+    fn parts_stand_where_their_errors_put_them() {
+        let mut scene = scene();
+        let nominal = GearJson::of(&scene.gear);
+        let errors = &mut scene.gear.errors;
+        errors.external_sleeve_radial_m = vec![1e-5, 0.0, 0.0];
+        errors.external_sleeve_tangential_m = vec![2e-5, 0.0, 0.0];
+        errors.external_sleeve_radius_m = vec![-3e-6, 0.0, 0.0];
+        errors.internal_sleeve_radial_m = vec![4e-6, 0.0];
+        errors.hole_radius_m = vec![0.0, 5e-6];
+        errors.eccentricity_m = vec![6e-6];
+        errors.phase_rad = vec![1e-3];
+        let moved = GearJson::of(&scene.gear);
+        let by = |a: f64, b: f64| (1e5 * (b - a)).round() / 1e5;
+        let between =
+            |a: &[Place], b: &[Place], k: usize| [0, 1, 2].map(|axis| by(a[k][axis], b[k][axis]));
+        // Sleeve 0 stands on the x axis.
+        assert_eq!(
+            between(&nominal.external, &moved.external, 0),
+            [0.01, 0.02, -0.003]
+        );
+        assert_eq!(nominal.external[1..], moved.external[1..]);
+        assert_eq!(
+            between(&nominal.internal, &moved.internal, 0),
+            [0.004, 0.0, 0.0]
+        );
+        let [was, is] = [&nominal.bodies[0], &moved.bodies[0]];
+        assert_eq!(between(&was.holes, &is.holes, 1), [0.0, 0.0, 0.005]);
+        assert_eq!((by(was.e, is.e), is.phase), (0.006, 1e-3));
     }
 
     #[test]

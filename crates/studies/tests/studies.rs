@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
+use pinwheel_studies::design::ForceHarmonic;
 use pinwheel_studies::stability::{self, Failure, Options};
 use pinwheel_studies::survey::{Plan, Survey};
 use pinwheel_studies::{Control, StudyError, divergence, drift, published, resolution};
@@ -278,6 +279,25 @@ fn errors_show_at_their_own_orders() {
         }
         let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
         let found = pinwheel_studies::design::run(&gearbox, false, &Control::quiet()).unwrap();
+        let bearing = &found.bearings[0];
+        let (least, most) = bearing
+            .radial_n
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), &force| {
+                (l.min(force), m.max(force))
+            });
+        let half = 0.5 * (most - least);
+        let parts: Vec<f64> = bearing
+            .radial_harmonics
+            .iter()
+            .map(|h| h.amplitude_n)
+            .collect();
+        assert!(
+            parts[0] < 1.3 * half && parts.iter().sum::<f64>() > 0.9 * half,
+            "{parts:?} {half}"
+        );
+        let of_no_mesh = |h: &ForceHarmonic| h.of == "neither mesh";
+        assert_eq!(bearing.radial_harmonics.iter().any(of_no_mesh), off_m > 0.0);
         let orders = found.transmission[0].harmonics.iter();
         let near = orders.filter(|harmonic| (harmonic.input_order - 1.0).abs() < 1e-9);
         near.map(|harmonic| harmonic.amplitude_arcmin).sum::<f64>()

@@ -366,6 +366,11 @@ fn bad_input_samples() {
             "gear.backlash_m = { mean = 0.0, deviation = 1e-6, from = 1.0 }",
             "leave next to nothing of the distribution",
         ),
+        // About 0, which nobody has to say.
+        (
+            "gear.errors.external_sleeve_radial_m = { deviation = 1e-6, each = 4 }",
+            "external_sleeve_radial_m = 4 values): ",
+        ),
         (
             "contact.law = { deviation = 1.0 }",
             "the scene has no number there",

@@ -279,25 +279,28 @@ const STIFFNESS_SHARE: f64 = 1e-4;
 const PENETRATION_SHARE: f64 = 1e-5;
 const CLOSING: f64 = 1e-6;
 
-/// How the moments of a frictionless pair on its wheel and on the output change with an angle and its rate.
-#[derive(Clone, Copy, Default)]
-struct Column {
-    position: [f64; 2],
-    rate: [f64; 2],
+/// Slopes of the moments of a pair on its wheel, on the output and on the sleeve.
+type Moments = [f64; 3];
+
+/// How the moments of a pair change.
+struct Columns {
+    /// With the angles of wheel, output and input, and with their rates.
+    by: [(Moments, Moments); 3],
+    /// With the sleeve's own rate, which friction alone feels.
+    by_spin: Moments,
 }
 
 impl<L: NormalLaw, D: Detection> Pairs<L, D> {
-    /// By the angles of the wheel, the output and the input, in the notation of [`slopes`](super::lanes), whose formulas
-    /// these are for one pair without friction.
+    /// In the notation of [`slopes`](super::lanes), whose formulas these are for one pair.
     fn columns(
         &self,
         bodies: &[BodyState],
         frame: &WheelFrame,
-        sleeve: Sleeve,
-        body: &BodyState,
+        (sleeve, body): (Sleeve, &BodyState),
         pair: &Loaded,
         slopes: &Slopes,
-    ) -> [Column; 3] {
+        friction: Option<RegularisedCoulomb>,
+    ) -> Columns {
         let (law, touch) = (&self.law, &pair.touch);
         let (stiffness, depth) = (touch.stiffness, touch.penetration);
         let (n, t) = (touch.normal, touch.normal.turned());
@@ -328,7 +331,7 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             bend,
         } = *slopes;
         // A = -K' I(delta), and its slopes by the way along t and by the depth; K' itself grows with the depth by -turning.
-        let centre = law.along(depth).filter(|_| !is_internal).map(|along| {
+        let at_centre = law.along(depth).filter(|_| !is_internal).map(|along| {
             let rise = either(PENETRATION_SHARE * depth, &|h| {
                 law.along(depth + h).unwrap_or_default()
             });
@@ -339,29 +342,57 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             )
         });
 
+        // T = -mu F g, and its slopes by F and by v_t.
+        let (rho, spin) = (pair.arm.dot(n), body.rate - frame.rate);
+        let [mut drag_by_force, mut drag_by_slip] = [0.0; 2];
+        if let Some(RegularisedCoulomb { coefficient, ramp }) = friction {
+            let share = (rho * spin + passing) / ramp;
+            drag_by_force = -coefficient * share.clamp(-1.0, 1.0);
+            if share.abs() < 1.0 {
+                drag_by_slip = -coefficient / ramp * pressed;
+            }
+        }
+        let drag = drag_by_force * pressed;
+
         let normal_levers = [-p.cross(n), carried * z.cross(n), -c.cross(n)];
         let levers = [-p.dot(n), carried * z.dot(n), -c.dot(n)];
         let turns = [-1.0, 0.0, 1.0];
         let [on_wheel, on_output] = [normal_levers[0], normal_levers[1]];
-        [0, 1, 2].map(|k| {
+        // What the sliding speed depends on the rates with; on the wheel's with W instead of P.
+        let drags = [levers[0] - rho, levers[1], rho];
+        let by = [0, 1, 2].map(|k| {
             let (lever, path) = (normal_levers[k], levers[k]);
             let tilt = turning * path;
-            let by_centre = c.dot(n) * turns[k];
+            let (by_centre, beside) = (c.dot(n) * turns[k], c.cross(n) * turns[k]);
             let slower = tilt * passing - over_wheel * path - by_centre * over_input;
+            let faster = over_wheel * lever + beside * over_input - tilt * closing - lever * spin;
             let push = by_stiffness * stiffening * path + by_depth * lever + by_closing * slower;
-            let mut wheel = -push * on_wheel - pressed * (path - tilt * p.dot(n));
-            if let Some((force, by_path, by_depth)) = centre {
+            let pull = drag_by_force * push + drag_by_slip * faster;
+            let mut wheel = pull * drags[0]
+                - push * on_wheel
+                - pressed * (path - tilt * p.dot(n))
+                - drag * tilt * p.dot(t);
+            if let Some((force, by_path, by_depth)) = at_centre {
                 wheel += (by_path * path + by_depth * lever) * levers[0]
                     - force * (lever + tilt * p.dot(t));
             }
-            let output =
-                -push * on_output - carried * pressed * (tilt * z.dot(n) - path - by_centre);
+            let output = pull * drags[1] - push * on_output
+                + carried * drag * (lever + beside + tilt * z.dot(t))
+                - carried * pressed * (tilt * z.dot(n) - path - by_centre);
+            let position = [wheel, output, pull * rho - drag * lever];
             let push = by_closing * lever;
-            Column {
-                position: [wheel, output],
-                rate: [-push * on_wheel, -push * on_output],
-            }
-        })
+            let pull = drag_by_force * push + drag_by_slip * if k == 0 { drags[0] } else { path };
+            let rate = [
+                pull * drags[0] - push * on_wheel,
+                pull * drags[1] - push * on_output,
+                pull * rho,
+            ];
+            (position, rate)
+        });
+        Columns {
+            by,
+            by_spin: drags.map(|lever| drag_by_slip * rho * lever),
+        }
     }
 }
 
@@ -419,18 +450,20 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
     }
 
     fn add_slopes(&mut self, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
-        // With friction differences of the loads have to do.
-        if !D::HAS_SLOPES || slopes.rate().dimension() != 1 + self.layout.wheels {
-            return false;
-        }
-        let (position, rate, time) = slopes.parts_mut();
-        let Some(position) = position else {
+        let free = slopes.rate().dimension();
+        let friction = match self.friction {
+            Friction::Regularised(friction) if free + 1 == self.layout.bodies() => Some(friction),
+            _ if free == 1 + self.layout.wheels => None,
+            _ => return false,
+        };
+        let (true, (Some(position), rate, time)) = (D::HAS_SLOPES, slopes.parts_mut()) else {
             return false;
         };
         let input_rate = bodies[Layout::INPUT].rate;
+        // Sleeves are free where something rubs.
+        let moved = if friction.is_some() { 3 } else { 2 };
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&bodies[body]);
-            let rows = [1 + wheel, OUTPUT];
             self.wheel_pairs(wheel, bodies, &frame, |sleeve, body, pair, seat| {
                 let touch = match (sleeve, seat) {
                     (Sleeve::External(j), Seat::Foot(unit)) => {
@@ -442,14 +475,20 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
                     },
                     (Sleeve::Internal(k), _) => self.detection.hole_slopes(wheel, k, &pair.touch),
                 };
-                let [by_wheel, by_output, by_input] =
-                    self.columns(bodies, &frame, sleeve, &bodies[body], pair, &touch);
-                for (k, row) in rows.into_iter().enumerate() {
-                    for (of, column) in rows.into_iter().zip([&by_wheel, &by_output]) {
-                        position.add(row, of, column.position[k]);
-                        rate.add(row, of, column.rate[k]);
+                let own = (sleeve, &bodies[body]);
+                let Columns { by, by_spin } =
+                    self.columns(bodies, &frame, own, pair, &touch, friction);
+                let [by_wheel, by_output, (by_input, _)] = by;
+                let rows = [1 + wheel, OUTPUT, body - 1];
+                for (k, &row) in rows.iter().enumerate().take(moved) {
+                    for (of, (by_angle, by_rate)) in rows.iter().zip([&by_wheel, &by_output]) {
+                        position.add(row, *of, by_angle[k]);
+                        rate.add(row, *of, by_rate[k]);
                     }
-                    time[row] += by_input.position[k] * input_rate;
+                    time[row] += by_input[k] * input_rate;
+                    if friction.is_some() {
+                        rate.add(row, body - 1, by_spin[k]);
+                    }
                 }
             });
         }

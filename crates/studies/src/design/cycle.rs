@@ -25,9 +25,10 @@ pub struct Cycle {
     pub lost_motion_arcmin: Option<f64>,
     /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping.
     pub width_arcmin: Option<f64>,
-    /// How far each may be off: by the run's own verification of the forces, and by how far samples are apart.
+    /// How far it may be off: by the run's own verification of the forces, by how far samples are apart, and by half of what
+    /// the branches are apart there.
     pub lost_motion_uncertainty_arcmin: Option<f64>,
-    /// The width's.
+    /// How far the width may be off, by the first two.
     pub width_uncertainty_arcmin: Option<f64>,
     /// How the run ended.
     pub status: &'static str,
@@ -113,7 +114,10 @@ pub(super) fn run(
         let mean = |torque: f64| both(torque, every).map(|(a, b)| 0.5 * (a + b));
         Some((mean(LOST * rated)? - mean(-LOST * rated)?).abs())
     };
-    let width = |every: usize| both(0.0, every).map(|(a, b)| (a - b).abs());
+    let apart = |torque: f64, every: usize| both(torque, every).map(|(a, b)| (a - b).abs());
+    let width = |every: usize| apart(0.0, every);
+    // Friction that gives way slowly leaves the angle at rest anywhere between the branches.
+    let open = || Some(0.5 * apart(LOST * rated, 1)?.max(apart(-LOST * rated, 1)?));
     let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
     let off = |of: &dyn Fn(usize) -> Option<f64>| {
         let value = of(1)?;
@@ -122,7 +126,7 @@ pub(super) fn run(
     Ok(Cycle {
         lost_motion_arcmin: lost(1),
         width_arcmin: width(1),
-        lost_motion_uncertainty_arcmin: off(&lost),
+        lost_motion_uncertainty_arcmin: off(&lost).and_then(|off| Some(off + open()?)),
         width_uncertainty_arcmin: off(&width),
         status: found.ending.word(),
         closed_from: down.start,

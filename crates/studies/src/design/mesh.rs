@@ -3,12 +3,14 @@
 use std::f64::consts::{PI, TAU};
 
 use pinwheel_gearbox::contacts::PairContact;
+use pinwheel_gearbox::pressure::LinePressure;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_scene::{Gear, Sleeve};
 use serde::Serialize;
 
 use super::Spread;
+use super::orders::ForceHarmonic;
 
 /// Poses for one passage of a sleeve.
 const PER_MESH: usize = 16;
@@ -132,7 +134,10 @@ impl Pose {
             error_rad: found.output - gearbox.geometry.ideal_output_angle(phi),
             pairs: touching
                 .iter()
-                .map(|contact| pair(gearbox, phi + phases[contact.wheel], contact))
+                .map(|contact| {
+                    let wheel = contact.wheel;
+                    pair(gearbox, phi + phases[wheel], found.wheels[wheel], contact)
+                })
                 .collect(),
             bearings,
         })
@@ -143,32 +148,14 @@ impl Pose {
     }
 }
 
-/// Place, pressure and sliding of a contact; `eccentric`: the wheel's eccentric, rad.
-fn pair(gearbox: &Gearbox, eccentric: f64, contact: &PairContact) -> Pair {
-    let (geometry, material) = (&gearbox.geometry, &gearbox.scene.contact);
+/// Place, pressure and sliding of a contact; `eccentric` and `angle`: of the wheel's eccentric and of the wheel, rad.
+fn pair(gearbox: &Gearbox, eccentric: f64, angle: f64, contact: &PairContact) -> Pair {
     let [x, y] = contact.centre;
-    let place = (y.atan2(x) - eccentric + PI).rem_euclid(TAU) - PI;
-    let radius = match contact.sleeve {
-        // On the rigid mesh the curve's parameter at the sleeve is a with cos(zs a) = -cos(place).
-        Sleeve::External(j) => {
-            let (q, kappa) = (
-                geometry.edge_offset_m,
-                geometry.curve.curvature(-place.cos()),
-            );
-            let sleeve = geometry.external_radii_m[j];
-            sleeve * (1.0 - q * kappa) / (1.0 + (sleeve - q) * kappa)
-        }
-        Sleeve::Internal(k) => {
-            let sleeve = geometry.internal_radii_m[k];
-            let hole = geometry.hole_radii_m[contact.wheel][k];
-            hole * sleeve / (hole - sleeve)
-        }
-    };
-    let modulus = material.young_pa / (2.0 * (1.0 - material.poisson * material.poisson));
-    let line = contact.normal_force_n / material.line_length_m;
+    let geometry = &gearbox.geometry;
+    let pressure = LinePressure::new(&gearbox.scene.contact);
     // Velocity of the wheel at W: about its centre at -omega/zs, and with it along the eccentric's circle.
     let omega = gearbox.scene.drive.input_speed_rad_s;
-    let rate = -omega / gearbox.geometry.ratio();
+    let rate = -omega / geometry.ratio();
     let (s, c) = eccentric.sin_cos();
     let e = geometry.eccentricities_m[contact.wheel];
     let [wx, wy] = contact.point;
@@ -184,9 +171,9 @@ fn pair(gearbox: &Gearbox, eccentric: f64, contact: &PairContact) -> Pair {
     Pair {
         wheel: contact.wheel,
         sleeve: contact.sleeve,
-        place_rad: place,
+        place_rad: (y.atan2(x) - eccentric + PI).rem_euclid(TAU) - PI,
         force_n: contact.normal_force_n,
-        pressure_pa: (line * modulus / (PI * radius)).sqrt(),
+        pressure_pa: pressure.of(geometry, contact, [e * c, e * s], angle),
         sliding_m_s: (velocity[1] * nx - velocity[0] * ny).abs(),
     }
 }
@@ -284,6 +271,8 @@ pub struct Bearing {
     pub radial_n: Vec<f64>,
     /// Counter-clockwise about the input's axis, N, over the period: times e, the torque this wheel takes.
     pub tangential_n: Vec<f64>,
+    /// The largest harmonics of the part away from the axis, largest first.
+    pub radial_harmonics: Vec<ForceHarmonic>,
 }
 
 impl Bearing {
@@ -302,6 +291,7 @@ impl Bearing {
                 })),
                 radial_n: part(wheel, 0),
                 tangential_n: part(wheel, 1),
+                radial_harmonics: Vec::new(),
             })
             .collect()
     }

@@ -43,7 +43,7 @@ pub use drawing::{CHORD_M, Drawing};
 pub use figures::Figure;
 pub use joint::{Friction, Joint, Spring};
 pub use mesh::{Bearing, Pair, Pressure, Sharing, Stage};
-pub use orders::Harmonic;
+pub use orders::{ForceHarmonic, Harmonic};
 
 use figures::Balances;
 use mesh::{Pose, Poses};
@@ -277,6 +277,10 @@ pub(crate) fn figures_of(
     }
     let mut figures = balances.figures();
     figures.extend(figures::of_runs(cycle.as_ref(), &efficiency));
+    let mut bearings = summed.bearings;
+    for bearing in &mut bearings {
+        bearing.radial_harmonics = orders::of_force(&bearing.radial_n, &poses);
+    }
     Ok(Outcome {
         scene: scene.clone(),
         rated_torque_n_m: rated,
@@ -291,7 +295,7 @@ pub(crate) fn figures_of(
         },
         sharing: summed.sharing,
         pressure: summed.pressure,
-        bearings: summed.bearings,
+        bearings,
         input_angle_rad: poses.angles,
         transmission,
         cycle,

@@ -23,6 +23,30 @@ pub struct Harmonic {
     pub of: &'static str,
 }
 
+/// One harmonic of a force.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ForceHarmonic {
+    /// Cycles per turn of the input.
+    pub input_order: f64,
+    /// Cycles per turn of the output.
+    pub output_order: f64,
+    /// Amplitude, half of its peak to peak, N.
+    pub amplitude_n: f64,
+    /// What repeats that often, as for [`Harmonic`].
+    pub of: &'static str,
+}
+
+/// The largest harmonics of a force over one period, largest first.
+pub(super) fn of_force(force_n: &[f64], poses: &Poses) -> Vec<ForceHarmonic> {
+    let force = |harmonic: Harmonic| ForceHarmonic {
+        input_order: harmonic.input_order,
+        output_order: harmonic.output_order,
+        amplitude_n: harmonic.amplitude_arcmin,
+        of: harmonic.of,
+    };
+    largest(force_n, poses).into_iter().map(force).collect()
+}
+
 /// The largest harmonics of a course over one period, largest first.
 pub(super) fn largest(course: &[f64], poses: &Poses) -> Vec<Harmonic> {
     let mut samples = course.to_vec();

@@ -309,7 +309,12 @@ fn scene_at(
 pub(crate) fn in_words(values: &[(String, Value)]) -> String {
     let words: Vec<String> = values
         .iter()
-        .map(|(key, value)| format!("{key} = {value}"))
+        .map(|(key, value)| match value {
+            Value::Other(list) if list.matches(',').count() > 2 => {
+                format!("{key} = {} values", list.matches(',').count() + 1)
+            }
+            value => format!("{key} = {value}"),
+        })
         .collect();
     if words.is_empty() {
         "the scene as it is".to_owned()

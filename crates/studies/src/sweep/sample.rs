@@ -296,8 +296,10 @@ impl Distribution {
         key: &str,
         scene: &CheckedScene,
     ) -> Result<impl Fn(f64) -> f64 + use<>, String> {
+        // What is left out of the errors is none.
+        let none = || key.starts_with("gear.errors.").then_some(0.0);
         let middle = || {
-            self.mean.or_else(|| scene.number(key)).ok_or_else(|| {
+            self.mean.or_else(|| scene.number(key)).or_else(none).ok_or_else(|| {
                 format!("sample.{key}: the scene has no number there that its values could be about; give a `mean`, or `from` and `to`")
             })
         };
