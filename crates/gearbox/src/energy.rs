@@ -388,6 +388,21 @@ mod tests {
         assert!((part - exact).abs() < 1e-15, "{part} {exact}");
     }
 
+    /// An account is of the samples nearest to what is asked for.
+    #[test]
+    fn accounts_are_of_the_nearest_samples() {
+        let found = account(&[(&[0.0, 1.0, 2.0, 3.0], &|_| 1.0)], |_| true);
+        for (from, to, ends) in [
+            (0.4, 2.6, (0.0, 3.0)),
+            (0.6, 2.4, (1.0, 2.0)),
+            (-5.0, 9.0, (0.0, 3.0)),
+        ] {
+            let audit = found.audit(from, to).unwrap();
+            assert_eq!((audit.from_s, audit.to_s), ends);
+        }
+        assert_eq!(found.audit(0.6, 1.4), None);
+    }
+
     #[test]
     fn too_little_is_no_account() {
         assert_eq!(EnergyAccount::default().total(), None);

@@ -427,3 +427,42 @@ fn compliance_is_the_slope_of_balances() {
         }
     }
 }
+
+fn paper(sets: &[(&str, &str)]) -> Gearbox {
+    let sets: Vec<pinwheel_scene::Override> = sets
+        .iter()
+        .map(|&(k, v)| pinwheel_scene::Override::new(k, v))
+        .collect();
+    Gearbox::new(&Scene::load("paper", &sets).unwrap()).unwrap()
+}
+
+/// Discrete points have no slopes: brackets find their balance, which is nearly that of the exact profile.
+#[test]
+fn points_are_balanced_by_brackets() {
+    let twist = |detection: &str| {
+        let gearbox = paper(&[
+            ("contact.detection", detection),
+            ("contact.wheel_points", "16000"),
+        ]);
+        let at = Statics::new(&gearbox).unwrap().solve(0.3, 22.0).unwrap();
+        at.output - gearbox.geometry.ideal_output_angle(0.3)
+    };
+    close(twist("points"), twist("exact"), 1e-2, "twist");
+}
+
+/// One sleeve that is too large presses a gear without load off its ideal mesh; a gear as drawn rests there.
+#[test]
+fn errors_press_without_a_load() {
+    let drawn = paper(&[]);
+    let at = Statics::new(&drawn).unwrap().solve(0.3, 0.0).unwrap();
+    assert_eq!(at.output, drawn.geometry.ideal_output_angle(0.3));
+    let one = format!("[1e-5{}]", ", 0".repeat(15));
+    let gearbox = paper(&[("gear.errors.external_sleeve_radius_m", &one)]);
+    let mut statics = Statics::new(&gearbox).unwrap();
+    let at = statics.solve(0.3, 0.0).unwrap();
+    let by_brackets = statics.solve_by_brackets(0.3, 0.0).unwrap();
+    let off = at.wheels[0] - gearbox.geometry.ideal_wheel_angle(0, 0.3);
+    println!("{off:e} rad, {} N m left", at.residual);
+    assert!(off.abs() > 1e-6 && at.residual < 1e-9);
+    assert!((at.output - by_brackets.output).abs() < 1e-12);
+}
