@@ -130,6 +130,32 @@ fn closed_forms_have_their_values() {
         1e-6,
         "radius",
     );
+    // From sleeve to pitch point every force pushes: their sum by plain geometry, on a circle of radius 1.
+    let mesh = LinearMesh::of(&gear);
+    let [mut along, mut across] = [0.0; 2];
+    for (k, force) in mesh.forces(0.1, 11.0).into_iter().enumerate() {
+        let angle = 0.1 + TAU * k as f64 / 16.0;
+        let (x, y) = (gear.shortening - angle.cos(), -angle.sin());
+        along += force * x / x.hypot(y);
+        across -= force * y / x.hypot(y);
+    }
+    let found = mesh.bearing(0.1, 11.0);
+    close(found[0], along, 1e-12, "along the eccentric");
+    close(found[1], across, 1e-12, "across it");
+    close(
+        across,
+        11.0 / (gear.eccentricity_m * 15.0),
+        1e-12,
+        "by the pitch point",
+    );
+    // Eight pins: those ahead of the eccentric push, by the sines of their angles.
+    let output = LinearOutput::of(&gear);
+    let lever = |k: usize| (0.1 + TAU * k as f64 / 8.0).sin().max(0.0);
+    let squares: f64 = (0..8).map(|k| lever(k).powi(2)).sum();
+    for (k, force) in output.forces(0.1, 11.0).into_iter().enumerate() {
+        let wanted = 11.0 * lever(k) / (output.circle_radius * squares);
+        assert!((force - wanted).abs() < 1e-9, "{k}: {force} {wanted}");
+    }
     // F_max is about 4 T/(e zs zk): 63.8 to 66.1 N over a pitch.
     let (low, high) = LinearMesh::of(&gear).peak(11.0, 360);
     let rule = number(closed, "peak_n");
