@@ -116,7 +116,7 @@ mod tests {
         scene.drive.input_speed_rad_s = 0.0;
         assert_eq!(
             Frequencies::of(&scene).longest_step_s(),
-            1.0 / found.contact_rad_s
+            1.0 / fast.contact_rad_s
         );
     }
 
