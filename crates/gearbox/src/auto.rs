@@ -423,6 +423,11 @@ mod tests {
             );
         }
         assert!((paper.tolerance / 5e-7 - 1.0).abs() < 1e-12);
+        // Nine entries of the account from sample to sample, at which steps end too.
+        let mut sparse = scene.clone();
+        sparse.solver.sample_s = 1e-3;
+        let longest = plan(&sparse, PROMISE).longest_step_s;
+        assert!((longest * 9.0 / 1e-3 - 1.0).abs() < 1e-12, "{longest}");
         scene.contact.stiffness_multiplier *= 10.0;
         scene.solver.step_s = 1e-3;
         let stiff = plan(&scene, PROMISE);
