@@ -220,7 +220,8 @@ fn regress_short_runs_cost_what_they_cost() {
             let t = before + 0.7 * (stepper_time(&free) - before);
             let mut y = [0.0; 4];
             free.interpolate(&mut system, t, &mut y);
-            (inside.push(t), found.push(y));
+            inside.push(t);
+            found.push(y);
         }
         let error = distance(&states, &explicit(1e-12, one_sided, &times).0);
         let between = distance(&found, &explicit(1e-12, one_sided, &inside).0);
