@@ -328,6 +328,10 @@ mod tests {
         let found = account(&[(&times, &cubic)], |_| true);
         assert!((work(&found, 0.0, 0.6) - exact(0.6)).abs() < 1e-15);
         assert!((work(&found, 0.25, 0.5) - exact(0.5) + exact(0.25)).abs() < 1e-15);
+        // At the scale of a run, where all intervals are small, unequal ones are none the less unequal.
+        let small = times.map(|t| 1e-4 * t);
+        let found = account(&[(&small, &|t| cubic(1e4 * t))], |_| true);
+        assert!((work(&found, 0.0, 6e-5) / 1e-4 - exact(0.6)).abs() < 1e-14);
         let error = |n: usize| {
             let times: Vec<f64> = (0..=n).map(|k| k as f64 / n as f64).collect();
             let found = account(&[(&times, &|t| (7.0 * t).sin())], |k| k == 0 || k == n);
