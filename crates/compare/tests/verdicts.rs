@@ -124,6 +124,18 @@ fn two_foreign_engines_may_be_as_far_apart_as_their_limits_add_up_to() {
     assert_eq!(verdict(&pair, &rows(0.00995)), Verdict::Within);
 }
 
+/// What both may be from a native run is for pairs without a row of their own.
+#[test]
+fn two_foreign_engines_keep_their_own_limit() {
+    let other = participant("other", Track::SharedLaw, courses(1.01));
+    let own = Limit {
+        against: "other",
+        ..limit("foreign", 0.01)
+    };
+    let rows = [own, limit("foreign", 1.0), limit("other", 1.0)];
+    assert_eq!(verdict(&[foreign(0.99), other], &rows), Verdict::Exceeded);
+}
+
 #[test]
 fn not_finite_is_exceeded_not_overlooked() {
     let mut spoiled = Courses::new(courses(1.0).time_s().to_vec()).unwrap();

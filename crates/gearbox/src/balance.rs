@@ -85,6 +85,24 @@ mod tests {
         }
     }
 
+    /// What a gear holds before it turns anything over: by hand for the paper's, whose load twists it, and for one without load,
+    /// which the least force does.
+    #[test]
+    fn what_is_held_counts_as_turned_over() {
+        let held = |load: f64| {
+            let mut scene = crate::scene::Scene::paper();
+            scene.drive.output_torque_n_m = load;
+            let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+            let scales = gearbox.error_scales();
+            let least = gearbox.least_force_n() * scales.length;
+            (elastic_j(&gearbox), scales.angle, least)
+        };
+        let (loaded, angle, _) = held(-22.0);
+        assert!((loaded / (22.0 * angle) - 1.0).abs() < 1e-12, "{loaded}");
+        let (idle, _, least) = held(0.0);
+        assert!((idle / least - 1.0).abs() < 1e-12, "{idle}");
+    }
+
     #[test]
     fn remainders_add_up() {
         let mut balance = Balance {
@@ -99,6 +117,6 @@ mod tests {
             "lost is as bad as gained"
         );
         let told = balance.add(&audit(0.1, 9.0)).unwrap_err();
-        assert!(told.contains("9.000e0 J"), "{told}");
+        assert!(told.contains("for 9.000e0 J"), "{told}");
     }
 }

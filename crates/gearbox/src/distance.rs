@@ -113,3 +113,21 @@ impl Sums {
         (self.error / self.size.max(least)).sqrt()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A distance that is not a number is no small one.
+    #[test]
+    fn the_worst_of_two_distances() {
+        let of = |forces: f64, driver_torque: f64| Distance {
+            forces,
+            driver_torque,
+        };
+        assert_eq!((of(1.0, 2.0).worst(), of(2.0, 1.0).worst()), (2.0, 2.0));
+        assert!(of(f64::NAN, 1.0).worst().is_nan() && of(1.0, f64::NAN).worst().is_nan());
+        assert_eq!(of(2.0, 4.0).times(0.5), of(1.0, 2.0));
+        assert_eq!(of(2.0, 4.0).at_least(3.0), of(3.0, 4.0));
+    }
+}

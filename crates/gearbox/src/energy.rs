@@ -328,6 +328,10 @@ mod tests {
         let found = account(&[(&times, &cubic)], |_| true);
         assert!((work(&found, 0.0, 0.6) - exact(0.6)).abs() < 1e-15);
         assert!((work(&found, 0.25, 0.5) - exact(0.5) + exact(0.25)).abs() < 1e-15);
+        // At the scale of a run, where all intervals are small, unequal ones are none the less unequal.
+        let small = times.map(|t| 1e-4 * t);
+        let found = account(&[(&small, &|t| cubic(1e4 * t))], |_| true);
+        assert!((work(&found, 0.0, 6e-5) / 1e-4 - exact(0.6)).abs() < 1e-14);
         let error = |n: usize| {
             let times: Vec<f64> = (0..=n).map(|k| k as f64 / n as f64).collect();
             let found = account(&[(&times, &|t| (7.0 * t).sin())], |k| k == 0 || k == n);
@@ -386,6 +390,21 @@ mod tests {
         let part = work(&found, 0.2, 0.45);
         let exact = (0.3_f64.powi(4) - 0.2_f64.powi(4)) / 4.0 + 5.0 * 0.15 - 0.5 * (0.2025 - 0.09);
         assert!((part - exact).abs() < 1e-15, "{part} {exact}");
+    }
+
+    /// An account is of the samples nearest to what is asked for.
+    #[test]
+    fn accounts_are_of_the_nearest_samples() {
+        let found = account(&[(&[0.0, 1.0, 2.0, 3.0], &|_| 1.0)], |_| true);
+        for (from, to, ends) in [
+            (0.4, 2.6, (0.0, 3.0)),
+            (0.6, 2.4, (1.0, 2.0)),
+            (-5.0, 9.0, (0.0, 3.0)),
+        ] {
+            let audit = found.audit(from, to).unwrap();
+            assert_eq!((audit.from_s, audit.to_s), ends);
+        }
+        assert_eq!(found.audit(0.6, 1.4), None);
     }
 
     #[test]

@@ -101,6 +101,40 @@ mod tests {
         assert_eq!(found.friction_1_s, 0.0);
     }
 
+    /// A third of a touch at the contacts' frequency, or an eighth of the time from sleeve to sleeve, of whichever kind passes more
+    /// often.
+    #[test]
+    fn steps_see_every_sleeve() {
+        let mut scene = Scene::paper();
+        let found = Frequencies::of(&scene);
+        assert_eq!(found.longest_step_s(), 1.0 / found.contact_rad_s);
+        scene.drive.input_speed_rad_s *= -100.0;
+        scene.gear.internal_sleeves = 30;
+        let fast = Frequencies::of(&scene);
+        assert!((fast.mesh_rad_s / (5234.0 * 16.0 * 2.0) - 1.0).abs() < 1e-12);
+        assert!((fast.longest_step_s() * fast.mesh_rad_s * 8.0 / TAU - 1.0).abs() < 1e-12);
+        scene.drive.input_speed_rad_s = 0.0;
+        assert_eq!(
+            Frequencies::of(&scene).longest_step_s(),
+            1.0 / fast.contact_rad_s
+        );
+    }
+
+    /// Each wheel carries its part of the load, which decides where a law is not of Hertz' power.
+    #[test]
+    fn depths_are_those_of_one_wheel() {
+        let share = |wheels: usize, load: f64| {
+            let mut scene = Scene::paper();
+            scene.contact.law = "line-contact".to_owned();
+            (scene.gear.wheels, scene.drive.output_torque_n_m) = (wheels, load);
+            Frequencies::depth_share(&scene)
+        };
+        assert_eq!(share(2, 44.0), share(1, 22.0));
+        assert!((share(2, 22.0) / share(1, 22.0) - 1.0).abs() > 0.1);
+        let hertz = Frequencies::depth_share(&Scene::paper());
+        assert!((hertz - 1.0).abs() < 1e-12, "{hertz}");
+    }
+
     /// By hand: 6.5e5 1/s for a sleeve of the paper at 100 N; the static 65 N give two thirds of it.
     #[test]
     fn friction_rate_of_the_paper() {

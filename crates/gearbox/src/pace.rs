@@ -93,5 +93,11 @@ mod tests {
             told.contains("5.0e-11 s") && told.contains("solver.tolerance"),
             "{told}"
         );
+        // An implicit method is the remedy for friction, but for one that is implicit.
+        for (integrator, remedy) in [("dopri5", "\"imex2\""), ("imex2-adaptive", "tolerance")] {
+            scene.solver.integrator = integrator.to_owned();
+            let told = Pace::new(&scene, true).look(1e-9, SPAN).unwrap_err();
+            assert!(told.contains(remedy), "{told}");
+        }
     }
 }

@@ -183,3 +183,47 @@ impl Recorder {
         Ok(courses)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use crate::statics::Statics;
+
+    /// Forces of contacts and loads of sleeves are the same sample, and the last one can be taken out again.
+    #[test]
+    fn contacts_and_loads_are_recorded_alike() {
+        let gearbox = Gearbox::new(&Scene::load("paper", &[]).unwrap()).unwrap();
+        let bodies = Statics::new(&gearbox)
+            .unwrap()
+            .solve(0.3, 22.0)
+            .unwrap()
+            .bodies;
+        let mut field = gearbox.contact_field().unwrap();
+        let mut loads = vec![Wrench::default(); bodies.len()];
+        field.add_loads(&bodies, &mut loads);
+        let mut recorder = Recorder::new(&gearbox);
+        assert!(recorder.is_empty());
+        recorder.record(0.0, 1.0, &bodies, field.as_mut());
+        recorder.record_loads(1.0, 2.0, &bodies, &loads);
+        assert_eq!((recorder.len(), recorder.is_empty()), (2, false));
+        let mut row = Vec::new();
+        let courses = recorder.clone().finish().unwrap();
+        recorder.take_last(&mut row);
+        assert_eq!((recorder.len(), row.len()), (1, courses.channels().len()));
+        let most = courses.channel("external_sleeve_force_n_3").unwrap()[0].max(22.0);
+        for (channel, last) in courses.channels().iter().zip(row) {
+            let [of_contacts, of_loads] = channel.values[..] else {
+                panic!("two samples")
+            };
+            assert_eq!(of_loads, last);
+            let same = (of_contacts - of_loads).abs() <= 1e-12 * most;
+            assert!(
+                same || channel.name == "input_torque_n_m",
+                "{}",
+                channel.name
+            );
+        }
+        assert!((courses.channel("output_torque_n_m").unwrap()[0] + 22.0).abs() < 1e-6);
+    }
+}

@@ -169,10 +169,7 @@ impl Search<'_> {
                     let mut next = ladder.first;
                     if let Some((moved, error)) = estimate {
                         self.rungs[index].moved = Some(moved);
-                        let calm = last.is_some_and(|(d, _)| d.worst() <= CALM);
-                        let most = if calm { CONFIRMED } else { 1.0 };
-                        let holds =
-                            error.worst() <= self.promise && moved.worst() <= most * self.promise;
+                        let holds = holds(self.promise, error, moved, last.map(|(d, _)| d));
                         self.keep(Best {
                             run: Rc::clone(&run),
                             sparse: None,
@@ -183,7 +180,7 @@ impl Search<'_> {
                         if holds {
                             return Ok(true);
                         }
-                        next = ladder.next(error.worst() / self.promise);
+                        next = ladder.next(error, self.promise);
                         last = Some((moved, factor));
                     } else {
                         self.keep(Best {
@@ -316,6 +313,13 @@ impl Search<'_> {
     }
 }
 
+/// Whether a promise is kept: `moved` is the distance to the coarser run, `before` that of one refinement earlier.
+fn holds(promise: f64, error: Distance, moved: Distance, before: Option<Distance>) -> bool {
+    let calm = before.is_some_and(|before| before.worst() <= CALM);
+    let most = if calm { CONFIRMED } else { 1.0 };
+    error.worst() <= promise && moved.worst() <= most * promise
+}
+
 /// How a method is refined and what that gains.
 struct Ladder {
     /// Factor from the coarser to the finer of the first two rungs.
@@ -396,13 +400,203 @@ impl Ladder {
         }
     }
 
-    /// The next refinement where the error is `excess` times the promise: to a third of it.
-    fn next(&self, excess: f64) -> f64 {
-        let wanted = (3.0 * excess).powf(1.0 / self.order);
+    /// The next refinement: to a third of the promise.
+    fn next(&self, error: Distance, promise: f64) -> f64 {
+        let wanted = (3.0 * error.worst() / promise).powf(1.0 / self.order);
         if wanted.is_finite() {
             wanted.clamp(self.factors.0, self.factors.1)
         } else {
             self.factors.1
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    fn of(forces: f64, driver_torque: f64) -> Distance {
+        Distance {
+            forces,
+            driver_torque,
+        }
+    }
+
+    fn ladder(order: f64) -> Ladder {
+        Ladder {
+            first: 10.0,
+            order,
+            cost: 0.2,
+            factors: (10.0, 100.0),
+        }
+    }
+
+    fn near(found: f64, wanted: f64) -> bool {
+        (found / wanted - 1.0).abs() < 1e-12
+    }
+
+    /// Both the error and the distance keep to the promise; the distance may be four times that after a calm one.
+    #[test]
+    fn a_promise_is_kept_by_error_and_distance() {
+        let (small, large) = (of(1e-4, 1e-4), of(1e-4, 2e-3));
+        assert!(holds(1e-3, small, small, None));
+        assert!(!holds(1e-3, large, small, None));
+        assert!(!holds(1e-3, small, large, None));
+        assert!(!holds(1e-3, small, large, Some(of(0.02, 0.0))), "not calm");
+        assert!(holds(1e-3, small, large, Some(of(0.009, 0.0))));
+        assert!(!holds(1e-3, small, of(5e-3, 0.0), Some(small)));
+        assert!(!holds(1e-3, of(f64::NAN, 0.0), small, None));
+    }
+
+    /// u = S D/(f^p - 1) by hand, for each of the two series by its own distances.
+    #[test]
+    fn errors_are_estimated_from_distances() {
+        // Half of the usual order where nothing else is known: 10^0.5 - 1 = 2.16.
+        let first = ladder(1.0).error(of(1e-3, 2e-3), 10.0, None);
+        let share = 1.25 / (10_f64.sqrt() - 1.0);
+        assert!(near(first.forces, share * 1e-3) && near(first.driver_torque, share * 2e-3));
+        // Distances that fell from 4e-3 to 2e-3 show an order of 0.3; from a hundredfold no more than half the usual one counts,
+        // from a smaller one no less than half of that.
+        let before = Some((of(4e-3, 0.2), 10.0));
+        let seen = ladder(1.0).error(of(2e-3, 2e-3), 10.0, before);
+        assert!(near(seen.forces, 1.25 / (2.0 - 1.0) * 2e-3), "{seen:?}");
+        assert!(near(seen.driver_torque, share * 2e-3));
+        let rises = ladder(1.0).error(of(4e-3, 0.0), 10.0, Some((of(2e-3, 1.0), 10.0)));
+        assert!(near(rises.forces, 1.25 / (10_f64.powf(0.25) - 1.0) * 4e-3));
+        assert_eq!(rises.driver_torque, 0.0);
+        // Never below a third of the distance.
+        let steep = ladder(4.0).error(of(3e-3, 3e-3), 10.0, None);
+        assert!(near(steep.forces, 1e-3));
+    }
+
+    /// The next refinement aims at a third of the promise.
+    #[test]
+    fn refinements_aim_below_the_promise() {
+        let next = |error: f64| ladder(0.5).next(of(0.0, error), 1e-3);
+        assert!(near(next(2e-3), 36.0));
+        assert_eq!((next(1e-3), next(1.0)), (10.0, 100.0), "bounds");
+        assert_eq!(next(f64::NAN), 100.0);
+    }
+
+    /// Friction slows what a tolerance gains for explicit methods alone.
+    #[test]
+    fn ladders_know_friction() {
+        let mut scene = Scene::paper();
+        scene.contact.friction_coefficient = 0.1;
+        let orders = |rubs: bool| -> Vec<f64> {
+            let plans = auto::chain(&scene, auto::PROMISE);
+            let orders = plans.iter().map(|plan| Ladder::of(plan, rubs).order);
+            orders.collect()
+        };
+        // rodas5p, imex2-adaptive, dopri5, rk4, imex2.
+        assert_eq!(orders(true), [0.9, 1.0, 0.45, 1.0, 1.0]);
+        assert_eq!(orders(false), [0.9, 1.0, 0.9, 1.0, 1.0]);
+    }
+
+    fn gearbox(changes: impl FnOnce(&mut Scene)) -> Gearbox {
+        let mut scene = Scene::paper();
+        (scene.solver.duration_s, scene.solver.sample_s) = (2e-3, 1e-4);
+        changes(&mut scene);
+        Gearbox::new(&scene.check().unwrap()).unwrap()
+    }
+
+    fn search(gearbox: &Gearbox, promise: f64, left: u64) -> Search<'_> {
+        Search {
+            gearbox,
+            promise,
+            left,
+            rungs: Vec::new(),
+            best: None,
+            stopped: None,
+            error: None,
+        }
+    }
+
+    /// Climbs the ladder of `name`: whether that was the end, the reason, and the search.
+    fn climb<'a>(gearbox: &'a Gearbox, promise: f64, left: u64, name: &str) -> (bool, Search<'a>) {
+        let plans = auto::chain(&gearbox.scene, promise);
+        let plan = plans.iter().find(|plan| plan.integrator == name).unwrap();
+        let mut search = search(gearbox, promise, left);
+        let end = search.climb(plan, &mut |_| false).unwrap();
+        (end, search)
+    }
+
+    /// More load than the teeth carry: three refinements diverge, then it is the next method's turn.
+    #[test]
+    fn a_method_that_fails_gives_way() {
+        let overload = gearbox(|scene| {
+            scene.drive.output_torque_n_m = 1e6;
+            scene.drive.load_ramp_s = 0.0;
+        });
+        let (end, found) = climb(&overload, 1e-3, u64::MAX, "rk4");
+        assert!(!end && found.best.is_none() && found.error.is_some());
+        let stopped = found.stopped.unwrap();
+        assert!(stopped.contains("rk4 does not get through"), "{stopped}");
+        let settings: Vec<&str> = found.rungs.iter().map(|r| r.setting.as_str()).collect();
+        assert_eq!(settings.len(), 3, "{settings:?}");
+        assert!(settings[0] != settings[1] && settings[1] != settings[2]);
+        // A budget that ends within the first run ends all.
+        let long = gearbox(|scene| scene.solver.duration_s = 0.05);
+        let (end, found) = climb(&long, 1e-3, 10, "rk4");
+        assert!(end && found.left == 0);
+        let stopped = found.stopped.unwrap();
+        assert!(stopped.contains("took all evaluations"), "{stopped}");
+    }
+
+    /// A second run that would not fit the budget is not begun; the first one had half of the samples.
+    #[test]
+    fn what_does_not_fit_the_budget_is_not_begun() {
+        let light = gearbox(|_| {});
+        let all = climb(&light, 1e-3, u64::MAX, EXPONENTIAL).1;
+        let one = all.rungs[0].evaluations;
+        assert!(all.rungs[1].evaluations > one, "{:?}", all.rungs);
+        let (end, found) = climb(&light, 1e-3, 2 * one, EXPONENTIAL);
+        let stopped = found.stopped.unwrap();
+        assert!(end && stopped.contains("would take more"), "{stopped}");
+        assert_eq!((found.rungs.len(), found.left), (1, one));
+        let samples = light.scene.solver.sample_times_s().len();
+        let best = found.best.unwrap();
+        assert_eq!(best.run.courses.len(), samples / 2 + 1);
+        let best = all.best.unwrap();
+        assert!(best.holds && best.rung == all.rungs.len() - 1);
+        assert_eq!(best.run.courses.len(), samples);
+    }
+
+    /// Refinement ends where tolerances do, and says that it was not the method.
+    #[test]
+    fn the_finest_tolerance_ends_a_ladder() {
+        let light =
+            gearbox(|scene| (scene.solver.duration_s, scene.solver.sample_s) = (1e-4, 1e-5));
+        let (end, found) = climb(&light, 1e-17, u64::MAX, "dopri5");
+        let stopped = found.stopped.unwrap();
+        assert!(end && stopped.contains("amplifies roundings"), "{stopped}");
+        assert!(!found.best.unwrap().holds);
+    }
+
+    /// The run that is known best is kept, not the last one.
+    #[test]
+    fn the_best_run_is_kept() {
+        let light = gearbox(|scene| scene.solver.duration_s = 1e-4);
+        let run = Rc::new(native::run(&light, &mut |_| false).unwrap());
+        let mut search = search(&light, 1e-3, 0);
+        for (rung, error) in [
+            None,
+            Some(of(2e-3, 0.0)),
+            Some(of(1e-3, 0.0)),
+            Some(of(3e-3, 0.0)),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            search.keep(Best {
+                run: Rc::clone(&run),
+                sparse: None,
+                rung,
+                error,
+                holds: false,
+            });
+        }
+        assert_eq!(search.best.unwrap().rung, 2);
     }
 }

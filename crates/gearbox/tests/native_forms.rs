@@ -216,6 +216,20 @@ fn a_run_can_be_stopped() {
         &mut |t| t > 0.01,
     );
     assert!(matches!(outcome, Err(NativeError::Stopped)));
+    // Within a sample too, where samples are far apart.
+    let mut long = scene(0.1);
+    long.solver.sample_s = 0.1;
+    let gearbox = Gearbox::new(&long.check().unwrap()).unwrap();
+    let outcome = run(&gearbox, &mut |t| t > 0.0 && t < 0.09);
+    assert!(matches!(outcome, Err(NativeError::Stopped)));
+}
+
+/// A run with `auto` is one run of its plan.
+#[test]
+fn auto_runs_its_plan() {
+    let mut scene = scene(1e-3);
+    scene.solver.integrator = "auto".to_owned();
+    assert_eq!(solve(&scene).end_s, 1e-3);
 }
 
 fn explained(scene: &Scene) -> Result<Explanation, GearboxError> {

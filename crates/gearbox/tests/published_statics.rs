@@ -130,6 +130,32 @@ fn closed_forms_have_their_values() {
         1e-6,
         "radius",
     );
+    // From sleeve to pitch point every force pushes: their sum by plain geometry, on a circle of radius 1.
+    let mesh = LinearMesh::of(&gear);
+    let [mut along, mut across] = [0.0; 2];
+    for (k, force) in mesh.forces(0.1, 11.0).into_iter().enumerate() {
+        let angle = 0.1 + TAU * k as f64 / 16.0;
+        let (x, y) = (gear.shortening - angle.cos(), -angle.sin());
+        along += force * x / x.hypot(y);
+        across -= force * y / x.hypot(y);
+    }
+    let found = mesh.bearing(0.1, 11.0);
+    close(found[0], along, 1e-12, "along the eccentric");
+    close(found[1], across, 1e-12, "across it");
+    close(
+        across,
+        11.0 / (gear.eccentricity_m * 15.0),
+        1e-12,
+        "by the pitch point",
+    );
+    // Eight pins: those ahead of the eccentric push, by the sines of their angles.
+    let output = LinearOutput::of(&gear);
+    let lever = |k: usize| (0.1 + TAU * k as f64 / 8.0).sin().max(0.0);
+    let squares: f64 = (0..8).map(|k| lever(k).powi(2)).sum();
+    for (k, force) in output.forces(0.1, 11.0).into_iter().enumerate() {
+        let wanted = 11.0 * lever(k) / (output.circle_radius * squares);
+        assert!((force - wanted).abs() < 1e-9, "{k}: {force} {wanted}");
+    }
     // F_max is about 4 T/(e zs zk): 63.8 to 66.1 N over a pitch.
     let (low, high) = LinearMesh::of(&gear).peak(11.0, 360);
     let rule = number(closed, "peak_n");
@@ -488,4 +514,45 @@ fn compliance_is_the_slope_of_balances() {
             assert!(damping > 0.0, "{preset}: {damping}");
         }
     }
+}
+
+fn paper(sets: &[(&str, &str)]) -> Gearbox {
+    let sets: Vec<pinwheel_scene::Override> = sets
+        .iter()
+        .map(|&(k, v)| pinwheel_scene::Override::new(k, v))
+        .collect();
+    Gearbox::new(&Scene::load("paper", &sets).unwrap()).unwrap()
+}
+
+/// Discrete points have no slopes: brackets find their balance, which is nearly that of the exact profile.
+#[test]
+fn points_are_balanced_by_brackets() {
+    let twist = |detection: &str| {
+        let gearbox = paper(&[
+            ("contact.detection", detection),
+            ("contact.wheel_points", "16000"),
+        ]);
+        let mut statics = Statics::new(&gearbox).unwrap();
+        let at = statics.solve(0.3, 22.0).unwrap();
+        assert_eq!(statics.compliance(&at).is_some(), detection == "exact");
+        at.output - gearbox.geometry.ideal_output_angle(0.3)
+    };
+    close(twist("points"), twist("exact"), 1e-2, "twist");
+}
+
+/// One sleeve that is too large presses a gear without load off its ideal mesh; a gear as drawn rests there.
+#[test]
+fn errors_press_without_a_load() {
+    let drawn = paper(&[]);
+    let at = Statics::new(&drawn).unwrap().solve(0.3, 0.0).unwrap();
+    assert_eq!(at.output, drawn.geometry.ideal_output_angle(0.3));
+    let one = format!("[1e-5{}]", ", 0".repeat(15));
+    let gearbox = paper(&[("gear.errors.external_sleeve_radius_m", &one)]);
+    let mut statics = Statics::new(&gearbox).unwrap();
+    let at = statics.solve(0.3, 0.0).unwrap();
+    let by_brackets = statics.solve_by_brackets(0.3, 0.0).unwrap();
+    let off = at.wheels[0] - gearbox.geometry.ideal_wheel_angle(0, 0.3);
+    println!("{off:e} rad, {} N m left", at.residual);
+    assert!(off.abs() > 1e-6 && at.residual < 1e-9);
+    assert!((at.output - by_brackets.output).abs() < 1e-12);
 }

@@ -301,4 +301,62 @@ mod tests {
         };
         assert!(power(5.0) < power(0.0));
     }
+
+    /// A spring with a damper takes from two moving, turning bodies what its length and the change of its length say.
+    #[test]
+    fn dampers_feel_the_change_of_length() {
+        let anchor = |body, point| Anchor { body, point };
+        let body = |x, y, angle, vx, vy, rate| BodyState {
+            x,
+            y,
+            angle,
+            vx,
+            vy,
+            rate,
+        };
+        let bodies = [
+            body(0.3, -0.2, 0.4, 0.7, -1.1, 2.0),
+            body(1.7, 0.9, -0.8, -0.4, 0.6, -3.0),
+        ];
+        let ends = [anchor(Some(0), [0.2, 0.1]), anchor(Some(1), [-0.3, 0.25])];
+        let length = |t: f64| {
+            let [a, b] = [0, 1].map(|k| {
+                let b = &bodies[k];
+                let [x, y] = turned(ends[k].point, b.angle + b.rate * t);
+                [b.x + b.vx * t + x, b.y + b.vy * t + y]
+            });
+            (b[0] - a[0]).hypot(b[1] - a[1])
+        };
+        let change = (length(1e-5) - length(-1e-5)) / 2e-5;
+        for (stiffness, damping) in [(50.0, 0.0), (50.0, 7.0)] {
+            let spring = Element::Spring {
+                from: ends[0],
+                to: ends[1],
+                stiffness,
+                free_length: 1.0,
+                damping,
+            };
+            let mut loads = [Wrench::default(); 2];
+            spring.apply(&bodies, &mut loads);
+            let power: f64 = loads
+                .iter()
+                .zip(&bodies)
+                .map(|(l, b)| l.fx * b.vx + l.fy * b.vy + l.moment * b.rate)
+                .sum();
+            let pull = stiffness * (length(0.0) - 1.0) + damping * change;
+            assert!(change.abs() > 0.1 && (power + pull * change).abs() < 1e-6 * power.abs());
+            assert!((loads[0].fx.hypot(loads[0].fy) - pull.abs()).abs() < 1e-6 * pull.abs());
+        }
+        // Ends that coincide are pulled nowhere.
+        let spring = Element::Spring {
+            from: ends[0],
+            to: ends[0],
+            stiffness: 50.0,
+            free_length: 1.0,
+            damping: 7.0,
+        };
+        let mut loads = [Wrench::default(); 2];
+        spring.apply(&bodies, &mut loads);
+        assert_eq!(loads, [Wrench::default(); 2]);
+    }
 }

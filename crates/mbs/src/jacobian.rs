@@ -406,4 +406,42 @@ mod tests {
             }
         }
     }
+
+    /// Every entry is told where it was put, none between two leaves, and takes the factor of its row.
+    #[test]
+    fn entries_and_rows() {
+        let is_leaf = [false, true, false, true, true];
+        let structure = Structure::SecondOrder {
+            is_leaf: is_leaf.to_vec(),
+        };
+        let value = |row: usize, column: usize| (1 + 5 * row + column) as f64;
+        let mut jacobian = Jacobian::new(&structure, 10);
+        let (position, rate, time) = jacobian.parts_mut();
+        let position = position.expect("of second order");
+        for row in 0..5 {
+            time[row] = -value(row, 0);
+            for column in 0..5 {
+                position.add(row, column, value(row, column));
+                rate.add(row, column, 2.0 * value(row, column));
+            }
+        }
+        let factors = [2.0, 3.0, 5.0, 7.0, 11.0];
+        for scaled in [false, true] {
+            if scaled {
+                jacobian.scale_rows(&factors);
+            }
+            for (row, factor) in factors.into_iter().enumerate() {
+                let factor = if scaled { factor } else { 1.0 };
+                assert_eq!(jacobian.time()[row], -factor * value(row, 0));
+                for column in 0..5 {
+                    let joins_leaves = row != column && is_leaf[row] && is_leaf[column];
+                    let share = if joins_leaves { 0.0 } else { factor };
+                    let wanted = share * value(row, column);
+                    let position = jacobian.position().expect("of second order");
+                    assert_eq!(position.entry(row, column), wanted);
+                    assert_eq!(jacobian.rate().entry(row, column), 2.0 * wanted);
+                }
+            }
+        }
+    }
 }

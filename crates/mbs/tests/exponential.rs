@@ -164,6 +164,87 @@ fn samples_of_any_kind_cost_no_digits() {
     }
 }
 
+/// Short runs of smooth and of one-sided springs, with samples on a grid, at uneven times and at the end: their errors at samples
+/// and between, in tolerances, and what they cost. Mostly the method rejects what is wrong, so that a fault in it shows in the cost.
+#[test]
+fn regress_short_runs_cost_what_they_cost() {
+    let scaled = |times: Vec<f64>| times.into_iter().map(|t| 0.15 * t).collect::<Vec<_>>();
+    let uneven = (1..100).map(|k| END * (f64::from(k) / 100.0).powf(1.3));
+    // Errors at and between samples, steps, rejected steps, evaluations and Jacobians.
+    for (name, one_sided, tolerance, times, measured) in [
+        (
+            "grid",
+            false,
+            1e-6,
+            scaled(grid(0.02)),
+            [21.4, 0.1, 152.0, 0.0, 187.0, 10.0],
+        ),
+        (
+            "grid",
+            true,
+            1e-6,
+            scaled(grid(0.02)),
+            [60.5, 16.4, 187.0, 4.0, 226.0, 12.0],
+        ),
+        (
+            "uneven",
+            true,
+            1e-7,
+            scaled(uneven.collect()),
+            [31.4, 11.8, 547.0, 5.0, 587.0, 34.0],
+        ),
+        (
+            "end",
+            false,
+            1e-9,
+            scaled(vec![END]),
+            [20.5, 25.9, 485.0, 9.0, 519.0, 31.0],
+        ),
+        (
+            "end",
+            true,
+            1e-5,
+            scaled(vec![END]),
+            [14.0, 15.6, 117.0, 5.0, 147.0, 8.0],
+        ),
+    ] {
+        let (states, counts) = exponential(tolerance, one_sided, &times);
+        let mut free = EtdAdams::new(1e-4, tolerance, 0.0, &START);
+        // Shorter than a swing, of which it would see nothing but the ends.
+        Stepper::<Masses>::shorten(&mut free, 1e-3);
+        let (mut inside, mut found) = (Vec::new(), Vec::new());
+        let mut system = Masses::new(one_sided);
+        while stepper_time(&free) < 0.15 * END {
+            let before = stepper_time(&free);
+            free.step(&mut system).unwrap();
+            let t = before + 0.7 * (stepper_time(&free) - before);
+            let mut y = [0.0; 4];
+            free.interpolate(&mut system, t, &mut y);
+            inside.push(t);
+            found.push(y);
+        }
+        let error = distance(&states, &explicit(1e-12, one_sided, &times).0);
+        let between = distance(&found, &explicit(1e-12, one_sided, &inside).0);
+        let seen = [
+            error / tolerance,
+            between / tolerance,
+            counts.steps as f64,
+            counts.rejected as f64,
+            counts.evaluations as f64,
+            counts.jacobians as f64,
+        ];
+        println!("{name} {one_sided} {tolerance:e}: {seen:.1?}");
+        for (k, (seen, measured)) in seen.into_iter().zip(measured).enumerate() {
+            let slack = if k < 2 { 0.5 } else { 0.03 };
+            let off = (seen - measured).abs();
+            assert!(
+                off <= slack * measured + 1.0,
+                "{name} {k}: {seen} {measured}"
+            );
+        }
+    }
+}
+
 /// Steps of one length, as a bound on them leaves them at a tolerance that asks for nothing: halved they divide the error by
 /// 2^4 at least (measured: 2^7.3, as the higher order is taken).
 #[test]

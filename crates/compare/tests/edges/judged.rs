@@ -1,10 +1,11 @@
 //! Whose excuse, row, window and value it is that judges.
 
 use crate::common::{context, courses, participant};
+use crate::ladders::rungs;
 use crate::{FORCE, entry, native, other};
 use pinwheel_compare::limits::{Friction, Limit};
 use pinwheel_compare::{
-    Context, Divergence, Evidence, Metric, Rules, StatedLimit, Track, Verdict, WindowKind,
+    Context, Divergence, Evidence, Metric, Rules, Scales, StatedLimit, Track, Verdict, WindowKind,
     compare_with,
 };
 use pinwheel_courses::Courses;
@@ -266,6 +267,28 @@ fn hard_what_is_not_finite_is_not_resolved() {
             Verdict::Agree { .. } | Verdict::Within
         ));
     }
+}
+
+/// Two engines that show nothing but zeros, and so do their coarser runs, agree: there is nothing to be uncertain of.
+#[test]
+fn zeros_agree() {
+    let evidence = ["native", "other"].map(|name| rungs(name, [courses(0.0), courses(0.0)]));
+    let rules = Rules {
+        evidence: &evidence,
+        ..Rules::default()
+    };
+    let free = Context {
+        guarded: None,
+        scales: Scales::default(),
+        ..context()
+    };
+    let pair = [
+        participant("native", Track::Native, courses(0.0)),
+        other(Track::SharedLaw, 0.0),
+    ];
+    let found = compare_with(&free, &pair, &rules).unwrap();
+    let verdict = &entry(&found, WindowKind::Steady).verdict;
+    assert!(matches!(verdict, Verdict::Agree { .. }), "{verdict:?}");
 }
 
 /// A row that is for other scenes says for which.

@@ -148,3 +148,19 @@ impl LawVisitor for Build<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_input_points_have_no_force_along_the_profile() {
+        let mut scene = Scene::paper();
+        scene.contact.detection = Detection::Points;
+        scene.contact.law = "paper-conservative".to_owned();
+        let geometry = Geometry::new(&scene.gear).unwrap();
+        let told = field(&scene, &geometry, Kernel::Lanes).map(|_| ());
+        let told = told.unwrap_err().to_string();
+        assert!(told.contains("detection = \"exact\""), "{told}");
+    }
+}

@@ -76,11 +76,8 @@ impl Uncertainty {
     pub fn notes(&self) -> Vec<String> {
         let mut notes = vec![self.sentence()];
         let failed = self.rungs.iter().filter(|rung| rung.failure.is_some());
-        let failed = failed.count();
-        if let (Some(first), true) = (
-            self.rungs.iter().find(|rung| rung.failure.is_some()),
-            failed > 0,
-        ) {
+        if let Some(first) = failed.clone().next() {
+            let failed = failed.count();
             let why = first.failure.as_deref().unwrap_or_default();
             notes.push(format!(
                 "{failed} of {} runs of the ladder failed, the first ({}, {}) at {why}.",
@@ -140,5 +137,54 @@ pub(super) fn remedy(promise: f64, error: Option<Distance>, budget: Budget) -> S
             "Nothing is known of its error; a shorter solver.duration_s or more than {:.0e} evaluations would tell.",
             budget.evaluations as f64
         ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_known_is_told() {
+        let rung = |evaluations, failure: Option<&str>| Rung {
+            integrator: "dopri5".to_owned(),
+            setting: "a tolerance of 1e-6".to_owned(),
+            evaluations,
+            moved: None,
+            failure: failure.map(str::to_owned),
+        };
+        let mut found = Uncertainty {
+            promise: 1e-3,
+            error: None,
+            verdict: Verdict::Resolved,
+            chosen: 1,
+            rungs: vec![rung(100, None), rung(200, None)],
+        };
+        assert!(found.is_resolved());
+        assert_eq!((found.cost(), found.notes().len()), (1.5, 1));
+        found.rungs.push(rung(100, Some("t = 1 s: a wheel")));
+        found.verdict = Verdict::NotResolved {
+            reason: String::new(),
+            remedy: String::new(),
+        };
+        assert!(!found.is_resolved());
+        assert_eq!(found.cost(), 2.0);
+        let notes = found.notes();
+        assert!(notes[1].contains("1 of 3 runs") && notes[1].contains("a wheel"));
+    }
+
+    /// Figures that nearly hold want a little more; courses that mean nothing want another scene.
+    #[test]
+    fn remedies_suit_what_was_reached() {
+        let of = |forces: f64| {
+            let error = Distance {
+                forces,
+                driver_torque: 0.0,
+            };
+            remedy(1e-3, Some(error), Budget { evaluations: 1000 })
+        };
+        assert!(of(0.09).contains("hold to 9e-2"));
+        assert!(of(0.1).contains("not to be trusted"));
+        assert!(of(f64::NAN).contains("Nothing is known"));
     }
 }

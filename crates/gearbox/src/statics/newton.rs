@@ -137,3 +137,36 @@ impl Statics<'_> {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    /// By differences: what the wheels leave of K + s D at small s.
+    #[test]
+    fn damping_is_the_slope_of_what_the_wheels_leave() {
+        for preset in ["paper", "toleranced"] {
+            let gearbox = Gearbox::new(&Scene::load(preset, &[]).unwrap()).unwrap();
+            let mut statics = Statics::new(&gearbox).unwrap();
+            let at = statics.solve(0.3, 22.0).unwrap();
+            let found = statics.compliance(&at).unwrap();
+            let (k, d) = (statics.slopes.position().unwrap(), statics.slopes.rate());
+            let left = |s: f64| {
+                let of = |i, j| k.entry(i, j) + s * d.entry(i, j);
+                let hubs = OUTPUT + 1..=OUTPUT + at.wheels.len();
+                hubs.fold(of(OUTPUT, OUTPUT), |left, hub| {
+                    left - of(OUTPUT, hub) * of(hub, OUTPUT) / of(hub, hub)
+                })
+            };
+            let s = 1e-4 * k.entry(OUTPUT, OUTPUT) / d.entry(OUTPUT, OUTPUT);
+            let wanted = [-left(0.0), (left(-s) - left(s)) / (2.0 * s)];
+            for (found, wanted) in found.iter().zip(wanted) {
+                assert!(
+                    (found / wanted - 1.0).abs() < 1e-6,
+                    "{preset}: {found} {wanted}"
+                );
+            }
+        }
+    }
+}

@@ -51,11 +51,14 @@ fn run<F: Formulation>(system: &mut F, step: f64, end: f64) -> Vec<f64> {
     run.state().to_vec()
 }
 
+/// Where the carousel's hub stands: not in the origin, from which nothing may be measured.
+const HUB: [f64; 2] = [1.5, -0.7];
+
 /// A hub on the ground, driven or not, that carries two bodies at their centres, plus one on the ground.
 fn carousel(driven: bool) -> Mechanism {
     let at = |x: f64, y: f64, rate: f64| BodyState {
-        x,
-        y,
+        x: HUB[0] + x,
+        y: HUB[1] + y,
         angle: 0.0,
         vx: -2.0 * y,
         vy: 2.0 * x,
@@ -74,6 +77,8 @@ fn carousel(driven: bool) -> Mechanism {
                 2.0,
                 0.5,
                 BodyState {
+                    x: HUB[0],
+                    y: HUB[1],
                     rate: 2.0,
                     ..BodyState::default()
                 },
@@ -86,16 +91,17 @@ fn carousel(driven: bool) -> Mechanism {
                 0.3,
                 BodyState {
                     x: 5.0,
+                    y: HUB[1],
                     rate: 1.0,
                     ..BodyState::default()
                 },
             ),
         ],
         revolutes: vec![
-            pin(None, [0.0; 2], 0),
+            pin(None, HUB, 0),
             pin(Some(0), [0.6, 0.2], 1),
             pin(Some(0), [-0.3, 0.4], 2),
-            pin(None, [5.0, 0.0], 3),
+            pin(None, [5.0, HUB[1]], 3),
         ],
         drivers: if driven {
             vec![Driver {
@@ -350,6 +356,18 @@ fn a_driver_between_two_bodies_keeps_their_difference() {
         let off = (y[17] - y[14] - rate).abs();
         holds(&method, "rate off the driver's, rad/s", off, ..1e-8);
     }
+}
+
+/// A body that nothing turns turns on by itself, and is no unknown.
+#[test]
+fn idle_bodies_turn_uniformly() {
+    let mut m = carousel(true);
+    m.bodies[3].start.angle = 0.4;
+    let mut system = Reduced::new(m.clone(), weight(&m), &[3]).unwrap();
+    assert_eq!((system.degrees_of_freedom(), system.dimension()), (2, 4));
+    let y = system.initial();
+    let seen = system.observe(0.5, &y).bodies[3];
+    assert_eq!((seen.angle, seen.rate), (0.9, 1.0));
 }
 
 /// What the reduced form keeps of a state is told of that state alone, and with its own motion.
