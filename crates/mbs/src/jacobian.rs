@@ -418,8 +418,8 @@ mod tests {
         let mut jacobian = Jacobian::new(&structure, 10);
         let (position, rate, time) = jacobian.parts_mut();
         let position = position.expect("of second order");
-        for row in 0..5 {
-            time[row] = -value(row, 0);
+        for (row, time) in time.iter_mut().enumerate() {
+            *time = -value(row, 0);
             for column in 0..5 {
                 position.add(row, column, value(row, column));
                 rate.add(row, column, 2.0 * value(row, column));
