@@ -293,18 +293,18 @@ pub fn estimate(
         let mut refinement = fine.ratio;
         let mut largest = safety * fine.difference / (refinement.powf(order) - 1.0);
         // Every rung predicts the error of the finest; an accident of one difference does not hide the others.
-        // With friction coarse runs fall with the method's own order. Over kinks with theirs: where luck makes one difference
-        // small, the next one is not, and clearly more than the method's own order is luck.
+        // With friction, and at tolerances, coarse runs fall with the method's own order; over kinks with theirs. Clearly more
+        // than the method's own order is luck: the finest difference is small for no reason, the next one is not.
         let order = if method.allowed_order() < stated && !method.is_kinked() {
             stated
         } else {
             order
         };
         let is_luck = observed.is_some_and(|observed| observed > stated + ORDER_MARGIN);
-        let safety = if method.is_kinked() && !is_luck {
-            SAFETY
-        } else {
-            safety
+        let safety = match method.is_kinked() {
+            _ if is_luck => SAFETY_UNCONFIRMED,
+            true => SAFETY,
+            false => safety,
         };
         for step in &steps[1..] {
             let next = refinement * step.ratio;
