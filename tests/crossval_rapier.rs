@@ -373,7 +373,7 @@ fn channels_agree_or_are_missing() {
         assert_eq!(notes.contains("does not know"), !pairs, "{engine}: {notes}");
         let courses = &found.courses;
         let missing = native.channels().len() - courses.channels().len();
-        assert_eq!(missing, if pairs { 0 } else { 2 * 24 * 8 + 2 }, "{engine}");
+        assert_eq!(missing, if pairs { 0 } else { 2 * 24 * 10 + 2 }, "{engine}");
         assert!(courses.channel("external_contact_ratio_1").is_some());
         if !pairs {
             continue;

@@ -59,7 +59,7 @@ fn stability_writes_a_page_a_table_and_everything_and_goes_on() {
     assert!(share.unwrap() < 1e-9, "{share:?}");
 
     let csv = std::fs::read_to_string(out.join("stability.csv")).unwrap();
-    assert_eq!(csv.lines().count(), 1 + 2 * 8, "{csv}");
+    assert_eq!(csv.lines().count(), 1 + 2 * 9, "{csv}");
     assert!(csv.starts_with("scene,formulation,integrator"), "{csv}");
     let page = std::fs::read_to_string(out.join("index.html")).unwrap();
     for part in ["Largest step", "What fails first", "Divergence", "soft"] {
