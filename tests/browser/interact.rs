@@ -18,8 +18,11 @@ const DRAWN: &str = "(async () => { for (let k = 0; k < 200 && !document.body.da
 
 /// Centre and size of an element, scrolled into sight.
 fn place(browser: &mut Chromium, element: &str) -> [f64; 4] {
+    // What is above may still be drawn, so that the element moves: its place is known once it stands still.
     let script = format!(
-        "(() => {{ const e = {element}; e.scrollIntoView({{ block: 'center', behavior: 'instant' }}); const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2, b.width, b.height]; }})()"
+        "(async () => {{ const e = {element}; let before = ''; for (let k = 0; k < 60; k += 1) {{ e.scrollIntoView({{ block: 'center', behavior: 'instant' }}); \
+         const b = e.getBoundingClientRect(); const now = [b.x + b.width / 2, b.y + b.height / 2, b.width, b.height]; \
+         if (now.join() === before) return now; before = now.join(); await new Promise((r) => setTimeout(r, 80)); }} }})()"
     );
     let found = browser.evaluate(&script);
     [0, 1, 2, 3].map(|k| found[k].as_f64().unwrap())
