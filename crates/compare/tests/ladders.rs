@@ -92,7 +92,7 @@ fn hard_kinks_limit_the_order_before_it_shows() {
         (found.basis, found.order),
         (Basis::Unconfirmed, Some(CONTACTS))
     );
-    assert!(found.u > error && found.u < 10.0 * error, "{found:?}");
+    assert!(found.u > error && found.u < 4.0 * error, "{found:?}");
     // Friction allows less, and confirms nothing by orders near its own.
     let rough = Method::Step {
         order: 2.0,

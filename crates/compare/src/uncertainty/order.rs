@@ -150,7 +150,7 @@ pub struct Estimate {
     pub observed_order: Option<f64>,
     /// Order used.
     pub order: Option<f64>,
-    /// Factor of safety used.
+    /// Factor of safety of the finest difference; those of coarser rungs may have another.
     pub safety: Option<f64>,
 }
 

@@ -2,11 +2,25 @@
 
 use crate::common::{context, courses, participant};
 use crate::{entry, native, other};
+use pinwheel_compare::comparison::Comparison;
 use pinwheel_compare::uncertainty::{Basis, Method, order};
 use pinwheel_compare::{
     Context, Divergence, Evidence, Ladder, Rules, Rung, Track, WindowKind, compare_with,
 };
 use pinwheel_courses::Courses;
+
+/// An engine that ran `own` beside one whose courses are exact.
+fn beside_exact(evidence: &[Evidence], own: Courses) -> Comparison {
+    let rules = Rules {
+        evidence,
+        ..Rules::default()
+    };
+    let pair = [
+        participant("native", Track::Native, own),
+        other(Track::SharedLaw, 1.0),
+    ];
+    compare_with(&context(), &pair, &rules).unwrap()
+}
 
 /// The extrapolated verdict's distance and u of runs whose error is A h^2 + B h^3, with A = 1e-3, beside an exact engine.
 fn extrapolated(b: f64, floor: f64) -> (f64, f64) {
@@ -15,15 +29,7 @@ fn extrapolated(b: f64, floor: f64) -> (f64, f64) {
         rungs("native", [at(2.0), at(4.0)]).with_floor(floor),
         rungs("other", [courses(1.0), courses(1.0)]),
     ];
-    let rules = Rules {
-        evidence: &evidence,
-        ..Rules::default()
-    };
-    let pair = [
-        participant("native", Track::Native, at(1.0)),
-        other(Track::SharedLaw, 1.0),
-    ];
-    let found = compare_with(&context(), &pair, &rules).unwrap();
+    let found = beside_exact(&evidence, at(1.0));
     let sharp = entry(&found, WindowKind::Steady).extrapolated.as_ref();
     let sharp = sharp.unwrap();
     (sharp.distance.unwrap(), sharp.u_a.unwrap())
@@ -249,15 +255,7 @@ fn nothing_is_extrapolated_without_one_leading_term() {
             Evidence::ladder("native", ladder(&at)),
             Evidence::ladder("other", ladder(&|_| courses(1.0))),
         ];
-        let rules = Rules {
-            evidence: &evidence,
-            ..Rules::default()
-        };
-        let pair = [
-            participant("native", Track::Native, at(1.0)),
-            other(Track::SharedLaw, 1.0),
-        ];
-        let found = compare_with(&context(), &pair, &rules).unwrap();
+        let found = beside_exact(&evidence, at(1.0));
         entry(&found, WindowKind::Steady).extrapolated.is_some()
     };
     assert!(is_sharp(2.0, None));
