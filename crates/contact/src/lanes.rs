@@ -283,6 +283,14 @@ impl<S: Simd> Lanes<S> {
         })
     }
 
+    /// Largest of all lanes, none of which is NaN.
+    #[must_use]
+    #[inline(always)]
+    pub fn largest(self) -> f64 {
+        self.simd
+            .reduce_max_f64s(self.simd.max_f64s(self.v[0], self.v[1]))
+    }
+
     /// Sum of all lanes, in a fixed order.
     #[must_use]
     #[inline(always)]

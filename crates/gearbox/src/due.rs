@@ -28,38 +28,38 @@ impl Due {
         time
     }
 
-    /// All that is due after the sample at `from` up to the one at `to`, s. `breaks` increase.
-    pub(crate) fn between(
-        from: f64,
-        to: f64,
-        breaks: &[f64],
-        step: f64,
-    ) -> impl Iterator<Item = Self> + '_ {
+    /// Puts all that is due after the sample at `from` up to the one at `to`, s, into `list`. `breaks` increase.
+    ///
+    /// Nearly every sample of a run comes here for itself alone: a list that is used again costs a tenth of chained iterators.
+    pub(crate) fn list(list: &mut Vec<Self>, from: f64, to: f64, breaks: &[f64], step: f64) {
         let same = SAME * step;
-        let begins_at_break = breaks.iter().any(|b| (b - from).abs() <= same);
-        let (mut start, mut beside) = (from, begins_at_break);
-        let due = breaks
-            .iter()
-            .copied()
-            .filter(move |&b| b > from + same && b <= to + same);
+        list.clear();
+        let (mut start, mut beside) = (from, breaks.iter().any(|b| (b - from).abs() <= same));
         // Stretches end at breaks, and one at the sample.
-        due.map(Some).chain([None]).flat_map(move |at| {
-            let on_sample = at.is_none_or(|at| (at - to).abs() <= same);
-            let end = at.filter(|_| !on_sample).unwrap_or(to);
-            let least = if beside || at.is_some() {
+        let mut stretch = |list: &mut Vec<Self>, end: f64, at_break: bool| {
+            let least = if beside || at_break {
                 BESIDE_A_BREAK
             } else {
                 1
             };
             // Nothing is left between a break on the sample and the sample.
             let least = if end - start > same { least } else { 0 };
-            let entries = EnergyAccount::between(start, end, step, least).map(Self::Entry);
+            list.extend(EnergyAccount::between(start, end, step, least).map(Self::Entry));
             (start, beside) = (end, true);
-            let close = at.map(|at| Self::Break(end, at));
-            let open = (!on_sample).then_some(Self::Entry(end));
-            let sample = at.is_none().then_some(Self::Sample(to));
-            entries.chain(close).chain(open).chain(sample)
-        })
+        };
+        for &at in breaks {
+            if at > from + same && at <= to + same {
+                let on_sample = (at - to).abs() <= same;
+                let end = if on_sample { to } else { at };
+                stretch(list, end, true);
+                list.push(Self::Break(end, at));
+                if !on_sample {
+                    list.push(Self::Entry(end));
+                }
+            }
+        }
+        stretch(list, to, false);
+        list.push(Self::Sample(to));
     }
 }
 
@@ -73,7 +73,8 @@ mod tests {
             Due::Break(..) => 'B',
             Due::Sample(_) => 's',
         };
-        let list: Vec<Due> = Due::between(from, to, breaks, 1e-5).collect();
+        let mut list = vec![Due::Sample(f64::NAN)];
+        Due::list(&mut list, from, to, breaks, 1e-5);
         assert!(list.windows(2).all(|p| p[0].time() <= p[1].time()));
         list.iter().map(word).collect()
     }
@@ -94,8 +95,9 @@ mod tests {
 
     #[test]
     fn a_run_without_breaks_has_the_entries_it_always_had() {
-        let due = Due::between(1e-4, 3.5e-4, &[], 1e-5);
-        let times: Vec<f64> = due.map(Due::time).collect();
+        let mut due = Vec::new();
+        Due::list(&mut due, 1e-4, 3.5e-4, &[], 1e-5);
+        let times: Vec<f64> = due.into_iter().map(Due::time).collect();
         let plain = EnergyAccount::between(1e-4, 3.5e-4, 1e-5, 1);
         assert_eq!(times, plain.chain([3.5e-4]).collect::<Vec<_>>());
     }

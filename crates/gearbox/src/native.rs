@@ -157,8 +157,10 @@ fn integrate<F: Formulation>(
     let mut balance = Balance::new(gearbox);
     let mut pace = Pace::new(&gearbox.scene, gearbox.has_friction());
     let mut before = 0.0;
+    let mut list = Vec::new();
     'samples: for t in solver.sample_times_s() {
-        for due in Due::between(before, t, &breaks, solver.step_s) {
+        Due::list(&mut list, before, t, &breaks, solver.step_s);
+        for &due in &list {
             match reach(
                 &mut stepper,
                 &mut system,

@@ -41,7 +41,7 @@ pub struct Reduced<F> {
     /// Lumped moment of inertia of every body.
     inertia: Vec<f64>,
     free: Vec<BodyId>,
-    /// Bodies that nothing turns, and their start.
+    /// Bodies that nothing turns but that do turn, and their start.
     idle: Vec<(BodyId, BodyState)>,
     leaves: Vec<BodyId>,
     /// Of the free bodies.
@@ -148,7 +148,7 @@ impl<F: Forces> Reduced<F> {
         }
         let idle = (0..n).filter(|&body| angles[body] == Angle::Idle);
         let idle = idle.map(|body| (body, mechanism.bodies[body].start));
-        let idle = idle.collect();
+        let idle = idle.filter(|(_, start)| start.rate != 0.0).collect();
         let moving: Vec<f64> = free.iter().map(|&body| inertia[body]).collect();
         Ok(Self {
             scales: None,

@@ -54,12 +54,13 @@ pub(super) struct Levers {
     repulsion: f64,
     /// 1/beta of the external sleeves, the first ones again after the last.
     directions: Column,
+    /// Those of the sleeves before.
+    before: Column,
     /// Internal sleeves on the output, m.
     points: Column,
     angles: Vec<f64>,
     units: Column,
     wheels: Vec<Wheel>,
-    gaps: Vec<f64>,
     segments: Vec<Segment>,
     /// On the sleeves, N, ground frame; external ones as their directions.
     forces: [Column; 2],
@@ -124,6 +125,14 @@ fn present<S: Simd>(simd: S, [a, b]: [Segment; 2]) -> Mask<S> {
     numbers.less(Lanes::splat_pair(simd, [a.count as f64, b.count as f64]))
 }
 
+/// Where `x + Re(swing E) > 0`.
+#[inline(always)]
+fn outside<S: Simd>(direction: ComplexLanes<S>, swing: Complex, x: f64) -> Mask<S> {
+    let c = |x: f64| direction.re.like(x);
+    let imaginary = direction.im.mul_add(c(-swing.im), c(x));
+    c(0.0).less(direction.re.mul_add(c(swing.re), imaginary))
+}
+
 /// Pushes what a run of `count` sleeves from `from` on takes, in registers.
 #[inline(always)]
 fn split<S: Simd>(
@@ -134,9 +143,10 @@ fn split<S: Simd>(
     around: usize,
 ) {
     for done in (0..count).step_by(S::F64_LANES) {
+        let from = from + done;
         segments.push(Segment {
             wheel,
-            from: (from + done) % around,
+            from: if from < around { from } else { from - around },
             count: (count - done).min(S::F64_LANES),
         });
     }
@@ -199,9 +209,9 @@ impl Levers {
             units: nothing(angles.len()),
             angles,
             wheels: vec![Wheel::default(); layout.wheels],
-            gaps: vec![0.0; zk.next_multiple_of(PADDING)],
             segments: Vec::with_capacity(layout.wheels * (zk.max(zi) + 1)),
             forces: [nothing(directions.x.len()), nothing(zi)],
+            before: Column::padded((0..zk).map(|k| directions.at((k + zk - 1) % zk))),
             directions,
         }
     }
@@ -279,22 +289,18 @@ impl Levers {
             let x = b + m * k.re - h * (b * b + k.norm2()) - ROUNDING;
             let swing = (k.scale(1.0 - 2.0 * h * b) + Complex::new(m * b, 0.0)) * wheel.phase;
             let c = |x: f64| Lanes::splat(simd, x);
+            // How many are near, and the one before which there is none.
+            let (mut near, mut start) = (c(0.0), c(0.0));
+            let mut numbers = Lanes::load(simd, &NUMBERS);
             for from in (0..count).step_by(Lanes::<S>::COUNT) {
-                let direction = self.directions.load(simd, from);
-                let gap = direction
-                    .re
-                    .mul_add(c(swing.re), direction.im.mul_add(c(-swing.im), c(x)));
-                gap.store(&mut self.gaps[from..]);
+                let present = numbers.less(c(count as f64));
+                let inside = present.without(outside(self.directions.load(simd, from), swing, x));
+                let begins = inside.and(outside(self.before.load(simd, from), swing, x));
+                near = near + c(1.0).only(inside);
+                start = start.max(numbers.only(begins));
+                numbers = numbers + c(Lanes::<S>::COUNT as f64);
             }
-            let gaps = &self.gaps[..count];
-            let (mut start, mut near) = (0, 0);
-            let mut outside = gaps[count - 1] > 0.0;
-            for (j, &gap) in gaps.iter().enumerate() {
-                let before = outside;
-                outside = gap > 0.0;
-                start = if before && !outside { j } else { start };
-                near += usize::from(!outside);
-            }
+            let (start, near) = (start.largest() as usize, near.sum() as usize);
             split::<S>(&mut self.segments, number, start, near, count);
         }
     }
@@ -432,15 +438,17 @@ impl Levers {
         // No zipped iterators: the compiler may leave them outside of the function that has the vector instructions.
         for (kind, bodies) in kinds.iter().enumerate() {
             let (forces, count) = (&self.forces[kind], bodies.len());
-            // The first sleeves stand again after the last.
-            for from in (0..forces.x.len()).step_by(count) {
-                let to = (from + count).min(forces.x.len());
-                let (x, y) = (&forces.x[from..to], &forces.y[from..to]);
-                let loads = &mut loads[bodies.start..][..x.len()];
-                for (j, load) in loads.iter_mut().enumerate() {
-                    load.fx += x[j];
-                    load.fy += y[j];
-                }
+            let (x, around) = forces.x.split_at(count);
+            let (y, around_y) = forces.y.split_at(count);
+            let loads = &mut loads[bodies.clone()];
+            for (j, load) in loads.iter_mut().enumerate() {
+                load.fx += x[j];
+                load.fy += y[j];
+            }
+            // The first sleeves stand again after the last: what one register holds of them.
+            for j in 0..count.min(around.len()).min(PADDING / 2) {
+                loads[j].fx += around[j];
+                loads[j].fy += around_y[j];
             }
         }
         for (k, load) in loads[layout.wheel_bodies()].iter_mut().enumerate() {
