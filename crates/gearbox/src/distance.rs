@@ -130,4 +130,46 @@ mod tests {
         assert_eq!(of(2.0, 4.0).times(0.5), of(1.0, 2.0));
         assert_eq!(of(2.0, 4.0).at_least(3.0), of(3.0, 4.0));
     }
+
+    /// A force and a torque that are linear in time.
+    fn courses(times: &[f64], force: f64, torque: f64) -> Courses {
+        let mut courses = Courses::new(times.to_vec()).unwrap();
+        let values = |slope: f64| times.iter().map(|t| slope * t).collect();
+        courses.push(TORQUE, values(torque)).unwrap();
+        courses
+            .push("external_sleeve_force_n_0", values(force))
+            .unwrap();
+        courses
+    }
+
+    /// Beside nothing the gear's least force counts, and that force on the eccentric.
+    #[test]
+    fn what_is_nothing_is_measured_by_the_least_force() {
+        let scene = pinwheel_scene::Scene::load("paper", &[]).unwrap();
+        let gearbox = Gearbox::new(&scene).unwrap();
+        let (least, e) = (gearbox.least_force_n(), 0.0028);
+        assert_eq!(scene.gear.eccentricity_m, e);
+        let times = [0.0, 3.0, 4.0];
+        let nothing = courses(&times, 0.0, 0.0);
+        let off = Distance::between(&gearbox, &courses(&times, least, least * e), &nothing);
+        // sqrt((3^2 + 4^2)/3 samples)
+        let expected = (25.0_f64 / 3.0).sqrt();
+        for found in [off.forces, off.driver_torque] {
+            assert!((found / expected - 1.0).abs() < 1e-12, "{off:?}");
+        }
+    }
+
+    /// What is sampled less often, or written with rounding, is compared at its own times.
+    #[test]
+    fn samples_are_compared_at_their_times() {
+        let gearbox = Gearbox::new(&pinwheel_scene::Scene::load("paper", &[]).unwrap()).unwrap();
+        let fine = courses(&[0.0, 1.0, 2.0, 3.0, 4.0], 100.0, 10.0);
+        for coarse in [[0.0, 2.0, 4.0], [0.0, 2.0 + 1e-9, 4.0 - 1e-9]] {
+            let off = Distance::between(&gearbox, &courses(&coarse, 110.0, 10.0), &fine);
+            assert!((off.forces - 0.1).abs() < 1e-8, "{off:?}");
+            assert!(off.driver_torque < 1e-8, "{off:?}");
+        }
+        assert_eq!(common(&[0.0, 2.0, 5.0], &[0.0, 1.0, 2.0, 3.0]), [0, 2]);
+        assert_eq!(common(&[0.0, 1.002], &[0.0, 1.0, 2.0]), [0, 2]);
+    }
 }

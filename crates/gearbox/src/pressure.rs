@@ -72,3 +72,69 @@ fn curvature(geometry: &Geometry, contact: &PairContact, centre: [f64; 2], angle
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Gearbox;
+    use crate::statics::Statics;
+    use pinwheel_scene::{Override, Scene};
+
+    /// Of sleeves and holes of radii of their own, by 1/R = 1/sleeve + curvature of the edge, and 1/R = 1/sleeve - 1/hole; the
+    /// edge's curvature from three of its points.
+    #[test]
+    fn published_pressure_of_line_contacts() {
+        let zeros = |n: usize, at: usize, x: f64| {
+            let list = (0..n).map(|k| if k == at { x } else { 0.0 });
+            format!("{:?}", list.collect::<Vec<_>>())
+        };
+        let scene = Scene::load(
+            "one-wheel",
+            &[
+                Override::new("gear.modification.equidistant_m", "2e-4"),
+                Override::new("gear.errors.hole_radius_m", zeros(8, 2, 1e-5)),
+            ],
+        )
+        .unwrap();
+        let gearbox = Gearbox::new(&scene).unwrap();
+        let at = Statics::new(&gearbox).unwrap().solve(0.3, 22.0).unwrap();
+        let geometry = &gearbox.geometry;
+        let contact = &scene.contact;
+        let pressure = LinePressure::new(contact);
+        let modulus = contact.young_pa / (2.0 * (1.0 - contact.poisson * contact.poisson));
+        let wheel = at.bodies[gearbox.layout.wheel_bodies().start];
+        let (mut external, mut internal) = (0, 0);
+        gearbox
+            .contact_field()
+            .unwrap()
+            .touching(&at.bodies, &mut |pair| {
+                let sum = match pair.sleeve {
+                    Sleeve::External(j) => {
+                        external += 1;
+                        let p = Complex::new(pair.centre[0] - wheel.x, pair.centre[1] - wheel.y);
+                        let foot = geometry
+                            .curve
+                            .closest(p * Complex::unit(wheel.angle).conj());
+                        let edge = |d: f64| {
+                            let at = geometry.curve.at(foot.parameter() + d);
+                            at.position - at.normal.scale(geometry.edge_offset_m)
+                        };
+                        let [a, b, c] = [edge(-2e-4), edge(0.0), edge(2e-4)];
+                        let area = (b - a).cross(c - a);
+                        let sides = (b - a).norm2() * (c - b).norm2() * (c - a).norm2();
+                        let curvature = 2.0 * area / sides.sqrt();
+                        1.0 / geometry.external_radii_m[j] + curvature
+                    }
+                    Sleeve::Internal(k) => {
+                        internal += 1;
+                        1.0 / geometry.internal_radii_m[k] - 1.0 / geometry.hole_radii_m[0][k]
+                    }
+                };
+                let line = contact.line_length_m;
+                let expected = (pair.normal_force_n * modulus * sum / (PI * line)).sqrt();
+                let found = pressure.of(geometry, pair, [wheel.x, wheel.y], wheel.angle);
+                assert!((found / expected - 1.0).abs() < 1e-4, "{found} {expected}");
+            });
+        assert!(external > 2 && internal > 2, "{external} {internal}");
+    }
+}

@@ -116,6 +116,7 @@ fn channels_fit_together() {
     let near = |a: f64, b: f64, scale: f64, what: &str| {
         assert!((a - b).abs() <= 1e-12 * scale, "{what}: {a} {b}");
     };
+    let mut twists = [0.0; 2];
     for k in 0..c.len() {
         let at = |name: &str| column(c, name)[k];
         // The driver turns the input against the eccentrics' reactions.
@@ -133,6 +134,12 @@ fn channels_fit_together() {
         for (shaft, wheel) in input.iter().zip(eccentric) {
             let sum: f64 = (0..wheels).map(|w| at(&format!("{wheel}_{w}"))).sum();
             near(at(shaft), sum, 1e3, shaft);
+        }
+        for (w, phase) in gearbox.geometry.wheel_phases.iter().enumerate() {
+            let of = |part: &str| at(&format!("eccentric_bearing_{part}_{w}"));
+            let (sin, cos) = (scene.drive.input_speed_rad_s * c.time_s()[k] + phase).sin_cos();
+            let radial = cos * of("force_x_n") + sin * of("force_y_n");
+            near(of("radial_force_n"), radial, 1e3, "radial");
         }
         // An external sleeve's pin holds it against its contacts.
         for j in 0..external_sleeves {
@@ -193,7 +200,25 @@ fn channels_fit_together() {
             "transmission error",
         );
         assert!(at("damping_loss_w") >= 0.0 && at("friction_loss_w") >= 0.0);
+        if k > 0 && k + 1 < c.len() {
+            let around = |name: &str| [k - 1, k + 1].map(|k| column(c, name)[k]);
+            let [before, after] = around("output_angle_rad");
+            let rate = (after - before) / (c.time_s()[k + 1] - c.time_s()[k - 1]);
+            let expected = at("output_torque_n_m") * rate;
+            let slack = 0.05 * expected.abs() + 1.0;
+            assert!(
+                (power_out - expected).abs() < slack,
+                "{power_out} {expected}"
+            );
+            twists[0] += error;
+            for w in 0..wheels {
+                twists[1] += at(&format!("wheel_transmission_error_arcmin_{w}")) / wheels as f64;
+            }
+        }
     }
+    // The load turns the wheels in their mesh, and the output as much again in the holes.
+    let share = twists[1] / twists[0];
+    assert!((0.2..0.8).contains(&share), "{share}");
 }
 
 /// The normal velocity is the rate of the penetration, in contact and out of it, and single contacts

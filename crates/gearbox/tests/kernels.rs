@@ -387,6 +387,55 @@ fn hard_levers_find_what_touches() {
     assert!(touching > poses / 4);
 }
 
+/// Closest points of every pair, most of which do not touch: W stands where the normal leads from P, and the points of the
+/// paper's detection are near those of the curves.
+#[test]
+fn gaps_have_places_and_directions() {
+    let of = |detection: &str| {
+        let sets = [format!("contact.detection={detection}").parse().unwrap()];
+        let scene = Scene::load("backlash-0.6", &sets).unwrap();
+        Gearbox::new(&scene).unwrap()
+    };
+    let (exact, points) = (of("exact"), of("points"));
+    let bodies = states(&exact, 0.4, 1e-4, &[0.3, -0.8, 0.5]);
+    let (mut exactly, mut by_points) = (
+        exact.contact_field().unwrap(),
+        points.contact_field().unwrap(),
+    );
+    let (layout, gear) = (exact.layout, &exact.scene.gear);
+    let external = (0..layout.external_sleeves).map(Sleeve::External);
+    let sleeves = external.chain((0..layout.internal_sleeves).map(Sleeve::Internal));
+    let mut apart = 0;
+    for (wheel, sleeve) in
+        (0..layout.wheels).flat_map(|w| sleeves.clone().map(move |sleeve| (w, sleeve)))
+    {
+        let radius = match sleeve {
+            Sleeve::External(_) => gear.external_sleeve_radius_m,
+            Sleeve::Internal(_) => gear.internal_sleeve_radius_m,
+        };
+        let pairs = [&mut exactly, &mut by_points].map(|f| f.nearest(&bodies, wheel, sleeve));
+        for pair in &pairs {
+            let body = &bodies[layout.sleeve_body(sleeve)];
+            let off = (pair.centre[0] - body.x).hypot(pair.centre[1] - body.y);
+            assert!(off < 1e-15, "{pair:?}");
+            let way = radius - pair.penetration_m;
+            for k in 0..2 {
+                let reached = pair.centre[k] + way * pair.normal[k];
+                assert!((pair.point[k] - reached).abs() < 1e-12, "{pair:?}");
+            }
+        }
+        let [a, b] = pairs;
+        let along = a.normal[0] * b.normal[0] + a.normal[1] * b.normal[1];
+        assert!(along > 0.99, "{a:?} {b:?}");
+        assert!(
+            (a.penetration_m - b.penetration_m).abs() < 2e-5,
+            "{a:?} {b:?}"
+        );
+        apart += usize::from(a.penetration_m < 0.0);
+    }
+    assert!(apart > 20, "{apart}");
+}
+
 /// What a gearbox takes over from one made before changes nothing of it.
 #[test]
 fn a_gearbox_after_another_is_the_same() {

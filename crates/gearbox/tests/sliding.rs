@@ -16,14 +16,29 @@ fn columns(scene: &Scene, kernel: Kernel) -> Vec<Vec<f64>> {
 /// (rounding of positions and velocities, which the ramps of friction and damping turn into force).
 #[test]
 fn lanes_equal_contact_by_contact() {
+    let none: &[(&str, &str)] = &[];
     let cases = [
-        ("paper-friction", "0.002", "2"),
-        ("paper-friction", "0.001", "1"),
-        ("paper-friction", "0.001", "4"),
-        ("forty-pins", "0.001", "2"),
-        ("backlash-0.6", "0.002", "2"),
+        ("paper-friction", "0.002", "2", none),
+        ("paper-friction", "0.001", "1", none),
+        ("paper-friction", "0.001", "4", none),
+        ("forty-pins", "0.001", "2", none),
+        ("backlash-0.6", "0.002", "2", none),
+        // Whole registers of sleeves part and touch again.
+        (
+            "forty-pins",
+            "0.006",
+            "2",
+            &[("drive.input_speed_rad_s", "600")],
+        ),
+        // A force along the profile.
+        (
+            "paper-friction",
+            "0.001",
+            "2",
+            &[("contact.law", "paper-conservative")],
+        ),
     ];
-    for (preset, duration, wheels) in cases {
+    for (preset, duration, wheels, more) in cases {
         let sets = [
             ("solver.integrator", "imex2"),
             ("solver.duration_s", duration),
@@ -31,7 +46,8 @@ fn lanes_equal_contact_by_contact() {
             ("contact.friction_coefficient", "0.1"),
             ("gear.wheels", wheels),
         ];
-        let sets: Vec<Override> = sets.map(|(k, v)| Override::new(k, v)).to_vec();
+        let sets = sets.iter().chain(more);
+        let sets: Vec<Override> = sets.map(|&(k, v)| Override::new(k, v)).collect();
         let scene = Scene::load(preset, &sets).unwrap();
         let (fast, slow) = (
             columns(&scene, Kernel::Lanes),
@@ -44,7 +60,7 @@ fn lanes_equal_contact_by_contact() {
                 worst = worst.max((a - b).abs() / largest);
             }
         }
-        println!("{preset}, {wheels} wheels: {worst:.1e}");
+        println!("{preset}, {wheels} wheels, {more:?}: {worst:.1e}");
         assert!(worst < 1e-10, "{preset}, {wheels} wheels: {worst:e}");
     }
 }
