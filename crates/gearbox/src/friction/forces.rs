@@ -199,6 +199,12 @@ mod tests {
             assert!((energy.friction_w / known.friction_w - 1.0).abs() < 1e-9);
             forces.apply_without_friction(0.1, &bodies, &mut rest, &mut contacts);
             assert!(contacts.len() > 10 && contacts.len() == forces.pairs.len());
+            for (k, pair) in forces.pairs.iter().enumerate() {
+                let again = forces.normal_force(k, f64::NAN, pair.normal_rate_m_s);
+                assert!((again - pair.normal_force_n).abs() < 1e-12 * pair.normal_force_n);
+                assert!(forces.normal_force(k, f64::NAN, pair.normal_rate_m_s + 1.0) > again);
+            }
+            assert_eq!(forces.normal_force(forces.pairs.len(), 7.0, 0.0), 7.0);
             for (contact, pair) in contacts.iter().zip(&forces.pairs) {
                 let [nx, ny] = contact.normal;
                 let drag = [-pair.friction_force_n * ny, pair.friction_force_n * nx];
@@ -253,7 +259,10 @@ mod tests {
             slopes.parts_mut().2.to_vec()
         };
         let (rising, risen) = (slopes(&mut forces, 0.005), slopes(&mut forces, 0.02));
-        assert!((rising[0] - risen[0] - 2000.0).abs() < 1e-6, "{rising:?} {risen:?}");
+        assert!(
+            (rising[0] - risen[0] - 2000.0).abs() < 1e-6,
+            "{rising:?} {risen:?}"
+        );
         assert_eq!(rising[1..], risen[1..]);
         forces.enter_leg(0.03);
         assert!((torque(&mut forces, 0.03) - 5.0).abs() < 1e-12);
