@@ -3,7 +3,8 @@
 use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_gearbox::statics::{LinearMesh, LinearOutput, Statics, smallest_convex_radius};
 use pinwheel_gearbox::{Gearbox, native};
-use pinwheel_scene::Sleeve;
+use pinwheel_mbs::Wrench;
+use pinwheel_scene::{Layout, Sleeve};
 use pinwheel_scene::{Scene, Start, free_play};
 use std::f64::consts::TAU;
 
@@ -403,6 +404,69 @@ fn equilibrium_start_has_no_transient() {
         let (loaded, kinematic) = (overshoot(&torque), overshoot(&course(Start::Kinematic)));
         assert!(loaded < 0.01, "d = {backlash}: {loaded}");
         assert!(kinematic > 0.3, "d = {backlash}: {kinematic}");
+    }
+}
+
+/// Newton's law at the start in motion, with parts so heavy that their slow accelerations count: moments of the contacts are
+/// moments of inertia times the second derivatives along the balances; and every part moves with its carrier. Without damping,
+/// which changes these derivatives.
+#[test]
+fn equilibrium_start_obeys_newton() {
+    let mut scene = Scene::paper();
+    scene.drive.input_speed_rad_s = 20.0;
+    scene.contact.damping_n_s_m = 0.0;
+    scene.mass.wheel.moment_kg_m2 = 4e-4;
+    scene.mass.output_shaft.moment_kg_m2 = 2e-4;
+    scene.mass.internal_sleeve.mass_kg = 0.02;
+    let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+    let (scene, layout) = (&gearbox.scene, gearbox.layout);
+    let (speed, load) = (20.0, scene.drive.output_torque_n_m);
+    let mut statics = Statics::new(&gearbox).unwrap();
+    // A hundredth of the mesh: contacts pass through their ramps within a few of these.
+    let h = 0.01 * TAU / 16.0;
+    let [before, here, after] = [-h, 0.0, h].map(|phi| statics.solve(phi, load).unwrap());
+    let bodies = statics.moving().unwrap();
+    let mut loads = vec![Wrench::default(); bodies.len()];
+    gearbox
+        .contact_field()
+        .unwrap()
+        .add_loads(&bodies, &mut loads);
+    let check = |body: usize, angles: [f64; 3], moment: f64, inertia: f64| {
+        let [a, m, b] = angles;
+        let rate = speed * (b - a) / (2.0 * h);
+        let needed = inertia * speed * speed * (a - 2.0 * m + b) / (h * h);
+        println!("{body}: {rate} {}, {moment} {needed}", bodies[body].rate);
+        assert!((bodies[body].rate / rate - 1.0).abs() < 1e-3, "body {body}");
+        assert!(needed.abs() > 1e-4 * load, "body {body}: {needed}");
+        assert!((moment - needed).abs() < 0.05 * needed.abs(), "body {body}");
+    };
+    for (i, body) in layout.wheel_bodies().enumerate() {
+        let angles = [before.wheels[i], here.wheels[i], after.wheels[i]];
+        check(
+            body,
+            angles,
+            loads[body].moment,
+            scene.mass.wheel.moment_kg_m2,
+        );
+    }
+    let (mut moment, mut inertia) = (load, scene.mass.output_shaft.moment_kg_m2);
+    for body in layout.internal_bodies() {
+        let (at, force) = (bodies[body], loads[body]);
+        moment += at.x * force.fy - at.y * force.fx;
+        inertia += scene.mass.internal_sleeve.mass_kg * (at.x * at.x + at.y * at.y);
+    }
+    check(
+        Layout::OUTPUT,
+        [before.output, here.output, after.output],
+        moment,
+        inertia,
+    );
+    let carried = (layout.wheel_bodies().map(|b| (b, Layout::INPUT)))
+        .chain(layout.internal_bodies().map(|b| (b, Layout::OUTPUT)));
+    for (body, carrier) in carried {
+        let (at, rate) = (bodies[body], bodies[carrier].rate);
+        let off = (at.vx + rate * at.y).hypot(at.vy - rate * at.x);
+        assert!(rate != 0.0 && off < 1e-12, "{at:?}");
     }
 }
 
