@@ -253,7 +253,8 @@ mod tests {
     /// Every body that is carried starts with the velocity of its place, the input's and the output's.
     #[test]
     fn carried_bodies_start_with_their_carriers() {
-        let gearbox = Gearbox::new(&Scene::load("eleven-pins", &[]).unwrap()).unwrap();
+        let sets = ["gear.wheels=3".parse().unwrap()];
+        let gearbox = Gearbox::new(&Scene::load("eleven-pins", &sets).unwrap()).unwrap();
         let states = gearbox.kinematic_states();
         let layout = gearbox.layout;
         let pairs = (layout.wheel_bodies().map(|b| (b, Layout::INPUT)))

@@ -233,4 +233,37 @@ mod tests {
         }
         assert!((courses.channel("output_torque_n_m").unwrap()[0] + 22.0).abs() < 1e-6);
     }
+
+    /// What the scene asks for beyond the contract is taken out, too, after its columns.
+    #[test]
+    fn channels_are_taken_out_with_their_sample() {
+        let mut scene = Scene::load("paper", &[]).unwrap().into_scene();
+        scene.output.channels = vec!["input_power_w".into()];
+        let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+        let bodies = gearbox.initial_states();
+        let mut field = gearbox.contact_field().unwrap();
+        let mut recorder = Recorder::new(&gearbox);
+        assert!(recorder.wants_channels());
+        for torque in [1.0, 2.0] {
+            recorder.record(torque, torque, &bodies, field.as_mut());
+            recorder.record_channels(&mut Seen {
+                bodies: &bodies,
+                driver_torque_n_m: torque,
+                reactions: None,
+                contacts: &mut crate::channels::LawPairs(field.as_mut()),
+            });
+        }
+        let (speed, columns) = (
+            bodies[Layout::INPUT].rate,
+            Recorder::contract(&gearbox).len(),
+        );
+        for torque in [2.0, 1.0] {
+            let mut row = Vec::new();
+            recorder.take_last(&mut row);
+            assert_eq!((row.len(), row[columns]), (columns + 1, torque * speed));
+        }
+        assert!(recorder.is_empty());
+        let plain = Gearbox::new(&Scene::load("paper", &[]).unwrap()).unwrap();
+        assert!(!Recorder::new(&plain).wants_channels());
+    }
 }

@@ -227,7 +227,7 @@ mod tests {
         }
     }
 
-    /// The load is that of the leg: at its jump, and how it rises.
+    /// The load is that of the leg, and so is how it rises and falls.
     #[test]
     fn loads_follow_their_leg() {
         let gearbox = gearbox(&[
@@ -235,7 +235,7 @@ mod tests {
             ("drive.output_torque_n_m", "20"),
             (
                 "drive.load_changes",
-                "[{ time_s = 0.03, output_torque_n_m = 5.0, ramp_s = 0.0 }]",
+                "[{ time_s = 0.03, output_torque_n_m = 5.0, ramp_s = 0.01 }]",
             ),
         ]);
         let bodies = pose(&gearbox);
@@ -265,7 +265,13 @@ mod tests {
         );
         assert_eq!(rising[1..], risen[1..]);
         forces.enter_leg(0.03);
-        assert!((torque(&mut forces, 0.03) - 5.0).abs() < 1e-12);
+        assert!((torque(&mut forces, 0.03) - 20.0).abs() < 1e-12);
+        assert!((torque(&mut forces, 0.05) - 5.0).abs() < 1e-12);
         assert_eq!(forces.leg_s(), 0.03);
+        let (falling, fallen) = (slopes(&mut forces, 0.031), slopes(&mut forces, 0.05));
+        assert!(
+            (falling[0] - fallen[0] + 1500.0).abs() < 1e-6,
+            "{falling:?}"
+        );
     }
 }
