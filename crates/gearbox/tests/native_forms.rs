@@ -256,6 +256,109 @@ fn the_explanation_counts_what_the_paper_counts() {
     assert_eq!(explained(&scene).unwrap().degrees_of_freedom, 84);
 }
 
+/// What is said of a scene is so, and what is not so is not said. By scene: said to be modelled and to be left out, and nowhere.
+#[test]
+fn explanations_say_what_is_so() {
+    let friction = "contact.friction_coefficient=0.1";
+    let lagrange = "solver.formulation=lagrange";
+    let changes = "drive.load_changes=[{ time_s = 0.1, output_torque_n_m = 30.0, ramp_s = 0.02 }, \
+                   { time_s = 0.3, output_torque_n_m = 9.0 }, { time_s = 0.9, output_torque_n_m = 5.0 }]";
+    let plain = [
+        "Coulomb",
+        "backlash:",
+        "modified",
+        "errors of",
+        "impact speed",
+        "rising",
+        "all 28 bodies",
+    ];
+    let cases: [(&[&str], &[&str], &[&str], &[&str]); 9] = [
+        (
+            &[],
+            &[
+                "2 wheel angles, the output angle:",
+                "N m on the output shaft: from the start",
+            ],
+            &[
+                "24 sleeve spins",
+                "tangential contact velocities",
+                "56 translations",
+            ],
+            &plain,
+        ),
+        (
+            &[friction],
+            &["angle, 24 sleeve spins", "Coulomb"],
+            &["56 translations"],
+            &["tangential"],
+        ),
+        (
+            &[lagrange],
+            &["all 28 bodies", "joint stabilisation"],
+            &["tangential contact"],
+            &["spins", "translations"],
+        ),
+        (
+            &["drive.load_ramp_s=0.01"],
+            &["shaft: rising over 0.01 s"],
+            &[],
+            &["from the start"],
+        ),
+        (
+            &[changes],
+            &[
+                "30 N m from 0.1 s on, reached linearly over 0.02 s: no step",
+                "9 N m from 0.3 s on, at once: no step",
+                "5 N m from 0.9 s on, at once: never reached",
+            ],
+            &[],
+            &[],
+        ),
+        (
+            &["gear.backlash_m=1e-4"],
+            &["backlash: external sleeves at R + 0.1 mm"],
+            &[],
+            &[],
+        ),
+        (
+            &["contact.law=flores"],
+            &[],
+            &["the impact speed of each pair"],
+            &[],
+        ),
+        (
+            &["gear.modification.equidistant_m=1e-5"],
+            &["modified profile: generating sleeve q' = q +10.000 um"],
+            &[],
+            &["errors of"],
+        ),
+        (
+            &["gear.errors.phase_rad=[0.0, 2e-6]"],
+            &["errors of 2 wheel", "from +0.000 urad to +2.000 urad"],
+            &[],
+            &["modified"],
+        ),
+    ];
+    for (sets, modelled, left_out, nowhere) in cases {
+        let overrides: Vec<_> = sets.iter().map(|set| set.parse().unwrap()).collect();
+        let told = explain(&Gearbox::new(&Scene::load("paper", &overrides).unwrap()).unwrap());
+        let told = told.unwrap();
+        let [models, leaves] = [&told.modelled, &told.left_out].map(|list| {
+            let lines = list.iter().map(|s| format!("{}: {}", s.what, s.why));
+            lines.collect::<Vec<_>>().join("\n")
+        });
+        for (list, words) in [(&models, modelled), (&leaves, left_out)] {
+            for word in words {
+                assert!(list.contains(word), "{sets:?}: no {word} in\n{list}");
+            }
+        }
+        for word in nowhere {
+            let said = models.contains(word) || leaves.contains(word);
+            assert!(!said, "{sets:?}: {word} in\n{models}\n{leaves}");
+        }
+    }
+}
+
 /// A loaded gear that stands still, and one without load: what is left over is rounding.
 #[test]
 fn rounding_at_rest_is_no_fault() {
