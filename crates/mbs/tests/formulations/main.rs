@@ -474,3 +474,105 @@ fn kinetic_energy_is_half_of_mass_times_square() {
     let found = kinetic_energy(&m, &[state; 2]);
     assert_relative_eq!(found, expected, max_relative = 1e-15);
 }
+
+/// A force to the side and down on every body, and a moment that is that of the leg.
+struct Wind {
+    leg: f64,
+}
+
+impl Forces for Wind {
+    fn apply(&mut self, _: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
+        for (load, body) in loads.iter_mut().zip(bodies) {
+            load.fx += 3.0;
+            load.fy -= 7.0;
+            load.moment += self.leg - 2.0 * body.angle;
+        }
+    }
+
+    fn enter_leg(&mut self, from: f64) {
+        self.leg = from;
+    }
+}
+
+/// Two driven hubs with bodies of their own, neither in the origin: positions, speeds and what the drivers do are the same in both
+/// forms, and leg by leg.
+#[test]
+fn two_drivers_do_the_same_in_both_forms() {
+    let motion = Motion {
+        from_s: 0.1,
+        angle: 0.4,
+        rate: -1.0,
+        acceleration: 2.0,
+    };
+    // f = 0.4 - 0.2 + 0.04 and f' = -1 + 0.4, 0.2 s later.
+    let (angle, rate, acceleration) = motion.at(0.3);
+    assert!((angle - 0.24).abs() < 1e-15 && (rate + 0.6).abs() < 1e-15 && acceleration == 2.0);
+    let mut mechanism = carousel(true);
+    let (angle, rate, _) = motion.at(0.0);
+    (
+        mechanism.bodies[3].start.angle,
+        mechanism.bodies[3].start.rate,
+    ) = (angle, rate);
+    let base = mechanism.bodies[3].start;
+    let (s, c) = angle.sin_cos();
+    let (x, y) = (0.2 * c - 0.5 * s, 0.2 * s + 0.5 * c);
+    mechanism.bodies.push(body(
+        "d",
+        2.0,
+        0.4,
+        BodyState {
+            x: base.x + x,
+            y: base.y + y,
+            angle: 0.3,
+            vx: -rate * y,
+            vy: rate * x,
+            rate: 0.7,
+        },
+    ));
+    mechanism.revolutes.push(Revolute {
+        parent: Some(3),
+        parent_point: [0.2, 0.5],
+        child: 4,
+        child_point: [0.0; 2],
+    });
+    mechanism.drivers.push(Driver {
+        parent: None,
+        child: 3,
+        motion,
+    });
+    let mut reduced = Reduced::new(mechanism.clone(), Wind { leg: 0.0 }, &[]).unwrap();
+    let stabilisation = Stabilisation::Projection;
+    let mut lagrange = Lagrange::new(mechanism, Wind { leg: 0.0 }, stabilisation).unwrap();
+    for leg in [0.0, 5.0] {
+        reduced.enter_leg(leg);
+        lagrange.enter_leg(leg);
+        let (one, other) = (run(&mut reduced, 1e-3, 0.2), run(&mut lagrange, 1e-3, 0.2));
+        let (one, other) = (reduced.observe(0.2, &one), lagrange.observe(0.2, &other));
+        for (a, b) in one.bodies.iter().zip(other.bodies) {
+            for (a, b) in [
+                (a.x, b.x),
+                (a.y, b.y),
+                (a.angle, b.angle),
+                (a.vx, b.vx),
+                (a.vy, b.vy),
+                (a.rate, b.rate),
+            ] {
+                assert!((a - b).abs() < 1e-8, "{a} {b}");
+            }
+        }
+        assert_eq!(one.driver_torques.len(), 2);
+        for (a, b) in one.driver_torques.iter().zip(other.driver_torques) {
+            assert!((a - b).abs() < 1e-7 && a.abs() > 0.1, "{a} {b}");
+        }
+    }
+    // Another state at the same time is not the one that was seen last.
+    let y = reduced.initial();
+    let mut moved = y.clone();
+    moved[0] += 0.1;
+    let moments = |reduced: &mut Reduced<Wind>, y: &[f64]| {
+        let seen = reduced.observe(0.0, y);
+        seen.loads.iter().map(|load| load.moment).sum::<f64>()
+    };
+    let (before, after) = (moments(&mut reduced, &y), moments(&mut reduced, &moved));
+    assert!((after - before + 0.2).abs() < 1e-12, "{before} {after}");
+}
