@@ -15,8 +15,9 @@
 mod closed_forms;
 mod newton;
 
+use newton::NEAR_STEPS;
+
 pub use closed_forms::{LinearMesh, LinearOutput, smallest_convex_radius};
-use pinwheel_scene::{largest_hole_play, largest_play};
 
 use pinwheel_mbs::{BodyState, Jacobian, Wrench};
 
@@ -140,6 +141,30 @@ impl<'a> Statics<'a> {
         self.evaluations += 1;
         self.loads.fill(Wrench::default());
         self.field.add_loads(&self.bodies, &mut self.loads);
+        self.summed(out)
+    }
+
+    /// The same, with their slopes; `None`: the contacts have none.
+    fn moments_with_slopes(
+        &mut self,
+        phi: f64,
+        wheels: &[f64],
+        psi: f64,
+        out: &mut [f64],
+    ) -> Option<f64> {
+        self.place(phi, wheels, psi);
+        self.evaluations += 1;
+        self.loads.fill(Wrench::default());
+        self.slopes.clear();
+        let (loads, slopes) = (&mut self.loads, &mut self.slopes);
+        let sloped = self
+            .field
+            .add_loads_with_slopes(&self.bodies, loads, slopes);
+        sloped.then(|| self.summed(out))
+    }
+
+    /// Of the loads: moments on the wheels into `out`, and the moment on the output.
+    fn summed(&self, out: &mut [f64]) -> f64 {
         let layout = self.gearbox.layout;
         let mass = &self.gearbox.scene.mass;
         for (i, body) in layout.wheel_bodies().enumerate() {
@@ -166,10 +191,10 @@ impl<'a> Statics<'a> {
 
     /// Half widths of the brackets: of a wheel about its ideal mesh, of the output about its own.
     fn brackets(&self) -> (f64, f64) {
-        let gear = &self.gearbox.scene.gear;
-        let twist = PITCHES * std::f64::consts::TAU / self.gearbox.geometry.ratio();
-        let wheel = largest_play(gear) + twist;
-        (wheel, wheel + twist + largest_hole_play(gear))
+        let geometry = &self.gearbox.geometry;
+        let twist = PITCHES * std::f64::consts::TAU / geometry.ratio();
+        let wheel = geometry.wheel_play_rad + twist;
+        (wheel, wheel + twist + geometry.hole_play_rad)
     }
 
     /// Balances the wheels for the output at `psi`; returns the moment of the contacts on the output.
@@ -253,6 +278,31 @@ impl<'a> Statics<'a> {
             return Ok(self.equilibrium(phi, wheels, psi, load));
         }
         self.solve_by_brackets(phi, load)
+    }
+
+    /// The same from the balance `near` by, under the same load at an input angle not far off: fewer steps, and the same to
+    /// rounding. Where they lead nowhere it begins afresh.
+    ///
+    /// # Errors
+    /// As [`Statics::solve`].
+    pub fn solve_near(
+        &mut self,
+        near: &Equilibrium,
+        phi: f64,
+        load: f64,
+    ) -> Result<Equilibrium, GearboxError> {
+        let geometry = &self.gearbox.geometry;
+        let turned = geometry.ideal_output_angle(phi) - geometry.ideal_output_angle(near.input);
+        let mut wheels: Vec<f64> = (near.wheels.iter().enumerate())
+            .map(|(i, angle)| {
+                let ideal = |phi: f64| geometry.ideal_wheel_angle(i, phi);
+                angle + (ideal(phi) - ideal(near.input))
+            })
+            .collect();
+        match self.newton_from(phi, load, &mut wheels, near.output + turned, NEAR_STEPS) {
+            Some(psi) => Ok(self.equilibrium(phi, wheels, psi, load)),
+            None => self.solve(phi, load),
+        }
     }
 
     fn ideal_wheels(&self, phi: f64) -> Vec<f64> {

@@ -352,6 +352,96 @@ fn compliance(gearbox: &Gearbox, torque: f64) -> [f64; 3] {
     ]
 }
 
+/// What the authors of the package print of drives of their own, in their table of changes, beside ours of the same dimensions.
+#[test]
+fn printed_drives_turn_alike() {
+    let data = table("cycloidgen");
+    let tolerances = data["printed_tolerances"].as_table().unwrap();
+    let mut compared = 0;
+    for printed in data["printed"].as_array().unwrap() {
+        let printed = printed.as_table().unwrap();
+        let (name, torque) = (
+            printed["drive"].as_str().unwrap(),
+            number(printed, "torque_n_m"),
+        );
+        let (play, stiffness, error) = figures_of(&printed_drive(printed), torque);
+        println!("{name}: play {play:?}, {stiffness:.4} N m/arcmin, error {error:.4} arcmin");
+        if let Some(wanted) = given(printed, "lost_motion_arcmin") {
+            let off = (play.0 - wanted).abs();
+            assert!(
+                off <= number(tolerances, "lost_motion_arcmin"),
+                "{name}: {play:?}"
+            );
+            compared += 1;
+        }
+        for (key, tolerance, found) in [
+            ("contact_stiffness_n_m_per_arcmin", "stiffness", stiffness),
+            ("transmission_error_arcmin", "transmission_error", error),
+        ] {
+            if let Some(wanted) = given(printed, key) {
+                close(
+                    found,
+                    wanted,
+                    number(tolerances, tolerance),
+                    &format!("{name} {key}"),
+                );
+                compared += 1;
+            }
+        }
+    }
+    assert_eq!(compared, 7);
+}
+
+fn given(table: &toml::Table, key: &str) -> Option<f64> {
+    table.get(key).map(|_| number(table, key))
+}
+
+fn printed_drive(printed: &toml::Table) -> Gearbox {
+    let of = |key| number(printed, key);
+    let count = |key: &str| printed[key].as_integer().unwrap() as usize;
+    let mut scene = Scene::paper();
+    let gear = &mut scene.gear;
+    gear.external_sleeves = count("lobes") + 1;
+    gear.eccentricity_m = of("eccentricity_m");
+    gear.shortening = gear.eccentricity_m * gear.external_sleeves as f64 / of("pin_circle_m");
+    gear.external_sleeve_radius_m = of("pin_radius_m");
+    gear.internal_sleeves = count("output_pins");
+    gear.internal_circle_radius_m = of("output_circle_m");
+    gear.internal_sleeve_radius_m = of("output_pin_radius_m");
+    gear.hole_radius_m =
+        gear.internal_sleeve_radius_m + gear.eccentricity_m + 0.5 * of("hole_clearance_m");
+    gear.wheels = 2;
+    gear.modification.equidistant_m = of("clearance_m");
+    scene.drive.output_torque_n_m = of("torque_n_m");
+    scene.contact.law = "line-contact".into();
+    scene.contact.line_length_m = of("line_length_m");
+    // Palmgren's rollers are of steel; depths go with 1/E* to the power of 1 over the load's 10/9.
+    let softness = |e: f64, nu: f64| (1.0 - nu * nu) / e;
+    let moduli = numbers(printed, "moduli");
+    let both = softness(moduli[0], moduli[1]) + softness(moduli[2], moduli[3]);
+    scene.contact.stiffness_multiplier = (2.0 * softness(210.0, 0.3) / both).powf(10.0 / 9.0);
+    Gearbox::new(&scene.check().unwrap()).unwrap()
+}
+
+/// Least and largest free play over the mesh, arcmin; mean stiffness about the balances under `torque`, N m/arcmin; and
+/// transmission error under it, arcmin.
+fn figures_of(gearbox: &Gearbox, torque: f64) -> ((f64, f64), f64, f64) {
+    let arcmin = 10_800.0 / std::f64::consts::PI;
+    let mut statics = Statics::new(gearbox).unwrap();
+    let pins = gearbox.scene.gear.external_sleeves as f64;
+    let (poses, mut plays, mut twists, mut stiffness) = (240_u32, vec![], vec![], 0.0);
+    for pose in 0..poses {
+        let phi = TAU * (pins - 1.0) / pins * f64::from(pose) / f64::from(poses);
+        let [there, back] = [1e-6, -1e-6].map(|share| statics.solve(phi, share * torque).unwrap());
+        plays.push((there.output - back.output) * arcmin);
+        let full = statics.solve(phi, torque).unwrap();
+        stiffness += statics.compliance(&full).unwrap()[0] / arcmin / f64::from(poses);
+        twists.push((full.output - gearbox.geometry.ideal_output_angle(phi)) * arcmin);
+    }
+    let (low, high) = range(&twists);
+    (range(&plays), stiffness, high - low)
+}
+
 #[test]
 fn too_much_load_is_refused() {
     let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();
@@ -560,6 +650,46 @@ fn newton_finds_what_brackets_find() {
             few <= most * poses.len() as u64 && few < many / 20,
             "{preset}: {few} evaluations, {many} by brackets"
         );
+    }
+}
+
+/// From the balance of the pose before: the same angles to rounding, in fewer evaluations, with play, errors and hardly a load.
+#[test]
+fn the_next_pose_is_found_from_the_last() {
+    for (preset, share) in [
+        ("paper", 1.0),
+        ("steel", 1.0),
+        ("backlash-0.6", 1.0),
+        ("backlash-0.6", 1e-4),
+        ("toleranced", 1.0),
+        ("toleranced", 1e-4),
+    ] {
+        let gearbox = Gearbox::new(&Scene::load(preset, &[]).unwrap()).unwrap();
+        let load = share * gearbox.scene.drive.output_torque_n_m;
+        let mut statics = Statics::new(&gearbox).unwrap();
+        let mut near = statics.solve(0.0, load).unwrap();
+        let (mut worst, mut costs) = (0.0_f64, [0; 2]);
+        for k in 1..200_u32 {
+            let phi = TAU / 128.0 * f64::from(k);
+            let before = statics.evaluations();
+            let afresh = statics.solve(phi, load).unwrap();
+            let between = statics.evaluations();
+            near = statics.solve_near(&near, phi, load).unwrap();
+            costs[0] += between - before;
+            costs[1] += statics.evaluations() - between;
+            worst = worst.max((near.output - afresh.output).abs());
+            assert!(
+                near.residual <= 1e-9 * load.abs(),
+                "{preset}: {} N m",
+                near.residual
+            );
+        }
+        println!("{preset}, {share} of the load: {worst:.1e} rad, {costs:?} evaluations");
+        assert!(
+            worst < if share < 1.0 { 1e-12 } else { 1e-13 },
+            "{preset}: {worst:e} rad"
+        );
+        assert!(costs[1] < costs[0], "{preset}: {costs:?}");
     }
 }
 

@@ -217,9 +217,13 @@ fn all_figures(found: &Outcome) -> Section {
 
 /// How a figure is counted, and its spread over the mesh.
 fn counted(one: &Figure) -> String {
+    let mean = one
+        .mean_over_the_mesh
+        .filter(|mean| one.value != Some(*mean));
+    let mean = mean.map_or_else(String::new, |mean| format!(", {} on average", figure(mean)));
     let spread = one.over_the_mesh.map(|[least, largest]| {
         let (least, largest) = (figure(least), figure(largest));
-        format!("{}; {least} to {largest} over the mesh", one.how)
+        format!("{}; {least} to {largest} over the mesh{mean}", one.how)
     });
     spread.unwrap_or_else(|| one.how.to_owned())
 }
@@ -342,7 +346,7 @@ pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
 
 fn torsion(found: &Outcome) -> Section {
     let mut text = "The input is locked and the load is taken from one direction to the other. Lost motion is the twist between +3 and -3 % of \
-                    the rated torque, stiffness the slope between 50 and 100 %."
+                    the rated torque, the largest of all poses over the mesh; stiffness the slope between 50 and 100 %."
         .to_owned();
     if found.cycle.is_some() {
         text.push_str(

@@ -129,4 +129,15 @@ pub trait ContactField: Send {
     fn add_slopes(&mut self, _bodies: &[BodyState], _slopes: &mut Jacobian) -> bool {
         false
     }
+
+    /// [`add_loads`](Self::add_loads) and [`add_slopes`](Self::add_slopes) at once; the answer is the latter's.
+    fn add_loads_with_slopes(
+        &mut self,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+        slopes: &mut Jacobian,
+    ) -> bool {
+        self.add_loads(bodies, loads);
+        self.add_slopes(bodies, slopes)
+    }
 }

@@ -282,6 +282,23 @@ const CLOSING: f64 = 1e-6;
 /// Slopes of the moments of a pair on its wheel, on the output and on the sleeve.
 type Moments = [f64; 3];
 
+/// What the sleeves leave on a wheel, in its frame.
+#[derive(Default)]
+struct Reaction {
+    force: Complex,
+    moment: f64,
+}
+
+impl Reaction {
+    #[inline]
+    fn add_to(&self, load: &mut Wrench, frame: &WheelFrame) {
+        let ground = self.force * frame.turn;
+        load.fx += ground.re;
+        load.fy += ground.im;
+        load.moment += self.moment;
+    }
+}
+
 /// How the moments of a pair change.
 struct Columns {
     /// With the angles of wheel, output and input, and with their rates.
@@ -396,32 +413,89 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
     }
 }
 
+impl<L: NormalLaw, D: Detection> Pairs<L, D> {
+    /// Adds what a pair does to its sleeve, and what that leaves on the wheel.
+    #[inline]
+    fn add_load(&self, pair: &Loaded, frame: &WheelFrame, load: &mut Wrench, left: &mut Reaction) {
+        let on_sleeve = pair.on_sleeve();
+        let mut total = on_sleeve;
+        left.moment -= pair.touch.point.cross(on_sleeve);
+        if self.law.along(pair.touch.penetration).is_some() {
+            let centre = pair.touch.point - pair.arm;
+            total = total + pair.at_centre();
+            left.moment -= centre.cross(pair.at_centre());
+        }
+        left.force = left.force - total;
+        let ground = total * frame.turn;
+        load.fx += ground.re;
+        load.fy += ground.im;
+        load.moment += pair.arm.cross(on_sleeve);
+    }
+
+    /// The friction that slopes must know, if any; `None`: this field has none of the slopes asked for.
+    fn rubbing(&self, slopes: &mut Jacobian) -> Option<Option<RegularisedCoulomb>> {
+        let free = slopes.rate().dimension();
+        let friction = match self.friction {
+            Friction::Regularised(friction) if free + 1 == self.layout.bodies() => Some(friction),
+            _ if free == 1 + self.layout.wheels => None,
+            _ => return None,
+        };
+        (D::HAS_SLOPES && slopes.parts_mut().0.is_some()).then_some(friction)
+    }
+
+    /// Adds how the moments of one pair change; `at`: its wheel, sleeve, the sleeve's body and where it touches.
+    #[inline]
+    fn add_slopes_of(
+        &self,
+        (wheel, sleeve, body, seat): (usize, Sleeve, usize, Seat),
+        bodies: &[BodyState],
+        frame: &WheelFrame,
+        pair: &Loaded,
+        friction: Option<RegularisedCoulomb>,
+        slopes: &mut Jacobian,
+    ) {
+        let (Some(position), rate, time) = slopes.parts_mut() else {
+            return;
+        };
+        let input_rate = bodies[Layout::INPUT].rate;
+        // Sleeves are free where something rubs.
+        let moved = if friction.is_some() { 3 } else { 2 };
+        let touch = match (sleeve, seat) {
+            (Sleeve::External(j), Seat::Foot(unit)) => {
+                self.detection.profile_slopes(j, &pair.touch, unit)
+            }
+            (Sleeve::External(_), Seat::Corner) => Slopes {
+                turning: -1.0 / pair.arm.norm(),
+                ..Slopes::default()
+            },
+            (Sleeve::Internal(k), _) => self.detection.hole_slopes(wheel, k, &pair.touch),
+        };
+        let own = (sleeve, &bodies[body]);
+        let Columns { by, by_spin } = self.columns(bodies, frame, own, pair, &touch, friction);
+        let [by_wheel, by_output, (by_input, _)] = by;
+        let rows = [1 + wheel, OUTPUT, body - 1];
+        for (k, &row) in rows.iter().enumerate().take(moved) {
+            for (of, (by_angle, by_rate)) in rows.iter().zip([&by_wheel, &by_output]) {
+                position.add(row, *of, by_angle[k]);
+                rate.add(row, *of, by_rate[k]);
+            }
+            time[row] += by_input[k] * input_rate;
+            if friction.is_some() {
+                rate.add(row, body - 1, by_spin[k]);
+            }
+        }
+    }
+}
+
 impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
     fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&bodies[body]);
-            let (mut force, mut moment) = (Complex::default(), 0.0);
+            let mut reaction = Reaction::default();
             self.wheel_pairs(wheel, bodies, &frame, |_, sleeve, pair, _| {
-                let on_sleeve = pair.on_sleeve();
-                let mut total = on_sleeve;
-                moment -= pair.touch.point.cross(on_sleeve);
-                if self.law.along(pair.touch.penetration).is_some() {
-                    let centre = pair.touch.point - pair.arm;
-                    total = total + pair.at_centre();
-                    moment -= centre.cross(pair.at_centre());
-                }
-                force = force - total;
-                let ground = total * frame.turn;
-                let load = &mut loads[sleeve];
-                load.fx += ground.re;
-                load.fy += ground.im;
-                load.moment += pair.arm.cross(on_sleeve);
+                self.add_load(pair, &frame, &mut loads[sleeve], &mut reaction);
             });
-            let ground = force * frame.turn;
-            let load = &mut loads[body];
-            load.fx += ground.re;
-            load.fy += ground.im;
-            load.moment += moment;
+            reaction.add_to(&mut loads[body], &frame);
         }
     }
 
@@ -450,47 +524,38 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
     }
 
     fn add_slopes(&mut self, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
-        let free = slopes.rate().dimension();
-        let friction = match self.friction {
-            Friction::Regularised(friction) if free + 1 == self.layout.bodies() => Some(friction),
-            _ if free == 1 + self.layout.wheels => None,
-            _ => return false,
-        };
-        let (true, (Some(position), rate, time)) = (D::HAS_SLOPES, slopes.parts_mut()) else {
+        let Some(friction) = self.rubbing(slopes) else {
             return false;
         };
-        let input_rate = bodies[Layout::INPUT].rate;
-        // Sleeves are free where something rubs.
-        let moved = if friction.is_some() { 3 } else { 2 };
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&bodies[body]);
             self.wheel_pairs(wheel, bodies, &frame, |sleeve, body, pair, seat| {
-                let touch = match (sleeve, seat) {
-                    (Sleeve::External(j), Seat::Foot(unit)) => {
-                        self.detection.profile_slopes(j, &pair.touch, unit)
-                    }
-                    (Sleeve::External(_), Seat::Corner) => Slopes {
-                        turning: -1.0 / pair.arm.norm(),
-                        ..Slopes::default()
-                    },
-                    (Sleeve::Internal(k), _) => self.detection.hole_slopes(wheel, k, &pair.touch),
-                };
-                let own = (sleeve, &bodies[body]);
-                let Columns { by, by_spin } =
-                    self.columns(bodies, &frame, own, pair, &touch, friction);
-                let [by_wheel, by_output, (by_input, _)] = by;
-                let rows = [1 + wheel, OUTPUT, body - 1];
-                for (k, &row) in rows.iter().enumerate().take(moved) {
-                    for (of, (by_angle, by_rate)) in rows.iter().zip([&by_wheel, &by_output]) {
-                        position.add(row, *of, by_angle[k]);
-                        rate.add(row, *of, by_rate[k]);
-                    }
-                    time[row] += by_input[k] * input_rate;
-                    if friction.is_some() {
-                        rate.add(row, body - 1, by_spin[k]);
-                    }
-                }
+                let at = (wheel, sleeve, body, seat);
+                self.add_slopes_of(at, bodies, &frame, pair, friction, slopes);
             });
+        }
+        true
+    }
+
+    fn add_loads_with_slopes(
+        &mut self,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+        slopes: &mut Jacobian,
+    ) -> bool {
+        let Some(friction) = self.rubbing(slopes) else {
+            self.add_loads(bodies, loads);
+            return false;
+        };
+        for (wheel, body) in self.layout.wheel_bodies().enumerate() {
+            let frame = WheelFrame::of(&bodies[body]);
+            let mut reaction = Reaction::default();
+            self.wheel_pairs(wheel, bodies, &frame, |sleeve, body, pair, seat| {
+                self.add_load(pair, &frame, &mut loads[body], &mut reaction);
+                let at = (wheel, sleeve, body, seat);
+                self.add_slopes_of(at, bodies, &frame, pair, friction, slopes);
+            });
+            reaction.add_to(&mut loads[body], &frame);
         }
         true
     }

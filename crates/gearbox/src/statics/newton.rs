@@ -10,13 +10,14 @@
 //! back without passing the balance, and all that will carry touches from the start.
 
 use pinwheel_mbs::{Jacobian, Structure};
-use pinwheel_scene::{largest_hole_play, largest_play};
 
 use super::{ANGLE, Equilibrium, Statics};
 use crate::{Gearbox, Layout};
 
 /// Steps at most; a gear takes 5 to 10.
 const MOST_STEPS: usize = 40;
+/// And from a balance near by, which takes 3 to 5; what takes longer is left to the safe beginning.
+pub(super) const NEAR_STEPS: usize = 10;
 /// Twist to begin with, in those of the load by the estimate for adaptive steps.
 const TWIST: f64 = 2.0;
 /// Steps that no longer shrink have ended at rounding if they are shorter than this, rad.
@@ -81,23 +82,33 @@ impl Statics<'_> {
     }
 
     fn approach(&mut self, phi: f64, load: f64, wheels: &mut [f64]) -> Option<f64> {
-        let gear = &self.gearbox.scene.gear;
-        let middle = self.gearbox.geometry.ideal_output_angle(phi);
-        let (half_wheel, half) = self.brackets();
+        let geometry = &self.gearbox.geometry;
         let twist = TWIST * self.gearbox.error_scales().angle;
-        let wheel = largest_play(gear) + twist;
-        let mut psi = middle + load.signum() * (wheel + twist + largest_hole_play(gear));
-        let ideal = wheels.to_vec();
+        let wheel = geometry.wheel_play_rad + twist;
+        let pressed = load.signum() * (wheel + twist + geometry.hole_play_rad);
+        let psi = geometry.ideal_output_angle(phi) + pressed;
         for wheel_angle in wheels.iter_mut() {
             *wheel_angle += load.signum() * wheel;
         }
+        self.newton_from(phi, load, wheels, psi, MOST_STEPS)
+    }
+
+    /// From the output's angle `psi` and those of `wheels`, in so many `steps` at most.
+    pub(super) fn newton_from(
+        &mut self,
+        phi: f64,
+        load: f64,
+        wheels: &mut [f64],
+        mut psi: f64,
+        steps: usize,
+    ) -> Option<f64> {
+        let middle = self.gearbox.geometry.ideal_output_angle(phi);
+        let ideal = self.ideal_wheels(phi);
+        let (half_wheel, half) = self.brackets();
         let mut moments = vec![0.0; wheels.len()];
         let mut last = f64::INFINITY;
-        for _ in 0..MOST_STEPS {
-            let output = self.moments(phi, wheels, psi, &mut moments) + load;
-            if !self.find_slopes() {
-                return None;
-            }
+        for _ in 0..steps {
+            let output = self.moments_with_slopes(phi, wheels, psi, &mut moments)? + load;
             let slopes = self.slopes.position()?;
             let (mut slope, mut moment) = (slopes.entry(OUTPUT, OUTPUT), output);
             for (i, own) in moments.iter().enumerate() {

@@ -28,8 +28,10 @@ pub struct Figure {
     /// Least and largest over the mesh, of what is one figure a pose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over_the_mesh: Option<[f64; 2]>,
+    /// Its mean over the mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_over_the_mesh: Option<f64>,
     /// How it is counted.
-    #[serde(skip)]
     pub how: &'static str,
 }
 
@@ -102,7 +104,17 @@ impl Figure {
             value,
             uncertainty: value.and(uncertainty),
             over_the_mesh: None,
+            mean_over_the_mesh: None,
             how,
+        }
+    }
+
+    /// With what it is over the mesh.
+    pub(super) fn over(self, spread: &Spread) -> Self {
+        Self {
+            over_the_mesh: Some([spread.min, spread.max]),
+            mean_over_the_mesh: Some(spread.mean),
+            ..self
         }
     }
 }
@@ -125,36 +137,28 @@ impl Summed {
             let rounding = ROUNDING * value.abs();
             Figure::new(key, what, unit, Some(value), Some(rounding), how)
         };
-        let over = |figure: Figure, spread: &Spread| Figure {
-            over_the_mesh: Some([spread.min, spread.max]),
-            ..figure
-        };
         let [external, internal] = &self.sharing;
         let [loaded, unloaded] = self.error;
         let pressed = |k: usize| 1e-6 * self.pressure[k].largest_pa;
         let slid = |k: usize| 1e-6 * self.pressure[k].pressure_sliding_w_m2;
         let touch = "touch a wheel, on average";
         let mut figures = vec![
-            over(
-                of(
-                    "lost_motion_arcmin",
-                    "lost motion",
-                    "arcmin",
-                    self.lost.max,
-                    "between +3 and -3 % of the rated torque",
-                ),
-                &self.lost,
-            ),
-            over(
-                of(
-                    "torsional_stiffness_n_m_per_arcmin",
-                    "torsional stiffness",
-                    "N m/arcmin",
-                    self.stiffness.mean,
-                    "between 50 and 100 % of the rated torque, mean",
-                ),
-                &self.stiffness,
-            ),
+            of(
+                "lost_motion_arcmin",
+                "lost motion",
+                "arcmin",
+                self.lost.max,
+                "largest over the mesh, between +3 and -3 % of the rated torque",
+            )
+            .over(&self.lost),
+            of(
+                "torsional_stiffness_n_m_per_arcmin",
+                "torsional stiffness",
+                "N m/arcmin",
+                self.stiffness.mean,
+                "between 50 and 100 % of the rated torque, mean",
+            )
+            .over(&self.stiffness),
             of(
                 "transmission_error_rated_arcmin",
                 "transmission error, rated load",
@@ -169,26 +173,22 @@ impl Summed {
                 unloaded,
                 "peak to peak, at a ten-thousandth of the load",
             ),
-            over(
-                of(
-                    "external_force_n",
-                    "largest pin force, external",
-                    "N",
-                    external.largest_force_n.max,
-                    "largest of a pose",
-                ),
-                &external.largest_force_n,
-            ),
-            over(
-                of(
-                    "internal_force_n",
-                    "largest pin force, internal",
-                    "N",
-                    internal.largest_force_n.max,
-                    "largest of a pose",
-                ),
-                &internal.largest_force_n,
-            ),
+            of(
+                "external_force_n",
+                "largest pin force, external",
+                "N",
+                external.largest_force_n.max,
+                "largest of a pose",
+            )
+            .over(&external.largest_force_n),
+            of(
+                "internal_force_n",
+                "largest pin force, internal",
+                "N",
+                internal.largest_force_n.max,
+                "largest of a pose",
+            )
+            .over(&internal.largest_force_n),
             of(
                 "external_touching",
                 "external pins that carry",
@@ -226,16 +226,16 @@ impl Summed {
             ),
         ];
         if let Some(bearing) = self.bearings.first() {
-            figures.push(over(
+            figures.push(
                 of(
                     "eccentric_bearing_force_n",
                     "eccentric bearing, largest force",
                     "N",
                     bearing.force_n.max,
                     "of the contacts on wheel 0",
-                ),
-                &bearing.force_n,
-            ));
+                )
+                .over(&bearing.force_n),
+            );
         }
         figures
     }

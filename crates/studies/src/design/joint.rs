@@ -428,9 +428,12 @@ fn of_balances(poses: &[&Pose], rated: f64) -> Vec<Figure> {
     let line = twists[full] - rated / stiff(&twists);
     let dampings: Option<Vec<f64>> = poses.iter().map(|pose| pose.damping).collect();
     let damping = dampings.map(Spread::of);
-    let figure = |key, what, unit, value: Option<f64>, spread: Option<&Spread>, how| Figure {
-        over_the_mesh: spread.map(|spread| [spread.min, spread.max]),
-        ..Figure::new(key, what, unit, value, Some(0.0), how)
+    let figure = |key, what, unit, value: Option<f64>, spread: Option<&Spread>, how| {
+        let figure = Figure::new(key, what, unit, value, Some(0.0), how);
+        match spread {
+            Some(spread) => figure.over(spread),
+            None => figure,
+        }
     };
     vec![
         figure(

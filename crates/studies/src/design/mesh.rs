@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use pinwheel_gearbox::contacts::PairContact;
 use pinwheel_gearbox::pressure::LinePressure;
-use pinwheel_gearbox::statics::Statics;
+use pinwheel_gearbox::statics::{Equilibrium, Statics};
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_scene::{Gear, Sleeve};
 use serde::Serialize;
@@ -112,13 +112,18 @@ pub(super) struct Pose {
 }
 
 impl Pose {
+    /// `near`: the balance under the same load at the pose before, if there is one; this one afterwards.
     pub(super) fn find(
         statics: &mut Statics<'_>,
         gearbox: &Gearbox,
         phi: f64,
         load: f64,
+        near: &mut Option<Equilibrium>,
     ) -> Result<Self, GearboxError> {
-        let found = statics.solve(phi, load)?;
+        let found = match near.as_ref() {
+            Some(near) => statics.solve_near(near, phi, load)?,
+            None => statics.solve(phi, load)?,
+        };
         let touching = statics.touching(&found);
         let wheels = gearbox.layout.wheels;
         let phases = &gearbox.geometry.wheel_phases;
@@ -130,7 +135,7 @@ impl Pose {
             sum[0] -= fx * c + fy * s;
             sum[1] -= fy * c - fx * s;
         }
-        Ok(Self {
+        let pose = Self {
             error_rad: found.output - gearbox.geometry.ideal_output_angle(phi),
             pairs: touching
                 .iter()
@@ -140,7 +145,9 @@ impl Pose {
                 })
                 .collect(),
             bearings,
-        })
+        };
+        *near = Some(found);
+        Ok(pose)
     }
 
     fn of(&self, stage: Stage) -> impl Iterator<Item = &Pair> {

@@ -231,8 +231,9 @@ pub(crate) fn figures_of(
     step(1, "rated load")?;
     let at = |statics: &mut Statics<'_>, load: f64| -> Result<Vec<Pose>, StudyError> {
         let mut found = Vec::with_capacity(poses.angles.len());
+        let mut near = None;
         for &phi in &poses.angles {
-            found.push(Pose::find(statics, gearbox, phi, load).map_err(of_scene)?);
+            found.push(Pose::find(statics, gearbox, phi, load, &mut near).map_err(of_scene)?);
             control.check()?;
         }
         Ok(found)
