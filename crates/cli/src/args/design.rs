@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use pinwheel::scene::catalogue::{Catalogue, MATERIALS, Material};
 
 use super::{OutArgs, SceneArgs};
@@ -35,7 +36,7 @@ pub(crate) struct InitArgs {
     #[arg(long, value_name = "MM")]
     eccentricity_mm: Option<f64>,
     /// Cycloidal discs.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=64))]
+    #[arg(long, visible_alias = "discs", value_parser = clap::value_parser!(u16).range(1..=64))]
     wheels: Option<u16>,
     /// Number of output pins.
     #[arg(long, value_parser = clap::value_parser!(u16).range(3..=1000))]
@@ -56,18 +57,19 @@ pub(crate) struct InitArgs {
     #[arg(long, value_name = "MU")]
     friction: Option<f64>,
     /// Material of all parts.
-    #[arg(long, default_value = "steel", value_parser = material)]
+    #[arg(long, default_value = "steel", value_parser = materials())]
     material: Material,
     /// Replace the file if it is there.
     #[arg(long)]
     pub(crate) force: bool,
 }
 
-fn material(name: &str) -> Result<Material, String> {
-    let found = MATERIALS.iter().find(|material| material.name == name);
-    found.copied().ok_or_else(|| {
-        let names: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
-        format!("there are {}", names.join(", "))
+/// By their names, which the help lists.
+fn materials() -> impl TypedValueParser<Value = Material> {
+    let names = MATERIALS.iter().map(|material| material.name);
+    PossibleValuesParser::new(names).try_map(|name| {
+        let found = MATERIALS.iter().find(|material| material.name == name);
+        found.copied().ok_or("unknown")
     })
 }
 

@@ -242,16 +242,32 @@ pub(crate) fn parse() -> Result<Option<Command>, Failure> {
                 screen::show_on_stderr(&error.render().ansi().to_string());
                 Err(Failure::input("no command given; see the examples above"))
             }
-            _ => Err(Failure::input(on_one_line(&error.render().to_string()))),
+            _ => {
+                let words = std::env::args_os().filter_map(|word| word.into_string().ok());
+                let message = error.render().to_string();
+                Err(Failure::input(on_one_line(&message, &asked(words))))
+            }
         },
     }
 }
 
-/// clap's message without its layout: what is wrong, its tip, and where help is.
-fn on_one_line(message: &str) -> String {
+/// The program and the command that is typed, if it is one.
+fn asked(words: impl Iterator<Item = String>) -> String {
+    let of = definition();
+    let command = words
+        .skip(1)
+        .find(|word| of.find_subcommand(word).is_some());
+    command.map_or_else(
+        || "pinwheel".to_owned(),
+        |command| format!("pinwheel {command}"),
+    )
+}
+
+/// clap's message without its layout: what is wrong, its tip, and where help is: where the message says, or else of `asked`.
+fn on_one_line(message: &str, asked: &str) -> String {
     let mut what: Vec<&str> = Vec::new();
     let mut tips: Vec<&str> = Vec::new();
-    let mut help = "pinwheel".to_owned();
+    let mut help = asked.to_owned();
     for line in message
         .lines()
         .map(str::trim)
@@ -400,7 +416,11 @@ mod tests {
             ),
             (
                 &["pinwheel", "run", "paper", "--set"],
-                "see `pinwheel --help`",
+                "see `pinwheel run --help`",
+            ),
+            (
+                &["pinwheel", "init", "mine.toml", "--ratio", "1"],
+                "see `pinwheel init --help`",
             ),
             (
                 &["pinwheel", "baseline", "check", "more", "and"],
@@ -408,7 +428,8 @@ mod tests {
             ),
         ] {
             let error = Program::try_parse_from(words).unwrap_err();
-            let line = on_one_line(&error.render().to_string());
+            let asked = asked(words.iter().map(|word| (*word).to_owned()));
+            let line = on_one_line(&error.render().to_string(), &asked);
             assert!(!line.contains('\n') && line.ends_with(help), "{line}");
         }
     }

@@ -23,6 +23,14 @@ const TWIST: f64 = 2.0;
 /// Steps that no longer shrink have ended at rounding if they are shorter than this, rad.
 const ROUNDING: f64 = 1e-12;
 
+/// Share of a step in the one before by which a wheel gives itself away that will carry nothing: a force like delta^n falls to
+/// it by 1 - 1/n a step, for as long as one likes. Of the laws n is from 10/9 to 5/2.
+const IDLE: std::ops::Range<f64> = 0.05..0.75;
+/// The output then moves less than this of what the wheel does.
+const ALONE: f64 = 1e-3;
+/// Such a wheel is turned to where its steps lead together, and by this more, so that it touches nothing.
+const BEYOND: f64 = 1.001;
+
 /// Of the free bodies; the wheels follow.
 const OUTPUT: usize = Layout::OUTPUT - 1;
 
@@ -106,6 +114,7 @@ impl Statics<'_> {
         let ideal = self.ideal_wheels(phi);
         let (half_wheel, half) = self.brackets();
         let mut moments = vec![0.0; wheels.len()];
+        let mut last_steps = vec![0.0; wheels.len()];
         let mut last = f64::INFINITY;
         for _ in 0..steps {
             let output = self.moments_with_slopes(phi, wheels, psi, &mut moments)? + load;
@@ -132,7 +141,14 @@ impl Statics<'_> {
                 if own == 0.0 {
                     continue;
                 }
+                let turned = step;
                 let step = -(moments[i] + slopes.entry(hub, OUTPUT) * step) / own;
+                let left = step / last_steps[i];
+                last_steps[i] = step;
+                let step = match IDLE.contains(&left) && turned.abs() < ALONE * step.abs() {
+                    true => BEYOND * step / (1.0 - left),
+                    false => step,
+                };
                 *angle += step;
                 moved = moved.max(step.abs());
                 inside &= own < 0.0 && (*angle - ideal).abs() < half_wheel;
