@@ -247,6 +247,17 @@ fn published_lost_motion_of_a_modified_profile() {
         .collect();
     let mean = plays.iter().sum::<f64>() / 24.0;
     let found = modified.torsion.lost_motion_arcmin;
+    // What is called lost motion is the largest of it, and says so.
+    let figure = &modified.figures[0];
+    assert_eq!(figure.key, "lost_motion_arcmin");
+    assert!(
+        figure.how.starts_with("largest over the mesh"),
+        "{}",
+        figure.how
+    );
+    assert_eq!(figure.value, Some(found.max));
+    assert_eq!(figure.over_the_mesh, Some([found.min, found.max]));
+    assert_eq!(figure.mean_over_the_mesh, Some(found.mean));
     // The elastic part at 3 % is that of the plain gear or somewhat more: fewer sleeves carry.
     let elastic = plain.torsion.lost_motion_arcmin.mean;
     assert!(elastic < 0.02 * mean, "{elastic}");
