@@ -2,7 +2,8 @@
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactField, Kernel};
-use pinwheel_mbs::{BodyState, Forces, Jacobian, OdeSystem, Reduced, Wrench};
+use pinwheel_gearbox::statics::Statics;
+use pinwheel_mbs::{BodyState, Forces, Jacobian, OdeSystem, Reduced, Structure, Wrench};
 use pinwheel_scene::Scene;
 use proptest::prelude::*;
 
@@ -282,4 +283,44 @@ fn slopes_are_only_told_where_they_are_known() {
     assert!(!known(&falling, Kernel::Lanes));
     let points = |s: &mut Scene| s.contact.detection = pinwheel_scene::Detection::Points;
     assert!(!known(&points, Kernel::Lanes));
+}
+
+/// Loads and slopes in one pass are those of two, to the bit: in lanes and pair by pair, with play, errors and other laws.
+#[test]
+fn one_pass_gives_what_two_give() {
+    for (preset, kernel) in [
+        ("paper", Kernel::Lanes),
+        ("paper", Kernel::Scalar),
+        ("modified", Kernel::Scalar),
+        ("toleranced", Kernel::Lanes),
+    ] {
+        let mut gearbox = Gearbox::new(&Scene::load(preset, &[]).unwrap()).unwrap();
+        gearbox.kernel = kernel;
+        let mut field = gearbox.frictionless_field().unwrap();
+        let mut statics = Statics::new(&gearbox).unwrap();
+        let free = 1 + gearbox.layout.wheels;
+        let structure = Structure::SecondOrder {
+            is_leaf: vec![false; free],
+        };
+        for phi in [0.0, 0.4, 1.7] {
+            let bodies = statics.solve(phi, 15.0).unwrap().bodies;
+            let new = || Jacobian::new(&structure, 2 * free);
+            let (mut loads, mut slopes) = (vec![Wrench::default(); bodies.len()], new());
+            field.add_loads(&bodies, &mut loads);
+            assert!(field.add_slopes(&bodies, &mut slopes));
+            let (mut both, mut of_both) = (vec![Wrench::default(); bodies.len()], new());
+            assert!(field.add_loads_with_slopes(&bodies, &mut both, &mut of_both));
+            assert!(loads.iter().any(|load| load.fx != 0.0));
+            assert_eq!(loads, both, "{preset} {kernel:?}");
+            let (position, of_both) = (slopes.position().unwrap(), of_both.position().unwrap());
+            for (row, column) in
+                (0..free).flat_map(|row| (0..free).map(move |column| (row, column)))
+            {
+                if row == column || row == 0 || column == 0 {
+                    let found = (position.entry(row, column), of_both.entry(row, column));
+                    assert_eq!(found.0, found.1, "{preset} {kernel:?} {row} {column}");
+                }
+            }
+        }
+    }
 }
