@@ -2,7 +2,7 @@
 
 mod brute;
 
-use pinwheel_contact::{Complex, ComplexLanes, Epitrochoid, Lanes, Mask};
+use pinwheel_contact::{Complex, ComplexLanes, Epitrochoid, FeetLanes, Foot, Lanes, Mask};
 use proptest::prelude::*;
 use pulp::Simd;
 use std::f64::consts::{PI, TAU};
@@ -99,6 +99,36 @@ fn at_most_avx2() -> pulp::Arch {
 
 struct Lanewise<'a>(&'a Mesh<'a>, &'a [f64]);
 
+impl Lanewise<'_> {
+    /// What the kernels take from a foot in lane `k` besides its depth, normal and curvature.
+    fn check_parts<S: Simd>(
+        &self,
+        feet: &FeetLanes<S>,
+        k: usize,
+        start: Complex,
+        exact: &Foot,
+    ) -> Result<(), TestCaseError> {
+        let (curve, foot) = (self.0.curve, &feet.foot);
+        let scale = curve.pitch_radius();
+        let off = (feet.position.lane(k) - exact.at.position).norm();
+        prop_assert!(off < 1e-11 * scale, "position: off by {off:e}");
+        // m e^{i zs a}: what the lobe adds to a direction.
+        let share = ECCENTRICITY * f64::from(curve.lobes() + 1) / scale;
+        let lobe = (exact.unit.powu(curve.lobes())).scale(share);
+        let found = Complex::new(foot.cos.as_slice()[k], foot.sin.as_slice()[k]);
+        let off = (found - lobe).norm();
+        prop_assert!(off < 1e-10, "lobe: off by {off:e}");
+        let stretch = exact.at.speed / scale;
+        let off = foot.inverse.as_slice()[k] * stretch - 1.0;
+        prop_assert!(off.abs() < 1e-10, "inverse: off by {off:e}");
+        let off = foot.outward.lane(k).norm() / stretch - 1.0;
+        prop_assert!(off.abs() < 1e-10, "outward: off by {off:e}");
+        let off = (foot.turn.lane(k) * start - exact.unit).norm();
+        prop_assert!(off < 1e-11, "turn: off by {off:e}");
+        Ok(())
+    }
+}
+
 impl pulp::WithSimd for Lanewise<'_> {
     type Output = Result<(), TestCaseError>;
 
@@ -135,6 +165,7 @@ impl pulp::WithSimd for Lanewise<'_> {
                     prop_assert!((feet.normal.lane(k) - foot.at.normal).norm() < 1e-11);
                     let (kappa, exact) = (feet.foot.curvature.as_slice()[k], foot.at.curvature);
                     prop_assert!((kappa - exact).abs() < 1e-9 * exact.abs().max(1.0));
+                    self.check_parts(&feet, k, unit.lane(k), &foot)?;
                 }
             }
         }
