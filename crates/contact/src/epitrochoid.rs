@@ -194,16 +194,17 @@ impl Epitrochoid {
     /// Largest curvature anywhere, 1/m: an offset q at or beyond its inverse undercuts the profile.
     ///
     /// Between the ends c = +-1 the extremum has d kappa/dc = 0, that is
-    /// `(1 + zk)(1 + m^2 + 2 m c) = 3 (1 + m^2 zk + m (1 + zk) c)`, linear in c.
+    /// `(1 + zk)(1 + m^2 + 2 m c) = 3 (1 + m^2 zk + m (1 + zk) c)`, linear in c. It lies above -1 by
+    /// `(1 - m)(zk - 2 + (2 zk - 1) m)/(m (1 + zk))`, and kappa is larger at 1 than at -1 as `zk (1 + m^2) > 2`.
     #[must_use]
     pub fn largest_curvature(&self) -> f64 {
         let (m, zk) = (self.shortening, f64::from(self.sleeves));
         let cos_lobe = ((1.0 + zk) * (1.0 + m * m) - 3.0 * (1.0 + m * m * zk)) / (m * (1.0 + zk));
-        let ends = self.curvature(1.0).max(self.curvature(-1.0));
-        if cos_lobe.abs() < 1.0 {
-            ends.max(self.curvature(cos_lobe))
+        let tip = self.curvature(1.0);
+        if cos_lobe < 1.0 {
+            tip.max(self.curvature(cos_lobe))
         } else {
-            ends
+            tip
         }
     }
 
