@@ -41,6 +41,17 @@ fn published_order_of_three_grids() {
         difference: 0.0,
     };
     assert_eq!(observed_order(zero, zero), None);
+
+    // Differences that grow, too, at ratios that differ.
+    for p in [-3.0_f64, -0.7, 0.4, 2.0, 7.0] {
+        let at = |h: f64| h.powf(p);
+        let step = |fine: f64, coarse: f64| Step {
+            ratio: coarse / fine,
+            difference: (at(coarse) - at(fine)).abs(),
+        };
+        let found = observed_order(step(1.0, 2.0), step(2.0, 3.0)).unwrap();
+        assert!((found - p).abs() < 1e-9, "{found} {p}");
+    }
 }
 
 #[test]

@@ -206,7 +206,15 @@ mod tests {
             let angle = f64::from(k) * 2e-5;
             let (a, b) = (Complex::unit_near_zero(angle), Complex::unit(angle));
             assert!((a - b).norm() < 3e-16, "{angle}: {a:?} {b:?}");
+            // Small angles keep their digits.
+            assert!((a.im - b.im).abs() <= 3e-16 * b.im.abs(), "{angle}");
+            let (a, b) = (
+                Complex::unit_near_zero(30.0 * angle),
+                Complex::unit(30.0 * angle),
+            );
+            assert!((a - b).norm() < 3e-16, "{a:?} {b:?}");
         }
+        assert_eq!(-Complex::new(1.0, -2.0), Complex::new(-1.0, 2.0));
     }
 
     #[test]

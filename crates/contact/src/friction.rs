@@ -98,6 +98,7 @@ mod tests {
         assert_eq!(friction.force(10.0, 1.0), -1.0);
         assert_eq!(friction.force(10.0, -1.0), 1.0);
         assert!((friction.force(10.0, 2.5e-5) + 0.5).abs() < 1e-15);
+        assert_eq!(Friction::Regularised(friction).force(10.0, 1.0), -1.0);
     }
 
     #[test]

@@ -192,6 +192,21 @@ mod tests {
         }
     }
 
+    /// Closing bodies are pressed apart more and parting ones less, below the ramp and above it.
+    #[test]
+    fn damping_opposes() {
+        for (name, law) in each() {
+            for depth in [4e-6, 3e-5, 4e-4] {
+                let at = |rate: f64| law.force(9e7, depth, rate);
+                let (closing, rest, parting) = (at(1e-3), at(0.0), at(-1e-3));
+                assert!(
+                    parting < rest && rest < closing,
+                    "{name} {depth}: {parting} {rest} {closing}"
+                );
+            }
+        }
+    }
+
     /// A law says that it has a potential if and only if its force along the profile is that potential's: dU/dK, or
     /// nothing where the energy does not depend on K.
     #[test]
