@@ -651,4 +651,83 @@ mod tests {
             assert!(off < 1e-5, "{off:e}");
         }
     }
+
+    /// Slopes of a torque that is held and rises, beside those of the gear.
+    #[test]
+    fn held_torques_have_slopes() {
+        let gear = gearbox(&[], &[]);
+        let structure = pinwheel_mbs::Structure::SecondOrder {
+            is_leaf: vec![false; 3],
+        };
+        let bodies = gear.initial_states();
+        let by_time = |slope: f64, usual: bool| {
+            let mut forces = HeldForces {
+                gear: GearForces::new(&gear).unwrap(),
+                input: Straight::default(),
+                output: Straight {
+                    slope,
+                    ..Straight::default()
+                },
+                usual,
+            };
+            let mut slopes = Jacobian::new(&structure, 6);
+            let known = forces.moment_slopes(0.1, &bodies, &mut slopes);
+            known.then(|| slopes.parts_mut().2[0])
+        };
+        let (level, rising) = (by_time(0.0, true).unwrap(), by_time(500.0, true).unwrap());
+        assert!((rising - level - 500.0).abs() < 1e-9, "{level} {rising}");
+        assert_eq!(by_time(500.0, false), None);
+    }
+
+    /// Without its short cuts a gear that rubs moves as with them.
+    #[test]
+    fn friction_without_short_cuts_is_the_same() {
+        let sets = [
+            "contact.friction_coefficient=0.1",
+            "solver.integrator=imex2",
+            "solver.step_s=1e-5",
+        ];
+        let gear = gearbox(&sets, &[]);
+        let [one, other] = [true, false].map(|usual| {
+            let mut unit = CoSimulation::new(&gear, Setup::of(&gear.scene.drive)).unwrap();
+            unit.system.forces_mut().usual = usual;
+            unit.advance(0.001).unwrap();
+            let mut row = Vec::new();
+            unit.observe(&mut row);
+            row
+        });
+        let off = apart(&one, &other);
+        assert!(off < 1e-9, "{off:e}");
+    }
+
+    /// An importer's tolerance is the method's.
+    #[test]
+    fn tolerances_are_those_asked_for() {
+        let gear = gearbox(&["solver.integrator=auto"], &[]);
+        let setup = Setup {
+            tolerance: Some(1e-7),
+            ..Setup::of(&gear.scene.drive)
+        };
+        let unit = CoSimulation::new(&gear, setup).unwrap();
+        let found = unit.method().1;
+        assert!((found / 1e-7 - 1.0).abs() < 1e-9, "{found:e}");
+    }
+
+    /// States of as many numbers but of other shafts are refused, and nothing has changed.
+    #[test]
+    fn bad_input_states_of_other_shafts_are_refused() {
+        let two = gearbox(&[], &[]);
+        let three = gearbox(&["gear.wheels=3"], &[]);
+        let mut usual = CoSimulation::new(&two, Setup::of(&two.scene.drive)).unwrap();
+        let both = Setup {
+            output: Held::BySpeed,
+            speeds_rad_s: [SPEED, -SPEED / 15.0],
+            ..Setup::of(&three.scene.drive)
+        };
+        let mut held = CoSimulation::new(&three, both).unwrap();
+        assert_eq!(usual.y.len(), held.y.len());
+        let (of_usual, of_held) = (usual.save(), held.save());
+        assert!(!usual.restore(&of_held) && !held.restore(&of_usual));
+        assert_eq!((usual.save(), held.save()), (of_usual, of_held));
+    }
 }

@@ -137,4 +137,45 @@ mod tests {
             });
         assert!(external > 2 && internal > 2, "{external} {internal}");
     }
+
+    /// On turned flanks the curvature is that of the flank whose edge the contact lies on.
+    #[test]
+    fn turned_flanks_have_their_own_curvature() {
+        let sets = [Override::new("gear.modification.rotational_rad", "2e-3")];
+        let gearbox = Gearbox::new(&Scene::load("one-wheel", &sets).unwrap()).unwrap();
+        let geometry = &gearbox.geometry;
+        let turn = geometry.flanks.unwrap();
+        let mut seen = 0;
+        for load in [22.0, -22.0] {
+            let at = Statics::new(&gearbox).unwrap().solve(0.3, load).unwrap();
+            let wheel = at.bodies[gearbox.layout.wheel_bodies().start];
+            let mut field = gearbox.contact_field().unwrap();
+            field.touching(&at.bodies, &mut |pair| {
+                let Sleeve::External(_) = pair.sleeve else {
+                    return;
+                };
+                let back = Complex::unit(wheel.angle).conj();
+                let inside = |[x, y]: [f64; 2]| Complex::new(x - wheel.x, y - wheel.y) * back;
+                let (p, touched) = (inside(pair.centre), inside(pair.point));
+                let flank = |turn: Complex| {
+                    let foot = geometry.curve.closest(p * turn.conj()).at;
+                    let edge = foot.position - foot.normal.scale(geometry.edge_offset_m);
+                    ((edge * turn - touched).norm(), foot.curvature)
+                };
+                let [one, other] = [flank(turn), flank(turn.conj())];
+                let [near, far] = if one.0 < other.0 {
+                    [one, other]
+                } else {
+                    [other, one]
+                };
+                // In a pit both are the same.
+                if far.0 > 10.0 * near.0 {
+                    seen += 1;
+                    let found = curvature(geometry, pair, [wheel.x, wheel.y], wheel.angle);
+                    assert_eq!(found, near.1);
+                }
+            });
+        }
+        assert!(seen > 4, "{seen}");
+    }
 }
