@@ -9,6 +9,8 @@
 //! while the account loses a hundred times the work done. Angles stay in their mesh, so that only the
 //! energy shows it.
 
+use pinwheel_mbs::BodyState;
+
 use crate::Gearbox;
 use crate::energy::EnergyAudit;
 use crate::load_course;
@@ -29,13 +31,10 @@ impl Balance {
     /// Nothing turned over yet but E.
     pub(crate) fn new(gearbox: &Gearbox) -> Self {
         let mechanism = gearbox.mechanism();
-        let kinetic = mechanism.bodies.iter().map(|body| {
-            let v = &body.start;
-            0.5 * (body.mass * (v.vx * v.vx + v.vy * v.vy) + body.moment * v.rate * v.rate)
-        });
+        let starts: Vec<BodyState> = mechanism.bodies.iter().map(|body| body.start).collect();
         Self {
             remainder_j: 0.0,
-            turnover_j: kinetic.sum::<f64>() + elastic_j(gearbox),
+            turnover_j: mechanism.kinetic_j(&starts) + elastic_j(gearbox),
         }
     }
 

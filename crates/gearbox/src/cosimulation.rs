@@ -128,6 +128,20 @@ impl Forces for HeldForces {
         known
     }
 
+    fn observed_moments(
+        &mut self,
+        time: f64,
+        bodies: &[BodyState],
+        moments: &mut [f64],
+        loads: &mut [Wrench],
+    ) -> Option<ContactEnergy> {
+        let energy = self.gear.observed_moments(time, bodies, moments, loads)?;
+        moments[Layout::INPUT] += self.input.at(time);
+        moments[Layout::OUTPUT] += self.output.at(time);
+        self.add(time, loads);
+        Some(energy)
+    }
+
     fn apply_without_friction(
         &mut self,
         time: f64,
@@ -462,8 +476,7 @@ impl CoSimulation {
             Held::BySpeed => driver(),
             Held::ByTorque => 0.0,
         };
-        self.recorder
-            .record_loads(t, input, seen.bodies, seen.loads);
+        self.recorder.record_observed(&seen, input);
         if self.recorder.wants_channels() {
             self.recorder.record_channels(&mut Seen {
                 bodies: seen.bodies,

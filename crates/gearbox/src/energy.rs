@@ -14,7 +14,7 @@
 //! cubic reaches over it. Entries between samples are folded into the works at once: what a run keeps of its energy
 //! grows with its samples, not with its steps.
 
-use pinwheel_mbs::{Mechanism, Observation};
+use pinwheel_mbs::Observation;
 
 use crate::Layout;
 use crate::contacts::ContactEnergy;
@@ -32,7 +32,6 @@ type Four = [f64; 4];
 /// Works and energies at the samples of a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EnergyAccount {
-    masses: Vec<(f64, f64)>,
     /// Works up to the leg under way, J.
     before_leg: Four,
     leg: Leg,
@@ -52,12 +51,10 @@ struct Mark {
 pub use pinwheel_courses::EnergyAudit;
 
 impl EnergyAccount {
-    /// An empty account of a mechanism.
-    #[must_use]
-    pub fn new(mechanism: &Mechanism) -> Self {
-        let masses = mechanism.bodies.iter().map(|b| (b.mass, b.moment));
+    /// An empty account with room for so many samples.
+    pub(crate) fn with_room(samples: usize) -> Self {
         Self {
-            masses: masses.collect(),
+            marks: Vec::with_capacity(samples),
             ..Self::default()
         }
     }
@@ -97,15 +94,7 @@ impl EnergyAccount {
         contacts: &ContactEnergy,
     ) {
         self.add(load, seen, contacts);
-        // Four sums side by side, as each addition waits for the one before.
-        let mut kinetic = [0.0; 4];
-        for (masses, bodies) in self.masses.chunks(4).zip(seen.bodies.chunks(4)) {
-            for (k, (&(mass, moment), b)) in masses.iter().zip(bodies).enumerate() {
-                kinetic[k] += mass * (b.vx * b.vx + b.vy * b.vy) + moment * b.rate * b.rate;
-            }
-        }
-        let kinetic = 0.5 * ((kinetic[0] + kinetic[1]) + (kinetic[2] + kinetic[3]));
-        self.mark(seen.time, [kinetic, contacts.stored_j]);
+        self.mark(seen.time, [seen.kinetic_j, contacts.stored_j]);
     }
 
     /// Marks the last entry.

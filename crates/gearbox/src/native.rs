@@ -153,7 +153,7 @@ fn integrate<F: Formulation>(
     let mut recorder = Recorder::new(gearbox);
     let mut joint_drift_m: f64 = 0.0;
     let mut fault = None;
-    let mut energy = EnergyAccount::new(&gearbox.mechanism());
+    let mut energy = EnergyAccount::with_room(solver.sample_times_s().len());
     let mut balance = Balance::new(gearbox);
     let mut pace = Pace::new(&gearbox.scene, gearbox.has_friction());
     let mut before = 0.0;
@@ -179,7 +179,7 @@ fn integrate<F: Formulation>(
             }
             stepper.interpolate(&mut system, due.time(), &mut y);
             if let Due::Entry(time) | Due::Break(time, _) = due {
-                let seen = system.observe(time, &y);
+                let seen = system.glance(time, &y);
                 let contacts = contact_energy(&seen, field.as_mut());
                 energy.add(load.torque(time), &seen, &contacts);
             }
@@ -190,7 +190,11 @@ fn integrate<F: Formulation>(
             }
         }
         joint_drift_m = joint_drift_m.max(system.joint_error(t, &y));
-        let seen = system.observe(t, &y);
+        let seen = if recorder.wants_channels() {
+            system.observe(t, &y)
+        } else {
+            system.glance(t, &y)
+        };
         if let Err(quantity) = guard::check(gearbox, seen.bodies) {
             fault = Some((t, quantity));
             break;
@@ -203,7 +207,7 @@ fn integrate<F: Formulation>(
             fault = Some((t, quantity));
             break;
         }
-        recorder.record_loads(t, seen.driver_torques[0], seen.bodies, seen.loads);
+        recorder.record_observed(&seen, seen.driver_torques[0]);
         if recorder.wants_channels() {
             recorder.record_channels(&mut Seen {
                 bodies: seen.bodies,

@@ -1,7 +1,7 @@
 //! Turns states at sample times into the contract's courses. Every engine records through this.
 
 use pinwheel_courses::{Courses, columns};
-use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_mbs::{BodyState, Observation};
 
 use crate::Gearbox;
 use crate::channels::{Seen, Values};
@@ -90,20 +90,24 @@ impl Recorder {
         self.forces = forces;
     }
 
-    /// Records a sample from the loads on all bodies, where a sleeve's only load is its contacts'.
-    pub fn record_loads(
-        &mut self,
-        t: f64,
-        driver_torque: f64,
-        bodies: &[BodyState],
-        loads: &[Wrench],
-    ) {
+    /// Records a sample that a formulation tells, where a sleeve's only load is its contacts'. `driver_torque`: N m.
+    pub fn record_observed(&mut self, seen: &Observation<'_>, driver_torque: f64) {
         let mut forces = std::mem::take(&mut self.forces);
         let sleeves = self.layout.external_bodies().start;
-        for (force, load) in forces.iter_mut().zip(&loads[sleeves..]) {
+        for (force, load) in forces.iter_mut().zip(&seen.loads[sleeves..]) {
             *force = [load.fx, load.fy];
         }
-        self.record_forces(t, driver_torque, bodies, &forces);
+        let output = Layout::OUTPUT;
+        // All that turns the output but the load on itself.
+        let torque = match seen.moments {
+            Some(moments) => moments[output] - seen.loads[output].moment,
+            None => self.output_torque(seen.bodies, &forces),
+        };
+        self.record_known(
+            seen.time,
+            [driver_torque, torque, seen.bodies[output].angle],
+            &forces,
+        );
         self.forces = forces;
     }
 
@@ -115,17 +119,24 @@ impl Recorder {
         bodies: &[BodyState],
         forces: &[[f64; 2]],
     ) {
+        let torque = self.output_torque(bodies, forces);
+        let angle = bodies[Layout::OUTPUT].angle;
+        self.record_known(t, [driver_torque, torque, angle], forces);
+    }
+
+    /// Of the forces on the internal sleeves, N m.
+    fn output_torque(&self, bodies: &[BodyState], forces: &[[f64; 2]]) -> f64 {
         let output = bodies[Layout::OUTPUT];
-        let output_torque: f64 = self
-            .layout
-            .internal_bodies()
-            .zip(&forces[self.layout.external_sleeves..])
-            .map(|(body, &[fx, fy])| {
-                (bodies[body].x - output.x) * fy - (bodies[body].y - output.y) * fx
-            })
-            .sum();
+        let forces = &forces[self.layout.external_sleeves..];
+        let sleeves = bodies[self.layout.internal_bodies()].iter().zip(forces);
+        sleeves
+            .map(|(body, &[fx, fy])| (body.x - output.x) * fy - (body.y - output.y) * fx)
+            .sum()
+    }
+
+    /// Records the columns' `head` and the magnitudes of the forces.
+    fn record_known(&mut self, t: f64, head: [f64; columns::HEAD.len()], forces: &[[f64; 2]]) {
         self.time.push(t);
-        let head = [driver_torque, output_torque, output.angle];
         let (heads, sleeves) = self.columns.split_at_mut(head.len());
         for (column, value) in heads.iter_mut().zip(head) {
             column.push(value);
@@ -193,6 +204,8 @@ impl Recorder {
 
 #[cfg(test)]
 mod tests {
+    use pinwheel_mbs::Wrench;
+
     use super::*;
     use crate::scene::Scene;
     use crate::statics::Statics;
@@ -212,7 +225,17 @@ mod tests {
         let mut recorder = Recorder::new(&gearbox);
         assert!(recorder.is_empty());
         recorder.record(0.0, 1.0, &bodies, field.as_mut());
-        recorder.record_loads(1.0, 2.0, &bodies, &loads);
+        let seen = Observation {
+            time: 1.0,
+            bodies: &bodies,
+            loads: &loads,
+            moments: None,
+            kinetic_j: 0.0,
+            driver_torques: &[],
+            energy: None,
+            reactions: None,
+        };
+        recorder.record_observed(&seen, 2.0);
         assert_eq!((recorder.len(), recorder.is_empty()), (2, false));
         let mut row = Vec::new();
         let courses = recorder.clone().finish().unwrap();

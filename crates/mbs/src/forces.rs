@@ -44,6 +44,21 @@ pub trait Forces {
         false
     }
 
+    /// Writes every applied load to `loads` and adds the moments about the pins (N m, by body) of all bodies of
+    /// [`Reduced`](crate::Reduced) that turn, driven ones included, for a state that is looked at; from the angles and rates of
+    /// `bodies` alone, as [`moments`](Self::moments). The answer is the contacts' energy.
+    ///
+    /// `None`, the default, and nothing was touched: [`apply_held`](Self::apply_held) will be asked for.
+    fn observed_moments(
+        &mut self,
+        _time: f64,
+        _bodies: &[BodyState],
+        _moments: &mut [f64],
+        _loads: &mut [crate::Wrench],
+    ) -> Option<ContactEnergy> {
+        None
+    }
+
     /// Adds every applied load but the friction of contacts, and lists these contacts.
     ///
     /// By default there is no friction to tell apart.

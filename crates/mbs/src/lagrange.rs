@@ -474,6 +474,8 @@ impl<F: Forces> Formulation for Lagrange<F> {
             time: t,
             bodies: &self.bodies,
             loads: &self.loads,
+            moments: None,
+            kinetic_j: self.mechanism.kinetic_j(&self.bodies),
             driver_torques: &self.torques,
             energy,
             reactions: Some(&self.reactions),

@@ -121,6 +121,15 @@ impl Mechanism {
         2 * self.revolutes.len() + self.drivers.len()
     }
 
+    /// Kinetic energy of the bodies in these states, J.
+    #[must_use]
+    pub fn kinetic_j(&self, states: &[BodyState]) -> f64 {
+        let of = |(body, v): (&Body, &BodyState)| {
+            body.mass * (v.vx * v.vx + v.vy * v.vy) + body.moment * v.rate * v.rate
+        };
+        0.5 * self.bodies.iter().zip(states).map(of).sum::<f64>()
+    }
+
     /// Checks indices and values.
     ///
     /// # Errors

@@ -82,6 +82,11 @@ pub struct Observation<'a> {
     pub bodies: &'a [BodyState],
     /// Applied loads on all bodies.
     pub loads: &'a [Wrench],
+    /// Moments about the pins by body, N m: its own load's, and those of all that it carries. `None` where the formulation does
+    /// not know them.
+    pub moments: Option<&'a [f64]>,
+    /// Kinetic energy of all bodies, J.
+    pub kinetic_j: f64,
     /// Torque of each driver on its child, N m.
     pub driver_torques: &'a [f64],
     /// Energy of the contacts; `None` where the forces do not tell it.
@@ -97,6 +102,12 @@ pub trait Formulation: OdeSystem {
 
     /// Evaluates everything at (t, y).
     fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_>;
+
+    /// The same for who does not look at the places and velocities of bodies that others carry: they need not be those of
+    /// this time.
+    fn glance(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
+        self.observe(t, y)
+    }
 
     /// Velocities integrated.
     fn degrees_of_freedom(&self) -> usize;

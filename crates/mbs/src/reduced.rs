@@ -43,6 +43,8 @@ pub struct Reduced<F> {
     free: Vec<BodyId>,
     /// Bodies that nothing turns but that do turn, and their start.
     idle: Vec<(BodyId, BodyState)>,
+    /// Kinetic energy of their turning, J.
+    idle_j: f64,
     leaves: Vec<BodyId>,
     /// Of the free bodies.
     free_inertia: Vec<f64>,
@@ -69,6 +71,8 @@ pub struct Reduced<F> {
 #[derive(Debug, Default)]
 struct Evaluated {
     valid: bool,
+    /// Carried bodies are in place.
+    placed: bool,
     time: f64,
     y: Vec<f64>,
     energy: Option<ContactEnergy>,
@@ -148,7 +152,10 @@ impl<F: Forces> Reduced<F> {
         }
         let idle = (0..n).filter(|&body| angles[body] == Angle::Idle);
         let idle = idle.map(|body| (body, mechanism.bodies[body].start));
-        let idle = idle.filter(|(_, start)| start.rate != 0.0).collect();
+        let idle: Vec<_> = idle.filter(|(_, start)| start.rate != 0.0).collect();
+        let of_idle = idle
+            .iter()
+            .map(|&(body, start)| 0.5 * mechanism.bodies[body].moment * start.rate.powi(2));
         let moving: Vec<f64> = free.iter().map(|&body| inertia[body]).collect();
         Ok(Self {
             scales: None,
@@ -169,6 +176,7 @@ impl<F: Forces> Reduced<F> {
             carriers,
             inertia,
             free,
+            idle_j: of_idle.sum(),
             idle,
             loads: vec![Wrench::default(); n],
             moments: vec![0.0; n],
@@ -285,17 +293,62 @@ impl<F: Forces> Reduced<F> {
         if *valid && *time == t && of.as_slice() == y {
             return;
         }
-        self.place(t, y);
+        self.turn(t, y);
+        self.evaluated.placed = false;
+        self.moments.fill(0.0);
+        let (bodies, moments) = (&self.bodies, &mut self.moments);
+        let told = self
+            .forces
+            .observed_moments(t, bodies, moments, &mut self.loads);
+        self.evaluated.energy = told;
+        if told.is_none() {
+            self.put(t);
+            self.loads.fill(Wrench::default());
+            self.evaluated.energy = self
+                .forces
+                .apply_held(t, &self.bodies, &mut self.loads, true);
+            self.sum_moments();
+        }
+        for (torque, driver) in self.torques.iter_mut().zip(&self.mechanism.drivers) {
+            let (_, _, acceleration) = driver.motion.at(t);
+            *torque = self.inertia[driver.child] * acceleration - self.moments[driver.child];
+        }
+        (self.evaluated.valid, self.evaluated.time) = (true, t);
+        self.evaluated.y.copy_from_slice(y);
+    }
+
+    /// Puts all bodies in place, whose angles and rates are those at time `t`.
+    fn put(&mut self, t: f64) {
+        if self.evaluated.placed {
+            return;
+        }
+        self.carry();
         for &(body, start) in &self.idle {
             self.bodies[body].angle = start.angle + start.rate * t;
         }
-        self.loads.fill(Wrench::default());
-        self.evaluated.energy = self
-            .forces
-            .apply_held(t, &self.bodies, &mut self.loads, true);
-        self.sum_moments();
-        (self.evaluated.valid, self.evaluated.time) = (true, t);
-        self.evaluated.y.copy_from_slice(y);
+        self.evaluated.placed = true;
+    }
+
+    /// What was evaluated, at time `t`.
+    fn see(&self, t: f64) -> Observation<'_> {
+        Observation {
+            time: t,
+            bodies: &self.bodies,
+            loads: &self.loads,
+            moments: Some(&self.moments),
+            kinetic_j: self.kinetic_j(),
+            driver_torques: &self.torques,
+            energy: self.evaluated.energy,
+            reactions: None,
+        }
+    }
+
+    /// Of the bodies, whose angles and rates are those of the moment, J.
+    fn kinetic_j(&self) -> f64 {
+        let of = |body: BodyId| self.inertia[body] * self.bodies[body].rate.powi(2);
+        let driven = self.mechanism.drivers.iter().map(|driver| driver.child);
+        let turning = self.free.iter().copied().chain(driven);
+        0.5 * turning.map(of).sum::<f64>() + self.idle_j
     }
 
     /// Accelerations from the moments, and the rates.
@@ -454,23 +507,20 @@ impl<F: Forces> Formulation for Reduced<F> {
 
     fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
         self.evaluate_whole(t, y);
-        for (k, driver) in self.mechanism.drivers.iter().enumerate() {
-            let (_, _, acceleration) = driver.motion.at(t);
-            self.torques[k] =
-                self.inertia[driver.child] * acceleration - self.moments[driver.child];
-        }
+        self.put(t);
         let wanted = !self.reactions.is_empty();
         if wanted {
             self.set_reactions(t);
         }
         Observation {
-            time: t,
-            bodies: &self.bodies,
-            loads: &self.loads,
-            driver_torques: &self.torques,
-            energy: self.evaluated.energy,
             reactions: wanted.then_some(self.reactions.as_slice()),
+            ..self.see(t)
         }
+    }
+
+    fn glance(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
+        self.evaluate_whole(t, y);
+        self.see(t)
     }
 
     fn degrees_of_freedom(&self) -> usize {

@@ -76,6 +76,18 @@ pub trait ContactField: Send {
         false
     }
 
+    /// From angles and rates alone, as [`add_moments`](Self::add_moments): writes the contacts' loads on all bodies to `loads` and
+    /// adds their moments about the pins of wheels, output and input. `None`, the default, and nothing was touched, if this
+    /// field has no such way.
+    fn hold(
+        &mut self,
+        _bodies: &[BodyState],
+        _moments: &mut [f64],
+        _loads: &mut [Wrench],
+    ) -> Option<ContactEnergy> {
+        None
+    }
+
     /// [`add_loads`](Self::add_loads), or where the state is `observed`
     /// [`add_loads_with_energy`](Self::add_loads_with_energy).
     fn add_asked_loads(

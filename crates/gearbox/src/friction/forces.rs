@@ -76,6 +76,20 @@ impl Forces for GearForces {
         known
     }
 
+    fn observed_moments(
+        &mut self,
+        time: f64,
+        bodies: &[BodyState],
+        moments: &mut [f64],
+        loads: &mut [Wrench],
+    ) -> Option<ContactEnergy> {
+        let energy = self.field.hold(bodies, moments, loads)?;
+        let load = self.load.torque(time);
+        moments[Layout::OUTPUT] += load;
+        loads[Layout::OUTPUT].moment += load;
+        Some(energy)
+    }
+
     fn apply_without_friction(
         &mut self,
         time: f64,

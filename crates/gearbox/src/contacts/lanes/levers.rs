@@ -92,7 +92,7 @@ struct Segment {
 
 /// What comes of an evaluation.
 pub(super) struct Found<'a> {
-    /// About the pins, of all bodies, N m.
+    /// About the pins, of all bodies, N m; the input's with `LOADS` alone. May be empty with `LOADS`.
     pub(super) moments: &'a mut [f64],
     /// With `LOADS`: on all bodies.
     pub(super) loads: &'a mut [Wrench],
@@ -217,7 +217,7 @@ impl Levers {
     }
 
     /// Forces at the angles and rates of `bodies`, whose places are not looked at. Moments are those of wheels and output,
-    /// or with `LOADS` all bodies' loads. Nothing rubs.
+    /// with `LOADS` the input's and all bodies' loads, too. Nothing rubs.
     #[inline(always)]
     pub(super) fn run<S: Simd, L: NormalLaw, const LOADS: bool>(
         &mut self,
@@ -231,14 +231,18 @@ impl Levers {
         if LOADS {
             self.forces.iter_mut().for_each(Column::clear);
         }
-        self.external::<S, L, LOADS>(simd, law, shapes, bodies, found);
-        let moment = self.internal::<S, L, LOADS>(simd, law, shapes, bodies, output, found);
-        let hubs = self.layout.wheel_bodies();
+        let on_input = self.external::<S, L, LOADS>(simd, law, shapes, bodies, found);
+        let [more, on_output] =
+            self.internal::<S, L, LOADS>(simd, law, shapes, bodies, output, found);
+        let on_input = on_input + more;
         if LOADS {
             self.scatter(found.loads);
-        } else {
-            found.moments[Layout::OUTPUT] += moment;
-            for (total, wheel) in found.moments[hubs].iter_mut().zip(&self.wheels) {
+        }
+        if !found.moments.is_empty() {
+            found.moments[Layout::INPUT] += on_input.sum();
+            found.moments[Layout::OUTPUT] += on_output.sum();
+            let on_wheels = &mut found.moments[self.layout.wheel_bodies()];
+            for (total, wheel) in on_wheels.iter_mut().zip(&self.wheels) {
                 *total += wheel.moment;
             }
         }
@@ -305,6 +309,7 @@ impl Levers {
         }
     }
 
+    /// Returns the moment on the input, with `LOADS`.
     #[inline(always)]
     fn external<S: Simd, L: NormalLaw, const LOADS: bool>(
         &mut self,
@@ -313,11 +318,12 @@ impl Levers {
         shapes: &Shapes,
         bodies: &[BodyState],
         found: &mut Found<'_>,
-    ) {
+    ) -> Lanes<S> {
         self.list_external(simd);
         let c = |x: f64| Lanes::splat(simd, x);
         let (b, r) = (self.backlash, self.radius);
         let zk = self.lobes + 1.0;
+        let mut on_input = c(0.0);
         for group in self.segments.chunks(2) {
             let pair = pair(group);
             let (one, two) = (&self.wheels[pair[0].wheel], &self.wheels[pair[1].wheel]);
@@ -346,7 +352,16 @@ impl Levers {
                 let m2 = c(self.shortening * self.shortening);
                 let reach = (foot.cos + m2).mul_add(c(r / zk), (foot.cos + c(1.0)) * c(r));
                 moment = moment + along * (reach * foot.inverse - foot.depth).only(inside);
+                if LOADS {
+                    // A, whose lever is -c.n = (R + b) Re T/sqrt(g) less that.
+                    let centre = foot.outward.re * foot.inverse * c(r + b);
+                    let lever = centre - (reach * foot.inverse - foot.depth);
+                    on_input = on_input + along * lever.only(inside);
+                }
                 beside = Some(along);
+            }
+            if LOADS {
+                on_input = on_input + (input_lever * force).only(inside);
             }
             let moment = moment.sums();
             self.wheels[pair[0].wheel].moment += moment[0];
@@ -368,9 +383,10 @@ impl Levers {
                 account(law, found, stiffness, foot.depth, closing, force, inside);
             }
         }
+        on_input
     }
 
-    /// Returns the moment on the output.
+    /// Returns the moments on input, with `LOADS`, and output.
     #[inline(always)]
     fn internal<S: Simd, L: NormalLaw, const LOADS: bool>(
         &mut self,
@@ -380,7 +396,7 @@ impl Levers {
         bodies: &[BodyState],
         output: Complex,
         found: &mut Found<'_>,
-    ) -> f64 {
+    ) -> [Lanes<S>; 2] {
         let c = |x: f64| Lanes::splat(simd, x);
         let count = self.layout.internal_sleeves;
         self.segments.clear();
@@ -391,7 +407,7 @@ impl Levers {
         let input_rate = c(bodies[Layout::INPUT].rate);
         let output = ComplexLanes::splat(simd, output);
         let stiffness = c(shapes.hole_stiffness);
-        let mut on_output = c(0.0);
+        let (mut on_input, mut on_output) = (c(0.0), c(0.0));
         for group in self.segments.chunks(2) {
             let pair = pair(group);
             let (one, two) = (&self.wheels[pair[0].wheel], &self.wheels[pair[1].wheel]);
@@ -417,6 +433,7 @@ impl Levers {
             self.wheels[pair[0].wheel].moment += moment[0];
             self.wheels[pair[1].wheel].moment += moment[1];
             if LOADS {
+                on_input = on_input + ((output_lever - wheel_lever) * force).only(inside);
                 let push = normal.scale(-force).only(inside);
                 self.forces[1].add_pair(pair, push);
                 let (x, y) = (push.re.sums(), push.im.sums());
@@ -427,7 +444,7 @@ impl Levers {
                 account(law, found, stiffness, depth, closing, force, inside);
             }
         }
-        on_output.sum()
+        [on_input, on_output]
     }
 
     /// Forces of sleeves and wheels to the bodies.

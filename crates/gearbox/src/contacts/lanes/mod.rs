@@ -292,6 +292,23 @@ impl ContactField for LaneField {
         self.levers::<false>(bodies, found)
     }
 
+    fn hold(
+        &mut self,
+        bodies: &[BodyState],
+        moments: &mut [f64],
+        loads: &mut [Wrench],
+    ) -> Option<ContactEnergy> {
+        self.levers.as_ref()?;
+        loads.fill(Wrench::default());
+        let mut found = Found {
+            moments,
+            loads,
+            energy: Some(ContactEnergy::default()),
+        };
+        self.levers::<true>(bodies, &mut found);
+        found.energy
+    }
+
     fn add_held_loads(
         &mut self,
         bodies: &[BodyState],
