@@ -283,14 +283,6 @@ impl<S: Simd> Lanes<S> {
         })
     }
 
-    /// Largest of all lanes, none of which is NaN.
-    #[must_use]
-    #[inline(always)]
-    pub fn largest(self) -> f64 {
-        self.simd
-            .reduce_max_f64s(self.simd.max_f64s(self.v[0], self.v[1]))
-    }
-
     /// Sum of all lanes, in a fixed order.
     #[must_use]
     #[inline(always)]
@@ -341,8 +333,30 @@ impl<S: Simd> Mask<S> {
     #[must_use]
     #[inline(always)]
     pub fn any(self) -> bool {
-        let first = |k: usize| self.simd.first_true_m64s(self.m[k]);
-        first(0) < S::F64_LANES || first(1) < S::F64_LANES
+        self.first_set() < Lanes::<S>::COUNT
+    }
+
+    /// Number of the first lane that is set; [`Lanes::COUNT`] if none is.
+    #[must_use]
+    #[inline(always)]
+    pub fn first_set(self) -> usize {
+        let (first, second) = (self.first_of(0), self.first_of(1));
+        if first < S::F64_LANES {
+            first
+        } else {
+            S::F64_LANES + second
+        }
+    }
+
+    /// The first of a register that is set; as many as there are if none is.
+    #[inline(always)]
+    fn first_of(self, register: usize) -> usize {
+        let mask = self.m[register];
+        // pulp 0.22 counts bits from the wrong end where a lane is a bit.
+        if const { size_of::<S::m64s>() == 1 && S::F64_LANES == 8 } {
+            return cast::<S::m64s, u8>(mask).trailing_zeros() as usize;
+        }
+        self.simd.first_true_m64s(mask)
     }
 
     /// One lane.

@@ -42,6 +42,7 @@ impl Balance {
     ///
     /// # Errors
     /// How much energy nothing accounts for.
+    #[inline]
     pub(crate) fn add(&mut self, audit: &EnergyAudit) -> Result<(), String> {
         self.remainder_j += audit.remainder_j;
         self.turnover_j += audit.driver_j.abs() + audit.load_j.abs();

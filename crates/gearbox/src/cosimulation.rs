@@ -622,7 +622,7 @@ mod tests {
             unit.advance(0.02).unwrap();
             unit.observe(&mut row);
             let off = apart(&row, &expected);
-            assert!(off < 1e-5, "{method}: {off:e}");
+            eprintln!("{method} {off:e}"); assert!(off < 1e-5, "{method}: {off:e}");
         }
     }
 

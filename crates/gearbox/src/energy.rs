@@ -23,6 +23,9 @@ use crate::contacts::ContactEnergy;
 /// oscillation (1.2 kHz), and costs a few per cent of the run.
 const STEPS: f64 = 10.0;
 
+/// By how much more than so many steps an interval may be long.
+const ROUNDING: f64 = 1e-6;
+
 /// Intervals that differ by no more than this share are equal: sample times are products and sums of decimal numbers.
 const EQUAL: f64 = 1e-9;
 
@@ -59,10 +62,16 @@ impl EnergyAccount {
         }
     }
 
+    /// True if the account needs no entry between two samples.
+    #[inline]
+    pub(crate) fn is_short(from: f64, to: f64, step: f64) -> bool {
+        to - from <= (1.0 + ROUNDING) * STEPS * step
+    }
+
     /// Times between two samples at which entries are due, both ends excluded.
     /// `least`: intervals that they make at least.
     pub(crate) fn between(from: f64, to: f64, step: f64, least: u64) -> impl Iterator<Item = f64> {
-        let parts = ((to - from) / (STEPS * step) - 1e-6).ceil();
+        let parts = ((to - from) / (STEPS * step) - ROUNDING).ceil();
         let parts = parts.max(least as f64);
         (1..parts as u64).map(move |k| from + (to - from) * k as f64 / parts)
     }
@@ -82,8 +91,7 @@ impl EnergyAccount {
             contacts.damping_w,
             contacts.friction_w,
         ];
-        self.leg.add(seen.time, powers);
-        self.settle();
+        self.enter(seen.time, powers);
     }
 
     /// Adds the entry of a sample, which the account can begin or end at.
@@ -107,9 +115,10 @@ impl EnergyAccount {
         });
     }
 
-    /// Works up to the last samples, whose last intervals the newest entry has made more accurate.
-    fn settle(&mut self) {
-        for entry in &self.leg.entries[..self.leg.len] {
+    /// Adds an entry, and settles the works up to the last samples, whose last intervals it makes more accurate.
+    #[inline]
+    fn enter(&mut self, time: f64, powers: Four) {
+        for entry in self.leg.add(time, powers) {
             if let Some(mark) = entry.mark {
                 self.marks[mark].works = add(self.before_leg, entry.work);
             }
@@ -136,6 +145,7 @@ impl EnergyAccount {
     }
 
     /// The account between the last two samples.
+    #[inline]
     pub(crate) fn latest(&self) -> Option<EnergyAudit> {
         match self.marks.as_slice() {
             [.., before, last] if before.time < last.time => Some(between(before, last)),
@@ -151,6 +161,7 @@ impl EnergyAccount {
 }
 
 /// The account from one sample to another.
+#[inline]
 fn between(a: &Mark, b: &Mark) -> EnergyAudit {
     let work = |k: usize| b.works[k] - a.works[k];
     let (driver_j, load_j, damping_j, friction_j) = (work(0), work(1), work(2), work(3));
@@ -198,18 +209,22 @@ struct Leg {
 }
 
 impl Leg {
-    fn add(&mut self, time: f64, powers: Four) {
-        if self.len == 4 {
-            self.entries.copy_within(1.., 0);
-            self.cut = true;
-        } else {
-            self.len += 1;
-        }
-        self.entries[self.len - 1] = Entry {
+    /// Returns the entries up to which the work has become another.
+    #[inline]
+    fn add(&mut self, time: f64, powers: Four) -> &[Entry] {
+        let new = Entry {
             time,
             powers,
             ..Entry::default()
         };
+        if self.len == 4 {
+            let [_, a, b, c] = self.entries;
+            self.entries = [a, b, c, new];
+            self.cut = true;
+        } else {
+            self.entries[self.len] = new;
+            self.len += 1;
+        }
         // The cubic of an interval inside reaches one entry farther on each side: the last but one interval is
         // settled now, and with the fourth entry of a leg all before it.
         let first = if self.cut { 2 } else { 1 };
@@ -217,6 +232,7 @@ impl Leg {
             let interval = interval(&self.entries[..self.len], k - 1);
             self.entries[k].work = add(self.entries[k - 1].work, interval);
         }
+        &self.entries[first.min(self.len)..self.len]
     }
 
     /// Works so far, J.
@@ -294,8 +310,7 @@ mod tests {
                 account.enter_leg();
             }
             for &t in *times {
-                account.leg.add(t, [power(t); 4]);
-                account.settle();
+                account.enter(t, [power(t); 4]);
                 if sampled(entry) {
                     account.mark(t, [0.0; 2]);
                 }

@@ -61,9 +61,6 @@ pub enum NativeError {
 /// Baumgarte's rate in units of 1/step: fast enough to matter, slow enough for explicit methods.
 const BAUMGARTE_PER_STEP: f64 = 0.1;
 
-/// Steps between looks at whether the run must stop; samples may be much farther apart.
-const STEPS_BETWEEN_LOOKS: u64 = 1000;
-
 /// Runs the scene; `watch` receives the simulated time at every sample and every 1000 steps and returns true to stop.
 /// With the integrator `auto` this is one run as [`auto::plan`] has it; [`resolve::run_resolved`](crate::resolve::run_resolved) verifies it.
 ///
@@ -264,10 +261,13 @@ fn reach<F: Formulation>(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), Stop> {
     stepper.aim(t);
-    while stepper.time() < t - 1e-9 * gearbox.scene.solver.step_s {
-        let (time, counts) = (stepper.time(), stepper.counts());
-        let steps = counts.steps;
-        if steps % STEPS_BETWEEN_LOOKS == 0 {
+    loop {
+        let time = stepper.time();
+        if time >= t - 1e-9 * gearbox.scene.solver.step_s {
+            return Ok(());
+        }
+        if pace.is_due() {
+            let counts = stepper.counts();
             if counts.evaluations > limits.evaluations {
                 let told = format!("more than {:.1e} evaluations", limits.evaluations as f64);
                 return Err(Stop::Fault(time, told));
@@ -275,7 +275,7 @@ fn reach<F: Formulation>(
             if watch(time) {
                 return Err(Stop::Asked);
             }
-            pace.look(time, steps)
+            pace.look(time, counts.steps)
                 .map_err(|quantity| Stop::Fault(time, quantity))?;
         }
         stepper.step(system).map_err(|error| {
@@ -283,5 +283,4 @@ fn reach<F: Formulation>(
             Stop::Fault(time, error.to_string())
         })?;
     }
-    Ok(())
 }

@@ -2,7 +2,9 @@
 
 use crate::scene::Scene;
 
-/// Accepted steps between two looks.
+/// Steps from one look at whether the run must stop to the next; samples may be much farther apart.
+const LOOK: u64 = 1000;
+/// Accepted steps between two looks at the pace.
 const SPAN: u64 = 20_000;
 /// Steps that may be left at the pace of the last [`SPAN`]: at ten microseconds a step five minutes.
 /// Measured most of a run worth having: 9e6 (`dopri5` on `hard-friction-narrow`, 0.6 s).
@@ -28,6 +30,8 @@ impl Limits {
 /// Progress of one run with steps from a tolerance.
 #[derive(Debug, Clone)]
 pub(crate) struct Pace {
+    /// Steps asked for.
+    steps: u64,
     end: f64,
     last: f64,
     next_look: u64,
@@ -39,12 +43,21 @@ impl Pace {
     /// At time 0 of a scene whose contacts rub or do not.
     pub(crate) fn new(scene: &Scene, rubs: bool) -> Self {
         Self {
+            steps: 0,
             end: scene.solver.duration_s,
             last: 0.0,
             next_look: SPAN,
             integrator: scene.solver.integrator.clone(),
             rubs,
         }
+    }
+
+    /// Before each step: whether it is time to look.
+    #[inline]
+    pub(crate) fn is_due(&mut self) -> bool {
+        let due = self.steps.is_multiple_of(LOOK);
+        self.steps += 1;
+        due
     }
 
     /// Looks at a run that has reached `time` in `steps` steps.

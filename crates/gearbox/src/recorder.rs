@@ -11,6 +11,7 @@ use crate::{Layout, Sleeve};
 /// One sample's values, in column order after the time.
 #[derive(Debug, Clone)]
 pub struct Recorder {
+    arch: pulp::Arch,
     layout: Layout,
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
@@ -27,10 +28,22 @@ fn contract(layout: Layout) -> impl Iterator<Item = String> {
 }
 
 /// Of forces, N. `hypot` is exact to the last digit where squares overflow, which costs 2 % of a fast run; roots of a slice of
-/// its own are taken several at a time.
-fn set_magnitudes(magnitudes: &mut [f64], forces: &[[f64; 2]]) {
-    for (magnitude, [fx, fy]) in magnitudes.iter_mut().zip(forces) {
-        *magnitude = (fx * fx + fy * fy).sqrt();
+/// its own are taken several at a time, by what the processor has.
+struct Magnitudes<'a>(&'a mut [f64], &'a [[f64; 2]]);
+
+impl pulp::WithSimd for Magnitudes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self(magnitudes, forces) = self;
+        let count = magnitudes.len().min(forces.len());
+        // No zipped iterators: the compiler may leave them outside of the function that has the vector instructions.
+        let (magnitudes, forces) = (&mut magnitudes[..count], &forces[..count]);
+        for k in 0..count {
+            let [fx, fy] = forces[k];
+            magnitudes[k] = (fx * fx + fy * fy).sqrt();
+        }
     }
 }
 
@@ -53,6 +66,7 @@ impl Recorder {
         let layout = gearbox.layout;
         let sleeves = layout.external_sleeves + layout.internal_sleeves;
         Self {
+            arch: pulp::Arch::new(),
             layout,
             time: Vec::with_capacity(samples),
             // A clone of an empty column would have no room.
@@ -141,7 +155,8 @@ impl Recorder {
         for (column, value) in heads.iter_mut().zip(head) {
             column.push(value);
         }
-        set_magnitudes(&mut self.magnitudes, forces);
+        self.arch
+            .dispatch(Magnitudes(&mut self.magnitudes, forces));
         for (column, &magnitude) in sleeves.iter_mut().zip(&self.magnitudes) {
             column.push(magnitude);
         }

@@ -120,12 +120,11 @@ pub(crate) fn ramped_integral(x: f64, width: f64) -> f64 {
 #[inline(always)]
 pub(crate) fn ramped_integral_lanes<S: Simd>(x: Lanes<S>, width: f64) -> Lanes<S> {
     let c = |value: f64| x.like(value);
-    // x^3.5 up to the width of S, x^2.5 from there on.
-    let inside = x.min(c(width));
-    let power = |x: Lanes<S>| x * x * x.sqrt();
-    let risen = power(inside);
+    // x^3.5 up to the width of S, x^2.5 from there on. The root of the smaller is the smaller root, to the bit.
+    let (inside, root) = (x.min(c(width)), x.sqrt());
+    let risen = inside * inside * root.min(c(width.sqrt()));
     let ramped = risen * inside * c(1.0 / (3.5 * width));
-    let beyond = (power(x) - risen) * c(1.0 / 2.5);
+    let beyond = (x * x * root - risen) * c(1.0 / 2.5);
     ramped + beyond
 }
 

@@ -62,6 +62,22 @@ pub trait NormalLaw: Copy + Send + Sync + 'static {
         stored
     }
 
+    /// Of several contacts the forces at these rates and at rest, N, and the energies stored, J, whose roots are the same.
+    #[must_use]
+    #[inline(always)]
+    fn observed_lanes<S: Simd>(
+        &self,
+        stiffness: Lanes<S>,
+        penetration: Lanes<S>,
+        rate: Lanes<S>,
+    ) -> [Lanes<S>; 3] {
+        [
+            self.force_lanes(stiffness, penetration, rate),
+            self.force_lanes(stiffness, penetration, rate.like(0.0)),
+            self.stored_lanes(stiffness, penetration),
+        ]
+    }
+
     /// [`along`](Self::along) of several contacts; lanes without contact may hold anything.
     #[must_use]
     #[inline(always)]

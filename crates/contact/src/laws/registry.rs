@@ -93,6 +93,18 @@ macro_rules! registry {
             }
 
             #[inline(always)]
+            fn observed_lanes<S: Simd>(
+                &self,
+                stiffness: Lanes<S>,
+                penetration: Lanes<S>,
+                rate: Lanes<S>,
+            ) -> [Lanes<S>; 3] {
+                match self {
+                    $(Self::$law(law) => law.observed_lanes(stiffness, penetration, rate)),*
+                }
+            }
+
+            #[inline(always)]
             fn along_lanes<S: Simd>(&self, penetration: Lanes<S>) -> Option<Lanes<S>> {
                 match self {
                     $(Self::$law(law) => law.along_lanes(penetration)),*

@@ -103,7 +103,7 @@ pub trait ContactField: Send {
         None
     }
 
-    /// The same with every body standing where its joints hold it.
+    /// The same with every body standing where its joints hold it, to `loads` of 0 on wheels and sleeves.
     fn add_held_loads(
         &mut self,
         bodies: &[BodyState],

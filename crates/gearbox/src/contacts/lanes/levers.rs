@@ -54,8 +54,6 @@ pub(super) struct Levers {
     repulsion: f64,
     /// 1/beta of the external sleeves, the first ones again after the last.
     directions: Column,
-    /// Those of the sleeves before.
-    before: Column,
     /// Internal sleeves on the output, m.
     points: Column,
     angles: Vec<f64>,
@@ -90,11 +88,21 @@ struct Segment {
     count: usize,
 }
 
+/// Sums over all contacts, lane by lane.
+struct Sums<S: Simd> {
+    /// Moments on input, with `LOADS`, and output.
+    on_input: Lanes<S>,
+    on_output: Lanes<S>,
+    /// Where energy is asked for.
+    stored: Lanes<S>,
+    dissipated: Lanes<S>,
+}
+
 /// What comes of an evaluation.
 pub(super) struct Found<'a> {
     /// About the pins, of all bodies, N m; the input's with `LOADS` alone. May be empty with `LOADS`.
     pub(super) moments: &'a mut [f64],
-    /// With `LOADS`: on all bodies.
+    /// With `LOADS`: on all bodies; those on wheels and sleeves are written.
     pub(super) loads: &'a mut [Wrench],
     /// With `LOADS`, where it is asked for.
     pub(super) energy: Option<ContactEnergy>,
@@ -211,7 +219,6 @@ impl Levers {
             wheels: vec![Wheel::default(); layout.wheels],
             segments: Vec::with_capacity(layout.wheels * (zk.max(zi) + 1)),
             forces: [nothing(directions.x.len()), nothing(zi)],
-            before: Column::padded((0..zk).map(|k| directions.at((k + zk - 1) % zk))),
             directions,
         }
     }
@@ -231,16 +238,26 @@ impl Levers {
         if LOADS {
             self.forces.iter_mut().for_each(Column::clear);
         }
-        let on_input = self.external::<S, L, LOADS>(simd, law, shapes, bodies, found);
-        let [more, on_output] =
-            self.internal::<S, L, LOADS>(simd, law, shapes, bodies, output, found);
-        let on_input = on_input + more;
+        let nothing = Lanes::splat(simd, 0.0);
+        let mut sums = Sums {
+            on_input: nothing,
+            on_output: nothing,
+            stored: nothing,
+            dissipated: nothing,
+        };
+        let asked = LOADS && found.energy.is_some();
+        self.external::<S, L, LOADS>(simd, law, shapes, bodies, asked, &mut sums);
+        self.internal::<S, L, LOADS>(simd, law, shapes, bodies, output, asked, &mut sums);
         if LOADS {
             self.scatter(found.loads);
         }
+        if let Some(energy) = &mut found.energy {
+            energy.stored_j += sums.stored.sum();
+            energy.damping_w += sums.dissipated.sum();
+        }
         if !found.moments.is_empty() {
-            found.moments[Layout::INPUT] += on_input.sum();
-            found.moments[Layout::OUTPUT] += on_output.sum();
+            found.moments[Layout::INPUT] += sums.on_input.sum();
+            found.moments[Layout::OUTPUT] += sums.on_output.sum();
             let on_wheels = &mut found.moments[self.layout.wheel_bodies()];
             for (total, wheel) in on_wheels.iter_mut().zip(&self.wheels) {
                 *total += wheel.moment;
@@ -292,24 +309,29 @@ impl Levers {
             let k = wheel.mesh;
             let x = b + m * k.re - h * (b * b + k.norm2()) - ROUNDING;
             let swing = (k.scale(1.0 - 2.0 * h * b) + Complex::new(m * b, 0.0)) * wheel.phase;
-            let c = |x: f64| Lanes::splat(simd, x);
-            // How many are near, and the one before which there is none.
-            let (mut near, mut start) = (c(0.0), c(0.0));
-            let mut numbers = Lanes::load(simd, &NUMBERS);
+            // The first and the last that is near; before the one and after the other there is one that is not.
+            let (mut any, mut first, mut last) = (false, None, 0);
             for from in (0..count).step_by(Lanes::<S>::COUNT) {
-                let present = numbers.less(c(count as f64));
-                let inside = present.without(outside(self.directions.load(simd, from), swing, x));
-                let begins = inside.and(outside(self.before.load(simd, from), swing, x));
-                near = near + c(1.0).only(inside);
-                start = start.max(numbers.only(begins));
-                numbers = numbers + c(Lanes::<S>::COUNT as f64);
+                let before = if from == 0 { count } else { from } - 1;
+                let is_outside = |from: usize| outside(self.directions.load(simd, from), swing, x);
+                let inside = Mask::first(simd, count - from).without(is_outside(from));
+                any |= inside.any();
+                let begins = inside.and(is_outside(before)).first_set();
+                let ends = inside.and(is_outside(from + 1)).first_set();
+                if begins < Lanes::<S>::COUNT {
+                    first = Some(from + begins);
+                }
+                if ends < Lanes::<S>::COUNT {
+                    last = from + ends;
+                }
             }
-            let (start, near) = (start.largest() as usize, near.sum() as usize);
+            let all = if any { count } else { 0 };
+            let near = first.map_or(all, |first| (last + count - first) % count + 1);
+            let start = first.unwrap_or(0);
             split::<S>(&mut self.segments, number, start, near, count);
         }
     }
 
-    /// Returns the moment on the input, with `LOADS`.
     #[inline(always)]
     fn external<S: Simd, L: NormalLaw, const LOADS: bool>(
         &mut self,
@@ -317,13 +339,13 @@ impl Levers {
         law: &L,
         shapes: &Shapes,
         bodies: &[BodyState],
-        found: &mut Found<'_>,
-    ) -> Lanes<S> {
+        asked: bool,
+        sums: &mut Sums<S>,
+    ) {
         self.list_external(simd);
         let c = |x: f64| Lanes::splat(simd, x);
         let (b, r) = (self.backlash, self.radius);
         let zk = self.lobes + 1.0;
-        let mut on_input = c(0.0);
         for group in self.segments.chunks(2) {
             let pair = pair(group);
             let (one, two) = (&self.wheels[pair[0].wheel], &self.wheels[pair[1].wheel]);
@@ -341,7 +363,7 @@ impl Levers {
             let input_lever = foot.outward.im * foot.inverse * c(-(r + b)) - wheel_lever;
             let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
             let closing = -(wheel_lever * wheel_rate) - input_lever * c(bodies[Layout::INPUT].rate);
-            let force = law.force_lanes(stiffness, foot.depth, closing);
+            let force = sums.force(law, stiffness, foot.depth, closing, inside, asked);
             let pressure = force.only(inside);
             let mut moment = (wheel_lever * force).only(inside);
             let mut beside = None;
@@ -356,12 +378,12 @@ impl Levers {
                     // A, whose lever is -c.n = (R + b) Re T/sqrt(g) less that.
                     let centre = foot.outward.re * foot.inverse * c(r + b);
                     let lever = centre - (reach * foot.inverse - foot.depth);
-                    on_input = on_input + along * lever.only(inside);
+                    sums.on_input = sums.on_input + along * lever.only(inside);
                 }
                 beside = Some(along);
             }
             if LOADS {
-                on_input = on_input + (input_lever * force).only(inside);
+                sums.on_input = sums.on_input + (input_lever * force).only(inside);
             }
             let moment = moment.sums();
             self.wheels[pair[0].wheel].moment += moment[0];
@@ -380,13 +402,10 @@ impl Levers {
                     let wheel = &mut self.wheels[segment.wheel];
                     wheel.force = wheel.force - Complex::new(x[k], y[k]);
                 }
-                account(law, found, stiffness, foot.depth, closing, force, inside);
             }
         }
-        on_input
     }
 
-    /// Returns the moments on input, with `LOADS`, and output.
     #[inline(always)]
     fn internal<S: Simd, L: NormalLaw, const LOADS: bool>(
         &mut self,
@@ -395,8 +414,9 @@ impl Levers {
         shapes: &Shapes,
         bodies: &[BodyState],
         output: Complex,
-        found: &mut Found<'_>,
-    ) -> [Lanes<S>; 2] {
+        asked: bool,
+        sums: &mut Sums<S>,
+    ) {
         let c = |x: f64| Lanes::splat(simd, x);
         let count = self.layout.internal_sleeves;
         self.segments.clear();
@@ -407,7 +427,6 @@ impl Levers {
         let input_rate = c(bodies[Layout::INPUT].rate);
         let output = ComplexLanes::splat(simd, output);
         let stiffness = c(shapes.hole_stiffness);
-        let (mut on_input, mut on_output) = (c(0.0), c(0.0));
         for group in self.segments.chunks(2) {
             let pair = pair(group);
             let (one, two) = (&self.wheels[pair[0].wheel], &self.wheels[pair[1].wheel]);
@@ -427,13 +446,13 @@ impl Levers {
             let (wheel_lever, output_lever) = (hole.cross(normal), sleeve.cross(normal));
             let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
             let closing = wheel_lever.mul_add(input_rate - wheel_rate, output_lever * over_input);
-            let force = law.force_lanes(stiffness, depth, closing);
-            on_output = on_output - (output_lever * force).only(inside);
+            let force = sums.force(law, stiffness, depth, closing, inside, asked);
+            sums.on_output = sums.on_output - (output_lever * force).only(inside);
             let moment = (wheel_lever * force).only(inside).sums();
             self.wheels[pair[0].wheel].moment += moment[0];
             self.wheels[pair[1].wheel].moment += moment[1];
             if LOADS {
-                on_input = on_input + ((output_lever - wheel_lever) * force).only(inside);
+                sums.on_input = sums.on_input + ((output_lever - wheel_lever) * force).only(inside);
                 let push = normal.scale(-force).only(inside);
                 self.forces[1].add_pair(pair, push);
                 let (x, y) = (push.re.sums(), push.im.sums());
@@ -441,58 +460,55 @@ impl Levers {
                     let wheel = &mut self.wheels[segment.wheel];
                     wheel.force = wheel.force - Complex::new(x[k], y[k]);
                 }
-                account(law, found, stiffness, depth, closing, force, inside);
             }
         }
-        [on_input, on_output]
     }
 
     /// Forces of sleeves and wheels to the bodies.
     #[inline(always)]
-    fn scatter(&self, loads: &mut [Wrench]) {
+    fn scatter(&mut self, loads: &mut [Wrench]) {
         let layout = &self.layout;
         let kinds = [layout.external_bodies(), layout.internal_bodies()];
         // No zipped iterators: the compiler may leave them outside of the function that has the vector instructions.
         for (kind, bodies) in kinds.iter().enumerate() {
-            let (forces, count) = (&self.forces[kind], bodies.len());
-            let (x, around) = forces.x.split_at(count);
-            let (y, around_y) = forces.y.split_at(count);
-            let loads = &mut loads[bodies.clone()];
-            for (j, load) in loads.iter_mut().enumerate() {
-                load.fx += x[j];
-                load.fy += y[j];
-            }
+            let (forces, count) = (&mut self.forces[kind], bodies.len());
+            let (x, around) = forces.x.split_at_mut(count);
+            let (y, around_y) = forces.y.split_at_mut(count);
             // The first sleeves stand again after the last: what one register holds of them.
             for j in 0..count.min(around.len()).min(PADDING / 2) {
-                loads[j].fx += around[j];
-                loads[j].fy += around_y[j];
+                x[j] += around[j];
+                y[j] += around_y[j];
+            }
+            let loads = &mut loads[bodies.clone()];
+            for (j, load) in loads.iter_mut().enumerate() {
+                (load.fx, load.fy, load.moment) = (x[j], y[j], 0.0);
             }
         }
         for (k, load) in loads[layout.wheel_bodies()].iter_mut().enumerate() {
             let wheel = &self.wheels[k];
-            load.fx += wheel.force.re;
-            load.fy += wheel.force.im;
-            load.moment += wheel.moment;
+            (load.fx, load.fy, load.moment) = (wheel.force.re, wheel.force.im, wheel.moment);
         }
     }
 }
 
-/// Adds what contacts store and dissipate, where it is asked for.
-#[inline(always)]
-fn account<S: Simd>(
-    law: &impl NormalLaw,
-    found: &mut Found<'_>,
-    stiffness: Lanes<S>,
-    depth: Lanes<S>,
-    closing: Lanes<S>,
-    force: Lanes<S>,
-    inside: Mask<S>,
-) {
-    let Some(energy) = found.energy.as_mut() else {
-        return;
-    };
-    let elastic = law.force_lanes(stiffness, depth, depth.like(0.0));
-    let stored = law.stored_lanes(stiffness, depth);
-    energy.stored_j += stored.only(inside).sum();
-    energy.damping_w += ((force - elastic) * closing).only(inside).sum();
+impl<S: Simd> Sums<S> {
+    /// The force; where it is `asked` for, what the contacts inside store and dissipate is added.
+    #[inline(always)]
+    fn force(
+        &mut self,
+        law: &impl NormalLaw,
+        stiffness: Lanes<S>,
+        depth: Lanes<S>,
+        closing: Lanes<S>,
+        inside: Mask<S>,
+        asked: bool,
+    ) -> Lanes<S> {
+        if !asked {
+            return law.force_lanes(stiffness, depth, closing);
+        }
+        let [force, elastic, stored] = law.observed_lanes(stiffness, depth, closing);
+        self.stored = self.stored + stored.only(inside);
+        self.dissipated = self.dissipated + ((force - elastic) * closing).only(inside);
+        force
+    }
 }

@@ -299,7 +299,9 @@ impl ContactField for LaneField {
         loads: &mut [Wrench],
     ) -> Option<ContactEnergy> {
         self.levers.as_ref()?;
-        loads.fill(Wrench::default());
+        for shaft in [Layout::INPUT, Layout::OUTPUT] {
+            loads[shaft] = Wrench::default();
+        }
         let mut found = Found {
             moments,
             loads,
