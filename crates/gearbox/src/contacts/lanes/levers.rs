@@ -59,7 +59,10 @@ pub(super) struct Levers {
     angles: Vec<f64>,
     units: Column,
     wheels: Vec<Wheel>,
-    segments: Vec<Segment>,
+    /// The first external sleeve that is near and how many are, by wheel, and the segments of all wheels that these make. They
+    /// stay while no other sleeve comes near: nothing need wait for the test that they hold.
+    windows: Vec<(usize, usize)>,
+    segments: [Vec<Segment>; 2],
     /// On the sleeves, N, ground frame; external ones as their directions.
     forces: [Column; 2],
 }
@@ -217,7 +220,8 @@ impl Levers {
             units: nothing(angles.len()),
             angles,
             wheels: vec![Wheel::default(); layout.wheels],
-            segments: Vec::with_capacity(layout.wheels * (zk.max(zi) + 1)),
+            windows: vec![(0, 0); layout.wheels],
+            segments: [zk, zi].map(|sleeves| Vec::with_capacity(layout.wheels * (sleeves + 1))),
             forces: [nothing(directions.x.len()), nothing(zi)],
             directions,
         }
@@ -304,7 +308,7 @@ impl Levers {
         let (h, m) = (self.repulsion, self.shortening);
         let b = self.backlash / self.radius;
         let count = self.layout.external_sleeves;
-        self.segments.clear();
+        let mut stay = true;
         for (number, wheel) in self.wheels.iter().enumerate() {
             let k = wheel.mesh;
             let x = b + m * k.re - h * (b * b + k.norm2()) - ROUNDING;
@@ -327,8 +331,16 @@ impl Levers {
             }
             let all = if any { count } else { 0 };
             let near = first.map_or(all, |first| (last + count - first) % count + 1);
-            let start = first.unwrap_or(0);
-            split::<S>(&mut self.segments, number, start, near, count);
+            let window = (first.unwrap_or(0), near);
+            stay &= self.windows[number] == window;
+            self.windows[number] = window;
+        }
+        if !stay {
+            let segments = &mut self.segments[0];
+            segments.clear();
+            for (number, &(start, near)) in self.windows.iter().enumerate() {
+                split::<S>(segments, number, start, near, count);
+            }
         }
     }
 
@@ -346,7 +358,7 @@ impl Levers {
         let c = |x: f64| Lanes::splat(simd, x);
         let (b, r) = (self.backlash, self.radius);
         let zk = self.lobes + 1.0;
-        for group in self.segments.chunks(2) {
+        for group in self.segments[0].chunks(2) {
             let pair = pair(group);
             let (one, two) = (&self.wheels[pair[0].wheel], &self.wheels[pair[1].wheel]);
             let direction = self.directions.load_pair(simd, pair);
@@ -419,15 +431,16 @@ impl Levers {
     ) {
         let c = |x: f64| Lanes::splat(simd, x);
         let count = self.layout.internal_sleeves;
-        self.segments.clear();
-        for number in 0..self.wheels.len() {
-            split::<S>(&mut self.segments, number, 0, count, count);
+        if self.segments[1].is_empty() {
+            for number in 0..self.wheels.len() {
+                split::<S>(&mut self.segments[1], number, 0, count, count);
+            }
         }
         let over_input = c(bodies[Layout::OUTPUT].rate - bodies[Layout::INPUT].rate);
         let input_rate = c(bodies[Layout::INPUT].rate);
         let output = ComplexLanes::splat(simd, output);
         let stiffness = c(shapes.hole_stiffness);
-        for group in self.segments.chunks(2) {
+        for group in self.segments[1].chunks(2) {
             let pair = pair(group);
             let (one, two) = (&self.wheels[pair[0].wheel], &self.wheels[pair[1].wheel]);
             let first = &shapes.holes[pair[0].wheel];

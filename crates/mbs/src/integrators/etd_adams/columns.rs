@@ -5,6 +5,37 @@ use serde::{Deserialize, Serialize};
 /// Rows summed side by side. Each row's sum takes its columns in order, so that all processors round alike.
 const ROWS: usize = 8;
 
+/// Length of a vector that is padded with 0 to whole blocks.
+pub(super) fn padded(length: usize) -> usize {
+    length.next_multiple_of(ROWS)
+}
+
+/// Writes one padded vector to another.
+#[inline(always)]
+pub(super) fn copy(from: &[f64], to: &mut [f64]) {
+    let (from, to) = (from.as_chunks::<ROWS>().0, to.as_chunks_mut::<ROWS>().0);
+    let to = &mut to[..from.len()];
+    for b in 0..from.len() {
+        to[b] = from[b];
+    }
+}
+
+/// Sum of the squares of padded products.
+#[inline(always)]
+pub(super) fn squares(a: &[f64], b: &[f64]) -> f64 {
+    let (a, b) = (a.as_chunks::<ROWS>().0, b.as_chunks::<ROWS>().0);
+    let b = &b[..a.len()];
+    let mut sums = [0.0; ROWS];
+    for k in 0..a.len() {
+        for i in 0..ROWS {
+            let product = a[k][i] * b[k][i];
+            sums[i] += product * product;
+        }
+    }
+    let [a, b, c, d, e, f, g, h] = sums;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}
+
 /// A matrix; rows are padded to blocks of [`ROWS`].
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Columns {
@@ -49,15 +80,20 @@ impl Columns {
         })
     }
 
-    /// out = the columns from `first` on, as many as x has entries, times x.
+    /// out, padded = the columns from `first` on, as many as x has entries, times x.
+    #[inline(always)]
     pub(super) fn multiply(&self, first: usize, x: &[f64], out: &mut [f64]) {
-        let blocks = self.entries.chunks_exact(self.columns);
-        for (block, out) in blocks.zip(out.chunks_mut(ROWS)) {
+        let out = out.as_chunks_mut::<ROWS>().0;
+        // No zipped iterators: the compiler may leave them outside of a function that has vector instructions.
+        for b in 0..out.len() {
+            let columns = &self.entries[b * self.columns + first..][..x.len()];
             let mut sums = [0.0; ROWS];
-            for (column, x) in block[first..].iter().zip(x) {
-                add(&mut sums, *x, column);
+            for k in 0..x.len() {
+                for i in 0..ROWS {
+                    sums[i] += x[k] * columns[k][i];
+                }
             }
-            out.copy_from_slice(&sums[..out.len()]);
+            out[b] = sums;
         }
     }
 
@@ -130,9 +166,9 @@ mod tests {
             }
         }
         let x: Vec<f64> = (0..4).map(|k| number(100 + k)).collect();
-        let mut out = vec![0.0; rows];
+        let mut out = vec![0.0; padded(rows)];
         matrix.multiply(2, &x, &mut out);
-        for (i, out) in out.iter().enumerate() {
+        for (i, out) in out.iter().take(rows).enumerate() {
             let terms = x.iter().enumerate();
             let sum = terms.fold(0.0, |sum, (j, x)| sum + x * number(i * columns + 2 + j));
             assert_eq!(*out, sum, "row {i}");

@@ -4,11 +4,12 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
+use super::columns::padded;
 use super::propagator::{Linear, POWERS};
 
 /// The straight line that states are measured from: `x = y - origin - rate (t - time)`.
 ///
-/// Angles grow without bound while what is elastic of them stays small; the line keeps the digits.
+/// Angles grow without bound while what is elastic of them stays small; the line keeps the digits. Padded, as x.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Line {
     time: f64,
@@ -20,15 +21,15 @@ impl Line {
     pub(super) fn new(dimension: usize) -> Self {
         Self {
             time: 0.0,
-            origin: vec![0.0; dimension],
-            rate: vec![0.0; dimension],
+            origin: vec![0.0; padded(dimension)],
+            rate: vec![0.0; padded(dimension)],
         }
     }
 
     /// Through `y` at `time`; positions move with their rates.
     pub(super) fn set(&mut self, linear: &Linear, time: f64, y: &[f64]) {
         self.time = time;
-        self.origin.copy_from_slice(y);
+        self.origin[..y.len()].copy_from_slice(y);
         let (first, count) = (linear.first, linear.first.min(linear.remainders()));
         self.rate[..count].copy_from_slice(&y[first..first + count]);
     }
@@ -53,7 +54,7 @@ impl Line {
     }
 }
 
-/// One remembered time.
+/// One remembered time; padded.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Point {
     /// State at which f was evaluated.
@@ -96,9 +97,9 @@ impl History {
     pub(super) fn new(linear: &Linear, points: usize, differences: usize) -> Self {
         let (n, count) = (linear.dimension, linear.remainders());
         let point = Point {
-            y: vec![0.0; n],
-            f: vec![0.0; count],
-            g: vec![0.0; count],
+            y: vec![0.0; padded(n)],
+            f: vec![0.0; padded(count)],
+            g: vec![0.0; padded(count)],
         };
         Self {
             points: vec![point; points].into(),
@@ -154,7 +155,7 @@ impl History {
         let (width, differences) = (self.width, &mut self.differences[self.dimension..]);
         for k in (0..=first).rev() {
             let orders = if first == 0 { count } else { first - k + 1 };
-            for (c, g) in self.points[k].g.iter().enumerate() {
+            for (c, g) in self.points[k].g[..width].iter().enumerate() {
                 let (mut difference, mut at) = (*g, c);
                 for _ in 0..orders {
                     let older = differences[at];

@@ -25,7 +25,7 @@ mod propagator;
 
 use serde::{Deserialize, Serialize};
 
-use self::columns::Columns;
+use self::columns::{Columns, copy, padded, squares};
 use self::history::{History, Line, shift};
 use self::propagator::{Linear, Propagator};
 use super::dopri5::{Dense, Dopri5};
@@ -105,8 +105,9 @@ struct Multistep {
     between: Propagator,
     /// x, then coefficients of the remainder.
     known: Vec<f64>,
+    /// Padded.
     x: Vec<f64>,
-    /// L x.
+    /// L x, padded.
     product: Vec<f64>,
 }
 
@@ -129,8 +130,8 @@ impl Multistep {
             last_built: 0,
             between: Propagator::new(&linear, TERMS),
             known: vec![0.0; n + TERMS * count],
-            x: vec![0.0; n],
-            product: vec![0.0; count],
+            x: vec![0.0; padded(n)],
+            product: vec![0.0; padded(count)],
             linear,
         }
     }
@@ -192,7 +193,8 @@ impl Multistep {
         self.history.differ(count);
         let used = self.know(time, y, count);
         self.between.build(&self.linear, tau, h);
-        self.between.advance(&self.known[..used], out);
+        self.between.advance(&self.known[..used], &mut self.x);
+        out.copy_from_slice(&self.x[..self.linear.dimension]);
         self.line.restore(time + tau, out);
     }
 
@@ -206,15 +208,15 @@ impl Multistep {
         self.between.build(&self.linear, -to, h);
         for k in 1..count.min(HIGHEST + 1) {
             self.between.advance(&self.known[..used], &mut self.x);
-            self.known[..n].copy_from_slice(&self.x);
+            self.known[..n].copy_from_slice(&self.x[..n]);
             shift(&mut self.known[n..used], width, -to / h);
             let point = &mut self.history.points[k];
-            point.g.copy_from_slice(&self.known[n..n + width]);
+            point.g[..width].copy_from_slice(&self.known[n..n + width]);
             self.linear.product(&self.x, &mut point.f);
             for (f, g) in point.f.iter_mut().zip(&point.g) {
                 *f += g;
             }
-            point.y.copy_from_slice(&self.x);
+            copy(&self.x, &mut point.y);
             self.line.restore(time - k as f64 * to, &mut point.y);
         }
         self.history.change();
@@ -257,12 +259,12 @@ pub struct EtdAdams {
     since_look: u64,
     /// Of the orders, the one of the next step.
     which: usize,
-    /// Predicted state, at which f was evaluated, and whether it stands for the sample.
+    /// Predicted state, at which f was evaluated, padded, and whether it stands for the sample.
     seen: Vec<f64>,
     shown: bool,
-    /// f of all rows, and errors.
+    /// f of all rows, and errors; padded.
     f: Vec<f64>,
-    /// Inverses of what errors of the components may be.
+    /// Inverses of what errors of the components may be; padded.
     weights: Vec<f64>,
 }
 
@@ -270,7 +272,7 @@ impl EtdAdams {
     /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` a step.
     #[must_use]
     pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
-        let zeros = vec![0.0; y.len()];
+        let zeros = vec![0.0; padded(y.len())];
         Self {
             tolerance,
             time: t,
@@ -369,22 +371,22 @@ impl EtdAdams {
         } else {
             short_step(most)
         };
-        let first = multistep.linear.first;
+        let (first, n) = (multistep.linear.first, self.y.len());
         for k in 0..=order {
             let time = self.time - k as f64 * h;
             let point = &mut multistep.history.points[k];
             if k == 0 {
-                point.y.copy_from_slice(&self.y);
+                point.y[..n].copy_from_slice(&self.y);
             } else {
                 let pieces = self.pieces[..self.known_pieces].iter();
                 let reaches = |piece: &&Dense| time >= piece.end - piece.taken - SAME * h;
                 let Some(piece) = pieces.clone().find(reaches) else {
                     return false;
                 };
-                piece.interpolate(time, &mut point.y);
+                piece.interpolate(time, &mut point.y[..n]);
             }
-            system.derivative(time, &point.y, &mut self.f);
-            point.f.copy_from_slice(&self.f[first..]);
+            system.derivative(time, &point.y[..n], &mut self.f[..n]);
+            point.f[..n - first].copy_from_slice(&self.f[first..n]);
         }
         self.counts.evaluations += order as u64 + 1;
         multistep.history.count = order + 1;
@@ -396,6 +398,11 @@ impl EtdAdams {
 
     /// The step to take, s: the wanted one, or what divides the way to the next time asked for.
     fn fitting(&self, multistep: &Multistep) -> f64 {
+        let distance = self.aim - self.time;
+        let is_next = (distance - self.h).abs() <= SAME * self.h;
+        if is_next && self.wanted == self.h && self.h <= self.longest {
+            return self.h;
+        }
         let room = multistep.history.count > 2 * ORDERS[self.which];
         let largest = if self.wanted > self.h && !room {
             self.h
@@ -442,9 +449,11 @@ impl EtdAdams {
         }
     }
 
-    /// Turns scales into weights.
-    fn weigh(&mut self) {
-        for scale in &mut self.weights {
+    /// What errors at the state seen weigh.
+    fn weigh<S: OdeSystem>(&mut self, system: &S) {
+        let n = self.y.len();
+        system.scale(&self.seen[..n], &mut self.weights[..n]);
+        for scale in &mut self.weights[..n] {
             *scale = (self.tolerance * *scale).recip();
         }
     }
@@ -459,9 +468,7 @@ impl EtdAdams {
 
     /// RMS of `f`, an error by component, in tolerances.
     fn norm(&self) -> f64 {
-        let square = |(e, weight): (&f64, &f64)| (e * weight) * (e * weight);
-        let sum: f64 = self.f.iter().zip(&self.weights).map(square).sum();
-        let norm = (sum / self.f.len() as f64).sqrt();
+        let norm = (squares(&self.f, &self.weights) / self.y.len() as f64).sqrt();
         if norm.is_finite() {
             norm
         } else {
@@ -528,22 +535,22 @@ impl EtdAdams {
         line.measure(self.time, &self.y, history.x_mut());
         step.propagator.advance(history.known(order), x);
         linear.product(x, product);
-        self.seen.copy_from_slice(x);
+        copy(x, &mut self.seen);
         line.restore(end, &mut self.seen);
+        let (seen, f) = (&self.seen[..linear.dimension], &mut self.f[..linear.dimension]);
         if lands {
-            system.derivative_to_observe(end, &self.seen, &mut self.f);
+            system.derivative_to_observe(end, seen, f);
         } else {
-            system.derivative(end, &self.seen, &mut self.f);
+            system.derivative(end, seen, f);
         }
         self.counts.evaluations += 1;
         let point = history.push();
-        point.y.copy_from_slice(&self.seen);
-        point.f.copy_from_slice(&self.f[linear.first..]);
+        copy(&self.seen, &mut point.y);
+        point.f[..linear.remainders()].copy_from_slice(&f[linear.first..]);
         point.set_remainder(product);
         let known = history.count;
         history.differ(known.min(TERMS));
-        system.scale(&self.seen, &mut self.weights);
-        self.weigh();
+        self.weigh(system);
         let errors: [f64; 2] = std::array::from_fn(|k| {
             let order = ORDERS[k];
             if order + 1 < known {
@@ -569,7 +576,7 @@ impl EtdAdams {
         system.settle(self.time, &mut self.y);
         self.which = usize::from(errors[1] < errors[0]);
         let error = errors[self.which];
-        let gain = 2.0_f64.powi(ORDERS[self.which] as i32 + 2);
+        let gain = (4 << ORDERS[self.which]) as f64;
         let may_grow = 2.0 * h * linear.size <= TURNS;
         self.wanted = if error > HALVE {
             0.5 * h
@@ -657,7 +664,7 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
         match &mut self.multistep {
             Some(multistep) if self.runs && self.taken > 0 => {
                 if is_here {
-                    y.copy_from_slice(if self.shown { &self.seen } else { &self.y });
+                    y.copy_from_slice(if self.shown { &self.seen[..y.len()] } else { &self.y });
                 } else {
                     multistep.state_at(self.time, &self.y, self.h, t - self.time, y);
                     system.settle(t, y);

@@ -105,9 +105,10 @@ impl Linear {
         rates.max(moved[0] / largest[0].max(f64::MIN_POSITIVE))
     }
 
-    /// L x, rows with a remainder.
+    /// L x, rows with a remainder; padded.
+    #[inline(always)]
     pub(super) fn product(&self, x: &[f64], out: &mut [f64]) {
-        self.rows.multiply(0, x, out);
+        self.rows.multiply(0, &x[..self.dimension], out);
     }
 
     /// Its columns by a factor, rows with a remainder, one after the other.
