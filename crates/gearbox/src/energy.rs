@@ -228,8 +228,9 @@ impl Leg {
         // The cubic of an interval inside reaches one entry farther on each side: the last but one interval is
         // settled now, and with the fourth entry of a leg all before it.
         let first = if self.cut { 2 } else { 1 };
+        let even = is_even(&self.entries[..self.len]);
         for k in first..self.len {
-            let interval = interval(&self.entries[..self.len], k - 1);
+            let interval = interval(&self.entries[..self.len], k - 1, even);
             self.entries[k].work = add(self.entries[k - 1].work, interval);
         }
         &self.entries[first.min(self.len)..self.len]
@@ -253,12 +254,23 @@ fn add(a: Four, b: Four) -> Four {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
 }
 
-/// Integrals over [t_k, t_k+1] of the polynomial through these two to four entries.
-fn interval(entries: &[Entry], k: usize) -> Four {
+/// True for four entries of equal intervals, which nearly all are.
+#[inline]
+fn is_even(entries: &[Entry]) -> bool {
+    let [a, b, c, d] = entries else {
+        return false;
+    };
+    let h = b.time - a.time;
+    let equal = |one: &Entry, next: &Entry| (next.time - one.time - h).abs() < EQUAL * h;
+    equal(b, c) && equal(c, d)
+}
+
+/// Integrals over [t_k, t_k+1] of the polynomial through these two to four entries, which are `even` or not.
+#[inline]
+fn interval(entries: &[Entry], k: usize, even: bool) -> Four {
     let (low, h) = (entries[k].time, entries[k + 1].time - entries[k].time);
-    let even = |a: usize| (entries[a + 1].time - entries[a].time - h).abs() < EQUAL * h;
-    if entries.len() == 4 && even(0) && even(1) && even(2) {
-        // The same integral for equal intervals, which nearly all are.
+    if even {
+        // The same integral for equal intervals.
         let [a, b, c, d]: [f64; 4] = match k {
             0 => [9.0, 19.0, -5.0, 1.0],
             1 => [-1.0, 13.0, 13.0, -1.0],

@@ -108,10 +108,13 @@ impl<S: OdeSystem> Stepper<S> for Legs<S> {
         // The end of a leg is asked for, too.
         let aim = self.aim.min(self.end());
         self.stepper.aim(aim);
-        let (time, step, end) = (self.stepper.time(), self.stepper.next_step(), self.end());
-        if time + step > end + THERE * step {
-            self.restart(time, end - time);
-            self.stepper.aim(aim);
+        let end = self.end();
+        if end < f64::INFINITY {
+            let (time, step) = (self.stepper.time(), self.stepper.next_step());
+            if time + step > end + THERE * step {
+                self.restart(time, end - time);
+                self.stepper.aim(aim);
+            }
         }
         self.stepper.step(system)
     }

@@ -22,7 +22,7 @@ pub(super) fn copy(from: &[f64], to: &mut [f64]) {
 
 /// Sum of the squares of padded products.
 #[inline(always)]
-pub(super) fn squares(a: &[f64], b: &[f64]) -> f64 {
+fn squares(a: &[f64], b: &[f64]) -> f64 {
     let (a, b) = (a.as_chunks::<ROWS>().0, b.as_chunks::<ROWS>().0);
     let b = &b[..a.len()];
     let mut sums = [0.0; ROWS];
@@ -147,6 +147,53 @@ impl Columns {
 fn add(sums: &mut [f64; ROWS], x: f64, column: &[f64; ROWS]) {
     for (sum, entry) in sums.iter_mut().zip(column) {
         *sum += x * entry;
+    }
+}
+
+/// x = matrix known, then product = rows x, in the registers that the processor has. Here and in [`Judge`] no product is fused
+/// with a sum, so that all processors round alike.
+pub(super) struct Predict<'a> {
+    pub(super) matrix: &'a Columns,
+    pub(super) known: &'a [f64],
+    pub(super) x: &'a mut [f64],
+    pub(super) rows: &'a Columns,
+    pub(super) product: &'a mut [f64],
+}
+
+impl pulp::WithSimd for Predict<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        self.matrix.multiply(0, self.known, self.x);
+        let known = &self.x[..self.rows.columns];
+        self.rows.multiply(0, known, self.product);
+    }
+}
+
+/// A matrix, the first of its columns that count, and what they are multiplied by.
+pub(super) type Factors<'a> = (&'a Columns, usize, &'a [f64]);
+
+/// Sums of the squares of weighted products, infinite where there is none; `out` is the last product.
+pub(super) struct Judge<'a> {
+    pub(super) factors: [Option<Factors<'a>>; 3],
+    pub(super) weights: &'a [f64],
+    pub(super) out: &'a mut [f64],
+}
+
+impl pulp::WithSimd for Judge<'_> {
+    type Output = [f64; 3];
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> [f64; 3] {
+        let mut sums = [f64::INFINITY; 3];
+        for k in 0..3 {
+            if let Some((matrix, first, x)) = self.factors[k] {
+                matrix.multiply(first, x, self.out);
+                sums[k] = squares(self.out, self.weights);
+            }
+        }
+        sums
     }
 }
 

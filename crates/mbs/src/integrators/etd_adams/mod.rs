@@ -25,7 +25,7 @@ mod propagator;
 
 use serde::{Deserialize, Serialize};
 
-use self::columns::{Columns, copy, padded, squares};
+use self::columns::{Columns, Factors, Judge, copy, padded};
 use self::history::{History, Line, shift};
 use self::propagator::{Linear, Propagator};
 use super::dopri5::{Dense, Dopri5};
@@ -99,8 +99,9 @@ struct Multistep {
     line: Line,
     history: History,
     steps: Vec<Step>,
-    /// Of the steps, the one last made.
+    /// Of the steps, the one last made, and the one last used.
     last_built: usize,
+    last: usize,
     /// For times inside steps and before the present.
     between: Propagator,
     /// x, then coefficients of the remainder.
@@ -128,6 +129,7 @@ impl Multistep {
             history: History::new(&linear, 2 * HIGHEST + 3, TERMS),
             steps: vec![step; KEPT],
             last_built: 0,
+            last: 0,
             between: Propagator::new(&linear, TERMS),
             known: vec![0.0; n + TERMS * count],
             x: vec![0.0; padded(n)],
@@ -160,11 +162,12 @@ impl Multistep {
 
     /// The matrices of a step `h`, made if they are not kept.
     fn matrices(&mut self, h: f64) -> usize {
-        if let Some(k) = self
-            .steps
-            .iter()
-            .position(|s| (s.propagator.tau - h).abs() <= SAME * h)
-        {
+        let is_of = |step: &Step| (step.propagator.tau - h).abs() <= SAME * h;
+        if is_of(&self.steps[self.last]) {
+            return self.last;
+        }
+        if let Some(k) = self.steps.iter().position(is_of) {
+            self.last = k;
             return k;
         }
         self.last_built = (self.last_built + 1) % KEPT;
@@ -175,6 +178,7 @@ impl Multistep {
             step.propagator
                 .difference_of_terms(&self.linear, order, error);
         }
+        self.last = self.last_built;
         self.last_built
     }
 
@@ -227,6 +231,8 @@ impl Multistep {
 /// A run with steps from a tolerance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct EtdAdams {
+    #[serde(skip, default = "pulp::Arch::new")]
+    arch: pulp::Arch,
     tolerance: f64,
     time: f64,
     y: Vec<f64>,
@@ -274,6 +280,7 @@ impl EtdAdams {
     pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
         let zeros = vec![0.0; padded(y.len())];
         Self {
+            arch: pulp::Arch::new(),
             tolerance,
             time: t,
             y: y.to_vec(),
@@ -458,24 +465,6 @@ impl EtdAdams {
         }
     }
 
-    /// From the state seen to that one with the change `f`.
-    fn change(&mut self) {
-        for ((y, seen), change) in self.y.iter_mut().zip(&self.seen).zip(&self.f) {
-            *y = seen + change;
-        }
-        self.shown = self.norm() <= SHOWN;
-    }
-
-    /// RMS of `f`, an error by component, in tolerances.
-    fn norm(&self) -> f64 {
-        let norm = (squares(&self.f, &self.weights) / self.y.len() as f64).sqrt();
-        if norm.is_finite() {
-            norm
-        } else {
-            f64::INFINITY
-        }
-    }
-
     /// One step of the multistep method. False: Dormand-Prince must go on from here.
     fn multistep_step<S: OdeSystem>(&mut self, system: &mut S) -> bool {
         self.look(system);
@@ -533,8 +522,9 @@ impl EtdAdams {
         } = multistep;
         let step = &steps[matrices];
         line.measure(self.time, &self.y, history.x_mut());
-        step.propagator.advance(history.known(order), x);
-        linear.product(x, product);
+        let known = history.known(order);
+        self.arch
+            .dispatch(step.propagator.predict(linear, known, x, product));
         copy(x, &mut self.seen);
         line.restore(end, &mut self.seen);
         let (seen, f) = (&self.seen[..linear.dimension], &mut self.f[..linear.dimension]);
@@ -551,36 +541,41 @@ impl EtdAdams {
         let known = history.count;
         history.differ(known.min(TERMS));
         self.weigh(system);
-        let errors: [f64; 2] = std::array::from_fn(|k| {
+        let factors = |k: usize| -> Option<Factors<'_>> {
             let order = ORDERS[k];
-            if order + 1 < known {
-                step.errors[k].multiply(0, history.difference(order + 1), &mut self.f);
-                self.norm()
-            } else {
-                f64::INFINITY
-            }
+            (order + 1 < known).then(|| (&step.errors[k], 0, history.difference(order + 1)))
+        };
+        let change = history.difference(order);
+        let change = step.propagator.term(linear, order, change);
+        let squares = self.arch.dispatch(Judge {
+            factors: [factors(0), factors(1), Some(change)],
+            weights: &self.weights,
+            out: &mut self.f,
         });
-        let error = errors[which];
-        if error > REJECT {
+        // Mean squares of errors, in tolerances, and of what is corrected.
+        let squares = squares.map(|square| square / self.y.len() as f64);
+        let error = squares[which];
+        if !(error <= REJECT * REJECT) {
             self.counts.rejected += 1;
             history.pop();
             (self.wanted, self.which) = (0.5 * h, 0);
-            return error.is_infinite().then_some(false);
+            return (!error.is_finite()).then_some(false);
         }
-        let change = history.difference(order);
-        step.propagator.term(linear, order, change, &mut self.f);
-        self.change();
+        for ((y, seen), change) in self.y.iter_mut().zip(&self.seen).zip(&self.f) {
+            *y = seen + change;
+        }
+        self.shown = squares[2] <= SHOWN * SHOWN;
         self.time = end;
         self.taken += 1;
         self.counts.steps += 1;
         system.settle(self.time, &mut self.y);
-        self.which = usize::from(errors[1] < errors[0]);
-        let error = errors[self.which];
+        self.which = usize::from(squares[1] < squares[0]);
+        let error = squares[self.which];
         let gain = (4 << ORDERS[self.which]) as f64;
         let may_grow = 2.0 * h * linear.size <= TURNS;
-        self.wanted = if error > HALVE {
+        self.wanted = if error > HALVE * HALVE {
             0.5 * h
-        } else if may_grow && error * gain < GROW {
+        } else if may_grow && error * gain * gain < GROW * GROW {
             2.0 * h
         } else {
             h

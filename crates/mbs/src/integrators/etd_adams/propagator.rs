@@ -10,7 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::columns::Columns;
+use super::columns::{Columns, Factors, Predict};
 use crate::jacobian::{Jacobian, Structure};
 
 /// Taylor sums end where the next term is below this share of the first.
@@ -218,9 +218,26 @@ impl Propagator {
         self.matrix.multiply(0, known, x);
     }
 
-    /// What the k-th term alone does.
-    pub(super) fn term(&self, linear: &Linear, k: usize, d: &[f64], out: &mut [f64]) {
-        self.matrix.multiply(linear.dimension + k * d.len(), d, out);
+    /// What makes of the k-th difference `d` what its term alone does.
+    pub(super) fn term<'a>(&'a self, linear: &Linear, k: usize, d: &'a [f64]) -> Factors<'a> {
+        (&self.matrix, linear.dimension + k * d.len(), d)
+    }
+
+    /// [`advance`](Self::advance), and then L of the state without its line.
+    pub(super) fn predict<'a>(
+        &'a self,
+        linear: &'a Linear,
+        known: &'a [f64],
+        x: &'a mut [f64],
+        product: &'a mut [f64],
+    ) -> Predict<'a> {
+        Predict {
+            matrix: &self.matrix,
+            known,
+            x,
+            rows: &linear.rows,
+            product,
+        }
     }
 
     /// out = what the term after the k-th does, less what the k-th does.
