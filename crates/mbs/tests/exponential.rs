@@ -198,7 +198,7 @@ fn regress_short_runs_cost_what_they_cost() {
             false,
             1e-9,
             scaled(vec![END]),
-            [20.5, 25.9, 485.0, 9.0, 519.0, 31.0],
+            [20.5, 25.9, 485.0, 9.0, 519.0, 20.0],
         ),
         (
             "end",

@@ -101,7 +101,8 @@ pub fn run(scene: &Scene, options: &Options, control: &Control<'_>) -> Result<Ba
             let began = cpu_time::ThreadTime::now();
             let checked =
                 Scene::from_toml(&text, &scene.name, &changes(scene, k, method, *tolerance));
-            let gearbox = Gearbox::new(&checked?).map_err(|source| of_scene(scene, source))?;
+            let gearbox = Gearbox::after(Some(&own), &checked?);
+            let gearbox = gearbox.map_err(|source| of_scene(scene, source))?;
             let set_up_s = began.elapsed().as_secs_f64();
             if let Ended::Whole(run) = run_compiled(&gearbox, &mut watch)? {
                 let whole_s = began.elapsed().as_secs_f64();

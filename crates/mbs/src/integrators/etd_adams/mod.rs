@@ -60,6 +60,10 @@ const SHOWN: f64 = 10.0;
 /// that is renewed at every step makes the method unstable at the higher order.
 const LOOK: u64 = 16;
 const MOVED: f64 = 0.1;
+/// Where it has moved by less than this share since it was taken, the next look comes after twice as many steps, up to the
+/// second; until steps become shorter.
+const CALM: f64 = 0.05;
+const RAREST_LOOK: u64 = 128;
 /// Longest step, as |h| |L| with the size of [`Linear`]; half as much again where a new Jacobian is stiffer.
 const TURNS: f64 = 3.0;
 /// Shortest step, of those that Dormand-Prince took: a contact that begins takes few of them, which are cheaper than to begin
@@ -263,6 +267,7 @@ pub struct EtdAdams {
     /// Steps since the multistep method took over, and since the last look at the Jacobian.
     taken: u64,
     since_look: u64,
+    look_after: u64,
     /// Of the orders, the one of the next step.
     which: usize,
     /// Predicted state, at which f was evaluated, padded, and whether it stands for the sample.
@@ -301,6 +306,7 @@ impl EtdAdams {
             at_aim: false,
             taken: 0,
             since_look: 0,
+            look_after: LOOK,
             which: 0,
             seen: zeros.clone(),
             shown: false,
@@ -400,6 +406,7 @@ impl EtdAdams {
         multistep.renew(self.time, h, &self.y);
         (self.h, self.wanted, self.explicit) = (h, h, explicit);
         (self.taken, self.since_look, self.which) = (0, 0, 0);
+        self.look_after = LOOK;
         true
     }
 
@@ -442,16 +449,20 @@ impl EtdAdams {
         let Some(multistep) = &mut self.multistep else {
             return;
         };
-        if self.since_look < LOOK {
+        if self.since_look < self.look_after {
             return;
         }
+        let look_after = std::mem::replace(&mut self.look_after, LOOK);
         self.since_look = 0;
         multistep.jacobian.clear();
         self.counts.jacobians += 1;
         if system.jacobian(self.time, &self.y, &mut multistep.jacobian) {
             multistep.newer.read(&multistep.jacobian);
-            if multistep.newer.distance(&multistep.linear) > MOVED {
+            let moved = multistep.newer.distance(&multistep.linear);
+            if moved > MOVED {
                 multistep.renew(self.time, self.h, &self.y);
+            } else if moved < CALM {
+                self.look_after = (2 * look_after).min(RAREST_LOOK);
             }
         }
     }
@@ -495,6 +506,7 @@ impl EtdAdams {
             multistep.history.thin();
         } else if h < self.h {
             multistep.respace(self.time, &self.y, self.h, h);
+            self.look_after = LOOK;
         }
         if multistep.history.count <= ORDERS[self.which] {
             self.which = 0;
