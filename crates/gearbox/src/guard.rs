@@ -19,14 +19,10 @@ const PITCHES: f64 = 0.25;
 pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
     let geometry = &gearbox.geometry;
     let input = bodies[Layout::INPUT].angle;
+    let pitch = pitch(gearbox);
     for (i, body) in gearbox.layout.wheel_bodies().enumerate() {
-        let ideal = geometry.ideal_wheel_angle(i, input);
-        judge(
-            gearbox,
-            &|| format!("wheel {i}"),
-            bodies[body].angle - ideal,
-            geometry.wheel_play_rad,
-        )?;
+        let off = bodies[body].angle - geometry.ideal_wheel_angle(i, input);
+        judge(pitch, off, geometry.wheel_play_rad, || format!("wheel {i}"))?;
     }
     check_output(gearbox, input, bodies[Layout::OUTPUT].angle)
 }
@@ -39,11 +35,16 @@ pub fn check_output(gearbox: &Gearbox, input: f64, output: f64) -> Result<(), St
     let geometry = &gearbox.geometry;
     let play = geometry.wheel_play_rad + geometry.hole_play_rad;
     let off = output - geometry.ideal_output_angle(input);
-    judge(gearbox, &|| "the output shaft".into(), off, play)
+    judge(pitch(gearbox), off, play, || "the output shaft".into())
 }
 
-fn judge(gearbox: &Gearbox, name: &dyn Fn() -> String, off: f64, play: f64) -> Result<(), String> {
-    let pitch = std::f64::consts::TAU / gearbox.geometry.ratio();
+/// Angle from one lobe to the next, rad.
+fn pitch(gearbox: &Gearbox) -> f64 {
+    std::f64::consts::TAU / gearbox.geometry.ratio()
+}
+
+#[inline]
+fn judge(pitch: f64, off: f64, play: f64, name: impl Fn() -> String) -> Result<(), String> {
     let off = off.abs();
     if off <= play + PITCHES * pitch {
         return Ok(());

@@ -15,10 +15,12 @@ pub struct Recorder {
     layout: Layout,
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
+    /// Samples one after the other that are not in the columns yet: so many columns are quicker written a few samples at a time.
+    rows: Vec<f64>,
+    /// How many they are.
+    pending: usize,
     /// Force on each sleeve, external then internal, summed over the wheels.
     forces: Vec<[f64; 2]>,
-    /// Their magnitudes.
-    magnitudes: Vec<f64>,
     /// What the scene asks for beyond the contract's columns.
     channels: Option<Values>,
 }
@@ -47,6 +49,9 @@ impl pulp::WithSimd for Magnitudes<'_> {
     }
 }
 
+/// Samples that are brought to their columns at a time.
+const ROWS: usize = 8;
+
 impl Recorder {
     /// Names of the contract's columns after the time, in their order.
     #[must_use]
@@ -66,6 +71,8 @@ impl Recorder {
         let layout = gearbox.layout;
         let sleeves = layout.external_sleeves + layout.internal_sleeves;
         Self {
+            rows: vec![0.0; ROWS * (columns::HEAD.len() + sleeves)],
+            pending: 0,
             arch: pulp::Arch::new(),
             layout,
             time: Vec::with_capacity(samples),
@@ -74,7 +81,6 @@ impl Recorder {
                 .map(|_| Vec::with_capacity(samples))
                 .collect(),
             forces: vec![[0.0; 2]; sleeves],
-            magnitudes: vec![0.0; sleeves],
             channels: Values::new(gearbox, samples),
         }
     }
@@ -150,16 +156,26 @@ impl Recorder {
 
     /// Records the columns' `head` and the magnitudes of the forces.
     fn record_known(&mut self, t: f64, head: [f64; columns::HEAD.len()], forces: &[[f64; 2]]) {
+        if self.pending == ROWS {
+            self.flush();
+        }
         self.time.push(t);
-        let (heads, sleeves) = self.columns.split_at_mut(head.len());
-        for (column, value) in heads.iter_mut().zip(head) {
-            column.push(value);
+        let width = self.columns.len();
+        let (heads, magnitudes) =
+            self.rows[self.pending * width..][..width].split_at_mut(head.len());
+        heads.copy_from_slice(&head);
+        self.arch.dispatch(Magnitudes(magnitudes, forces));
+        self.pending += 1;
+    }
+
+    /// Brings the pending samples to their columns.
+    fn flush(&mut self) {
+        let width = self.columns.len();
+        for (k, column) in self.columns.iter_mut().enumerate() {
+            let values: [f64; ROWS] = std::array::from_fn(|row| self.rows[row * width + k]);
+            column.extend_from_slice(&values[..self.pending]);
         }
-        self.arch
-            .dispatch(Magnitudes(&mut self.magnitudes, forces));
-        for (column, &magnitude) in sleeves.iter_mut().zip(&self.magnitudes) {
-            column.push(magnitude);
-        }
+        self.pending = 0;
     }
 
     /// True if the scene asks for channels: [`record_channels`](Self::record_channels) is then
@@ -171,7 +187,8 @@ impl Recorder {
 
     /// Adds the channels of the sample that was recorded last.
     pub fn record_channels(&mut self, seen: &mut Seen<'_>) {
-        let output_torque = self.columns[1].last().copied().unwrap_or(0.0);
+        let last = self.pending.checked_sub(1);
+        let output_torque = last.map_or(0.0, |row| self.rows[row * self.columns.len() + 1]);
         if let Some(channels) = &mut self.channels {
             channels.record(seen, output_torque);
         }
@@ -179,6 +196,7 @@ impl Recorder {
 
     /// Takes the last sample out again: its values in the order of the columns, NaN for what is not known.
     pub(crate) fn take_last(&mut self, row: &mut Vec<f64>) {
+        self.flush();
         row.clear();
         self.time.pop();
         row.extend(self.columns.iter_mut().filter_map(Vec::pop));
@@ -203,7 +221,8 @@ impl Recorder {
     ///
     /// # Errors
     /// Samples were not recorded in increasing time.
-    pub fn finish(self) -> Result<Courses, pinwheel_courses::CoursesError> {
+    pub fn finish(mut self) -> Result<Courses, pinwheel_courses::CoursesError> {
+        self.flush();
         let samples = self.time.len();
         let mut courses = Courses::new(self.time)?;
         let names = contract(self.layout);

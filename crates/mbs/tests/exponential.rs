@@ -205,7 +205,7 @@ fn regress_short_runs_cost_what_they_cost() {
             true,
             1e-5,
             scaled(vec![END]),
-            [14.0, 15.6, 117.0, 5.0, 147.0, 8.0],
+            [14.0, 15.6, 117.0, 5.0, 147.0, 6.0],
         ),
     ] {
         let (states, counts) = exponential(tolerance, one_sided, &times);

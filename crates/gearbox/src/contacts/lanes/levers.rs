@@ -26,6 +26,8 @@
 //! so the sleeves that are not outside for certain are neighbours. They are taken a register at a time, and two registers,
 //! of whatever wheels, side by side.
 
+use std::mem::take;
+
 use pinwheel_contact::{Complex, ComplexLanes, Lanes, Mask, NormalLaw};
 use pinwheel_mbs::{BodyState, ContactEnergy, Wrench};
 use pulp::Simd;
@@ -63,7 +65,7 @@ pub(super) struct Levers {
     /// stay while no other sleeve comes near: nothing need wait for the test that they hold.
     windows: Vec<(usize, usize)>,
     segments: [Vec<Segment>; 2],
-    /// On the sleeves, N, ground frame; external ones as their directions.
+    /// On the sleeves, N, ground frame; external ones as their directions. 0 between two evaluations.
     forces: [Column; 2],
 }
 
@@ -181,12 +183,6 @@ impl Column {
     }
 
     #[inline(always)]
-    fn clear(&mut self) {
-        self.x.fill(0.0);
-        self.y.fill(0.0);
-    }
-
-    #[inline(always)]
     fn at(&self, k: usize) -> Complex {
         Complex::new(self.x[k], self.y[k])
     }
@@ -239,9 +235,6 @@ impl Levers {
         found: &mut Found<'_>,
     ) {
         let output = self.place(simd, bodies);
-        if LOADS {
-            self.forces.iter_mut().for_each(Column::clear);
-        }
         let nothing = Lanes::splat(simd, 0.0);
         let mut sums = Sums {
             on_input: nothing,
@@ -477,7 +470,7 @@ impl Levers {
         }
     }
 
-    /// Forces of sleeves and wheels to the bodies.
+    /// Forces of sleeves and wheels to the bodies; those of the sleeves are 0 again.
     #[inline(always)]
     fn scatter(&mut self, loads: &mut [Wrench]) {
         let layout = &self.layout;
@@ -488,13 +481,17 @@ impl Levers {
             let (x, around) = forces.x.split_at_mut(count);
             let (y, around_y) = forces.y.split_at_mut(count);
             // The first sleeves stand again after the last: what one register holds of them.
-            for j in 0..count.min(around.len()).min(PADDING / 2) {
-                x[j] += around[j];
-                y[j] += around_y[j];
+            for j in 0..around.len().min(PADDING / 2) {
+                let (fx, fy) = (take(&mut around[j]), take(&mut around_y[j]));
+                // Lanes beyond the sleeves hold 0.
+                if j < count {
+                    x[j] += fx;
+                    y[j] += fy;
+                }
             }
             let loads = &mut loads[bodies.clone()];
             for (j, load) in loads.iter_mut().enumerate() {
-                (load.fx, load.fy, load.moment) = (x[j], y[j], 0.0);
+                (load.fx, load.fy, load.moment) = (take(&mut x[j]), take(&mut y[j]), 0.0);
             }
         }
         for (k, load) in loads[layout.wheel_bodies()].iter_mut().enumerate() {

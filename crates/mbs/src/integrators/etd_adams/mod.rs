@@ -414,7 +414,7 @@ impl EtdAdams {
     fn fitting(&self, multistep: &Multistep) -> f64 {
         let distance = self.aim - self.time;
         let is_next = (distance - self.h).abs() <= SAME * self.h;
-        if is_next && self.wanted == self.h && self.h <= self.longest {
+        if is_next && self.wanted >= self.h && self.h <= self.longest {
             return self.h;
         }
         let room = multistep.history.count > 2 * ORDERS[self.which];
