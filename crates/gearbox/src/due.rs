@@ -29,16 +29,21 @@ impl Due {
     }
 
     /// Puts all that is due after the sample at `from` up to the one at `to`, s, into `list`. `breaks` increase.
-    ///
-    /// Nearly every sample of a run comes here for itself alone.
+    #[inline]
     pub(crate) fn list(list: &mut Vec<Self>, from: f64, to: f64, breaks: &[f64], step: f64) {
         let same = SAME * step;
         list.clear();
         let beside = |b: &f64| from - same <= *b && *b <= to + same;
-        if EnergyAccount::is_short(from, to, step) && !breaks.iter().any(beside) {
-            list.push(Self::Sample(to));
-            return;
+        // Nearly every sample of a run comes here for itself alone.
+        if !EnergyAccount::is_short(from, to, step) || breaks.iter().any(beside) {
+            Self::list_before(list, from, to, breaks, step);
         }
+        list.push(Self::Sample(to));
+    }
+
+    /// What comes before the sample.
+    fn list_before(list: &mut Vec<Self>, from: f64, to: f64, breaks: &[f64], step: f64) {
+        let same = SAME * step;
         let (mut start, mut beside) = (from, breaks.iter().any(|b| (b - from).abs() <= same));
         // Stretches end at breaks, and one at the sample.
         let mut stretch = |list: &mut Vec<Self>, end: f64, at_break: bool| {
@@ -64,7 +69,6 @@ impl Due {
             }
         }
         stretch(list, to, false);
-        list.push(Self::Sample(to));
     }
 }
 

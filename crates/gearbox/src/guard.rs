@@ -16,6 +16,7 @@ const PITCHES: f64 = 0.25;
 ///
 /// # Errors
 /// Which body left its mesh and by how much, or which state is not finite.
+#[inline]
 pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
     let geometry = &gearbox.geometry;
     let input = bodies[Layout::INPUT].angle;

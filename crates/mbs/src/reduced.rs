@@ -346,9 +346,10 @@ impl<F: Forces> Reduced<F> {
     /// Of the bodies, whose angles and rates are those of the moment, J.
     fn kinetic_j(&self) -> f64 {
         let of = |body: BodyId| self.inertia[body] * self.bodies[body].rate.powi(2);
-        let driven = self.mechanism.drivers.iter().map(|driver| driver.child);
-        let turning = self.free.iter().copied().chain(driven);
-        0.5 * turning.map(of).sum::<f64>() + self.idle_j
+        let free: f64 = self.free.iter().map(|&body| of(body)).sum();
+        let drivers = self.mechanism.drivers.iter();
+        let driven: f64 = drivers.map(|driver| of(driver.child)).sum();
+        0.5 * (free + driven) + self.idle_j
     }
 
     /// Accelerations from the moments, and the rates.
