@@ -41,6 +41,21 @@ use crate::scene::Scene;
 /// What rounding may do to the test of what is outside, in units of R.
 const ROUNDING: f64 = 1e-14;
 
+/// Whether the sleeves at the ends of a window are outside for certain: the one before it, its first, its last, the one after.
+const ENDS: [bool; 4] = [true, false, false, true];
+/// 1 where they are, -1 where they are not, for all lanes of a register.
+const SIGNS: [f64; PADDING / 2] = {
+    let mut signs = [1.0; PADDING / 2];
+    let mut k = 0;
+    while k < PADDING / 2 {
+        if !ENDS[k % ENDS.len()] {
+            signs[k] = -1.0;
+        }
+        k += 1;
+    }
+    signs
+};
+
 /// What does not change, and room for what does.
 #[derive(Debug, Clone)]
 pub(super) struct Levers {
@@ -61,10 +76,12 @@ pub(super) struct Levers {
     angles: Vec<f64>,
     units: Column,
     wheels: Vec<Wheel>,
-    /// The first external sleeve that is near and how many are, by wheel, and the segments of all wheels that these make. They
-    /// stay while no other sleeve comes near: nothing need wait for the test that they hold.
-    windows: Vec<(usize, usize)>,
+    /// Of external and of internal sleeves. The former stay while no other sleeve comes near: nothing need wait for the test
+    /// that they hold.
     segments: [Vec<Segment>; 2],
+    /// Directions of the sleeves at the [`ENDS`] of the windows, a register a wheel, and whether every wheel has ends.
+    ends: Column,
+    is_bounded: bool,
     /// On the sleeves, N, ground frame; external ones as their directions. 0 between two evaluations.
     forces: [Column; 2],
 }
@@ -80,6 +97,9 @@ struct Wheel {
     mesh: Complex,
     /// e^{-i zs theta}.
     phase: Complex,
+    /// X and Y + i Z.
+    off: f64,
+    swing: Complex,
     rate: f64,
     force: Complex,
     moment: f64,
@@ -138,12 +158,11 @@ fn present<S: Simd>(simd: S, [a, b]: [Segment; 2]) -> Mask<S> {
     numbers.less(Lanes::splat_pair(simd, [a.count as f64, b.count as f64]))
 }
 
-/// Where `x + Re(swing E) > 0`.
+/// `x + Re(swing E)`: above 0 what is outside for certain.
 #[inline(always)]
-fn outside<S: Simd>(direction: ComplexLanes<S>, swing: Complex, x: f64) -> Mask<S> {
-    let c = |x: f64| direction.re.like(x);
-    let imaginary = direction.im.mul_add(c(-swing.im), c(x));
-    c(0.0).less(direction.re.mul_add(c(swing.re), imaginary))
+fn gap<S: Simd>(direction: ComplexLanes<S>, swing: ComplexLanes<S>, x: Lanes<S>) -> Lanes<S> {
+    let imaginary = direction.im.mul_add(-swing.im, x);
+    direction.re.mul_add(swing.re, imaginary)
 }
 
 /// Pushes what a run of `count` sleeves from `from` on takes, in registers.
@@ -162,6 +181,17 @@ fn split<S: Simd>(
             from: if from < around { from } else { from - around },
             count: (count - done).min(S::F64_LANES),
         });
+    }
+}
+
+/// The first values stand again after `count`, what one register holds of them: adds these to them.
+#[inline(always)]
+fn fold(values: &mut [f64], count: usize) {
+    let (first, again) = values.split_at_mut(count);
+    let most = count.min(PADDING / 2);
+    let (first, again) = (&mut first[..most], &mut again[..most]);
+    for j in 0..most {
+        first[j] += take(&mut again[j]);
     }
 }
 
@@ -216,7 +246,8 @@ impl Levers {
             units: nothing(angles.len()),
             angles,
             wheels: vec![Wheel::default(); layout.wheels],
-            windows: vec![(0, 0); layout.wheels],
+            ends: nothing(layout.wheels * PADDING / 2),
+            is_bounded: false,
             segments: [zk, zi].map(|sleeves| Vec::with_capacity(layout.wheels * (sleeves + 1))),
             forces: [nothing(directions.x.len()), nothing(zi)],
             directions,
@@ -279,15 +310,19 @@ impl Levers {
             unit.im.store(&mut self.units.y[from..]);
         }
         let (units, input) = (&self.units, self.units.at(0));
+        let (h, m, b) = (self.repulsion, self.shortening, self.backlash / self.radius);
         for (k, wheel) in self.wheels.iter_mut().enumerate() {
             let centre = self.eccentrics[k] * input;
             let multiple = units.at(2 + n + k);
             let off = centre * multiple + Complex::new(self.eccentricity, 0.0);
+            let (mesh, phase) = (off.scale(-1.0 / self.radius), multiple.conj());
             *wheel = Wheel {
                 centre,
                 turn: units.at(2 + k),
-                mesh: off.scale(-1.0 / self.radius),
-                phase: multiple.conj(),
+                mesh,
+                phase,
+                off: b + m * mesh.re - h * (b * b + mesh.norm2()) - ROUNDING,
+                swing: (mesh.scale(1.0 - 2.0 * h * b) + Complex::new(m * b, 0.0)) * phase,
                 rate: hubs[k].rate,
                 ..Wheel::default()
             };
@@ -298,19 +333,24 @@ impl Levers {
     /// Lists the external sleeves that are not outside for certain.
     #[inline(always)]
     fn list_external<S: Simd>(&mut self, simd: S) {
-        let (h, m) = (self.repulsion, self.shortening);
-        let b = self.backlash / self.radius;
         let count = self.layout.external_sleeves;
-        let mut stay = true;
+        if self.stays(simd) {
+            return;
+        }
+        let segments = &mut self.segments[0];
+        segments.clear();
+        self.is_bounded = S::F64_LANES >= ENDS.len();
         for (number, wheel) in self.wheels.iter().enumerate() {
-            let k = wheel.mesh;
-            let x = b + m * k.re - h * (b * b + k.norm2()) - ROUNDING;
-            let swing = (k.scale(1.0 - 2.0 * h * b) + Complex::new(m * b, 0.0)) * wheel.phase;
             // The first and the last that is near; before the one and after the other there is one that is not.
             let (mut any, mut first, mut last) = (false, None, 0);
             for from in (0..count).step_by(Lanes::<S>::COUNT) {
                 let before = if from == 0 { count } else { from } - 1;
-                let is_outside = |from: usize| outside(self.directions.load(simd, from), swing, x);
+                let directions = &self.directions;
+                let is_outside = |from: usize| {
+                    let c = |x: f64| Lanes::splat(simd, x);
+                    let swing = ComplexLanes::splat(simd, wheel.swing);
+                    c(0.0).less(gap(directions.load(simd, from), swing, c(wheel.off)))
+                };
                 let inside = Mask::first(simd, count - from).without(is_outside(from));
                 any |= inside.any();
                 let begins = inside.and(is_outside(before)).first_set();
@@ -322,19 +362,50 @@ impl Levers {
                     last = from + ends;
                 }
             }
-            let all = if any { count } else { 0 };
-            let near = first.map_or(all, |first| (last + count - first) % count + 1);
-            let window = (first.unwrap_or(0), near);
-            stay &= self.windows[number] == window;
-            self.windows[number] = window;
-        }
-        if !stay {
-            let segments = &mut self.segments[0];
-            segments.clear();
-            for (number, &(start, near)) in self.windows.iter().enumerate() {
-                split::<S>(segments, number, start, near, count);
+            let Some(first) = first else {
+                self.is_bounded = false;
+                let near = if any { count } else { 0 };
+                split::<S>(segments, number, 0, near, count);
+                continue;
+            };
+            let near = (last + count - first) % count + 1;
+            split::<S>(segments, number, first, near, count);
+            for k in 0..PADDING / 2 {
+                let end = [first + count - 1, first, last, last + 1][k % ENDS.len()];
+                let (to, end) = (number * PADDING / 2 + k, self.directions.at(end % count));
+                (self.ends.x[to], self.ends.y[to]) = (end.re, end.im);
             }
         }
+    }
+
+    /// True if the same sleeves are near as when they were listed: those that were the first and the last still are, and
+    /// those beside them are not.
+    #[inline(always)]
+    fn stays<S: Simd>(&self, simd: S) -> bool {
+        if !self.is_bounded {
+            return false;
+        }
+        let signs = Lanes::load_pair(simd, [&SIGNS, &SIGNS]);
+        for from in (0..self.wheels.len()).step_by(2) {
+            let both = [from, (from + 1).min(self.wheels.len() - 1)];
+            let [one, two] = both.map(|k| &self.wheels[k]);
+            let [first, second] = both.map(|k| k * PADDING / 2);
+            let (x, y) = (&self.ends.x, &self.ends.y);
+            let ends = ComplexLanes::new(
+                Lanes::load_pair(simd, [&x[first..], &x[second..]]),
+                Lanes::load_pair(simd, [&y[first..], &y[second..]]),
+            );
+            let swing = ComplexLanes::splat_pair(simd, [one.swing, two.swing]);
+            let gap = gap(ends, swing, Lanes::splat_pair(simd, [one.off, two.off]));
+            // Where it is 0 the list decides.
+            if (gap * signs)
+                .less(gap.like(f64::MIN_POSITIVE))
+                .any()
+            {
+                return false;
+            }
+        }
+        true
     }
 
     #[inline(always)]
@@ -478,20 +549,19 @@ impl Levers {
         // No zipped iterators: the compiler may leave them outside of the function that has the vector instructions.
         for (kind, bodies) in kinds.iter().enumerate() {
             let (forces, count) = (&mut self.forces[kind], bodies.len());
-            let (x, around) = forces.x.split_at_mut(count);
-            let (y, around_y) = forces.y.split_at_mut(count);
-            // The first sleeves stand again after the last: what one register holds of them.
-            for j in 0..around.len().min(PADDING / 2) {
-                let (fx, fy) = (take(&mut around[j]), take(&mut around_y[j]));
-                // Lanes beyond the sleeves hold 0.
-                if j < count {
-                    x[j] += fx;
-                    y[j] += fy;
-                }
+            if kind == 0 {
+                fold(&mut forces.x, count);
+                fold(&mut forces.y, count);
             }
-            let loads = &mut loads[bodies.clone()];
-            for (j, load) in loads.iter_mut().enumerate() {
-                (load.fx, load.fy, load.moment) = (take(&mut x[j]), take(&mut y[j]), 0.0);
+            let (x, y) = (&mut forces.x[..count], &mut forces.y[..count]);
+            let loads = &mut loads[bodies.clone()][..count];
+            for j in 0..count {
+                let (fx, fy) = (take(&mut x[j]), take(&mut y[j]));
+                loads[j] = Wrench {
+                    fx,
+                    fy,
+                    moment: 0.0,
+                };
             }
         }
         for (k, load) in loads[layout.wheel_bodies()].iter_mut().enumerate() {
