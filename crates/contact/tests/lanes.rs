@@ -137,6 +137,8 @@ fn masks<S: Simd>(simd: S) {
             }
             assert_eq!(a.any(), one > 0);
             assert_eq!(a.without(b).any(), one > other);
+            let first = if one > other { other } else { count };
+            assert_eq!(a.without(b).first_set(), first);
         }
     }
 }

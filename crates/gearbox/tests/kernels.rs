@@ -62,15 +62,35 @@ fn held(
     let mut moments = vec![0.0; bodies.len()];
     let known = field.add_moments(bodies, &mut moments);
     let energy = field.add_held_loads(bodies, &mut loads, true).unwrap();
+    let (mut all, mut written) = (vec![0.0; bodies.len()], loads.clone());
+    written.fill(Wrench {
+        fx: f64::NAN,
+        ..Wrench::default()
+    });
+    let held = field.hold(bodies, &mut all, &mut written);
+    assert_eq!(held, known.then_some(energy));
+    if known {
+        assert_eq!(written, loads, "one way to the loads");
+        // What add_moments tells, but for the input.
+        let largest = all.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        moments[Layout::INPUT] = all[Layout::INPUT];
+        for (a, b) in moments.iter().zip(&all) {
+            assert!((a - b).abs() <= 1e-12 * largest, "{a} {b}");
+        }
+    }
     known.then_some((moments, loads, energy))
 }
 
-/// The moments about the pins of output and wheels that these loads have.
+/// The moments about the pins of input, output and wheels that these loads have.
 fn moments(gearbox: &Gearbox, bodies: &[BodyState], loads: &[Wrench]) -> Vec<f64> {
     let mut moments: Vec<f64> = loads.iter().map(|load| load.moment).collect();
     for body in gearbox.layout.internal_bodies() {
         let (at, load) = (bodies[body], loads[body]);
         moments[Layout::OUTPUT] += at.x * load.fy - at.y * load.fx;
+    }
+    for body in gearbox.layout.wheel_bodies() {
+        let (at, load) = (bodies[body], loads[body]);
+        moments[Layout::INPUT] += at.x * load.fy - at.y * load.fx;
     }
     moments.truncate(gearbox.layout.wheel_bodies().end);
     moments
@@ -309,6 +329,40 @@ fn levers_serve_every_law() {
                     }
                 }
             }
+        }
+    }
+}
+
+/// A field keeps what it has found where it still holds; the same states give the same bits wherever it has been before.
+#[test]
+fn fields_know_no_history() {
+    for preset in ["paper", "backlash-0.6", "forty-pins", "eleven-pins"] {
+        let mut gearbox = Gearbox::new(&Scene::load(preset, &[]).unwrap()).unwrap();
+        let play = 17.003 * gearbox.scene.gear.backlash_m;
+        for kernel in LANES {
+            gearbox.kernel = kernel;
+            let mut field = gearbox.contact_field().unwrap();
+            let mut differ = 0;
+            let mut before = Vec::new();
+            for k in 0..600 {
+                // Back and forth, a sample's turn at a time.
+                let turn = 0.0157 * f64::from(if k < 400 { k } else { 800 - k });
+                let twist = (play + 2e-4) * (0.02 * f64::from(k)).cos();
+                let bodies = states(&gearbox, turn, twist, &[1.0, 0.8, 0.9]);
+                let mut new = gearbox.contact_field().unwrap();
+                let found = [&mut field, &mut new].map(|field| {
+                    let mut loads = vec![Wrench::default(); bodies.len()];
+                    let mut moments = vec![0.0; bodies.len()];
+                    let energy = field.hold(&bodies, &mut moments, &mut loads).unwrap();
+                    (moments, loads, energy)
+                });
+                assert_eq!(found[0], found[1], "{preset} {kernel:?} {k}");
+                let touching = found[0].1.iter().map(|load| load.fx != 0.0);
+                let touching: Vec<bool> = touching.collect();
+                differ += usize::from(touching != before);
+                before = touching;
+            }
+            assert!((20..580).contains(&differ), "{preset}: {differ} changes");
         }
     }
 }

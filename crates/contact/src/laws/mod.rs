@@ -123,7 +123,7 @@ pub(crate) fn ramped_integral_lanes<S: Simd>(x: Lanes<S>, width: f64) -> Lanes<S
     // x^3.5 up to the width of S, x^2.5 from there on. The root of the smaller is the smaller root, to the bit.
     let (inside, root) = (x.min(c(width)), x.sqrt());
     let risen = inside * inside * root.min(c(width.sqrt()));
-    let ramped = risen * inside * c(1.0 / (3.5 * width));
+    let ramped = risen * (x * c(1.0 / width)).min(c(1.0)) * c(1.0 / 3.5);
     let beyond = (x * x * root - risen) * c(1.0 / 2.5);
     ramped + beyond
 }

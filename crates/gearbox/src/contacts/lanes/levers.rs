@@ -337,7 +337,7 @@ impl Levers {
         if self.stays(simd) {
             return;
         }
-        let segments = &mut self.segments[0];
+        let mut segments = take(&mut self.segments[0]);
         segments.clear();
         self.is_bounded = S::F64_LANES >= ENDS.len();
         for (number, wheel) in self.wheels.iter().enumerate() {
@@ -345,16 +345,11 @@ impl Levers {
             let (mut any, mut first, mut last) = (false, None, 0);
             for from in (0..count).step_by(Lanes::<S>::COUNT) {
                 let before = if from == 0 { count } else { from } - 1;
-                let directions = &self.directions;
-                let is_outside = |from: usize| {
-                    let c = |x: f64| Lanes::splat(simd, x);
-                    let swing = ComplexLanes::splat(simd, wheel.swing);
-                    c(0.0).less(gap(directions.load(simd, from), swing, c(wheel.off)))
-                };
-                let inside = Mask::first(simd, count - from).without(is_outside(from));
+                let present = Mask::first(simd, count - from);
+                let inside = present.without(self.outside(simd, wheel, from));
                 any |= inside.any();
-                let begins = inside.and(is_outside(before)).first_set();
-                let ends = inside.and(is_outside(from + 1)).first_set();
+                let begins = inside.and(self.outside(simd, wheel, before)).first_set();
+                let ends = inside.and(self.outside(simd, wheel, from + 1)).first_set();
                 if begins < Lanes::<S>::COUNT {
                     first = Some(from + begins);
                 }
@@ -365,17 +360,27 @@ impl Levers {
             let Some(first) = first else {
                 self.is_bounded = false;
                 let near = if any { count } else { 0 };
-                split::<S>(segments, number, 0, near, count);
+                split::<S>(&mut segments, number, 0, near, count);
                 continue;
             };
             let near = (last + count - first) % count + 1;
-            split::<S>(segments, number, first, near, count);
+            split::<S>(&mut segments, number, first, near, count);
             for k in 0..PADDING / 2 {
                 let end = [first + count - 1, first, last, last + 1][k % ENDS.len()];
                 let (to, end) = (number * PADDING / 2 + k, self.directions.at(end % count));
                 (self.ends.x[to], self.ends.y[to]) = (end.re, end.im);
             }
         }
+        self.segments[0] = segments;
+    }
+
+    /// Which of the external sleeves from `from` on are outside of a wheel for certain.
+    #[inline(always)]
+    fn outside<S: Simd>(&self, simd: S, wheel: &Wheel, from: usize) -> Mask<S> {
+        let directions = self.directions.load(simd, from);
+        let swing = ComplexLanes::splat(simd, wheel.swing);
+        let gap = gap(directions, swing, Lanes::splat(simd, wheel.off));
+        Lanes::splat(simd, 0.0).less(gap)
     }
 
     /// True if the same sleeves are near as when they were listed: those that were the first and the last still are, and
