@@ -622,7 +622,8 @@ mod tests {
             unit.advance(0.02).unwrap();
             unit.observe(&mut row);
             let off = apart(&row, &expected);
-            eprintln!("{method} {off:e}"); assert!(off < 1e-5, "{method}: {off:e}");
+            eprintln!("{method} {off:e}");
+            assert!(off < 1e-5, "{method}: {off:e}");
         }
     }
 

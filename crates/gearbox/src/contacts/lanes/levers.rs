@@ -115,6 +115,8 @@ struct Segment {
 
 /// Sums over all contacts, lane by lane.
 struct Sums<S: Simd> {
+    /// Whether energy is.
+    asked: bool,
     /// Moments on input, with `LOADS`, and output.
     on_input: Lanes<S>,
     on_output: Lanes<S>,
@@ -268,14 +270,14 @@ impl Levers {
         let output = self.place(simd, bodies);
         let nothing = Lanes::splat(simd, 0.0);
         let mut sums = Sums {
+            asked: LOADS && found.energy.is_some(),
             on_input: nothing,
             on_output: nothing,
             stored: nothing,
             dissipated: nothing,
         };
-        let asked = LOADS && found.energy.is_some();
-        self.external::<S, L, LOADS>(simd, law, shapes, bodies, asked, &mut sums);
-        self.internal::<S, L, LOADS>(simd, law, shapes, bodies, output, asked, &mut sums);
+        self.external::<S, L, LOADS>(simd, law, shapes, bodies, &mut sums);
+        self.internal::<S, L, LOADS>(simd, law, shapes, bodies, output, &mut sums);
         if LOADS {
             self.scatter(found.loads);
         }
@@ -403,10 +405,7 @@ impl Levers {
             let swing = ComplexLanes::splat_pair(simd, [one.swing, two.swing]);
             let gap = gap(ends, swing, Lanes::splat_pair(simd, [one.off, two.off]));
             // Where it is 0 the list decides.
-            if (gap * signs)
-                .less(gap.like(f64::MIN_POSITIVE))
-                .any()
-            {
+            if (gap * signs).less(gap.like(f64::MIN_POSITIVE)).any() {
                 return false;
             }
         }
@@ -420,7 +419,6 @@ impl Levers {
         law: &L,
         shapes: &Shapes,
         bodies: &[BodyState],
-        asked: bool,
         sums: &mut Sums<S>,
     ) {
         self.list_external(simd);
@@ -444,7 +442,7 @@ impl Levers {
             let input_lever = foot.outward.im * foot.inverse * c(-(r + b)) - wheel_lever;
             let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
             let closing = -(wheel_lever * wheel_rate) - input_lever * c(bodies[Layout::INPUT].rate);
-            let force = sums.force(law, stiffness, foot.depth, closing, inside, asked);
+            let force = sums.force(law, stiffness, foot.depth, closing, inside);
             let pressure = force.only(inside);
             let mut moment = (wheel_lever * force).only(inside);
             let mut beside = None;
@@ -495,7 +493,6 @@ impl Levers {
         shapes: &Shapes,
         bodies: &[BodyState],
         output: Complex,
-        asked: bool,
         sums: &mut Sums<S>,
     ) {
         let c = |x: f64| Lanes::splat(simd, x);
@@ -528,7 +525,7 @@ impl Levers {
             let (wheel_lever, output_lever) = (hole.cross(normal), sleeve.cross(normal));
             let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
             let closing = wheel_lever.mul_add(input_rate - wheel_rate, output_lever * over_input);
-            let force = sums.force(law, stiffness, depth, closing, inside, asked);
+            let force = sums.force(law, stiffness, depth, closing, inside);
             sums.on_output = sums.on_output - (output_lever * force).only(inside);
             let moment = (wheel_lever * force).only(inside).sums();
             self.wheels[pair[0].wheel].moment += moment[0];
@@ -577,7 +574,7 @@ impl Levers {
 }
 
 impl<S: Simd> Sums<S> {
-    /// The force; where it is `asked` for, what the contacts inside store and dissipate is added.
+    /// The force; where energy is asked for, what the contacts inside store and dissipate is added.
     #[inline(always)]
     fn force(
         &mut self,
@@ -586,9 +583,8 @@ impl<S: Simd> Sums<S> {
         depth: Lanes<S>,
         closing: Lanes<S>,
         inside: Mask<S>,
-        asked: bool,
     ) -> Lanes<S> {
-        if !asked {
+        if !self.asked {
             return law.force_lanes(stiffness, depth, closing);
         }
         let [force, elastic, stored] = law.observed_lanes(stiffness, depth, closing);

@@ -14,9 +14,8 @@ pub(super) fn padded(length: usize) -> usize {
 #[inline(always)]
 pub(super) fn copy(from: &[f64], to: &mut [f64]) {
     let (from, to) = (from.as_chunks::<ROWS>().0, to.as_chunks_mut::<ROWS>().0);
-    let to = &mut to[..from.len()];
-    for b in 0..from.len() {
-        to[b] = from[b];
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = *from;
     }
 }
 
@@ -85,7 +84,7 @@ impl Columns {
     pub(super) fn multiply(&self, first: usize, x: &[f64], out: &mut [f64]) {
         let out = out.as_chunks_mut::<ROWS>().0;
         // No zipped iterators: the compiler may leave them outside of a function that has vector instructions.
-        for b in 0..out.len() {
+        for (b, out) in out.iter_mut().enumerate() {
             let columns = &self.entries[b * self.columns + first..][..x.len()];
             let mut sums = [0.0; ROWS];
             for k in 0..x.len() {
@@ -93,7 +92,7 @@ impl Columns {
                     sums[i] += x[k] * columns[k][i];
                 }
             }
-            out[b] = sums;
+            *out = sums;
         }
     }
 
@@ -187,10 +186,10 @@ impl pulp::WithSimd for Judge<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> [f64; 3] {
         let mut sums = [f64::INFINITY; 3];
-        for k in 0..3 {
+        for (k, sum) in sums.iter_mut().enumerate() {
             if let Some((matrix, first, x)) = self.factors[k] {
                 matrix.multiply(first, x, self.out);
-                sums[k] = squares(self.out, self.weights);
+                *sum = squares(self.out, self.weights);
             }
         }
         sums

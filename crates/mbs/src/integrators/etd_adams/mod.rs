@@ -539,7 +539,10 @@ impl EtdAdams {
             .dispatch(step.propagator.predict(linear, known, x, product));
         copy(x, &mut self.seen);
         line.restore(end, &mut self.seen);
-        let (seen, f) = (&self.seen[..linear.dimension], &mut self.f[..linear.dimension]);
+        let (seen, f) = (
+            &self.seen[..linear.dimension],
+            &mut self.f[..linear.dimension],
+        );
         if lands {
             system.derivative_to_observe(end, seen, f);
         } else {
@@ -671,7 +674,11 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
         match &mut self.multistep {
             Some(multistep) if self.runs && self.taken > 0 => {
                 if is_here {
-                    y.copy_from_slice(if self.shown { &self.seen[..y.len()] } else { &self.y });
+                    y.copy_from_slice(if self.shown {
+                        &self.seen[..y.len()]
+                    } else {
+                        &self.y
+                    });
                 } else {
                     multistep.state_at(self.time, &self.y, self.h, t - self.time, y);
                     system.settle(t, y);
