@@ -147,15 +147,16 @@ fn integrate<F: Formulation>(
         .with_longest(limits.longest_step_s);
     let mut load = load_course::piece_at(&gearbox.scene.drive, 0.0);
     let mut field = gearbox.contact_field()?;
-    let mut recorder = Recorder::new(gearbox);
+    let times = solver.sample_times_s();
+    let mut recorder = Recorder::with_room(gearbox, times.len());
     let mut joint_drift_m: f64 = 0.0;
     let mut fault = None;
-    let mut energy = EnergyAccount::with_room(solver.sample_times_s().len());
+    let mut energy = EnergyAccount::with_room(times.len());
     let mut balance = Balance::new(gearbox);
     let mut pace = Pace::new(&gearbox.scene, gearbox.has_friction());
     let mut before = 0.0;
     let mut list = Vec::new();
-    'samples: for t in solver.sample_times_s() {
+    'samples: for t in times {
         Due::list(&mut list, before, t, &breaks, solver.step_s);
         for &due in &list {
             match reach(
@@ -261,13 +262,9 @@ fn reach<F: Formulation>(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), Stop> {
     stepper.aim(t);
-    loop {
-        let time = stepper.time();
-        if time >= t - 1e-9 * gearbox.scene.solver.step_s {
-            return Ok(());
-        }
+    while stepper.time() < t - 1e-9 * gearbox.scene.solver.step_s {
         if pace.is_due() {
-            let counts = stepper.counts();
+            let (time, counts) = (stepper.time(), stepper.counts());
             if counts.evaluations > limits.evaluations {
                 let told = format!("more than {:.1e} evaluations", limits.evaluations as f64);
                 return Err(Stop::Fault(time, told));
@@ -283,4 +280,5 @@ fn reach<F: Formulation>(
             Stop::Fault(time, error.to_string())
         })?;
     }
+    Ok(())
 }

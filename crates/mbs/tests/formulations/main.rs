@@ -560,6 +560,9 @@ fn two_drivers_do_the_same_in_both_forms() {
                 assert!((a - b).abs() < 1e-8, "{a} {b}");
             }
         }
+        let (a, b) = (one.kinetic_j, other.kinetic_j);
+        assert!((a - b).abs() < 1e-7 * b && b > 0.0, "{a} {b}");
+        assert!(one.moments.is_some() && other.moments.is_none());
         assert_eq!(one.driver_torques.len(), 2);
         for (a, b) in one.driver_torques.iter().zip(other.driver_torques) {
             assert!((a - b).abs() < 1e-7 && a.abs() > 0.1, "{a} {b}");

@@ -115,7 +115,7 @@ struct Segment {
 
 /// Sums over all contacts, lane by lane.
 struct Sums<S: Simd> {
-    /// Whether energy is.
+    /// Whether energy is asked for.
     asked: bool,
     /// Moments on input, with `LOADS`, and output.
     on_input: Lanes<S>,
@@ -386,7 +386,7 @@ impl Levers {
     }
 
     /// True if the same sleeves are near as when they were listed: those that were the first and the last still are, and
-    /// those beside them are not.
+    /// those beside them are not. As the near ones are neighbours, these four tell of all.
     #[inline(always)]
     fn stays<S: Simd>(&self, simd: S) -> bool {
         if !self.is_bounded {
