@@ -50,7 +50,7 @@ impl pulp::WithSimd for Magnitudes<'_> {
 }
 
 /// Samples that are brought to their columns at a time.
-const ROWS: usize = 8;
+const ROWS: usize = 32;
 
 impl Recorder {
     /// Names of the contract's columns after the time, in their order.
