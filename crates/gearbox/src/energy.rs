@@ -168,11 +168,9 @@ fn between(a: &Mark, b: &Mark) -> EnergyAudit {
     let energy = |k: usize| b.energies[k] - a.energies[k];
     let (kinetic_j, stored_j) = (energy(0), energy(1));
     let remainder_j = kinetic_j + stored_j + damping_j + friction_j - driver_j - load_j;
-    let held_j = a
-        .energies
-        .iter()
-        .chain(&b.energies)
-        .fold(0.0, |most: f64, e| most.max(e.abs()));
+    let energies = [a.energies, b.energies];
+    let each = energies.as_flattened().iter();
+    let held_j = each.fold(0.0, |most: f64, e| most.max(e.abs()));
     EnergyAudit {
         from_s: a.time,
         to_s: b.time,

@@ -1,7 +1,7 @@
 //! Turns states at sample times into the contract's courses. Every engine records through this.
 
 use pinwheel_courses::{Courses, columns};
-use pinwheel_mbs::{BodyState, Observation};
+use pinwheel_mbs::{BodyState, Observation, Wrench};
 
 use crate::Gearbox;
 use crate::channels::{Seen, Values};
@@ -31,9 +31,28 @@ fn contract(layout: Layout) -> impl Iterator<Item = String> {
 
 /// Of forces, N. `hypot` is exact to the last digit where squares overflow, which costs 2 % of a fast run; roots of a slice of
 /// its own are taken several at a time, by what the processor has.
-struct Magnitudes<'a>(&'a mut [f64], &'a [[f64; 2]]);
+struct Magnitudes<'a, F>(&'a mut [f64], &'a [F]);
 
-impl pulp::WithSimd for Magnitudes<'_> {
+/// What has a force, N.
+trait Acting: Copy {
+    fn force(self) -> [f64; 2];
+}
+
+impl Acting for [f64; 2] {
+    #[inline(always)]
+    fn force(self) -> [f64; 2] {
+        self
+    }
+}
+
+impl Acting for Wrench {
+    #[inline(always)]
+    fn force(self) -> [f64; 2] {
+        [self.fx, self.fy]
+    }
+}
+
+impl<F: Acting> pulp::WithSimd for Magnitudes<'_, F> {
     type Output = ();
 
     #[inline(always)]
@@ -43,7 +62,7 @@ impl pulp::WithSimd for Magnitudes<'_> {
         // No zipped iterators: the compiler may leave them outside of the function that has the vector instructions.
         let (magnitudes, forces) = (&mut magnitudes[..count], &forces[..count]);
         for k in 0..count {
-            let [fx, fy] = forces[k];
+            let [fx, fy] = forces[k].force();
             magnitudes[k] = (fx * fx + fy * fy).sqrt();
         }
     }
@@ -112,23 +131,15 @@ impl Recorder {
 
     /// Records a sample that a formulation tells, where a sleeve's only load is its contacts'. `driver_torque`: N m.
     pub fn record_observed(&mut self, seen: &Observation<'_>, driver_torque: f64) {
-        let mut forces = std::mem::take(&mut self.forces);
-        let sleeves = self.layout.external_bodies().start;
-        for (force, load) in forces.iter_mut().zip(&seen.loads[sleeves..]) {
-            *force = [load.fx, load.fy];
-        }
+        let sleeves = &seen.loads[self.layout.external_bodies().start..];
         let output = Layout::OUTPUT;
         // All that turns the output but the load on itself.
         let torque = match seen.moments {
             Some(moments) => moments[output] - seen.loads[output].moment,
-            None => self.output_torque(seen.bodies, &forces),
+            None => self.output_torque(seen.bodies, sleeves),
         };
-        self.record_known(
-            seen.time,
-            [driver_torque, torque, seen.bodies[output].angle],
-            &forces,
-        );
-        self.forces = forces;
+        let head = [driver_torque, torque, seen.bodies[output].angle];
+        self.record_known(seen.time, head, sleeves);
     }
 
     /// Records a sample whose sleeve forces (ground frame, N, external then internal) are known.
@@ -145,17 +156,19 @@ impl Recorder {
     }
 
     /// Of the forces on the internal sleeves, N m.
-    fn output_torque(&self, bodies: &[BodyState], forces: &[[f64; 2]]) -> f64 {
+    fn output_torque(&self, bodies: &[BodyState], forces: &[impl Acting]) -> f64 {
         let output = bodies[Layout::OUTPUT];
         let forces = &forces[self.layout.external_sleeves..];
         let sleeves = bodies[self.layout.internal_bodies()].iter().zip(forces);
-        sleeves
-            .map(|(body, &[fx, fy])| (body.x - output.x) * fy - (body.y - output.y) * fx)
-            .sum()
+        let moments = sleeves.map(|(body, force)| {
+            let [fx, fy] = force.force();
+            (body.x - output.x) * fy - (body.y - output.y) * fx
+        });
+        moments.sum()
     }
 
     /// Records the columns' `head` and the magnitudes of the forces.
-    fn record_known(&mut self, t: f64, head: [f64; columns::HEAD.len()], forces: &[[f64; 2]]) {
+    fn record_known(&mut self, t: f64, head: [f64; columns::HEAD.len()], forces: &[impl Acting]) {
         if self.pending == ROWS {
             self.flush();
         }
@@ -238,8 +251,6 @@ impl Recorder {
 
 #[cfg(test)]
 mod tests {
-    use pinwheel_mbs::Wrench;
-
     use super::*;
     use crate::scene::Scene;
     use crate::statics::Statics;

@@ -190,10 +190,19 @@ fn split<S: Simd>(
 #[inline(always)]
 fn fold(values: &mut [f64], count: usize) {
     let (first, again) = values.split_at_mut(count);
-    let most = count.min(PADDING / 2);
-    let (first, again) = (&mut first[..most], &mut again[..most]);
-    for j in 0..most {
-        first[j] += take(&mut again[j]);
+    let Some(again) = again.first_chunk_mut::<{ PADDING / 2 }>() else {
+        return;
+    };
+    let more = take(again);
+    // Of a length that is known: a loop would be run one by one.
+    if let Some(first) = first.first_chunk_mut::<{ PADDING / 2 }>() {
+        for j in 0..more.len() {
+            first[j] += more[j];
+        }
+    } else {
+        for j in 0..count {
+            first[j] += more[j];
+        }
     }
 }
 
@@ -217,6 +226,12 @@ impl Column {
     #[inline(always)]
     fn at(&self, k: usize) -> Complex {
         Complex::new(self.x[k], self.y[k])
+    }
+
+    /// `count` values from `from` on, x and y.
+    #[inline(always)]
+    fn part(&self, from: usize, count: usize) -> [&[f64]; 2] {
+        [&self.x[from..][..count], &self.y[from..][..count]]
     }
 }
 
@@ -299,12 +314,13 @@ impl Levers {
     #[inline(always)]
     fn place<S: Simd>(&mut self, simd: S, bodies: &[BodyState]) -> Complex {
         let n = self.wheels.len();
-        let hubs = &bodies[self.layout.wheel_bodies()];
+        let hubs = &bodies[self.layout.wheel_bodies()][..n];
         self.angles[0] = bodies[Layout::INPUT].angle;
         self.angles[1] = bodies[Layout::OUTPUT].angle;
-        for (k, wheel) in hubs.iter().enumerate() {
-            self.angles[2 + k] = wheel.angle;
-            self.angles[2 + n + k] = self.lobes * wheel.angle;
+        let (turns, multiples) = self.angles[2..2 + 2 * n].split_at_mut(n);
+        for k in 0..n {
+            turns[k] = hubs[k].angle;
+            multiples[k] = self.lobes * hubs[k].angle;
         }
         for from in (0..2 + 2 * n).step_by(Lanes::<S>::COUNT) {
             let unit = ComplexLanes::unit(Lanes::load(simd, &self.angles[from..]));
@@ -312,15 +328,18 @@ impl Levers {
             unit.im.store(&mut self.units.y[from..]);
         }
         let (units, input) = (&self.units, self.units.at(0));
+        let (turns, multiples) = (units.part(2, n), units.part(2 + n, n));
+        let eccentrics = &self.eccentrics[..n];
         let (h, m, b) = (self.repulsion, self.shortening, self.backlash / self.radius);
-        for (k, wheel) in self.wheels.iter_mut().enumerate() {
-            let centre = self.eccentrics[k] * input;
-            let multiple = units.at(2 + n + k);
+        let wheels = &mut self.wheels[..n];
+        for k in 0..n {
+            let centre = eccentrics[k] * input;
+            let multiple = Complex::new(multiples[0][k], multiples[1][k]);
             let off = centre * multiple + Complex::new(self.eccentricity, 0.0);
             let (mesh, phase) = (off.scale(-1.0 / self.radius), multiple.conj());
-            *wheel = Wheel {
+            wheels[k] = Wheel {
                 centre,
-                turn: units.at(2 + k),
+                turn: Complex::new(turns[0][k], turns[1][k]),
                 mesh,
                 phase,
                 off: b + m * mesh.re - h * (b * b + mesh.norm2()) - ROUNDING,

@@ -34,22 +34,25 @@ impl Line {
         self.rate[..count].copy_from_slice(&y[first..first + count]);
     }
 
+    /// The line at `time`.
     #[inline]
-    fn at(&self, k: usize, time: f64) -> f64 {
-        self.origin[k] + self.rate[k] * (time - self.time)
+    fn at(&self, time: f64) -> impl Iterator<Item = f64> {
+        let since = time - self.time;
+        let both = self.origin.iter().zip(&self.rate);
+        both.map(move |(origin, rate)| origin + rate * since)
     }
 
     /// x of y.
     pub(super) fn measure(&self, time: f64, y: &[f64], x: &mut [f64]) {
-        for (k, (x, y)) in x.iter_mut().zip(y).enumerate() {
-            *x = y - self.at(k, time);
+        for ((x, y), at) in x.iter_mut().zip(y).zip(self.at(time)) {
+            *x = y - at;
         }
     }
 
     /// y of x, in place.
     pub(super) fn restore(&self, time: f64, x: &mut [f64]) {
-        for (k, x) in x.iter_mut().enumerate() {
-            *x += self.at(k, time);
+        for (x, at) in x.iter_mut().zip(self.at(time)) {
+            *x += at;
         }
     }
 }
@@ -155,14 +158,14 @@ impl History {
         let (width, differences) = (self.width, &mut self.differences[self.dimension..]);
         for k in (0..=first).rev() {
             let orders = if first == 0 { count } else { first - k + 1 };
-            for (c, g) in self.points[k].g[..width].iter().enumerate() {
-                let (mut difference, mut at) = (*g, c);
-                for _ in 0..orders {
-                    let older = differences[at];
-                    differences[at] = difference;
-                    difference -= older;
-                    at += width;
-                }
+            let (rows, g) = (&mut differences[..orders * width], &self.points[k].g);
+            let mut column = 0;
+            while column + 2 <= width {
+                advance::<2>(rows, width, column, g);
+                column += 2;
+            }
+            if column < width {
+                advance::<1>(rows, width, column, g);
             }
         }
         (self.differed, self.before) = (count, 0);
@@ -201,6 +204,20 @@ impl History {
                     *out += weight * d;
                 }
             }
+        }
+    }
+}
+
+/// Backward differences, in rows of `width` each, of one more value `g`: those of N columns, which stay in a register.
+#[inline(always)]
+fn advance<const N: usize>(differences: &mut [f64], width: usize, column: usize, g: &[f64]) {
+    let mut difference: [f64; N] = std::array::from_fn(|k| g[column + k]);
+    for row in differences.chunks_exact_mut(width) {
+        let row = &mut row[column..column + N];
+        for k in 0..N {
+            let older = row[k];
+            row[k] = difference[k];
+            difference[k] -= older;
         }
     }
 }
