@@ -149,6 +149,24 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
+    /// One register from the front of a slice, 0 in the other one: what is only done to this costs nothing.
+    #[must_use]
+    #[inline(always)]
+    pub fn load_first(simd: S, values: &[f64]) -> Self {
+        Self {
+            simd,
+            v: [Self::register(simd, values), simd.splat_f64s(0.0)],
+        }
+    }
+
+    /// Writes the first register to the front of a slice of at least as many values.
+    #[inline(always)]
+    pub fn store_first(self, values: &mut [f64]) {
+        if let [first, ..] = S::as_mut_simd_f64s(values).0 {
+            *first = self.v[0];
+        }
+    }
+
     /// Adds one of the two registers to the front of a slice of at least as many values.
     #[inline(always)]
     pub fn add_register(&self, which: usize, values: &mut [f64]) {

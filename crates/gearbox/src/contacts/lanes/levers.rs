@@ -322,10 +322,10 @@ impl Levers {
             turns[k] = hubs[k].angle;
             multiples[k] = self.lobes * hubs[k].angle;
         }
-        for from in (0..2 + 2 * n).step_by(Lanes::<S>::COUNT) {
-            let unit = ComplexLanes::unit(Lanes::load(simd, &self.angles[from..]));
-            unit.re.store(&mut self.units.x[from..]);
-            unit.im.store(&mut self.units.y[from..]);
+        for from in (0..2 + 2 * n).step_by(S::F64_LANES) {
+            let unit = ComplexLanes::unit(Lanes::load_first(simd, &self.angles[from..]));
+            unit.re.store_first(&mut self.units.x[from..]);
+            unit.im.store_first(&mut self.units.y[from..]);
         }
         let (units, input) = (&self.units, self.units.at(0));
         let (turns, multiples) = (units.part(2, n), units.part(2 + n, n));

@@ -275,7 +275,8 @@ pub struct EtdAdams {
     shown: bool,
     /// f of all rows, and errors; padded.
     f: Vec<f64>,
-    /// Inverses of what errors of the components may be; padded.
+    /// What errors of the components count as 1, and the inverses of what they may be; padded.
+    scales: Vec<f64>,
     weights: Vec<f64>,
 }
 
@@ -311,6 +312,7 @@ impl EtdAdams {
             seen: zeros.clone(),
             shown: false,
             f: zeros.clone(),
+            scales: zeros.clone(),
             weights: zeros,
         }
     }
@@ -470,9 +472,16 @@ impl EtdAdams {
     /// What errors at the state seen weigh.
     fn weigh<S: OdeSystem>(&mut self, system: &S) {
         let n = self.y.len();
-        system.scale(&self.seen[..n], &mut self.weights[..n]);
-        for scale in &mut self.weights[..n] {
-            *scale = (self.tolerance * *scale).recip();
+        system.scale(&self.seen[..n], &mut self.f[..n]);
+        for ((scale, known), weight) in self.f[..n]
+            .iter()
+            .zip(&mut self.scales)
+            .zip(&mut self.weights)
+        {
+            // Most stay what they are; a quotient takes as long as all else here.
+            if *scale != *known {
+                (*known, *weight) = (*scale, (self.tolerance * *scale).recip());
+            }
         }
     }
 
