@@ -291,6 +291,10 @@ impl<'a> Statics<'a> {
         phi: f64,
         load: f64,
     ) -> Result<Equilibrium, GearboxError> {
+        if load == 0.0 {
+            // Where it may rest there is no slope to follow.
+            return self.solve(phi, load);
+        }
         let geometry = &self.gearbox.geometry;
         let turned = geometry.ideal_output_angle(phi) - geometry.ideal_output_angle(near.input);
         let mut wheels: Vec<f64> = (near.wheels.iter().enumerate())
@@ -399,11 +403,11 @@ impl<'a> Statics<'a> {
         // A hundredth of a mesh period: contacts pass through their ramps within a few of these.
         let h = 0.01 * std::f64::consts::TAU / (self.gearbox.geometry.ratio() + 1.0);
         self.motion = None;
+        let mut here = self.solve(0.0, load)?;
         for _ in 0..2 {
-            let [before, here, after] = [
-                self.solve(-h, load)?,
-                self.solve(0.0, load)?,
-                self.solve(h, load)?,
+            let [before, after] = [
+                self.solve_near(&here, -h, load)?,
+                self.solve_near(&here, h, load)?,
             ];
             let rate = |a: f64, b: f64| speed * (b - a) / (2.0 * h);
             let bend = |a: f64, m: f64, b: f64| speed * speed * (a - 2.0 * m + b) / (h * h);
@@ -414,8 +418,9 @@ impl<'a> Statics<'a> {
                 wheel_accelerations: wheels().map(|((a, m), b)| bend(*a, *m, *b)).collect(),
                 output_acceleration: bend(before.output, here.output, after.output),
             });
+            here = self.solve_near(&here, 0.0, load)?;
         }
-        let mut states = self.solve(0.0, load)?.bodies;
+        let mut states = here.bodies;
         let kinematic = self.gearbox.kinematic_states();
         for body in self.gearbox.layout.internal_bodies() {
             states[body].angle = kinematic[body].angle;

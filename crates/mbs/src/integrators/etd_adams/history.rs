@@ -69,6 +69,18 @@ pub(super) struct Point {
 }
 
 impl Point {
+    /// f and the remainder beside L x: number by number, as f was written, since a processor waits for what it is to read
+    /// several at a time of.
+    #[inline]
+    pub(super) fn set(&mut self, f: &[f64], product: &[f64]) {
+        let count = f.len();
+        let (to, g, product) = (&mut self.f[..count], &mut self.g[..count], &product[..count]);
+        for k in 0..count {
+            to[k] = f[k];
+            g[k] = f[k] - product[k];
+        }
+    }
+
     /// The remainder beside L x.
     pub(super) fn set_remainder(&mut self, product: &[f64]) {
         for (g, (f, product)) in self.g.iter_mut().zip(self.f.iter().zip(product)) {

@@ -560,8 +560,7 @@ impl EtdAdams {
         self.counts.evaluations += 1;
         let point = history.push();
         copy(&self.seen, &mut point.y);
-        point.f[..linear.remainders()].copy_from_slice(&f[linear.first..]);
-        point.set_remainder(product);
+        point.set(&f[linear.first..], product);
         let known = history.count;
         history.differ(known.min(TERMS));
         self.weigh(system);
