@@ -69,7 +69,7 @@ impl<F: Acting> pulp::WithSimd for Magnitudes<'_, F> {
 }
 
 /// Samples that are brought to their columns at a time.
-const ROWS: usize = 32;
+const ROWS: usize = 128;
 
 impl Recorder {
     /// Names of the contract's columns after the time, in their order.
