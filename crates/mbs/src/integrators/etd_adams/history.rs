@@ -74,7 +74,11 @@ impl Point {
     #[inline]
     pub(super) fn set(&mut self, f: &[f64], product: &[f64]) {
         let count = f.len();
-        let (to, g, product) = (&mut self.f[..count], &mut self.g[..count], &product[..count]);
+        let (to, g, product) = (
+            &mut self.f[..count],
+            &mut self.g[..count],
+            &product[..count],
+        );
         for k in 0..count {
             to[k] = f[k];
             g[k] = f[k] - product[k];
