@@ -229,11 +229,8 @@ impl History {
 fn advance<const N: usize>(differences: &mut [f64], width: usize, column: usize, g: &[f64]) {
     let mut difference: [f64; N] = std::array::from_fn(|k| g[column + k]);
     for row in differences.chunks_exact_mut(width) {
-        let row = &mut row[column..column + N];
-        for k in 0..N {
-            let older = row[k];
-            row[k] = difference[k];
-            difference[k] -= older;
+        for (kept, next) in row[column..column + N].iter_mut().zip(&mut difference) {
+            (*kept, *next) = (*next, *next - *kept);
         }
     }
 }
