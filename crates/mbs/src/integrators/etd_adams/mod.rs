@@ -312,7 +312,7 @@ impl EtdAdams {
             seen: zeros.clone(),
             shown: false,
             f: zeros.clone(),
-            scales: zeros.clone(),
+            scales: vec![f64::NAN; zeros.len()],
             weights: zeros,
         }
     }
