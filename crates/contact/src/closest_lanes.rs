@@ -111,19 +111,6 @@ struct Pose<S: Simd> {
 }
 
 impl<S: Simd> Pose<S> {
-    /// At `step` = zk d from a0, where the offset is `q`.
-    #[inline(always)]
-    fn first(lobe: ComplexLanes<S>, q: ComplexLanes<S>, step: Lanes<S>, zk: f64) -> Self {
-        let share = step.like(1.0 / zk);
-        let turn = turned_by(step * share, COS.len());
-        let more = lobe * turned_by(step, COS.len());
-        Self {
-            turn: ComplexLanes::new(turn.re + step.like(1.0), turn.im),
-            lobe: lobe + more,
-            offset: q - turn - more.scale(share),
-        }
-    }
-
     /// Moves the foot on by `step` = zk d.
     #[inline(always)]
     fn step(&mut self, step: Lanes<S>, zk: f64, terms: usize) {
@@ -217,12 +204,17 @@ impl Epitrochoid {
         let sum = x.mul_add(x.mul_add(x.mul_add(c5, c4), c3), -b2);
         let sum = x.mul_add(sum.only(open.without(far)), c(1.0));
 
+        let mut pose = Pose {
+            turn: ComplexLanes::new(c(1.0), c(0.0)),
+            lobe,
+            offset: q,
+        };
         let moves = factor(Fault::StaleFoot, 0.0);
         let mut lost = present.without(present);
         let mut step = (x * sum * c(moves)).max(c(-LONGEST)).min(c(LONGEST));
-        let mut pose = Pose::first(lobe, q, step.only(open), zk);
         let mut steps = 0;
         loop {
+            pose.step(step.only(open), zk, COS.len());
             let (turn, lobe, r) = (pose.turn, pose.lobe, pose.offset);
             let (along, across) = (lobe.dot(r), lobe.cross(r));
             let (height, beside) = (turn.dot(r), turn.cross(r));
@@ -261,12 +253,10 @@ impl Epitrochoid {
                 break;
             }
             step = step.max(c(-LONGEST)).min(c(LONGEST));
-            pose.step(step.only(open), zk, COS.len());
         }
         pose.step(step.only(open), zk, 2);
 
-        let mut outward = pose.turn + pose.lobe;
-        let mut height = outward.dot(pose.offset);
+        let height = (pose.turn + pose.lobe).dot(pose.offset);
         let mut inside = open.and(height.less(c(0.0)));
         // Beyond either reach the foot might not be the closest.
         let r = pose.offset;
@@ -279,9 +269,8 @@ impl Epitrochoid {
         lost = lost.or(open.without(near));
         if lost.any() {
             self.find_lost(q, phase, lost, &mut pose, &mut inside);
-            outward = pose.turn + pose.lobe;
-            height = outward.dot(pose.offset);
         }
+        let outward = pose.turn + pose.lobe;
         let (cos, sin) = (pose.turn.dot(pose.lobe), pose.turn.cross(pose.lobe));
         let inverse = cos.mul_add(c(2.0), c(1.0 + m * m)).inverse_sqrt();
         let bend = cos.mul_add(
@@ -290,7 +279,7 @@ impl Epitrochoid {
         );
         LocalFeet {
             inside,
-            depth: height * inverse * c(-self.pitch_radius),
+            depth: outward.dot(pose.offset) * inverse * c(-self.pitch_radius),
             outward,
             turn: pose.turn,
             cos,

@@ -25,7 +25,7 @@ pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
         let off = bodies[body].angle - geometry.ideal_wheel_angle(i, input);
         judge(pitch, off, geometry.wheel_play_rad, || format!("wheel {i}"))?;
     }
-    judge_output(gearbox, pitch, input, bodies[Layout::OUTPUT].angle)
+    check_output(gearbox, input, bodies[Layout::OUTPUT].angle)
 }
 
 /// Checks the angle of the output shaft alone where the input stands at the angle `input`, rad.
@@ -33,15 +33,10 @@ pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
 /// # Errors
 /// By how much it left its mesh, or that it is not finite.
 pub fn check_output(gearbox: &Gearbox, input: f64, output: f64) -> Result<(), String> {
-    judge_output(gearbox, pitch(gearbox), input, output)
-}
-
-#[inline]
-fn judge_output(gearbox: &Gearbox, pitch: f64, input: f64, output: f64) -> Result<(), String> {
     let geometry = &gearbox.geometry;
     let play = geometry.wheel_play_rad + geometry.hole_play_rad;
     let off = output - geometry.ideal_output_angle(input);
-    judge(pitch, off, play, || "the output shaft".into())
+    judge(pitch(gearbox), off, play, || "the output shaft".into())
 }
 
 /// Angle from one lobe to the next, rad.

@@ -345,15 +345,10 @@ impl<F: Forces> Reduced<F> {
 
     /// Of the bodies, whose angles and rates are those of the moment, J.
     fn kinetic_j(&self) -> f64 {
-        let rate = |body: BodyId| self.bodies[body].rate;
-        let free = self.free.iter().zip(&self.free_inertia);
-        let free: f64 = free
-            .map(|(&body, inertia)| inertia * rate(body).powi(2))
-            .sum();
-        let driven = self.mechanism.drivers.iter().map(|driver| driver.child);
-        let driven: f64 = driven
-            .map(|body| self.inertia[body] * rate(body).powi(2))
-            .sum();
+        let of = |body: BodyId| self.inertia[body] * self.bodies[body].rate.powi(2);
+        let free: f64 = self.free.iter().map(|&body| of(body)).sum();
+        let drivers = self.mechanism.drivers.iter();
+        let driven: f64 = drivers.map(|driver| of(driver.child)).sum();
         0.5 * (free + driven) + self.idle_j
     }
 

@@ -4,8 +4,6 @@ use serde::{Deserialize, Serialize};
 
 /// Rows summed side by side. Each row's sum takes its columns in order, so that all processors round alike.
 const ROWS: usize = 8;
-/// Columns between two looks at whether there are more.
-const AT_ONCE: usize = 3;
 
 /// Length of a vector that is padded with 0 to whole blocks.
 pub(super) fn padded(length: usize) -> usize {
@@ -89,18 +87,9 @@ impl Columns {
         for (b, out) in out.iter_mut().enumerate() {
             let columns = &self.entries[b * self.columns + first..][..x.len()];
             let mut sums = [0.0; ROWS];
-            let (few, rest) = x.as_chunks::<AT_ONCE>();
-            let (columns, others) = columns.as_chunks::<AT_ONCE>();
-            for k in 0..few.len() {
-                for j in 0..AT_ONCE {
-                    for i in 0..ROWS {
-                        sums[i] += few[k][j] * columns[k][j][i];
-                    }
-                }
-            }
-            for k in 0..rest.len() {
+            for k in 0..x.len() {
                 for i in 0..ROWS {
-                    sums[i] += rest[k] * others[k][i];
+                    sums[i] += x[k] * columns[k][i];
                 }
             }
             *out = sums;
