@@ -56,10 +56,16 @@ pub struct LocalFeet<S: Simd> {
     pub curvature: Lanes<S>,
 }
 
-/// Longest step, as zk d: the series of e^{i zk d} is exact to rounding up to here.
+/// Longest step, as zk d: all terms of the series of e^{i zk d} are exact to rounding up to here.
 const LONGEST: f64 = 0.3;
-/// The same for the short series of the last step.
-const LAST: f64 = 4e-3;
+/// Steps up to here need fewer terms, most of all for e^{id}, as zk is at least 3.
+const SHORT: f64 = 0.1;
+/// The same for a last step.
+const LAST: f64 = 1e-4;
+/// Terms for e^{id} and e^{i zk d}.
+const ALL_TERMS: [usize; 2] = [5, 5];
+const SHORT_TERMS: [usize; 2] = [3, 4];
+const LAST_TERMS: [usize; 2] = [1, 1];
 /// What a last step may leave, as zk d.
 const SETTLED: f64 = 1e-14;
 /// Near the evolute Newton does not know how far to go: -f' counts as this share of g there, and nothing settles.
@@ -113,10 +119,10 @@ struct Pose<S: Simd> {
 impl<S: Simd> Pose<S> {
     /// Moves the foot on by `step` = zk d.
     #[inline(always)]
-    fn step(&mut self, step: Lanes<S>, zk: f64, terms: usize) {
-        let share = step.like(1.0 / zk);
-        let turn = self.turn * turned_by(step * share, terms);
-        let lobe = self.lobe * turned_by(step, terms);
+    fn step(&mut self, step: Lanes<S>, per_zk: f64, terms: [usize; 2]) {
+        let share = step.like(per_zk);
+        let turn = self.turn * turned_by(step * share, terms[0]);
+        let lobe = self.lobe * turned_by(step, terms[1]);
         self.turn = self.turn + turn;
         self.lobe = self.lobe + lobe;
         self.offset = self.offset - turn - lobe.scale(share);
@@ -138,14 +144,14 @@ impl Epitrochoid {
         let c = |x: f64| p.re.like(x);
         let start = multiple.scale_add(c(self.eccentricity), unit.scale(c(self.pitch_radius)));
         let offset = (p - start).times_conj(unit);
-        let foot = self.local_feet(
-            offset.scale(c(1.0 / self.pitch_radius)),
-            multiple.times_conj(unit),
-            present,
-        );
+        let offset = offset.scale(c(self.search.per_radius));
+        let phase = multiple.times_conj(unit);
+        let along = offset.dot(phase.scale(c(self.shortening)));
+        let outside = (c(self.search.repulsion) * offset.dot(offset)).less(offset.re + along);
+        let foot = self.local_feet(offset, phase, present.without(outside));
         // C = R T1 + (e/m) T2, and e/m = R/zk.
         let lobe = foot.outward - foot.turn;
-        let local = lobe.scale_add(c(1.0 / self.search.zk), foot.turn);
+        let local = lobe.scale_add(c(self.search.per_zk), foot.turn);
         FeetLanes {
             position: (local * unit).scale(c(self.pitch_radius)),
             normal: (foot.outward * unit).scale(foot.inverse),
@@ -153,7 +159,8 @@ impl Epitrochoid {
         }
     }
 
-    /// The same of points at `offset` (in units of R) from C(a0), in directions turned by a0, with `phase` = e^{i zs a0}.
+    /// The same of points at `offset` (in units of R) from C(a0), in directions turned by a0, with `phase` = e^{i zs a0}: those
+    /// `present`, which need not be those that [`repulsion`](Self::repulsion) has outside for certain.
     #[must_use]
     #[inline(always)]
     pub fn local_feet<S: Simd>(
@@ -164,8 +171,10 @@ impl Epitrochoid {
     ) -> LocalFeet<S> {
         let Search {
             zk,
+            per_zk,
             shortening: m,
             repulsion,
+            per_radius,
             series: [second, third, fourth, fifth],
             third: bend,
         } = self.search;
@@ -173,19 +182,18 @@ impl Epitrochoid {
         let c = |x: f64| q.re.like(x);
         let lobe = phase.scale(c(m));
         let (along, across) = (q.dot(lobe), lobe.cross(q));
-        let outside = (c(repulsion) * q.dot(q)).less(q.re + along);
-        let mut open = present.without(outside);
+        let mut open = present;
 
         // -f' and the other derivatives at a0.
         let (along, across) = (along * c(zk), across * c(zk));
         let g = lobe.re.mul_add(c(2.0), c(1.0 + m * m));
         let slope = g + q.re + along;
         let far = slope.less(c(STEEP) * g);
-        let mut inverse = slope.max(c(STEEP) * g).recip();
+        let inverse = slope.max(c(STEEP) * g).recip();
         let x = q.im.mul_add(c(zk), across) * inverse;
         let b2 = lobe
             .im
-            .mul_add(c(second[1]), (across + q.im * c(1.0 / zk)) * c(0.5))
+            .mul_add(c(second[1]), (across + q.im * c(per_zk)) * c(0.5))
             * inverse;
         let b3 = lobe
             .re
@@ -211,39 +219,40 @@ impl Epitrochoid {
         };
         let moves = factor(Fault::StaleFoot, 0.0);
         let mut lost = present.without(present);
-        let mut step = (x * sum * c(moves)).max(c(-LONGEST)).min(c(LONGEST));
+        let mut step = x * sum * c(moves);
         let mut steps = 0;
         loop {
-            pose.step(step.only(open), zk, COS.len());
+            if c(SHORT).less(step.abs()).and(open).any() {
+                step = step.max(c(-LONGEST)).min(c(LONGEST));
+                pose.step(step.only(open), per_zk, ALL_TERMS);
+            } else {
+                pose.step(step.only(open), per_zk, SHORT_TERMS);
+            }
             let (turn, lobe, r) = (pose.turn, pose.lobe, pose.offset);
             let (along, across) = (lobe.dot(r), lobe.cross(r));
             let (height, beside) = (turn.dot(r), turn.cross(r));
-            open = open.without((c(repulsion) * r.dot(r)).less(height + along));
             let g = turn.dot(lobe).mul_add(c(2.0), c(1.0 + m * m));
             let slope = g + along.mul_add(c(zk), height);
             let fine = (c(STEEP) * g).less(slope);
-            // From the inverse before, to the fourth power of what they differ by.
-            let slope = slope.max(c(STEEP) * g);
-            let differ = slope.mul_add(-inverse, c(1.0));
-            let squared = differ * differ;
-            if c(0.2).less(differ.abs()).and(open).any() {
-                inverse = slope.recip();
-            } else {
-                inverse = differ.mul_add(inverse, inverse);
-                inverse = squared.mul_add(inverse, inverse);
-            }
+            // A division costs less than another step, which any error of the inverse would ask for.
+            let inverse = slope.max(c(STEEP) * g).recip();
             let first = (beside + across) * inverse * c(zk);
-            let bending = turn.cross(lobe) * c(1.5 * (zk - 1.0) / zk)
-                - across.mul_add(c(0.5 * zk), beside * c(0.5 / zk));
+            let bending = turn.cross(lobe) * c(1.5 - 1.5 * per_zk)
+                - across.mul_add(c(0.5 * zk), beside * c(0.5 * per_zk));
             let share = bending * inverse * first;
             step = share.mul_add(first, first) * c(moves);
             let rest = (share * share).mul_add(c(2.0), first * first * inverse * c(bend));
-            let rest = squared.mul_add(squared, rest);
             let settled = (rest * first.abs())
                 .less(c(SETTLED))
                 .and(first.abs().less(c(LAST)));
             steps += 1;
-            let unsettled = open.without(settled.and(fine));
+            let mut unsettled = open.without(settled.and(fine));
+            if !unsettled.any() {
+                break;
+            }
+            // What is outside for certain need not settle.
+            let outside = (c(repulsion) * r.dot(r)).less(height + along);
+            (open, unsettled) = (open.without(outside), unsettled.without(outside));
             if !unsettled.any() {
                 break;
             }
@@ -252,21 +261,18 @@ impl Epitrochoid {
                 open = open.without(unsettled);
                 break;
             }
-            step = step.max(c(-LONGEST)).min(c(LONGEST));
         }
-        pose.step(step.only(open), zk, 2);
+        pose.step(step.only(open), per_zk, LAST_TERMS);
 
         let height = (pose.turn + pose.lobe).dot(pose.offset);
         let mut inside = open.and(height.less(c(0.0)));
         // Beyond either reach the foot might not be the closest.
         let r = pose.offset;
-        let near = c(-self.reach_inside / self.pitch_radius * (1.0 - m)).less(height);
-        let near = near.without(
-            c(0.0)
-                .less(height)
-                .without((c(repulsion) * r.dot(r)).less(height)),
-        );
-        lost = lost.or(open.without(near));
+        let near = c(-self.reach_inside * per_radius * (1.0 - m)).less(height);
+        if open.without(near.and(inside)).any() {
+            let outside = (c(repulsion) * r.dot(r)).less(height);
+            lost = lost.or(open.without(near.and(inside.or(outside))));
+        }
         if lost.any() {
             self.find_lost(q, phase, lost, &mut pose, &mut inside);
         }
@@ -274,8 +280,8 @@ impl Epitrochoid {
         let (cos, sin) = (pose.turn.dot(pose.lobe), pose.turn.cross(pose.lobe));
         let inverse = cos.mul_add(c(2.0), c(1.0 + m * m)).inverse_sqrt();
         let bend = cos.mul_add(
-            c((1.0 + zk) / self.pitch_radius),
-            c((1.0 + m * m * zk) / self.pitch_radius),
+            c((1.0 + zk) * per_radius),
+            c((1.0 + m * m * zk) * per_radius),
         );
         LocalFeet {
             inside,
@@ -326,6 +332,9 @@ impl Epitrochoid {
                 pose.offset.set_lane(k, local - turn - lobe.scale(1.0 / zk));
             }
         }
-        *inside = offset.re.like(0.5).less(found);
+        // On the curve to rounding it is inside where the depth that comes of it is above 0.
+        let height = (pose.turn + pose.lobe).dot(pose.offset);
+        let found = offset.re.like(0.5).less(found);
+        *inside = found.and(height.less(offset.re.like(0.0)));
     }
 }

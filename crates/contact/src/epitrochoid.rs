@@ -111,7 +111,7 @@ impl Epitrochoid {
         };
         let repulsion;
         (curve.reach_outside, curve.reach_inside, repulsion) = curve.reaches();
-        curve.search = Search::new(sleeves, shortening, repulsion * pitch_radius);
+        curve.search = Search::new(sleeves, shortening, pitch_radius, repulsion * pitch_radius);
         curve.steepest = curve.steepest_slope();
         curve.settling = curve.settling_share();
         Ok(curve)

@@ -4,6 +4,10 @@
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Search {
     pub(crate) zk: f64,
+    /// 1/zk.
+    pub(crate) per_zk: f64,
+    /// 1/R, 1/m.
+    pub(crate) per_radius: f64,
     /// m.
     pub(crate) shortening: f64,
     /// H.
@@ -15,11 +19,14 @@ pub(crate) struct Search {
 }
 
 impl Search {
-    pub(crate) fn new(sleeves: u32, m: f64, repulsion: f64) -> Self {
+    /// `radius`: R, m. `repulsion`: H.
+    pub(crate) fn new(sleeves: u32, m: f64, radius: f64, repulsion: f64) -> Self {
         let zk = f64::from(sleeves);
         let zs = zk - 1.0;
         Self {
             zk,
+            per_zk: zk.recip(),
+            per_radius: radius.recip(),
             shortening: m,
             repulsion,
             series: [
@@ -49,7 +56,7 @@ mod tests {
     fn series_are_the_product_of_two_power_series() {
         for (sleeves, m) in [(3, 0.3), (16, 0.7), (60, 0.95)] {
             let zk = f64::from(sleeves);
-            let search = Search::new(sleeves, m, 1.0);
+            let search = Search::new(sleeves, m, 1.0, 1.0);
             for k in 0..7 {
                 let lobe = Complex::unit(0.9 * f64::from(k)).scale(m);
                 // Coefficients of d^n, with i^n/n! in `power`.
