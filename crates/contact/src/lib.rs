@@ -71,6 +71,6 @@ pub use hole::Hole;
 pub use lanes::{ComplexLanes, Lanes, Mask};
 pub use laws::{
     AdamsImpact, ConstantStiffness, Hysteresis, Law, LawParameters, LawVisitor, LineContact,
-    NormalLaw, PaperConservative, PaperLaw, PaperPrinted, ramp,
+    NormalLaw, PaperConservative, PaperLaw, PaperPrinted, Ramp,
 };
 pub use points::{HolePoints, ProfilePoints, Vertex};

@@ -5,7 +5,7 @@
 
 use pinwheel_contact::laws::{LAWS, hysteresis_factor, restitution_of};
 use pinwheel_contact::{
-    Complex, ConstantStiffness, Epitrochoid, HertzStiffness, Hysteresis, NormalLaw, PaperLaw,
+    Complex, ConstantStiffness, Epitrochoid, HertzStiffness, Hysteresis, NormalLaw, PaperLaw, Ramp,
 };
 
 /// The paper's sleeve, kg.
@@ -76,7 +76,7 @@ fn stiffness_at(a: f64) -> f64 {
 fn undamped_impact_is_hertz_s() {
     let law = PaperLaw {
         damping: 0.0,
-        ramp: 1e-12,
+        ramp: Ramp::new(1e-12),
     };
     for a in [0.0, 0.13, std::f64::consts::PI / 15.0] {
         for v in [0.05, 0.5] {
@@ -120,7 +120,7 @@ fn energy_lost_grows_with_damping_as_it_must() {
         let law = ConstantStiffness {
             stiffness: 1e8,
             damping,
-            ramp: 1e-12,
+            ramp: Ramp::new(1e-12),
         };
         let out = drop_on_profile(law, 0.0, v).speed_out;
         0.5 * MASS * (v * v - out * out)

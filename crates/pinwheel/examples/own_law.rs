@@ -7,7 +7,7 @@
 use std::error::Error;
 
 use pinwheel::contact::HertzStiffness;
-use pinwheel::contact::laws::{NormalLaw, PaperLaw};
+use pinwheel::contact::laws::{NormalLaw, PaperLaw, Ramp};
 
 /// Hertz's force with a damping that grows with the penetration: F = K delta^1.5 (1 + d v), never pulling.
 struct Own {
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let stiffness = hertz.of_hole(gear.internal_sleeve_radius_m, gear.hole_radius_m);
     let paper = PaperLaw {
         damping: contact.damping_n_s_m,
-        ramp: contact.ramp_m,
+        ramp: Ramp::new(contact.ramp_m),
     };
     let own = Own { damping: 0.5 };
     let mass = scene.mass.internal_sleeve.mass_kg;

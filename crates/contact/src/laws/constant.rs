@@ -2,7 +2,7 @@
 //!
 //! What engineering software offers, and the simplest law with a potential.
 
-use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, ramped_integral};
+use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, Ramp};
 
 /// Eq. 20 with constant K.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,8 +11,8 @@ pub struct ConstantStiffness {
     pub stiffness: f64,
     /// C, N s/m.
     pub damping: f64,
-    /// Width of S, m.
-    pub ramp: f64,
+    /// S.
+    pub ramp: Ramp,
 }
 
 impl NormalLaw for ConstantStiffness {
@@ -27,7 +27,7 @@ impl NormalLaw for ConstantStiffness {
 
     #[inline]
     fn stored(&self, _hertz: f64, penetration: f64) -> f64 {
-        self.stiffness * ramped_integral(penetration, self.ramp)
+        self.stiffness * self.ramp.integral(penetration)
     }
 
     #[inline]
@@ -45,7 +45,7 @@ pub(super) fn new(parameters: &LawParameters) -> ConstantStiffness {
     ConstantStiffness {
         stiffness: parameters.constant_stiffness,
         damping: parameters.damping,
-        ramp: parameters.ramp,
+        ramp: Ramp::new(parameters.ramp),
     }
 }
 

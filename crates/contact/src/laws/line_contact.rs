@@ -3,14 +3,14 @@
 //! Sleeves and wheels are cylinders. Palmgren measured steel rollers: delta = 3.84e-5 F^0.9/L^0.8 with delta and L in
 //! mm and F in N, so `K_L = H (1000/3.84e-5)^(10/9) L^(8/9)`, N/m^(10/9), whatever the radii; H as for the other laws.
 
-use super::{LawInfo, LawParameters, NormalLaw, ramp};
+use super::{LawInfo, LawParameters, NormalLaw, Ramp};
 
 /// Palmgren's law with the paper's damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineContact {
     stiffness: f64,
     damping: f64,
-    ramp: f64,
+    ramp: Ramp,
 }
 
 impl LineContact {
@@ -21,7 +21,7 @@ impl LineContact {
         Self {
             stiffness: multiplier * stiffness,
             damping,
-            ramp,
+            ramp: Ramp::new(ramp),
         }
     }
 }
@@ -30,7 +30,7 @@ impl NormalLaw for LineContact {
     #[inline]
     fn force(&self, _hertz: f64, penetration: f64, rate: f64) -> f64 {
         let elastic = self.stiffness * penetration.powf(10.0 / 9.0);
-        (elastic + ramp(penetration, self.ramp) * self.damping * rate).max(0.0)
+        (elastic + self.ramp.at(penetration) * self.damping * rate).max(0.0)
     }
 
     #[inline]

@@ -19,12 +19,14 @@ mod paper;
 mod paper_conservative;
 mod paper_printed;
 mod parameters;
+mod ramp;
 mod registry;
 mod response;
 
 use pulp::Simd;
 
 use crate::lanes::Lanes;
+
 pub use adams_impact::AdamsImpact;
 pub use constant::ConstantStiffness;
 pub use hysteresis::{Hysteresis, restitution_of};
@@ -34,6 +36,7 @@ pub use paper::PaperLaw;
 pub use paper_conservative::PaperConservative;
 pub use paper_printed::PaperPrinted;
 pub use parameters::{LawError, LawParameters};
+pub use ramp::Ramp;
 use registry::registry;
 pub use response::{GapState, Response};
 
@@ -94,38 +97,6 @@ pub fn law_info(name: &str) -> Option<&'static LawInfo> {
 pub fn hysteresis_factor(name: &str, restitution: f64) -> Option<f64> {
     let factor = law_info(name)?.restitution_factor?;
     Some(factor(restitution))
-}
-
-/// S of Eq. 22: 0 below 0, 1 above `width`, linear between.
-#[must_use]
-#[inline]
-pub fn ramp(x: f64, width: f64) -> f64 {
-    (x / width).clamp(0.0, 1.0)
-}
-
-/// Integral of S(x) x^1.5 from 0 to `x` >= 0, m^2.5.
-#[must_use]
-#[inline]
-pub(crate) fn ramped_integral(x: f64, width: f64) -> f64 {
-    let power = |x: f64| x * x * x.sqrt();
-    if x < width {
-        power(x) * x / (3.5 * width)
-    } else {
-        power(width) / 3.5 + (power(x) - power(width)) / 2.5
-    }
-}
-
-/// The same in lanes.
-#[must_use]
-#[inline(always)]
-pub(crate) fn ramped_integral_lanes<S: Simd>(x: Lanes<S>, width: f64) -> Lanes<S> {
-    let c = |value: f64| x.like(value);
-    // x^3.5 up to the width of S, x^2.5 from there on. The root of the smaller is the smaller root, to the bit.
-    let (inside, root) = (x.min(c(width)), x.sqrt());
-    let risen = inside * inside * root.min(c(width.sqrt()));
-    let ramped = risen * (x * c(1.0 / width)).min(c(1.0)) * c(1.0 / 3.5);
-    let beyond = (x * x * root - risen) * c(1.0 / 2.5);
-    ramped + beyond
 }
 
 /// STEP of the Adams solver: h0 below x0, h1 above x1, a smooth cubic between.

@@ -6,7 +6,7 @@
 
 use pulp::Simd;
 
-use super::{LawInfo, LawParameters, NormalLaw, ramp, ramped_integral, ramped_integral_lanes};
+use super::{LawInfo, LawParameters, NormalLaw, Ramp};
 use crate::lanes::Lanes;
 
 /// Eq. 20.
@@ -14,20 +14,20 @@ use crate::lanes::Lanes;
 pub struct PaperLaw {
     /// C, N s/m.
     pub damping: f64,
-    /// Width of S, m.
-    pub ramp: f64,
+    /// S.
+    pub ramp: Ramp,
 }
 
 impl NormalLaw for PaperLaw {
     #[inline]
     fn force(&self, stiffness: f64, penetration: f64, rate: f64) -> f64 {
         let elastic = stiffness * penetration * penetration.sqrt();
-        (ramp(penetration, self.ramp) * (elastic + self.damping * rate)).max(0.0)
+        (self.ramp.at(penetration) * (elastic + self.damping * rate)).max(0.0)
     }
 
     #[inline]
     fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
-        stiffness * ramped_integral(penetration, self.ramp)
+        stiffness * self.ramp.integral(penetration)
     }
 
     #[inline]
@@ -43,21 +43,36 @@ impl NormalLaw for PaperLaw {
         rate: Lanes<S>,
     ) -> Lanes<S> {
         let c = |x: f64| rate.like(x);
-        let elastic = stiffness * penetration * penetration.sqrt();
-        let ramp = (penetration * c(1.0 / self.ramp)).max(c(0.0)).min(c(1.0));
-        (ramp * rate.mul_add(c(self.damping), elastic)).max(c(0.0))
+        let elastic = stiffness * (penetration * penetration.sqrt());
+        (self.ramp.lanes(penetration) * rate.mul_add(c(self.damping), elastic)).max(c(0.0))
     }
 
     #[inline(always)]
     fn stored_lanes<S: Simd>(&self, stiffness: Lanes<S>, penetration: Lanes<S>) -> Lanes<S> {
-        stiffness * ramped_integral_lanes(penetration, self.ramp)
+        let power = penetration * penetration.sqrt();
+        stiffness * self.ramp.integral_lanes(penetration, power)
+    }
+
+    #[inline(always)]
+    fn observed_lanes<S: Simd>(
+        &self,
+        stiffness: Lanes<S>,
+        penetration: Lanes<S>,
+        rate: Lanes<S>,
+    ) -> [Lanes<S>; 3] {
+        let elastic = stiffness * (penetration * penetration.sqrt());
+        [
+            self.force_lanes(stiffness, penetration, rate),
+            self.ramp.lanes(penetration) * elastic,
+            self.stored_lanes(stiffness, penetration),
+        ]
     }
 }
 
 pub(super) fn new(parameters: &LawParameters) -> PaperLaw {
     PaperLaw {
         damping: parameters.damping,
-        ramp: parameters.ramp,
+        ramp: Ramp::new(parameters.ramp),
     }
 }
 
@@ -81,7 +96,7 @@ mod tests {
     fn values() {
         let law = PaperLaw {
             damping: 8.0,
-            ramp: 1e-5,
+            ramp: Ramp::new(1e-5),
         };
         assert_eq!(law.force(1e8, 4e-4, 0.0), 1e8 * 4e-4 * 0.02);
         // Half way up the ramp everything counts half.

@@ -11,7 +11,7 @@
 
 use pulp::Simd;
 
-use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, ramped_integral, ramped_integral_lanes};
+use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, Ramp};
 use crate::lanes::Lanes;
 
 /// Eq. 20 with the missing part of the gradient.
@@ -19,8 +19,8 @@ use crate::lanes::Lanes;
 pub struct PaperConservative {
     /// C, N s/m.
     pub damping: f64,
-    /// Width of S, m.
-    pub ramp: f64,
+    /// S.
+    pub ramp: Ramp,
 }
 
 impl PaperConservative {
@@ -47,7 +47,7 @@ impl NormalLaw for PaperConservative {
 
     #[inline]
     fn along(&self, penetration: f64) -> Option<f64> {
-        Some(ramped_integral(penetration, self.ramp))
+        Some(self.ramp.integral(penetration))
     }
 
     #[inline(always)]
@@ -66,15 +66,26 @@ impl NormalLaw for PaperConservative {
     }
 
     #[inline(always)]
+    fn observed_lanes<S: Simd>(
+        &self,
+        stiffness: Lanes<S>,
+        penetration: Lanes<S>,
+        rate: Lanes<S>,
+    ) -> [Lanes<S>; 3] {
+        self.normal().observed_lanes(stiffness, penetration, rate)
+    }
+
+    #[inline(always)]
     fn along_lanes<S: Simd>(&self, penetration: Lanes<S>) -> Option<Lanes<S>> {
-        Some(ramped_integral_lanes(penetration, self.ramp))
+        let power = penetration * penetration.sqrt();
+        Some(self.ramp.integral_lanes(penetration, power))
     }
 }
 
 pub(super) fn new(parameters: &LawParameters) -> PaperConservative {
     PaperConservative {
         damping: parameters.damping,
-        ramp: parameters.ramp,
+        ramp: Ramp::new(parameters.ramp),
     }
 }
 

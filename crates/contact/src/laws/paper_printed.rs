@@ -3,15 +3,15 @@
 //! Without the clamp at 0 a contact that parts faster than `K delta^1.5 / C` pulls. For studying what the
 //! published model does; use the law `paper` for results.
 
-use super::{LawInfo, LawParameters, NormalLaw, ramp, ramped_integral};
+use super::{LawInfo, LawParameters, NormalLaw, Ramp};
 
 /// Eq. 20 without a maximum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PaperPrinted {
     /// C, N s/m.
     pub damping: f64,
-    /// Width of S, m.
-    pub ramp: f64,
+    /// S.
+    pub ramp: Ramp,
 }
 
 impl NormalLaw for PaperPrinted {
@@ -19,12 +19,12 @@ impl NormalLaw for PaperPrinted {
     #[inline]
     fn force(&self, stiffness: f64, penetration: f64, rate: f64) -> f64 {
         let elastic = stiffness * penetration * penetration.sqrt();
-        ramp(penetration, self.ramp) * (elastic + self.damping * rate)
+        self.ramp.at(penetration) * (elastic + self.damping * rate)
     }
 
     #[inline]
     fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
-        stiffness * ramped_integral(penetration, self.ramp)
+        stiffness * self.ramp.integral(penetration)
     }
 
     #[inline]
@@ -36,7 +36,7 @@ impl NormalLaw for PaperPrinted {
 pub(super) fn new(parameters: &LawParameters) -> PaperPrinted {
     PaperPrinted {
         damping: parameters.damping,
-        ramp: parameters.ramp,
+        ramp: Ramp::new(parameters.ramp),
     }
 }
 
@@ -60,7 +60,7 @@ mod tests {
     fn pulls_where_the_paper_s_law_is_clamped() {
         let law = PaperPrinted {
             damping: 8.0,
-            ramp: 1e-5,
+            ramp: Ramp::new(1e-5),
         };
         assert_eq!(law.force(1e8, 4e-4, 0.0), 1e8 * 4e-4 * 0.02);
         assert!(law.force(1e8, 1e-5, -10.0) < -70.0);
