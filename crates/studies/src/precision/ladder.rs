@@ -117,6 +117,7 @@ pub(super) struct State {
     pub(super) track: Track,
     /// CPU time of the last run, s, and of the one before.
     pub(super) cpu_s: f64,
+    pub(super) cpu_before_s: f64,
     /// Error of the last run; infinite if it failed.
     pub(super) error: f64,
     /// Error two runs before.
@@ -129,10 +130,10 @@ impl State {
     /// Whether and why to stop before a run whose setting is `ratio` times finer.
     pub(super) fn stop(&self, knob: Knob, ratio: f64, options: &Options) -> Option<Stopped> {
         // What a tighter tolerance costs is not known before, and may be less: RODAS5P rubs cheaply from where its steps land on
-        // the friction's ramp. A run that takes far too long is given up.
+        // the friction's ramp. Two runs that took too long end a series; one that takes far too long is given up.
         let next = match knob {
             Knob::StepS => self.cpu_s * ratio,
-            Knob::Tolerance => self.cpu_s,
+            Knob::Tolerance => self.cpu_s.min(self.cpu_before_s),
         };
         if self.error <= 0.1 * self.reference_error || self.error == 0.0 {
             return Some(Stopped::AtTheReference);
@@ -181,19 +182,22 @@ mod tests {
         let state = |track, cpu_s, error, error_before| State {
             track,
             cpu_s,
+            cpu_before_s: 0.0,
             error,
             error_before,
             reference_error: 1e-8,
         };
         let stop = |state: State| state.stop(Knob::StepS, 2.0, &options);
-        let long = |cpu_s| state(Track::Native, cpu_s, 1e-2, 2e-2);
-        let tighter = |cpu_s| long(cpu_s).stop(Knob::Tolerance, 3.2, &options);
-        assert_eq!(stop(long(1.9)), Some(Stopped::TooLong));
-        assert_eq!(
-            [1.9, 2.1].map(tighter),
-            [None, Some(Stopped::TooLong)],
-            "tolerances"
-        );
+        let tighter = |cpu_before_s| {
+            let long = state(Track::Native, 2.1, 1e-2, 2e-2);
+            let long = State {
+                cpu_before_s,
+                ..long
+            };
+            long.stop(Knob::Tolerance, 3.2, &options)
+        };
+        assert_eq!(tighter(1.9), None);
+        assert_eq!(tighter(2.1), Some(Stopped::TooLong));
         assert_eq!(stop(state(Track::Native, 0.1, 1e-6, 4e-6)), None);
         assert_eq!(
             stop(state(Track::Native, 1.0, 1e-6, 4e-6)),

@@ -187,6 +187,7 @@ pub(super) fn run(
     let mut state = State {
         track: series.track,
         cpu_s: 0.0,
+        cpu_before_s: 0.0,
         error: f64::INFINITY,
         error_before: f64::INFINITY,
         reference_error: truth.error,
@@ -221,7 +222,7 @@ pub(super) fn run(
         if point.outcome == Outcome::Finished
             && let Some(cost) = point.cost
         {
-            state.cpu_s = cost.cpu_min_s;
+            state.cpu_before_s = std::mem::replace(&mut state.cpu_s, cost.cpu_min_s);
         }
         state.error_before = last_error;
         last_error = state.error;
