@@ -52,21 +52,6 @@ impl NormalLaw for PaperLaw {
         let power = penetration * penetration.sqrt();
         stiffness * self.ramp.integral_lanes(penetration, power)
     }
-
-    #[inline(always)]
-    fn observed_lanes<S: Simd>(
-        &self,
-        stiffness: Lanes<S>,
-        penetration: Lanes<S>,
-        rate: Lanes<S>,
-    ) -> [Lanes<S>; 3] {
-        let elastic = stiffness * (penetration * penetration.sqrt());
-        [
-            self.force_lanes(stiffness, penetration, rate),
-            self.ramp.lanes(penetration) * elastic,
-            self.stored_lanes(stiffness, penetration),
-        ]
-    }
 }
 
 pub(super) fn new(parameters: &LawParameters) -> PaperLaw {

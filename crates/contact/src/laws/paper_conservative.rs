@@ -66,16 +66,6 @@ impl NormalLaw for PaperConservative {
     }
 
     #[inline(always)]
-    fn observed_lanes<S: Simd>(
-        &self,
-        stiffness: Lanes<S>,
-        penetration: Lanes<S>,
-        rate: Lanes<S>,
-    ) -> [Lanes<S>; 3] {
-        self.normal().observed_lanes(stiffness, penetration, rate)
-    }
-
-    #[inline(always)]
     fn along_lanes<S: Simd>(&self, penetration: Lanes<S>) -> Option<Lanes<S>> {
         let power = penetration * penetration.sqrt();
         Some(self.ramp.integral_lanes(penetration, power))
