@@ -165,6 +165,7 @@ impl pulp::WithSimd for Lanewise<'_> {
                     continue;
                 }
                 prop_assert!(k < count);
+                prop_assert!(found > 0.0, "inside at a depth of {found}");
                 let scalar = curve.penetrating_foot(p.lane(k), unit.lane(k), mesh.multiple);
                 if let Some(foot) = scalar {
                     prop_assert!((feet.normal.lane(k) - foot.at.normal).norm() < 1e-11);
@@ -228,6 +229,26 @@ proptest! {
         let curve = pose.curve();
         for pose in pose.turned(24) {
             Mesh::new(&curve, &pose).check()?;
+        }
+    }
+}
+
+/// Sleeves on the curve to rounding: what is inside has a depth above 0, of which laws take roots.
+#[test]
+fn regress_sleeves_on_the_curve() {
+    for zk in [5, 16, 61] {
+        let mesh = Pose {
+            zk,
+            m: 0.7,
+            backlash: 0.0,
+            input: 0.0,
+            lag: 0.0,
+            shift: 0.0,
+            towards: 0.0,
+        };
+        let curve = mesh.curve();
+        for pose in mesh.turned(64) {
+            Mesh::new(&curve, &pose).check().unwrap();
         }
     }
 }
