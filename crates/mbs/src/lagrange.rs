@@ -12,13 +12,15 @@
 mod split;
 mod turning;
 
-use nalgebra::{Matrix3, Vector3};
+use std::iter::zip;
+
+use nalgebra::Vector3;
 
 use crate::forces::Forces;
 use crate::mechanism::{Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
 use crate::pinned::PinnedContacts;
-use crate::saddle::{Dependent, Rows, SaddlePoint, redundant};
+use crate::saddle::{Dependent, SaddlePoint, redundant};
 use crate::state::{BodyState, Wrench};
 use crate::tree::{Arms, Forest, turned};
 use turning::{Settled, Turning};
@@ -45,6 +47,19 @@ const LOOP_STEPS: usize = 8;
 const LOOP_TOLERANCE: f64 = 1e-14;
 /// How far the fastest body turns to get beside a singular pose, rad.
 const BESIDE: f64 = 2e-5;
+
+/// A body's state by its three coordinates and their rates.
+#[inline]
+fn body_at([x, y, angle]: &[f64; 3], [vx, vy, rate]: &[f64; 3]) -> BodyState {
+    BodyState {
+        x: *x,
+        y: *y,
+        angle: *angle,
+        vx: *vx,
+        vy: *vy,
+        rate: *rate,
+    }
+}
 
 /// The equations of a mechanism under applied `F`.
 pub struct Lagrange<F> {
@@ -104,6 +119,7 @@ impl<F: Forces> Lagrange<F> {
         let start = system.initial();
         system.unpack(&start);
         system.rotate_arms();
+        system.rest();
         system
             .factor_beside()
             .map_err(|c| redundant(&system.mechanism, c))?;
@@ -131,26 +147,33 @@ impl<F: Forces> Lagrange<F> {
         &self.mechanism
     }
 
+    /// All bodies as y has them.
     fn unpack(&mut self, y: &[f64]) {
         self.settled.valid = false;
         let (q, v) = y.split_at(3 * self.bodies.len());
         let (q, v) = (q.as_chunks::<3>().0, v.as_chunks::<3>().0);
-        for ((body, q), v) in self.bodies.iter_mut().zip(q).zip(v) {
-            *body = BodyState {
-                x: q[0],
-                y: q[1],
-                angle: q[2],
-                vx: v[0],
-                vy: v[1],
-                rate: v[2],
-            };
+        for (body, (q, v)) in zip(&mut self.bodies, zip(q, v)) {
+            *body = body_at(q, v);
+        }
+    }
+
+    /// As far as the forest does not say where they are: what [`project`](Self::project) begins with.
+    fn unpack_free(&mut self, y: &[f64]) {
+        self.settled.valid = false;
+        let (q, v) = y.split_at(3 * self.bodies.len());
+        let (q, v) = (q.as_chunks::<3>().0, v.as_chunks::<3>().0);
+        for (body, (q, v)) in zip(&mut self.bodies, zip(q, v)) {
+            (body.angle, body.rate) = (q[2], v[2]);
+        }
+        for &root in &self.forest.roots {
+            self.bodies[root] = body_at(&q[root], &v[root]);
         }
     }
 
     fn pack(&self, y: &mut [f64]) {
         let (q, v) = y.split_at_mut(3 * self.bodies.len());
         let (q, v) = (q.as_chunks_mut::<3>().0, v.as_chunks_mut::<3>().0);
-        for ((body, q), v) in self.bodies.iter().zip(q).zip(v) {
+        for (body, (q, v)) in zip(&self.bodies, zip(q, v)) {
             *q = [body.x, body.y, body.angle];
             *v = [body.vx, body.vy, body.rate];
         }
@@ -193,22 +216,7 @@ impl<F: Forces> Lagrange<F> {
 
     /// Puts M and D in place and factors; `Err` is the first dependent constraint.
     fn factor(&mut self, dependent: Dependent) -> Result<(), usize> {
-        let (arms, revolutes) = (&self.arms, self.mechanism.revolutes.len());
-        self.saddle.factor(dependent, |c| {
-            if c < revolutes {
-                let [px, py] = arms[c].parent;
-                let [sx, sy] = arms[c].child;
-                Rows {
-                    child: Matrix3::new(1.0, 0.0, -sy, 0.0, 1.0, sx, 0.0, 0.0, 0.0),
-                    parent: Matrix3::new(-1.0, 0.0, py, 0.0, -1.0, -px, 0.0, 0.0, 0.0),
-                }
-            } else {
-                Rows {
-                    child: Matrix3::new(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-                    parent: Matrix3::new(0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-                }
-            }
-        })
+        self.saddle.factor(dependent, &self.arms)
     }
 
     /// Phi and dPhi/dt of a revolute.
@@ -245,17 +253,15 @@ impl<F: Forces> Lagrange<F> {
     /// Right-hand side gamma of Eq. 9, with Baumgarte's feedback if chosen.
     fn set_gamma(&mut self, t: f64) {
         let revolutes = self.arms.len();
-        for k in 0..revolutes {
-            *self.saddle.constraint(k) = Vector3::zeros();
-        }
+        self.saddle.constraints().fill(Vector3::zeros());
         let kept = pinwheel_faults::factor(pinwheel_faults::Fault::DroppedGamma, 0.0);
         for turning in &self.turning {
             let rate = self.bodies[turning.body].rate;
-            turning.add_gamma(kept * rate * rate, &self.arms, &mut self.saddle);
+            turning.add_gamma(kept * rate * rate, &self.arms, self.saddle.constraints());
         }
         for (k, driver) in self.mechanism.drivers.iter().enumerate() {
             let (_, _, acceleration) = driver.motion.at(t);
-            *self.saddle.constraint(revolutes + k) = Vector3::new(acceleration, 0.0, 0.0);
+            self.saddle.constraints()[revolutes + k] = Vector3::new(acceleration, 0.0, 0.0);
         }
         let Stabilisation::Baumgarte { rate: b } = self.stabilisation else {
             return;
@@ -264,11 +270,11 @@ impl<F: Forces> Lagrange<F> {
         for k in 0..revolutes {
             let (phi, rate) = self.revolute_error(k);
             let feedback = [0, 1].map(|i| b1 * rate[i] + b2 * phi[i]);
-            *self.saddle.constraint(k) -= Vector3::new(feedback[0], feedback[1], 0.0);
+            self.saddle.constraints()[k] -= Vector3::new(feedback[0], feedback[1], 0.0);
         }
         for k in 0..self.torques.len() {
             let (phi, rate) = self.driver_error(k, t);
-            self.saddle.constraint(revolutes + k).x -= b1 * rate + b2 * phi;
+            self.saddle.constraints()[revolutes + k].x -= b1 * rate + b2 * phi;
         }
     }
 
@@ -299,17 +305,17 @@ impl<F: Forces> Lagrange<F> {
             for k in 0..self.arms.len() {
                 let (phi, _) = self.revolute_error(k);
                 worst = worst.max(phi[0].abs()).max(phi[1].abs());
-                *self.saddle.constraint(k) = Vector3::new(-phi[0], -phi[1], 0.0);
+                self.saddle.constraints()[k] = Vector3::new(-phi[0], -phi[1], 0.0);
             }
             for k in 0..self.torques.len() {
                 let (phi, _) = self.driver_error(k, t);
-                *self.saddle.constraint(self.arms.len() + k) = Vector3::new(-phi, 0.0, 0.0);
+                self.saddle.constraints()[self.arms.len() + k] = Vector3::new(-phi, 0.0, 0.0);
             }
             if !(worst > tolerance) || self.correct().is_err() {
                 break;
             }
             for (k, body) in self.bodies.iter_mut().enumerate() {
-                let step = *self.saddle.body(k);
+                let step = self.saddle.bodies()[k];
                 body.x += step.x;
                 body.y += step.y;
                 body.angle += step.z;
@@ -318,15 +324,15 @@ impl<F: Forces> Lagrange<F> {
         self.rotate_arms();
         for k in 0..self.arms.len() {
             let (_, rate) = self.revolute_error(k);
-            *self.saddle.constraint(k) = Vector3::new(-rate[0], -rate[1], 0.0);
+            self.saddle.constraints()[k] = Vector3::new(-rate[0], -rate[1], 0.0);
         }
         for k in 0..self.torques.len() {
             let (_, rate) = self.driver_error(k, t);
-            *self.saddle.constraint(self.arms.len() + k) = Vector3::new(-rate, 0.0, 0.0);
+            self.saddle.constraints()[self.arms.len() + k] = Vector3::new(-rate, 0.0, 0.0);
         }
         if self.correct().is_ok() {
             for (k, body) in self.bodies.iter_mut().enumerate() {
-                let step = *self.saddle.body(k);
+                let step = self.saddle.bodies()[k];
                 body.vx += step.x;
                 body.vy += step.y;
                 body.rate += step.z;
@@ -338,9 +344,7 @@ impl<F: Forces> Lagrange<F> {
     fn correct(&mut self) -> Result<(), usize> {
         // Dependent directions take no part: nothing is known of them, and a step of least energy leaves them alone.
         self.factor(Dependent::Drop)?;
-        for k in 0..self.bodies.len() {
-            *self.saddle.body(k) = Vector3::zeros();
-        }
+        self.saddle.bodies().fill(Vector3::zeros());
         self.saddle.solve();
         Ok(())
     }
@@ -361,11 +365,16 @@ impl<F: Forces> Lagrange<F> {
     fn accelerate(&mut self, t: f64) -> Result<(), usize> {
         self.factor_beside()?;
         self.set_gamma(t);
-        for (k, load) in self.loads.iter().enumerate() {
-            *self.saddle.body(k) = Vector3::new(load.fx, load.fy, load.moment);
-        }
+        self.saddle.set_loads(&self.loads);
         self.saddle.solve();
         Ok(())
+    }
+
+    /// Bodies that rest where the forest has them, wherever they were put.
+    fn rest(&mut self) {
+        if self.stabilisation == Stabilisation::Projection {
+            self.forest.place_resting(&mut self.bodies, &self.arms);
+        }
     }
 
     /// Bodies and arms at (t, y), unless they stand there.
@@ -373,10 +382,11 @@ impl<F: Forces> Lagrange<F> {
         if self.settled.is(t, y) {
             return;
         }
-        self.unpack(y);
         if self.stabilisation == Stabilisation::Projection {
+            self.unpack_free(y);
             self.project(t);
         } else {
+            self.unpack(y);
             self.rotate_arms();
         }
     }
@@ -411,7 +421,7 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
         for (k, (qd, vd)) in qd.iter_mut().zip(vd).enumerate() {
             let body = self.bodies[k];
             *qd = [body.vx, body.vy, body.rate];
-            *vd = (*self.saddle.body(k)).into();
+            *vd = (self.saddle.bodies()[k]).into();
         }
     }
 
@@ -424,7 +434,7 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
 
     fn settle(&mut self, t: f64, y: &mut [f64]) {
         if self.stabilisation == Stabilisation::Projection {
-            self.unpack(y);
+            self.unpack_free(y);
             self.project(t);
             self.pack(y);
             self.settled.set(t, y);
@@ -459,7 +469,7 @@ impl<F: Forces> Formulation for Lagrange<F> {
         };
         let solved = self.accelerate(t).is_ok();
         for k in 0..self.reactions.len() {
-            let mu = *self.saddle.constraint(k);
+            let mu = self.saddle.constraints()[k];
             self.reactions[k] = if solved {
                 [-mu.x, -mu.y]
             } else {
@@ -467,7 +477,7 @@ impl<F: Forces> Formulation for Lagrange<F> {
             };
         }
         for k in 0..self.torques.len() {
-            let mu = *self.saddle.constraint(self.arms.len() + k);
+            let mu = self.saddle.constraints()[self.arms.len() + k];
             self.torques[k] = if solved { -mu.x } else { f64::NAN };
         }
         Observation {
@@ -493,15 +503,19 @@ impl<F: Forces> Formulation for Lagrange<F> {
     }
 
     fn joint_error(&mut self, t: f64, y: &[f64]) -> f64 {
-        if !self.settled.is(t, y) {
+        let known = self.settled.is(t, y);
+        if !known {
             self.unpack(y);
             self.rotate_arms();
         }
-        (0..self.arms.len())
-            .map(|k| {
-                let ([x, y], _) = self.revolute_error(k);
-                x.hypot(y)
-            })
-            .fold(0.0, f64::max)
+        let errors = (0..self.arms.len()).map(|k| {
+            let ([x, y], _) = self.revolute_error(k);
+            x.hypot(y)
+        });
+        let largest = errors.fold(0.0, f64::max);
+        if !known {
+            self.rest();
+        }
+        largest
     }
 }

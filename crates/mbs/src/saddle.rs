@@ -20,22 +20,20 @@
 //! For a forest there is no fill: eliminating a leaf body and then its joint adds the leaf's inertia
 //! to its carrier, so the cost is linear in the number of bodies. Loops cost the fill they need.
 //!
-//! Bodies that nothing but one revolute holds, at their centre of mass (sleeves, wheels), go first and in closed form. With m
-//! and I theirs, D_p the revolute's rows for its parent, and the parent's rows of the system:
-//!
-//! ```text
-//! a = gamma - D_p a_p,   mu = F - m a,   rotation: moment/I
-//! (M_p + m D_p' D_p) a_p + ... = F_p - D_p' (F - m gamma)
-//! ```
+//! Bodies that one revolute holds to their carrier or to the ground go first and in closed form ([`pinned`]).
 //!
 //! Blocks are 3 x 3 with the unused rows and columns of smaller nodes held at identity, which
 //! keeps one code path and no branches; this is [George & Liu 1981] on 3 x 3 blocks.
 
+mod pinned;
 mod symbolic;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::mechanism::{Mechanism, MechanismError, Revolute};
+use crate::mechanism::{Mechanism, MechanismError};
+use crate::state::Wrench;
+use crate::tree::Arms;
+use pinned::Pinned;
 use symbolic::{Below, Builder, Pivot, Target, Update, elimination_order, prerequisites};
 
 /// A constraint's pivot is singular if its smallest stretch falls below this share of the largest amount
@@ -60,113 +58,10 @@ struct Slot {
     transposed: bool,
 }
 
-/// Jacobian parts of one constraint: its rows of D for the child and, if there is one, the parent.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Rows {
-    pub(crate) child: Matrix3<f64>,
-    pub(crate) parent: Matrix3<f64>,
-}
-
-/// A body held by one revolute, at its centre of mass.
-#[derive(Debug, Clone)]
-struct Leaf {
-    body: usize,
-    constraint: usize,
-    /// Its carrier among the bodies that are left.
-    parent: Option<usize>,
-    mass: f64,
-    moment: f64,
-    /// The revolute's arm on the parent, m: `D_p = [-1 0 y; 0 -1 -x]`.
-    arm: [f64; 2],
-}
-
-impl Leaf {
-    /// D_p' v.
-    #[inline]
-    fn on_parent(&self, v: [f64; 2]) -> Vector3<f64> {
-        let [x, y] = self.arm;
-        Vector3::new(-v[0], -v[1], y * v[0] - x * v[1])
-    }
-
-    /// D_p a.
-    #[inline]
-    fn of_parent(&self, a: &Vector3<f64>) -> [f64; 2] {
-        let [x, y] = self.arm;
-        [y * a.z - a.x, -a.y - x * a.z]
-    }
-}
-
-/// What closed forms take off a mechanism, and where the rest stands in it.
-struct Trimmed {
-    leaves: Vec<Leaf>,
-    rest: Mechanism,
-    bodies: Vec<usize>,
-    constraints: Vec<usize>,
-}
-
-impl Trimmed {
-    fn new(mechanism: &Mechanism) -> Self {
-        let mut held = vec![0_u32; mechanism.bodies.len()];
-        let joints = mechanism.revolutes.iter().map(|j| (j.child, j.parent));
-        let drivers = mechanism.drivers.iter().map(|d| (d.child, d.parent));
-        for (child, parent) in joints.chain(drivers) {
-            held[child] += 1;
-            if let Some(parent) = parent {
-                held[parent] += 1;
-            }
-        }
-        let is_leaf = |j: &Revolute| held[j.child] == 1 && j.child_point == [0.0; 2];
-        let mut left = vec![true; held.len()];
-        for joint in mechanism.revolutes.iter().filter(|j| is_leaf(j)) {
-            left[joint.child] = false;
-        }
-        let bodies: Vec<usize> = (0..left.len()).filter(|&k| left[k]).collect();
-        let place = |body: usize| bodies.partition_point(|&k| k < body);
-        let (mut rest, mut leaves, mut constraints) = (mechanism.clone(), Vec::new(), Vec::new());
-        rest.bodies = bodies
-            .iter()
-            .map(|&k| mechanism.bodies[k].clone())
-            .collect();
-        rest.revolutes.clear();
-        for (constraint, joint) in mechanism.revolutes.iter().enumerate() {
-            let parent = joint.parent.map(place);
-            let body = &mechanism.bodies[joint.child];
-            if left[joint.child] {
-                constraints.push(constraint);
-                rest.revolutes.push(Revolute {
-                    parent,
-                    child: place(joint.child),
-                    ..*joint
-                });
-            } else {
-                leaves.push(Leaf {
-                    body: joint.child,
-                    constraint,
-                    parent,
-                    mass: body.mass,
-                    moment: body.moment,
-                    arm: [0.0; 2],
-                });
-            }
-        }
-        for driver in &mut rest.drivers {
-            (driver.parent, driver.child) = (driver.parent.map(place), place(driver.child));
-        }
-        let revolutes = mechanism.revolutes.len();
-        constraints.extend((0..mechanism.drivers.len()).map(|k| revolutes + k));
-        Self {
-            leaves,
-            rest,
-            bodies,
-            constraints,
-        }
-    }
-}
-
 /// The factored system: symbolic part made once, numbers replaced at every evaluation.
 #[derive(Debug, Clone)]
 pub struct SaddlePoint {
-    leaves: Vec<Leaf>,
+    pinned: Pinned,
     /// The bodies and constraints that are left, by their numbers in the mechanism.
     left: [Vec<usize>; 2],
     /// Right-hand sides, then solutions, of all bodies and all constraints.
@@ -178,7 +73,6 @@ pub struct SaddlePoint {
     pivots: Vec<Pivot>,
     below: Vec<Below>,
     updates: Vec<Update>,
-    mass: Vec<Matrix3<f64>>,
     /// Diagonal blocks; after `factor` their inverses.
     diagonal: Vec<Matrix3<f64>>,
     /// Blocks below the diagonal; after `factor` the unit factor.
@@ -198,8 +92,8 @@ impl SaddlePoint {
             vec![Vector3::zeros(); mechanism.bodies.len()],
             vec![Vector3::zeros(); mechanism.revolutes.len() + mechanism.drivers.len()],
         ];
-        let trimmed = Trimmed::new(mechanism);
-        let mechanism = &trimmed.rest;
+        let (pinned, rest) = Pinned::new(mechanism);
+        let mechanism = &rest.mechanism;
         let bodies = mechanism.bodies.len();
         let ends: Vec<(usize, Option<usize>)> = mechanism
             .revolutes
@@ -237,14 +131,9 @@ impl SaddlePoint {
             .map(|p| p.below.1 - p.below.0)
             .max()
             .unwrap_or(0);
-        let mass = mechanism
-            .bodies
-            .iter()
-            .map(|b| Matrix3::from_diagonal(&Vector3::new(b.mass, b.mass, b.moment)))
-            .collect();
         Self {
-            leaves: trimmed.leaves,
-            left: [trimmed.bodies, trimmed.constraints],
+            pinned,
+            left: [rest.bodies, rest.constraints],
             values,
             bodies,
             sizes,
@@ -252,7 +141,6 @@ impl SaddlePoint {
             pivots,
             below,
             updates,
-            mass,
             diagonal: vec![Matrix3::zeros(); nodes],
             lower: vec![Matrix3::zeros(); builder.blocks.len()],
             scratch: vec![Matrix3::zeros(); widest],
@@ -267,47 +155,42 @@ impl SaddlePoint {
         self.lower.len()
     }
 
-    /// Puts M and the rows of D in place and factors. `rows(c)` gives constraint c.
+    /// Puts M and the rows of D in place and factors, with the revolutes' `arms`:
+    ///
+    /// ```text
+    /// D_parent = [-1 0 s_y; 0 -1 -s_x],   D_child = [1 0 -s_y; 0 1 s_x];   of a driver [0 0 -1] and [0 0 1]
+    /// ```
     ///
     /// # Errors
     /// The index of the first constraint that depends on the others, if these are refused.
-    pub(crate) fn factor(
-        &mut self,
-        dependent: Dependent,
-        mut rows: impl FnMut(usize) -> Rows,
-    ) -> Result<(), usize> {
-        self.diagonal[..self.bodies].copy_from_slice(&self.mass);
-        for (node, diagonal) in self.diagonal.iter_mut().enumerate().skip(self.bodies) {
+    pub(crate) fn factor(&mut self, dependent: Dependent, arms: &[Arms]) -> Result<(), usize> {
+        self.pinned.place(arms);
+        if self.left[0].is_empty() {
+            return Ok(());
+        }
+        let (own, joints) = self.diagonal.split_at_mut(self.bodies);
+        for (diagonal, &body) in own.iter_mut().zip(&self.left[0]) {
+            *diagonal = self.pinned.inertia[body].matrix();
+        }
+        for (diagonal, &size) in joints.iter_mut().zip(&self.sizes[self.bodies..]) {
             *diagonal = Matrix3::zeros();
-            for unused in self.sizes[node]..3 {
+            for unused in size..3 {
                 diagonal[(unused, unused)] = 1.0;
             }
         }
-        for leaf in &mut self.leaves {
-            let Some(parent) = leaf.parent else {
-                continue;
-            };
-            let part = rows(leaf.constraint).parent;
-            let (x, y, m) = (-part[(1, 2)], part[(0, 2)], leaf.mass);
-            leaf.arm = [x, y];
-            let block = &mut self.diagonal[parent];
-            block[(0, 0)] += m;
-            block[(1, 1)] += m;
-            for (row, lever) in [(0, -y), (1, x)] {
-                block[(row, 2)] += m * lever;
-                block[(2, row)] += m * lever;
-            }
-            block[(2, 2)] += m * (x * x + y * y);
-        }
         self.lower.fill(Matrix3::zeros());
         for (&(child, parent), &c) in self.slots.iter().zip(&self.left[1]) {
-            let part = rows(c);
-            let mut put = |slot: Slot, d: &Matrix3<f64>| {
-                self.lower[slot.block] = if slot.transposed { d.transpose() } else { *d };
+            let mut put = |slot: Slot, sign: f64, arm: Option<[f64; 2]>| {
+                let d = match arm {
+                    Some([x, y]) => Matrix3::new(1.0, 0.0, -y, 0.0, 1.0, x, 0.0, 0.0, 0.0),
+                    None => Matrix3::new(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+                };
+                self.lower[slot.block] = sign * if slot.transposed { d.transpose() } else { d };
             };
-            put(child, &part.child);
+            let arms = arms.get(c);
+            put(child, 1.0, arms.map(|arms| arms.child));
             if let Some(parent) = parent {
-                put(parent, &part.parent);
+                put(parent, -1.0, arms.map(|arms| arms.parent));
             }
         }
         self.reference.fill(0.0);
@@ -353,46 +236,24 @@ impl SaddlePoint {
         Ok(())
     }
 
-    /// Solves for the right-hand side written through `rhs_body` and `rhs_constraint`.
+    /// Solves for the right-hand side in [`bodies`](Self::bodies) and [`constraints`](Self::constraints).
     pub fn solve(&mut self) {
         let [bodies, constraints] = &mut self.values;
-        let (own, joints) = self.unknowns.split_at_mut(self.bodies);
-        for (unknown, &k) in own.iter_mut().zip(&self.left[0]) {
-            *unknown = bodies[k];
+        self.pinned.eliminate(bodies, constraints);
+        if !self.left[0].is_empty() {
+            self.solve_rest();
         }
-        for (unknown, &c) in joints.iter_mut().zip(&self.left[1]) {
-            *unknown = constraints[c];
-        }
-        for leaf in &self.leaves {
-            if let Some(parent) = leaf.parent {
-                let (load, gamma) = (bodies[leaf.body], constraints[leaf.constraint]);
-                own[parent] -=
-                    leaf.on_parent([load.x - leaf.mass * gamma.x, load.y - leaf.mass * gamma.y]);
-            }
-        }
-        self.solve_rest();
         let [bodies, constraints] = &mut self.values;
-        let (own, joints) = self.unknowns.split_at(self.bodies);
-        for leaf in &self.leaves {
-            let (value, joint) = (&mut bodies[leaf.body], &mut constraints[leaf.constraint]);
-            let mut a = [joint.x, joint.y];
-            if let Some(parent) = leaf.parent {
-                let carried = leaf.of_parent(&own[parent]);
-                a = [a[0] - carried[0], a[1] - carried[1]];
-            }
-            *joint = Vector3::new(value.x - leaf.mass * a[0], value.y - leaf.mass * a[1], 0.0);
-            *value = Vector3::new(a[0], a[1], value.z / leaf.moment);
-        }
-        for (unknown, &k) in own.iter().zip(&self.left[0]) {
-            bodies[k] = *unknown;
-        }
-        for (unknown, &c) in joints.iter().zip(&self.left[1]) {
-            constraints[c] = *unknown;
-        }
+        self.pinned.finish(bodies, constraints);
     }
 
     /// The same of the bodies and constraints that are left.
     fn solve_rest(&mut self) {
+        let left = || self.left.iter().zip(&self.values);
+        let known = left().flat_map(|(left, values)| left.iter().map(|&k| values[k]));
+        for (unknown, known) in self.unknowns.iter_mut().zip(known) {
+            *unknown = known;
+        }
         for pivot in &self.pivots {
             let value = self.unknowns[pivot.node];
             for entry in &self.below[pivot.below.0..pivot.below.1] {
@@ -406,16 +267,30 @@ impl SaddlePoint {
             }
             self.unknowns[pivot.node] = value;
         }
+        let (own, joints) = self.unknowns.split_at(self.bodies);
+        for ((values, left), found) in self.values.iter_mut().zip(&self.left).zip([own, joints]) {
+            for (&k, &found) in left.iter().zip(found) {
+                values[k] = found;
+            }
+        }
     }
 
-    /// Right-hand side of a body (its load), after [`SaddlePoint::solve`] its acceleration.
-    pub fn body(&mut self, body: usize) -> &mut Vector3<f64> {
-        &mut self.values[0][body]
+    /// Right-hand sides of the bodies (their loads), after [`SaddlePoint::solve`] their accelerations.
+    pub fn bodies(&mut self) -> &mut [Vector3<f64>] {
+        &mut self.values[0]
     }
 
-    /// Right-hand side gamma of a constraint (unused components must be 0), after the solution **minus** its multiplier.
-    pub fn constraint(&mut self, constraint: usize) -> &mut Vector3<f64> {
-        &mut self.values[1][constraint]
+    /// Puts the loads on the right-hand side.
+    #[inline]
+    pub(crate) fn set_loads(&mut self, loads: &[Wrench]) {
+        for (value, load) in self.values[0].iter_mut().zip(loads) {
+            *value = Vector3::new(load.fx, load.fy, load.moment);
+        }
+    }
+
+    /// Right-hand sides gamma of the constraints (unused components must be 0), after the solution **minus** their multipliers.
+    pub fn constraints(&mut self) -> &mut [Vector3<f64>] {
+        &mut self.values[1]
     }
 }
 

@@ -29,6 +29,11 @@ pub(crate) struct Branch {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Forest {
     pub(crate) branches: Vec<Branch>,
+    /// Bodies that no revolute of the forest leads to.
+    pub(crate) roots: Vec<BodyId>,
+    /// Branches whose bodies' centres stay where they are, because the ground holds them there.
+    resting: Vec<Branch>,
+    moving: Vec<Branch>,
     /// Revolutes that close loops.
     pub(crate) closures: Vec<usize>,
 }
@@ -39,7 +44,7 @@ impl Forest {
         let n = mechanism.bodies.len();
         let mut reached = vec![false; n];
         let mut used = vec![false; mechanism.revolutes.len()];
-        let mut branches = Vec::new();
+        let (mut branches, mut roots) = (Vec::new(), Vec::new());
         loop {
             let before = branches.len();
             for (k, joint) in mechanism.revolutes.iter().enumerate() {
@@ -68,40 +73,70 @@ impl Forest {
             }
             if branches.len() == before {
                 match reached.iter().position(|r| !r) {
-                    Some(root) => reached[root] = true,
+                    Some(root) => {
+                        reached[root] = true;
+                        roots.push(root);
+                    }
                     None => break,
                 }
             }
         }
-        let closures = (0..used.len()).filter(|&k| !used[k]).collect();
-        Self { branches, closures }
+        let closures: Vec<usize> = (0..used.len()).filter(|&k| !used[k]).collect();
+        // Closing loops moves all bodies.
+        let rests = |branch: &Branch| {
+            let pinned = mechanism.revolutes[branch.revolute].child_point == [0.0; 2];
+            closures.is_empty() && branch.from.is_none() && pinned
+        };
+        let (resting, moving) = branches.iter().copied().partition(|branch| rests(branch));
+        Self {
+            branches,
+            roots,
+            resting,
+            moving,
+            closures,
+        }
     }
 
-    /// Moves every body's centre to where its angle and its predecessor put it; velocities likewise.
+    /// Moves the centres that ever move to where their angles and their predecessors put them; velocities likewise.
     /// `arms`: of every revolute at these angles.
+    #[inline]
     pub(crate) fn place(&self, bodies: &mut [BodyState], arms: &[Arms]) {
-        for branch in &self.branches {
-            let arms = arms[branch.revolute];
-            let ([ax, ay], own) = if branch.outwards {
-                (arms.parent, arms.child)
-            } else {
-                (arms.child, arms.parent)
-            };
-            let (mut x, mut y, mut vx, mut vy) = match branch.from {
-                None => (ax, ay, 0.0, 0.0),
-                Some(from) => {
-                    let b = bodies[from];
-                    (b.x + ax, b.y + ay, b.vx - b.rate * ay, b.vy + b.rate * ax)
-                }
-            };
-            let body = &mut bodies[branch.body];
-            let [ax, ay] = own;
-            x -= ax;
-            y -= ay;
-            vx += body.rate * ay;
-            vy -= body.rate * ax;
-            (body.x, body.y, body.vx, body.vy) = (x, y, vx, vy);
+        for branch in &self.moving {
+            branch.place(bodies, arms);
         }
+    }
+
+    /// The same for the others, which stay there until somebody else moves them.
+    pub(crate) fn place_resting(&self, bodies: &mut [BodyState], arms: &[Arms]) {
+        for branch in &self.resting {
+            branch.place(bodies, arms);
+        }
+    }
+}
+
+impl Branch {
+    #[inline]
+    fn place(&self, bodies: &mut [BodyState], arms: &[Arms]) {
+        let arms = arms[self.revolute];
+        let ([ax, ay], own) = if self.outwards {
+            (arms.parent, arms.child)
+        } else {
+            (arms.child, arms.parent)
+        };
+        let (mut x, mut y, mut vx, mut vy) = match self.from {
+            None => (ax, ay, 0.0, 0.0),
+            Some(from) => {
+                let b = &bodies[from];
+                (b.x + ax, b.y + ay, b.vx - b.rate * ay, b.vy + b.rate * ax)
+            }
+        };
+        let body = &mut bodies[self.body];
+        let [ax, ay] = own;
+        x -= ax;
+        y -= ay;
+        vx += body.rate * ay;
+        vy -= body.rate * ax;
+        (body.x, body.y, body.vx, body.vy) = (x, y, vx, vy);
     }
 }
 

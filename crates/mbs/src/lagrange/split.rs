@@ -76,28 +76,23 @@ impl<F: Forces> Lagrange<F> {
                 add_pair(&mut self.loads, &self.bodies, pair, point, push);
             }
         }
-        for c in 0..self.arms.len() + self.torques.len() {
-            *self.saddle.constraint(c) = Vector3::zeros();
-        }
-        for (k, load) in self.friction.iter().enumerate() {
-            *self.saddle.body(k) = Vector3::new(load.fx, load.fy, load.moment);
-        }
+        self.saddle.constraints().fill(Vector3::zeros());
+        self.saddle.set_loads(&self.friction);
         self.saddle.solve();
         self.settled.valid = false;
         for (k, i) in i[3 * n..].chunks_exact_mut(3).enumerate() {
-            i.copy_from_slice(self.saddle.body(k).as_slice());
+            i.copy_from_slice(self.saddle.bodies()[k].as_slice());
             let body = &mut self.bodies[k];
             body.vx += a * i[0];
             body.vy += a * i[1];
             body.rate += a * i[2];
         }
+        self.rest();
         self.set_gamma(t);
-        for (k, load) in self.loads.iter().enumerate() {
-            *self.saddle.body(k) = Vector3::new(load.fx, load.fy, load.moment);
-        }
+        self.saddle.set_loads(&self.loads);
         self.saddle.solve();
         for (k, e) in e[3 * n..].chunks_exact_mut(3).enumerate() {
-            e.copy_from_slice(self.saddle.body(k).as_slice());
+            e.copy_from_slice(self.saddle.bodies()[k].as_slice());
         }
         i[..3 * n].fill(0.0);
         self.pack(y);

@@ -1,8 +1,9 @@
 //! What of the joints turns with the bodies, and the state at which all stands.
 
+use nalgebra::Vector3;
+
 use super::Arms;
 use crate::mechanism::{Mechanism, Revolute};
-use crate::saddle::SaddlePoint;
 use crate::state::BodyId;
 
 /// A revolute's arm on a body.
@@ -82,7 +83,7 @@ impl Turning {
 
     /// Adds what the arms add to gamma, `squared` being the square of the body's rate.
     #[inline]
-    pub(super) fn add_gamma(&self, squared: f64, arms: &[Arms], saddle: &mut SaddlePoint) {
+    pub(super) fn add_gamma(&self, squared: f64, arms: &[Arms], gammas: &mut [Vector3<f64>]) {
         for arm in &self.arms {
             let arms = arms[arm.revolute];
             let ([x, y], squared) = if arm.child {
@@ -90,7 +91,7 @@ impl Turning {
             } else {
                 (arms.parent, -squared)
             };
-            let gamma = saddle.constraint(arm.revolute);
+            let gamma = &mut gammas[arm.revolute];
             (gamma.x, gamma.y) = (gamma.x + squared * x, gamma.y + squared * y);
         }
     }

@@ -1,0 +1,308 @@
+//! Bodies that leave the system in closed form, before anything is factored.
+//!
+//! **Leaves** are bodies that nothing but one revolute holds, at their centre of mass (sleeves, wheels). With m and I
+//! theirs, D_p the revolute's rows for its parent, and the parent's rows of the system:
+//!
+//! ```text
+//! a = gamma - D_p a_p,   mu = F - m a,   rotation: moment/I
+//! (M_p + m D_p' D_p) a_p + ... = F_p - D_p' (F - m gamma)
+//! ```
+//!
+//! **Hubs** are bodies that hang on the ground by one revolute and carry nothing but leaves (shafts, pendulums); a driver from the
+//! ground may turn them. With s the arm of the revolute and M the inertia, that of the leaves included, the revolute leaves
+//! one acceleration:
+//!
+//! ```text
+//! a = (gamma, 0) + w alpha,   w = (s_y, -s_x, 1)
+//! alpha = w.(F - M (gamma, 0))/w.M w, or the driver's;   mu = (F - M a)_xy,   w.(F - M a) of the driver
+//! ```
+//! A gear is hubs and leaves alone.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::mechanism::{Mechanism, Revolute};
+use crate::tree::Arms;
+
+/// Of a body and the leaves on it, about its centre of mass.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Inertia {
+    mass: f64,
+    /// kg m, in the ground's directions.
+    first: [f64; 2],
+    /// kg m^2.
+    second: f64,
+}
+
+impl Inertia {
+    /// M.
+    pub(super) fn matrix(&self) -> Matrix3<f64> {
+        let (m, [x, y]) = (self.mass, self.first);
+        Matrix3::new(m, 0.0, -y, 0.0, m, x, -y, x, self.second)
+    }
+
+    /// M a.
+    #[inline]
+    fn times(&self, a: &Vector3<f64>) -> Vector3<f64> {
+        let (m, [x, y]) = (self.mass, self.first);
+        Vector3::new(
+            m * a.x - y * a.z,
+            m * a.y + x * a.z,
+            x * a.y - y * a.x + self.second * a.z,
+        )
+    }
+
+    /// Takes a leaf of this mass at an arm of this square.
+    fn carry(&mut self, mass: f64, squared: f64) {
+        self.mass += mass;
+        self.second += mass * squared;
+    }
+}
+
+/// A body held by one revolute, at its centre of mass.
+#[derive(Debug, Clone)]
+struct Leaf {
+    body: usize,
+    constraint: usize,
+    mass: f64,
+    /// 1/I.
+    over_moment: f64,
+    /// The revolute's arm on the parent, m: `D_p = [-1 0 y; 0 -1 -x]`.
+    arm: [f64; 2],
+}
+
+impl Leaf {
+    /// D_p' v.
+    #[inline]
+    fn on_parent(&self, v: [f64; 2]) -> Vector3<f64> {
+        let [x, y] = self.arm;
+        Vector3::new(-v[0], -v[1], y * v[0] - x * v[1])
+    }
+
+    /// D_p a.
+    #[inline]
+    fn of_parent(&self, a: &Vector3<f64>) -> [f64; 2] {
+        let [x, y] = self.arm;
+        [y * a.z - a.x, -a.y - x * a.z]
+    }
+}
+
+/// A body and the leaves on it, by their range.
+type Carrier = (usize, std::ops::Range<usize>);
+
+/// A body that hangs on the ground and carries leaves alone.
+#[derive(Debug, Clone)]
+struct Hub {
+    body: usize,
+    constraint: usize,
+    driver: Option<usize>,
+    /// 1/w.M w, which turns with the body and stays.
+    over_inertia: f64,
+    /// w.
+    free: Vector3<f64>,
+}
+
+/// Leaves and hubs of a mechanism.
+#[derive(Debug, Clone)]
+pub(super) struct Pinned {
+    /// On the ground, then carrier by carrier.
+    leaves: Vec<Leaf>,
+    on_ground: usize,
+    carriers: Vec<Carrier>,
+    hubs: Vec<Hub>,
+    /// Of every body; those of leaves are not looked at.
+    pub(super) inertia: Vec<Inertia>,
+}
+
+/// What is left of a mechanism, and where that stands in it.
+pub(super) struct Rest {
+    pub(super) mechanism: Mechanism,
+    pub(super) bodies: Vec<usize>,
+    pub(super) constraints: Vec<usize>,
+}
+
+impl Pinned {
+    pub(super) fn new(mechanism: &Mechanism) -> (Self, Rest) {
+        let revolutes = mechanism.revolutes.len();
+        let joints = mechanism.revolutes.iter().map(|j| (j.child, j.parent));
+        let drivers = mechanism.drivers.iter().map(|d| (d.child, d.parent));
+        let ends: Vec<_> = joints.chain(drivers).collect();
+        let mut left = vec![true; mechanism.bodies.len()];
+        let mut leaves = Vec::new();
+        let mut inertia: Vec<Inertia> = mechanism
+            .bodies
+            .iter()
+            .map(|b| Inertia {
+                mass: b.mass,
+                second: b.moment,
+                ..Inertia::default()
+            })
+            .collect();
+        let touching =
+            |body: usize| move |e: &(usize, Option<usize>)| e.0 == body || e.1 == Some(body);
+        for (constraint, joint) in mechanism.revolutes.iter().enumerate() {
+            let held = ends.iter().filter(|e| touching(joint.child)(e)).count();
+            if held > 1 || joint.child_point != [0.0; 2] {
+                continue;
+            }
+            let body = &mechanism.bodies[joint.child];
+            left[joint.child] = false;
+            if let Some(parent) = joint.parent {
+                let [x, y] = joint.parent_point;
+                inertia[parent].carry(body.mass, x * x + y * y);
+            }
+            let leaf = Leaf {
+                body: joint.child,
+                constraint,
+                mass: body.mass,
+                over_moment: body.moment.recip(),
+                arm: [0.0; 2],
+            };
+            leaves.push((joint.parent, leaf));
+        }
+        leaves.sort_by_key(|(parent, _)| *parent);
+        let on_ground = leaves.partition_point(|(parent, _)| parent.is_none());
+        let carriers = (0..left.len()).filter_map(|body| {
+            let to = |body| leaves.partition_point(|(parent, _)| *parent < Some(body));
+            let own = to(body)..to(body + 1);
+            (!own.is_empty()).then_some((body, own))
+        });
+        let is_leaf = |c: &usize| *c < revolutes && !left[ends[*c].0];
+        let constraints: Vec<usize> = (0..ends.len()).filter(|c| !is_leaf(c)).collect();
+        let mut hubs = Vec::new();
+        for body in (0..left.len()).filter(|&k| left[k]) {
+            let mut own = constraints.iter().filter(|c| touching(body)(&ends[**c]));
+            let holders = [own.next(), own.next(), own.next()].map(|c| c.copied());
+            let (constraint, driver) = match holders {
+                [Some(c), driver, None] if c < revolutes => (c, driver),
+                _ => continue,
+            };
+            let on_ground = |c: usize| ends[c] == (body, None);
+            if on_ground(constraint) && driver.is_none_or(|d| d >= revolutes && on_ground(d)) {
+                hubs.push(Hub {
+                    body,
+                    constraint,
+                    driver,
+                    over_inertia: 0.0,
+                    free: Vector3::zeros(),
+                });
+            }
+        }
+        let mut pinned = Self {
+            carriers: carriers.collect(),
+            on_ground,
+            leaves: leaves.into_iter().map(|(_, leaf)| leaf).collect(),
+            hubs: Vec::new(),
+            inertia,
+        };
+        let points = |j: &Revolute| Arms {
+            parent: j.parent_point,
+            child: j.child_point,
+        };
+        // As if all angles were 0: bodies turn with all they carry.
+        pinned.place(&mechanism.revolutes.iter().map(points).collect::<Vec<_>>());
+        for hub in &mut hubs {
+            let [x, y] = mechanism.revolutes[hub.constraint].child_point;
+            let free = Vector3::new(y, -x, 1.0);
+            hub.over_inertia = free.dot(&pinned.inertia[hub.body].times(&free)).recip();
+            left[hub.body] = false;
+        }
+        pinned.hubs = hubs;
+        (pinned, Rest::new(mechanism, &left, &ends))
+    }
+
+    /// Puts all at the arms of the revolutes.
+    #[inline]
+    pub(super) fn place(&mut self, arms: &[Arms]) {
+        for (body, own) in &self.carriers {
+            let mut first = [0.0; 2];
+            for leaf in &mut self.leaves[own.clone()] {
+                leaf.arm = arms[leaf.constraint].parent;
+                first = [0, 1].map(|i| first[i] + leaf.mass * leaf.arm[i]);
+            }
+            self.inertia[*body].first = first;
+        }
+        for hub in &mut self.hubs {
+            let [x, y] = arms[hub.constraint].child;
+            hub.free = Vector3::new(y, -x, 1.0);
+        }
+    }
+
+    /// What leaves add to the right-hand sides, then the hubs' solutions.
+    #[inline]
+    pub(super) fn eliminate(&self, bodies: &mut [Vector3<f64>], constraints: &mut [Vector3<f64>]) {
+        for (body, own) in &self.carriers {
+            let mut sum = bodies[*body];
+            for leaf in &self.leaves[own.clone()] {
+                let (load, gamma) = (bodies[leaf.body], constraints[leaf.constraint]);
+                sum -= leaf.on_parent([load.x - leaf.mass * gamma.x, load.y - leaf.mass * gamma.y]);
+            }
+            bodies[*body] = sum;
+        }
+        for hub in &self.hubs {
+            let (inertia, load) = (&self.inertia[hub.body], bodies[hub.body]);
+            let held = constraints[hub.constraint];
+            let alpha = match hub.driver {
+                None => hub.free.dot(&(load - inertia.times(&held))) * hub.over_inertia,
+                Some(driver) => constraints[driver].x,
+            };
+            let a = held + hub.free * alpha;
+            let rest = load - inertia.times(&a);
+            bodies[hub.body] = a;
+            constraints[hub.constraint] = Vector3::new(rest.x, rest.y, 0.0);
+            if let Some(driver) = hub.driver {
+                constraints[driver] = Vector3::new(hub.free.dot(&rest), 0.0, 0.0);
+            }
+        }
+    }
+
+    /// The leaves' solutions, where those of their parents are known.
+    #[inline]
+    pub(super) fn finish(&self, bodies: &mut [Vector3<f64>], constraints: &mut [Vector3<f64>]) {
+        let mut settle = |leaf: &Leaf, bodies: &mut [Vector3<f64>], carried: [f64; 2]| {
+            let (joint, load) = (&mut constraints[leaf.constraint], &mut bodies[leaf.body]);
+            let a = [joint.x - carried[0], joint.y - carried[1]];
+            *joint = Vector3::new(load.x - leaf.mass * a[0], load.y - leaf.mass * a[1], 0.0);
+            *load = Vector3::new(a[0], a[1], load.z * leaf.over_moment);
+        };
+        for leaf in &self.leaves[..self.on_ground] {
+            settle(leaf, bodies, [0.0; 2]);
+        }
+        for (body, own) in &self.carriers {
+            let a = bodies[*body];
+            for leaf in &self.leaves[own.clone()] {
+                settle(leaf, bodies, leaf.of_parent(&a));
+            }
+        }
+    }
+}
+
+impl Rest {
+    /// The bodies that are `left`, and the constraints, by their `ends`, that hold them.
+    fn new(mechanism: &Mechanism, left: &[bool], ends: &[(usize, Option<usize>)]) -> Self {
+        let bodies: Vec<usize> = (0..left.len()).filter(|&k| left[k]).collect();
+        let place = |body: usize| bodies.partition_point(|&k| k < body);
+        let revolutes = mechanism.revolutes.iter().filter(|j| left[j.child]);
+        let revolutes = revolutes.map(|j| Revolute {
+            parent: j.parent.map(place),
+            child: place(j.child),
+            ..*j
+        });
+        let mut drivers = mechanism.drivers.clone();
+        drivers.retain(|d| left[d.child]);
+        for driver in &mut drivers {
+            (driver.parent, driver.child) = (driver.parent.map(place), place(driver.child));
+        }
+        Self {
+            mechanism: Mechanism {
+                bodies: bodies
+                    .iter()
+                    .map(|&k| mechanism.bodies[k].clone())
+                    .collect(),
+                revolutes: revolutes.collect(),
+                drivers,
+            },
+            constraints: (0..ends.len()).filter(|&c| left[ends[c].0]).collect(),
+            bodies,
+        }
+    }
+}
