@@ -82,6 +82,50 @@ const GROW: f64 = 5.0;
 const PROPORTIONAL: f64 = 0.2 - 0.75 * INTEGRAL;
 const INTEGRAL: f64 = 0.04;
 
+/// Gives `take` the sum of weights times stages of each of `n` components.
+#[inline(always)]
+fn each_sum<const N: usize>(
+    weights: &[f64],
+    stages: &[Vec<f64>],
+    n: usize,
+    mut take: impl FnMut(usize, f64),
+) {
+    // Of lengths that are known: the loop runs over registers.
+    let weights: [f64; N] = std::array::from_fn(|i| weights[i]);
+    let stages: [&[f64]; N] = std::array::from_fn(|i| &stages[i][..n]);
+    for c in 0..n {
+        let mut sum = weights[0] * stages[0][c];
+        for i in 1..N {
+            sum += weights[i] * stages[i][c];
+        }
+        take(c, sum);
+    }
+}
+
+/// `out = y + h sum`.
+fn set_stage<const N: usize>(
+    out: &mut [f64],
+    y: &[f64],
+    h: f64,
+    weights: &[f64],
+    stages: &[Vec<f64>],
+) {
+    let n = out.len();
+    let y = &y[..n];
+    each_sum::<N>(weights, stages, n, |c, slope| out[c] = y[c] + h * slope);
+}
+
+type SetStage = fn(&mut [f64], &[f64], f64, &[f64], &[Vec<f64>]);
+/// Of the stages after the first, by how many they follow.
+const SET_STAGE: [SetStage; STAGES - 1] = [
+    set_stage::<1>,
+    set_stage::<2>,
+    set_stage::<3>,
+    set_stage::<4>,
+    set_stage::<5>,
+    set_stage::<6>,
+];
+
 /// A run with steps from a tolerance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Dopri5 {
@@ -176,10 +220,7 @@ impl Dopri5 {
         let h = self.h;
         for i in 1..STAGES {
             let (known, rest) = self.k.split_at_mut(i);
-            for (c, next) in self.next.iter_mut().enumerate() {
-                let slope: f64 = A[i].iter().zip(known.iter()).map(|(a, k)| a * k[c]).sum();
-                *next = self.y[c] + h * slope;
-            }
+            SET_STAGE[i - 1](&mut self.next, &self.y, h, A[i], known);
             system.derivative(self.time + C[i] * h, &self.next, &mut rest[0]);
             self.counts.evaluations += 1;
         }
@@ -188,12 +229,11 @@ impl Dopri5 {
     /// RMS of the scaled error; infinite if anything is not finite.
     fn error<S: OdeSystem>(&mut self, system: &S) -> f64 {
         system.scale(&self.next, &mut self.scale);
-        let mut sum = 0.0;
-        for (c, scale) in self.scale.iter().enumerate() {
-            let error: f64 = E.iter().zip(&self.k).map(|(e, k)| e * k[c]).sum();
-            let relative = self.h * error / (self.tolerance * scale);
+        let (mut sum, h, tolerance, scale) = (0.0, self.h, self.tolerance, &self.scale[..]);
+        each_sum::<STAGES>(&E, &self.k, scale.len(), |c, error| {
+            let relative = h * error / (tolerance * scale[c]);
             sum += relative * relative;
-        }
+        });
         let norm = (sum / self.y.len() as f64).sqrt();
         if norm.is_finite() {
             norm
@@ -204,17 +244,16 @@ impl Dopri5 {
 
     fn remember(&mut self) {
         let h = self.h;
-        for c in 0..self.y.len() {
-            let change = self.next[c] - self.y[c];
-            let bend = h * self.k[0][c] - change;
-            let fourth: f64 = D.iter().zip(&self.k).map(|(d, k)| d * k[c]).sum();
-            let dense = &mut self.dense.coefficients;
-            dense[0][c] = self.y[c];
-            dense[1][c] = change;
-            dense[2][c] = bend;
-            dense[3][c] = change - h * self.k[6][c] - bend;
-            dense[4][c] = h * fourth;
-        }
+        let n = self.y.len();
+        let (y, next) = (&self.y[..n], &self.next[..n]);
+        let (first, last) = (&self.k[0][..n], &self.k[STAGES - 1][..n]);
+        let [d0, d1, d2, d3, d4] = self.dense.coefficients.each_mut().map(|d| &mut d[..n]);
+        each_sum::<STAGES>(&D, &self.k, n, |c, fourth| {
+            let change = next[c] - y[c];
+            let bend = h * first[c] - change;
+            (d0[c], d1[c], d2[c]) = (y[c], change, bend);
+            (d3[c], d4[c]) = (change - h * last[c] - bend, h * fourth);
+        });
         (self.dense.end, self.dense.taken) = (self.time + h, h);
     }
 }
