@@ -398,15 +398,23 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
     }
 
     fn scale(&self, y: &[f64], scale: &mut [f64]) {
-        let n = 3 * self.bodies.len();
-        for (k, (scale, y)) in scale.iter_mut().zip(y).enumerate() {
-            *scale = match self.scales {
-                None => y.abs().max(1.0),
-                Some(s) => {
-                    let size = if k % 3 == 2 { s.angle } else { s.length };
-                    if k < n { size } else { size * s.frequency }
-                }
-            };
+        let Some(ErrorScales {
+            length,
+            angle,
+            frequency,
+        }) = self.scales
+        else {
+            for (scale, y) in zip(scale, y) {
+                *scale = y.abs().max(1.0);
+            }
+            return;
+        };
+        let (q, v) = scale.split_at_mut(3 * self.bodies.len());
+        for (scale, by) in [(q, 1.0), (v, frequency)] {
+            scale
+                .as_chunks_mut()
+                .0
+                .fill([length * by, length * by, angle * by]);
         }
     }
 
@@ -510,9 +518,9 @@ impl<F: Forces> Formulation for Lagrange<F> {
         }
         let errors = (0..self.arms.len()).map(|k| {
             let ([x, y], _) = self.revolute_error(k);
-            x.hypot(y)
+            x * x + y * y
         });
-        let largest = errors.fold(0.0, f64::max);
+        let largest = errors.fold(0.0, f64::max).sqrt();
         if !known {
             self.rest();
         }

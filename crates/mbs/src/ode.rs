@@ -51,6 +51,8 @@ pub trait OdeSystem {
     }
 
     /// Puts an accepted state back onto the invariants the system keeps; by default there are none.
+    ///
+    /// f must not change by it: who evaluates f of a state sees it on the invariants already.
     fn settle(&mut self, _t: f64, _y: &mut [f64]) {}
 
     /// From now on f is that of the leg which begins at `from` (s), wherever it is asked for, until the next call.

@@ -433,6 +433,33 @@ fn a_settled_state_is_evaluated_as_any_other() {
     system.settle(0.2, &mut y.clone());
     system.split_stage(0.2, 1e-3, &mut y.clone(), &mut e, &mut i);
     assert_eq!(slopes(&mut system, 0.2, &y), expected);
+    // A joint that is apart is seen, and nothing stays of it, where the body rests by right, either.
+    let mut apart = y.clone();
+    (apart[0], apart[m.bodies.len() * 3]) = (apart[0] + 0.3, 0.1);
+    assert_relative_eq!(system.joint_error(0.2, &apart), 0.3, max_relative = 1e-12);
+    assert_eq!(slopes(&mut system, 0.2, &y), expected);
+    // f of a state is that of the settled one.
+    assert_eq!(slopes(&mut system, 0.2, &apart), expected);
+}
+
+/// So a method whose last stage is the next step's first evaluates f six times a step, settled or not.
+#[test]
+fn settling_costs_no_evaluation() {
+    let m = carousel(false);
+    for how in [Stabilisation::None, Stabilisation::Projection] {
+        let mut system = Lagrange::new(m.clone(), weight(&m), how).unwrap();
+        let settings = StepSettings {
+            step: 1e-3,
+            tolerance: 1e-8,
+        };
+        let mut run = start("dopri5", settings, 0.0, &system.initial()).unwrap();
+        for _ in 0..20 {
+            run.step(&mut system).unwrap();
+        }
+        let counts = run.counts();
+        let tried = counts.steps + counts.rejected;
+        assert_eq!(counts.evaluations, 1 + 6 * tried, "{how:?}");
+    }
 }
 
 #[test]
