@@ -13,7 +13,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::clock::{Adaptive, Clock};
-use super::dop853_coefficients::{A, C, D, E3, E5, EXTENDED, Row, STAGES};
+use super::dop853_coefficients::{A, C, D, E3, E5, EXTENDED, STAGES};
+use super::weighted::{each_sum, set_sum};
 use super::{MethodInfo, StepError};
 use crate::OdeSystem;
 
@@ -85,7 +86,7 @@ impl Dop853 {
     /// All stages from `trial[0]`; the result is in `next`.
     fn stages<S: OdeSystem>(&mut self, system: &mut S) {
         for i in 1..=STAGES {
-            combine(&self.y, self.clock.h, A[i], &self.trial, &mut self.next);
+            set_sum(&mut self.next, &self.y, self.clock.h, A[i], &self.trial);
             if i < STAGES {
                 system.derivative(
                     self.clock.time + C[i] * self.clock.h,
@@ -101,15 +102,13 @@ impl Dop853 {
     fn error<S: OdeSystem>(&mut self, system: &S) -> f64 {
         system.scale(&self.next, &mut self.scale);
         let (mut fifth, mut third) = (0.0, 0.0);
-        for (c, scale) in self.scale.iter().enumerate() {
-            let relative = |row: Row| {
-                let error: f64 = row.iter().map(|&(i, e)| e * self.trial[i][c]).sum();
-                let relative = error / (self.tolerance * scale);
-                relative * relative
-            };
-            fifth += relative(E5);
-            third += relative(E3);
-        }
+        let (tolerance, scale) = (self.tolerance, &self.scale[..]);
+        each_sum::<{ E5.len() }>(E5, &self.trial, scale.len(), |c, error| {
+            fifth += (error / (tolerance * scale[c])).powi(2);
+        });
+        each_sum::<{ E3.len() }>(E3, &self.trial, scale.len(), |c, error| {
+            third += (error / (tolerance * scale[c])).powi(2);
+        });
         if fifth == 0.0 && third == 0.0 {
             return 0.0;
         }
@@ -126,7 +125,7 @@ impl Dop853 {
         self.refresh(system);
         let (h, start) = (self.clock.taken, self.clock.time - self.clock.taken);
         for i in STAGES + 1..EXTENDED {
-            combine(&self.before, h, A[i], &self.k, &mut self.next);
+            set_sum(&mut self.next, &self.before, h, A[i], &self.k);
             system.derivative(start + C[i] * h, &self.next, &mut self.k[i]);
             self.clock.counts.evaluations += 1;
         }
@@ -136,20 +135,11 @@ impl Dop853 {
             self.dense[0][c] = change;
             self.dense[1][c] = first - change;
             self.dense[2][c] = 2.0 * change - (first + last);
-            for (row, dense) in D.iter().zip(&mut self.dense[3..]) {
-                let sum: f64 = row.iter().map(|&(i, d)| d * self.k[i][c]).sum();
-                dense[c] = h * sum;
-            }
+        }
+        for (row, dense) in D.iter().zip(&mut self.dense[3..]) {
+            each_sum::<{ D[0].len() }>(row, &self.k, dense.len(), |c, sum| dense[c] = h * sum);
         }
         self.extended = true;
-    }
-}
-
-/// out = y + h sum row_i k_i.
-fn combine(y: &[f64], h: f64, row: Row, k: &[Vec<f64>], out: &mut [f64]) {
-    for (c, out) in out.iter_mut().enumerate() {
-        let slope: f64 = row.iter().map(|&(i, a)| a * k[i][c]).sum();
-        *out = y[c] + h * slope;
     }
 }
 

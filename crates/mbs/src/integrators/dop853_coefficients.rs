@@ -3,8 +3,7 @@
 //! Source: [Hairer, Norsett, Wanner 1993, II.5 and II.10], at double precision; rows hold only what is not zero,
 //! as (stage, weight).
 
-/// (stage, weight).
-pub(super) type Row = &'static [(usize, f64)];
+use super::weighted::Row;
 
 /// Stages of a step; the next step's first stage is the one after them.
 pub(super) const STAGES: usize = 12;

@@ -12,6 +12,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::weighted::{Row, each_sum, set_sum};
 use super::{MethodInfo, StepCounts, StepError, Stepper, restored, saved, short_step};
 use crate::OdeSystem;
 
@@ -26,53 +27,50 @@ pub(super) const INFO: MethodInfo = MethodInfo {
 const STAGES: usize = 7;
 
 /// Lower triangle of a, row by row.
-const A: [&[f64]; STAGES] = [
+const A: [Row; STAGES] = [
     &[],
-    &[1.0 / 5.0],
-    &[3.0 / 40.0, 9.0 / 40.0],
-    &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
+    &[(0, 1.0 / 5.0)],
+    &[(0, 3.0 / 40.0), (1, 9.0 / 40.0)],
+    &[(0, 44.0 / 45.0), (1, -56.0 / 15.0), (2, 32.0 / 9.0)],
     &[
-        19372.0 / 6561.0,
-        -25360.0 / 2187.0,
-        64448.0 / 6561.0,
-        -212.0 / 729.0,
+        (0, 19372.0 / 6561.0),
+        (1, -25360.0 / 2187.0),
+        (2, 64448.0 / 6561.0),
+        (3, -212.0 / 729.0),
     ],
     &[
-        9017.0 / 3168.0,
-        -355.0 / 33.0,
-        46732.0 / 5247.0,
-        49.0 / 176.0,
-        -5103.0 / 18656.0,
+        (0, 9017.0 / 3168.0),
+        (1, -355.0 / 33.0),
+        (2, 46732.0 / 5247.0),
+        (3, 49.0 / 176.0),
+        (4, -5103.0 / 18656.0),
     ],
     &[
-        35.0 / 384.0,
-        0.0,
-        500.0 / 1113.0,
-        125.0 / 192.0,
-        -2187.0 / 6784.0,
-        11.0 / 84.0,
+        (0, 35.0 / 384.0),
+        (2, 500.0 / 1113.0),
+        (3, 125.0 / 192.0),
+        (4, -2187.0 / 6784.0),
+        (5, 11.0 / 84.0),
     ],
 ];
 const C: [f64; STAGES] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
 /// b - b of the embedded method.
-const E: [f64; STAGES] = [
-    71.0 / 57600.0,
-    0.0,
-    -71.0 / 16695.0,
-    71.0 / 1920.0,
-    -17253.0 / 339_200.0,
-    22.0 / 525.0,
-    -1.0 / 40.0,
+const E: Row = &[
+    (0, 71.0 / 57600.0),
+    (2, -71.0 / 16695.0),
+    (3, 71.0 / 1920.0),
+    (4, -17253.0 / 339_200.0),
+    (5, 22.0 / 525.0),
+    (6, -1.0 / 40.0),
 ];
 /// Fourth coefficient of the continuous extension.
-const D: [f64; STAGES] = [
-    -12_715_105_075.0 / 11_282_082_432.0,
-    0.0,
-    87_487_479_700.0 / 32_700_410_799.0,
-    -10_690_763_975.0 / 1_880_347_072.0,
-    701_980_252_875.0 / 199_316_789_632.0,
-    -1_453_857_185.0 / 822_651_844.0,
-    69_997_945.0 / 29_380_423.0,
+const D: Row = &[
+    (0, -12_715_105_075.0 / 11_282_082_432.0),
+    (2, 87_487_479_700.0 / 32_700_410_799.0),
+    (3, -10_690_763_975.0 / 1_880_347_072.0),
+    (4, 701_980_252_875.0 / 199_316_789_632.0),
+    (5, -1_453_857_185.0 / 822_651_844.0),
+    (6, 69_997_945.0 / 29_380_423.0),
 ];
 
 const SAFETY: f64 = 0.9;
@@ -81,50 +79,6 @@ const GROW: f64 = 5.0;
 /// Gains of the proportional-integral control for order 5.
 const PROPORTIONAL: f64 = 0.2 - 0.75 * INTEGRAL;
 const INTEGRAL: f64 = 0.04;
-
-/// Gives `take` the sum of weights times stages of each of `n` components.
-#[inline(always)]
-fn each_sum<const N: usize>(
-    weights: &[f64],
-    stages: &[Vec<f64>],
-    n: usize,
-    mut take: impl FnMut(usize, f64),
-) {
-    // Of lengths that are known: the loop runs over registers.
-    let weights: [f64; N] = std::array::from_fn(|i| weights[i]);
-    let stages: [&[f64]; N] = std::array::from_fn(|i| &stages[i][..n]);
-    for c in 0..n {
-        let mut sum = weights[0] * stages[0][c];
-        for i in 1..N {
-            sum += weights[i] * stages[i][c];
-        }
-        take(c, sum);
-    }
-}
-
-/// `out = y + h sum`.
-fn set_stage<const N: usize>(
-    out: &mut [f64],
-    y: &[f64],
-    h: f64,
-    weights: &[f64],
-    stages: &[Vec<f64>],
-) {
-    let n = out.len();
-    let y = &y[..n];
-    each_sum::<N>(weights, stages, n, |c, slope| out[c] = y[c] + h * slope);
-}
-
-type SetStage = fn(&mut [f64], &[f64], f64, &[f64], &[Vec<f64>]);
-/// Of the stages after the first, by how many they follow.
-const SET_STAGE: [SetStage; STAGES - 1] = [
-    set_stage::<1>,
-    set_stage::<2>,
-    set_stage::<3>,
-    set_stage::<4>,
-    set_stage::<5>,
-    set_stage::<6>,
-];
 
 /// A run with steps from a tolerance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -220,7 +174,7 @@ impl Dopri5 {
         let h = self.h;
         for i in 1..STAGES {
             let (known, rest) = self.k.split_at_mut(i);
-            SET_STAGE[i - 1](&mut self.next, &self.y, h, A[i], known);
+            set_sum(&mut self.next, &self.y, h, A[i], known);
             system.derivative(self.time + C[i] * h, &self.next, &mut rest[0]);
             self.counts.evaluations += 1;
         }
@@ -230,7 +184,7 @@ impl Dopri5 {
     fn error<S: OdeSystem>(&mut self, system: &S) -> f64 {
         system.scale(&self.next, &mut self.scale);
         let (mut sum, h, tolerance, scale) = (0.0, self.h, self.tolerance, &self.scale[..]);
-        each_sum::<STAGES>(&E, &self.k, scale.len(), |c, error| {
+        each_sum::<{ E.len() }>(E, &self.k, scale.len(), |c, error| {
             let relative = h * error / (tolerance * scale[c]);
             sum += relative * relative;
         });
@@ -248,7 +202,7 @@ impl Dopri5 {
         let (y, next) = (&self.y[..n], &self.next[..n]);
         let (first, last) = (&self.k[0][..n], &self.k[STAGES - 1][..n]);
         let [d0, d1, d2, d3, d4] = self.dense.coefficients.each_mut().map(|d| &mut d[..n]);
-        each_sum::<STAGES>(&D, &self.k, n, |c, fourth| {
+        each_sum::<{ D.len() }>(D, &self.k, n, |c, fourth| {
             let change = next[c] - y[c];
             let bend = h * first[c] - change;
             (d0[c], d1[c], d2[c]) = (y[c], change, bend);

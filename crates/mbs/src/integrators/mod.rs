@@ -48,6 +48,7 @@ mod legs;
 mod rk4;
 mod rodas5p;
 mod rodas5p_coefficients;
+mod weighted;
 
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
