@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::{Adaptive, Clock};
 use super::dop853_coefficients::{A, C, D, E3, E5, EXTENDED, STAGES};
-use super::weighted::{each_sum, set_sum};
+use super::weighted::{each_sum, set_scaled, set_sum};
 use super::{MethodInfo, StepError};
 use crate::OdeSystem;
 
@@ -137,7 +137,7 @@ impl Dop853 {
             self.dense[2][c] = 2.0 * change - (first + last);
         }
         for (row, dense) in D.iter().zip(&mut self.dense[3..]) {
-            each_sum::<{ D[0].len() }>(row, &self.k, dense.len(), |c, sum| dense[c] = h * sum);
+            set_scaled::<{ D[0].len() }>(dense, h, row, &self.k);
         }
         self.extended = true;
     }

@@ -35,6 +35,12 @@ pub(super) fn set_sum(out: &mut [f64], y: &[f64], h: f64, row: Row, stages: &[Ve
     BY_LENGTH[row.len() - 1](out, y, h, row, stages);
 }
 
+/// `out = h sum`. Not inlined: only as an argument `out` is known to be none of the stages.
+#[inline(never)]
+pub(super) fn set_scaled<const N: usize>(out: &mut [f64], h: f64, row: Row, stages: &[Vec<f64>]) {
+    each_sum::<N>(row, stages, out.len(), |c, sum| out[c] = h * sum);
+}
+
 fn set<const N: usize>(out: &mut [f64], y: &[f64], h: f64, row: Row, stages: &[Vec<f64>]) {
     let n = out.len();
     let y = &y[..n];
