@@ -1,6 +1,7 @@
 //! Weighted sums of stages, over registers: a loop that looks for its stages at every component is bound by that.
 
 use std::array::from_fn;
+use std::iter::zip;
 
 /// What is not zero in a row of a tableau: (stage, weight).
 pub(super) type Row = &'static [(usize, f64)];
@@ -17,10 +18,7 @@ pub(super) fn each_sum<const N: usize>(
     let weights: [f64; N] = from_fn(|i| row[i].1);
     let stages: [&[f64]; N] = from_fn(|i| &stages[row[i].0][..n]);
     for c in 0..n {
-        let mut sum = weights[0] * stages[0][c];
-        for i in 1..N {
-            sum += weights[i] * stages[i][c];
-        }
+        let sum = zip(weights, stages).map(|(w, stage)| w * stage[c]).sum();
         take(c, sum);
     }
 }
