@@ -154,8 +154,8 @@ fn a_killed_sweep_goes_on() {
     };
     // One record may have been killed while it was written, and one is torn here: they are no records.
     assert!(stamps().len() + 1 >= kept, "{kept}");
-    let names = names_in(&journal).into_iter();
-    let torn = names.filter(|name| name.starts_with("run-")).next_back();
+    let mut names = names_in(&journal).into_iter();
+    let torn = names.find(|name| name.starts_with("run-"));
     std::fs::write(journal.join(torn.unwrap()), "").unwrap();
     let stamps = stamps();
     let again = run_in(dir.path(), ["sweep", "long.toml", "--out", "long"]);

@@ -198,6 +198,12 @@ proptest! {
         }
         prop_assert_eq!(pinwheel_mbs::SaddlePoint::new(&m).blocks(), 0);
         compare(&m, &loads, 1e-10)?;
+        // A driver between the two makes them no hubs.
+        if driven {
+            m.drivers[0].parent = Some(1);
+            prop_assert!(pinwheel_mbs::SaddlePoint::new(&m).blocks() > 0);
+            compare(&m, &loads, 1e-8)?;
+        }
     }
 
     #[test]
@@ -218,6 +224,17 @@ fn dependent_constraints_are_named() {
         .err()
         .expect("driven twice");
     assert!(error.to_string().contains("driver"), "{error}");
+    let (mut m, loads) = mechanism(&[[0.1; 12]], &[], false);
+    let second = Revolute {
+        parent_point: [0.9, 0.9],
+        child_point: [0.5, -0.4],
+        ..m.revolutes[0]
+    };
+    m.revolutes.push(second);
+    let error = Lagrange::new(m, Loads(loads), Stabilisation::None)
+        .err()
+        .expect("held twice");
+    assert!(error.to_string().contains("revolute"), "{error}");
 }
 
 #[test]

@@ -438,8 +438,47 @@ fn a_settled_state_is_evaluated_as_any_other() {
     (apart[0], apart[m.bodies.len() * 3]) = (apart[0] + 0.3, 0.1);
     assert_relative_eq!(system.joint_error(0.2, &apart), 0.3, max_relative = 1e-12);
     assert_eq!(slopes(&mut system, 0.2, &y), expected);
+    // Nor where it begins off its place.
+    let mut off = m.clone();
+    off.bodies[3].start.x += 0.1;
+    let mut begun = Lagrange::new(off, weight(&m), Stabilisation::Projection).unwrap();
+    assert_eq!(slopes(&mut begun, 0.2, &y), expected);
+    assert_eq!(
+        begun.observe(0.2, &y).bodies,
+        fresh().observe(0.2, &y).bodies
+    );
     // f of a state is that of the settled one.
     assert_eq!(slopes(&mut system, 0.2, &apart), expected);
+}
+
+/// What no joint holds is where y has it.
+#[test]
+fn free_bodies_are_projected_nowhere() {
+    let mut m = carousel(true);
+    m.bodies.push(body("free", 1.0, 0.1, BodyState::default()));
+    let of = |how: Stabilisation| {
+        let mut system = Lagrange::new(m.clone(), weight(&m), how).unwrap();
+        let mut y = system.initial();
+        for (k, y) in y.iter_mut().enumerate().filter(|(k, _)| k / 3 % 5 == 4) {
+            *y = 0.1 * (k as f64 + 1.0);
+        }
+        let (mut slopes, seen) = (vec![0.0; y.len()], system.observe(0.0, &y).bodies[4]);
+        system.derivative(0.0, &y, &mut slopes);
+        system.settle(0.0, &mut y);
+        (
+            slopes[12..15].to_vec(),
+            slopes[27..].to_vec(),
+            seen,
+            y[12..15].to_vec(),
+        )
+    };
+    let free = of(Stabilisation::None);
+    let numbers = |from: f64| [from, from + 1.0, from + 2.0].map(|k| 0.1 * k);
+    assert_eq!(
+        (&free.0[..], &free.3[..]),
+        (&numbers(28.0)[..], &numbers(13.0)[..])
+    );
+    assert_eq!(free, of(Stabilisation::Projection));
 }
 
 /// So a method whose last stage is the next step's first evaluates f six times a step, settled or not.
