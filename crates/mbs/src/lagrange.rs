@@ -426,10 +426,10 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
         }
         let (qd, vd) = dydt.split_at_mut(3 * self.bodies.len());
         let (qd, vd) = (qd.as_chunks_mut::<3>().0, vd.as_chunks_mut::<3>().0);
-        for (k, (qd, vd)) in qd.iter_mut().zip(vd).enumerate() {
-            let body = self.bodies[k];
+        let found = zip(&self.bodies, self.saddle.bodies());
+        for ((qd, vd), (body, a)) in zip(zip(qd, vd), found) {
             *qd = [body.vx, body.vy, body.rate];
-            *vd = (self.saddle.bodies()[k]).into();
+            *vd = (*a).into();
         }
     }
 

@@ -18,6 +18,8 @@
 //! ```
 //! A gear is hubs and leaves alone.
 
+use std::iter::once;
+
 use nalgebra::{Matrix3, Vector3};
 
 use crate::mechanism::{Mechanism, Revolute};
@@ -126,7 +128,14 @@ impl Pinned {
         let joints = mechanism.revolutes.iter().map(|j| (j.child, j.parent));
         let drivers = mechanism.drivers.iter().map(|d| (d.child, d.parent));
         let ends: Vec<_> = joints.chain(drivers).collect();
-        let mut left = vec![true; mechanism.bodies.len()];
+        let mut held = vec![0_u32; mechanism.bodies.len()];
+        for body in ends
+            .iter()
+            .flat_map(|&(child, parent)| once(child).chain(parent))
+        {
+            held[body] += 1;
+        }
+        let mut left = vec![true; held.len()];
         let mut leaves = Vec::new();
         let mut inertia: Vec<Inertia> = mechanism
             .bodies
@@ -140,8 +149,7 @@ impl Pinned {
         let touching =
             |body: usize| move |e: &(usize, Option<usize>)| e.0 == body || e.1 == Some(body);
         for (constraint, joint) in mechanism.revolutes.iter().enumerate() {
-            let held = ends.iter().filter(|e| touching(joint.child)(e)).count();
-            if held > 1 || joint.child_point != [0.0; 2] {
+            if held[joint.child] > 1 || joint.child_point != [0.0; 2] {
                 continue;
             }
             let body = &mechanism.bodies[joint.child];
