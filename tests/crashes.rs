@@ -67,8 +67,6 @@ const WRITERS: [Writer; 16] = [
         words: &[
             "bench",
             "paper",
-            "--parts",
-            "scene",
             "--engines",
             "native-reduced",
             "--methods",

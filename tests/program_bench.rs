@@ -19,8 +19,6 @@ fn program_bench_writes_page_tables_and_summary() {
         "rk4,dopri5",
         "--repeats",
         "1",
-        "--parts",
-        "scene",
         "--out",
         "b",
     ];
@@ -70,7 +68,6 @@ fn program_bench_refuses_what_it_cannot_measure() {
         (&["--target", "0"], 2, "--target"),
         (&["--longest=-1"], 2, "--longest"),
         (&["--repeats", "0"], 2, "--repeats"),
-        (&["--parts", "sceen"], 2, "scene"),
     ] {
         let outcome = bench(dir.path(), words);
         assert_eq!(outcome.code, Some(code), "{words:?}: {outcome:?}");

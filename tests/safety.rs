@@ -244,8 +244,6 @@ fn regress_a_partial_measurement_replaces_no_complete_one() {
         "paper",
         "--engines",
         "native-reduced",
-        "--parts",
-        "scene",
         "--repeats",
         "1",
         "--out",
@@ -407,8 +405,6 @@ fn regress_no_number_where_there_is_none() {
     let bench = [
         "bench",
         "paper",
-        "--parts",
-        "scene",
         "--engines",
         "native-reduced,rapier-shared-law",
         "--methods",

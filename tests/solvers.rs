@@ -231,7 +231,7 @@ fn crossval_a_held_out_solver_joins_every_command() {
         "--methods",
         "rk4",
     ];
-    let bench = run(&[&parts[..], &["--parts", "scene", "--repeats", "1"]].concat());
+    let bench = run(&[&parts[..], &["--repeats", "1"]].concat());
     assert!(bench.contains("held-out-midpoint"), "{bench}");
 
     let sweep =

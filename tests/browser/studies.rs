@@ -21,7 +21,7 @@ fn browser_shows_the_bench() {
         return;
     };
     let dir = tempfile::tempdir().unwrap();
-    let words = "bench paper --engines native,rapier-shared-law --methods rk4,dopri5 --repeats 1 --parts scene \
+    let words = "bench paper --engines native,rapier-shared-law --methods rk4,dopri5 --repeats 1 \
                  --set solver.duration_s=0.005";
     let page = page(dir.path(), &words.split_whitespace().collect::<Vec<_>>());
     flawless(&mut browser, "bench", &page, 1, 0);

@@ -81,5 +81,61 @@ fn contacts(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, runs, contacts);
+/// The paper's gear with other numbers of wheels and sleeves: the same teeth on a larger circle, about the same force in
+/// every contact.
+fn gear(wheels: usize, external: usize, internal: usize) -> Scene {
+    let mut scene = Scene::paper();
+    let growth = external as f64 / scene.gear.external_sleeves as f64;
+    let gear = &mut scene.gear;
+    (gear.wheels, gear.external_sleeves, gear.internal_sleeves) = (wheels, external, internal);
+    gear.internal_circle_radius_m *= growth;
+    for body in [&mut scene.mass.wheel, &mut scene.mass.output_shaft] {
+        body.mass_kg *= growth * growth;
+        body.moment_kg_m2 *= growth.powi(4);
+    }
+    scene.drive.output_torque_n_m *= growth * growth * wheels as f64 / 2.0;
+    scene.solver.duration_s = 0.02;
+    scene
+}
+
+/// 2000 steps of Heun's method over the size of the gear: cost grows linearly with wheels times sleeves.
+fn sizes(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("gear-size");
+    group.sample_size(10);
+    for (wheels, external, internal) in [
+        (1, 12, 6),
+        (2, 16, 8),
+        (2, 40, 12),
+        (2, 80, 20),
+        (4, 200, 40),
+    ] {
+        let mut scene = gear(wheels, external, internal);
+        for formulation in [Formulation::Reduced, Formulation::Lagrange] {
+            scene.solver.formulation = formulation;
+            let name = format!("{formulation:?}/{wheels} x ({external} + {internal})");
+            group.bench_function(name, |b| b.iter(|| run(&scene)));
+        }
+    }
+    group.finish();
+}
+
+/// One gear of a sweep: read, checked, built, and run by a method with step control.
+fn batch(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("gear-of-a-sweep");
+    group.sample_size(20);
+    let mut scene = preset("paper");
+    scene.solver.tolerance = 8e-6;
+    for method in ["etd-adams", "dopri5"] {
+        method.clone_into(&mut scene.solver.integrator);
+        let text = scene.to_toml();
+        let read = || Scene::from_toml(&text, "paper", &[]).expect("it was written by us");
+        group.bench_function(format!("{method}/set-up"), |b| {
+            b.iter(|| black_box(Gearbox::new(&read()).expect("presets can be modelled")));
+        });
+        group.bench_function(format!("{method}/whole"), |b| b.iter(|| run(&read())));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, runs, contacts, sizes, batch);
 criterion_main!(benches);

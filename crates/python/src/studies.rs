@@ -5,7 +5,6 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel::pages;
 use pinwheel::studies::comparison::foreign;
-use pinwheel::studies::precision::{self, Options};
 use pinwheel::studies::{Provenance, bench as benches, choice, comparison, explained};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -82,17 +81,15 @@ pub(crate) fn compare(
 
 /// What accuracy costs.
 #[pyclass(frozen, module = "pinwheel._core")]
-pub(crate) struct Benched(benches::Outcome);
+pub(crate) struct Benched(benches::WorkPrecision);
 
 #[pymethods]
 impl Benched {
     /// The rows of the program's `bench.csv`.
     fn csv(&self) -> PyResult<Vec<u8>> {
         let mut rows = Vec::new();
-        if let Some(study) = &self.0.study {
-            let written = precision::write_csv(study, &mut rows);
-            written.map_err(|error| errors::study_text(&error))?;
-        }
+        let written = benches::write_csv(&self.0, &mut rows);
+        written.map_err(|error| errors::study_text(&error))?;
         Ok(rows)
     }
 
@@ -131,7 +128,7 @@ pub(crate) fn bench(
             "repeats = 0 measures nothing; use 1 or more",
         ));
     }
-    let known = precision::method_names();
+    let known = benches::method_names();
     if let Some(name) = methods.iter().find(|name| !known.contains(&name.as_str())) {
         let remedy = pinwheel::scene::did_you_mean(name, &known);
         return Err(errors::input(
@@ -154,16 +151,10 @@ pub(crate) fn bench(
     for guest in own {
         engines.push(Box::new(guest));
     }
-    let options = Options::asked(target, repeats, longest_s, methods)
+    let options = benches::Options::asked(target, repeats, longest_s, methods)
         .map_err(|error| errors::study(py, &error))?;
     let found = supervised(py, progress.as_ref(), |control| {
-        benches::run(
-            checked,
-            &engines,
-            &options,
-            &[benches::Part::Scene],
-            control,
-        )
+        benches::run(checked, &engines, &options, control)
     })?;
     found
         .map(Benched)

@@ -46,9 +46,6 @@ pub enum StudyError {
         /// Why.
         reason: String,
     },
-    /// An embedded table of published values is faulty.
-    #[error("the published values cannot be read: {0}")]
-    Published(String),
     /// A table could not be written.
     #[error("the table cannot be written: {0}")]
     Table(#[from] csv::Error),

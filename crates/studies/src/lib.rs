@@ -43,7 +43,7 @@
 //! [`divergence::horizon`] how long two runs that differ by a rounding stay together;
 //! [`drift::measure`] what long runs do to joints, phases and forces; [`published::run`] which of the
 //! published model's choices make it fail at high damping; [`resolution::check`] whether a run's step resolves its
-//! scene; [`precision::run`] what every engine's accuracy costs. All results serialise.
+//! scene; [`bench::run`] what every engine's accuracy costs. All results serialise.
 
 pub mod baseline;
 pub mod bench;
@@ -66,7 +66,6 @@ pub mod output;
 pub mod ownership;
 pub mod paper;
 mod pool;
-pub mod precision;
 pub mod provenance;
 pub mod published;
 pub mod recording;

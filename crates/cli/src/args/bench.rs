@@ -1,9 +1,7 @@
 //! The command line of `pinwheel bench`.
 
 use clap::Args;
-use pinwheel::studies::bench::Part;
 
-use super::named::{Named, named};
 use super::{OutArgs, SceneArgs, positive};
 
 /// `pinwheel bench`.
@@ -28,35 +26,8 @@ pub(crate) struct BenchArgs {
     /// Runs of one setting at most, of which minimum and median are shown; long ones get fewer.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) repeats: u16,
-    /// What to measure, separated by commas.
-    #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = named(PARTS), default_values = PARTS.iter().map(|part| part.0))]
-    pub(crate) parts: Vec<Part>,
     #[command(flatten)]
     pub(crate) solvers: super::Solvers,
     #[command(flatten)]
     pub(crate) out: OutArgs,
 }
-
-/// Parts by name.
-const PARTS: &[Named<Part>] = &[
-    (
-        "scene",
-        "the scene: error against cost of every engine and method",
-        Part::Scene,
-    ),
-    (
-        "scaling",
-        "cost against the number of wheels, sleeves and points",
-        Part::Scaling,
-    ),
-    (
-        "mechanisms",
-        "error against cost on published mechanisms",
-        Part::Mechanisms,
-    ),
-    (
-        "batch",
-        "gears a second and core, as in a sweep",
-        Part::Batch,
-    ),
-];

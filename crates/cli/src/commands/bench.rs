@@ -2,9 +2,8 @@
 
 use pinwheel::pages;
 use pinwheel::studies::Provenance;
-use pinwheel::studies::bench::{self, Outcome};
+use pinwheel::studies::bench::{self, Options, WorkPrecision};
 use pinwheel::studies::folder::PAGE;
-use pinwheel::studies::precision::Options;
 
 use crate::args::{self, BenchArgs};
 use crate::failure::{ENGINE, Failure, STOPPED};
@@ -23,7 +22,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
     let engines = bench::engines(&args.solvers.join_named(&args.engines)?, &scene)?;
     let folder = Folder::prepare(&args.out.folder(&scene.name, "bench"), args.out.force)?;
     let measured = watched("bench", |control| {
-        bench::run(&scene, &engines, &options, &args.parts, control)
+        bench::run(&scene, &engines, &options, control)
     })?;
 
     let made = Provenance::here(args::typed());
@@ -44,9 +43,8 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
 }
 
 /// 3 if an engine that was asked for by name gave no point at all.
-fn ended(args: &BenchArgs, measured: &Outcome) -> u8 {
-    let series = measured.study.iter().flat_map(|study| &study.series);
-    let silent = series.into_iter().find_map(|series| {
+fn ended(args: &BenchArgs, measured: &WorkPrecision) -> u8 {
+    let silent = measured.series.iter().find_map(|series| {
         let reason = pages::bench::failure(series)?;
         Some((series.label(), reason))
     });

@@ -2,7 +2,7 @@
 
 use pinwheel_report::format::{seconds, significant};
 use pinwheel_report::study::{Cell, Mark};
-use pinwheel_studies::precision::{CostAt, Outcome, Series, Stopped};
+use pinwheel_studies::bench::{CostAt, Ending, Series, Stopped};
 
 /// A bound's sign, or nothing.
 fn sign(cost: CostAt) -> &'static str {
@@ -79,20 +79,20 @@ pub fn failure(series: &Series) -> Option<String> {
     if series
         .points
         .iter()
-        .any(|point| point.outcome == Outcome::Finished)
+        .any(|point| point.ending == Ending::Finished)
     {
         return None;
     }
-    let last = series.points.last().map(|point| &point.outcome);
+    let last = series.points.last().map(|point| &point.ending);
     Some(match last {
-        Some(Outcome::Failed { reason }) => reason.clone(),
-        Some(Outcome::Diverged { time_s, quantity }) => {
+        Some(Ending::Failed { reason }) => reason.clone(),
+        Some(Ending::Diverged { time_s, quantity }) => {
             format!("diverges at every step; at the finest at {time_s:.4} s: {quantity}")
         }
-        Some(Outcome::GivenUp { time_s }) => {
+        Some(Ending::GivenUp { time_s }) => {
             format!("takes too long: {time_s:.4} s simulated when it was given up")
         }
-        Some(Outcome::Finished) | None => match series.stopped {
+        Some(Ending::Finished) | None => match series.stopped {
             Stopped::Interrupted => "stopped by the user".to_owned(),
             other => other.words().to_owned(),
         },

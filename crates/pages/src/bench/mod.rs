@@ -1,18 +1,13 @@
-//! The page of `pinwheel bench`: headline, then scene, mechanisms, scaling and batch.
+//! The page of `pinwheel bench`: headline, what errors cost, the reference, what is unequal, all runs.
 
 use pinwheel_report::format::{limit, relative, seconds, significant};
 use pinwheel_report::study::{Block, Section, Study, Tile, Tone, Verdict, render};
-use pinwheel_studies::precision::{Advantage, Ranking, WorkPrecision};
-
 use pinwheel_studies::Provenance;
-use pinwheel_studies::bench::Outcome as Measured;
+use pinwheel_studies::bench::{Advantage, Ranking, WorkPrecision};
 
 use crate::PageError;
 
-mod batch;
 mod figures;
-mod mechanisms;
-mod scaling;
 mod scene;
 mod text;
 
@@ -23,56 +18,21 @@ pub use text::text;
 ///
 /// # Errors
 /// The page cannot be made.
-pub fn page(measured: &Measured, made: &Provenance) -> Result<String, PageError> {
+pub fn page(measured: &WorkPrecision, made: &Provenance) -> Result<String, PageError> {
     let rankings = &measured.rankings();
+    let ranking = rankings.first();
+    let lead_over = ranking.and_then(|ranking| Some((ranking, ranking.advantage.as_ref()?)));
     let mut study = Study {
         title: measured.scene.name.clone(),
         eyebrow: "Speed against error".to_owned(),
         lead: lead(measured),
-        verdict: None,
-        tiles: Vec::new(),
-        sections: Vec::new(),
+        verdict: lead_over.map(|(ranking, lead)| verdict(measured, ranking, lead)),
+        tiles: tiles(measured, lead_over),
+        sections: scene::sections(measured, rankings),
         command: made.command.clone(),
         versions: versions(measured, made),
         machine: made.machine.rows(),
     };
-    if let (Some(found), Some(ranking)) = (&measured.study, rankings.first()) {
-        study.verdict = ranking
-            .advantage
-            .as_ref()
-            .map(|lead| verdict(found, ranking, lead));
-        study.tiles = tiles(found, ranking);
-        study
-            .sections
-            .extend(scene::sections(found, rankings, &measured.unequal));
-    }
-    // Beside a scene the rest is depth; alone it is what was asked for.
-    let alone = measured.study.is_none();
-    let mut add = |section: Section, beside: &str| {
-        study.sections.push(if alone {
-            section
-        } else {
-            section.folded(beside)
-        });
-    };
-    if let Some(found) = &measured.mechanisms {
-        add(
-            mechanisms::section(found),
-            "The same methods on mechanisms with published solutions",
-        );
-    }
-    if let Some(found) = &measured.scaling {
-        add(
-            scaling::section(found),
-            "Cost of a right-hand side over the size of the gear",
-        );
-    }
-    if let Some(found) = &measured.batch {
-        add(
-            batch::section(found),
-            "Gears a second on one core, as in a sweep",
-        );
-    }
     if !measured.complete {
         study.sections.insert(
             0,
@@ -90,12 +50,8 @@ pub fn page(measured: &Measured, made: &Provenance) -> Result<String, PageError>
     Ok(render(&study)?)
 }
 
-fn lead(measured: &Measured) -> String {
+fn lead(measured: &WorkPrecision) -> String {
     let scene = &measured.scene;
-    if measured.study.is_none() {
-        return "What integrators cost on published mechanisms, how the cost grows with the gear, and how many gears a second a core \
-             gets through.".to_owned();
-    }
     format!(
         "What accuracy costs: every engine, integrator and step on the scene {} over {} s, against a converged run. \
          All runs were made in one session on one machine.",
@@ -103,9 +59,9 @@ fn lead(measured: &Measured) -> String {
     )
 }
 
-fn versions(measured: &Measured, made: &Provenance) -> Vec<(String, String)> {
+fn versions(measured: &WorkPrecision, made: &Provenance) -> Vec<(String, String)> {
     let mut versions = made.versions();
-    for series in measured.study.iter().flat_map(|study| &study.series) {
+    for series in &measured.series {
         if !versions.iter().any(|(name, _)| *name == series.engine) {
             versions.push((series.engine.clone(), series.version.clone()));
         }
@@ -129,7 +85,7 @@ fn verdict(study: &WorkPrecision, ranking: &Ranking, lead: &Advantage) -> Verdic
             figures::cpu(lead.native_cpu_s),
             lead.peer,
             figures::cpu(lead.peer_cpu_s),
-            study.duration_s,
+            study.scene.solver.duration_s,
             if lead.at_least {
                 " A bound stands where a series ends before this error."
             } else {
@@ -139,9 +95,9 @@ fn verdict(study: &WorkPrecision, ranking: &Ranking, lead: &Advantage) -> Verdic
     }
 }
 
-fn tiles(study: &WorkPrecision, ranking: &Ranking) -> Vec<Tile> {
+fn tiles(study: &WorkPrecision, lead_over: Option<(&Ranking, &Advantage)>) -> Vec<Tile> {
     let mut tiles = Vec::new();
-    if let Some(lead) = &ranking.advantage {
+    if let Some((ranking, lead)) = lead_over {
         tiles.push(Tile {
             label: "Native".to_owned(),
             value: figures::cpu(lead.native_cpu_s),

@@ -6,23 +6,19 @@ use pinwheel_report::format::{limit, relative, seconds};
 use pinwheel_report::study::{
     Axis, Block, Cell, Chart, Column, Mark, Section, Series, Style, Table,
 };
-use pinwheel_studies::precision::{
-    self, Errors, Knob, Measure, Outcome, Point, Ranking, Solution, WorkPrecision,
+use pinwheel_studies::bench::{
+    self, Ending, Errors, Knob, Measure, Point, Ranking, Solution, WorkPrecision,
 };
 
 use super::figures;
 
 /// All sections of the scene.
-pub(super) fn sections(
-    study: &WorkPrecision,
-    rankings: &[Ranking],
-    unequal: &[(String, String)],
-) -> Vec<Section> {
+pub(super) fn sections(study: &WorkPrecision, rankings: &[Ranking]) -> Vec<Section> {
     vec![
         plots(study),
         costs(study, rankings),
         reference(study).folded("What errors are measured against, and its own"),
-        differences(study, unequal).folded("What the figures do not compare"),
+        differences(study).folded("What the figures do not compare"),
         points(study).folded("Every step and tolerance of every series"),
     ]
 }
@@ -141,7 +137,7 @@ fn plots(study: &WorkPrecision) -> Section {
          them."
             .to_owned(),
     )];
-    let reduced = |series: &precision::Series| series.engine != "native-lagrange";
+    let reduced = |series: &bench::Series| series.engine != "native-lagrange";
     for (k, window) in study.windows.iter().enumerate() {
         let title = format!("{}: {} s to {} s", window.name, window.from_s, window.to_s);
         let charts = Block::Charts(vec![
@@ -157,7 +153,7 @@ fn plots(study: &WorkPrecision) -> Section {
             },
         });
     }
-    let lagrange = |series: &precision::Series| series.engine == "native-lagrange";
+    let lagrange = |series: &bench::Series| series.engine == "native-lagrange";
     if study.series.iter().any(lagrange) {
         blocks.push(Block::Details {
             summary: "The saddle-point form: all bodies and joints, factored along the joint tree"
@@ -179,10 +175,10 @@ fn chart(
     study: &WorkPrecision,
     window: usize,
     measure: Measure,
-    take: &dyn Fn(&precision::Series) -> bool,
+    take: &dyn Fn(&bench::Series) -> bool,
 ) -> Chart {
     // An engine and method has one colour on all charts.
-    let labels: Vec<String> = study.series.iter().map(precision::Series::label).collect();
+    let labels: Vec<String> = study.series.iter().map(bench::Series::label).collect();
     let names: Vec<&str> = labels.iter().map(String::as_str).collect();
     let styles = colours::styles(&names);
     let colour = |label: &str| Some(styles[names.iter().position(|name| *name == label)?]);
@@ -321,7 +317,7 @@ fn reference(study: &WorkPrecision) -> Section {
 }
 
 /// What the figures do not compare.
-fn differences(study: &WorkPrecision, unequal: &[(String, String)]) -> Section {
+fn differences(study: &WorkPrecision) -> Section {
     let has = |name: &str| study.series.iter().any(|s| s.engine.starts_with(name));
     let mut points = vec![
         "The native solver integrates the equations of this mechanism, three or so in the reduced form; peers are general \
@@ -380,7 +376,8 @@ fn differences(study: &WorkPrecision, unequal: &[(String, String)]) -> Section {
             uncounted.join(", ")
         ));
     }
-    let details = unequal
+    let details = study
+        .differences
         .iter()
         .map(|(name, text)| Block::Text(format!("`{name}`: {text}")))
         .collect();
@@ -468,15 +465,15 @@ fn row(point: &Point, knob: Knob, windows: usize) -> Vec<Cell> {
     }
     let missing = 2 * (windows - point.errors.len());
     row.extend(std::iter::repeat_n(Cell::text("\u{2013}"), missing));
-    row.push(match &point.outcome {
-        Outcome::Finished => Cell::text("finished").marked(Mark::Muted),
-        Outcome::Diverged { time_s, quantity } => {
+    row.push(match &point.ending {
+        Ending::Finished => Cell::text("finished").marked(Mark::Muted),
+        Ending::Diverged { time_s, quantity } => {
             Cell::text(format!("diverged at {time_s:.4} s: {quantity}")).marked(Mark::Bad)
         }
-        Outcome::GivenUp { time_s } => {
+        Ending::GivenUp { time_s } => {
             Cell::text(format!("given up at {time_s:.4} s of simulated time")).marked(Mark::Warn)
         }
-        Outcome::Failed { reason } => Cell::text(reason.clone()).marked(Mark::Bad),
+        Ending::Failed { reason } => Cell::text(reason.clone()).marked(Mark::Bad),
     });
     row
 }

@@ -37,7 +37,7 @@ impl CostAt {
 /// The points that no other beats in both, by rising cost and falling error. Points are (cost, error);
 /// those that are not finite and positive are left out.
 #[must_use]
-pub fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+pub(super) fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let sound = |x: f64| x.is_finite() && x > 0.0;
     let mut points: Vec<(f64, f64)> = points
         .iter()
@@ -56,7 +56,7 @@ pub fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 
 /// Cost of `error` on the front of the points (cost, error). `None` without points.
 #[must_use]
-pub fn cost_at(points: &[(f64, f64)], error: f64) -> Option<CostAt> {
+pub(super) fn cost_at(points: &[(f64, f64)], error: f64) -> Option<CostAt> {
     let front = front(points);
     let (first, last) = (front.first()?, front.last()?);
     if first.1 <= error {
@@ -69,24 +69,6 @@ pub fn cost_at(points: &[(f64, f64)], error: f64) -> Option<CostAt> {
     let ((c0, e0), (c1, e1)) = (front[k - 1], front[k]);
     let share = (e0 / error).ln() / (e0 / e1).ln();
     Some(CostAt::Interpolated(c0 * (c1 / c0).powf(share)))
-}
-
-/// Exponent p and factor a of `cost = a size^p`, by least squares of the logarithms. `None` with fewer than two sizes.
-#[must_use]
-pub fn power_law(points: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let logs: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (x.ln(), y.ln())).collect();
-    let n = logs.len() as f64;
-    let mean = |get: fn(&(f64, f64)) -> f64| logs.iter().map(get).sum::<f64>() / n;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let (mut xx, mut xy) = (0.0, 0.0);
-    for p in &logs {
-        xx += (p.0 - x) * (p.0 - x);
-        xy += (p.0 - x) * (p.1 - y);
-    }
-    let exponent = xy / xx;
-    exponent
-        .is_finite()
-        .then(|| (exponent, (y - exponent * x).exp()))
 }
 
 #[cfg(test)]
@@ -123,12 +105,5 @@ mod tests {
         points.extend([(120.0, 5e-3), (100.0, 2e-4), (1.0, f64::INFINITY)]);
         points.reverse();
         assert_eq!(front(&points), LINE);
-    }
-
-    #[test]
-    fn exponents() {
-        let (p, a) = power_law(&[(1.0, 3.0), (10.0, 30.0), (100.0, 300.0)]).unwrap();
-        assert!((p - 1.0).abs() < 1e-12 && (a - 3.0).abs() < 1e-12);
-        assert_eq!(power_law(&[(2.0, 3.0)]), None);
     }
 }

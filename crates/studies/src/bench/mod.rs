@@ -1,37 +1,37 @@
-//! Speed against error: every engine, integrator and step (or tolerance) of one scene against a converged run.
+//! What accuracy costs: every engine, integrator and step (or tolerance) of one scene against a converged run.
 //!
 //! [`run`] gives a [`WorkPrecision`]: the reference with its own error, one [`Series`] an engine and method
 //! with a [`Point`] a setting (errors by window, CPU time, right-hand-side calls), and what a given
 //! error costs each ([`WorkPrecision::ranking`]).
 
-pub mod batch;
-pub mod front;
-mod ladder;
-pub mod mechanisms;
+mod front;
 mod norms;
 mod ranking;
 mod reference;
-mod rows;
-pub mod scaling;
 mod series;
+mod settings;
+mod table;
 
 pub use front::CostAt;
-pub use ladder::{Knob, Stopped, settings};
 pub use norms::{Errors, Span};
 pub use ranking::{Advantage, Entry, Ranking};
 pub use reference::{Reference, Solution};
-pub use rows::write_csv;
-pub use series::{Cost, Measure, Outcome, Point, Series};
+pub use series::{Cost, Ending, Measure, Point, Series};
+pub use settings::{Knob, Stopped};
+pub use table::write_csv;
 
+use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use pinwheel_engines::{Engine, Track};
+use pinwheel_engines::{Engine, Track, by_name, registry};
 use pinwheel_mbs::integrators::METHODS;
 use pinwheel_scene::{Scene, did_you_mean};
 use serde::Serialize;
 
-use crate::StudyError;
 use crate::control::{Control, Progress};
+use crate::output::{OutputError, write_with};
+use crate::provenance::{Provenance, Summary};
+use crate::{StudyError, choice};
 
 /// What is tried.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -117,10 +117,9 @@ impl Options {
 /// The study's result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorkPrecision {
-    /// Name of the scene.
-    pub scene: String,
-    /// Duration, s.
-    pub duration_s: f64,
+    /// The scene.
+    #[serde(skip)]
+    pub scene: Scene,
     /// What was tried.
     pub options: Options,
     /// Windows; errors stand in this order everywhere. The first is the whole run.
@@ -129,8 +128,94 @@ pub struct WorkPrecision {
     pub reference: Reference,
     /// One engine and method each, native first.
     pub series: Vec<Series>,
+    /// Names of the engines, and what each is unlike.
+    #[serde(skip)]
+    pub differences: Vec<(String, String)>,
     /// False if the user stopped the study; what had been measured until then is kept.
     pub complete: bool,
+}
+
+/// Payload of `summary.json`.
+#[derive(Serialize)]
+struct Measured<'a> {
+    /// False if the user stopped the measurement.
+    complete: bool,
+    scene: &'a Scene,
+    work_precision: &'a WorkPrecision,
+    /// What errors cost, window by window.
+    rankings: &'a [Ranking],
+}
+
+impl WorkPrecision {
+    /// Rankings of all windows at the target, then of the whole run at ten times and a tenth of it.
+    #[must_use]
+    pub fn rankings(&self) -> Vec<Ranking> {
+        let target = self.options.target;
+        let windows = 0..self.windows.len();
+        let at_target = windows.map(|window| self.ranking(window, target));
+        let whole = [10.0 * target, target / 10.0].map(|error| self.ranking(0, error));
+        at_target.chain(whole).collect()
+    }
+
+    /// Writes `summary.json` and `bench.csv` into the folder `dir`.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+        write_with(dir, "bench.csv", |sink| write_csv(self, sink))?;
+        let measured = Measured {
+            complete: self.complete,
+            scene: &self.scene,
+            work_precision: self,
+            rankings: &self.rankings(),
+        };
+        Summary::new(made, measured).write(dir)
+    }
+}
+
+/// The engines named (`native` stands for both its forms); without names both native forms and the peers that solve
+/// the same equations.
+///
+/// # Errors
+/// An engine that there is not, or that chooses its own integrator and step.
+pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, StudyError> {
+    let native = ["native-reduced", "native-lagrange"];
+    if names.is_empty() {
+        let friction = scene.contact.friction_coefficient > 0.0;
+        return Ok(registry()
+            .into_iter()
+            .filter(|engine| match engine.track() {
+                Track::Native => native.contains(&engine.name()),
+                Track::SharedLaw => true,
+                Track::OwnContact => friction || engine.is_outside(),
+                Track::Measured => false,
+            })
+            .collect());
+    }
+    let mut engines: Vec<Box<dyn Engine>> = Vec::new();
+    let mut add = |engine: Box<dyn Engine>| {
+        if engine.track() == Track::Native && !native.contains(&engine.name()) {
+            return Err(StudyError::Input(format!(
+                "{} chooses its own integrator and step, which is what is varied here; name native, native-reduced \
+                 or native-lagrange",
+                engine.name()
+            )));
+        }
+        if engines.iter().all(|other| other.name() != engine.name()) {
+            engines.push(engine);
+        }
+        Ok(())
+    };
+    for name in names {
+        if name.trim() == "native" {
+            for engine in native.iter().filter_map(|form| by_name(form, scene)) {
+                add(engine)?;
+            }
+        } else {
+            add(choice::find(name.trim(), scene)?)?;
+        }
+    }
+    Ok(engines)
 }
 
 /// Runs the study. `engines` without the resolved native form, whose settings are not the scene's.
@@ -178,12 +263,15 @@ pub fn run(
         done += 1;
     }
     Ok(WorkPrecision {
-        scene: scene.name.clone(),
-        duration_s: scene.solver.duration_s,
+        scene: scene.clone(),
         options: options.clone(),
         windows,
         reference,
         series: all,
+        differences: engines
+            .iter()
+            .map(|engine| (engine.name().to_owned(), engine.differences().to_owned()))
+            .collect(),
         complete: !control.cancel.load(Ordering::Relaxed),
     })
 }

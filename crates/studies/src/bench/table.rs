@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::{Knob, Outcome, WorkPrecision};
+use super::{Ending, Knob, WorkPrecision};
 use crate::StudyError;
 
 /// Writes CSV with a header row, `.` decimals and full precision; what does not exist is empty.
@@ -43,11 +43,11 @@ pub fn write_csv(study: &WorkPrecision, sink: impl Write) -> Result<(), StudyErr
                 Knob::StepS => (setting, String::new()),
                 Knob::Tolerance => (String::new(), setting),
             };
-            let status = match point.outcome {
-                Outcome::Finished => "finished",
-                Outcome::Diverged { .. } => "diverged",
-                Outcome::GivenUp { .. } => "given-up",
-                Outcome::Failed { .. } => "failed",
+            let status = match point.ending {
+                Ending::Finished => "finished",
+                Ending::Diverged { .. } => "diverged",
+                Ending::GivenUp { .. } => "given-up",
+                Ending::Failed { .. } => "failed",
             };
             let mut row = vec![
                 series.engine.clone(),

@@ -5,9 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pinwheel_engines::{Control as Watch, Engine, EngineError, Native, Prepared, Track, by_name};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
-use pinwheel_studies::precision::{
-    Measure, Options, Outcome, Stopped, WorkPrecision, run, write_csv,
-};
+use pinwheel_studies::bench::{Ending, Measure, Options, Stopped, WorkPrecision, run, write_csv};
 use pinwheel_studies::{Control, Progress, StudyError};
 
 fn scene(sets: &[&str]) -> Scene {
@@ -102,7 +100,7 @@ fn engines_that_do_not_count_or_diverge_have_their_place() {
     let study = study(&["dopri5"]);
     let peer = study.series.last().unwrap();
     assert_eq!((peer.label().as_str(), peer.order), ("peer", None));
-    assert!(matches!(peer.points[0].outcome, Outcome::Diverged { time_s, .. } if time_s == 0.001));
+    assert!(matches!(peer.points[0].ending, Ending::Diverged { time_s, .. } if time_s == 0.001));
     assert!(peer.points[0].errors.is_empty());
     assert!(peer.points(0, Measure::Rhs).is_empty());
     assert!(peer.points(0, Measure::Cpu).len() >= 3);

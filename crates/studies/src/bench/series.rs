@@ -1,4 +1,4 @@
-//! One engine and method at every setting of its ladder.
+//! One engine and method at every setting, coarse to fine.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::time::Instant;
@@ -10,10 +10,10 @@ use pinwheel_mbs::integrators;
 use pinwheel_scene::{Fault, Scene};
 use serde::Serialize;
 
+use super::Options;
 use super::front::{CostAt, cost_at};
-use super::ladder::{Knob, State, Stopped, settings};
 use super::norms::{Errors, Least, Span, errors};
-use super::{Options, WorkPrecision};
+use super::settings::{Knob, State, Stopped, settings};
 use crate::StudyError;
 use crate::control::Control;
 
@@ -37,7 +37,7 @@ pub struct Cost {
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "status", rename_all = "kebab-case")]
-pub enum Outcome {
+pub enum Ending {
     /// At its end.
     Finished,
     /// The numbers ran away.
@@ -65,7 +65,8 @@ pub struct Point {
     /// Step (s) or tolerance.
     pub setting: f64,
     /// How it ended.
-    pub outcome: Outcome,
+    #[serde(rename = "outcome")]
+    pub ending: Ending,
     /// Errors by window; empty unless it finished.
     pub errors: Vec<Errors>,
     /// What it cost; `None` if it did not run.
@@ -133,14 +134,6 @@ impl Series {
     #[must_use]
     pub fn cost_at(&self, window: usize, error: f64, measure: Measure) -> Option<CostAt> {
         cost_at(&self.points(window, measure), error)
-    }
-}
-
-impl WorkPrecision {
-    /// Place of a window.
-    #[must_use]
-    pub fn window(&self, name: &str) -> Option<usize> {
-        self.windows.iter().position(|window| window.name == name)
     }
 }
 
@@ -213,13 +206,13 @@ pub(super) fn run(
             }
             other => other?,
         };
-        let ended = match point.outcome {
-            Outcome::Failed { .. } => Some(Stopped::Failed),
-            Outcome::GivenUp { .. } => Some(Stopped::TooLong),
-            Outcome::Finished | Outcome::Diverged { .. } => None,
+        let ended = match point.ending {
+            Ending::Failed { .. } => Some(Stopped::Failed),
+            Ending::GivenUp { .. } => Some(Stopped::TooLong),
+            Ending::Finished | Ending::Diverged { .. } => None,
         };
         // A run that diverged early says nothing of what a whole one costs.
-        if point.outcome == Outcome::Finished
+        if point.ending == Ending::Finished
             && let Some(cost) = point.cost
         {
             state.cpu_before_s = std::mem::replace(&mut state.cpu_s, cost.cpu_min_s);
@@ -247,22 +240,22 @@ fn point(
     control: &Control<'_>,
 ) -> Result<Point, StudyError> {
     let mut times = Vec::new();
-    let mut first: Option<(Run, Outcome)> = None;
+    let mut first: Option<(Run, Ending)> = None;
     loop {
-        let (run, outcome) = match once(scene, engine, options, control)? {
+        let (run, ending) = match once(scene, engine, options, control)? {
             Ok(found) => found,
-            Err(outcome) => {
+            Err(ending) => {
                 return Ok(Point {
                     setting,
-                    outcome,
+                    ending,
                     errors: Vec::new(),
                     cost: None,
                 });
             }
         };
         times.push(run.stats.cpu_s);
-        let finished = outcome == Outcome::Finished;
-        let (run, _) = first.get_or_insert((run, outcome));
+        let finished = ending == Ending::Finished;
+        let (run, _) = first.get_or_insert((run, ending));
         let spent: f64 = times.iter().sum();
         let least = options
             .repeats
@@ -276,10 +269,10 @@ fn point(
             break;
         }
     }
-    let Some((run, outcome)) = first else {
+    let Some((run, ending)) = first else {
         return Ok(Point {
             setting,
-            outcome: Outcome::Failed {
+            ending: Ending::Failed {
                 reason: "never ran".to_owned(),
             },
             errors: Vec::new(),
@@ -295,7 +288,7 @@ fn point(
         steps: run.stats.steps,
         rejected_steps: run.stats.rejected_steps,
     };
-    let whole = outcome == Outcome::Finished && run.courses.len() == truth.courses.len();
+    let whole = ending == Ending::Finished && run.courses.len() == truth.courses.len();
     let errors = if whole {
         let windows = truth.windows.iter();
         windows
@@ -306,7 +299,7 @@ fn point(
     };
     Ok(Point {
         setting,
-        outcome,
+        ending,
         errors,
         cost: Some(cost),
     })
@@ -323,7 +316,7 @@ fn once(
     engine: &dyn Engine,
     options: &Options,
     control: &Control<'_>,
-) -> Result<Result<(Run, Outcome), Outcome>, StudyError> {
+) -> Result<Result<(Run, Ending), Ending>, StudyError> {
     let stop = AtomicBool::new(false);
     let (looks, reached_ns) = (AtomicU32::new(0), AtomicU64::new(0));
     // CPU time of the process: a busy machine must not make a run look long.
@@ -354,23 +347,23 @@ fn once(
     };
     let checked = scene.clone().check().map_err(unsupported);
     match checked.and_then(|scene| engine.run(&scene, &engines)) {
-        Ok(run) => Ok(Ok((run, Outcome::Finished))),
+        Ok(run) => Ok(Ok((run, Ending::Finished))),
         Err(EngineError::Diverged {
             time_s,
             quantity,
             partial,
             ..
-        }) => Ok(Ok((*partial, Outcome::Diverged { time_s, quantity }))),
+        }) => Ok(Ok((*partial, Ending::Diverged { time_s, quantity }))),
         Err(EngineError::Cancelled) if !control.cancel.load(Ordering::Relaxed) => {
             let time_s = reached_ns.load(Ordering::Relaxed) as f64 * 1e-9;
-            Ok(Err(Outcome::GivenUp { time_s }))
+            Ok(Err(Ending::GivenUp { time_s }))
         }
         Err(EngineError::Cancelled) => Err(StudyError::Cancelled),
         Err(
             EngineError::Unsupported { reason, .. }
             | EngineError::Absent { reason, .. }
             | EngineError::Failed { reason, .. },
-        ) => Ok(Err(Outcome::Failed { reason })),
+        ) => Ok(Err(Ending::Failed { reason })),
     }
 }
 

@@ -48,7 +48,7 @@ const HALF_DECADES: i32 = 16;
 /// Settings of a knob for a scene, coarse to fine. Steps divide the sampling step evenly, because some
 /// engines sample at ends of steps only.
 #[must_use]
-pub fn settings(knob: Knob, scene: &Scene) -> Vec<f64> {
+pub(super) fn settings(knob: Knob, scene: &Scene) -> Vec<f64> {
     match knob {
         Knob::Tolerance => (0..=HALF_DECADES)
             .map(|k| {
