@@ -1,4 +1,4 @@
-//! What a run of mutants over the judge left alive: each test kills one that nothing else did (docs/mutation.md).
+//! What a run of mutants over the judge left alive: each test kills one that nothing else did (docs/notes/mutation.md).
 
 #[path = "../common/mod.rs"]
 mod common;
