@@ -3,6 +3,7 @@
 use std::io::{Read, Write};
 use std::path::Path;
 
+use crate::table::Table;
 use crate::{Courses, CoursesError};
 
 impl Courses {
@@ -11,19 +12,7 @@ impl Courses {
     /// # Errors
     /// The writer's.
     pub fn write_csv(&self, sink: impl Write) -> Result<(), CoursesError> {
-        let mut writer = csv::Writer::from_writer(sink);
-        writer.write_record(
-            std::iter::once("time_s").chain(self.channels().iter().map(|c| c.name.as_str())),
-        )?;
-        let mut row: Vec<String> = Vec::with_capacity(self.channels().len() + 1);
-        for (k, t) in self.time_s().iter().enumerate() {
-            row.clear();
-            row.push(t.to_string());
-            row.extend(self.channels().iter().map(|c| c.values[k].to_string()));
-            writer.write_record(&row)?;
-        }
-        writer.flush().map_err(csv::Error::from)?;
-        Ok(())
+        Table::from(self).write_csv(sink)
     }
 
     /// Writes a CSV file; see [`Courses::write_csv`].

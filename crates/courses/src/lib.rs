@@ -15,7 +15,7 @@
 //! # Ok::<(), pinwheel_courses::CoursesError>(())
 //! ```
 //!
-//! Beside them: how a run ended, what it cost and where its energy went ([`Ending`], [`RunStats`], [`EnergyAudit`]), and
+//! Beside them: any other result as a [`Table`](table::Table); how a run ended, what it cost and where its energy went ([`Ending`], [`RunStats`], [`EnergyAudit`]), and
 //! [`foreign`] data by a map of their columns.
 //!
 //! A channel's name carries its unit as a suffix (`input_torque_n_m`, see [`columns`]); numbered
@@ -30,11 +30,10 @@ pub mod foreign;
 mod parquet_file;
 mod run;
 mod store;
+pub mod table;
 
 pub use error::CoursesError;
 #[cfg(feature = "parquet")]
-pub use parquet_file::{
-    Cells, ParquetFault, load_courses, read_courses, read_table, save_courses, write_table,
-};
+pub use parquet_file::{ParquetFault, load_courses, read_courses, read_table, save_courses};
 pub use run::{Ending, EnergyAudit, RunStats, Track, efficiency};
 pub use store::{Channel, Courses, group_of};

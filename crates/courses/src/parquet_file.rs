@@ -16,6 +16,7 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::record::Field;
 use parquet::schema::types::{Type, TypePtr};
 
+use crate::table::{Column, Table, Values};
 use crate::{Courses, CoursesError};
 
 /// Faults of Parquet files.
@@ -43,18 +44,7 @@ pub enum ParquetFault {
     Io(#[from] std::io::Error),
 }
 
-/// Values of one column; all of a file's have the same length.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Cells {
-    /// Doubles.
-    Number(Vec<Option<f64>>),
-    /// Whole numbers.
-    Whole(Vec<Option<i64>>),
-    /// Texts.
-    Text(Vec<Option<String>>),
-}
-
-impl Cells {
+impl Values {
     fn schema(&self, name: &str) -> Result<TypePtr, ParquetFault> {
         let (physical, logical) = match self {
             Self::Number(_) => (Physical::DOUBLE, None),
@@ -68,38 +58,35 @@ impl Cells {
     }
 }
 
-/// Writes named columns as a Parquet file.
-///
-/// # Errors
-/// The library's: columns of different lengths, or the writer's own.
-pub fn write_table(
-    sink: impl Write + Send,
-    columns: &[(String, Cells)],
-) -> Result<(), ParquetFault> {
-    let fields: Result<Vec<TypePtr>, ParquetFault> = columns
-        .iter()
-        .map(|(name, cells)| cells.schema(name))
-        .collect();
-    let schema = Type::group_type_builder("table")
-        .with_fields(fields?)
-        .build()?;
-    // The same columns give the same bytes: no version of a library in the file.
-    let properties = WriterProperties::builder().set_created_by("pinwheel".to_owned());
-    let mut writer =
-        SerializedFileWriter::new(sink, Arc::new(schema), Arc::new(properties.build()))?;
-    let mut group = writer.next_row_group()?;
-    for (_, cells) in columns {
-        match cells {
-            Cells::Number(values) => write_column::<DoubleType, _>(&mut group, values, |v| *v)?,
-            Cells::Whole(values) => write_column::<Int64Type, _>(&mut group, values, |v| *v)?,
-            Cells::Text(values) => write_column::<ByteArrayType, _>(&mut group, values, |v| {
-                ByteArray::from(v.as_str())
-            })?,
+impl Table {
+    /// Writes a Parquet file of the columns that have a name.
+    ///
+    /// # Errors
+    /// The library's: columns of different lengths, or the writer's own.
+    pub fn write_parquet(&self, sink: impl Write + Send) -> Result<(), ParquetFault> {
+        let fields = self.named();
+        let fields = fields.map(|column| column.values.schema(&column.name));
+        let schema = Type::group_type_builder("table")
+            .with_fields(fields.collect::<Result<_, _>>()?)
+            .build()?;
+        // The same columns give the same bytes: no version of a library in the file.
+        let properties = WriterProperties::builder().set_created_by("pinwheel".to_owned());
+        let mut writer =
+            SerializedFileWriter::new(sink, Arc::new(schema), Arc::new(properties.build()))?;
+        let mut group = writer.next_row_group()?;
+        for column in self.named() {
+            match &column.values {
+                Values::Number(list) => write_column::<DoubleType, _>(&mut group, list, |v| *v)?,
+                Values::Whole(list) => write_column::<Int64Type, _>(&mut group, list, |v| *v)?,
+                Values::Text(list) => write_column::<ByteArrayType, _>(&mut group, list, |v| {
+                    ByteArray::from(v.as_str())
+                })?,
+            }
         }
+        group.close()?;
+        writer.close()?;
+        Ok(())
     }
-    group.close()?;
-    writer.close()?;
-    Ok(())
 }
 
 fn write_column<T: DataType, V>(
@@ -123,9 +110,7 @@ fn write_column<T: DataType, V>(
 ///
 /// # Errors
 /// The library's, for what is no Parquet file; columns of other types are read as empty cells.
-pub fn read_table(
-    source: impl ChunkReader + 'static,
-) -> Result<Vec<(String, Cells)>, ParquetFault> {
+pub fn read_table(source: impl ChunkReader + 'static) -> Result<Table, ParquetFault> {
     // The library panics on some damaged files; its state goes with the reader.
     let read = || table_of(source, usize::MAX, &|_| true);
     catch_unwind(AssertUnwindSafe(read)).unwrap_or(Err(ParquetFault::Damaged))
@@ -136,7 +121,7 @@ fn table_of(
     source: impl ChunkReader + 'static,
     most: usize,
     wanted: &dyn Fn(&Type) -> bool,
-) -> Result<Vec<(String, Cells)>, ParquetFault> {
+) -> Result<Table, ParquetFault> {
     let reader = SerializedFileReader::new(source)?;
     let schema = reader.metadata().file_metadata().schema().clone();
     let fields = schema.get_fields().iter().filter(|field| wanted(field));
@@ -148,35 +133,36 @@ fn table_of(
     if rows > i64::try_from(most).unwrap_or(i64::MAX) {
         return Err(ParquetFault::Long { rows, most });
     }
-    let mut columns: Vec<(String, Cells)> = schema
-        .get_fields()
-        .iter()
-        .map(|field| {
-            let cells = match field.is_primitive().then(|| field.get_physical_type()) {
-                Some(Physical::DOUBLE) => Cells::Number(Vec::new()),
-                Some(Physical::INT64) => Cells::Whole(Vec::new()),
-                _ => Cells::Text(Vec::new()),
-            };
-            (field.name().to_owned(), cells)
-        })
-        .collect();
-    if columns.is_empty() {
-        return Ok(columns);
+    let columns = schema.get_fields().iter().map(|field| Column {
+        name: field.name().to_owned(),
+        values: match field.is_primitive().then(|| field.get_physical_type()) {
+            Some(Physical::DOUBLE) => Values::Number(Vec::new()),
+            Some(Physical::INT64) => Values::Whole(Vec::new()),
+            _ => Values::Text(Vec::new()),
+        },
+        ..Column::default()
+    });
+    let mut table = Table {
+        caption: String::new(),
+        columns: columns.collect(),
+    };
+    if table.columns.is_empty() {
+        return Ok(table);
     }
     for row in reader.get_row_iter(Some(schema))?.take(most) {
         let row = row?;
-        for ((_, field), (_, cells)) in row.get_column_iter().zip(&mut columns) {
-            match (cells, field) {
-                (Cells::Number(list), Field::Double(value)) => list.push(Some(*value)),
-                (Cells::Number(list), _) => list.push(None),
-                (Cells::Whole(list), Field::Long(value)) => list.push(Some(*value)),
-                (Cells::Whole(list), _) => list.push(None),
-                (Cells::Text(list), Field::Str(value)) => list.push(Some(value.clone())),
-                (Cells::Text(list), _) => list.push(None),
+        for ((_, field), column) in row.get_column_iter().zip(&mut table.columns) {
+            match (&mut column.values, field) {
+                (Values::Number(list), Field::Double(value)) => list.push(Some(*value)),
+                (Values::Number(list), _) => list.push(None),
+                (Values::Whole(list), Field::Long(value)) => list.push(Some(*value)),
+                (Values::Whole(list), _) => list.push(None),
+                (Values::Text(list), Field::Str(value)) => list.push(Some(value.clone())),
+                (Values::Text(list), _) => list.push(None),
             }
         }
     }
-    Ok(columns)
+    Ok(table)
 }
 
 /// Writes courses as a Parquet file: `time_s` and all channels.
@@ -184,13 +170,7 @@ fn table_of(
 /// # Errors
 /// The file cannot be made or written.
 pub fn save_courses(courses: &Courses, path: &Path) -> Result<(), ParquetFault> {
-    let cells = |values: &[f64]| Cells::Number(values.iter().copied().map(Some).collect());
-    let channels = courses.channels().iter();
-    let columns: Vec<(String, Cells)> =
-        std::iter::once(("time_s".to_owned(), cells(courses.time_s())))
-            .chain(channels.map(|channel| (channel.name.clone(), cells(&channel.values))))
-            .collect();
-    write_table(std::fs::File::create(path)?, &columns)
+    Table::from(courses).write_parquet(std::fs::File::create(path)?)
 }
 
 /// Reads what [`save_courses`] wrote, or any Parquet file of doubles with a `time_s` column; empty
@@ -218,8 +198,8 @@ pub fn read_courses(
     };
     let read = || table_of(source, most, &double);
     let table = catch_unwind(AssertUnwindSafe(read)).unwrap_or(Err(ParquetFault::Damaged));
-    for (name, cells) in table? {
-        if let Cells::Number(values) = cells {
+    for Column { name, values, .. } in table?.columns {
+        if let Values::Number(values) = values {
             let values: Vec<f64> = values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect();
             if name == "time_s" {
                 time = Some(values);
@@ -261,21 +241,19 @@ mod tests {
 
     #[test]
     fn cells_may_be_empty() {
-        let columns = vec![
-            ("n".to_owned(), Cells::Number(vec![Some(0.1), None])),
-            ("k".to_owned(), Cells::Whole(vec![None, Some(-3)])),
-            (
-                "t".to_owned(),
-                Cells::Text(vec![Some("é, \"x\"".to_owned()), None]),
-            ),
-        ];
+        let table = Table::of(
+            "",
+            [(Some(0.1), None, "\u{e9}, \"x\""), (None, Some(-3), "")],
+        )
+        .number("n", "", |row| row.0)
+        .whole("k", "", |row| row.1)
+        .text("t", "", |row| row.2)
+        .done();
         let mut bytes = Vec::new();
-        write_table(&mut bytes, &columns).unwrap();
-        assert_eq!(read_table(bytes::Bytes::from(bytes)).unwrap(), columns);
-        let uneven = [
-            columns[0].clone(),
-            ("x".to_owned(), Cells::Whole(vec![None])),
-        ];
-        assert!(write_table(Vec::new(), &uneven).is_err());
+        table.write_parquet(&mut bytes).unwrap();
+        assert_eq!(read_table(bytes::Bytes::from(bytes)).unwrap(), table);
+        let mut uneven = table;
+        uneven.columns[1].values = Values::Whole(vec![None]);
+        assert!(uneven.write_parquet(Vec::new()).is_err());
     }
 }

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use pinwheel::courses::table::Values;
 use pinwheel::pages;
 use pinwheel::scene::Override;
 use pinwheel::studies::folder::{Folder, FolderError, Request};
 use pinwheel::studies::output::write_text;
 use pinwheel::studies::sweep::{
-    self as sweeps, Begin, Column, Guests, Journal, KeepCourses, Plan, PlannedRun, RunRecord,
+    self as sweeps, Begin, Guests, Journal, KeepCourses, Plan, PlannedRun, RunRecord,
 };
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
@@ -233,13 +234,13 @@ impl Sweep {
     /// The results as columns: (name, values), numbers or texts, `None` where there is none.
     fn columns<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
         let table = sweeps::results(&self.plan, &self.records()?);
-        let each = table.columns.into_iter().map(|(name, column)| {
-            let values = match column {
-                Column::Number(values) => values.into_pyobject(py)?,
-                Column::Whole(values) => values.into_pyobject(py)?,
-                Column::Text(values) => values.into_pyobject(py)?,
+        let each = table.columns.into_iter().map(|column| {
+            let values = match column.values {
+                Values::Number(values) => values.into_pyobject(py)?,
+                Values::Whole(values) => values.into_pyobject(py)?,
+                Values::Text(values) => values.into_pyobject(py)?,
             };
-            Ok((name, values.into_any()))
+            Ok((column.name, values.into_any()))
         });
         each.collect()
     }

@@ -211,7 +211,8 @@ fn power(value: f64, digits: usize) -> String {
     }
 }
 
-fn minus(text: &str) -> String {
+/// The text of a number with a minus sign in place of its hyphen.
+pub fn minus(text: &str) -> String {
     text.replacen('-', "\u{2212}", 1)
 }
 

@@ -20,6 +20,7 @@ mod input;
 mod packed;
 pub mod statement;
 pub mod study;
+pub mod table;
 pub mod terminal;
 mod view;
 

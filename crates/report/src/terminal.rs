@@ -1,6 +1,9 @@
 //! Text for terminals: styles, and plain tables that fit their width, aligned by characters and styled after alignment.
 
 use anstyle::{AnsiColor, Style};
+use pinwheel_courses::table::{Column, Mark, Table};
+
+use crate::table;
 
 /// Titles.
 pub const TITLE: Style = Style::new().bold();
@@ -149,6 +152,40 @@ pub fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
         }
     }
     text
+}
+
+/// A table with its headings; marks are styles.
+#[must_use]
+pub fn table(table: &Table) -> String {
+    let aligned = |column: &Column, text: String| Cell {
+        text: text.replace('\u{202f}', " "),
+        style: Style::new(),
+        right: column.values.is_numeric(),
+    };
+    let head = table::shown(table);
+    let head = head.map(|column| aligned(column, table::heading(column)).styled(TITLE));
+    let mut rows = vec![head.collect::<Vec<_>>()];
+    rows.extend((0..table.len()).map(|row| {
+        let cell = |column| {
+            aligned(column, table::words(column, row)).styled(match table::mark(column, row) {
+                Mark::None => Style::new(),
+                Mark::Good => GOOD,
+                Mark::Bad => BAD,
+                Mark::Warn => TITLE,
+                Mark::Muted => QUIET,
+            })
+        };
+        table::shown(table).map(cell).collect()
+    }));
+    lines(&rows)
+}
+
+/// Words with what they stand for, one pair a line.
+#[must_use]
+pub fn pairs<L: Into<String>, T: Into<String>>(list: impl IntoIterator<Item = (L, T)>) -> String {
+    let rows = list.into_iter();
+    let rows = rows.map(|(label, text)| vec![Cell::text(label), Cell::text(text)]);
+    lines(&rows.collect::<Vec<_>>())
 }
 
 /// A paragraph that fits the terminal.

@@ -3,10 +3,11 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use pinwheel_courses::table::Column;
 use pinwheel_courses::{Courses, Ending};
 use pinwheel_studies::sweep::{
-    Column, Journal, Plan, RunRecord, Shard, Sweep, SweepError, execute, execute_some, gather,
-    results, tolerances,
+    Journal, Plan, RunRecord, Shard, Sweep, SweepError, execute, execute_some, gather, results,
+    tolerances,
 };
 use pinwheel_studies::{Control, Progress};
 
@@ -36,10 +37,10 @@ fn csv(plan: &Plan, records: &[RunRecord]) -> String {
 }
 
 fn numbers(column: Option<&Column>) -> Vec<f64> {
-    match column {
-        Some(Column::Number(values)) => values.iter().map(|value| value.unwrap()).collect(),
-        other => panic!("no numbers: {other:?}"),
-    }
+    let values = &column.expect("there").values;
+    (0..values.len())
+        .map(|row| values.number(row).unwrap())
+        .collect()
 }
 
 #[test]
@@ -65,8 +66,8 @@ fn the_same_numbers_whatever_the_threads() {
         let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
         assert_eq!(read("1.parquet"), read("3.parquet"));
         let file = std::fs::File::open(folder.path().join("1.parquet")).unwrap();
-        let columns = pinwheel_courses::read_table(file).unwrap();
-        let header: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+        let table = pinwheel_courses::read_table(file).unwrap();
+        let header: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
         assert_eq!(header.join(","), one.lines().next().unwrap());
     }
     assert_eq!(one.lines().count(), 13);

@@ -1,12 +1,12 @@
 //! A sweep's page: figures over what was varied, and every run in a table.
 
 use pinwheel_compare::quantities;
+use pinwheel_courses::table::{Table, Values};
 use pinwheel_report::format::{count, humane, plain, seconds, significant};
 use pinwheel_report::study::{
-    Block, Cell, Column as Heading, Grid, GridAxis, GridFigure, Mark, Section, Study, Table, Tile,
-    Tone, Verdict, render,
+    Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict, render,
 };
-use pinwheel_studies::sweep::{Axis, Column, Plan, Results, RunRecord, Value};
+use pinwheel_studies::sweep::{Axis, Plan, RunRecord, Value};
 use pinwheel_studies::sweep::{STATICS, tolerances as found_of};
 
 use pinwheel_studies::Provenance;
@@ -30,7 +30,7 @@ const MOST_FIGURES: usize = 40;
 pub fn page(
     plan: &Plan,
     records: &[RunRecord],
-    table: &Results,
+    table: &Table,
     made: &Provenance,
 ) -> Result<String, PageError> {
     let unfinished = records
@@ -211,11 +211,12 @@ struct Figure<'a> {
 }
 
 /// Numeric figures that are not the same in every run.
-fn figures<'a>(table: &'a Results, records: &[RunRecord]) -> Vec<Figure<'a>> {
+fn figures<'a>(table: &'a Table, records: &[RunRecord]) -> Vec<Figure<'a>> {
     const WORDS: [(&str, &str); 3] = [("mean_", "mean"), ("peak_", "peak"), ("rms_", "rms")];
     let mut list = Vec::new();
-    for (name, column) in &table.columns {
-        let Column::Number(values) = column else {
+    for column in &table.columns {
+        let name = &column.name;
+        let Values::Number(values) = &column.values else {
             continue;
         };
         let (label, unit) = if name == "efficiency" {
@@ -264,7 +265,7 @@ fn figures<'a>(table: &'a Results, records: &[RunRecord]) -> Vec<Figure<'a>> {
 }
 
 /// What was varied, and the engines where there are several, with every figure that is not the same in every run.
-fn grid(plan: &Plan, records: &[RunRecord], table: &Results) -> Grid {
+fn grid(plan: &Plan, records: &[RunRecord], table: &Table) -> Grid {
     let mut axes: Vec<GridAxis> = plan.sweep.axes.iter().map(axis).collect();
     let engines = &plan.sweep.engines;
     if engines.len() > 1 {
@@ -387,115 +388,44 @@ fn uncertainty(record: &RunRecord, column: &str, value: f64) -> Option<f64> {
 }
 
 /// The table of runs.
-fn runs(plan: &Plan, table: &Results) -> Vec<Block> {
-    let varied = plan.keys().count();
-    let keep = |name: &str| {
-        !["min_", "max_"]
-            .iter()
-            .any(|prefix| name.starts_with(prefix))
-            && name != "reason"
-    };
-    let columns: Vec<&(String, Column)> = table
-        .columns
-        .iter()
-        .filter(|(name, column)| {
-            let empty = (0..column.len()).all(|row| column.cell(row).is_empty());
-            keep(name) && !empty
+fn runs(plan: &Plan, table: &Table) -> Vec<Block> {
+    let all = table.len();
+    let reasons: Vec<String> = (0..all.min(MOST_ROWS))
+        .filter_map(|row| {
+            let reason = table.column("reason")?.values.words(row)?;
+            Some(format!("Run {}: {reason}", row + 1))
         })
         .collect();
-    // Key columns are the plan's own; figures are shaded from the column's least to its largest.
-    let figure = |name: &str| {
-        ["mean_", "peak_", "rms_"]
+    let mut shown = table.clone().rows(|row| row < MOST_ROWS);
+    shown.columns.retain(|column| {
+        let empty = |row| column.values.text(row).is_empty();
+        !(0..column.values.len()).all(empty)
+    });
+    // Figures are shaded from the column's least to its largest.
+    let varied = |name: &str| plan.keys().any(|key| key == name);
+    for column in &mut shown.columns {
+        let figure = ["mean_", "peak_", "rms_", "efficiency"]
             .iter()
-            .any(|prefix| name.starts_with(prefix))
-            || name.starts_with("efficiency")
-    };
-    let ends: Vec<Option<(f64, f64)>> = columns
-        .iter()
-        .map(|(name, column)| match column {
-            Column::Number(values) if figure(name) => {
-                let low = values
-                    .iter()
-                    .flatten()
-                    .copied()
-                    .fold(f64::INFINITY, f64::min);
-                let high = values
-                    .iter()
-                    .flatten()
-                    .copied()
-                    .fold(f64::NEG_INFINITY, f64::max);
-                (high > low).then_some((low, high))
-            }
-            _ => None,
-        })
-        .collect();
-    let cell = |k: usize, row: usize| {
-        let (name, column) = columns[k];
-        match column {
-            Column::Number(values) => match values[row] {
-                Some(value) => {
-                    let text = if k < 2 + varied {
-                        plan.runs[row].values[k - 2].1.to_string()
-                    } else {
-                        significant(value, 5)
-                    };
-                    let cell = Cell::number(text, value);
-                    match ends[k] {
-                        Some((low, high)) => cell.heated(0.6 * (value - low) / (high - low)),
-                        None => cell,
-                    }
-                }
-                None => Cell::text(""),
-            },
-            Column::Whole(values) => values[row].map_or_else(
-                || Cell::text(""),
-                |value| Cell::number(value.to_string(), value as f64),
-            ),
-            Column::Text(values) => {
-                let text = values[row].clone().unwrap_or_default();
-                let mark = if name == "status" && text != "finished" {
-                    Mark::Bad
-                } else {
-                    Mark::None
-                };
-                Cell::text(text).marked(mark)
-            }
+            .any(|prefix| column.name.starts_with(prefix));
+        let Values::Number(values) = &column.values else {
+            continue;
+        };
+        let there = || values.iter().flatten().copied();
+        let low = there().fold(f64::INFINITY, f64::min);
+        let high = there().fold(f64::NEG_INFINITY, f64::max);
+        if figure && high > low && !varied(&column.name) {
+            let shade = |value: &Option<f64>| value.map(|v| 0.6 * (v - low) / (high - low));
+            column.shades = values.iter().map(shade).collect();
         }
-    };
-    let rows = table.rows().min(MOST_ROWS);
+    }
     let mut blocks = Vec::new();
-    if rows < table.rows() {
+    if shown.len() < all {
         blocks.push(Block::Text(format!(
-            "The first {rows} of {} runs; results.csv has all.",
-            table.rows()
+            "The first {} of {all} runs; results.csv has all.",
+            shown.len()
         )));
     }
-    blocks.push(Block::Table(Table {
-        caption: "Every run: what was varied, how it ended, and its figures over the window"
-            .to_owned(),
-        columns: columns
-            .iter()
-            .map(|(name, column)| match column {
-                Column::Text(_) => Heading::text(name),
-                _ => Heading::number(name),
-            })
-            .collect(),
-        rows: (0..rows)
-            .map(|row| (0..columns.len()).map(|k| cell(k, row)).collect())
-            .collect(),
-    }));
-    let reasons: Vec<String> = match table.column("reason") {
-        Some(Column::Text(values)) => values
-            .iter()
-            .enumerate()
-            .take(MOST_ROWS)
-            .filter_map(|(row, reason)| {
-                let reason = reason.as_deref().filter(|reason| !reason.is_empty())?;
-                Some(format!("Run {}: {reason}", row + 1))
-            })
-            .collect(),
-        _ => Vec::new(),
-    };
+    blocks.push(Block::Data(shown));
     if !reasons.is_empty() {
         blocks.push(Block::Details {
             summary: "Remarks on runs: how they ended, and which figures to read with care"

@@ -1,7 +1,8 @@
 //! A sweep on a terminal.
 
+use pinwheel_courses::table::Table;
 use pinwheel_report::format::significant;
-use pinwheel_report::terminal::{BAD, Cell, TITLE, lines, styled};
+use pinwheel_report::terminal::{self, BAD, TITLE, pairs, styled};
 use pinwheel_studies::sweep::{self, Plan, RunRecord};
 
 use super::{simulated_s, tolerances};
@@ -12,22 +13,14 @@ const MOST_FIGURES: usize = 8;
 /// The runs that a sweep asks for.
 #[must_use]
 pub fn list(plan: &Plan) -> String {
-    let mut header = vec![Cell::figure("run"), Cell::text("engine")];
-    header.extend(plan.keys().map(Cell::figure));
-    let mut rows = vec![header];
-    for run in &plan.runs {
-        let mut row = vec![
-            Cell::figure(run.number.to_string()),
-            Cell::text(&run.engine),
-        ];
-        row.extend(
-            run.values
-                .iter()
-                .map(|(_, value)| Cell::figure(value.to_string())),
-        );
-        rows.push(row);
+    let mut table = Table::of("", &plan.runs)
+        .whole("", "run", |run| Some(run.number))
+        .text("", "engine", |run| &run.engine);
+    for (place, key) in plan.keys().enumerate() {
+        table = table.text("", key, |run| run.values[place].1.to_string());
     }
-    format!("{}\n{}", styled(TITLE, &plan.sweep.name), lines(&rows))
+    let table = terminal::table(&table.done());
+    format!("{}\n{table}", styled(TITLE, &plan.sweep.name))
 }
 
 /// How the runs ended and where the results are; `files`: pairs of a word and a place.
@@ -46,7 +39,7 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
         }
     }
     let cpu: f64 = records.iter().map(|record| record.cpu_s).sum();
-    let row = |label: &str, value: String| vec![Cell::text(label), Cell::text(value)];
+    let row = |label: &str, value: String| (label.to_owned(), value);
     let mut rows = vec![
         row("runs", runs.join(", ")),
         row("varied", plan.keys().collect::<Vec<_>>().join(", ")),
@@ -78,5 +71,5 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
         }
     }
     rows.extend(files.iter().map(|(word, place)| row(word, place.clone())));
-    format!("{}\n{}", styled(TITLE, &plan.sweep.name), lines(&rows))
+    format!("{}\n{}", styled(TITLE, &plan.sweep.name), pairs(rows))
 }

@@ -1,11 +1,10 @@
 //! What a sample says, on the page and on a terminal.
 
 use pinwheel_compare::quantities::label_and_unit;
+use pinwheel_courses::table::{Shown, Table, Values};
 use pinwheel_report::format::significant;
-use pinwheel_report::study::{
-    Axis, Block, Cell, Chart, Column as Heading, Section, Series, Table, Tone, Verdict,
-};
-use pinwheel_studies::sweep::{Column, Figure, Found, Limit, Plan, Quantile, Results, Yield};
+use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Tone, Verdict};
+use pinwheel_studies::sweep::{Figure, Found, Limit, Plan, Quantile, Yield};
 
 /// Figures that are shown at most; summary.json has all.
 const MOST_FIGURES: usize = 20;
@@ -101,7 +100,7 @@ pub(super) fn verdict(found: &[Found]) -> Option<Verdict> {
 }
 
 /// The section of a sample.
-pub(super) fn section(plan: &Plan, table: &Results, all: &[Found]) -> Section {
+pub(super) fn section(plan: &Plan, table: &Table, all: &[Found]) -> Section {
     let mut blocks = Vec::new();
     for found in all {
         if all.len() > 1 {
@@ -136,90 +135,57 @@ fn limits(limits: &[Limit], of: &Yield) -> Block {
         let most = limit.most.map(|x| format!("at most {x}"));
         least.into_iter().chain(most).collect::<Vec<_>>().join(", ")
     };
-    let rows = limits.iter().zip(&of.alone).map(|(limit, share)| {
-        vec![
-            Cell::text(named(&limit.figure)),
-            Cell::text(words(limit)),
-            Cell::number(format!("{:.1}", 100.0 * share), 100.0 * share),
-        ]
-    });
-    Block::Table(Table {
-        caption: yield_in_words(of),
-        columns: vec![
-            Heading::text("Figure"),
-            Heading::text("Limit"),
-            Heading::number("Runs that keep it (%)"),
-        ],
-        rows: rows.collect(),
-    })
+    let table = Table::of(yield_in_words(of), limits.iter().zip(&of.alone))
+        .text("", "Figure", |(limit, _)| named(&limit.figure))
+        .text("", "Limit", |(limit, _)| words(limit))
+        .number("", "Runs that keep it", |(_, share)| 100.0 * **share)
+        .unit("%")
+        .shown(Shown::Decimals(1));
+    Block::Data(table.done())
 }
 
 fn figures(plan: &Plan, found: &Found) -> [Block; 2] {
-    let quantile = |of: Option<&Quantile>| match of {
-        None => Cell::text(""),
-        Some(of) => {
-            let end = |end: Option<f64>| {
-                end.map_or_else(|| "open".to_owned(), |x| significant(x, DIGITS))
-            };
-            let [low, high] = of.interval.map(end);
-            let text = format!("{} ({low} to {high})", significant(of.value, DIGITS));
-            Cell::number(text, of.value)
-        }
+    let quantile = |of: Option<&Quantile>| {
+        let of = of?;
+        let end = |end: Option<f64>| end.map_or("open".to_owned(), |x| significant(x, DIGITS));
+        let [low, high] = of.interval.map(end);
+        Some(format!(
+            "{} ({low} to {high})",
+            significant(of.value, DIGITS)
+        ))
     };
+    let digits = Shown::Digits(DIGITS as u8);
     let shown = shown(plan, found);
-    let rows = shown.iter().map(|figure| {
-        let [low, middle, high] = between(figure);
-        vec![
-            Cell::text(named(&figure.name)),
-            Cell::number(significant(figure.mean, DIGITS), figure.mean),
-            Cell::number(significant(figure.deviation, DIGITS), figure.deviation),
-            quantile(low),
-            quantile(middle),
-            quantile(high),
-        ]
-    });
-    let spread = Block::Table(Table {
-        caption: format!("Figures over {} runs", found.runs),
-        columns: vec![
-            Heading::text("Figure"),
-            Heading::number("Mean"),
-            Heading::number("Deviation"),
-            Heading::number("5 % of runs below"),
-            Heading::number("Half below"),
-            Heading::number("95 % below"),
-        ],
-        rows: rows.collect(),
-    });
-    let share = |share: Option<f64>| {
-        share.map_or_else(
-            || Cell::text(""),
-            |x| Cell::number(format!("{:.0}", 100.0 * x), 100.0 * x),
-        )
-    };
-    let rows = shown.iter().map(|figure| {
-        vec![
-            Cell::text(named(&figure.name)),
-            Cell::text(decides(figure)),
-            share(figure.linear),
-        ]
-    });
-    let keys = Block::Table(Table {
-        caption: "What decides: shares of a figure's variance".to_owned(),
-        columns: vec![
-            Heading::text("Figure"),
-            Heading::text("Keys"),
-            Heading::number("By a straight line (%)"),
-        ],
-        rows: rows.collect(),
-    });
-    [spread, keys]
+    let mut spread = Table::of(format!("Figures over {} runs", found.runs), &shown)
+        .text("", "Figure", |figure| named(&figure.name))
+        .number("", "Mean", |figure| figure.mean)
+        .shown(digits)
+        .number("", "Deviation", |figure| figure.deviation)
+        .shown(digits);
+    for (k, label) in ["5 % of runs below", "Half below", "95 % below"]
+        .into_iter()
+        .enumerate()
+    {
+        spread = spread
+            .number("", label, |figure| between(figure)[k].map(|of| of.value))
+            .said(|figure| quantile(between(figure)[k]));
+    }
+    let keys = Table::of("What decides: shares of a figure's variance", &shown)
+        .text("", "Figure", |figure| named(&figure.name))
+        .text("", "Keys", |figure| decides(figure))
+        .number("", "By a straight line", |figure| {
+            figure.linear.map(|x| 100.0 * x)
+        })
+        .unit("%")
+        .shown(Shown::Decimals(0));
+    [Block::Data(spread.done()), Block::Data(keys.done())]
 }
 
 /// How the first figures are distributed, with their limits.
-fn charts(plan: &Plan, table: &Results, found: &Found) -> Vec<Chart> {
+fn charts(plan: &Plan, table: &Table, found: &Found) -> Vec<Chart> {
     let figures = shown(plan, found).into_iter().take(MOST_CHARTS);
     let chart = |figure: &Figure| {
-        let Some(Column::Number(values)) = table.column(&figure.name) else {
+        let Values::Number(values) = &table.column(&figure.name)?.values else {
             return None;
         };
         let mut sorted: Vec<f64> = values.iter().copied().flatten().collect();

@@ -26,6 +26,8 @@ pub use chart::{Axis, Chart, Series, Style};
 pub use grid::{Grid, GridAxis, GridFigure};
 
 use pinwheel_compare::{Comparison, Participant};
+pub use pinwheel_courses::table::Mark;
+use pinwheel_courses::table::Table as Data;
 
 use crate::ReportError;
 use crate::chart_data::ChartData;
@@ -135,6 +137,8 @@ pub enum Block {
     List(Vec<String>),
     /// A table that can be sorted.
     Table(Table),
+    /// A table that can be sorted, of columns with their type.
+    Data(Data),
     /// Charts, side by side where there is room.
     Charts(Vec<Chart>),
     /// Figures over parameters, with a choice of axes.
@@ -258,22 +262,6 @@ impl<T: Into<String>> From<T> for Cell {
     fn from(text: T) -> Self {
         Self::text(text)
     }
-}
-
-/// How a cell is marked. Never by colour alone: each mark has a sign.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Mark {
-    /// Not marked.
-    #[default]
-    None,
-    /// Holds.
-    Good,
-    /// Does not hold.
-    Bad,
-    /// Worth a look.
-    Warn,
-    /// Stands back.
-    Muted,
 }
 
 /// Fills in a study's page. The page depends on the study alone.

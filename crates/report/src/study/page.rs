@@ -7,6 +7,8 @@ use super::{Block, Cell, Chart, Courses, Grid, Mark, Study, Table, Tile, Tone, V
 use crate::ReportError;
 use crate::assets::{ASSETS, Assets};
 use crate::chart_data::json_for_script;
+use crate::table;
+use pinwheel_courses::table::{Column, Table as Data};
 
 /// The whole page.
 #[derive(Template)]
@@ -52,7 +54,9 @@ struct SectionHtml<'a> {
 #[derive(Template)]
 #[template(path = "study/table.html")]
 struct TableHtml<'a> {
-    table: &'a Table,
+    caption: &'a str,
+    /// Words, and whether figures stand in the column.
+    headings: Vec<(String, bool)>,
     rows: Vec<Vec<CellHtml>>,
 }
 
@@ -166,10 +170,16 @@ fn one<'a>(block: &'a Block, charts: &mut Vec<&'a Chart>) -> Result<String, Repo
             format!("<ul class=\"points\">{}</ul>", points.join(""))
         }
         Block::Table(table) => TableHtml {
-            table,
+            caption: &table.caption,
+            headings: table
+                .columns
+                .iter()
+                .map(|column| (column.label.clone(), column.numeric))
+                .collect(),
             rows: rows(table),
         }
         .render()?,
+        Block::Data(table) => data(table).render()?,
         Block::Charts(list) => {
             let first = charts.len();
             charts.extend(list);
@@ -226,6 +236,28 @@ fn rows(table: &Table) -> Vec<Vec<CellHtml>> {
                 .collect()
         })
         .collect()
+}
+
+fn data(table: &Data) -> TableHtml<'_> {
+    let columns = table::shown(table);
+    let cell_of = |column: &Column, row: usize| {
+        let said = Cell {
+            text: table::words(column, row),
+            mark: table::mark(column, row),
+            heat: column.shades.get(row).copied().flatten(),
+            key: column.values.number(row),
+        };
+        cell(&said, column.values.is_numeric())
+    };
+    let row = |row| columns.clone().map(|column| cell_of(column, row)).collect();
+    TableHtml {
+        caption: &table.caption,
+        headings: columns
+            .clone()
+            .map(|column| (table::heading(column), column.values.is_numeric()))
+            .collect(),
+        rows: (0..table.len()).map(row).collect(),
+    }
 }
 
 fn cell(cell: &Cell, numeric: bool) -> CellHtml {

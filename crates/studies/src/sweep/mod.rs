@@ -26,7 +26,7 @@ pub use file::{KeepCourses, Sweep};
 pub use journal::{Begin, Journal, Shard};
 pub use plan::{Guests, MOST_RUNS, Plan, PlannedRun};
 pub use record::RunRecord;
-pub use results::{Column, Results, costs, results};
+pub use results::{costs, results};
 pub use sample::{Distribution, Method, Sample};
 pub use specification::Limit;
 pub use spread::Spread;

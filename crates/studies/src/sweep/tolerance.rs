@@ -16,7 +16,10 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::{Beta, Binomial, ContinuousCDF, DiscreteCDF};
 
-use super::{Column, Limit, Plan, Results, Value};
+use pinwheel_courses::table::{Table, Values};
+
+use super::results::keeps;
+use super::{Limit, Plan, Value};
 
 /// Share of the cases in which an interval holds the truth.
 const CONFIDENCE: f64 = 0.95;
@@ -114,7 +117,7 @@ fn is_figure(name: &str, plan: &Plan) -> bool {
 
 /// What the sample of a sweep says; nothing without one. `table`: [its results](super::results).
 #[must_use]
-pub fn tolerances(plan: &Plan, table: &Results) -> Vec<Found> {
+pub fn tolerances(plan: &Plan, table: &Table) -> Vec<Found> {
     let Some(sample) = &plan.sweep.sample else {
         return Vec::new();
     };
@@ -135,8 +138,10 @@ pub fn tolerances(plan: &Plan, table: &Results) -> Vec<Found> {
             let numbers = table
                 .columns
                 .iter()
-                .filter_map(|(name, column)| match column {
-                    Column::Number(values) if is_figure(name, plan) => Some((name, values)),
+                .filter_map(|column| match &column.values {
+                    Values::Number(values) if is_figure(&column.name, plan) => {
+                        Some((&column.name, values))
+                    }
                     _ => None,
                 });
             let figures = numbers.filter_map(|(name, values)| {
@@ -157,10 +162,13 @@ pub fn tolerances(plan: &Plan, table: &Results) -> Vec<Found> {
     all
 }
 
-fn yielded(limits: &[Limit], table: &Results, rows: &[usize]) -> Yield {
+fn yielded(limits: &[Limit], table: &Table, rows: &[usize]) -> Yield {
     let runs = rows.len();
     let share = |kept: usize| kept as f64 / runs.max(1) as f64;
-    let kept = rows.iter().filter(|&&row| table.keeps(limits, row)).count();
+    let kept = rows
+        .iter()
+        .filter(|&&row| keeps(table, limits, row))
+        .count();
     let alone = limits.iter().map(|limit| {
         let held = |row: &&usize| limit.holds(table.number(&limit.figure, **row));
         share(rows.iter().filter(held).count())

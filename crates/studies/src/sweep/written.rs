@@ -2,12 +2,10 @@
 
 use std::path::Path;
 
+use pinwheel_courses::table::Table;
 use serde::Serialize;
-use serde_json::{Map, Value};
 
-use super::{
-    Column, Found, Journal, Limit, Plan, Results, RunRecord, SweepError, costs, tolerances,
-};
+use super::{Found, Journal, Limit, Plan, RunRecord, SweepError, costs, tolerances};
 use crate::output::{self, write_text, write_with};
 use crate::provenance::{Provenance, Summary};
 
@@ -21,7 +19,7 @@ struct Payload<'a> {
     engines: &'a [String],
     runs: usize,
     finished: usize,
-    rows: Vec<Map<String, Value>>,
+    rows: &'a Table,
     #[serde(skip_serializing_if = "<[Limit]>::is_empty")]
     specification: &'a [Limit],
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -37,7 +35,7 @@ pub fn write(
     dir: &Path,
     plan: &Plan,
     records: &[RunRecord],
-    table: &Results,
+    table: &Table,
     journal: &Journal,
     made: &Provenance,
 ) -> Result<(), SweepError> {
@@ -69,25 +67,9 @@ pub fn write(
             .iter()
             .filter(|record| record.ending.word() == "finished")
             .count(),
-        rows: rows(table),
+        rows: table,
         specification: &sweep.specification,
         sample: tolerances(plan, table),
     };
     Ok(Summary::new(made, found).write(dir)?)
-}
-
-fn rows(table: &Results) -> Vec<Map<String, Value>> {
-    let cell = |column: &Column, row: usize| match column {
-        Column::Number(values) => values[row].map(Value::from),
-        Column::Whole(values) => values[row].map(Value::from),
-        Column::Text(values) => values[row].clone().map(Value::from),
-    };
-    (0..table.rows())
-        .map(|row| {
-            let columns = table.columns.iter();
-            columns
-                .map(|(name, column)| (name.clone(), cell(column, row).unwrap_or(Value::Null)))
-                .collect()
-        })
-        .collect()
 }

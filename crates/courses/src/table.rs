@@ -1,0 +1,470 @@
+//! Tables: one definition from which files, pages and terminals are made.
+//!
+//! A column has a machine name, which files use, and a label, which people read. One without a name is left out of files,
+//! one without a label is not shown.
+//!
+//! ```
+//! use pinwheel_courses::table::{Mark, Shown, Table};
+//!
+//! let runs = [("native", Some(1.4529), 120), ("rapier", None, 60_000)];
+//! let table = Table::of("Driver torque", runs)
+//!     .text("engine", "Engine", |run| run.0)
+//!     .number("mean_input_torque_n_m", "Mean torque", |run| run.1)
+//!     .unit("N m")
+//!     .uncertain(|_| Some(0.003))
+//!     .marked(|run| Mark::bad(run.1.is_none()))
+//!     .whole("steps", "Steps", |run| Some(run.2))
+//!     .done();
+//!
+//! let mut csv = Vec::new();
+//! table.write_csv(&mut csv)?;
+//! assert_eq!(
+//!     String::from_utf8_lossy(&csv),
+//!     "engine,mean_input_torque_n_m,steps\nnative,1.4529,120\nrapier,,60000\n"
+//! );
+//! # Ok::<(), pinwheel_courses::CoursesError>(())
+//! ```
+
+use std::io::Write;
+
+use serde::{Serialize, Serializer};
+
+use crate::{Courses, CoursesError};
+
+/// Columns of the same length.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    /// What the table shows, in words.
+    pub caption: String,
+    /// Columns, left to right. For people the first names the row.
+    pub columns: Vec<Column>,
+}
+
+/// A column of a [`Table`]. Lists beside the values are as long as these, or empty where nothing is said.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Column {
+    /// Name in files, with the unit at its end; empty: not in files.
+    pub name: String,
+    /// Heading for people, without the unit; empty: not shown.
+    pub label: String,
+    /// Unit for people, e.g. `N m`; may be empty.
+    pub unit: String,
+    /// The values, of which each may be missing.
+    pub values: Values,
+    /// How far each value may be off, in the values' unit. No digit beyond it is shown.
+    pub uncertainty: Vec<Option<f64>>,
+    /// How numbers are shown to people.
+    pub shown: Shown,
+    /// What people read in place of the value.
+    pub said: Vec<Option<String>>,
+    /// How each cell is marked.
+    pub marks: Vec<Mark>,
+    /// Shade of each cell's ground from 0 (none) to 1 (full).
+    pub shades: Vec<Option<f64>>,
+}
+
+/// Values of one column.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Numbers.
+    Number(Vec<Option<f64>>),
+    /// Whole numbers.
+    Whole(Vec<Option<i64>>),
+    /// Words.
+    Text(Vec<Option<String>>),
+}
+
+impl Default for Values {
+    fn default() -> Self {
+        Self::Text(Vec::new())
+    }
+}
+
+/// How people see a number that has no uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shown {
+    /// So many significant digits.
+    Digits(u8),
+    /// So many decimals.
+    Decimals(u8),
+    /// A share of one: per cent with two digits, small ones as a power of ten.
+    Relative,
+    /// A share of one, in per cent with two decimals.
+    Percent,
+    /// A time in s, with a prefix.
+    Seconds,
+    /// A length in m, with a prefix.
+    Metres,
+    /// A setting with the digits it was written with.
+    Setting,
+}
+
+impl Default for Shown {
+    fn default() -> Self {
+        Self::Digits(5)
+    }
+}
+
+/// How a cell is marked. Never by colour alone: each mark has a sign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mark {
+    /// Not marked.
+    #[default]
+    None,
+    /// Holds.
+    Good,
+    /// Does not hold.
+    Bad,
+    /// Worth a look.
+    Warn,
+    /// Stands back.
+    Muted,
+}
+
+impl Mark {
+    /// [`Mark::Good`] or [`Mark::Bad`].
+    #[must_use]
+    pub fn of(good: bool) -> Self {
+        if good { Self::Good } else { Self::Bad }
+    }
+
+    /// [`Mark::Bad`] or no mark.
+    #[must_use]
+    pub fn bad(bad: bool) -> Self {
+        if bad { Self::Bad } else { Self::None }
+    }
+
+    /// [`Mark::Warn`] or no mark.
+    #[must_use]
+    pub fn warn(warn: bool) -> Self {
+        if warn { Self::Warn } else { Self::None }
+    }
+}
+
+/// A table in the making: each call of [`text`](Self::text), [`number`](Self::number) or [`whole`](Self::whole) adds a
+/// column, the others say more of the last one.
+#[derive(Debug)]
+pub struct TableOf<R> {
+    rows: Vec<R>,
+    table: Table,
+}
+
+impl Table {
+    /// A table of a row for each of `rows`.
+    pub fn of<R>(caption: impl Into<String>, rows: impl IntoIterator<Item = R>) -> TableOf<R> {
+        TableOf {
+            rows: rows.into_iter().collect(),
+            table: Self {
+                caption: caption.into(),
+                columns: Vec::new(),
+            },
+        }
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.columns.first().map_or(0, |column| column.values.len())
+    }
+
+    /// True without rows.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The column that files call `name`.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|column| column.name == name)
+    }
+
+    /// The number in a row of the column `name`.
+    #[must_use]
+    pub fn number(&self, name: &str, row: usize) -> Option<f64> {
+        self.column(name)?.values.number(row)
+    }
+
+    /// The rows that `keep` wants, by their number.
+    #[must_use]
+    pub fn rows(mut self, keep: impl Fn(usize) -> bool) -> Self {
+        fn pick<T: Clone>(list: &mut Vec<T>, keep: &impl Fn(usize) -> bool) {
+            let mut row = 0..;
+            list.retain(|_| row.next().is_some_and(keep));
+        }
+        for column in &mut self.columns {
+            match &mut column.values {
+                Values::Number(values) => pick(values, &keep),
+                Values::Whole(values) => pick(values, &keep),
+                Values::Text(values) => pick(values, &keep),
+            }
+            pick(&mut column.uncertainty, &keep);
+            pick(&mut column.said, &keep);
+            pick(&mut column.marks, &keep);
+            pick(&mut column.shades, &keep);
+        }
+        self
+    }
+
+    /// The columns `names`, in that order; those that are not there are left out.
+    #[must_use]
+    pub fn only(&self, names: &[&str]) -> Self {
+        let columns = names.iter().filter_map(|name| self.column(name).cloned());
+        Self {
+            caption: self.caption.clone(),
+            columns: columns.collect(),
+        }
+    }
+
+    /// Columns that files hold.
+    pub(crate) fn named(&self) -> impl Iterator<Item = &Column> {
+        self.columns.iter().filter(|column| !column.name.is_empty())
+    }
+
+    /// Writes CSV: a header row, `.` decimals, numbers so that they read back bit for bit, empty cells where there is no
+    /// value.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn write_csv(&self, sink: impl Write) -> Result<(), CoursesError> {
+        let mut writer = csv::Writer::from_writer(sink);
+        writer.write_record(self.named().map(|column| &column.name))?;
+        for row in 0..self.len() {
+            writer.write_record(self.named().map(|column| column.values.text(row)))?;
+        }
+        writer.flush().map_err(csv::Error::from)?;
+        Ok(())
+    }
+}
+
+impl Values {
+    /// Number of values.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Number(values) => values.len(),
+            Self::Whole(values) => values.len(),
+            Self::Text(values) => values.len(),
+        }
+    }
+
+    /// True without any.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The number of a row; none of words.
+    #[must_use]
+    pub fn number(&self, row: usize) -> Option<f64> {
+        match self {
+            Self::Number(values) => values.get(row).copied().flatten(),
+            Self::Whole(values) => values.get(row).copied().flatten().map(|value| value as f64),
+            Self::Text(_) => None,
+        }
+    }
+
+    /// The words of a row; none of numbers.
+    #[must_use]
+    pub fn words(&self, row: usize) -> Option<&str> {
+        match self {
+            Self::Text(values) => values.get(row)?.as_deref(),
+            _ => None,
+        }
+    }
+
+    /// The value of a row with every digit; empty where there is none.
+    #[must_use]
+    pub fn text(&self, row: usize) -> String {
+        let text = match self {
+            Self::Number(values) => values.get(row).copied().flatten().map(|x| x.to_string()),
+            Self::Whole(values) => values.get(row).copied().flatten().map(|x| x.to_string()),
+            Self::Text(values) => values.get(row).cloned().flatten(),
+        };
+        text.unwrap_or_default()
+    }
+
+    /// Whether numbers stand in it.
+    #[must_use]
+    pub fn is_numeric(&self) -> bool {
+        !matches!(self, Self::Text(_))
+    }
+}
+
+impl<R> TableOf<R> {
+    /// A column of words; empty ones are missing.
+    #[must_use]
+    pub fn text<W: Into<String>>(self, name: &str, label: &str, of: impl Fn(&R) -> W) -> Self {
+        let words = |row| Some(of(row).into()).filter(|words: &String| !words.is_empty());
+        let values = self.rows.iter().map(words).collect();
+        self.column(name, label, Values::Text(values))
+    }
+
+    /// A column of numbers; what is not finite is missing.
+    #[must_use]
+    pub fn number<V: Into<Option<f64>>>(
+        self,
+        name: &str,
+        label: &str,
+        of: impl Fn(&R) -> V,
+    ) -> Self {
+        let number = |row| of(row).into().filter(|value: &f64| value.is_finite());
+        let values = self.rows.iter().map(number).collect();
+        self.column(name, label, Values::Number(values))
+    }
+
+    /// A column of whole numbers.
+    #[must_use]
+    pub fn whole<V: TryInto<i64>>(
+        self,
+        name: &str,
+        label: &str,
+        of: impl Fn(&R) -> Option<V>,
+    ) -> Self {
+        let whole = |row| of(row).and_then(|value| value.try_into().ok());
+        let values = self.rows.iter().map(whole).collect();
+        self.column(name, label, Values::Whole(values))
+    }
+
+    /// A column of values that are there.
+    #[must_use]
+    pub fn column(mut self, name: &str, label: &str, values: Values) -> Self {
+        self.table.columns.push(Column {
+            name: name.to_owned(),
+            label: label.to_owned(),
+            values,
+            ..Column::default()
+        });
+        self
+    }
+
+    /// The last column's unit for people.
+    #[must_use]
+    pub fn unit(self, unit: &str) -> Self {
+        self.last(|_, column| unit.clone_into(&mut column.unit))
+    }
+
+    /// How numbers of the last column are shown.
+    #[must_use]
+    pub fn shown(self, shown: Shown) -> Self {
+        self.last(|_, column| column.shown = shown)
+    }
+
+    /// How far values of the last column may be off.
+    #[must_use]
+    pub fn uncertain(self, of: impl Fn(&R) -> Option<f64>) -> Self {
+        self.last(|rows, column| column.uncertainty = rows.iter().map(of).collect())
+    }
+
+    /// What people read in place of a value of the last column; `None`: the value.
+    #[must_use]
+    pub fn said<W: Into<Option<String>>>(self, of: impl Fn(&R) -> W) -> Self {
+        self.last(|rows, column| column.said = rows.iter().map(|row| of(row).into()).collect())
+    }
+
+    /// How cells of the last column are marked.
+    #[must_use]
+    pub fn marked(self, of: impl Fn(&R) -> Mark) -> Self {
+        self.last(|rows, column| column.marks = rows.iter().map(of).collect())
+    }
+
+    /// How the grounds of cells of the last column are shaded, from 0 to 1.
+    #[must_use]
+    pub fn shaded(self, of: impl Fn(&R) -> Option<f64>) -> Self {
+        self.last(|rows, column| column.shades = rows.iter().map(of).collect())
+    }
+
+    fn last(mut self, change: impl FnOnce(&[R], &mut Column)) -> Self {
+        if let Some(column) = self.table.columns.last_mut() {
+            change(&self.rows, column);
+        }
+        self
+    }
+
+    /// The columns that there are.
+    #[must_use]
+    pub fn so_far(&self) -> &Table {
+        &self.table
+    }
+
+    /// The table.
+    #[must_use]
+    pub fn done(self) -> Table {
+        self.table
+    }
+}
+
+/// `time_s` and all channels.
+impl From<&Courses> for Table {
+    fn from(courses: &Courses) -> Self {
+        let column = |name: &str, values: &[f64]| Column {
+            name: name.to_owned(),
+            values: Values::Number(values.iter().copied().map(Some).collect()),
+            ..Column::default()
+        };
+        let channels = courses.channels().iter();
+        let channels = channels.map(|channel| column(&channel.name, &channel.values));
+        Self {
+            caption: String::new(),
+            columns: std::iter::once(column("time_s", courses.time_s()))
+                .chain(channels)
+                .collect(),
+        }
+    }
+}
+
+/// A list of rows: of each the values by their columns' names, null where there is none.
+impl Serialize for Table {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq((0..self.len()).map(|row| Row { table: self, row }))
+    }
+}
+
+struct Row<'a> {
+    table: &'a Table,
+    row: usize,
+}
+
+impl Serialize for Row<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let cell = |column: &'_ Column| match &column.values {
+            Values::Number(values) => Cell::Number(values.get(self.row).copied().flatten()),
+            Values::Whole(values) => Cell::Whole(values.get(self.row).copied().flatten()),
+            Values::Text(_) => Cell::Text(column.values.words(self.row).map(str::to_owned)),
+        };
+        serializer.collect_map(
+            self.table
+                .named()
+                .map(|column| (&column.name, cell(column))),
+        )
+    }
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Cell {
+    Number(Option<f64>),
+    Whole(Option<i64>),
+    Text(Option<String>),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_without_a_name_are_in_no_file() {
+        let table = Table::of("", [1.0, f64::NAN])
+            .number("a_m", "", |x| *x)
+            .text("", "words", |x| x.to_string())
+            .whole("k", "", |x| (*x == 1.0).then_some(u64::MAX))
+            .done();
+        let mut csv = Vec::new();
+        table.write_csv(&mut csv).unwrap();
+        assert_eq!(csv, b"a_m,k\n1,\n,\n");
+        assert_eq!(table.number("a_m", 0), Some(1.0));
+        let second = table.clone().rows(|row| row == 1);
+        assert_eq!((second.len(), second.number("a_m", 0)), (1, None));
+        assert_eq!(table.only(&["k", "z"]).columns.len(), 1);
+    }
+}

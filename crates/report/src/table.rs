@@ -1,0 +1,69 @@
+//! What people see of a [`Table`]: headings and cells in words, for pages and terminals alike.
+
+use pinwheel_courses::table::{Column, Mark, Shown, Table, Values};
+
+use crate::format;
+
+/// A column's heading with its unit.
+#[must_use]
+pub fn heading(column: &Column) -> String {
+    match column.unit.as_str() {
+        "" => column.label.clone(),
+        unit => format!("{} ({unit})", column.label),
+    }
+}
+
+/// A cell in words: what is said in place of the value, or the value with no digit beyond its uncertainty.
+#[must_use]
+pub fn words(column: &Column, row: usize) -> String {
+    if let Some(said) = column.said.get(row).cloned().flatten() {
+        return said;
+    }
+    match &column.values {
+        Values::Text(_) => column.values.words(row).unwrap_or_default().to_owned(),
+        Values::Whole(_) => column.values.text(row),
+        Values::Number(_) => column.values.number(row).map_or_else(
+            || format::NONE.to_owned(),
+            |value| {
+                number(
+                    value,
+                    column.uncertainty.get(row).copied().flatten(),
+                    column.shown,
+                )
+            },
+        ),
+    }
+}
+
+/// A number as people read it, with how far it may be off.
+#[must_use]
+pub fn number(value: f64, uncertainty: Option<f64>, shown: Shown) -> String {
+    if let (Some(u), Shown::Digits(_) | Shown::Decimals(_) | Shown::Percent) = (uncertainty, shown)
+    {
+        let factor = if shown == Shown::Percent { 100.0 } else { 1.0 };
+        let (value, bound) = format::bounded(factor * value, Some(factor * u), 0.0);
+        return format!("{value} {bound}").trim_end().to_owned();
+    }
+    match shown {
+        Shown::Digits(digits) => format::significant(value, usize::from(digits)),
+        Shown::Decimals(decimals) => format::minus(&format!("{value:.*}", usize::from(decimals))),
+        Shown::Relative => format::relative(value),
+        Shown::Percent => format::minus(&format!("{:.2}", 100.0 * value)),
+        Shown::Seconds => format::seconds(value),
+        Shown::Metres => format::metres(value),
+        Shown::Setting => format::plain(value),
+    }
+}
+
+/// Columns that people see.
+pub(crate) fn shown(table: &Table) -> impl Iterator<Item = &Column> + Clone {
+    table
+        .columns
+        .iter()
+        .filter(|column| !column.label.is_empty())
+}
+
+/// How a cell is marked.
+pub(crate) fn mark(column: &Column, row: usize) -> Mark {
+    column.marks.get(row).copied().unwrap_or_default()
+}
