@@ -59,7 +59,7 @@ fn judge(scene: &Scene) -> Outcome {
     }
     let by = uncertainty.chosen().map_or("", |rung| &rung.integrator);
     let [first, second] = reference::settings(scene, by);
-    let off = |truth: &Courses| Distance::between(&gearbox, &run.courses, truth);
+    let off = |truth: &Courses| gearbox.distance(&run.courses, truth);
     let truth = reference::run(scene, first);
     if let Some(truth) = &truth
         && off(truth).worst() <= PROMISE
@@ -69,7 +69,7 @@ fn judge(scene: &Scene) -> Outcome {
     // Either may be wrong: the second reference tells, if it is one itself.
     match (truth, reference::run(scene, second)) {
         (Some(first), Some(second)) => {
-            let apart = Distance::between(&gearbox, &first, &second).worst();
+            let apart = gearbox.distance(&first, &second).worst();
             let error = off(&second);
             if apart <= PROMISE || error.worst() <= PROMISE {
                 Outcome::Judged(uncertainty, error)

@@ -10,11 +10,11 @@ use serde::Serialize;
 use crate::metrics::{Metric, PairMetrics};
 use crate::participant::{Context, Cost, Status, Track};
 use crate::quantities::Quantity;
-use crate::statistics::Statistics;
 use crate::uncertainty::{Evidence, Method, QuantityUncertainty, Source};
 use crate::validation::Budget;
 use crate::verdict::{Check, Counts, Outcome, Verdict};
 use crate::windows::{AbsentWindow, Window, WindowKind};
+use pinwheel_courses::norms::Statistics;
 
 /// Everything that was compared, and how it turned out.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -6,6 +6,7 @@
 use std::borrow::Cow;
 
 use pinwheel_courses::Courses;
+use pinwheel_courses::norms::rows_at;
 
 use crate::CompareError;
 use crate::participant::Participant;
@@ -44,22 +45,7 @@ pub(crate) fn common<'a>(
 
 /// Rows of `whole` at the times of `part`; `None` if one is missing.
 fn rows_of(part: &Courses, whole: &Courses) -> Option<Vec<usize>> {
-    let times = whole.time_s();
-    part.time_s()
-        .iter()
-        .map(|&time| {
-            let after = times.partition_point(|&t| t < time);
-            let near = |row: usize| {
-                let t = times.get(row)?;
-                let spacing = match row.checked_sub(1).and_then(|before| times.get(before)) {
-                    Some(before) => t - before,
-                    None => times.get(1)? - t,
-                };
-                ((t - time).abs() <= SLACK * spacing).then_some(row)
-            };
-            near(after).or_else(|| near(after.checked_sub(1)?))
-        })
-        .collect()
+    rows_at(part.time_s(), whole.time_s()).collect()
 }
 
 /// Checks that two runs have the same sample times.

@@ -89,7 +89,6 @@ mod participant;
 pub mod quantities;
 mod rules;
 pub mod sprague_geers;
-pub mod statistics;
 mod summary;
 pub mod uncertainty;
 pub mod validation;

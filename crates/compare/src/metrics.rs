@@ -9,8 +9,8 @@
 use serde::{Serialize, Serializer};
 
 use crate::sprague_geers::{self, SpragueGeers};
-use crate::statistics::{self, View};
 use crate::uncertainty::Norm;
+use pinwheel_courses::norms::{self, View};
 
 /// What is held against a limit or an uncertainty. All are relative, free of direction and never negative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -229,7 +229,7 @@ impl PairMetrics {
     ///
     /// ```
     /// use pinwheel_compare::metrics::PairMetrics;
-    /// use pinwheel_compare::statistics::View;
+    /// use pinwheel_courses::norms::View;
     ///
     /// let (a, b) = ([1.0, 2.0, 3.0], [1.0, 2.0, 3.03]);
     /// let (a, b) = (View::new(vec![&a[..]]), View::new(vec![&b[..]]));
@@ -249,8 +249,8 @@ impl PairMetrics {
         let peaks = a.peak().zip(b.peak());
         let squares = a.rms().zip(b.rms());
         let differences = || a.values().zip(b.values()).map(|(a, b)| a - b);
-        let difference_max = statistics::peak(differences());
-        let difference_rms = difference_max.and_then(|peak| statistics::rms(differences(), peak));
+        let difference_max = norms::peak(differences());
+        let difference_rms = difference_max.and_then(|peak| norms::rms(differences(), peak));
         Some(Self {
             relative_l2: difference_rms
                 .zip(squares)

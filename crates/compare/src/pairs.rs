@@ -8,12 +8,12 @@ use crate::judge::{self, Judge, Sides, Uncertainties};
 use crate::metrics::{Metric, PairMetrics};
 use crate::participant::{Participant, Track};
 use crate::quantities::Quantity;
-use crate::statistics::View;
 use crate::summary::{covered, floor, shared, uncertainty};
 use crate::uncertainty::{Estimate, Extrapolated, QuantityUncertainty, Source};
 use crate::verdict::{self, Side, Verdict};
 use crate::windows::{FEWEST_SAMPLES, Window};
 use crate::{CompareError, grid};
+use pinwheel_courses::norms::View;
 
 pub(crate) fn pair(
     sides: Sides<'_>,
@@ -82,8 +82,8 @@ fn pair_entry(
             samples.len()
         ));
     }
-    let metrics = View::of(of_a, quantity, samples.clone())
-        .zip(View::of(of_b, quantity, samples.clone()))
+    let metrics = View::of(of_a, &quantity.channels, samples.clone())
+        .zip(View::of(of_b, &quantity.channels, samples.clone()))
         .zip(of_a.time_s().get(samples))
         .and_then(|((of_a, of_b), time_s)| PairMetrics::of(&of_a, &of_b, time_s));
     let Some(metrics) = metrics else {
@@ -150,7 +150,7 @@ fn extrapolated(
         match new {
             Some(new) => Some(new.channels.clone()),
             None => {
-                let view = View::of(&p.courses, quantity, samples.clone())?;
+                let view = View::of(&p.courses, &quantity.channels, samples.clone())?;
                 Some(view.channels().iter().map(|c| c.to_vec()).collect())
             }
         }

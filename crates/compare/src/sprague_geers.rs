@@ -9,7 +9,7 @@
 
 use serde::Serialize;
 
-use crate::statistics::View;
+use pinwheel_courses::norms::View;
 
 /// The three errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use pinwheel_courses::{Courses, efficiency as ratio};
+use pinwheel_courses::norms::{Statistics, View};
+use pinwheel_courses::{Courses, efficiency as ratio, mean_powers};
 
 use crate::comparison::{EngineEntry, EngineSummary, Figures, LadderSummary};
 use crate::judge::Judge;
 use crate::model;
 use crate::participant::{Context, Participant, Track};
-use crate::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, Quantity};
-use crate::statistics::{Statistics, View};
+use crate::quantities::{OUTPUT_TORQUE, Quantity};
 use crate::uncertainty::{
     Estimate, Evidence, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved,
     rounding_floor,
@@ -72,7 +72,7 @@ pub(crate) fn uncertainty(
                 })
             }),
         Source::Exact(share) => {
-            let statistics = View::of(&participant.courses, quantity, samples)
+            let statistics = View::of(&participant.courses, &quantity.channels, samples)
                 .and_then(|view| Statistics::of(&view));
             let of = |size: f64| Uncertainty::Resolved(Estimate::stated(share * size));
             let own = statistics?;
@@ -175,13 +175,13 @@ fn figures(
         .iter()
         .filter_map(|quantity| {
             let quantity = &shared(quantity, &[participant]);
-            let view = View::of(courses, quantity, samples.clone())?;
+            let view = View::of(courses, &quantity.channels, samples.clone())?;
             Some((quantity.name.clone(), Statistics::of(&view)?))
         })
         .collect();
     let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
     let (efficiency, efficiency_reason) =
-        match efficiency(participant, context, window, samples, &statistics, judge) {
+        match efficiency(participant, context, window, samples, judge) {
             Ok(efficiency) if efficiency > 1.0 && created.is_none() => {
                 (Some(efficiency), Some(ABOVE_ONE.to_owned()))
             }
@@ -210,22 +210,13 @@ fn efficiency(
     context: &Context,
     window: &Window,
     samples: Range<usize>,
-    statistics: &BTreeMap<String, Statistics>,
     judge: Judge<'_>,
 ) -> Result<f64, Option<&'static str>> {
     if window.kind == WindowKind::Transient {
         return Err(Some("a start-up stores and returns energy"));
     }
-    let courses = &participant.courses;
-    let mean = |name: &str| statistics.get(name).map(|s| s.mean).ok_or(None);
-    let (torque_in, torque_out) = (mean(INPUT_TORQUE)?, mean(OUTPUT_TORQUE)?);
     let speed_in = context.input_speed_rad_s.ok_or(None)?;
-    let ends = |values: &[f64]| {
-        let part = values.get(samples.clone())?;
-        Some(part.last()? - part.first()?)
-    };
-    let turned = courses.channel(OUTPUT_ANGLE).and_then(ends).ok_or(None)?;
-    let lasted = ends(courses.time_s()).ok_or(None)?;
+    let [power_in, power_out] = mean_powers(&participant.courses, samples, speed_in).ok_or(None)?;
     if speed_in == 0.0 {
         return Err(Some("the driver stands still"));
     }
@@ -235,7 +226,7 @@ fn efficiency(
     {
         return Err(Some("the scene has no load, so no power is delivered"));
     }
-    ratio(torque_in * speed_in, torque_out * turned / lasted).map_err(Some)
+    ratio(power_in, power_out).map_err(Some)
 }
 
 /// The quantity without channels that a measured participant lacks: a rig has force cells on three of

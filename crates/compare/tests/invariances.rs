@@ -5,8 +5,8 @@ mod common;
 use common::{context, courses, participant};
 use pinwheel_compare::limits::TABLE;
 use pinwheel_compare::metrics::PairMetrics;
-use pinwheel_compare::statistics::{Statistics, View};
 use pinwheel_compare::{Track, compare};
+use pinwheel_courses::norms::{Statistics, View};
 use proptest::prelude::*;
 
 /// Two groups of `channels` channels with `samples` values each.

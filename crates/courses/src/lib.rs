@@ -26,6 +26,7 @@ pub mod columns;
 mod csv_file;
 mod error;
 pub mod foreign;
+pub mod norms;
 #[cfg(feature = "parquet")]
 mod parquet_file;
 mod run;
@@ -35,5 +36,5 @@ pub mod table;
 pub use error::CoursesError;
 #[cfg(feature = "parquet")]
 pub use parquet_file::{ParquetFault, load_courses, read_courses, read_table, save_courses};
-pub use run::{Ending, EnergyAudit, RunStats, Track, efficiency};
+pub use run::{Ending, EnergyAudit, RunStats, Track, efficiency, mean_powers};
 pub use store::{Channel, Courses, group_of};

@@ -3,6 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::norms::View;
+use crate::{Courses, columns};
+
 /// Which comparison an engine belongs to. Tracks are never mixed in one table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -126,6 +129,26 @@ pub fn efficiency(power_in: f64, power_out: f64) -> Result<f64, &'static str> {
     } else {
         Err("the output's power does not come from the input in this window")
     }
+}
+
+/// Mean power at the input shaft and at the load over `samples`, W, of a run whose driver turns at `speed_rad_s`; `None` if a
+/// channel is missing.
+#[must_use]
+pub fn mean_powers(
+    courses: &Courses,
+    samples: std::ops::Range<usize>,
+    speed_rad_s: f64,
+) -> Option<[f64; 2]> {
+    let mean = |name: &str| View::of(courses, &[name], samples.clone())?.mean();
+    let change = |values: &[f64]| {
+        let part = values.get(samples.clone())?;
+        Some(part.last()? - part.first()?)
+    };
+    let turned = change(courses.channel(columns::OUTPUT_ANGLE)?)?;
+    Some([
+        mean(columns::INPUT_TORQUE)? * speed_rad_s,
+        mean(columns::OUTPUT_TORQUE)? * turned / change(courses.time_s())?,
+    ])
 }
 
 /// How a run ended.

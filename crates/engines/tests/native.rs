@@ -1,7 +1,7 @@
 //! What native-resolved promises holds, whatever step, method and tolerance the scene itself names.
 
 use pinwheel_engines::{Control, Engine, Native, Run};
-use pinwheel_gearbox::{Distance, Gearbox, native};
+use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_scene::{Override, Scene};
 
 fn gearbox(preset: &str, sets: &[&str]) -> Gearbox {
@@ -31,7 +31,7 @@ fn hard_native_resolved_keeps_its_promise_at_any_step_of_the_scene() {
             let known = run.uncertainty.as_ref().unwrap();
             assert_eq!(known.promise, promise, "{preset}");
             assert!(known.is_resolved(), "{preset}: {}", known.sentence());
-            let off = Distance::between(&gearbox, &run.courses, &exact).worst();
+            let off = gearbox.distance(&run.courses, &exact).worst();
             println!("{preset}, {step}: {off:.1e}, {}", known.sentence());
             assert!(off <= promise, "{preset}, {step}: {off:e}");
             run

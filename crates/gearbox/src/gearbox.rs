@@ -1,5 +1,7 @@
 //! A compiled scene: geometry, bodies, joints and contacts.
 
+use pinwheel_courses::Courses;
+use pinwheel_courses::norms::{Distance, Least};
 use pinwheel_mbs::{Body, BodyState, Driver, ErrorScales, Mechanism, Motion, Revolute};
 
 use crate::Layout;
@@ -117,6 +119,22 @@ impl Gearbox {
     pub fn least_force_n(&self) -> f64 {
         let radius = self.scene.gear.external_sleeve_radius_m;
         hertz(&self.scene.contact).of_radius(radius) * least_depth(&self.scene).powf(1.5)
+    }
+
+    /// The least force, and as torque that force on the eccentric.
+    #[must_use]
+    pub fn least_loads(&self) -> Least {
+        let force_n = self.least_force_n();
+        Least {
+            force_n,
+            torque_n_m: force_n * self.scene.gear.eccentricity_m,
+        }
+    }
+
+    /// How far `a` lies from the reference `b`, measured by what this gear calls small ([`Distance::between`]).
+    #[must_use]
+    pub fn distance(&self, a: &Courses, b: &Courses) -> Distance {
+        Distance::between(a, b, self.least_loads())
     }
 
     /// Input angle and rate at time `t`.

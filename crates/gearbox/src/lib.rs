@@ -29,7 +29,6 @@ pub mod channels;
 mod compile;
 pub mod contacts;
 pub mod cosimulation;
-mod distance;
 mod due;
 mod efficiency;
 pub mod energy;
@@ -49,11 +48,11 @@ pub mod statics;
 
 use pinwheel_scene::{self as scene, Layout, Sleeve, load_course};
 
-pub use distance::Distance;
 pub use efficiency::Efficiency;
 pub use error::GearboxError;
 pub use explain::{Explanation, Statement, explain};
 pub use frequencies::{Frequencies, friction_rate};
 pub use gearbox::Gearbox;
 pub use geometry::Geometry;
+pub use pinwheel_courses::norms::{Distance, Least};
 pub use recorder::Recorder;

@@ -157,7 +157,7 @@ impl Search<'_> {
                 Some(run) => {
                     let run = Rc::new(run);
                     let estimate = before.as_ref().map(|coarser| {
-                        let moved = Distance::between(self.gearbox, &coarser.courses, &run.courses);
+                        let moved = self.gearbox.distance(&coarser.courses, &run.courses);
                         (
                             moved,
                             ladder

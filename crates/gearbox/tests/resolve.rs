@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
+use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, PROMISE};
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
 use pinwheel_gearbox::resolve::{Budget, Uncertainty, Verdict, remedy, run_resolved};
-use pinwheel_gearbox::{Distance, Gearbox};
 use pinwheel_scene::{BodyMass, Override, Scene};
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
@@ -34,7 +34,7 @@ fn error(scene: &Scene, integrator: &str, tolerance: f64) -> (f64, Uncertainty) 
     let (run, uncertainty) = resolved(scene);
     let truth = named(scene, integrator, tolerance);
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-    let off = Distance::between(&gearbox, &run.courses, &truth.courses);
+    let off = gearbox.distance(&run.courses, &truth.courses);
     (off.worst(), uncertainty)
 }
 
@@ -174,7 +174,7 @@ fn regress_small_forces_are_judged_too() {
     let (coarse, fine) = (run(5e-5), run(5e-6));
     let peak = fine.group("external_sleeve_force_n").concat();
     assert!(peak.iter().all(|&force| force < 1.0), "below the old floor");
-    let off = Distance::between(&gearbox, &coarse, &fine).forces;
+    let off = gearbox.distance(&coarse, &fine).forces;
     assert!(off > 0.05, "{off}");
 }
 

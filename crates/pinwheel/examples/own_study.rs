@@ -4,7 +4,7 @@
 
 use std::error::Error;
 
-use pinwheel::compare::statistics::View;
+use pinwheel::courses::norms::View;
 use pinwheel::{CheckedScene, StudyError};
 
 /// Mean torques of driver and load over the second half, N m.

@@ -3,7 +3,7 @@
 
 use std::error::Error;
 
-use pinwheel::compare::statistics::{Statistics, View};
+use pinwheel::courses::norms::{Statistics, View};
 
 fn main() -> Result<(), Box<dyn Error>> {
     // A preset, or the path of a scene file, with keys set as on the command line.

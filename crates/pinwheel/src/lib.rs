@@ -9,7 +9,7 @@
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! use pinwheel::compare::statistics::{Statistics, View};
+//! use pinwheel::courses::norms::{Statistics, View};
 //!
 //! let paper = pinwheel::load("paper", &["solver.duration_s = 0.02"])?;
 //! let loose = paper.changed(|scene| scene.gear.backlash_m = 6e-4)?;

@@ -1,6 +1,7 @@
 //! Error against step of one scene: `errors SCENE "key=value;..." REF_INTEGRATOR REF_STEP INTEGRATOR STEP...`
 #![allow(clippy::print_stdout, reason = "a program that prints its table")]
 
+use pinwheel_courses::norms::{Distance, Least};
 use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_scene::{Override, Scene};
 
@@ -52,7 +53,7 @@ fn main() {
             continue;
         };
         let wall = clock.elapsed().as_secs_f64();
-        let d = pinwheel_studies::difference(&found.courses, &reference.courses);
+        let d = Distance::between(&found.courses, &reference.courses, Least::default());
         let h: f64 = step.parse().unwrap_or(f64::NAN);
         let order = last.map(|(h0, f, t)| {
             (

@@ -7,8 +7,10 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use pinwheel_compare::quantities::derive;
 use pinwheel_compare::uncertainty::order::{CONTACTS, ORDER_MARGIN};
 use pinwheel_contact::laws::LAWS;
+use pinwheel_courses::norms::{View, relative_l2};
 use pinwheel_courses::{Courses, columns};
 use pinwheel_engines::external::Solver;
 use pinwheel_engines::{Engine, EngineError, Knob, Native, Run, Track};
@@ -658,28 +660,26 @@ fn compile(scene: &CheckedScene) -> Result<Gearbox, StudyError> {
     control::compile(scene)
 }
 
-/// Relative L2 over driver torque and sleeve forces, the largest of them.
+/// Relative L2 of every quantity but the output's angle, the largest of them.
 fn distance(a: &Courses, b: &Courses) -> f64 {
-    let names = b.channels().iter().map(|channel| channel.name.as_str());
-    let counted = names.filter(|name| *name != columns::OUTPUT_ANGLE);
-    let group = |name: &str| {
-        let known = [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE];
-        let fit = known.iter().find(|group| name.starts_with(**group));
-        fit.map_or(name.to_owned(), |group| (*group).to_owned())
-    };
-    let mut sums: std::collections::BTreeMap<String, [f64; 2]> = std::collections::BTreeMap::new();
-    for name in counted {
-        let (Some(x), Some(y)) = (a.channel(name), b.channel(name)) else {
-            continue;
-        };
-        let sum = sums.entry(group(name)).or_default();
-        for (x, y) in x.iter().zip(y) {
-            sum[0] += (x - y) * (x - y);
-            sum[1] += (x * x).max(y * y);
+    let quantities = derive([a, b]);
+    let counted = quantities
+        .iter()
+        .filter(|quantity| quantity.channels != [columns::OUTPUT_ANGLE]);
+    let apart = counted.filter_map(|quantity| {
+        let whole = 0..a.len().min(b.len());
+        let a = View::of(a, &quantity.channels, whole.clone())?;
+        Some(relative_l2(
+            &a,
+            &View::of(b, &quantity.channels, whole)?,
+            0.0,
+        ))
+    });
+    apart.fold(0.0, |worst, share| {
+        if share.is_nan() {
+            share
+        } else {
+            f64::max(worst, share)
         }
-    }
-    let shares = sums
-        .values()
-        .map(|[off, size]| (off / size.max(f64::MIN_POSITIVE)).sqrt());
-    shares.fold(0.0, f64::max)
+    })
 }

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 use crate::control::{Ended, of_scene, run_compiled};
-use crate::measure::level;
+use pinwheel_courses::norms::Level;
 
 /// Share of the largest force that counts as visible.
 pub const VISIBLE: f64 = 1e-3;
@@ -119,7 +119,7 @@ pub fn horizon(
             }
         }
     }
-    let size = level(&both[0]).peak_force_n;
+    let size = Level::of(&both[0]).peak_force_n;
     if size < still.least_force_n() {
         found.refused = Some("there are no forces to speak of".to_owned());
         return Ok(found);

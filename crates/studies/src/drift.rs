@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 use crate::control::{Control, Ended};
-use crate::measure::{Difference, difference};
+use pinwheel_courses::norms::{Distance, Least};
 
 /// One way of keeping the joints together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -16,7 +16,7 @@ pub struct Drift {
     /// Largest joint error at any sample, m; `None` if the run failed.
     pub joint_m: Option<f64>,
     /// Forces and torque against the reduced form, which has no joints.
-    pub against_reduced: Option<Difference>,
+    pub against_reduced: Option<Distance>,
     /// Output angle at the end against the ideal ratio, rad, minus the reduced form's.
     pub phase_rad: Option<f64>,
     /// How the run failed.
@@ -54,7 +54,8 @@ pub fn measure(scene: &Scene, control: &Control<'_>) -> Result<Vec<Drift>, Study
         match control.run(&scene)? {
             Ended::Whole(run) => {
                 drift.joint_m = Some(run.joint_drift_m);
-                drift.against_reduced = Some(difference(&run.courses, &reduced));
+                drift.against_reduced =
+                    Some(Distance::between(&run.courses, &reduced, Least::default()));
                 drift.phase_rad = last_angle(&run.courses)
                     .zip(last_angle(&reduced))
                     .map(|(a, b)| a - b);

@@ -61,7 +61,6 @@ mod error;
 pub mod explained;
 pub mod folder;
 pub mod junit;
-mod measure;
 pub mod output;
 pub mod ownership;
 pub mod paper;
@@ -79,5 +78,5 @@ pub mod sweep;
 
 pub use control::{Control, Progress};
 pub use error::StudyError;
-pub use measure::{Difference, Level, difference, level};
+pub use pinwheel_courses::norms::{Distance, Level};
 pub use provenance::Provenance;

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 use crate::control::{Control, Ended, Progress};
-use crate::measure::{Difference, Level, difference, level};
+use pinwheel_courses::norms::{Distance, Least, Level};
 
 /// What is switched on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -98,7 +98,7 @@ pub struct Entry {
     /// What is switched on.
     pub switch: Switch,
     /// Against the converged run at the same damping, in the steady half of the run.
-    pub error: Option<Difference>,
+    pub error: Option<Distance>,
     /// Sizes in the steady half.
     pub level: Option<Level>,
     /// RMS of the driver torque's change from sample to sample, over its mean: roughness.
@@ -145,8 +145,8 @@ pub fn run(
             match ended {
                 Ended::Whole(run) => {
                     let courses = steady(&run.courses)?;
-                    entry.error = Some(difference(&courses, &reference));
-                    entry.level = Some(level(&courses));
+                    entry.error = Some(Distance::between(&courses, &reference, Least::default()));
+                    entry.level = Some(Level::of(&courses));
                     entry.roughness = Some(roughness(&courses));
                 }
                 Ended::Diverged {
@@ -254,7 +254,7 @@ pub fn limit(
         scene.solver.step_s = step;
         control.run_published(&scene)
     };
-    let base = level(
+    let base = Level::of(
         &control
             .complete(&switched(scene, 8.0, Switch::Converged))?
             .courses,
@@ -265,7 +265,7 @@ pub fn limit(
                 time_s, quantity, ..
             } => Some(format!("at t = {time_s:.5} s: {quantity}")),
             Ended::Whole(run) => {
-                let ratio = level(&run.courses).peak_force_n / base.peak_force_n;
+                let ratio = Level::of(&run.courses).peak_force_n / base.peak_force_n;
                 (!(ratio < 2.0)).then(|| format!("forces {ratio:.1} times as high"))
             }
         })

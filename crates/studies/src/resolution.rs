@@ -93,7 +93,7 @@ pub fn check(
     match again(0.5)? {
         (Ended::Whole(coarser), other, cost) => Ok(Resolution {
             other,
-            moved: Some(Distance::between(gearbox, &coarser.courses, courses)),
+            moved: Some(gearbox.distance(&coarser.courses, courses)),
             error: error(gearbox, (&coarser.courses, courses), from_s),
             most: MOST,
             failure: None,
@@ -108,7 +108,7 @@ pub fn check(
             let (fine, other, cost) = again(2.0)?;
             let (moved, error) = match fine {
                 Ended::Whole(finer) => (
-                    Some(Distance::between(gearbox, courses, &finer.courses)),
+                    Some(gearbox.distance(courses, &finer.courses)),
                     // Twice what the finer run has left.
                     error(gearbox, (courses, &finer.courses), from_s).map(|e| e.times(2.0)),
                 ),
@@ -140,7 +140,7 @@ fn error(
     });
     // Of two samples and less nothing is learnt.
     let enough = coarser.len().min(finer.len()) > 2;
-    let found = enough.then(|| Distance::between(gearbox, &coarser, &finer))?;
+    let found = enough.then(|| gearbox.distance(&coarser, &finer))?;
     let known = found.worst().is_finite();
     known.then(|| found.times(SAFETY).at_least(f64::EPSILON))
 }

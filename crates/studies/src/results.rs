@@ -1,7 +1,7 @@
 //! What one runs a scene for: driver's torque, peaks of the forces and efficiency after the start-up, each with how far it may be
 //! off where that is known.
 
-use pinwheel_compare::statistics::{Statistics, View};
+use pinwheel_courses::norms::{Statistics, View};
 use pinwheel_courses::{Courses, columns};
 use pinwheel_engines::Run;
 use pinwheel_gearbox::{Distance, Efficiency};

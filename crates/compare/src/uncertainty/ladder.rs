@@ -8,8 +8,8 @@ use super::order::{self, Basis, Estimate, Method, SAFETY_UNCONFIRMED, Step, Unre
 use super::{QuantityUncertainty, Uncertainty};
 use crate::grid;
 use crate::quantities::Quantity;
-use crate::statistics::{Statistics, View, peak, rms};
 use crate::windows::WindowKind;
+use pinwheel_courses::norms::{Statistics, View, peak, rms};
 
 /// The coarser runs beside a participant's own, which is the finest.
 #[derive(Debug, Clone, PartialEq)]
@@ -288,12 +288,12 @@ impl Ladder {
         quantity: &Quantity,
         samples: Range<usize>,
     ) -> Option<Vec<(f64, View<'a>)>> {
-        let mut views = vec![(1.0, View::of(finest, quantity, samples.clone())?)];
+        let mut views = vec![(1.0, View::of(finest, &quantity.channels, samples.clone())?)];
         for rung in self.rungs() {
             let courses = rung.run.as_ref().ok()?;
             views.push((
                 rung.refinement,
-                View::of(courses, quantity, samples.clone())?,
+                View::of(courses, &quantity.channels, samples.clone())?,
             ));
         }
         Some(views)

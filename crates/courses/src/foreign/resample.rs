@@ -10,6 +10,7 @@ use std::ops::Range;
 use super::error::ForeignError;
 use super::map::{Method, Resampling};
 use crate::Courses;
+use crate::norms::relative_l2;
 
 /// A time counts as the file's own within this share of its spacing: a rounding.
 const SAME: f64 = 1e-6;
@@ -158,18 +159,17 @@ fn restoring(time: &[f64], values: &[f64], method: Method) -> Option<f64> {
     if kept.len() < 4 {
         return None;
     }
-    let (mut error, mut square) = (0.0, 0.0);
-    for k in (1..time.len().saturating_sub(1)).step_by(2) {
-        let restored = between(&kept_time, &kept, k / 2, time[k], method);
-        error += (restored - values[k]).powi(2);
-        square += values[k].powi(2);
-    }
-    Some(if error == 0.0 {
-        0.0
-    } else {
-        (error / square).sqrt()
-    })
-    .filter(|value| value.is_finite())
+    let left_out = (1..time.len().saturating_sub(1)).step_by(2);
+    let (restored, own): (Vec<f64>, Vec<f64>) = left_out
+        .map(|k| {
+            (
+                between(&kept_time, &kept, k / 2, time[k], method),
+                values[k],
+            )
+        })
+        .unzip();
+    let error = relative_l2(&restored.as_slice().into(), &own.as_slice().into(), 0.0);
+    Some(error).filter(|value| value.is_finite())
 }
 
 /// Median of the spacings, s.
@@ -247,13 +247,9 @@ mod tests {
             )
             .unwrap();
             assert!(found.interpolated > 150);
-            let pairs = found.courses.channels()[0]
-                .values
-                .iter()
-                .zip(&exact.channels()[0].values);
-            let made = pairs.clone().map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-            let square = pairs.map(|(_, b)| b * b).sum::<f64>();
-            let (made, told) = ((made / square).sqrt(), found.restores.unwrap().0);
+            let [made, exact] = [&found.courses, &exact].map(|c| c.channels()[0].values.as_slice());
+            let made = relative_l2(&made.into(), &exact.into(), 0.0);
+            let told = found.restores.unwrap().0;
             assert!(made < told && told < most, "{method:?}: {made:e} {told:e}");
         }
     }

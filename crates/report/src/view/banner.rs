@@ -298,7 +298,7 @@ fn quantity_tile(
         .filter(|f| f.window == window)
         .filter_map(|f| f.quantities.get(&quantity.name))
         .collect();
-    let all = |of: fn(&pinwheel_compare::statistics::Statistics) -> f64| {
+    let all = |of: fn(&pinwheel_courses::norms::Statistics) -> f64| {
         statistics.iter().map(|s| of(s)).collect::<Vec<_>>()
     };
     let figure = |of| median(&all(of)).map(format::figure);

@@ -1,8 +1,8 @@
 //! Headline figures of every engine of a track, window by window.
 
 use pinwheel_compare::comparison::EngineSummary;
-use pinwheel_compare::statistics::Statistics;
 use pinwheel_compare::{Comparison, Quantity, Track, quantities};
+use pinwheel_courses::norms::Statistics;
 
 use super::banner::VISIBLE_SHARE;
 use super::window_label;

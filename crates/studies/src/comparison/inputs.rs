@@ -5,8 +5,8 @@
 //! hypercube (McKay, Beckman, Conover 1979), and what counts is the standard deviation of the series at every sample.
 
 use pinwheel_compare::quantities::derive;
-use pinwheel_compare::statistics::View;
 use pinwheel_courses::Courses;
+use pinwheel_courses::norms::View;
 use pinwheel_scene::CheckedScene;
 
 use crate::StudyError;
@@ -59,7 +59,7 @@ pub(super) fn uncertainty(
     let found = derive([&middle]).into_iter().filter_map(|quantity| {
         let whole = 0..middle.len();
         let view = |courses| {
-            let view = View::of(courses, &quantity, whole.clone())?;
+            let view = View::of(courses, &quantity.channels, whole.clone())?;
             Some(view.values().collect::<Vec<f64>>())
         };
         let size = square(&view(&middle)?);

@@ -17,7 +17,7 @@ pub use verdict::Failure;
 
 use crate::StudyError;
 use crate::control::{Control, Ended, Progress, run_on};
-use crate::measure::{Difference, Level, level};
+use pinwheel_courses::norms::{Distance, Level};
 
 /// A formulation with an integrator, or a solver from outside.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -122,7 +122,7 @@ pub struct Cell {
     pub method: Method,
     /// At the study's step or the method's tolerance; `None` if that run stopped, or if the converged forces
     /// are nothing but rounding (no load).
-    pub error: Option<Difference>,
+    pub error: Option<Distance>,
     /// How that run failed, if it did.
     pub failure: Option<Failure>,
     /// Sizes of its courses.
@@ -278,7 +278,7 @@ fn cell(
     cell.failure = judge.failure(&ended);
     if let Ended::Whole(run) = &ended {
         cell.error = judge.error(&run.courses);
-        cell.level = Some(level(&run.courses));
+        cell.level = Some(Level::of(&run.courses));
         cell.energy_remainder_share = run.energy.total().and_then(|audit| audit.remainder_share);
         cell.joint_drift_m = run.joint_drift_m;
         cell.evaluations = run.counts.evaluations;

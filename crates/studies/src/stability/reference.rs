@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 use crate::control::Control;
-use crate::measure::{Difference, Level, difference, level};
+use pinwheel_courses::norms::{Distance, Least, Level};
 
 /// How the converged run was made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -16,7 +16,7 @@ pub struct Reference {
     /// Step (s) or tolerance.
     pub setting: f64,
     /// Distance to the same run with twice the step, or ten times the tolerance: what its errors are worth.
-    pub own_error: Difference,
+    pub own_error: Distance,
     /// Sizes of its courses.
     pub level: Level,
 }
@@ -55,8 +55,8 @@ pub(super) fn run(
     let reference = Reference {
         integrator: integrator.to_owned(),
         setting: fine,
-        own_error: difference(&other.courses, &best.courses),
-        level: level(&best.courses),
+        own_error: Distance::between(&other.courses, &best.courses, Least::default()),
+        level: Level::of(&best.courses),
     };
     Ok((reference, best.courses))
 }

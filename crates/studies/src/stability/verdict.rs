@@ -5,7 +5,7 @@ use pinwheel_scene::Scales;
 use serde::{Deserialize, Serialize};
 
 use crate::control::Ended;
-use crate::measure::{Difference, Level, difference, level};
+use pinwheel_courses::norms::{Distance, Least, Level};
 
 /// How a run fails. A blow-up is loud by itself; what ends with wrong numbers looks like data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -107,9 +107,10 @@ pub(super) struct Judge<'a> {
 
 impl Judge<'_> {
     /// Against the reference; `None` where that has no forces to speak of.
-    pub(super) fn error(&self, courses: &Courses) -> Option<Difference> {
+    pub(super) fn error(&self, courses: &Courses) -> Option<Distance> {
         let floor = FORCE_SHARE * self.scales.external_force_n;
-        (self.level.peak_force_n > floor).then(|| difference(courses, self.reference))
+        (self.level.peak_force_n > floor)
+            .then(|| Distance::between(courses, self.reference, Least::default()))
     }
 
     /// `None`: the right picture.
@@ -130,7 +131,7 @@ impl Judge<'_> {
                 joint_m: run.joint_drift_m,
             });
         }
-        let found = level(&run.courses);
+        let found = Level::of(&run.courses);
         let floor = FORCE_SHARE * self.scales.external_force_n;
         let peak = self.level.peak_force_n.max(floor);
         let peak_ratio = found.peak_force_n / peak;

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use pinwheel_compare::quantities::{INPUT_TORQUE, OUTPUT_ANGLE, OUTPUT_TORQUE, derive};
-use pinwheel_compare::statistics::{Statistics, View};
-use pinwheel_courses::{Courses, Ending, efficiency};
+use pinwheel_compare::quantities::derive;
+use pinwheel_courses::norms::{Statistics, View};
+use pinwheel_courses::{Courses, Ending, efficiency, mean_powers};
 use pinwheel_engines::{Engine, Run};
 use serde::{Deserialize, Serialize};
 
@@ -134,10 +134,10 @@ impl RunRecord {
         let [from, to] = planned.window_s;
         let samples = run.courses.window(from, to);
         for quantity in derive([&run.courses]) {
-            let view = View::of(&run.courses, &quantity, samples.clone());
+            let view = View::of(&run.courses, &quantity.channels, samples.clone());
             if let Some(of) = view.as_ref().and_then(Statistics::of) {
                 let half = samples.start + samples.len() / 2;
-                let late = View::of(&run.courses, &quantity, half..samples.end);
+                let late = View::of(&run.courses, &quantity.channels, half..samples.end);
                 let late = late.as_ref().and_then(View::mean);
                 let spread = Spread {
                     drift: late.map_or(0.0, |late| (late - of.mean).abs()),
@@ -190,24 +190,11 @@ impl RunRecord {
 
     /// mean T_out * mean speed out / (mean T_in * speed in), or why that is no efficiency.
     fn efficiency_of(&self, planned: &PlannedRun, courses: &Courses) -> Result<f64, &'static str> {
-        let [power_in, power_out] = self
-            .powers(planned, courses)
+        let [from, to] = planned.window_s;
+        let speed = planned.scene.drive.input_speed_rad_s;
+        let [power_in, power_out] = mean_powers(courses, courses.window(from, to), speed)
             .ok_or("a torque or the output's angle is missing")?;
         efficiency(power_in, power_out)
-    }
-
-    /// Mean power in and out over the window, W; `None` if a channel is missing.
-    fn powers(&self, planned: &PlannedRun, courses: &Courses) -> Option<[f64; 2]> {
-        let [from, to] = planned.window_s;
-        let samples = courses.window(from, to);
-        let time = courses.time_s().get(samples.clone())?;
-        let angle = courses.channel(OUTPUT_ANGLE)?.get(samples)?;
-        let speed = (angle.last()? - angle.first()?) / (time.last()? - time.first()?);
-        let mean = |name: &str| self.figures.get(name).map(|spread| spread.mean);
-        Some([
-            mean(INPUT_TORQUE)? * planned.scene.drive.input_speed_rad_s,
-            mean(OUTPUT_TORQUE)? * speed,
-        ])
     }
 
     /// Why cells of its row are empty; nothing if none is.
