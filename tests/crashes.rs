@@ -86,6 +86,7 @@ const WRITERS: [Writer; 16] = [
         words: &[
             "stability",
             "mine.toml",
+            "one-wheel",
             "--quick",
             "--jobs",
             "1",

@@ -266,7 +266,7 @@ fn browser_shows_the_stability() {
         dir.path(),
         &["stability", "soft.toml", "stiff.toml", "--quick"],
     );
-    flawless(&mut browser, "stability", &page, 1, 0);
+    flawless(&mut browser, "stability", &page, 0, 0);
 }
 
 #[test]

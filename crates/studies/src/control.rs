@@ -11,7 +11,7 @@ use pinwheel_gearbox::energy::EnergyAccount;
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_mbs::integrators::StepCounts;
-use pinwheel_scene::{CheckedScene, Scene};
+use pinwheel_scene::Scene;
 
 use crate::StudyError;
 
@@ -224,13 +224,6 @@ impl Control<'_> {
     /// Runs a scene; a divergence is a result, not an error.
     pub(crate) fn run(&self, scene: &Scene) -> Result<Ended, StudyError> {
         run(scene, &mut |_| self.cancel.load(Ordering::Relaxed))
-    }
-
-    /// Runs a published model whose damping no sound scene has.
-    pub(crate) fn run_published(&self, scene: &Scene) -> Result<Ended, StudyError> {
-        let scene = CheckedScene::unchecked(scene.clone());
-        let gearbox = Gearbox::new(&scene).map_err(|source| of_scene(&scene, source))?;
-        run_compiled(&gearbox, &mut |_| self.cancel.load(Ordering::Relaxed))
     }
 
     /// Runs a scene that must reach its end.

@@ -37,13 +37,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`survey::Survey`] studies what the native solver does on scenes that are hard on integrators, on several threads, and
-//! goes on where it was stopped. Alone,
-//! [`stability::run`] gives the atlas of all hard scenes, formulations and integrators;
-//! [`divergence::horizon`] how long two runs that differ by a rounding stay together;
-//! [`drift::measure`] what long runs do to joints, phases and forces; [`published::run`] which of the
-//! published model's choices make it fail at high damping; [`resolution::check`] whether a run's step resolves its
-//! scene; [`bench::run`] what every engine's accuracy costs. All results serialise.
+//! [`stability::Atlas`] holds which formulation and integrator survives which hard scene; it is made on several threads and
+//! goes on where it was stopped. [`divergence::horizon`] gives how long two runs that differ by a rounding stay together,
+//! [`resolution::check`] whether a run's step resolves its scene. All results serialise.
 
 pub mod baseline;
 pub mod bench;
@@ -56,7 +52,6 @@ pub mod design;
 pub mod designs;
 pub mod dice;
 pub mod divergence;
-pub mod drift;
 mod error;
 pub mod explained;
 pub mod folder;
@@ -66,14 +61,12 @@ pub mod ownership;
 pub mod paper;
 mod pool;
 pub mod provenance;
-pub mod published;
 pub mod recording;
 pub mod resolution;
 pub mod results;
 mod sampling;
 pub mod single;
 pub mod stability;
-pub mod survey;
 pub mod sweep;
 
 pub use control::{Control, Progress};

@@ -2,12 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
+use pinwheel_courses::norms::{Distance, Least};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::design::ForceHarmonic;
-use pinwheel_studies::stability::{self, Failure, Options};
-use pinwheel_studies::survey::{Plan, Survey};
-use pinwheel_studies::{Control, StudyError, divergence, drift, published, resolution};
+use pinwheel_studies::stability::{Atlas, Failure, Options};
+use pinwheel_studies::{Control, StudyError, divergence, resolution};
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     let sets: Vec<Override> = sets.iter().map(|s| s.parse().unwrap()).collect();
@@ -24,8 +24,9 @@ fn atlas_of_steel() {
         ..Options::default()
     };
     options.methods.truncate(3);
-    let atlas = stability::run(&options, &Control::quiet()).unwrap();
-    let cells = &atlas.rows[0].cells;
+    let mut atlas = Atlas::new(options);
+    atlas.go_on(1, &Control::quiet()).unwrap();
+    let cells = &atlas.done().next().unwrap().cells;
     assert!(matches!(cells[0].failure, Some(Failure::BlowUp { .. })));
     let (heun, rk4) = (
         cells[0].largest_step_s.unwrap(),
@@ -48,30 +49,29 @@ fn hard_hopeless_runs_end_loudly() {
         ..Options::default()
     };
     options.methods.retain(|m| m.integrator == "dopri5");
-    let atlas = stability::run(&options, &Control::quiet()).unwrap();
-    let failure = atlas.rows[0].cells[0].failure.as_ref().unwrap();
-    let told = failure.sentence();
+    let mut atlas = Atlas::new(options);
+    atlas.go_on(1, &Control::quiet()).unwrap();
+    let cells = &atlas.done().next().unwrap().cells;
+    let message = cells[0].failure.as_ref().unwrap().sentence();
     assert!(
-        told.contains("too stiff") && told.contains("imex2"),
-        "{told}"
+        message.contains("too stiff") && message.contains("imex2"),
+        "{message}"
     );
 }
 
-/// A survey that was stopped goes on from the pieces it has, and gives what an undisturbed one gives.
+/// An atlas that was stopped goes on from the scenes it has, and gives what an undisturbed one gives.
 #[test]
-fn surveys_go_on_where_they_stopped() {
-    let mut plan = Plan::quick()
-        .of(&["paper".to_owned(), "eleven-pins".to_owned()])
-        .unwrap();
-    plan.atlas.longest_s = 0.002;
-    plan.atlas.methods.truncate(2);
-    plan.divergence_longest_s = 0.002;
-    let mut whole = Survey::new(plan.clone());
+fn an_atlas_goes_on_where_it_stopped() {
+    let scenes = ["paper", "eleven-pins", "one-wheel"].map(str::to_owned);
+    let mut options = Options::quick().of(&scenes).unwrap();
+    options.longest_s = 0.002;
+    options.methods.truncate(2);
+    let mut whole = Atlas::new(options.clone());
     whole.go_on(2, &Control::quiet()).unwrap();
-    assert_eq!(whole.done(), (4, 4));
+    assert_eq!(whole.done().count(), 3);
 
     let stop = AtomicBool::new(false);
-    let mut survey = Survey::new(plan);
+    let mut atlas = Atlas::new(options);
     let control = Control {
         cancel: &stop,
         progress: &|p| {
@@ -80,12 +80,12 @@ fn surveys_go_on_where_they_stopped() {
             }
         },
     };
-    let outcome = survey.go_on(1, &control);
-    assert!(matches!(outcome, Err(StudyError::Cancelled)));
-    assert_eq!(survey.done(), (2, 4));
-    let text = serde_json::to_string(&survey).unwrap();
-    let mut again: Survey = serde_json::from_str(&text).unwrap();
-    assert_eq!(again, survey);
+    let stopped = atlas.go_on(1, &control);
+    assert!(matches!(stopped, Err(StudyError::Cancelled)));
+    assert_eq!(atlas.done().count(), 2);
+    let text = serde_json::to_string(&atlas).unwrap();
+    let mut again: Atlas = serde_json::from_str(&text).unwrap();
+    assert_eq!(again, atlas);
     again.go_on(1, &Control::quiet()).unwrap();
     assert_eq!(again, whole);
 }
@@ -151,8 +151,8 @@ fn studies_stop_when_asked() {
         cancel: &now,
         progress: &|_| {},
     };
-    let outcome = stability::run(&Options::default(), &control);
-    assert!(matches!(outcome, Err(StudyError::Cancelled)));
+    let stopped = Atlas::new(Options::default()).go_on(1, &control);
+    assert!(matches!(stopped, Err(StudyError::Cancelled)));
 }
 
 /// The paper's gear is not chaotic: a rounding stays a rounding.
@@ -181,34 +181,25 @@ fn regress_horizons_do_not_depend_on_the_size() {
 
 /// The joints of the Lagrange form: rounding with projection, 1e-9 m and more without.
 #[test]
-fn drift_is_measured() {
-    let scene = scene("paper", &["solver.duration_s=0.05"]);
-    let found = drift::measure(&scene, &Control::quiet()).unwrap();
-    let joint = |k: usize| found[k].joint_m.unwrap();
-    assert!(
-        joint(0) > 1e-10 && joint(1) < joint(0) && joint(2) < 1e-15,
-        "{found:?}"
-    );
-    assert!(found[2].against_reduced.unwrap().forces < 1e-9);
-}
-
-/// At C = 8 nothing of the published model but its points changes much; points are tens of per cent off.
-#[test]
-fn published_choices_one_at_a_time() {
-    let scene = scene("paper", &["solver.duration_s=0.02"]);
-    let entries = published::run(&scene, &[8.0], &Control::quiet()).unwrap();
-    let error = |switch| {
-        let entry = entries.iter().find(|e| e.switch == switch).unwrap();
-        entry.error.unwrap().forces
+fn joints_drift_unless_they_are_kept() {
+    let run = |form: &str, kept: &str| {
+        let sets = [
+            "solver.duration_s=0.05".to_owned(),
+            format!("solver.formulation={form}"),
+            format!("solver.stabilisation={kept}"),
+        ];
+        let scene = scene("paper", &sets.each_ref().map(String::as_str));
+        let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+        pinwheel_gearbox::native::run(&gearbox, &mut |_| false).unwrap()
     };
-    assert_eq!(error(published::Switch::Converged), 0.0);
-    assert!(error(published::Switch::Points) > 0.03);
-    for small in [
-        published::Switch::Unclamped,
-        published::Switch::PrintedVelocity,
-    ] {
-        assert!(error(small) < 0.01, "{small:?}: {}", error(small));
-    }
+    let reduced = run("reduced", "projection");
+    let kept = ["none", "baumgarte", "projection"].map(|kept| run("lagrange", kept));
+    let joint = kept.each_ref().map(|run| run.joint_drift_m);
+    assert!(
+        joint[0] > 1e-10 && joint[1] < joint[0] && joint[2] < 1e-15,
+        "{joint:?}"
+    );
+    assert!(Distance::between(&kept[2].courses, &reduced.courses, Least::default()).forces < 1e-9);
 }
 
 /// What `design` says of a modified profile: an equidistant modification dq leaves the wheel of a rigid gear 2 dq/(e zs) of play

@@ -8,7 +8,7 @@ use super::OutArgs;
 #[derive(Debug, Args)]
 #[command(after_help = include_str!("../../help/stability.txt").trim_ascii_end())]
 pub(crate) struct StabilityArgs {
-    /// Scene files or presets [default: every hard-* preset, the long run, and the published model above C = 8].
+    /// Scene files or presets [default: every hard-* preset].
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
     #[command(flatten)]
@@ -16,7 +16,7 @@ pub(crate) struct StabilityArgs {
     /// Shorter runs.
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Pieces worked on at a time [default: as many as there are cores].
+    /// Scenes worked on at a time [default: as many as there are cores].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
     /// Go on with the stopped study in the output folder.

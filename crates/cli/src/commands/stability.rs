@@ -2,8 +2,7 @@
 
 use pinwheel::pages;
 use pinwheel::scene::Scene;
-use pinwheel::studies::stability::Method;
-use pinwheel::studies::survey::{Plan, Survey, judged};
+use pinwheel::studies::stability::{Atlas, Method, Options, SERVED};
 use pinwheel::studies::{Provenance, StudyError};
 
 use crate::args::{self, StabilityArgs, quoted};
@@ -13,59 +12,57 @@ use crate::progress::watched;
 use crate::{interrupt, screen};
 
 pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
-    let plan = if args.quick {
-        Plan::quick()
-    } else {
-        Plan::full()
+    let options = match args.quick {
+        true => Options::quick(),
+        false => Options::default(),
     };
-    let mut plan = plan.of(&args.scenes)?;
+    let mut options = options.of(&args.scenes)?;
     for solver in args.solvers.join()? {
-        plan.atlas
-            .methods
-            .push(Method::of_solver(&solver, &Scene::paper()));
+        let method = Method::of_solver(&solver, &Scene::paper());
+        options.methods.push(method);
     }
     let out = args.out.or("stability");
-    let mut survey = if args.resume {
-        Survey::resume(&out, &plan)?
+    let mut atlas = if args.resume {
+        Atlas::resume(&out, &options)?
     } else {
-        Survey::new(plan)
+        Atlas::new(options)
     };
     let folder = Folder::prepare(&out, args.out.force)?;
     interrupt::check()?;
     let jobs = args.jobs.map_or_else(args::cores, usize::from);
-    let stopped = match watched("stability", |control| survey.go_on(jobs, control)) {
+    let stopped = match watched("stability", |control| atlas.go_on(jobs, control)) {
         Ok(()) => false,
-        Err(StudyError::Cancelled) if survey.done().0 > 0 => true,
+        Err(StudyError::Cancelled) if atlas.done().count() > 0 => true,
         Err(error) => return Err(error.into()),
     };
 
     let made = Provenance::here(args::typed());
-    survey.write(folder.path(), &made)?;
-    let page = pages::stability::page(&survey, &made)?;
+    atlas.write(folder.path(), &made)?;
+    let page = pages::stability::page(&atlas, &made)?;
     if stopped {
         let place = folder.publish_partial(&page)?;
-        let (done, all) = survey.done();
+        let (done, all) = (atlas.done().count(), atlas.rows.len());
         let out = if args.out.out.is_none() && place == out {
             String::new()
         } else {
             format!(" --out {}", quoted(&place.display().to_string()))
         };
         screen::complain(&format!(
-            "stopped; {done} of {all} pieces are in {}; `{}{out} --resume` does the rest",
+            "stopped; {done} of {all} scenes are in {}; `{}{out} --resume` does the rest",
             place.display(),
             made.command
         ));
         return Ok(STOPPED);
     }
-    folder.show(&page, &pages::stability::text(&survey))?;
-    let unserved = judged::unserved(&survey);
+    folder.show(&page, &pages::stability::text(&atlas))?;
+    let unserved = atlas.unserved();
     if unserved.is_empty() {
         return Ok(0);
     }
     screen::complain(&format!(
         "no method gives {} within {} %; see the page",
         unserved.join(", "),
-        100.0 * judged::SERVED
+        100.0 * SERVED
     ));
     Ok(EXCEEDED)
 }

@@ -2,8 +2,7 @@
 
 use pinwheel_report::format;
 use pinwheel_report::study::{Block, Cell, Column, Mark, Section, Table};
-use pinwheel_studies::stability;
-use pinwheel_studies::survey::{Survey, judged};
+use pinwheel_studies::stability::{self, Atlas};
 
 /// Steps at the ends of the shading, s.
 const STEPS: [f64; 2] = [2e-7, 1e-3];
@@ -93,11 +92,11 @@ fn energy(cell: &stability::Cell) -> Cell {
     }
 }
 
-fn map(survey: &Survey, caption: &str, shown: fn(&stability::Cell) -> Cell) -> Block {
+fn map(atlas: &Atlas, caption: &str, shown: fn(&stability::Cell) -> Cell) -> Block {
     let mut columns = vec![Column::text("Scene")];
-    let methods = &survey.plan.atlas.methods;
-    columns.extend(methods.iter().map(|m| Column::number(judged::name(m))));
-    let rows = survey.rows.iter().flatten().map(|row| {
+    let methods = &atlas.options.methods;
+    columns.extend(methods.iter().map(|m| Column::number(m.name())));
+    let rows = atlas.done().map(|row| {
         let mut line = vec![Cell::text(&row.scene)];
         match &row.refused {
             Some(reason) => line.push(Cell::text(reason).marked(Mark::Bad)),
@@ -113,8 +112,8 @@ fn map(survey: &Survey, caption: &str, shown: fn(&stability::Cell) -> Cell) -> B
 }
 
 /// The four maps.
-pub(super) fn sections(survey: &Survey) -> Vec<Section> {
-    let options = &survey.plan.atlas;
+pub(super) fn sections(atlas: &Atlas) -> Vec<Section> {
+    let options = &atlas.options;
     let step_s = format::seconds(options.step_s);
     let section = |id: &str, title: &str, text: String, block: Block| Section {
         id: id.to_owned(),
@@ -142,7 +141,7 @@ pub(super) fn sections(survey: &Survey) -> Vec<Section> {
                 format::seconds(options.steps_s[0]),
                 format::seconds(options.steps_s[1]),
             ),
-            map(survey, "Largest step with the right picture", step),
+            map(atlas, "Largest step with the right picture", step),
         ),
         section(
             "errors",
@@ -152,7 +151,7 @@ pub(super) fn sections(survey: &Survey) -> Vec<Section> {
                  relative L2 over the whole run, start-up included. Darker is worse."
             ),
             map(
-                survey,
+                atlas,
                 &format!("Errors at {step_s}, forces / driver torque"),
                 error,
             ),
@@ -164,7 +163,7 @@ pub(super) fn sections(survey: &Survey) -> Vec<Section> {
              too high), wrong mean, drift of the joints, or a wrong course (right sizes, lost phases). Only a blow-up is loud by itself; \
              `pinwheel run` finds the others by repeating a run at twice its step. The errors in full are in stability.csv."
                 .to_owned(),
-            map(survey, "What fails first above the largest step", first),
+            map(atlas, "What fails first above the largest step", first),
         ),
         section(
             "energy",
@@ -172,7 +171,7 @@ pub(super) fn sections(survey: &Survey) -> Vec<Section> {
             "What nothing accounts for, as a share of the larger of the two works. The paper's law creates about 1 % itself, \
              because its stiffness varies along the profile; with Hertzian stiffness of real steel less."
                 .to_owned(),
-            map(survey, "Energy that nothing accounts for", energy),
+            map(atlas, "Energy that nothing accounts for", energy),
         ),
     ]
 }

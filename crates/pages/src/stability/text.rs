@@ -1,22 +1,21 @@
 //! The study on a terminal: largest steps, scene by scene.
 
 use pinwheel_report::terminal::{BAD, Cell, QUIET, TITLE, lines, styled};
-use pinwheel_studies::survey::{Survey, judged};
+use pinwheel_studies::stability::Atlas;
 
 use super::maps::shown_step;
 
 /// The largest step of each method, scene by scene; without the place of the page.
 #[must_use]
-pub fn text(survey: &Survey) -> String {
+pub fn text(atlas: &Atlas) -> String {
     let head = Cell::text("scene").styled(TITLE);
-    let methods = survey
-        .plan
-        .atlas
+    let methods = atlas
+        .options
         .methods
         .iter()
-        .map(|method| Cell::figure(judged::name(method)).styled(TITLE));
+        .map(|method| Cell::figure(method.name()).styled(TITLE));
     let mut rows = vec![std::iter::once(head).chain(methods).collect::<Vec<_>>()];
-    for row in survey.rows.iter().flatten() {
+    for row in atlas.done() {
         let mut line = vec![Cell::text(&row.scene)];
         if let Some(reason) = &row.refused {
             line.push(Cell::text(reason).styled(BAD));

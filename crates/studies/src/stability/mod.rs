@@ -1,14 +1,22 @@
-//! The atlas: every hard scene with every formulation and integrator.
+//! The atlas: which formulation and integrator survives which hard scene, and how the others fail.
 //!
-//! For each: the largest step that still gives the right picture (bisected), the error at the paper's
+//! For each scene and method: the largest step that still gives the right picture (bisected), the error at the paper's
 //! step against a converged run, what fails first above the largest step, and the energy balance.
+//!
+//! Scenes do not depend on each other, so they are studied side by side, and an atlas that was stopped goes on from
+//! the scenes it has.
 
 mod reference;
 mod search;
 mod verdict;
+mod write;
 
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use pinwheel_courses::norms::{Distance, Level};
 use pinwheel_engines::{Knob, by_name};
-use pinwheel_gearbox::auto;
+use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_scene::{Formulation, PRESETS, Scales, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +25,7 @@ pub use verdict::Failure;
 
 use crate::StudyError;
 use crate::control::{Control, Ended, Progress, run_on};
-use pinwheel_courses::norms::{Distance, Level};
+use crate::pool;
 
 /// A formulation with an integrator, or a solver from outside.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,6 +39,41 @@ pub struct Method {
     pub integrator: String,
     /// Tolerance of methods that choose their steps: of a step for `dopri5`, of a run for `imex2-adaptive`.
     pub tolerance: Option<f64>,
+}
+
+impl Method {
+    /// A solver that joined, by its name.
+    #[must_use]
+    pub fn of_solver(name: &str, scene: &Scene) -> Self {
+        let knob = by_name(name, scene).and_then(|engine| Some(engine.refinement()?.knob));
+        Self {
+            solver: Some(name.to_owned()),
+            formulation: Formulation::Reduced,
+            integrator: name.to_owned(),
+            tolerance: (knob == Some(Knob::Tolerance)).then_some(scene.solver.tolerance),
+        }
+    }
+
+    /// `reduced`, `lagrange`, or the name of a solver that joined.
+    #[must_use]
+    pub fn form(&self) -> &str {
+        match (&self.solver, self.formulation) {
+            (Some(solver), _) => solver,
+            (None, Formulation::Reduced) => "reduced",
+            (None, Formulation::Lagrange) => "lagrange",
+        }
+    }
+
+    /// `reduced rk2`, with the tolerance of methods that have one.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let (form, integrator) = (self.form(), &self.integrator);
+        match (&self.solver, self.tolerance) {
+            (Some(solver), _) => solver.clone(),
+            (None, Some(tolerance)) => format!("{form} {integrator} {tolerance:.0e}"),
+            (None, None) => format!("{form} {integrator}"),
+        }
+    }
 }
 
 /// What to study.
@@ -48,31 +91,6 @@ pub struct Options {
     pub steps_s: [f64; 2],
 }
 
-impl Method {
-    /// A solver that joined, by its name.
-    #[must_use]
-    pub fn of_solver(name: &str, scene: &Scene) -> Self {
-        let knob = by_name(name, scene).and_then(|engine| Some(engine.refinement()?.knob));
-        Self {
-            solver: Some(name.to_owned()),
-            formulation: Formulation::Reduced,
-            integrator: name.to_owned(),
-            tolerance: (knob == Some(Knob::Tolerance)).then_some(scene.solver.tolerance),
-        }
-    }
-}
-
-impl Options {
-    /// As the default, with runs of 0.02 s: the first impacts, and a fifth of the time.
-    #[must_use]
-    pub fn quick() -> Self {
-        Self {
-            longest_s: 0.02,
-            ..Self::default()
-        }
-    }
-}
-
 impl Default for Options {
     /// All hard presets, all methods, at the paper's step.
     fn default() -> Self {
@@ -87,8 +105,12 @@ impl Default for Options {
             },
         };
         let (reduced, lagrange) = (Formulation::Reduced, Formulation::Lagrange);
+        let names = PRESETS.iter().map(|preset| preset.name);
         Self {
-            scenes: hard_scenes().map(str::to_owned).collect(),
+            scenes: names
+                .filter(|name| name.starts_with("hard-"))
+                .map(str::to_owned)
+                .collect(),
             methods: vec![
                 method(reduced, "rk2"),
                 method(reduced, "rk4"),
@@ -107,12 +129,39 @@ impl Default for Options {
     }
 }
 
-/// Names of the presets that are hard on integrators.
-pub fn hard_scenes() -> impl Iterator<Item = &'static str> {
-    PRESETS
-        .iter()
-        .map(|preset| preset.name)
-        .filter(|name| name.starts_with("hard-"))
+impl Options {
+    /// As the default, with runs of 0.02 s: the first impacts, and a fifth of the time.
+    #[must_use]
+    pub fn quick() -> Self {
+        Self {
+            longest_s: 0.02,
+            ..Self::default()
+        }
+    }
+
+    /// These scenes instead; without names the options as they are.
+    ///
+    /// # Errors
+    /// A scene that is named twice, that cannot be read, or that cannot be modelled.
+    pub fn of(self, scenes: &[String]) -> Result<Self, StudyError> {
+        if scenes.is_empty() {
+            return Ok(self);
+        }
+        for (k, name) in scenes.iter().enumerate() {
+            if scenes[..k].contains(name) {
+                let what = format!("{name} is named twice; name each scene once");
+                return Err(StudyError::Input(what));
+            }
+            Gearbox::new(&Scene::load(name, &[])?).map_err(|source| StudyError::Scene {
+                scene: name.clone(),
+                source,
+            })?;
+        }
+        Ok(Self {
+            scenes: scenes.to_vec(),
+            ..self
+        })
+    }
 }
 
 /// What one method does on one scene.
@@ -142,9 +191,18 @@ pub struct Cell {
     pub fails_first: Option<Failure>,
 }
 
-/// One scene.
+impl Cell {
+    /// Error of the forces where the method gives the right picture (0 where nothing carries force).
+    #[must_use]
+    pub fn right_to(&self) -> Option<f64> {
+        let right = self.failure.is_none();
+        right.then(|| self.error.map_or(0.0, |error| error.forces))
+    }
+}
+
+/// What every method does on one scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct SceneRow {
     /// Its name.
     pub scene: String,
     /// Why it is hard.
@@ -159,31 +217,90 @@ pub struct Row {
     pub cells: Vec<Cell>,
 }
 
+impl SceneRow {
+    /// The method with the smallest error of those with the right picture.
+    #[must_use]
+    pub fn best(&self) -> Option<(&Cell, f64)> {
+        let right = self
+            .cells
+            .iter()
+            .filter_map(|cell| Some((cell, cell.right_to()?)));
+        right.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+/// Forces within this share of the converged run: the scene is served.
+pub const SERVED: f64 = 0.01;
+
 /// The result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Atlas {
     /// What was asked.
     pub options: Options,
-    /// One a scene.
-    pub rows: Vec<Row>,
+    /// One a scene; `None` for those that are not done.
+    pub rows: Vec<Option<SceneRow>>,
 }
 
-/// Studies every scene with every method.
-///
-/// # Errors
-/// Cancelled, or a scene that cannot be loaded. Scenes that cannot be modelled are rows with the reason.
-pub fn run(options: &Options, control: &Control<'_>) -> Result<Atlas, StudyError> {
-    let mut rows = Vec::new();
-    for (done, name) in options.scenes.iter().enumerate() {
-        (control.progress)(Progress::new(done, options.scenes.len(), name));
-        rows.push(row(name, options, control)?);
+impl Atlas {
+    /// Nothing done yet.
+    #[must_use]
+    pub fn new(options: Options) -> Self {
+        Self {
+            rows: vec![None; options.scenes.len()],
+            options,
+        }
     }
-    Ok(Atlas {
-        options: options.clone(),
-        rows,
-    })
+
+    /// Scenes that are done.
+    pub fn done(&self) -> impl Iterator<Item = &SceneRow> {
+        self.rows.iter().flatten()
+    }
+
+    /// Studies every scene that is not done, on `jobs` threads. Scenes that cannot be modelled are rows with the reason.
+    ///
+    /// # Errors
+    /// Cancelled, or a scene that cannot be loaded, after the others have ended. Scenes that were done stay.
+    pub fn go_on(&mut self, jobs: usize, control: &Control<'_>) -> Result<(), StudyError> {
+        let (options, total) = (&self.options, self.rows.len());
+        let open = (0..total).filter(|&k| self.rows[k].is_none());
+        let open: Vec<usize> = open.collect();
+        let begun = AtomicUsize::new(total - open.len());
+        let (found, fault) = (Mutex::new(Vec::new()), Mutex::new(None));
+        pool::each(
+            jobs,
+            open.len(),
+            || (),
+            |(), k| {
+                let name = &options.scenes[open[k]];
+                let done = begun.fetch_add(1, Ordering::Relaxed);
+                (control.progress)(Progress::new(done, total, name));
+                match control.check().and_then(|()| row(name, options, control)) {
+                    Ok(row) => pool::lock(&found).push((open[k], row)),
+                    Err(error) => {
+                        pool::lock(&fault).get_or_insert(error);
+                        return false;
+                    }
+                }
+                true
+            },
+        );
+        for (k, row) in found.into_inner().unwrap_or_default() {
+            self.rows[k] = Some(row);
+        }
+        fault.into_inner().ok().flatten().map_or(Ok(()), Err)
+    }
+
+    /// Names of the scenes that no method gives within [`SERVED`].
+    #[must_use]
+    pub fn unserved(&self) -> Vec<String> {
+        self.done()
+            .filter(|row| row.best().is_none_or(|(_, error)| error > SERVED))
+            .map(|row| row.scene.clone())
+            .collect()
+    }
 }
 
+/// What `integrator = "auto"` takes for a scene.
 fn auto_choice(scene: &Scene) -> String {
     let mut scene = scene.clone();
     auto::AUTO.clone_into(&mut scene.solver.integrator);
@@ -191,14 +308,11 @@ fn auto_choice(scene: &Scene) -> String {
 }
 
 /// Studies one scene, a preset or a file, with every method. A scene that cannot be resolved is a row with the reason.
-///
-/// # Errors
-/// Cancelled, or a scene that cannot be loaded.
-pub fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<Row, StudyError> {
+fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<SceneRow, StudyError> {
     let mut scene = Scene::load(name, &[])?.into_scene();
     scene.solver.duration_s = scene.solver.duration_s.min(options.longest_s);
     scene.solver.sample_s = scene.solver.sample_s.min(1e-4).min(scene.solver.duration_s);
-    let mut row = Row {
+    let mut row = SceneRow {
         scene: scene.name.clone(),
         why: scene.description.clone(),
         auto: auto_choice(&scene),

@@ -1,4 +1,5 @@
-//! Why the published model does not converge above C = 8 N s/m.
+//! Why the published model does not converge above C = 8 N s/m (docs/why-not-above-8.md):
+//! `cargo run --release -p pinwheel-studies --example damping`.
 //!
 //! Its choices are switched on one at a time, at several dampings:
 //!
@@ -12,18 +13,19 @@
 //! For the largest damping that a model stands, friction (whose coefficient is not printed) and Eq. 17 computed in
 //! millimetres are tried as well; everything else is without friction, as in the preset `paper`.
 
-use pinwheel_courses::columns;
-use pinwheel_scene::{Detection, Scene};
-use serde::{Deserialize, Serialize};
+#![allow(clippy::print_stdout, reason = "a program that prints its tables")]
 
-use crate::StudyError;
-use crate::control::{Control, Ended, Progress};
+use std::error::Error;
+
 use pinwheel_courses::norms::{Distance, Least, Level};
+use pinwheel_courses::{Courses, CoursesError, columns};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::native::{self, NativeError, NativeRun};
+use pinwheel_scene::{CheckedScene, Detection, Scene};
 
 /// What is switched on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Switch {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Switch {
     /// Our model, converged: the reference of all others.
     Converged,
     /// Our model at the paper's step and method.
@@ -48,8 +50,7 @@ pub enum Switch {
 
 impl Switch {
     /// As a table names it.
-    #[must_use]
-    pub fn words(self) -> &'static str {
+    fn words(self) -> &'static str {
         match self {
             Self::Converged => "nothing: our model, converged",
             Self::Step => "the paper's method and step",
@@ -67,7 +68,7 @@ impl Switch {
 
 /// Those for which the largest damping is looked for: what cannot be compared with the converged run is among
 /// them.
-pub const LIMITED: [Switch; 9] = [
+const LIMITED: [Switch; 9] = [
     Switch::Step,
     Switch::Points,
     Switch::Unclamped,
@@ -80,7 +81,7 @@ pub const LIMITED: [Switch; 9] = [
 ];
 
 /// Those whose errors are measured, in the order of the table.
-pub const SWITCHES: [Switch; 7] = [
+const SWITCHES: [Switch; 7] = [
     Switch::Converged,
     Switch::Step,
     Switch::Points,
@@ -90,25 +91,8 @@ pub const SWITCHES: [Switch; 7] = [
     Switch::Everything,
 ];
 
-/// One run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Entry {
-    /// C, N s/m.
-    pub damping_n_s_m: f64,
-    /// What is switched on.
-    pub switch: Switch,
-    /// Against the converged run at the same damping, in the steady half of the run.
-    pub error: Option<Distance>,
-    /// Sizes in the steady half.
-    pub level: Option<Level>,
-    /// RMS of the driver torque's change from sample to sample, over its mean: roughness.
-    pub roughness: Option<f64>,
-    /// How the run failed.
-    pub failure: Option<String>,
-}
-
 /// Dampings of the study, N s/m: the paper's, and what lies above.
-pub const DAMPINGS: [f64; 6] = [8.0, 16.0, 32.0, 64.0, 200.0, 512.0];
+const DAMPINGS: [f64; 6] = [8.0, 16.0, 32.0, 64.0, 200.0, 512.0];
 /// Points on a wheel and on a hole: the paper's rough analysis.
 const POINTS: (usize, usize) = (600, 20);
 /// Friction coefficient where there is friction.
@@ -116,49 +100,51 @@ const FRICTION: f64 = 0.1;
 /// Step of the converged runs, s. Points make forces jump, so a fixed step serves all alike.
 const FINE: f64 = 5e-7;
 
-/// Runs the study on `scene` (usually `paper`).
-///
-/// # Errors
-/// Cancelled, or our own converged run fails.
-pub fn run(
-    scene: &Scene,
-    dampings: &[f64],
-    control: &Control<'_>,
-) -> Result<Vec<Entry>, StudyError> {
-    let mut entries = Vec::new();
-    let total = dampings.len() * SWITCHES.len();
-    for &damping in dampings {
-        let converged = control.complete(&switched(scene, damping, Switch::Converged))?;
-        let reference = steady(&converged.courses)?;
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut scene = Scene::load("paper", &[])?.into_scene();
+    scene.solver.duration_s = 0.3;
+    println!(
+        "C (N s/m), switched on: forces against our converged run in the second half of 0.3 s; roughness of the driver torque"
+    );
+    for damping in DAMPINGS {
+        let converged = run(&switched(&scene, damping, Switch::Converged))??;
+        let converged = steady(&converged.courses)?;
         for switch in SWITCHES {
-            let piece = format!("C = {damping}, {switch:?}");
-            (control.progress)(Progress::new(entries.len(), total, &piece));
-            let ended = control.run_published(&switched(scene, damping, switch))?;
-            let mut entry = Entry {
-                damping_n_s_m: damping,
-                switch,
-                error: None,
-                level: None,
-                roughness: None,
-                failure: None,
-            };
-            match ended {
-                Ended::Whole(run) => {
-                    let courses = steady(&run.courses)?;
-                    entry.error = Some(Distance::between(&courses, &reference, Least::default()));
-                    entry.level = Some(Level::of(&courses));
-                    entry.roughness = Some(roughness(&courses));
+            match run(&switched(&scene, damping, switch))? {
+                Ok(found) => {
+                    let found = steady(&found.courses)?;
+                    let error = Distance::between(&found, &converged, Least::default()).forces;
+                    println!(
+                        "{damping:5} {:48} {error:.1e} {:.1e}",
+                        switch.words(),
+                        roughness(&found)
+                    );
                 }
-                Ended::Diverged {
-                    time_s, quantity, ..
-                } => {
-                    entry.failure = Some(format!("at t = {time_s:.4} s: {quantity}"));
-                }
+                Err(error) => println!("{damping:5} {:48} {error}", switch.words()),
             }
-            entries.push(entry);
         }
     }
-    Ok(entries)
+    scene.solver.duration_s = 0.05;
+    println!(
+        "largest C (N s/m) at which 0.05 s of Heun end with forces below twice those of the converged run at C = 8"
+    );
+    for step_s in [1e-5, 5e-6] {
+        for switch in LIMITED {
+            let (most, how) = limit(&scene, switch, step_s)?;
+            let how = how.unwrap_or_else(|| "holds".to_owned());
+            println!("{step_s:.0e} s {:48} {most:9.2} {how}", switch.words());
+        }
+    }
+    Ok(())
+}
+
+/// Runs a published model, whose damping no sound scene may have. The inner error says how the run ended.
+fn run(scene: &Scene) -> Result<Result<NativeRun, NativeError>, Box<dyn Error>> {
+    let gearbox = Gearbox::new(&CheckedScene::unchecked(scene.clone()))?;
+    match native::run(&gearbox, &mut |_| false) {
+        Err(error) if !matches!(error, NativeError::Diverged { .. }) => Err(error.into()),
+        ended => Ok(ended),
+    }
 }
 
 fn switched(scene: &Scene, damping: f64, switch: Switch) -> Scene {
@@ -197,16 +183,16 @@ fn switched(scene: &Scene, damping: f64, switch: Switch) -> Scene {
 }
 
 /// The second half of the run: what the start leaves is gone or nearly so.
-fn steady(courses: &pinwheel_courses::Courses) -> Result<pinwheel_courses::Courses, StudyError> {
+fn steady(courses: &Courses) -> Result<Courses, CoursesError> {
     let from = courses.len() / 2;
-    let mut half = pinwheel_courses::Courses::new(courses.time_s()[from..].to_vec())?;
+    let mut half = Courses::new(courses.time_s()[from..].to_vec())?;
     for channel in courses.channels() {
         half.push(channel.name.clone(), channel.values[from..].to_vec())?;
     }
     Ok(half)
 }
 
-fn roughness(courses: &pinwheel_courses::Courses) -> f64 {
+fn roughness(courses: &Courses) -> f64 {
     let torque = courses.channel(columns::INPUT_TORQUE).unwrap_or(&[]);
     let n = torque.len().max(2) as f64;
     let mean = torque.iter().sum::<f64>() / n;
@@ -217,54 +203,29 @@ fn roughness(courses: &pinwheel_courses::Courses) -> f64 {
     (change / (n - 1.0)).sqrt() / mean.abs()
 }
 
-/// Where a model stops working as its damping grows.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Limit {
-    /// What is switched on.
-    pub switch: Switch,
-    /// Step, s.
-    pub step_s: f64,
-    /// Largest damping, to 10 %, at which the run ends with peak forces below twice those without the
-    /// switch at the paper's damping, N s/m; 0: not even at [`LEAST_DAMPING`].
-    pub damping_n_s_m: f64,
-    /// How it fails above; `None`: not up to [`MOST_DAMPING`].
-    pub failure: Option<String>,
-}
-
 /// Dampings above are not tried, N s/m.
-pub const MOST_DAMPING: f64 = 1e5;
+const MOST_DAMPING: f64 = 1e5;
 
 /// Dampings below are not tried, N s/m.
-pub const LEAST_DAMPING: f64 = 0.0625;
+const LEAST_DAMPING: f64 = 0.0625;
 
-/// Doubles the damping from the paper's 8 N s/m (or halves it, if that fails) until the verdict on the
-/// paper's method at `step` changes, then bisects.
+/// Largest damping that a model stands by the paper's method at `step` (s), to 10 %, N s/m (0: not even the least), and how it
+/// fails above (`None`: not up to the most).
 ///
-/// # Errors
-/// Cancelled, or the run at the paper's damping fails.
-pub fn limit(
+/// The damping is doubled from the paper's 8 N s/m (or halved, if that fails) until the verdict changes, then bisected.
+fn limit(
     scene: &Scene,
     switch: Switch,
     step: f64,
-    control: &Control<'_>,
-) -> Result<Limit, StudyError> {
-    let at = |damping: f64| {
+) -> Result<(f64, Option<String>), Box<dyn Error>> {
+    let base = Level::of(&run(&switched(scene, 8.0, Switch::Converged))??.courses);
+    let fails = |damping: f64| -> Result<Option<String>, Box<dyn Error>> {
         let mut scene = switched(scene, damping, switch);
         "rk2".clone_into(&mut scene.solver.integrator);
         scene.solver.step_s = step;
-        control.run_published(&scene)
-    };
-    let base = Level::of(
-        &control
-            .complete(&switched(scene, 8.0, Switch::Converged))?
-            .courses,
-    );
-    let fails = |damping: f64| -> Result<Option<String>, StudyError> {
-        Ok(match at(damping)? {
-            Ended::Diverged {
-                time_s, quantity, ..
-            } => Some(format!("at t = {time_s:.5} s: {quantity}")),
-            Ended::Whole(run) => {
+        Ok(match run(&scene)? {
+            Err(error) => Some(error.to_string()),
+            Ok(run) => {
                 let ratio = Level::of(&run.courses).peak_force_n / base.peak_force_n;
                 (!(ratio < 2.0)).then(|| format!("forces {ratio:.1} times as high"))
             }
@@ -292,10 +253,5 @@ pub fn limit(
             Some(how) => bad = Some((middle, how)),
         }
     }
-    Ok(Limit {
-        switch,
-        step_s: step,
-        damping_n_s_m: good.unwrap_or(0.0),
-        failure: bad.map(|(_, how)| how),
-    })
+    Ok((good.unwrap_or(0.0), bad.map(|(_, how)| how)))
 }
