@@ -1,6 +1,9 @@
 //! What `pinwheel calibrate` says on stdout.
 
-use pinwheel_report::terminal::{BAD, Cell, GOOD, TITLE, lines, styled};
+use std::collections::BTreeMap;
+
+use pinwheel_courses::table::{Mark, Shown, Table};
+use pinwheel_report::terminal::{self, BAD, GOOD, styled};
 use pinwheel_studies::calibration::{COVERAGE, Outcome, Row, SHARPNESS, power};
 
 /// Coverage and sharpness, a row an engine.
@@ -8,32 +11,28 @@ use pinwheel_studies::calibration::{COVERAGE, Outcome, Row, SHARPNESS, power};
 pub fn text(found: &Outcome) -> String {
     let mut text = format!("{} gears\n", found.gears);
     for (figures, title) in [(false, "time series"), (true, "their means, peaks and RMS")] {
-        let heading = |text: &str| Cell::figure(text).styled(TITLE);
-        let mut rows = vec![vec![
-            Cell::text(title).styled(TITLE),
-            heading("stated"),
-            heading("covered"),
-            heading("u / error, median"),
-            heading("error / u, largest"),
-            heading(if figures { "" } else { "not resolved" }),
-            heading(if figures { "" } else { "no truth" }),
-        ]];
-        rows.extend(found.rows(figures).iter().map(|row| {
-            let count = |of: &std::collections::BTreeMap<String, usize>| {
-                if figures {
-                    String::new()
-                } else if row.engine == "all" {
-                    of.values().sum::<usize>().to_string()
-                } else {
-                    of.get(&row.engine).copied().unwrap_or(0).to_string()
-                }
-            };
-            let mut cells = cells(row);
-            cells.push(Cell::figure(count(&found.not_resolved)));
-            cells.push(Cell::figure(count(&found.without_truth)));
-            cells
-        }));
-        text.push_str(&lines(&rows));
+        let count = |of: &BTreeMap<String, usize>, row: &Row| match row.engine.as_str() {
+            "all" => of.values().sum::<usize>(),
+            engine => of.get(engine).copied().unwrap_or(0),
+        };
+        let rows = found.rows(figures);
+        let mut table = Table::of("", &rows)
+            .text("", title, |row| &row.engine)
+            .whole("", "stated", |row| Some(row.cases))
+            .number("", "covered (%)", |row| 100.0 * row.coverage())
+            .shown(Shown::Decimals(1))
+            .number("", "u / error, median", |row| row.sharpness)
+            .shown(Shown::Decimals(1))
+            .number("", "error / u, largest", |row| row.worst)
+            .shown(Shown::Decimals(2));
+        if !figures {
+            table = table
+                .whole("", "not resolved", |row| {
+                    Some(count(&found.not_resolved, row))
+                })
+                .whole("", "no truth", |row| Some(count(&found.without_truth, row)));
+        }
+        text.push_str(&terminal::table(&table.done()));
         text.push('\n');
     }
     for left in &found.left_out {
@@ -51,48 +50,24 @@ pub fn text(found: &Outcome) -> String {
     )
 }
 
-fn cells(row: &Row) -> Vec<Cell> {
-    vec![
-        Cell::text(&row.engine),
-        Cell::figure(row.cases.to_string()),
-        Cell::figure(format!("{:.1} %", 100.0 * row.coverage())),
-        Cell::figure(format!("{:.1}", row.sharpness)),
-        Cell::figure(format!("{:.2}", row.worst)),
-    ]
-}
-
 /// The smallest faults told, a row a gear, engine and kind.
 #[must_use]
 pub fn power(found: &power::Outcome) -> String {
-    let title = |text: &str| Cell::text(text).styled(TITLE);
-    let heading = |text: &str| Cell::figure(text).styled(TITLE);
-    let mut rows = vec![vec![
-        title("gear"),
-        title("engine"),
-        title("fault"),
-        title("told"),
-        heading("D / U"),
-        heading("smallest detected"),
-    ]];
-    for one in &found.found {
-        let told = if one.told {
-            Cell::text("differ").styled(GOOD)
-        } else {
-            Cell::text("NOT TOLD").styled(BAD)
-        };
-        rows.push(vec![
-            Cell::text(&one.scene),
-            Cell::text(&one.engine),
-            Cell::text(one.kind.label()),
-            told,
-            Cell::figure(format!("{:.1}", one.uncertainties)),
-            Cell::figure(
-                one.smallest
-                    .map_or_else(|| "-".to_owned(), |size| one.kind.size(size)),
-            ),
-        ]);
-    }
-    let mut text = lines(&rows);
+    let table = Table::of("", &found.found)
+        .text("", "gear", |one| &one.scene)
+        .text("", "engine", |one| &one.engine)
+        .text("", "fault", |one| one.kind.label())
+        .text(
+            "",
+            "told",
+            |one| if one.told { "differ" } else { "NOT TOLD" },
+        )
+        .marked(|one| Mark::of(one.told))
+        .number("", "D / U", |one| one.uncertainties)
+        .shown(Shown::Decimals(1))
+        .number("", "smallest detected", |one| one.smallest)
+        .said(|one| one.smallest.map(|size| one.kind.size(size)));
+    let mut text = terminal::table(&table.done());
     for alarm in &found.false_alarms {
         text.push_str(&format!("\n{}: {alarm}", styled(BAD, "FALSE ALARM")));
     }

@@ -1,9 +1,8 @@
 //! The page and the table of `pinwheel solver check`.
 
-use pinwheel_report::study::{
-    Block, Cell, Column, Mark, Section, Study, Table, Tone, Verdict, render,
-};
-use pinwheel_report::terminal::{self, BAD, GOOD, QUIET, TITLE, lines, styled};
+use pinwheel_courses::table::{Mark, Table};
+use pinwheel_report::study::{Section, Study, Tone, Verdict};
+use pinwheel_report::terminal::{self, BAD, GOOD, TITLE, styled};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::conformance::{Outcome, State};
 
@@ -27,39 +26,43 @@ fn headline(found: &Outcome) -> String {
     }
 }
 
+/// Every trial; for a terminal what it asks for stands only where it failed.
+fn table(found: &Outcome, terminal: bool) -> Table {
+    let table = Table::of("Trials of the solver", &found.findings)
+        .text("", "trial", |finding| finding.name)
+        .text("", "result", |finding| word(&finding.state))
+        .marked(|finding| match finding.state {
+            State::Passed => Mark::Good,
+            State::Failed => Mark::Bad,
+            State::Skipped => Mark::Muted,
+        });
+    let table = if terminal {
+        table.text("", "seen", |finding| match finding.state {
+            State::Failed => format!("must: {}. Seen: {}", finding.must, finding.seen),
+            _ => finding.seen.clone(),
+        })
+    } else {
+        table
+            .text("", "must", |finding| finding.must)
+            .text("", "seen", |finding| &finding.seen)
+    };
+    table.done()
+}
+
 /// The table for a terminal.
 #[must_use]
 pub fn text(found: &Outcome) -> String {
-    let title = |text: &str| terminal::Cell::text(text).styled(TITLE);
-    let mut rows = vec![["trial", "", "seen"].map(title).to_vec()];
-    rows.extend(found.findings.iter().map(|finding| {
-        let style = match finding.state {
-            State::Passed => GOOD,
-            State::Failed => BAD,
-            State::Skipped => QUIET,
-        };
-        vec![
-            terminal::Cell::text(finding.name),
-            terminal::Cell::text(word(&finding.state)).styled(style),
-            terminal::Cell::text(match finding.state {
-                State::Failed => format!("must: {}. Seen: {}", finding.must, finding.seen),
-                _ => finding.seen.clone(),
-            }),
-        ]
-    }));
     let style = if found.passed() { GOOD } else { BAD };
+    let title = format!(
+        "{} {}, {}",
+        found.solver,
+        found.version,
+        found.track.as_str()
+    );
     format!(
         "{}\n{}\n{}",
-        styled(
-            TITLE,
-            &format!(
-                "{} {}, {}",
-                found.solver,
-                found.version,
-                found.track.as_str()
-            )
-        ),
-        lines(&rows),
+        styled(TITLE, &title),
+        terminal::table(&table(found, true)),
         styled(style, &headline(found))
     )
 }
@@ -69,25 +72,6 @@ pub fn text(found: &Outcome) -> String {
 /// # Errors
 /// It cannot be made.
 pub fn page(found: &Outcome, made: &Provenance) -> Result<String, PageError> {
-    let rows = found.findings.iter().map(|finding| {
-        let mark = match finding.state {
-            State::Passed => Mark::Good,
-            State::Failed => Mark::Bad,
-            State::Skipped => Mark::Muted,
-        };
-        vec![
-            Cell::text(finding.name),
-            Cell::text(word(&finding.state)).marked(mark),
-            Cell::text(finding.must),
-            Cell::text(&finding.seen),
-        ]
-    });
-    let columns = ["trial", "", "must", "seen"].map(Column::text);
-    let table = Table {
-        caption: "Trials of the solver".to_owned(),
-        columns: columns.to_vec(),
-        rows: rows.collect(),
-    };
     let study = Study {
         title: found.solver.clone(),
         eyebrow: "Conformance of a solver".to_owned(),
@@ -99,15 +83,8 @@ pub fn page(found: &Outcome, made: &Provenance) -> Result<String, PageError> {
             headline: headline(found),
             detail: format!("{}, {}", found.version, found.track.as_str()),
         }),
-        sections: vec![Section {
-            id: "trials".to_owned(),
-            title: "Trials".to_owned(),
-            blocks: vec![Block::Table(table)],
-        }],
-        command: made.command.clone(),
-        versions: made.versions(),
-        machine: made.machine.rows(),
+        sections: vec![Section::new("trials", "Trials", [table(found, false).into()])],
         ..Study::default()
     };
-    Ok(render(&study)?)
+    crate::render(study, made)
 }

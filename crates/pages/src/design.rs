@@ -1,11 +1,10 @@
 //! A design's page and text: what it is like to the shafts, who carries the load, and what the contacts bear.
 
+use pinwheel_courses::table::{Shown, Table};
 use pinwheel_report::colours;
 use pinwheel_report::format::{self, NONE, significant};
-use pinwheel_report::study::{
-    self, Axis, Block, Cell, Chart, Column, Section, Series, Study, Style, Table, Tile,
-};
-use pinwheel_report::terminal::{self, TITLE, lines, styled};
+use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Study, Style, Tile};
+use pinwheel_report::terminal::{self, TITLE, list, styled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
@@ -14,7 +13,8 @@ use pinwheel_studies::design::{Figure, Harmonic, Joint, Outcome, Sharing};
 use crate::PageError;
 
 /// Significant digits of a figure: what a data sheet gives.
-const DIGITS: usize = 4;
+const DIGITS: u8 = 4;
+const SHOWN: Shown = Shown::Digits(DIGITS);
 /// Figures that stand on the first screen.
 pub(crate) const HEADLINES: [&str; 6] = [
     "lost_motion_arcmin",
@@ -43,7 +43,7 @@ pub fn page(found: &Outcome, made: &Provenance) -> Result<String, PageError> {
     }
     sections.extend(found.joint.as_ref().map(joint));
     sections.push(dimensions(found));
-    Ok(study::render(&Study {
+    let study = Study {
         title: scene.name.clone(),
         eyebrow: "Pinwheel design".to_owned(),
         lead: format!(
@@ -54,40 +54,28 @@ pub fn page(found: &Outcome, made: &Provenance) -> Result<String, PageError> {
             figure(found.rated_torque_n_m),
             scene.contact.law
         ),
-        verdict: None,
         tiles: tiles(found),
         sections,
-        command: made.command.clone(),
-        versions: made.versions(),
-        machine: made.machine.rows(),
-    })?)
+        ..Study::default()
+    };
+    crate::render(study, made)
 }
 
 /// What a terminal shows.
 #[must_use]
 pub fn text(found: &Outcome) -> String {
-    let row = |one: &Figure| {
-        vec![
-            terminal::Cell::text(one.what),
-            terminal::Cell::figure(with_uncertainty(one.value, one.uncertainty)),
-            terminal::Cell::text(one.unit),
-            terminal::Cell::text(how(found, one)),
-        ]
-    };
-    let rows: Vec<Vec<terminal::Cell>> = found.figures.iter().map(row).collect();
-    format!("{}\n{}", styled(TITLE, &found.scene.name), lines(&rows))
+    let table = figures("", &found.figures, |one| how(found, one));
+    format!(
+        "{}\n{}",
+        styled(TITLE, &found.scene.name),
+        terminal::table(&table)
+    )
 }
 
 /// What a terminal shows of a scene made of a catalogue's data.
 #[must_use]
 pub fn draft(draft: &Draft) -> String {
-    let row = |what: &str, value: String, how: &str| {
-        vec![
-            terminal::Cell::text(what),
-            terminal::Cell::figure(value),
-            terminal::Cell::text(how),
-        ]
-    };
+    let row = |what: &str, value: String, how: &str| [what.to_owned(), value, how.to_owned()];
     let of = derived(&draft.scene);
     let mm = |metres: f64| format!("{} mm", figure(1e3 * metres));
     let mut rows = vec![
@@ -110,11 +98,11 @@ pub fn draft(draft: &Draft) -> String {
         let name = key.rsplit('.').next().unwrap_or(key);
         rows.push(row("suggested", String::new(), name));
     }
-    format!("{}\n{}", styled(TITLE, &draft.scene.name), lines(&rows))
+    format!("{}\n{}", styled(TITLE, &draft.scene.name), list(rows))
 }
 
 pub(crate) fn figure(value: f64) -> String {
-    significant(value, DIGITS)
+    significant(value, usize::from(DIGITS))
 }
 
 fn sentence(text: &str) -> String {
@@ -176,43 +164,30 @@ fn tiles(found: &Outcome) -> Vec<Tile> {
     let wanted = |one: &&Figure| HEADLINES.contains(&one.key);
     // The uncertainty stands in the unit's small type.
     let bound = |u: Option<f64>| u.map(|u| format!("\u{b1} {} ", significant(u, 1)));
-    let tile = |one: &Figure| Tile {
-        label: one.what.to_owned(),
-        value: one.value.map_or_else(|| NONE.to_owned(), figure),
-        unit: format!("{}{}", bound(one.uncertainty).unwrap_or_default(), one.unit),
-        detail: how(found, one),
+    let tile = |one: &Figure| {
+        let value = one.value.map_or_else(|| NONE.to_owned(), figure);
+        let bound = bound(one.uncertainty).unwrap_or_default();
+        Tile::new(one.what, value, how(found, one)).unit(format!("{bound}{}", one.unit))
     };
     found.figures.iter().filter(wanted).map(tile).collect()
 }
 
 /// Figures with their uncertainty; `how`: how one is counted.
-fn table(caption: &str, figures: &[Figure], how: impl Fn(&Figure) -> String) -> Block {
-    let rows = figures.iter().map(|one| {
-        let value = with_uncertainty(one.value, one.uncertainty);
-        vec![
-            Cell::text(one.what),
-            Cell::number(value, one.value.unwrap_or(f64::NAN)),
-            Cell::text(one.unit),
-            Cell::text(how(one)),
-        ]
-    });
-    Block::Table(Table {
-        caption: caption.to_owned(),
-        columns: vec![
-            Column::text("Figure"),
-            Column::number("Value"),
-            Column::text("Unit"),
-            Column::text("How"),
-        ],
-        rows: rows.collect(),
-    })
+fn figures(caption: &str, figures: &[Figure], how: impl Fn(&Figure) -> String) -> Table {
+    Table::of(caption, figures)
+        .text("", "Figure", |one| one.what)
+        .number("", "Value", |one| one.value)
+        .said(|one| with_uncertainty(one.value, one.uncertainty))
+        .text("", "Unit", |one| one.unit)
+        .text("", "How", |one| how(one))
+        .done()
 }
 
 fn all_figures(found: &Outcome) -> Section {
     let caption = "For a data sheet; after \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own \
                    verification";
-    let all = table(caption, &found.figures, |one| how(found, one));
-    section("figures", "Figures", vec![all])
+    let all = figures(caption, &found.figures, |one| how(found, one));
+    Section::new("figures", "Figures", [all.into()])
 }
 
 /// How a figure is counted, and its spread over the mesh.
@@ -229,37 +204,29 @@ fn counted(one: &Figure) -> String {
 }
 
 fn joint(joint: &Joint) -> Section {
-    let springs = joint.springs.iter().map(|spring| {
-        let band = 2.0 * spring.dead_band_rad;
-        vec![
-            Cell::number(figure(band), band),
-            Cell::number(
-                figure(spring.stiffness_n_m_per_rad),
-                spring.stiffness_n_m_per_rad,
-            ),
-        ]
-    });
-    section(
+    let springs = Table::of(
+        "Springs of the joint, which act beyond their dead band",
+        &joint.springs,
+    )
+    .number("", "Dead band, both sides", |spring| {
+        2.0 * spring.dead_band_rad
+    })
+    .unit("rad")
+    .shown(SHOWN)
+    .number("", "Stiffness", |spring| spring.stiffness_n_m_per_rad)
+    .unit("N m/rad")
+    .shown(SHOWN);
+    Section::new(
         "joint",
         "As a joint",
-        vec![
+        [
             Block::Text(format!(
                 "The gear as one joint of a robot's model, of ratio {}: the files `joint_mujoco.xml`, `joint.urdf` and `joint.sdf` hold it, \
                  the latter two for Drake as well. It has no transmission error, and everywhere the mesh's mean stiffness and play.",
                 joint.ratio
             )),
-            table("What the joint is made of", &joint.figures, counted),
-            Block::Details {
-                summary: "Springs in parallel".to_owned(),
-                blocks: vec![Block::Table(Table {
-                    caption: "Springs of the joint, which act beyond their dead band".to_owned(),
-                    columns: vec![
-                        Column::number("Dead band, both sides (rad)"),
-                        Column::number("Stiffness (N m/rad)"),
-                    ],
-                    rows: springs.collect(),
-                })],
-            },
+            figures("What the joint is made of", &joint.figures, counted).into(),
+            Block::folded("Springs in parallel", [springs.done().into()]),
         ],
     )
 }
@@ -280,14 +247,6 @@ fn chart(title: &str, x: &str, y: &str, series: Vec<Series>, note: &str) -> Char
         y: Axis::linear(y),
         series,
         note: note.to_owned(),
-    }
-}
-
-fn section(id: &str, title: &str, blocks: Vec<Block>) -> Section {
-    Section {
-        id: id.to_owned(),
-        title: title.to_owned(),
-        blocks,
     }
 }
 
@@ -354,10 +313,10 @@ fn torsion(found: &Outcome) -> Section {
              Friction is regularised: a contact that hardly slides gives way slowly.",
         );
     }
-    section(
+    Section::new(
         "torsion",
         "Lost motion and stiffness",
-        vec![
+        [
             Block::Text(text),
             Block::Charts(vec![torsion_chart(&[("", found)])]),
         ],
@@ -412,41 +371,28 @@ fn degrees(angles_rad: &[f64]) -> Vec<f64> {
 
 fn transmission(found: &Outcome) -> Section {
     let rows = found.transmission.iter().zip(LOADS);
-    let rows = rows.flat_map(|(of, label)| {
-        of.harmonics.iter().take(6).map(move |harmonic| {
-            vec![
-                Cell::text(label),
-                Cell::number(figure(harmonic.input_order), harmonic.input_order),
-                Cell::number(figure(harmonic.output_order), harmonic.output_order),
-                Cell::number(figure(harmonic.amplitude_arcmin), harmonic.amplitude_arcmin),
-                Cell::text(harmonic.of),
-            ]
-        })
-    });
-    section(
+    let rows = rows.flat_map(|(of, load)| of.harmonics.iter().take(6).map(move |h| (load, h)));
+    let orders = Table::of("Largest orders of the transmission error", rows)
+        .text("", "Load", |(load, _)| *load)
+        .number("", "Per input turn", |(_, h)| h.input_order)
+        .shown(SHOWN)
+        .number("", "Per output turn", |(_, h)| h.output_order)
+        .shown(SHOWN)
+        .number("", "Amplitude", |(_, h)| h.amplitude_arcmin)
+        .unit("arcmin")
+        .shown(SHOWN)
+        .text("", "Of", |(_, h)| h.of);
+    Section::new(
         "transmission-error",
         "Transmission error",
-        vec![
+        [
             Block::Text(
                 "Output angle less that of the ideal mesh, about its mean, over one period in which both meshes come round. What repeats with the \
                  mesh excites the machine at its order times the input's speed."
                     .to_owned(),
             ),
             Block::Charts(transmission_charts(&[("", found)]).into()),
-            Block::Details {
-                summary: "Largest orders".to_owned(),
-                blocks: vec![Block::Table(Table {
-                    caption: "Largest orders of the transmission error".to_owned(),
-                    columns: vec![
-                        Column::text("Load"),
-                        Column::number("Per input turn"),
-                        Column::number("Per output turn"),
-                        Column::number("Amplitude (arcmin)"),
-                        Column::text("Of"),
-                    ],
-                    rows: rows.collect(),
-                })],
-            },
+            Block::folded("Largest orders", [orders.done().into()]),
         ],
     )
 }
@@ -478,26 +424,39 @@ pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
 }
 
 fn sharing(found: &Outcome) -> Section {
-    let rows = found
-        .sharing
-        .iter()
-        .zip(&found.pressure)
-        .zip(["external", "internal"])
-        .map(|((sharing, pressure), label)| {
-            let cell = |value: f64| Cell::number(figure(value), value);
-            vec![
-                Cell::text(label),
-                cell(sharing.largest_force_n.max),
-                cell(1e-6 * pressure.largest_pa),
-                cell(pressure.largest_at_deg),
-                cell(pressure.sliding_m_s),
-                cell(1e-6 * pressure.pressure_sliding_w_m2),
-            ]
-        });
-    section(
+    let rows = found.sharing.iter().zip(&found.pressure);
+    let contacts = Table::of(
+        "Contacts under the rated load",
+        rows.zip(["external", "internal"]),
+    )
+    .text("", "Pins", |(_, label)| *label)
+    .number("", "Largest force", |((sharing, _), _)| {
+        sharing.largest_force_n.max
+    })
+    .unit("N")
+    .shown(SHOWN)
+    .number("", "Largest pressure", |((_, pressure), _)| {
+        1e-6 * pressure.largest_pa
+    })
+    .unit("MPa")
+    .shown(SHOWN)
+    .number("", "at", |((_, pressure), _)| pressure.largest_at_deg)
+    .unit("degrees")
+    .shown(SHOWN)
+    .number("", "Largest sliding", |((_, pressure), _)| {
+        pressure.sliding_m_s
+    })
+    .unit("m/s")
+    .shown(SHOWN)
+    .number("", "p v", |((_, pressure), _)| {
+        1e-6 * pressure.pressure_sliding_w_m2
+    })
+    .unit("MPa m/s")
+    .shown(SHOWN);
+    Section::new(
         "contacts",
         "Load sharing and pressure",
-        vec![
+        [
             Block::Text(
                 "Forces of all wheels and poses under the rated load, by where the pin stands from the wheel's eccentric. Pressure is that of a \
                  line contact after Hertz over the face width; the edges of wheels and pins are left out, and press harder. Sliding is that of the \
@@ -505,18 +464,7 @@ fn sharing(found: &Outcome) -> Section {
                     .to_owned(),
             ),
             Block::Charts(sharing_charts(&[("", found)])),
-            Block::Table(Table {
-                caption: "Contacts under the rated load".to_owned(),
-                columns: vec![
-                    Column::text("Pins"),
-                    Column::number("Largest force (N)"),
-                    Column::number("Largest pressure (MPa)"),
-                    Column::number("at (degrees)"),
-                    Column::number("Largest sliding (m/s)"),
-                    Column::number("p v (MPa m/s)"),
-                ],
-                rows: rows.collect(),
-            }),
+            contacts.done().into(),
         ],
     )
 }
@@ -572,10 +520,10 @@ fn bearing_orders(found: &Outcome) -> Chart {
 }
 
 fn bearings(found: &Outcome) -> Section {
-    section(
+    Section::new(
         "bearings",
         "Bearing of the eccentric",
-        vec![
+        [
             Block::Text(format!(
                 "What the contacts press on a wheel, its bearing carries on the eccentric. The part around the axis makes the driver's torque; the part \
                  away from it only loads the bearing. Wheel 0 of {}; the others follow a share of a turn later.",
@@ -587,72 +535,54 @@ fn bearings(found: &Outcome) -> Section {
 }
 
 fn efficiency(found: &Outcome) -> Section {
-    let rows = found.efficiency.iter().map(|run| {
-        let rpm = run.input_speed_rad_s.abs() * 30.0 / std::f64::consts::PI;
-        let percent = |value: Option<f64>| match value {
-            Some(value) => Cell::number(format!("{:.2}", 100.0 * value), value),
-            None => Cell::text("-"),
-        };
-        vec![
-            Cell::number(figure(rpm), rpm),
-            Cell::number(figure(run.output_torque_n_m), run.output_torque_n_m),
-            percent(run.efficiency.map(|e| e.of_losses)),
-            percent(run.efficiency.map(|e| e.measured)),
-            run.efficiency.map_or_else(
-                || Cell::text("-"),
-                |e| Cell::number(format::signed_percent(e.created_share), e.created_share),
-            ),
-            Cell::text(run.status),
-        ]
-    });
-    section(
+    let efficiency = Table::of("Efficiency over speed and torque", &found.efficiency)
+        .number("", "Input", |run| {
+            run.input_speed_rad_s.abs() * 30.0 / std::f64::consts::PI
+        })
+        .unit("rpm")
+        .shown(SHOWN)
+        .number("", "Load", |run| run.output_torque_n_m)
+        .unit("N m")
+        .shown(SHOWN)
+        .number("", "By losses", |run| run.efficiency.map(|e| e.of_losses))
+        .unit("%")
+        .shown(Shown::Percent)
+        .number("", "By works", |run| run.efficiency.map(|e| e.measured))
+        .unit("%")
+        .shown(Shown::Percent)
+        .number("", "Created by the law", |run| {
+            run.efficiency.map(|e| e.created_share)
+        })
+        .unit("%")
+        .said(|run| {
+            run.efficiency
+                .map(|e| format::signed_percent(e.created_share))
+        })
+        .text("", "Run", |run| run.status);
+    Section::new(
         "efficiency",
         "Efficiency",
-        vec![
+        [
             Block::Text(
                 "Runs with the scene's own friction and damping. Losses of bearings, seals and oil are not in the model. What a contact law creates or \
                  destroys by itself stands beside it: the figure by losses is free of it."
                     .to_owned(),
             ),
-            Block::Table(Table {
-                caption: "Efficiency over speed and torque".to_owned(),
-                columns: vec![
-                    Column::number("Input (rpm)"),
-                    Column::number("Load (N m)"),
-                    Column::number("By losses (%)"),
-                    Column::number("By works (%)"),
-                    Column::number("Created by the law (%)"),
-                    Column::text("Run"),
-                ],
-                rows: rows.collect(),
-            }),
+            efficiency.done().into(),
         ],
     )
 }
 
 fn dimensions(found: &Outcome) -> Section {
-    let lines = found.dimensions.lines(&found.scene).into_iter();
-    let rows = lines.filter(|line| line.unit == "m").map(|line| {
-        vec![
-            Cell::text(line.what),
-            Cell::number(figure(1e3 * line.value), line.value),
-            Cell::text(line.how),
-        ]
-    });
-    section(
-        "dimensions",
-        "Dimensions",
-        vec![Block::Details {
-            summary: "What follows from the dimensions".to_owned(),
-            blocks: vec![Block::Table(Table {
-                caption: "Sizes, walls and gaps".to_owned(),
-                columns: vec![
-                    Column::text("What"),
-                    Column::number("mm"),
-                    Column::text("How"),
-                ],
-                rows: rows.collect(),
-            })],
-        }],
+    let lines = found.dimensions.lines(&found.scene);
+    let sizes = Table::of(
+        "Sizes, walls and gaps",
+        lines.iter().filter(|line| line.unit == "m"),
     )
+    .text("", "What", |line| line.what)
+    .number("", "mm", |line| 1e3 * line.value)
+    .shown(SHOWN)
+    .text("", "How", |line| line.how);
+    let sizes = Block::folded("What follows from the dimensions", [sizes.done().into()]);
+    Section::new("dimensions", "Dimensions", [sizes])
 }

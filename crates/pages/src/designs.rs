@@ -3,13 +3,12 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_compare::WindowKind;
+use pinwheel_courses::table::{Mark, Table, TableOf};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_report::animation::markup;
 use pinwheel_report::format::{self, NONE, significant};
-use pinwheel_report::study::{
-    self, Block, Cell, Column, Courses, Mark, Section, Study, Table, Tile, Tone, Verdict,
-};
-use pinwheel_report::terminal::{self, QUIET, TITLE, lines, paragraph, styled};
+use pinwheel_report::study::{Block, Courses, Section, Study, Tile, Tone, Verdict};
+use pinwheel_report::terminal::{self, TITLE, paragraph, styled};
 use pinwheel_scene::keys::key;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::designs::{Change, Judged, Outcome, Row};
@@ -31,7 +30,7 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
     sections.extend(over_time(found));
     sections.push(curves(found));
     sections.extend(motion(found, cancel)?);
-    Ok(study::render(&Study {
+    let study = Study {
         title: format!("{a} and {b}"),
         eyebrow: "Pinwheel, two designs side by side".to_owned(),
         lead: format!(
@@ -42,63 +41,41 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
         verdict: Some(verdict(found)),
         tiles: tiles(found),
         sections,
-        command: made.command.clone(),
-        versions: made.versions(),
-        machine: made.machine.rows(),
-    })?)
+        ..Study::default()
+    };
+    crate::render(study, made)
 }
 
 /// What a terminal shows.
 #[must_use]
 pub fn text(found: &Outcome) -> String {
     let [a, b] = &found.names;
-    let head: Vec<terminal::Cell> = ["", a, b, "change"]
-        .map(|text| terminal::Cell::figure(text).styled(TITLE))
-        .into();
     let mut text = format!("{}\n", styled(TITLE, &format!("{a} and {b}")));
-    let stated = found.changed.iter().filter(|change| !change.follows);
-    let mut rows: Vec<Vec<terminal::Cell>> = stated
-        .map(|change| {
-            let [a, b] = &change.values;
-            vec![
-                terminal::Cell::text(&change.key),
-                terminal::Cell::figure(value(a.as_ref())),
-                terminal::Cell::figure(value(b.as_ref())),
-            ]
-        })
-        .collect();
-    let followed = found.changed.len() - rows.len();
-    if !rows.is_empty() {
-        rows.insert(0, head[..3].to_vec());
-        text.push_str(&lines(&rows));
+    let stated = || found.changed.iter().filter(|change| !change.follows);
+    if stated().next().is_some() {
+        text.push_str(&terminal::table(&keys(found, "", stated()).done()));
     }
+    let followed = found.changed.len() - stated().count();
     if followed > 0 {
         let keys = counted(followed, "key that follows", "keys that follow");
         text.push_str(&format!("and {keys} from them\n"));
     }
-    rows = vec![head];
     let derived = found.derived.iter().filter(|r| r.judged != Judged::Same);
     let means = found.courses.first().map(|(_, rows)| rows.as_slice());
     let torque = means
         .unwrap_or_default()
         .iter()
         .filter(|row| is_headline(row));
-    for row in derived.chain(&found.figures).chain(torque) {
-        let [a, b] = shown(row);
-        let change = terminal::Cell::figure(match row.judged {
+    let all = derived.chain(&found.figures).chain(torque);
+    let figures = both(found, "", all)
+        .said(|row| match row.judged {
             Judged::BelowUncertainty => "not shown".to_owned(),
             _ => change(row),
+        })
+        .marked(|row| match row.judged {
+            Judged::Differ => Mark::None,
+            _ => Mark::Muted,
         });
-        rows.push(vec![
-            terminal::Cell::text(label(row)),
-            terminal::Cell::figure(a),
-            terminal::Cell::figure(b),
-            match row.judged {
-                Judged::Differ => change,
-                _ => change.styled(QUIET),
-            },
-        ]);
-    }
     let hidden =
         "not shown: the difference is below the uncertainty of both together (after \u{b1})";
     let below = found
@@ -112,7 +89,7 @@ pub fn text(found: &Outcome) -> String {
     };
     format!(
         "{text}\n{}{note}\n{}",
-        lines(&rows),
+        terminal::table(&figures.done()),
         paragraph(&verdict(found).headline)
     )
 }
@@ -259,98 +236,80 @@ fn tiles(found: &Outcome) -> Vec<Tile> {
         let [a, b] = row
             .values
             .map(|v| v.map_or_else(|| NONE.to_owned(), figure));
-        Tile {
-            label: row.what.clone(),
-            value: format!("{a} \u{2192} {b}"),
-            unit: row.unit.clone(),
-            detail: match row.judged {
-                Judged::Same => "the same".to_owned(),
-                Judged::Differ => change(row),
-                Judged::BelowUncertainty => "no difference shown".to_owned(),
-                _ => format!("{}: {}", change(row), judged(row).0),
-            },
-        }
+        let judged = match row.judged {
+            Judged::Same => "the same".to_owned(),
+            Judged::Differ => change(row),
+            Judged::BelowUncertainty => "no difference shown".to_owned(),
+            _ => format!("{}: {}", change(row), judged(row).0),
+        };
+        Tile::new(&row.what, format!("{a} \u{2192} {b}"), judged).unit(&row.unit)
     };
     found.figures.iter().filter(wanted).map(tile).collect()
 }
 
 /// In words, and how it is marked.
-fn judged(row: &Row) -> (String, Mark) {
+fn judged(row: &Row) -> (&'static str, Mark) {
     match row.judged {
-        Judged::Same => ("the same".to_owned(), Mark::Muted),
-        Judged::BelowUncertainty => (
-            "below the uncertainty: no difference shown".to_owned(),
-            Mark::Muted,
-        ),
-        Judged::Differ => (String::new(), Mark::None),
-        Judged::NotKnown => ("uncertainty not known".to_owned(), Mark::Warn),
-        Judged::Missing => ("not in both".to_owned(), Mark::Warn),
+        Judged::Same => ("the same", Mark::Muted),
+        Judged::BelowUncertainty => ("below the uncertainty: no difference shown", Mark::Muted),
+        Judged::Differ => ("", Mark::None),
+        Judged::NotKnown => ("uncertainty not known", Mark::Warn),
+        Judged::Missing => ("not in both", Mark::Warn),
     }
 }
 
-/// Rows of both designs as a table.
-fn table<'a>(found: &Outcome, caption: &str, rows: impl Iterator<Item = &'a Row>) -> Block {
+/// Figures of both designs and their change.
+fn both<'a>(
+    found: &Outcome,
+    caption: &str,
+    rows: impl Iterator<Item = &'a Row>,
+) -> TableOf<&'a Row> {
     let [a, b] = &found.names;
-    let rows = rows.map(|row| {
-        let [first, second] = shown(row);
-        let (word, mark) = judged(row);
-        let key = |k: usize| row.values[k].unwrap_or(f64::NAN);
-        vec![
-            Cell::text(label(row)),
-            Cell::number(first, key(0)),
-            Cell::number(second, key(1)),
-            Cell::number(change(row), row.change().unwrap_or(f64::NAN)),
-            Cell::text(word).marked(mark),
-        ]
-    });
-    Block::Table(Table {
-        caption: caption.to_owned(),
-        columns: vec![
-            Column::text("Figure"),
-            Column::number(a),
-            Column::number(b),
-            Column::number("Change"),
-            Column::text("Judged"),
-        ],
-        rows: rows.collect(),
-    })
+    Table::of(caption, rows)
+        .text("", "Figure", |row| label(row))
+        .number("", a, |row| row.values[0])
+        .said(|row| shown(row)[0].clone())
+        .number("", b, |row| row.values[1])
+        .said(|row| shown(row)[1].clone())
+        .number("", "Change", |row| row.change())
+        .said(|row| change(row))
+}
+
+/// The same with how the change was judged.
+fn table<'a>(found: &Outcome, caption: &str, rows: impl Iterator<Item = &'a Row>) -> Block {
+    let table = both(found, caption, rows)
+        .text("", "Judged", |row| judged(row).0)
+        .marked(|row| judged(row).1);
+    table.done().into()
+}
+
+/// Keys with the values of both scenes.
+fn keys<'a>(
+    found: &Outcome,
+    caption: &str,
+    changes: impl Iterator<Item = &'a Change>,
+) -> TableOf<&'a Change> {
+    let [a, b] = &found.names;
+    Table::of(caption, changes)
+        .text("", "Key", |change| format!("`{}`", change.key))
+        .text("", a, |change| value(change.values[0].as_ref()))
+        .text("", b, |change| value(change.values[1].as_ref()))
 }
 
 fn scene(found: &Outcome) -> Section {
-    let [a, b] = &found.names;
-    let row = |change: &Change| {
-        let about = key(&change.key);
-        let [first, second] = &change.values;
-        vec![
-            Cell::text(format!("`{}`", change.key)),
-            Cell::text(value(first.as_ref())),
-            Cell::text(value(second.as_ref())),
-            Cell::text(about.map_or("", |key| key.about)),
-        ]
-    };
     let keys = |caption: &str, follows: bool| {
         let of = found.changed.iter().filter(|c| c.follows == follows);
-        let rows: Vec<_> = of.map(row).collect();
-        (!rows.is_empty()).then(|| {
-            Block::Table(Table {
-                caption: caption.to_owned(),
-                columns: vec![
-                    Column::text("Key"),
-                    Column::text(a),
-                    Column::text(b),
-                    Column::text("What it is"),
-                ],
-                rows,
+        let table = keys(found, caption, of)
+            .text("", "What it is", |change| {
+                key(&change.key).map_or("", |key| key.about)
             })
-        })
+            .done();
+        (!table.is_empty()).then_some(Block::Data(table))
     };
     let stated = keys("Keys that differ", false);
     let many = found.changed.iter().filter(|c| !c.follows).count();
     let mut blocks: Vec<Block> = match stated {
-        Some(table) if many > MANY => vec![Block::Details {
-            summary: format!("{many} keys differ"),
-            blocks: vec![table],
-        }],
+        Some(table) if many > MANY => vec![Block::folded(format!("{many} keys differ"), [table])],
         other => other.into_iter().collect(),
     };
     if found.identical() {
@@ -371,31 +330,23 @@ fn scene(found: &Outcome) -> Section {
         ));
     }
     if let Some(followed) = keys("Keys that both scenes leave to a formula", true) {
-        blocks.push(Block::Details {
-            summary: "Keys that differ because others do".to_owned(),
-            blocks: vec![followed],
-        });
+        blocks.push(Block::folded(
+            "Keys that differ because others do",
+            [followed],
+        ));
     }
-    Section {
-        id: "scene".to_owned(),
-        title: "What changed".to_owned(),
-        blocks,
-    }
+    Section::new("scene", "What changed", blocks)
 }
 
 fn figures(found: &Outcome) -> Section {
-    Section {
-        id: "figures".to_owned(),
-        title: "Figures".to_owned(),
-        blocks: vec![
+    Section::new("figures", "Figures", [
             Block::Text(
                 "After \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own verification. A difference below \
                  both together was not shown."
                     .to_owned(),
             ),
             table(found, "Figures of both designs", found.figures.iter()),
-        ],
-    }
+        ])
 }
 
 fn over_time(found: &Outcome) -> Option<Section> {
@@ -412,16 +363,9 @@ fn over_time(found: &Outcome) -> Option<Section> {
     blocks.extend(tables.next());
     let rest: Vec<Block> = tables.collect();
     if !rest.is_empty() {
-        blocks.push(Block::Details {
-            summary: "Other windows".to_owned(),
-            blocks: rest,
-        });
+        blocks.push(Block::folded("Other windows", rest));
     }
-    Some(Section {
-        id: "courses".to_owned(),
-        title: "Over time".to_owned(),
-        blocks,
-    })
+    Some(Section::new("courses", "Over time", blocks))
 }
 
 fn curves(found: &Outcome) -> Section {
@@ -434,11 +378,7 @@ fn curves(found: &Outcome) -> Section {
     charts.extend(design::transmission_charts(&designs));
     charts.extend(design::sharing_charts(&designs));
     charts.push(design::bearing_chart(&designs));
-    Section {
-        id: "curves".to_owned(),
-        title: "Side by side".to_owned(),
-        blocks: vec![Block::Charts(charts)],
-    }
+    Section::new("curves", "Side by side", [Block::Charts(charts)])
 }
 
 /// Both in motion, over the time that both run.

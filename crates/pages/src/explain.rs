@@ -1,7 +1,7 @@
 //! What a scene models, assumes and lets one expect.
 
-use pinwheel_report::terminal::{Cell, TITLE, lines, paragraph, styled};
-use pinwheel_scene::{Derived, Line};
+use pinwheel_report::terminal::{TITLE, list, pairs, paragraph, styled};
+use pinwheel_scene::Line;
 use pinwheel_studies::explained::Explanation;
 
 /// The whole text.
@@ -9,39 +9,31 @@ use pinwheel_studies::explained::Explanation;
 pub fn text(explanation: &Explanation<'_>) -> String {
     let title = paragraph(&crate::title(explanation.scene));
     let mut text = format!("{}\n", styled(TITLE, &title));
-    let mut section = |title: &str, rows: Vec<Vec<Cell>>| {
+    let mut section = |title: &str, rows: String| {
         if !rows.is_empty() {
-            text.push_str(&format!("\n{}\n{}", styled(TITLE, title), lines(&rows)));
+            text.push_str(&format!("\n{}\n{rows}", styled(TITLE, title)));
         }
     };
-    let two = |what: &str, why: &str| vec![Cell::text(what), Cell::text(why)];
-    let statements = |list: &[pinwheel_gearbox::Statement]| {
-        list.iter()
-            .map(|s| two(&s.what, &s.why))
-            .collect::<Vec<_>>()
-    };
-    section("Modelled", statements(&explanation.model.modelled));
-    section("Left out", statements(&explanation.model.left_out));
+    let model = &explanation.model;
+    for (title, facts) in [("Modelled", &model.modelled), ("Left out", &model.left_out)] {
+        section(title, pairs(facts.iter().map(|s| (&s.what, &s.why))));
+    }
     section(
         "What follows from the dimensions",
-        figures(explanation, false),
+        list(figures(explanation, false)),
     );
-    section("To be expected", expected(explanation));
-    section("Frequencies", frequencies(&explanation.derived));
-    section(
-        "Assumptions",
-        explanation
-            .assumptions
-            .iter()
-            .map(|a| {
-                vec![
-                    Cell::text(&a.key),
-                    Cell::text(&a.value),
-                    Cell::text(&a.reason),
-                ]
-            })
-            .collect(),
-    );
+    section("To be expected", list(expected(explanation)));
+    let frequencies = explanation.derived.frequencies.iter().map(|frequency| {
+        [
+            frequency.what.to_owned(),
+            format!("{:.3} Hz", frequency.hertz),
+            format!("order {:.4} of the input", frequency.order),
+        ]
+    });
+    section("Frequencies", list(frequencies));
+    let assumptions = explanation.assumptions.iter();
+    let assumptions = assumptions.map(|a| [&a.key, &a.value, &a.reason].map(|x| x.to_string()));
+    section("Assumptions", list(assumptions));
     text
 }
 
@@ -57,29 +49,23 @@ fn shown(line: &Line) -> String {
 }
 
 /// Lengths and angles, or forces.
-fn figures(explanation: &Explanation<'_>, forces: bool) -> Vec<Vec<Cell>> {
+fn figures(explanation: &Explanation<'_>, forces: bool) -> Vec<[String; 3]> {
     let lines = explanation.derived.lines(explanation.scene);
     let of = |line: &&Line| line.unit.starts_with('N') == forces;
     // Without backlash there is no play to speak of.
     let there = |line: &&Line| line.unit != "rad" || line.value != 0.0;
-    let row = |line: &Line| {
-        vec![
-            Cell::text(line.what),
-            Cell::figure(shown(line)),
-            Cell::text(line.how),
-        ]
-    };
+    let row = |line: &Line| [line.what.to_owned(), shown(line), line.how.to_owned()];
     lines.iter().filter(of).filter(there).map(row).collect()
 }
 
-fn expected(explanation: &Explanation<'_>) -> Vec<Vec<Cell>> {
+fn expected(explanation: &Explanation<'_>) -> Vec<[String; 3]> {
     let phase = |what: &str, same: bool| {
         let how = if same {
             "in phase: no ripple cancels"
         } else {
             "out of phase: ripple partly cancels"
         };
-        vec![Cell::text(what), Cell::figure(""), Cell::text(how)]
+        [what.to_owned(), String::new(), how.to_owned()]
     };
     let of = &explanation.derived;
     let mut rows = figures(explanation, true);
@@ -92,18 +78,4 @@ fn expected(explanation: &Explanation<'_>) -> Vec<Vec<Cell>> {
         of.internal_ripple_in_phase,
     ));
     rows
-}
-
-fn frequencies(figures: &Derived) -> Vec<Vec<Cell>> {
-    figures
-        .frequencies
-        .iter()
-        .map(|frequency| {
-            vec![
-                Cell::text(frequency.what),
-                Cell::figure(format!("{:.3} Hz", frequency.hertz)),
-                Cell::text(format!("order {:.4} of the input", frequency.order)),
-            ]
-        })
-        .collect()
 }

@@ -1,7 +1,7 @@
 //! The contact laws a scene can name.
 
 use pinwheel_contact::laws::{LAWS, LawInfo};
-use pinwheel_report::terminal::{Cell, TITLE, lines, paragraph, styled};
+use pinwheel_report::terminal::{TITLE, pairs, paragraph, styled};
 use serde_json::json;
 
 /// All laws, one after the other.
@@ -44,10 +44,8 @@ fn in_words(law: &LawInfo) -> String {
         ("keys", &keys),
     ];
     let facts = facts.into_iter().filter(|(_, said)| !said.is_empty());
-    let rows: Vec<Vec<Cell>> = facts
-        .map(|(what, said)| vec![Cell::text(format!("  {what}")), Cell::text(said)])
-        .collect();
+    let facts = pairs(facts.map(|(what, said)| (format!("  {what}"), said)));
     let name = paragraph(&format!("{}: {}", law.name, law.summary));
     let name = name.replacen(law.name, &styled(TITLE, law.name), 1);
-    format!("{name}\n{}", lines(&rows))
+    format!("{name}\n{facts}")
 }

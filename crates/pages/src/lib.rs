@@ -35,7 +35,21 @@ pub mod sweep;
 
 pub use error::PageError;
 
+use pinwheel_report::study::{self, Study};
 use pinwheel_scene::Scene;
+use pinwheel_studies::Provenance;
+
+/// A page with what made it: the command, versions beside those that the study names, the machine.
+fn render(mut study: Study, made: &Provenance) -> Result<String, PageError> {
+    study.command.clone_from(&made.command);
+    for own in std::mem::replace(&mut study.versions, made.versions()) {
+        if !study.versions.contains(&own) {
+            study.versions.push(own);
+        }
+    }
+    study.machine = made.machine.rows();
+    Ok(study::render(&study)?)
+}
 
 /// Name and description of a scene.
 #[must_use]

@@ -2,7 +2,7 @@
 
 use pinwheel_courses::columns;
 use pinwheel_report::format::{self, NONE};
-use pinwheel_report::terminal::{Cell, TITLE, lines, styled};
+use pinwheel_report::terminal::{TITLE, pairs, styled};
 use pinwheel_studies::results::{Figure, Results};
 use pinwheel_studies::single::Outcome;
 
@@ -82,14 +82,10 @@ fn results(found: &Results) -> Vec<(&'static str, String)> {
 #[must_use]
 pub fn text(found: &Outcome, courses: &str) -> String {
     let stats = &found.run.stats;
-    let row = |label: &str, value: String| vec![Cell::text(label), Cell::text(value)];
     // What one runs it for comes first.
-    let mut rows: Vec<Vec<Cell>> = results(&found.results())
-        .into_iter()
-        .map(|(label, value)| row(label, value))
-        .collect();
+    let mut rows = results(&found.results());
     rows.extend([
-        row(
+        (
             "engine",
             format!(
                 "{} {} ({})",
@@ -98,8 +94,8 @@ pub fn text(found: &Outcome, courses: &str) -> String {
                 found.track.as_str()
             ),
         ),
-        row("settings", stats.settings.clone()),
-        row(
+        ("settings", stats.settings.clone()),
+        (
             "samples",
             format!(
                 "{}, to {} s",
@@ -107,23 +103,23 @@ pub fn text(found: &Outcome, courses: &str) -> String {
                 found.scene.solver.duration_s
             ),
         ),
-        row(
+        (
             "time",
             format!("{:.3} s wall, {:.3} s CPU", stats.wall_s, stats.cpu_s),
         ),
-        row(
+        (
             "steps",
             format!("{}, {} contact evaluations", stats.steps, stats.rhs_calls),
         ),
-        row(
+        (
             "freedom",
             format!("{} velocities integrated", stats.degrees_of_freedom),
         ),
     ]);
     if let Some(resolution) = &found.resolution {
-        rows.push(row("resolution", resolution.sentence()));
+        rows.push(("resolution", resolution.sentence()));
     }
-    rows.extend(stats.notes.iter().map(|note| row("note", note.clone())));
-    rows.push(row("courses", courses.to_owned()));
-    format!("{}\n{}", styled(TITLE, &found.scene.name), lines(&rows))
+    rows.extend(stats.notes.iter().map(|note| ("note", note.clone())));
+    rows.push(("courses", courses.to_owned()));
+    format!("{}\n{}", styled(TITLE, &found.scene.name), pairs(rows))
 }

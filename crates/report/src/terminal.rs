@@ -158,7 +158,8 @@ pub fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
 #[must_use]
 pub fn table(table: &Table) -> String {
     let aligned = |column: &Column, text: String| Cell {
-        text: text.replace('\u{202f}', " "),
+        // What a page sets as code stands by itself here.
+        text: text.replace('\u{202f}', " ").replace('`', ""),
         style: Style::new(),
         right: column.values.is_numeric(),
     };
@@ -182,9 +183,17 @@ pub fn table(table: &Table) -> String {
 
 /// Words with what they stand for, one pair a line.
 #[must_use]
-pub fn pairs<L: Into<String>, T: Into<String>>(list: impl IntoIterator<Item = (L, T)>) -> String {
-    let rows = list.into_iter();
-    let rows = rows.map(|(label, text)| vec![Cell::text(label), Cell::text(text)]);
+pub fn pairs<L: Into<String>, T: Into<String>>(rows: impl IntoIterator<Item = (L, T)>) -> String {
+    list(
+        rows.into_iter()
+            .map(|(label, text)| [label.into(), text.into()]),
+    )
+}
+
+/// Rows of words in columns, without headings.
+#[must_use]
+pub fn list<const N: usize>(rows: impl IntoIterator<Item = [String; N]>) -> String {
+    let rows = rows.into_iter().map(|row| row.map(Cell::text).to_vec());
     lines(&rows.collect::<Vec<_>>())
 }
 

@@ -4,7 +4,7 @@ use pinwheel_compare::quantities;
 use pinwheel_courses::table::{Table, Values};
 use pinwheel_report::format::{count, humane, plain, seconds, significant};
 use pinwheel_report::study::{
-    Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict, render,
+    Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict,
 };
 use pinwheel_studies::sweep::{Axis, Plan, RunRecord, Value};
 use pinwheel_studies::sweep::{STATICS, tolerances as found_of};
@@ -38,12 +38,6 @@ pub fn page(
         .filter(|record| !record.ending.is_finished())
         .count();
     let cpu: f64 = records.iter().map(|record| record.cpu_s).sum();
-    let tile = |label: &str, value: String, detail: String| Tile {
-        label: label.to_owned(),
-        value,
-        unit: String::new(),
-        detail,
-    };
     let sweep = &plan.sweep;
     let varied: Vec<String> = sweep
         .axes
@@ -76,36 +70,24 @@ pub fn page(
         && !grid.figures.is_empty()
         && grid.axes.iter().any(|axis| axis.values.len() > 1)
     {
-        sections.push(Section {
-            id: "figures".to_owned(),
-            title: "Figures".to_owned(),
-            blocks: vec![Block::Grid(grid)],
-        });
+        sections.push(Section::new("figures", "Figures", [Block::Grid(grid)]));
     }
-    let all = Section {
-        id: "runs".to_owned(),
-        title: "Runs".to_owned(),
-        blocks: runs(plan, table),
-    };
+    let all = Section::new("runs", "Runs", runs(plan, table));
     // Where there is something to look at before.
     sections.push(if sections.is_empty() {
         all
     } else {
         all.folded("Every run: what was varied, how it ended, its figures")
     });
-    let file = Section {
-        id: "sweep".to_owned(),
-        title: "Sweep file".to_owned(),
-        blocks: vec![Block::Code(sweep.text.trim_end().to_owned())],
-    };
+    let file = Section::new(
+        "sweep",
+        "Sweep file",
+        [Block::Code(sweep.text.trim_end().to_owned())],
+    );
     sections.push(file.folded("What was asked for"));
-    let mut versions = made.versions();
-    for record in records {
-        let version = (record.engine.clone(), record.engine_version.clone());
-        if !versions.contains(&version) {
-            versions.push(version);
-        }
-    }
+    let engines = records.iter();
+    let engines = engines.map(|record| (record.engine.clone(), record.engine_version.clone()));
+    let versions = engines.collect();
     let study = Study {
         title: sweep.name.clone(),
         eyebrow: "Sweep".to_owned(),
@@ -120,29 +102,24 @@ pub fn page(
             .or_else(|| tolerances::verdict(&sampled))
             .or(answer),
         tiles: vec![
-            tile(
+            Tile::new(
                 "Runs",
                 count(records.len() as u64),
                 sweep.engines.join(", "),
             ),
-            tile("Varied", varied.len().to_string(), varied.join(", ")),
-            tile(
-                "Simulated",
-                seconds(simulated_s(plan)),
-                "all runs together".to_owned(),
-            ),
-            tile(
+            Tile::new("Varied", varied.len().to_string(), varied.join(", ")),
+            Tile::new("Simulated", seconds(simulated_s(plan)), "all runs together"),
+            Tile::new(
                 "Processor time",
                 seconds(cpu),
-                "the engines', all runs together".to_owned(),
+                "the engines', all runs together",
             ),
         ],
         sections,
-        command: made.command.clone(),
         versions,
-        machine: made.machine.rows(),
+        ..Study::default()
     };
-    Ok(render(&study)?)
+    crate::render(study, made)
 }
 
 /// What the first figure does over the runs: from where to where, and beyond what it may be off by.
@@ -427,11 +404,10 @@ fn runs(plan: &Plan, table: &Table) -> Vec<Block> {
     }
     blocks.push(Block::Data(shown));
     if !reasons.is_empty() {
-        blocks.push(Block::Details {
-            summary: "Remarks on runs: how they ended, and which figures to read with care"
-                .to_owned(),
-            blocks: vec![Block::List(reasons)],
-        });
+        blocks.push(Block::folded(
+            "Remarks on runs: how they ended, and which figures to read with care",
+            [Block::List(reasons)],
+        ));
     }
     blocks
 }

@@ -122,11 +122,7 @@ pub(super) fn section(plan: &Plan, table: &Table, all: &[Found]) -> Section {
          regression where a straight line explains 70 % of it or more, otherwise by first-order Sobol indices."
             .to_owned(),
     ));
-    Section {
-        id: "tolerances".to_owned(),
-        title: "Tolerances".to_owned(),
-        blocks,
-    }
+    Section::new("tolerances", "Tolerances", blocks)
 }
 
 fn limits(limits: &[Limit], of: &Yield) -> Block {

@@ -99,6 +99,31 @@ pub struct Tile {
     pub detail: String,
 }
 
+impl Tile {
+    /// A figure without a unit.
+    pub fn new(
+        label: impl Into<String>,
+        value: impl Into<String>,
+        detail: impl Into<String>,
+    ) -> Self {
+        Self {
+            label: label.into(),
+            value: value.into(),
+            unit: String::new(),
+            detail: detail.into(),
+        }
+    }
+
+    /// The same in a unit.
+    #[must_use]
+    pub fn unit(self, unit: impl Into<String>) -> Self {
+        Self {
+            unit: unit.into(),
+            ..self
+        }
+    }
+}
+
 /// A part of the page with a heading.
 #[derive(Debug, Clone, Default)]
 pub struct Section {
@@ -112,6 +137,19 @@ pub struct Section {
 }
 
 impl Section {
+    /// A section of blocks.
+    pub fn new(
+        id: impl Into<String>,
+        title: impl Into<String>,
+        blocks: impl Into<Vec<Block>>,
+    ) -> Self {
+        Self {
+            id: id.into(),
+            title: title.into(),
+            blocks: blocks.into(),
+        }
+    }
+
     /// The same behind its title, with `beside` next to it.
     #[must_use]
     pub fn folded(self, beside: impl Into<String>) -> Self {
@@ -157,6 +195,27 @@ pub enum Block {
     /// Markup written by this program; placed as it is. Inline styles and scripts are allowed,
     /// anything from elsewhere is not.
     Html(String),
+}
+
+impl Block {
+    /// Blocks behind a line that opens them.
+    pub fn folded(summary: impl Into<String>, blocks: impl Into<Vec<Self>>) -> Self {
+        Self::Details {
+            summary: summary.into(),
+            blocks: blocks.into(),
+        }
+    }
+
+    /// A paragraph.
+    pub fn text(text: impl Into<String>) -> Self {
+        Self::Text(text.into())
+    }
+}
+
+impl From<Data> for Block {
+    fn from(table: Data) -> Self {
+        Self::Data(table)
+    }
 }
 
 /// Time series as a comparison's page draws them: values, and differences to any of the runs.
