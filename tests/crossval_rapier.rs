@@ -7,7 +7,7 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_courses::Courses;
-use pinwheel_engines::{Control, EngineError, by_name};
+use pinwheel_engines::{Cancelled, Control, Ending, Halt, by_name};
 use pinwheel_scene::{FrictionLaw, Scene, Start};
 use pinwheel_tests::runs::{self, attempt, channels, native, run, scene};
 
@@ -271,17 +271,13 @@ fn crossval_rapier_divergence_is_an_error() {
             "steel",
             &[("solver.step_s", "1e-4"), ("solver.duration_s", "0.05")],
         );
-        match attempt(engine, &scene) {
-            Err(EngineError::Diverged {
-                time_s,
-                quantity,
-                partial,
-                ..
-            }) => {
+        let run = attempt(engine, &scene);
+        match run.ending {
+            Ending::Diverged { time_s, quantity } => {
                 println!("{engine}: t = {time_s} s, {quantity}");
                 assert!(time_s > 0.0 && time_s < 0.05);
                 assert!(!quantity.is_empty());
-                let kept = &partial.courses;
+                let kept = &run.courses;
                 assert!(kept.len() < 501 && !kept.is_empty());
                 assert!(kept.time_s().iter().all(|t| *t < time_s + 1e-12));
                 let finite = |values: &[f64]| values.iter().all(|x| x.is_finite());
@@ -302,13 +298,11 @@ fn crossval_rapier_refuses_what_it_cannot_honour() {
         .unwrap()
         .supports(&scene.clone().check().unwrap())
     {
-        Err(error @ EngineError::Unsupported { .. }) => {
+        Err(Halt::Ended(Ending::Unsupported { reason })) => {
             // The run refuses in the same words.
-            assert_eq!(
-                attempt(engine, scene).unwrap_err().to_string(),
-                error.to_string()
-            );
-            error.to_string()
+            let ending = attempt(engine, scene).ending;
+            assert_eq!(ending, Ending::unsupported(&reason));
+            reason
         }
         other => panic!("{engine}: {other:?}"),
     };
@@ -336,14 +330,11 @@ fn crossval_rapier_stops_when_asked() {
     for engine in [SHARED, HOOK, COLLIDERS] {
         let scene = scene("paper", &[]);
         let cancel = AtomicBool::new(true);
-        let control = Control {
-            cancel: &cancel,
-            progress: &|_| {},
-        };
+        let control = Control::new(&cancel, &|_| {});
         let outcome = by_name(engine, &scene)
             .unwrap()
             .run(&scene.clone().check().unwrap(), &control);
-        assert!(matches!(outcome, Err(EngineError::Cancelled)), "{engine}");
+        assert!(matches!(outcome, Err(Cancelled)), "{engine}");
     }
 }
 
@@ -367,8 +358,7 @@ fn channels_agree_or_are_missing() {
             scene.drive.start = Start::Kinematic;
             scene.solver.duration_s = 0.002;
         }
-        let mut found = attempt(engine, &scene).unwrap();
-        found.note_missing_channels(&scene);
+        let found = runs::whole(engine, &scene);
         let notes = found.stats.notes.join(" ");
         assert_eq!(notes.contains("does not know"), !pairs, "{engine}: {notes}");
         let courses = &found.courses;

@@ -7,7 +7,7 @@
 use std::fs;
 
 use pinwheel_courses::Courses;
-use pinwheel_engines::{EngineError, by_name};
+use pinwheel_engines::{Ending, by_name};
 use pinwheel_scene::Scene;
 use pinwheel_tests::runs::{self, attempt, run, scene};
 use pinwheel_tests::{Outcome, names_in, pinwheel};
@@ -21,8 +21,8 @@ const TORQUE: [&str; 1] = ["input_torque_n_m"];
 /// Where Simbody is not installed its tests say so; where it must be (`PINWHEEL_REQUIRE_SIMBODY`), that is a failure.
 fn simbody() -> bool {
     let nothing = scene("paper", &[("solver.duration_s", "0.0001")]);
-    match attempt(SIMBODY, &nothing) {
-        Err(EngineError::Absent { reason, .. }) => {
+    match attempt(SIMBODY, &nothing).ending {
+        Ending::Absent { reason } => {
             let required = std::env::var_os("PINWHEEL_REQUIRE_SIMBODY").is_some();
             assert!(!required, "{reason}");
             println!("skipped: {reason}");
@@ -34,7 +34,7 @@ fn simbody() -> bool {
 
 /// Errors of forces and driver torque against the resolved native run.
 fn errors(engine: &str, scene: &Scene, window: (f64, f64), reference: &Courses) -> [f64; 2] {
-    let run = attempt(engine, scene).unwrap_or_else(|error| panic!("{engine}: {error}"));
+    let run = runs::whole(engine, scene);
     let error = |quantities: &[&str]| runs::relative(&run.courses, reference, quantities, window);
     let errors = [error(&FORCES), error(&TORQUE)];
     let stats = run.stats;

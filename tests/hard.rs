@@ -1,9 +1,9 @@
 //! Hard cases: methods that must survive them do, methods that cannot say so loudly.
 
 use pinwheel_courses::Courses;
-use pinwheel_engines::EngineError;
+use pinwheel_engines::Ending;
 use pinwheel_scene::{Detection, PRESETS};
-use pinwheel_tests::runs::{self, attempt as run, scene};
+use pinwheel_tests::runs::{self, attempt, scene, whole as run};
 
 const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];
 
@@ -33,8 +33,9 @@ fn hard_presets_run_or_say_why() {
         // The long run has a test of its own below.
         let limit = [("solver.duration_s", "0.02")];
         for engine in ["native-reduced", "native-lagrange"] {
-            match run(engine, &scene(name, &limit)) {
-                Ok(run) => {
+            let run = attempt(engine, &scene(name, &limit));
+            match run.ending {
+                Ending::Finished => {
                     assert!(
                         name != "hard-steel",
                         "Heun at 1e-5 s is far beyond its limit there"
@@ -51,21 +52,16 @@ fn hard_presets_run_or_say_why() {
                     );
                     assert!(largest < 2.2e4, "{name}, {engine}: {largest} N");
                 }
-                Err(EngineError::Diverged {
-                    time_s,
-                    quantity,
-                    partial,
-                    ..
-                }) => {
+                Ending::Diverged { time_s, quantity } => {
                     println!("{name}, {engine}: diverged at {time_s} s: {quantity}");
                     assert_eq!(name, "hard-steel", "{engine}: {quantity}");
-                    assert!(time_s < 0.02 && partial.courses.len() < 201);
+                    assert!(time_s < 0.02 && run.courses.len() < 201);
                 }
-                Err(EngineError::Unsupported { reason, .. }) => {
+                Ending::Unsupported { reason } => {
                     println!("{name}, {engine}: {reason}");
                     assert!(!reason.is_empty());
                 }
-                Err(error) => panic!("{name}, {engine}: {error}"),
+                other => panic!("{name}, {engine}: {other}"),
             }
         }
     }
@@ -80,8 +76,8 @@ fn hard_lagrange_form_does_not_drift_over_ten_seconds() {
         &[("solver.duration_s", "10.0"), ("solver.sample_s", "1e-2")],
     );
     let (lagrange, reduced) = std::thread::scope(|scope| {
-        let reduced = scope.spawn(|| run("native-reduced", &scene).unwrap());
-        let lagrange = run("native-lagrange", &scene).unwrap();
+        let reduced = scope.spawn(|| run("native-reduced", &scene));
+        let lagrange = run("native-lagrange", &scene);
         (lagrange, reduced.join().unwrap())
     });
     let drift = lagrange.stats.joint_drift_m.unwrap();
@@ -106,9 +102,7 @@ fn hard_friction_at_the_papers_step() {
             ("solver.integrator", integrator),
             ("solver.step_s", step),
         ];
-        run("native-reduced", &scene("paper-friction", &settings))
-            .unwrap()
-            .courses
+        run("native-reduced", &scene("paper-friction", &settings)).courses
     };
     let reference = at("rk2", "1e-7");
     let error = |integrator: &str, step: &str| {
@@ -138,7 +132,7 @@ fn hard_steel_by_an_adaptive_method() {
             ("solver.step_s", step),
             ("solver.tolerance", tolerance),
         ];
-        run("native-reduced", &scene("steel", &settings)).unwrap()
+        run("native-reduced", &scene("steel", &settings))
     };
     let reference = at("rk4", "2e-7", "1e-6");
     let adaptive = at("dopri5", "1e-6", "1e-6");
@@ -164,17 +158,17 @@ fn hard_explicit_friction_on_feathers_fails_loudly() {
                 ("solver.duration_s", "0.005"),
                 ("solver.integrator", integrator),
             ];
-            match run(engine, &scene("hard-feather-sleeves", &settings)) {
-                Err(EngineError::Diverged { quantity, .. }) => {
+            match attempt(engine, &scene("hard-feather-sleeves", &settings)).ending {
+                Ending::Diverged { quantity, .. } => {
                     println!("{integrator}, {engine}: {quantity}");
                     assert!(quantity.contains("energy"), "{integrator}: {quantity}");
                 }
-                other => panic!("{integrator}, {engine}: {:?}", other.map(|run| run.stats)),
+                other => panic!("{integrator}, {engine}: {other}"),
             }
         }
     }
     let settings = [("solver.duration_s", "0.005")];
-    run("native-reduced", &scene("hard-feather-sleeves", &settings)).unwrap();
+    let _ = run("native-reduced", &scene("hard-feather-sleeves", &settings));
 }
 
 /// How a hard scene is served.
@@ -244,9 +238,7 @@ fn hard_presets_are_served_within_their_bounds() {
                 ("solver.step_s", step),
                 ("solver.tolerance", tolerance),
             ];
-            run("native-reduced", &scene(row.scene, &settings))
-                .unwrap_or_else(|error| panic!("{}: {error}", row.scene))
-                .courses
+            run("native-reduced", &scene(row.scene, &settings)).courses
         };
         let own = scene(row.scene, &[]);
         let (contact, tolerance) = (own.contact, own.solver.tolerance.to_string());

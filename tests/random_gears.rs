@@ -12,8 +12,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use pinwheel_courses::Courses;
+use pinwheel_courses::Ending;
 use pinwheel_gearbox::auto::PROMISE;
-use pinwheel_gearbox::native::NativeError;
 use pinwheel_gearbox::resolve::{Budget, Uncertainty, run_resolved};
 use pinwheel_gearbox::{Distance, Gearbox};
 use pinwheel_scene::Scene;
@@ -48,12 +48,16 @@ fn judge(scene: &Scene) -> Outcome {
     };
     let (run, uncertainty) = match run_resolved(&gearbox, PROMISE, BUDGET, &mut |_| false) {
         Ok(found) => found,
-        // Not even one run within the test's own budget.
-        Err(NativeError::Diverged { quantity, .. }) if quantity.contains("evaluations") => {
-            return Outcome::Told(quantity);
-        }
         Err(error) => return Outcome::Failed(error.to_string()),
     };
+    match &run.ending {
+        Ending::Finished => {}
+        // Not even one run within the test's own budget.
+        Ending::Diverged { quantity, .. } if quantity.contains("evaluations") => {
+            return Outcome::Told(quantity.clone());
+        }
+        ending => return Outcome::Failed(ending.to_string()),
+    }
     if !uncertainty.is_resolved() {
         return Outcome::Told(uncertainty.sentence());
     }

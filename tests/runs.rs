@@ -1,7 +1,7 @@
 //! Runs of engines, and the distance of their courses.
 
 use pinwheel_courses::Courses;
-use pinwheel_engines::{Control, EngineError, Run, by_name};
+use pinwheel_engines::{Control, Run, by_name};
 use pinwheel_scene::{Override, Scene};
 
 /// The preset with keys overridden, as `--set` does it.
@@ -20,17 +20,28 @@ pub fn scene(preset: &str, settings: &[(&str, &str)]) -> Scene {
     }
 }
 
-/// One run to its end or its error.
-///
-/// # Errors
-/// Those of the engine.
+/// One run, however it ends.
 ///
 /// # Panics
 /// When there is no engine of that name.
-pub fn attempt(engine: &str, scene: &Scene) -> Result<Run, EngineError> {
-    match by_name(engine, scene) {
-        Some(engine) => engine.run(&scene.clone().check().unwrap(), &Control::quiet()),
+#[must_use]
+pub fn attempt(engine: &str, scene: &Scene) -> Run {
+    let scene = scene.clone().check().unwrap();
+    match by_name(engine, &scene) {
+        Some(engine) => engine.run(&scene, &Control::quiet()).unwrap(),
         None => panic!("there is no engine {engine}"),
+    }
+}
+
+/// A run that must finish.
+///
+/// # Panics
+/// When it does not.
+#[must_use]
+pub fn whole(engine: &str, scene: &Scene) -> Run {
+    match attempt(engine, scene).whole() {
+        Ok(run) => run,
+        Err(ending) => panic!("{engine} {ending}"),
     }
 }
 
@@ -40,10 +51,7 @@ pub fn attempt(engine: &str, scene: &Scene) -> Result<Run, EngineError> {
 /// When it does.
 #[must_use]
 pub fn run(engine: &str, scene: &Scene) -> Courses {
-    match attempt(engine, scene) {
-        Ok(run) => run.courses,
-        Err(error) => panic!("{engine}: {error}"),
-    }
+    whole(engine, scene).courses
 }
 
 /// A native run of the same scene with another method and step.

@@ -6,7 +6,7 @@ use pinwheel_courses::Courses;
 use pinwheel_courses::foreign::{Map, read, resample};
 use pinwheel_engines::external::Manifest;
 use pinwheel_engines::recorded::Recording;
-use pinwheel_gearbox::native::{self, NativeError};
+use pinwheel_gearbox::native;
 use pinwheel_gearbox::{Frequencies, Gearbox, explain};
 use pinwheel_scene::{CheckedScene, Override, Scales, Scene, names};
 use pinwheel_studies::baseline::Baseline;
@@ -138,7 +138,7 @@ pub fn first_steps(bytes: &[u8]) -> bool {
         samples += 1;
         samples > 200
     });
-    match run {
+    match run.and_then(|run| Ok(run.whole()?)) {
         Ok(run) => {
             for channel in run.courses.channels() {
                 finite(&channel.name, channel.values.iter().copied());
@@ -146,10 +146,6 @@ pub fn first_steps(bytes: &[u8]) -> bool {
             let shares = run.energy.total().and_then(|audit| audit.remainder_share);
             finite("share of the account", shares);
             true
-        }
-        Err(NativeError::Diverged { quantity, .. }) => {
-            told(&quantity);
-            false
         }
         Err(error) => {
             told(&error);

@@ -96,7 +96,7 @@ fn crossval_python_friction() {
     assert_within(CONSTRAINED, worst(&constrained, &reference, 0.0), 1e-2);
     let mut fine = scene.clone();
     fine.solver.step_s = 2e-7;
-    let attempt = attempt(MUJOCO, &fine).unwrap();
+    let attempt = runs::whole(MUJOCO, &fine);
     assert!(
         attempt
             .stats

@@ -14,16 +14,12 @@ fn crossval_python_guards() {
     let clean = SHARED.map(|engine| run(engine, &short));
     for fault in [Fault::NotANumber(300), Fault::TooLarge(300, 1e9)] {
         for (engine, before) in SHARED.iter().zip(&clean) {
-            match provoke::run(engine, &short.clone().check().unwrap(), fault) {
-                Err(EngineError::Diverged {
-                    time_s,
-                    quantity,
-                    partial,
-                    ..
-                }) => {
+            let run = provoke::run(engine, &short.clone().check().unwrap(), fault).unwrap();
+            match run.ending {
+                Ending::Diverged { time_s, quantity } => {
                     println!("{engine} {fault:?}: t = {time_s} s, {quantity}");
                     assert!(time_s > 0.0 && time_s <= 0.002, "{time_s}");
-                    let kept = &partial.courses;
+                    let kept = &run.courses;
                     assert!(!kept.is_empty() && kept.len() < before.len());
                     assert!(
                         kept.channels()
@@ -33,11 +29,11 @@ fn crossval_python_guards() {
                 }
                 other => panic!("{engine} {fault:?}: {other:?}"),
             }
-            assert_same_bits(&run(engine, &short), before, engine);
+            assert_same_bits(&self::run(engine, &short), before, engine);
         }
     }
     let frozen = provoke::run(MUJOCO, &short.clone().check().unwrap(), Fault::FrozenForces);
-    let text = frozen.unwrap_err().to_string();
+    let text = frozen.unwrap().ending.to_string();
     assert!(text.contains("frozen") && text.contains("stages"), "{text}");
     assert_same_bits(&run(MUJOCO, &short), &clean[0], MUJOCO);
 }
@@ -54,12 +50,11 @@ fn crossval_python_silent_blow_up_is_an_error() {
         ],
     );
     for engine in SHARED {
-        match attempt(engine, &steel) {
-            Err(EngineError::Diverged {
-                quantity, partial, ..
-            }) => {
+        let run = attempt(engine, &steel);
+        match run.ending {
+            Ending::Diverged { quantity, .. } => {
                 println!("{engine}: {quantity}");
-                assert!(!partial.courses.is_empty());
+                assert!(!run.courses.is_empty());
             }
             other => panic!("{engine} did not diverge: {other:?}"),
         }
@@ -89,19 +84,18 @@ fn crossval_python_progress_and_stop() {
     let scene = scene("paper", &[("solver.duration_s", "0.01")]);
     for engine in ALL {
         let (cancel, seen) = (AtomicBool::new(false), Mutex::new(Vec::new()));
-        let control = Control {
-            cancel: &cancel,
-            progress: &|time_s| {
-                seen.lock().unwrap().push(time_s);
-                if time_s > 4.5e-4 {
-                    cancel.store(true, Ordering::Relaxed);
-                }
-            },
+        let progress = |at: Progress<'_>| {
+            let [time_s, _] = at.simulated_s.unwrap();
+            seen.lock().unwrap().push(time_s);
+            if time_s > 4.5e-4 {
+                cancel.store(true, Ordering::Relaxed);
+            }
         };
+        let control = Control::new(&cancel, &progress);
         let outcome = by_name(engine, &scene)
             .unwrap()
             .run(&scene.clone().check().unwrap(), &control);
-        assert!(matches!(outcome, Err(EngineError::Cancelled)), "{engine}");
+        assert!(matches!(outcome, Err(Cancelled)), "{engine}");
         let seen = seen.into_inner().unwrap();
         let wanted: Vec<f64> = (0..=5).map(|k| f64::from(k) * 1e-4).collect();
         assert_eq!(seen.len(), wanted.len(), "{engine}: {seen:?}");
@@ -115,7 +109,7 @@ fn crossval_python_refuses_what_it_cannot_honour() {
         .unwrap()
         .supports(&scene.clone().check().unwrap())
     {
-        Err(error @ EngineError::Unsupported { .. }) => error.to_string(),
+        Err(Halt::Ended(Ending::Unsupported { reason })) => reason,
         other => panic!("{engine}: {other:?}"),
     };
     for engine in [MUJOCO_OWN, EXUDYN_OWN] {
@@ -141,11 +135,12 @@ fn crossval_python_reads_every_preset() {
         scene.solver.duration_s = 1e-5;
         scene.solver.step_s = scene.solver.step_s.min(1e-5);
         scene.solver.sample_s = 1e-5;
-        match attempt(MUJOCO, &scene) {
-            Ok(run) => assert_eq!(run.courses.len(), 2, "{}", preset.name),
+        let run = attempt(MUJOCO, &scene);
+        match run.ending {
+            Ending::Finished => assert_eq!(run.courses.len(), 2, "{}", preset.name),
             // Some hard presets are hard for that.
-            Err(EngineError::Diverged { .. }) => {}
-            Err(other) => panic!("{}: {other}", preset.name),
+            Ending::Diverged { .. } => {}
+            other => panic!("{}: {other}", preset.name),
         }
     }
 }

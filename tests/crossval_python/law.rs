@@ -1,6 +1,5 @@
 //! The contact law across the border: against a second implementation, and through every key.
 
-use pinwheel_engines::EngineError;
 use pinwheel_engines::python::law_agreement;
 
 use super::*;
@@ -49,7 +48,7 @@ fn crossval_python_law_in_numpy() {
     off.contact.law = "constant".to_owned();
     assert!(matches!(
         law_agreement(&off.clone().check().unwrap(), 10, 1),
-        Err(EngineError::Unsupported { .. })
+        Err(Halt::Ended(Ending::Unsupported { .. }))
     ));
 }
 

@@ -15,7 +15,7 @@ mod program;
 mod recordings;
 
 use pinwheel_courses::Courses;
-use pinwheel_engines::{Control, EngineError, by_name};
+use pinwheel_engines::{Cancelled, Control, Ending, Halt, Progress, by_name};
 use pinwheel_scene::Scene;
 use pinwheel_tests::runs::{self, attempt, channels, native, run, scene};
 

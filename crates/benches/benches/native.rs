@@ -20,7 +20,12 @@ fn preset(name: &str) -> Scene {
 
 fn run(scene: &Scene) {
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).expect("presets can be modelled");
-    black_box(native::run(&gearbox, &mut |_| false).expect("presets run"));
+    black_box(
+        native::run(&gearbox, &mut |_| false)
+            .expect("presets run")
+            .whole()
+            .expect("presets end"),
+    );
 }
 
 /// The paper's run, 0.6 s at 1e-5 s.

@@ -1,7 +1,7 @@
 //! Why the program ends early: an exit status and one line with the remedy.
 
 use pinwheel::compare::CompareError;
-use pinwheel::engines::EngineError;
+use pinwheel::courses::Ending;
 use pinwheel::pages::PageError;
 use pinwheel::scene::SceneError;
 use pinwheel::studies::StudyError;
@@ -98,17 +98,20 @@ impl From<PageError> for Failure {
 impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
         match error {
-            StudyError::Cancelled | StudyError::Engine(EngineError::Cancelled) => Self::stopped(),
+            StudyError::Cancelled => Self::stopped(),
             StudyError::Input(_)
             | StudyError::Load(_)
             | StudyError::Scene { .. }
             | StudyError::Compare(CompareError::Unmatched { .. }) => Self::input(error.to_string()),
             StudyError::Output(error) => error.into(),
             StudyError::Choice(error) => error.into(),
-            StudyError::Engine(EngineError::Unsupported { .. }) => Self::engine(format!(
+            StudyError::Ended {
+                ending: Ending::Unsupported { .. },
+                ..
+            } => Self::engine(format!(
                 "{error}; choose another engine (`pinwheel engines`) or change the scene"
             )),
-            StudyError::Engine(_) => Self::engine(format!(
+            StudyError::Ended { .. } => Self::engine(format!(
                 "{error}; nothing was written; see `pinwheel engines` for others"
             )),
             StudyError::Unrepeated(_) => {

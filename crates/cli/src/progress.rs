@@ -25,10 +25,7 @@ pub(crate) fn watched<T, E>(
     interrupt::watched();
     let bar = Bar::new(label);
     let report = |progress: Progress<'_>| bar.show(progress);
-    let found = work(&Control {
-        cancel: interrupt::flag(),
-        progress: &report,
-    });
+    let found = work(&Control::new(interrupt::flag(), &report));
     if let Some(bar) = bar.bar.get() {
         bar.finish_and_clear();
     }

@@ -164,19 +164,55 @@ pub enum Ending {
         /// Which quantity, and its value.
         quantity: String,
     },
-    /// The engine cannot honour the scene.
+    /// The engine cannot honour the scene; it never approximates in silence.
     Unsupported {
         /// Which part of the scene, and why.
         reason: String,
     },
-    /// The engine is missing or broke.
+    /// What the engine needs is not on this machine: a package, a compiler, a library. A recording may stand in.
+    Absent {
+        /// What is missing, and how to get it.
+        reason: String,
+    },
+    /// The engine broke.
     Failed {
         /// Its own words.
+        reason: String,
+    },
+    /// It was given up because it took too long.
+    TimedOut {
+        /// Simulated time reached, s.
+        time_s: f64,
+        /// How long it was given or would need, and the remedy.
         reason: String,
     },
 }
 
 impl Ending {
+    /// The engine cannot honour the scene, for the reason given.
+    #[must_use]
+    pub fn unsupported(reason: impl ToString) -> Self {
+        Self::Unsupported {
+            reason: reason.to_string(),
+        }
+    }
+
+    /// What the engine needs is not here.
+    #[must_use]
+    pub fn absent(reason: impl ToString) -> Self {
+        Self::Absent {
+            reason: reason.to_string(),
+        }
+    }
+
+    /// The engine broke.
+    #[must_use]
+    pub fn failed(reason: impl ToString) -> Self {
+        Self::Failed {
+            reason: reason.to_string(),
+        }
+    }
+
     /// True for complete time series.
     #[must_use]
     pub fn is_finished(&self) -> bool {
@@ -189,15 +225,36 @@ impl Ending {
         matches!(self, Self::Diverged { .. } | Self::Failed { .. })
     }
 
-    /// One word for tables: `finished`, `diverged`, `unsupported`, `failed`.
+    /// True where another try, or another machine, may see another ending of the same run.
+    #[must_use]
+    pub fn may_pass(&self) -> bool {
+        matches!(
+            self,
+            Self::Absent { .. } | Self::Failed { .. } | Self::TimedOut { .. }
+        )
+    }
+
+    /// The words for tables, of all endings.
+    pub const WORDS: [&str; 6] = [
+        "finished",
+        "diverged",
+        "unsupported",
+        "absent",
+        "failed",
+        "timed out",
+    ];
+
+    /// One or two words for tables.
     #[must_use]
     pub fn word(&self) -> &'static str {
-        match self {
-            Self::Finished => "finished",
-            Self::Diverged { .. } => "diverged",
-            Self::Unsupported { .. } => "unsupported",
-            Self::Failed { .. } => "failed",
-        }
+        Self::WORDS[match self {
+            Self::Finished => 0,
+            Self::Diverged { .. } => 1,
+            Self::Unsupported { .. } => 2,
+            Self::Absent { .. } => 3,
+            Self::Failed { .. } => 4,
+            Self::TimedOut { .. } => 5,
+        }]
     }
 
     /// Why the run is not judged; `None` when finished.
@@ -205,11 +262,53 @@ impl Ending {
     pub fn reason(&self) -> Option<String> {
         match self {
             Self::Finished => None,
-            Self::Diverged { time_s, quantity } => {
-                Some(format!("diverged at t = {time_s:.6} s: {quantity}"))
-            }
             Self::Unsupported { reason } => Some(format!("left out: {reason}")),
-            Self::Failed { reason } => Some(format!("failed: {reason}")),
+            Self::Absent { reason } => {
+                Some(format!("left out: it is not on this machine: {reason}"))
+            }
+            other => Some(other.to_string()),
+        }
+    }
+
+    /// How a run failed, for tables of trials: `at t = 0.0034 s: ...`; `None` when finished.
+    #[must_use]
+    pub fn failure(&self) -> Option<String> {
+        match self {
+            Self::Finished => None,
+            Self::Diverged { time_s, quantity } => {
+                Some(format!("at t = {time_s:.4} s: {quantity}"))
+            }
+            other => Some(other.to_string()),
+        }
+    }
+
+    /// Only what is whole goes on.
+    ///
+    /// # Errors
+    /// The ending itself, unless it is finished.
+    pub fn whole(&self) -> Result<(), Self> {
+        if self.is_finished() {
+            Ok(())
+        } else {
+            Err(self.clone())
         }
     }
 }
+
+/// What follows the engine's name in a message.
+impl std::fmt::Display for Ending {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Finished => write!(f, "finished"),
+            Self::Diverged { time_s, quantity } => {
+                write!(f, "diverged at t = {time_s:.6} s: {quantity}")
+            }
+            Self::Unsupported { reason } => write!(f, "cannot run this scene: {reason}"),
+            Self::Absent { reason } => write!(f, "is not on this machine: {reason}"),
+            Self::Failed { reason } => write!(f, "failed: {reason}"),
+            Self::TimedOut { reason, .. } => write!(f, "timed out: {reason}"),
+        }
+    }
+}
+
+impl std::error::Error for Ending {}

@@ -1,8 +1,6 @@
 //! The one interface of all engines.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
-pub use pinwheel_courses::{RunStats, Track};
+pub use pinwheel_courses::{Ending, RunStats, Track};
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::Gearbox;
@@ -10,11 +8,15 @@ use pinwheel_gearbox::resolve::Uncertainty;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Scene};
 
-/// A finished run.
+use crate::control::{Cancelled, Control};
+
+/// A run, however it ended.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// The contract's columns on the scene's sample times.
+    /// The contract's columns on the scene's sample times; of a run that ended before, those until then.
     pub courses: Courses,
+    /// How it ended.
+    pub ending: Ending,
     /// Cost and settings.
     pub stats: RunStats,
     /// The numerical uncertainty of the courses, where the engine verified them itself (`auto`, `native-resolved`).
@@ -24,19 +26,43 @@ pub struct Run {
 }
 
 impl Run {
-    /// A run of an engine that knows nothing of its uncertainty.
+    /// A finished run of an engine that knows nothing of its uncertainty.
     #[must_use]
     pub fn new(courses: Courses, stats: RunStats) -> Self {
         Self {
             courses,
+            ending: Ending::Finished,
             stats,
             uncertainty: None,
             figures: Vec::new(),
         }
     }
 
+    /// A run that ended without time series.
+    #[must_use]
+    pub fn ended(ending: Ending) -> Self {
+        Self {
+            ending,
+            ..Self::new(Courses::default(), RunStats::default())
+        }
+    }
+
+    /// The same with another ending.
+    #[must_use]
+    pub fn with_ending(self, ending: Ending) -> Self {
+        Self { ending, ..self }
+    }
+
+    /// The run if it finished.
+    ///
+    /// # Errors
+    /// How it ended otherwise.
+    pub fn whole(self) -> Result<Self, Ending> {
+        self.ending.whole().map(|()| self)
+    }
+
     /// Adds a note if channels that the scene asks for are not among the courses.
-    pub fn note_missing_channels(&mut self, scene: &Scene) {
+    fn note_missing_channels(&mut self, scene: &Scene) {
         let Ok(asked) = Channels::of(scene) else {
             return;
         };
@@ -58,74 +84,23 @@ impl Run {
     }
 }
 
-/// Why a run gave no complete courses.
-#[derive(Debug, thiserror::Error)]
-pub enum EngineError {
-    /// The engine cannot honour the scene; it never approximates in silence.
-    #[error("{engine} cannot run this scene: {reason}")]
-    Unsupported {
-        /// Engine name.
-        engine: String,
-        /// Which part of the scene and why.
-        reason: String,
-    },
-    /// The numbers ran away.
-    #[error("{engine} diverged at t = {time_s:.6} s: {quantity}")]
-    Diverged {
-        /// Engine name.
-        engine: String,
-        /// When, s.
-        time_s: f64,
-        /// Which quantity and its value.
-        quantity: String,
-        /// What was computed until then.
-        partial: Box<Run>,
-    },
+/// Why an engine goes no further: for the `?` of those who write one. Whoever runs an engine sees an [`Ending`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Halt {
     /// The user asked to stop.
-    #[error("stopped")]
-    Cancelled,
-    /// What the engine needs is not on this machine: a package, a compiler, a library.
-    #[error("{engine} is not on this machine: {reason}")]
-    Absent {
-        /// Engine name.
-        engine: String,
-        /// What is missing, and how to get it.
-        reason: String,
-    },
-    /// The engine broke.
-    #[error("{engine} failed: {reason}")]
-    Failed {
-        /// Engine name.
-        engine: String,
-        /// Its own words.
-        reason: String,
-    },
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The run ends here, without time series.
+    #[error(transparent)]
+    Ended(#[from] Ending),
 }
 
-/// Cancellation and progress of one run. Cheap enough to be asked at every sample.
-pub struct Control<'a> {
-    /// Set from outside (Ctrl-C) to stop the run.
-    pub cancel: &'a AtomicBool,
-    /// Receives simulated seconds as they pass.
-    pub progress: &'a (dyn Fn(f64) + Sync),
-}
-
-impl Control<'_> {
-    /// A control that never cancels and reports nothing.
-    #[must_use]
-    pub fn quiet() -> Control<'static> {
-        static NEVER: AtomicBool = AtomicBool::new(false);
-        Control {
-            cancel: &NEVER,
-            progress: &|_| {},
-        }
-    }
-
-    /// Reports the simulated time; true when the run must stop.
-    #[must_use]
-    pub fn reached(&self, time_s: f64) -> bool {
-        (self.progress)(time_s);
-        self.cancel.load(Ordering::Relaxed)
+/// A halt as a run, unless the user asked for it.
+pub(crate) fn settled(ran: Result<Run, Halt>) -> Result<Run, Cancelled> {
+    match ran {
+        Ok(run) => Ok(run),
+        Err(Halt::Ended(ending)) => Ok(Run::ended(ending)),
+        Err(Halt::Cancelled(cancelled)) => Err(cancelled),
     }
 }
 
@@ -152,7 +127,7 @@ pub struct Refinement {
 /// One that keeps every body as it starts, recorded as all engines record:
 ///
 /// ```
-/// use pinwheel_engines::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
+/// use pinwheel_engines::{Cancelled, Control, Ending, Engine, Halt, Prepared, Run, RunStats, Track};
 /// use pinwheel_gearbox::{Gearbox, Recorder};
 /// use pinwheel_scene::Scene;
 ///
@@ -165,24 +140,22 @@ pub struct Refinement {
 ///     fn summary(&self) -> &str { "nothing moves" }
 ///     fn differences(&self) -> &str { "integrates nothing" }
 ///
-///     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
-///         let failed = |reason: String| EngineError::Failed { engine: "frozen".into(), reason };
+///     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
 ///         if gearbox.has_friction() {
-///             let reason = "friction needs motion".into();
-///             return Err(EngineError::Unsupported { engine: "frozen".into(), reason });
+///             return Err(Ending::unsupported("friction needs motion").into());
 ///         }
 ///         let gearbox = gearbox.clone();
 ///         Ok(Box::new(move |control: &Control<'_>| {
 ///             let bodies = gearbox.initial_states();
-///             let mut law = gearbox.contact_field().map_err(|e| failed(e.to_string()))?;
+///             let mut law = gearbox.contact_field().map_err(Ending::unsupported)?;
 ///             let mut recorder = Recorder::new(&gearbox);
 ///             for t in gearbox.scene.solver.sample_times_s() {
-///                 if control.reached(t) {
-///                     return Err(EngineError::Cancelled);
-///                 }
 ///                 recorder.record(t, 0.0, &bodies, law.as_mut());
+///                 if control.reached(t) {
+///                     return Err(Cancelled.into());
+///                 }
 ///             }
-///             let courses = recorder.finish().map_err(|e| failed(e.to_string()))?;
+///             let courses = recorder.finish().map_err(Ending::failed)?;
 ///             Ok(Run::new(courses, RunStats::default()))
 ///         }))
 ///     }
@@ -190,7 +163,7 @@ pub struct Refinement {
 ///
 /// let scene = Scene::load("paper", &["solver.duration_s=0.001".parse()?])?;
 /// let run = Frozen.run(&scene, &Control::quiet())?;
-/// assert_eq!(run.courses.len(), 11);
+/// assert!(run.ending.is_finished() && run.courses.len() == 11);
 /// let rough = Scene::load("paper-friction", &[])?;
 /// assert!(Frozen.supports(&rough).is_err());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -223,23 +196,22 @@ pub trait Engine: Send + Sync {
     /// a scene on several engines compiles it once.
     ///
     /// # Errors
-    /// [`EngineError::Unsupported`] with the reason, or [`EngineError::Absent`] where the engine is not there.
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError>;
+    /// How a run would end before it begins: unsupported, or not on this machine.
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt>;
 
     /// Whether it honours the scene.
     ///
     /// # Errors
     /// As [`prepare`](Self::prepare).
-    fn supports(&self, scene: &CheckedScene) -> Result<(), EngineError> {
-        self.prepare(&compile(self.name(), None, scene)?)
-            .map(|_| ())
+    fn supports(&self, scene: &CheckedScene) -> Result<(), Halt> {
+        self.prepare(&compile(None, scene)?).map(|_| ())
     }
 
     /// Compiles, prepares and runs a scene.
     ///
     /// # Errors
-    /// Any [`EngineError`]; a divergence keeps what was computed.
-    fn run(&self, scene: &CheckedScene, control: &Control<'_>) -> Result<Run, EngineError> {
+    /// Only that the user asked to stop: what an engine does wrong is an [`Ending`] of the run.
+    fn run(&self, scene: &CheckedScene, control: &Control<'_>) -> Result<Run, Cancelled> {
         self.run_after(&mut None, scene, control)
     }
 
@@ -253,35 +225,46 @@ pub trait Engine: Send + Sync {
         last: &mut Option<Gearbox>,
         scene: &CheckedScene,
         control: &Control<'_>,
-    ) -> Result<Run, EngineError> {
-        let gearbox = compile(self.name(), last.as_ref(), scene)?;
-        self.prepare(last.insert(gearbox))?.run(control)
+    ) -> Result<Run, Cancelled> {
+        match compile(last.as_ref(), scene) {
+            Ok(gearbox) => self.run_compiled(last.insert(gearbox), control),
+            Err(ending) => Ok(Run::ended(ending)),
+        }
+    }
+
+    /// The same for a scene that is compiled.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    fn run_compiled(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Cancelled> {
+        control.check()?;
+        let control = control.lasting(gearbox.scene.solver.duration_s);
+        let prepared = self.prepare(gearbox);
+        let mut run = settled(prepared.and_then(|prepared| prepared.run(&control)))?;
+        control.check()?;
+        if run.ending.is_finished() || !run.courses.is_empty() {
+            run.note_missing_channels(&gearbox.scene);
+        }
+        Ok(run)
     }
 }
 
 /// An engine made ready for one scene.
 pub trait Prepared {
-    /// Runs the scene from its start; may be called again.
+    /// Runs the scene from its start; may be called again. A divergence keeps what was computed.
     ///
     /// # Errors
-    /// Any [`EngineError`]; a divergence keeps what was computed.
-    fn run(&self, control: &Control<'_>) -> Result<Run, EngineError>;
+    /// A stop, or an ending without time series.
+    fn run(&self, control: &Control<'_>) -> Result<Run, Halt>;
 }
 
-impl<F: Fn(&Control<'_>) -> Result<Run, EngineError>> Prepared for F {
-    fn run(&self, control: &Control<'_>) -> Result<Run, EngineError> {
+impl<F: Fn(&Control<'_>) -> Result<Run, Halt>> Prepared for F {
+    fn run(&self, control: &Control<'_>) -> Result<Run, Halt> {
         self(control)
     }
 }
 
-/// The scene compiled for `engine`, after another.
-pub(crate) fn compile(
-    engine: &str,
-    last: Option<&Gearbox>,
-    scene: &CheckedScene,
-) -> Result<Gearbox, EngineError> {
-    Gearbox::after(last, scene).map_err(|error| EngineError::Unsupported {
-        engine: engine.to_owned(),
-        reason: error.to_string(),
-    })
+/// The scene compiled, after another.
+pub(crate) fn compile(last: Option<&Gearbox>, scene: &CheckedScene) -> Result<Gearbox, Ending> {
+    Gearbox::after(last, scene).map_err(Ending::unsupported)
 }

@@ -2,8 +2,9 @@
 //!
 //! ```text
 //!             prepare                    run
-//!  Gearbox ──────────> dyn Prepared ──────────> Run { courses, stats, uncertainty }
-//!             or Unsupported, with the reason    or Diverged, with what there is until then
+//!  Gearbox ──────────> dyn Prepared ──────────> Run { courses, ending, stats, uncertainty }
+//!
+//!  ending: finished; diverged, with what there is until then; unsupported, absent, failed or timed out, with the reason
 //!
 //!  native-reduced, native-lagrange, native-resolved        our solver
 //!  rapier-*, mujoco-*, exudyn-*                            bodies and time integration of others,
@@ -26,6 +27,7 @@
 #[cfg(feature = "crossval")]
 mod cache;
 mod cards;
+mod control;
 mod engine;
 pub mod external;
 mod fnv;
@@ -38,6 +40,7 @@ mod registry;
 mod solvers;
 mod stopping;
 
-pub use engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, RunStats, Track};
+pub use control::{Cancelled, Control, Progress};
+pub use engine::{Ending, Engine, Halt, Knob, Prepared, Refinement, Run, RunStats, Track};
 pub use registry::{Native, by_name, registry};
 pub use stopping::stop_preparing;

@@ -12,7 +12,8 @@ use pinwheel_scene::{Scene, Solver};
 use serde::{Deserialize, Serialize};
 
 use crate::cards::{Card, card};
-use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
+use crate::control::{Cancelled, Control};
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, Track};
 
 /// The recordings' files: path below their folder, text.
 const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/recorded.rs"));
@@ -325,24 +326,21 @@ impl Engine for Recorded {
         self.card.differences
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
         if !self.recording.is_of(&gearbox.scene) {
-            return Err(EngineError::Unsupported {
-                engine: self.card.name.to_owned(),
-                reason: "there is no recording of it".to_owned(),
-            });
+            return Err(Ending::unsupported("there is no recording of it").into());
         }
         let scene = gearbox.scene.clone();
         Ok(Box::new(move |control: &Control<'_>| {
-            self.run(&scene, control)
+            Ok(self.run(&scene, control)?)
         }))
     }
 }
 
 impl Recorded {
-    fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, EngineError> {
+    fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, Cancelled> {
         if control.reached(scene.solver.duration_s) {
-            return Err(EngineError::Cancelled);
+            return Err(Cancelled);
         }
         let Recording {
             version,

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Tells all preparations, now and later, that the user asked to stop: they end with
-/// [`EngineError::Cancelled`](crate::EngineError::Cancelled). For a program's signal handler.
+/// [`Cancelled`](crate::Cancelled). For a program's signal handler.
 pub fn stop_preparing() {
     STOP.store(true, Ordering::Relaxed);
 }

@@ -24,7 +24,11 @@ fn hard_native_resolved_keeps_its_promise_at_any_step_of_the_scene() {
         ("paper-friction", 1e-5, "solver.integrator=dopri5"),
     ] {
         let exact = gearbox(preset, &[SHORT, truth, "solver.tolerance=1e-12"]);
-        let exact = native::run(&exact, &mut |_| false).unwrap().courses;
+        let exact = native::run(&exact, &mut |_| false)
+            .unwrap()
+            .whole()
+            .unwrap()
+            .courses;
         let mut runs = ["solver.step_s=1e-5", "solver.step_s=5e-5"].map(|step| {
             let gearbox = gearbox(preset, &[SHORT, step]);
             let run = resolved(&gearbox);

@@ -87,7 +87,10 @@ fn crossval_a_unit_in_fmpy_is_the_native_run() {
         let gearbox = gearbox(scene, &sets);
         let package = Package::new(&gearbox, &library()).expect("package");
         fs::write(&unit, package.bytes().expect("bytes")).expect("unit");
-        let run = native::run(&gearbox, &mut |_| false).expect("run");
+        let run = native::run(&gearbox, &mut |_| false)
+            .expect("run")
+            .whole()
+            .expect("whole");
         let file = fs::File::create(&courses).expect("file");
         run.courses
             .write_csv(BufWriter::new(file))

@@ -56,7 +56,10 @@ const COMPARED: [&str; 4] = [
 fn against_run(scene: &str, sets: &[&str], step_s: f64) -> f64 {
     let model = model(scene, sets);
     let gearbox = Gearbox::new(model.scene()).expect("gearbox");
-    let run = native::run(&gearbox, &mut |_| false).expect("run");
+    let run = native::run(&gearbox, &mut |_| false)
+        .expect("run")
+        .whole()
+        .expect("whole");
     let mut unit = begun(&model, &[], &[]);
     let sample = model.scene().solver.sample_s;
     let each = (sample / step_s).max(1.0).round() as usize;

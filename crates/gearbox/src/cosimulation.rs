@@ -582,7 +582,10 @@ mod tests {
 
     /// The columns of a run's last sample.
     fn last(gearbox: &Gearbox) -> Vec<f64> {
-        let run = native::run(gearbox, &mut |_| false).unwrap();
+        let run = native::run(gearbox, &mut |_| false)
+            .unwrap()
+            .whole()
+            .unwrap();
         let channels = run.courses.channels().iter();
         channels.map(|c| *c.values.last().unwrap()).collect()
     }

@@ -1,6 +1,6 @@
 //! The native run: a scene's equations, integrated and recorded.
 
-use pinwheel_courses::{Courses, CoursesError};
+use pinwheel_courses::{Courses, CoursesError, Ending};
 use pinwheel_mbs::integrators::{Legs, StepCounts, StepError, StepSettings, Stepper};
 use pinwheel_mbs::{Formulation, Lagrange, Observation, Reduced, Stabilisation};
 
@@ -32,27 +32,32 @@ pub struct NativeRun {
     pub end_s: f64,
     /// Where the energy went.
     pub energy: EnergyAccount,
+    /// How it ended: finished, or diverged with the samples before.
+    pub ending: Ending,
 }
 
-/// Why a run did not reach its end.
+impl NativeRun {
+    /// The run if it came to its end.
+    ///
+    /// # Errors
+    /// How it ended otherwise.
+    pub fn whole(self) -> Result<Self, Ending> {
+        self.ending.whole().map(|()| self)
+    }
+}
+
+/// Why there is no run.
 #[derive(Debug, thiserror::Error)]
 pub enum NativeError {
     /// The scene cannot be modelled.
     #[error(transparent)]
     Model(#[from] GearboxError),
-    /// The numbers ran away; the samples before are kept.
-    #[error("diverged at t = {time_s:.6} s: {quantity}")]
-    Diverged {
-        /// When, s.
-        time_s: f64,
-        /// Which quantity.
-        quantity: String,
-        /// What there is.
-        partial: Box<NativeRun>,
-    },
     /// The observer asked to stop.
     #[error("stopped")]
     Stopped,
+    /// A run that is of use only whole ([`NativeRun::whole`]) ended before.
+    #[error(transparent)]
+    Ended(#[from] Ending),
     /// Recording failed.
     #[error(transparent)]
     Courses(#[from] CoursesError),
@@ -219,7 +224,7 @@ fn integrate<F: Formulation>(
             return Err(NativeError::Stopped);
         }
     }
-    let run = NativeRun {
+    Ok(NativeRun {
         courses: recorder.finish()?,
         counts: stepper.counts(),
         newton_steps: system.newton_steps(),
@@ -227,15 +232,11 @@ fn integrate<F: Formulation>(
         joint_drift_m,
         end_s: stepper.time(),
         energy,
-    };
-    match fault {
-        None => Ok(run),
-        Some((time_s, quantity)) => Err(NativeError::Diverged {
-            time_s,
-            quantity,
-            partial: Box::new(run),
-        }),
-    }
+        ending: match fault {
+            None => Ending::Finished,
+            Some((time_s, quantity)) => Ending::Diverged { time_s, quantity },
+        },
+    })
 }
 
 /// The contacts' energy as the forces told it, or asked for.

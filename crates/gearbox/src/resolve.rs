@@ -24,6 +24,7 @@ pub use uncertainty::{Rung, Uncertainty, Verdict};
 
 use std::rc::Rc;
 
+use pinwheel_courses::Ending;
 use pinwheel_mbs::integrators::method;
 
 use crate::auto::{self, COARSER_ROSENBROCK, EXPONENTIAL, Plan};
@@ -61,11 +62,11 @@ impl Default for Budget {
 }
 
 /// Runs the scene until its courses are within `promise` (relative L2 of the forces and of the driver's torque), within
-/// the budget; returns the finest run and what is known of its error. The integrator, step and tolerance of the scene are
+/// the budget; returns the finest run and what is known of its error, or a diverged one if every method of ours diverges. The integrator, step and tolerance of the scene are
 /// not used. `watch` as in [`native::run`]; time starts anew with every rung.
 ///
 /// # Errors
-/// See [`NativeError`]; diverged only if every method of ours does.
+/// See [`NativeError`].
 pub fn run_resolved(
     gearbox: &Gearbox,
     promise: f64,
@@ -79,7 +80,7 @@ pub fn run_resolved(
         rungs: Vec::new(),
         best: None,
         stopped: None,
-        error: None,
+        diverged: None,
     };
     for plan in auto::chain(&gearbox.scene, promise) {
         if search.climb(&plan, watch)? {
@@ -109,7 +110,8 @@ struct Search<'a> {
     best: Option<Best>,
     /// Why the ladder ended before the promise was met.
     stopped: Option<String>,
-    error: Option<NativeError>,
+    /// The last run that did not come to its end.
+    diverged: Option<NativeRun>,
 }
 
 impl Search<'_> {
@@ -231,43 +233,26 @@ impl Search<'_> {
         } else {
             plan.applied(self.gearbox)?
         };
-        let (run, failure) = match native::run_within(&gearbox, limits, watch) {
-            Ok(run) => (Ok(run), None),
-            Err(NativeError::Diverged {
-                time_s,
-                quantity,
-                partial,
-            }) => {
-                let told = format!("t = {time_s:.6} s: {quantity}");
-                let error = NativeError::Diverged {
-                    time_s,
-                    quantity,
-                    partial,
-                };
-                (Err(error), Some(told))
-            }
-            Err(error) => return Err(error),
-        };
-        let counts = match &run {
-            Ok(run) => run.counts,
-            Err(NativeError::Diverged { partial, .. }) => partial.counts,
-            Err(_) => Default::default(),
-        };
-        self.left = self.left.saturating_sub(counts.evaluations);
+        let run = native::run_within(&gearbox, limits, watch)?;
+        let evaluations = run.counts.evaluations;
+        self.left = self.left.saturating_sub(evaluations);
         self.rungs.push(Rung {
             integrator: plan.integrator.to_owned(),
             setting: plan.setting(),
-            evaluations: counts.evaluations,
+            evaluations,
             moved: None,
-            failure,
+            failure: match &run.ending {
+                Ending::Diverged { time_s, quantity } => {
+                    Some(format!("t = {time_s:.6} s: {quantity}"))
+                }
+                _ => None,
+            },
         });
-        match run {
-            Ok(run) => Ok(Some(run)),
-            Err(error) => {
-                self.error = Some(error);
-                Ok(None)
-            }
+        if run.ending.is_finished() {
+            return Ok(Some(run));
         }
+        self.diverged = Some(run);
+        Ok(None)
     }
 
     /// Keeps the run if it is known better than the best.
@@ -284,18 +269,28 @@ impl Search<'_> {
         budget: Budget,
         watch: &mut dyn FnMut(f64) -> bool,
     ) -> Result<(NativeRun, Uncertainty), NativeError> {
+        let unresolved = |error| Verdict::NotResolved {
+            reason: self
+                .stopped
+                .clone()
+                .unwrap_or_else(|| "no second run to judge it by".to_owned()),
+            remedy: uncertainty::remedy(self.promise, error, budget),
+        };
         let Some(best) = self.best else {
-            return Err(self.error.unwrap_or(NativeError::Stopped));
+            let run = self.diverged.ok_or(NativeError::Stopped)?;
+            let known = Uncertainty {
+                promise: self.promise,
+                error: None,
+                verdict: unresolved(None),
+                chosen: self.rungs.len().saturating_sub(1),
+                rungs: self.rungs,
+            };
+            return Ok((run, known));
         };
         let verdict = if best.holds {
             Verdict::Resolved
         } else {
-            Verdict::NotResolved {
-                reason: self
-                    .stopped
-                    .unwrap_or_else(|| "no second run to judge it by".to_owned()),
-                remedy: uncertainty::remedy(self.promise, best.error, budget),
-            }
+            unresolved(best.error)
         };
         let uncertainty = Uncertainty {
             promise: self.promise,
@@ -509,7 +504,7 @@ mod tests {
             rungs: Vec::new(),
             best: None,
             stopped: None,
-            error: None,
+            diverged: None,
         }
     }
 
@@ -530,7 +525,7 @@ mod tests {
             scene.drive.load_ramp_s = 0.0;
         });
         let (end, found) = climb(&overload, 1e-3, u64::MAX, "rk4");
-        assert!(!end && found.best.is_none() && found.error.is_some());
+        assert!(!end && found.best.is_none() && found.diverged.is_some());
         let stopped = found.stopped.unwrap();
         assert!(stopped.contains("rk4 does not get through"), "{stopped}");
         let settings: Vec<&str> = found.rungs.iter().map(|r| r.setting.as_str()).collect();
@@ -578,7 +573,12 @@ mod tests {
     #[test]
     fn the_best_run_is_kept() {
         let light = gearbox(|scene| scene.solver.duration_s = 1e-4);
-        let run = Rc::new(native::run(&light, &mut |_| false).unwrap());
+        let run = Rc::new(
+            native::run(&light, &mut |_| false)
+                .unwrap()
+                .whole()
+                .unwrap(),
+        );
         let mut search = search(&light, 1e-3, 0);
         for (rung, error) in [
             None,

@@ -39,7 +39,10 @@ fn equilibrium_start_has_no_transient() {
             scene.solver.integrator = "rk4".into();
             scene.solver.duration_s = 0.6;
             let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-            let run = native::run(&gearbox, &mut |_| false).unwrap();
+            let run = native::run(&gearbox, &mut |_| false)
+                .unwrap()
+                .whole()
+                .unwrap();
             run.courses.channel("input_torque_n_m").unwrap().to_vec()
         };
         let torque = course(Start::Equilibrium);
@@ -132,7 +135,10 @@ fn slow_runs_tend_to_the_statics() {
         scene.solver.duration_s = 0.02;
         scene.solver.sample_s = 5e-4;
         let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-        let run = native::run(&gearbox, &mut |_| false).unwrap();
+        let run = native::run(&gearbox, &mut |_| false)
+            .unwrap()
+            .whole()
+            .unwrap();
         let mut statics = Statics::new(&gearbox).unwrap();
         let output = run.courses.channel("output_angle_rad").unwrap();
         let off = |(t, x): (&f64, &f64)| (x - statics.solve(speed * t, 22.0).unwrap().output).abs();

@@ -20,6 +20,8 @@ fn run(preset: &str, duration_s: f64, channels: &[&str], sets: &[(&str, &str)]) 
         &mut |_| false,
     )
     .unwrap()
+    .whole()
+    .unwrap()
 }
 
 fn column<'a>(courses: &'a Courses, name: &str) -> &'a [f64] {

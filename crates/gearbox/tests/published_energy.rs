@@ -6,7 +6,10 @@ use pinwheel_scene::Scene;
 
 fn run(scene: &Scene) -> native::NativeRun {
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-    native::run(&gearbox, &mut |_| false).unwrap()
+    native::run(&gearbox, &mut |_| false)
+        .unwrap()
+        .whole()
+        .unwrap()
 }
 
 fn scene(law: &str) -> Scene {

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use pinwheel_courses::Ending;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, PROMISE};
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
@@ -26,6 +27,8 @@ fn named(scene: &Scene, integrator: &str, tolerance: f64) -> NativeRun {
         &Gearbox::new(&scene.clone().check().unwrap()).unwrap(),
         &mut |_| false,
     )
+    .unwrap()
+    .whole()
     .unwrap()
 }
 
@@ -169,7 +172,11 @@ fn regress_small_forces_are_judged_too() {
         let gearbox = gearbox
             .with_solver(|solver| solver.step_s = step_s)
             .unwrap();
-        native::run(&gearbox, &mut |_| false).unwrap().courses
+        native::run(&gearbox, &mut |_| false)
+            .unwrap()
+            .whole()
+            .unwrap()
+            .courses
     };
     let (coarse, fine) = (run(5e-5), run(5e-6));
     let peak = fine.group("external_sleeve_force_n").concat();
@@ -239,7 +246,7 @@ fn remedies_are_tried_before_they_are_offered() {
         &Gearbox::new(&steel.clone().check().unwrap()).unwrap(),
         &mut |_| false,
     );
-    assert!(matches!(failed, Err(NativeError::Diverged { .. })));
+    assert!(matches!(failed.unwrap().ending, Ending::Diverged { .. }));
     let found =
         remedy(&steel.clone().check().unwrap(), Duration::from_secs(60)).expect("auto resolves it");
     assert!(found.sentence().contains("solver.integrator = \"auto\""));

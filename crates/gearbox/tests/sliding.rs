@@ -10,7 +10,10 @@ use pinwheel_scene::{Override, Scene};
 fn columns(scene: &Scene, kernel: Kernel) -> Vec<Vec<f64>> {
     let mut gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     gearbox.kernel = kernel;
-    let run = native::run(&gearbox, &mut |_| false).unwrap();
+    let run = native::run(&gearbox, &mut |_| false)
+        .unwrap()
+        .whole()
+        .unwrap();
     let channels = run.courses.channels().iter();
     channels.map(|channel| channel.values.clone()).collect()
 }

@@ -2,7 +2,6 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pinwheel_courses::Courses;
 use pinwheel_gearbox::native::{self, NativeError};
 use pinwheel_gearbox::resolve::{self, Budget};
 use pinwheel_gearbox::{Gearbox, GearboxError, auto};
@@ -59,30 +58,28 @@ pub fn window(
         return Ok(None);
     };
     let watch = &mut |_| cancel.load(Ordering::Relaxed);
-    let mut ran = native::run(&gearbox, watch);
+    let mut run = match native::run(&gearbox, watch) {
+        Ok(run) => run,
+        Err(NativeError::Stopped) => return Err(PageError::Cancelled),
+        Err(_) => return Ok(None),
+    };
     let mut title = title.to_owned();
-    if matches!(ran, Err(NativeError::Diverged { .. })) {
+    if !run.ending.is_finished() {
         // Forces that run away are no picture of the gear where another method gets through.
         match resolve::run_resolved(&gearbox, auto::PROMISE, BUDGET, watch) {
-            Ok((run, _)) => {
+            Ok((other, _)) if other.ending.is_finished() => {
                 title.push_str(", by a method that gets through");
-                ran = Ok(run);
+                run = other;
             }
             Err(NativeError::Stopped) => return Err(PageError::Cancelled),
-            Err(_) => title.push_str(", until it diverges"),
+            // What there is until then is worth seeing.
+            _ => title.push_str(", until it diverges"),
         }
     }
-    let courses: Courses = match ran {
-        Ok(run) => run.courses,
-        // What there is until then is worth seeing.
-        Err(NativeError::Diverged { partial, .. }) => partial.courses,
-        Err(NativeError::Stopped) => return Err(PageError::Cancelled),
-        Err(NativeError::Model(_) | NativeError::Courses(_)) => return Ok(None),
-    };
     Ok(Animation::of(
         title,
         &gearbox.scene,
-        &courses,
+        &run.courses,
         (from_s, to_s),
     ))
 }

@@ -28,10 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             println!("{} of {}: {}", at.done + 1, at.total, at.piece);
         }
     };
-    let control = Control {
-        cancel: &stop,
-        progress: &progress,
-    };
+    let control = Control::new(&stop, &progress);
     let found = comparison::run(&input, &control)?;
     let text = pages::comparison::text(&scene, &found.comparison);
     println!("{}", plain(&text));

@@ -1,6 +1,6 @@
 //! Errors as the package's exceptions. Messages name keys as Python writes them, and never the program's options.
 
-use pinwheel::engines::EngineError;
+use pinwheel::courses::Ending;
 use pinwheel::pages::PageError;
 use pinwheel::scene::{Place, SceneError};
 use pinwheel::studies::StudyError;
@@ -67,53 +67,38 @@ pub(crate) fn scene(py: Python<'_>, error: &SceneError) -> PyErr {
     )
 }
 
-/// What an engine did wrong; of a divergence without its courses.
-pub(crate) fn engine(py: Python<'_>, error: &EngineError) -> PyErr {
-    let message = error.to_string();
-    match error {
-        EngineError::Cancelled => PyKeyboardInterrupt::new_err("stopped"),
-        EngineError::Unsupported { engine, reason } => raise(
+/// How a run of `engine` ended other than finished; `partial`: what it had computed until then, or None.
+pub(crate) fn ended(py: Python<'_>, engine: &str, ending: &Ending, partial: Py<PyAny>) -> PyErr {
+    let message = format!("{engine} {ending}");
+    let name = ("engine", text(py, engine));
+    match ending {
+        Ending::Diverged { time_s, quantity } => {
+            let time = pyo3::types::PyFloat::new(py, *time_s).into_any().unbind();
+            let quantity = text(py, quantity);
+            let attributes = [
+                name,
+                ("time_s", time),
+                ("quantity", quantity),
+                ("partial", partial),
+            ];
+            raise(py, "Diverged", &message, &attributes)
+        }
+        Ending::Unsupported { reason } => raise(
             py,
             "Unsupported",
             &message,
-            &[("engine", text(py, engine)), ("reason", text(py, reason))],
+            &[name, ("reason", text(py, reason))],
         ),
-        EngineError::Failed { engine, reason } | EngineError::Absent { engine, reason } => raise(
-            py,
-            "EngineFailed",
-            &message,
-            &[("engine", text(py, engine)), ("reason", text(py, reason))],
-        ),
-        EngineError::Diverged {
-            engine,
-            time_s,
-            quantity,
-            ..
-        } => diverged(py, engine, *time_s, quantity, py.None()),
+        Ending::Failed { reason } | Ending::Absent { reason } | Ending::TimedOut { reason, .. } => {
+            raise(
+                py,
+                "EngineFailed",
+                &message,
+                &[name, ("reason", text(py, reason))],
+            )
+        }
+        Ending::Finished => raise(py, "EngineFailed", &message, &[name]),
     }
-}
-
-/// A run that diverged, with what it had computed until then.
-pub(crate) fn diverged(
-    py: Python<'_>,
-    engine: &str,
-    time_s: f64,
-    quantity: &str,
-    partial: Py<PyAny>,
-) -> PyErr {
-    let message = format!("{engine} diverged at t = {time_s:.6} s: {quantity}");
-    let time = pyo3::types::PyFloat::new(py, time_s).into_any().unbind();
-    raise(
-        py,
-        "Diverged",
-        &message,
-        &[
-            ("engine", text(py, engine)),
-            ("time_s", time),
-            ("quantity", text(py, quantity)),
-            ("partial", partial),
-        ],
-    )
 }
 
 /// Bad input that is no scene's.
@@ -136,7 +121,7 @@ pub(crate) fn choice(py: Python<'_>, error: &ChoiceError) -> PyErr {
 pub(crate) fn study(py: Python<'_>, error: &StudyError) -> PyErr {
     match error {
         StudyError::Cancelled => PyKeyboardInterrupt::new_err("stopped"),
-        StudyError::Engine(error) => engine(py, error),
+        StudyError::Ended { engine, ending } => ended(py, engine, ending, py.None()),
         StudyError::Choice(error) => choice(py, error),
         StudyError::Load(error) => scene(py, error),
         StudyError::Output(error) => PyOSError::new_err(error.to_string()),

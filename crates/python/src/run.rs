@@ -2,7 +2,6 @@
 
 use pinwheel::courses::Ending;
 use pinwheel::engines::Engine;
-use pinwheel::engines::EngineError;
 use pinwheel::studies::{StudyError, choice, single};
 use pyo3::prelude::*;
 
@@ -77,17 +76,17 @@ pub(crate) fn run(
     let found = found.map_err(|error| {
         let told = errors::study(py, &error);
         let raised = guest.and_then(|guest| guest.raised.lock().ok()?.take());
-        if matches!(error, StudyError::Engine(EngineError::Failed { .. })) {
+        let failed = |ending: &Ending| matches!(ending, Ending::Failed { .. });
+        if matches!(&error, StudyError::Ended { ending, .. } if failed(ending)) {
             told.set_cause(py, raised);
         }
         told
     })?;
-    let ending = found.ending.clone();
+    let (engine, ending) = (found.engine.clone(), found.run.ending.clone());
     let ran = Ran::of(py, found)?;
-    if let Ending::Diverged { time_s, quantity } = ending {
-        let engine = ran.engine.clone();
+    if !ending.is_finished() {
         let partial = Py::new(py, ran)?.into_any();
-        return Err(errors::diverged(py, &engine, time_s, &quantity, partial));
+        return Err(errors::ended(py, &engine, &ending, partial));
     }
     Ok(ran)
 }

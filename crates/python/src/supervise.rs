@@ -48,10 +48,7 @@ pub(crate) fn supervised<T: Send>(
             }
         };
         scope(|scope| {
-            let control = Control {
-                cancel: &cancel,
-                progress: &report,
-            };
+            let control = Control::new(&cancel, &report);
             let started = Builder::new()
                 .name("pinwheel".to_owned())
                 .stack_size(STACK_BYTES)

@@ -310,7 +310,7 @@ pub(crate) fn perform(
             return Err(errors::input(py, &text));
         };
         let made = py.detach(|| {
-            let control = pinwheel::engines::Control::quiet();
+            let control = pinwheel::Control::quiet();
             let place = (place.as_path(), keep);
             sweeps::perform(
                 &planned,

@@ -18,9 +18,9 @@
 use std::error::Error;
 
 use pinwheel_courses::norms::{Distance, Least, Level};
-use pinwheel_courses::{Courses, CoursesError, columns};
+use pinwheel_courses::{Courses, CoursesError, Ending, columns};
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::native::{self, NativeError, NativeRun};
+use pinwheel_gearbox::native::{self, NativeRun};
 use pinwheel_scene::{CheckedScene, Detection, Scene};
 
 /// What is switched on.
@@ -139,12 +139,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Runs a published model, whose damping no sound scene may have. The inner error says how the run ended.
-fn run(scene: &Scene) -> Result<Result<NativeRun, NativeError>, Box<dyn Error>> {
+fn run(scene: &Scene) -> Result<Result<NativeRun, Ending>, Box<dyn Error>> {
     let gearbox = Gearbox::new(&CheckedScene::unchecked(scene.clone()))?;
-    match native::run(&gearbox, &mut |_| false) {
-        Err(error) if !matches!(error, NativeError::Diverged { .. }) => Err(error.into()),
-        ended => Ok(ended),
-    }
+    Ok(native::run(&gearbox, &mut |_| false)?.whole())
 }
 
 fn switched(scene: &Scene, damping: f64, switch: Switch) -> Scene {

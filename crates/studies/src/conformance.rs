@@ -13,7 +13,7 @@ use pinwheel_contact::laws::LAWS;
 use pinwheel_courses::norms::{View, relative_l2};
 use pinwheel_courses::{Courses, columns};
 use pinwheel_engines::external::Solver;
-use pinwheel_engines::{Engine, EngineError, Knob, Native, Run, Track};
+use pinwheel_engines::{Cancelled, Ending, Engine, Knob, Native, Run, Track};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{CheckedScene, Override, Scene};
 use serde::Serialize;
@@ -110,6 +110,12 @@ enum Miss {
     Failed(String),
     Skipped(String),
     Study(StudyError),
+}
+
+impl From<Cancelled> for Miss {
+    fn from(cancelled: Cancelled) -> Self {
+        Self::Study(cancelled.into())
+    }
 }
 
 impl From<StudyError> for Miss {
@@ -279,32 +285,22 @@ impl Trials<'_> {
 
     /// A run that must finish.
     fn run(&self, scene: &CheckedScene) -> Result<Run, Miss> {
-        let ran = self.try_run(scene)?;
-        ran.map_err(|error| Miss::Failed(error.to_string()))
+        let ran = self.try_run(scene)?.whole();
+        ran.map_err(|ending| Miss::Failed(format!("{} {ending}", self.solver.name())))
     }
 
-    fn try_run(&self, scene: &CheckedScene) -> Result<Result<Run, EngineError>, Miss> {
-        let gearbox = compile(scene)?;
-        let at = Progress::new(0, 1, self.solver.name());
-        let quiet = Control {
-            cancel: self.control.cancel,
-            progress: &|_| {},
-        };
-        Ok(quiet.engine(self.solver, &gearbox, at)?)
+    fn try_run(&self, scene: &CheckedScene) -> Result<Run, Miss> {
+        Ok(self.solver.run(scene, &self.quiet())?)
+    }
+
+    fn quiet(&self) -> Control<'_> {
+        Control::silent(self.control.cancel)
     }
 
     fn native(&self, engine: Native, scene: &CheckedScene) -> Result<Courses, Miss> {
-        let run = engine.run(
-            scene,
-            &pinwheel_engines::Control {
-                cancel: self.control.cancel,
-                progress: &|_| {},
-            },
-        );
-        match run {
+        match engine.run(scene, &self.quiet())?.whole() {
             Ok(run) => Ok(run.courses),
-            Err(EngineError::Cancelled) => Err(StudyError::Cancelled.into()),
-            Err(error) => skipped(error.to_string()),
+            Err(ending) => skipped(format!("{} {ending}", engine.name())),
         }
     }
 
@@ -507,8 +503,8 @@ impl Trials<'_> {
                 law.name.clone_into(&mut scene.contact.law);
                 scene.solver.duration_s = 0.001;
             })?;
-            if let Err(error) = self.try_run(&scene)? {
-                return failed(format!("{}: {error}", law.name));
+            if let Err(ending) = self.try_run(&scene)?.ending.whole() {
+                return failed(format!("{}: it {ending}", law.name));
             }
             honoured.push(law.name);
         }
@@ -517,14 +513,12 @@ impl Trials<'_> {
 
     /// A scene that the manifest honours must run, and one that it does not must be refused.
     fn honoured(&self, scene: &CheckedScene, honours: bool, key: &str) -> Seen {
-        match (self.try_run(scene)?, honours) {
-            (Ok(_), true) => Ok("runs".to_owned()),
-            (Err(EngineError::Unsupported { .. }), false) => {
-                Ok(format!("refused: {key} is not set"))
-            }
-            (Err(error), true) => failed(format!("{key} is set, but {error}")),
-            (Ok(_), false) => failed(format!("it ran although {key} is not set")),
-            (Err(error), false) => failed(error.to_string()),
+        match (self.try_run(scene)?.ending, honours) {
+            (Ending::Finished, true) => Ok("runs".to_owned()),
+            (Ending::Unsupported { .. }, false) => Ok(format!("refused: {key} is not set")),
+            (ending, true) => failed(format!("{key} is set, but it {ending}")),
+            (Ending::Finished, false) => failed(format!("it ran although {key} is not set")),
+            (ending, false) => failed(ending.to_string()),
         }
     }
 
@@ -566,24 +560,22 @@ impl Trials<'_> {
             // Ten times as stiff, so that any explicit step of a millisecond fails.
             scene.contact.stiffness_multiplier = 0.1;
         })?;
-        match self.try_run(&scene)? {
-            Err(EngineError::Diverged {
-                time_s, quantity, ..
-            }) => Ok(format!("diverged at {time_s:.4} s: {quantity}")),
-            Ok(_) => Ok("finished, and stayed in its mesh".to_owned()),
-            Err(error) => failed(error.to_string()),
+        match self.try_run(&scene)?.ending {
+            Ending::Diverged { time_s, quantity } => {
+                Ok(format!("diverged at {time_s:.4} s: {quantity}"))
+            }
+            Ending::Finished => Ok("finished, and stayed in its mesh".to_owned()),
+            ending => failed(ending.to_string()),
         }
     }
 
     fn broken(&self) -> Seen {
         let gearbox = compile(&self.scene)?;
-        match self.solver.run_broken_job(&gearbox, self.control.cancel) {
-            Err(EngineError::Cancelled) => Err(StudyError::Cancelled.into()),
-            Err(EngineError::Failed { reason, .. } | EngineError::Unsupported { reason, .. }) => {
-                Ok(reason)
-            }
-            Err(error) => failed(error.to_string()),
-            Ok(_) => failed("it said that it finished"),
+        let run = self.solver.run_broken_job(&gearbox, &self.quiet())?;
+        match run.ending {
+            Ending::Failed { reason } | Ending::Unsupported { reason } => Ok(reason),
+            Ending::Finished => failed("it said that it finished"),
+            ending => failed(ending.to_string()),
         }
     }
 
@@ -598,24 +590,19 @@ impl Trials<'_> {
     fn stopped(&self) -> Seen {
         let gearbox = compile(&self.endless()?)?;
         let (stop, begun) = (AtomicBool::new(false), Instant::now());
-        let wait = |_: f64| {
+        let wait = |_: Progress<'_>| {
             let enough = begun.elapsed().as_secs_f64() > 0.5 * PATIENCE_S;
             if enough || self.control.is_cancelled() {
                 stop.store(true, Ordering::Relaxed);
             }
         };
-        let control = pinwheel_engines::Control {
-            cancel: &stop,
-            progress: &wait,
-        };
-        let ended = self
-            .solver
-            .prepare(&gearbox)
-            .and_then(|ready| ready.run(&control));
+        let control = Control::new(&stop, &wait);
+        let ended = self.solver.run_compiled(&gearbox, &control);
         self.control.check()?;
-        self.in_time(begun, 0.5 * PATIENCE_S, ended, |error| {
-            matches!(error, EngineError::Cancelled)
-        })
+        match ended {
+            Ok(run) => failed(run.ending.to_string()),
+            Err(Cancelled) => in_time(begun, 0.5 * PATIENCE_S),
+        }
     }
 
     fn timeout(&self) -> Seen {
@@ -625,35 +612,20 @@ impl Trials<'_> {
             .clone()
             .within(Duration::from_secs_f64(PATIENCE_S));
         let begun = Instant::now();
-        let control = pinwheel_engines::Control {
-            cancel: self.control.cancel,
-            progress: &|_| {},
-        };
-        let ended = hasty
-            .prepare(&gearbox)
-            .and_then(|ready| ready.run(&control));
-        self.control.check()?;
-        self.in_time(begun, PATIENCE_S, ended, |error| {
-            matches!(error, EngineError::Failed { reason, .. } if reason.contains("it took longer than"))
-        })
-    }
-
-    /// Whether a run that had to be ended was, within reasonable time.
-    fn in_time(
-        &self,
-        begun: Instant,
-        asked_s: f64,
-        ended: Result<Run, EngineError>,
-        expected: impl Fn(&EngineError) -> bool,
-    ) -> Seen {
-        let took = begun.elapsed().as_secs_f64() - asked_s;
-        match ended {
-            Ok(_) => failed("it says that it finished a run that takes hours"),
-            Err(error) if !expected(&error) => failed(error.to_string()),
-            Err(_) if took > ENDS_S => failed(format!("it took {took:.1} s to end")),
-            Err(_) => Ok(format!("ended within {:.1} s", took.max(0.0))),
+        match hasty.run_compiled(&gearbox, &self.quiet())?.ending {
+            Ending::TimedOut { .. } => in_time(begun, PATIENCE_S),
+            ending => failed(ending.to_string()),
         }
     }
+}
+
+/// Whether a run that was asked to end after `asked_s` did, within reasonable time.
+fn in_time(begun: Instant, asked_s: f64) -> Seen {
+    let took = begun.elapsed().as_secs_f64() - asked_s;
+    if took > ENDS_S {
+        return failed(format!("it took {took:.1} s to end"));
+    }
+    Ok(format!("ended within {:.1} s", took.max(0.0)))
 }
 
 fn compile(scene: &CheckedScene) -> Result<Gearbox, StudyError> {

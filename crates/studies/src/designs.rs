@@ -23,7 +23,7 @@ use serde_json::Value;
 use crate::comparison::{Effort, climb, context};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
-use crate::{Control, Progress, StudyError, design};
+use crate::{Control, Progress, StudyError, design, single};
 
 /// What is compared.
 #[derive(Clone, Copy)]
@@ -126,7 +126,7 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyErr
     let scenes = input.gearboxes.map(|gearbox| &gearbox.scene);
     let names = names(scenes, input.specs);
     for gearbox in input.gearboxes {
-        input.engine.prepare(gearbox).map_err(StudyError::Engine)?;
+        single::prepare(input.engine, gearbox)?;
     }
     let mut designs = Vec::new();
     let mut ran = Vec::new();

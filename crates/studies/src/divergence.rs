@@ -13,7 +13,7 @@ use pinwheel_scene::{Fault, FrictionLaw, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
-use crate::control::{Ended, of_scene, run_compiled};
+use crate::control::{of_scene, run_compiled};
 use pinwheel_courses::norms::Level;
 
 /// Share of the largest force that counts as visible.
@@ -109,15 +109,12 @@ pub fn horizon(
     };
     let mut both = Vec::new();
     for gearbox in [&still, &moved] {
-        match run_compiled(gearbox, watch)? {
-            Ended::Whole(run) => both.push(run.courses),
-            Ended::Diverged {
-                time_s, quantity, ..
-            } => {
-                found.refused = Some(format!("the run ends at t = {time_s:.4} s: {quantity}"));
-                return Ok(found);
-            }
+        let run = run_compiled(gearbox, watch)?;
+        if let Some(failure) = run.ending.failure() {
+            found.refused = Some(format!("the run ends {failure}"));
+            return Ok(found);
         }
+        both.push(run.courses);
     }
     let size = Level::of(&both[0]).peak_force_n;
     if size < still.least_force_n() {

@@ -1,5 +1,7 @@
 //! What can go wrong in a study.
 
+use pinwheel_engines::{Cancelled, Ending};
+
 use crate::choice::ChoiceError;
 use crate::output::OutputError;
 
@@ -15,9 +17,14 @@ pub enum StudyError {
     /// An engine that cannot be chosen.
     #[error(transparent)]
     Choice(#[from] ChoiceError),
-    /// An engine that cannot run the scene, or failed.
-    #[error(transparent)]
-    Engine(pinwheel_engines::EngineError),
+    /// A run that a study cannot go on without did not finish.
+    #[error("{engine} {ending}")]
+    Ended {
+        /// Name of the engine.
+        engine: String,
+        /// How it ended.
+        ending: Ending,
+    },
     /// The run that checks another could not be made.
     #[error("the run cannot be repeated at twice its step: {0}")]
     Unrepeated(Box<StudyError>),
@@ -52,4 +59,10 @@ pub enum StudyError {
     /// Recording failed.
     #[error(transparent)]
     Courses(#[from] pinwheel_courses::CoursesError),
+}
+
+impl From<Cancelled> for StudyError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }

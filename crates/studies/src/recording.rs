@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::Path;
 
+use pinwheel_courses::Ending;
 use pinwheel_engines::recorded::{RECORDED_SCENES, Recording, may_be_missing, worth_keeping};
-use pinwheel_engines::{Engine, EngineError, registry};
+use pinwheel_engines::{Engine, registry};
 use pinwheel_scene::{CheckedScene, Scene};
 
 use crate::StudyError;
@@ -73,13 +74,14 @@ pub fn record(
         return Ok(Recorded::Left(reason));
     }
     let gearbox = compile(scene)?;
-    let run = match control.engine(engine, &gearbox, Progress::new(0, 1, &label))? {
-        Ok(run) => run,
-        Err(error @ (EngineError::Failed { .. } | EngineError::Absent { .. })) => {
-            return Ok(Recorded::Broken(error.to_string()));
-        }
-        Err(error) => return Ok(Recorded::Left(error.to_string())),
-    };
+    let at = control.piece(Progress::new(0, 1, &label));
+    let run = engine.run_compiled(&gearbox, &at)?;
+    let told = format!("{} {}", engine.name(), run.ending);
+    match run.ending {
+        Ending::Finished => {}
+        Ending::Failed { .. } | Ending::Absent { .. } => return Ok(Recorded::Broken(told)),
+        _ => return Ok(Recorded::Left(told)),
+    }
     let mut recording = Recording::new(engine, scene, run);
     let made = Provenance::here(format!(
         "pinwheel record {} --engines {}",

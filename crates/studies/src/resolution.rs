@@ -14,7 +14,7 @@ use pinwheel_mbs::integrators::method;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
-use crate::control::{Ended, of_scene, run_compiled};
+use crate::control::{of_scene, run_compiled};
 
 /// Relative L2 distance to the coarser run beyond which a run is not resolved: its own error is then about 0.1 or more.
 /// Measured over the presets, 0.05 s at 1e-5 s: those within 0.1 of their converged run move by 0.25 at most
@@ -87,43 +87,38 @@ pub fn check(
     let mut again = |factor: f64| {
         let (other, words) = refined(gearbox, factor)?;
         let found = run_compiled(&other, watch)?;
-        spent += found.evaluations();
+        spent += found.counts.evaluations;
         Ok::<_, StudyError>((found, words, spent as f64 / evaluations.max(1) as f64))
     };
-    match again(0.5)? {
-        (Ended::Whole(coarser), other, cost) => Ok(Resolution {
+    let (coarser, other, cost) = again(0.5)?;
+    if coarser.ending.is_finished() {
+        return Ok(Resolution {
             other,
             moved: Some(gearbox.distance(&coarser.courses, courses)),
             error: error(gearbox, (&coarser.courses, courses), from_s),
             most: MOST,
             failure: None,
             cost,
-        }),
-        (
-            Ended::Diverged {
-                time_s, quantity, ..
-            },
-            ..,
-        ) => {
-            let (fine, other, cost) = again(2.0)?;
-            let (moved, error) = match fine {
-                Ended::Whole(finer) => (
-                    Some(gearbox.distance(courses, &finer.courses)),
-                    // Twice what the finer run has left.
-                    error(gearbox, (courses, &finer.courses), from_s).map(|e| e.times(2.0)),
-                ),
-                Ended::Diverged { .. } => (None, None),
-            };
-            Ok(Resolution {
-                other,
-                moved,
-                error,
-                most: MOST_TO_FINER,
-                failure: Some(format!("t = {time_s:.4} s: {quantity}")),
-                cost,
-            })
-        }
+        });
     }
+    let (finer, other, cost) = again(2.0)?;
+    let (moved, error) = if finer.ending.is_finished() {
+        (
+            Some(gearbox.distance(courses, &finer.courses)),
+            // Twice what the finer run has left.
+            error(gearbox, (courses, &finer.courses), from_s).map(|e| e.times(2.0)),
+        )
+    } else {
+        (None, None)
+    };
+    Ok(Resolution {
+        other,
+        moved,
+        error,
+        most: MOST_TO_FINER,
+        failure: coarser.ending.failure(),
+        cost,
+    })
 }
 
 /// Of the finer of two runs that are a refinement apart: the grid convergence index for first order and a factor of two [Roache

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use pinwheel_courses::{Courses, Ending};
-use pinwheel_engines::{Engine, EngineError, Run, RunStats, Track};
+use pinwheel_engines::{Engine, Halt, Run, RunStats, Track};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::resolve::{self, Uncertainty};
 use pinwheel_scene::{Assumption, CheckedScene, Formulation, Scene, assumptions};
@@ -77,6 +77,21 @@ pub fn file(ending: &Ending) -> &'static str {
     }
 }
 
+/// Whether `engine` honours the scene of `gearbox`.
+///
+/// # Errors
+/// Cancelled, or [`StudyError::Ended`] with the reason.
+pub fn prepare(engine: &dyn Engine, gearbox: &Gearbox) -> Result<(), StudyError> {
+    match engine.prepare(gearbox) {
+        Ok(_) => Ok(()),
+        Err(Halt::Cancelled(cancelled)) => Err(cancelled.into()),
+        Err(Halt::Ended(ending)) => Err(StudyError::Ended {
+            engine: engine.name().to_owned(),
+            ending,
+        }),
+    }
+}
+
 /// One scene on one engine.
 #[derive(Debug, Clone)]
 pub struct Outcome {
@@ -88,9 +103,7 @@ pub struct Outcome {
     pub track: Track,
     /// The scene as run.
     pub scene: CheckedScene,
-    /// How it ended.
-    pub ending: Ending,
-    /// Courses and cost; of a run that diverged, until then.
+    /// Courses, cost and ending; of a run that diverged, until then.
     pub run: Run,
     /// What the same run at twice the step shows, where that was looked at.
     pub resolution: Option<Resolution>,
@@ -109,18 +122,15 @@ pub fn run(
 ) -> Result<Outcome, StudyError> {
     let scene = &gearbox.scene;
     let at = Progress::new(0, 1, engine.name());
-    let (run, ending) = match control.engine(engine, gearbox, at)? {
-        Ok(run) => (run, Ending::Finished),
-        Err(EngineError::Diverged {
-            time_s,
-            quantity,
-            partial,
-            ..
-        }) => (*partial, Ending::Diverged { time_s, quantity }),
-        Err(error) => return Err(StudyError::Engine(error)),
-    };
+    let run = engine.run_compiled(gearbox, &control.piece(at))?;
+    if !matches!(run.ending, Ending::Finished | Ending::Diverged { .. }) {
+        return Err(StudyError::Ended {
+            engine: engine.name().to_owned(),
+            ending: run.ending,
+        });
+    }
     // What verified itself needs no second look.
-    let resolution = if ending == Ending::Finished && checked && run.uncertainty.is_none() {
+    let resolution = if run.ending.is_finished() && checked && run.uncertainty.is_none() {
         check(engine, gearbox, &run, control)?
     } else {
         None
@@ -130,7 +140,6 @@ pub fn run(
         version: engine.version(),
         track: engine.track(),
         scene: scene.clone(),
-        ending,
         run,
         resolution,
     })
@@ -152,13 +161,14 @@ fn check(
     let formed = gearbox.with_solver(|solver| solver.formulation = formulation);
     let formed = formed.map_err(|fault| of_scene(&gearbox.scene, fault.into()))?;
     let label = format!("{} once more, coarser", engine.name());
-    let mut watch = control.watch(&formed.scene, Progress::new(0, 1, &label));
+    let at = control.piece(Progress::new(0, 1, &label));
+    let at = at.lasting(formed.scene.solver.duration_s);
     let from_s = results::from_s(run, &gearbox.scene);
     match resolution::check(
         &formed,
         (&run.courses, run.stats.rhs_calls),
         from_s,
-        &mut watch,
+        &mut |t| at.reached(t),
     ) {
         Ok(found) => Ok(Some(found)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
@@ -170,13 +180,8 @@ impl Outcome {
     /// That the run diverged: when, and by what.
     #[must_use]
     pub fn diverged(&self) -> Option<String> {
-        match &self.ending {
-            Ending::Diverged { time_s, quantity } => Some(format!(
-                "{} diverged at t = {time_s:.6} s: {quantity}",
-                self.engine
-            )),
-            _ => None,
-        }
+        let ending = &self.run.ending;
+        (!ending.is_finished()).then(|| format!("{} {ending}", self.engine))
     }
 
     /// What it was run for.
@@ -216,11 +221,11 @@ impl Outcome {
         let record = RunRecord {
             resolution: self.resolution.as_ref(),
             uncertainty: self.run.uncertainty.as_ref(),
-            results: self.ending.is_finished().then(|| self.results()),
+            results: self.run.ending.is_finished().then(|| self.results()),
             ..RunRecord::new(
                 (&self.engine, &self.version, self.track.as_str()),
                 &self.scene,
-                &self.ending,
+                &self.run.ending,
                 &self.run.stats,
                 made,
             )

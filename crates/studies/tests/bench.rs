@@ -2,10 +2,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pinwheel_engines::{Control as Watch, Engine, EngineError, Native, Prepared, Track, by_name};
+use pinwheel_engines::{Ending, Engine, Halt, Native, Prepared, Track, by_name};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
-use pinwheel_studies::bench::{Ending, Measure, Options, Stopped, WorkPrecision, run, write_csv};
+use pinwheel_studies::bench::{Measure, Options, Stopped, WorkPrecision, run, write_csv};
 use pinwheel_studies::{Control, Progress, StudyError};
 
 fn scene(sets: &[&str]) -> Scene {
@@ -41,19 +41,17 @@ impl Engine for Peer {
     fn differences(&self) -> &'static str {
         ""
     }
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
         let step_s = gearbox.scene.solver.step_s;
         let native = Native::LAGRANGE.prepare(gearbox)?;
-        Ok(Box::new(move |control: &Watch<'_>| {
+        Ok(Box::new(move |control: &Control<'_>| {
             let mut run = native.run(control)?;
             run.stats.rhs_calls = 0;
             if step_s > 2e-5 {
-                return Err(EngineError::Diverged {
-                    engine: "peer".to_owned(),
+                run.ending = Ending::Diverged {
                     time_s: 0.001,
                     quantity: "everything".to_owned(),
-                    partial: Box::new(run),
-                });
+                };
             }
             Ok(run)
         }))
@@ -153,10 +151,7 @@ fn what_was_measured_survives_a_stop() {
             stop.store(true, Ordering::Relaxed);
         }
     };
-    let control = Control {
-        cancel: &stop,
-        progress: &progress,
-    };
+    let control = Control::new(&stop, &progress);
     let scene = scene(&[]);
     let engines: Vec<Box<dyn Engine>> = ["native-reduced", "native-lagrange"]
         .iter()

@@ -28,7 +28,10 @@ fn scene(settings: &[(&str, &str)]) -> Scene {
 
 fn run(settings: &[(&str, &str)]) -> NativeRun {
     let gearbox = Gearbox::new(&scene(settings).clone().check().unwrap()).unwrap();
-    native::run(&gearbox, &mut |_| false).unwrap()
+    native::run(&gearbox, &mut |_| false)
+        .unwrap()
+        .whole()
+        .unwrap()
 }
 
 /// Relative L2 distance of all sleeve forces.

@@ -6,7 +6,9 @@ use std::time::Duration;
 
 use cpu_time::ThreadTime;
 use pinwheel_compare::{Comparison, Status, Track};
-use pinwheel_engines::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, by_name};
+use pinwheel_engines::{
+    Cancelled, Control, Engine, Halt, Knob, Prepared, Refinement, Run, by_name,
+};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::comparison::{self, Effort, Input};
@@ -66,7 +68,7 @@ impl Engine for Borrowed {
         })
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
         let gearbox = gearbox
             .with_solver(|solver| solver.integrator = "rk4".to_owned())
             .unwrap();
@@ -80,14 +82,14 @@ impl Engine for Borrowed {
                     let begin = ThreadTime::now();
                     while begin.elapsed().as_secs_f64() < slow.second_per_step {}
                     if control.reached(time_s) {
-                        return Err(EngineError::Cancelled);
+                        return Err(Cancelled.into());
                     }
                 }
             }
             let native = by_name("native-reduced", &gearbox.scene).unwrap();
             let mut run = native.prepare(&gearbox)?.run(control)?;
             run.stats.wall_s = slow.second_per_step * solver.duration_s / solver.step_s;
-            Ok::<Run, EngineError>(run)
+            Ok::<Run, Halt>(run)
         }))
     }
 }
@@ -109,8 +111,7 @@ fn compare(gearbox: &Gearbox, slow: &'static Slow, longest: Duration) -> Compari
         longest,
         ..Effort::of(&gearbox.scene)
     };
-    let quiet = pinwheel_studies::Control::quiet();
-    comparison::run_with(&input, effort, &quiet)
+    comparison::run_with(&input, effort, &Control::quiet())
         .unwrap()
         .comparison
 }
@@ -164,7 +165,7 @@ fn hard_a_run_without_end_is_given_up() {
     let all = gearbox.scene.solver.sample_times_s().len();
     let reported = *slow.samples.lock().unwrap();
     assert!(reported < all / 2, "{reported} of {all}");
-    let Status::Unsupported { reason } = &found.engines[0].status else {
+    let Status::TimedOut { reason, .. } = &found.engines[0].status else {
         panic!("{:?}", found.engines[0].status);
     };
     assert!(reason.contains("--longest"), "{reason}");

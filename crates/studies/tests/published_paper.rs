@@ -60,10 +60,7 @@ fn published_contact_of_figures_5_and_6() {
 #[test]
 fn the_study_stops_when_asked() {
     let now = AtomicBool::new(true);
-    let control = Control {
-        cancel: &now,
-        progress: &|_| {},
-    };
+    let control = Control::new(&now, &|_| {});
     assert!(matches!(
         paper::run(&Options::default(), &control),
         Err(StudyError::Cancelled)

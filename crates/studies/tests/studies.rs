@@ -7,7 +7,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::design::ForceHarmonic;
 use pinwheel_studies::stability::{Atlas, Failure, Options};
-use pinwheel_studies::{Control, StudyError, divergence, resolution};
+use pinwheel_studies::{Control, Progress, StudyError, divergence, resolution};
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     let sets: Vec<Override> = sets.iter().map(|s| s.parse().unwrap()).collect();
@@ -72,14 +72,12 @@ fn an_atlas_goes_on_where_it_stopped() {
 
     let stop = AtomicBool::new(false);
     let mut atlas = Atlas::new(options);
-    let control = Control {
-        cancel: &stop,
-        progress: &|p| {
-            if p.done == 2 {
-                stop.store(true, std::sync::atomic::Ordering::Relaxed);
-            }
-        },
+    let progress = |p: Progress<'_>| {
+        if p.done == 2 {
+            stop.store(true, std::sync::atomic::Ordering::Relaxed);
+        }
     };
+    let control = Control::new(&stop, &progress);
     let stopped = atlas.go_on(1, &control);
     assert!(matches!(stopped, Err(StudyError::Cancelled)));
     assert_eq!(atlas.done().count(), 2);
@@ -97,7 +95,10 @@ fn hard_unresolved_runs_are_told() {
     let at = |name: &str, sets: &[&str]| {
         let scene = scene(name, sets);
         let gearbox = pinwheel_gearbox::Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-        let run = pinwheel_gearbox::native::run(&gearbox, &mut |_| false).unwrap();
+        let run = pinwheel_gearbox::native::run(&gearbox, &mut |_| false)
+            .unwrap()
+            .whole()
+            .unwrap();
         resolution::check(
             &gearbox,
             (&run.courses, run.counts.evaluations),
@@ -147,10 +148,7 @@ fn hard_unresolved_runs_are_told() {
 #[test]
 fn studies_stop_when_asked() {
     let now = AtomicBool::new(true);
-    let control = Control {
-        cancel: &now,
-        progress: &|_| {},
-    };
+    let control = Control::new(&now, &|_| {});
     let stopped = Atlas::new(Options::default()).go_on(1, &control);
     assert!(matches!(stopped, Err(StudyError::Cancelled)));
 }

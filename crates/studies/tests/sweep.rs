@@ -148,10 +148,7 @@ fn goes_on_where_it_stopped() {
     let place = folder.path().join("stopped");
     let cancel = AtomicBool::new(false);
     let stop_after = |p: Progress<'_>| cancel.store(p.done >= 5, Ordering::Relaxed);
-    let control = Control {
-        cancel: &cancel,
-        progress: &stop_after,
-    };
+    let control = Control::new(&cancel, &stop_after);
     let journal = Journal::open(&place, None, "a test").unwrap();
     let stopped = execute(&plan, &journal, 2, &control).unwrap_err();
     let SweepError::Stopped { finished, runs } = stopped else {

@@ -18,7 +18,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<u8, Failure> {
             paper::peer(args.against.as_deref(), control)
         })
         .map_err(|error| match error {
-            StudyError::Engine(error) => {
+            StudyError::Ended { .. } => {
                 Failure::engine(format!("{error}; choose another with --against"))
             }
             error => error.into(),

@@ -2,7 +2,7 @@
 
 use pinwheel::pages;
 use pinwheel::studies::single;
-use pinwheel::studies::{Provenance, StudyError, choice};
+use pinwheel::studies::{Provenance, choice};
 
 use crate::args::{self, RunArgs};
 use crate::failure::{ENGINE, EXCEEDED, Failure};
@@ -15,13 +15,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
     let scene = &gearbox.scene;
     let name = args.solvers.only(args.engine.as_slice())?;
     let engine = choice::find(&name, scene)?;
-    engine.prepare(&gearbox).map_err(StudyError::Engine)?;
+    single::prepare(engine.as_ref(), &gearbox)?;
     let folder = Folder::prepare(&args.out.folder(&scene.name, "run"), args.out.force)?;
     let found = watched("run", |control| {
         single::run(&gearbox, engine.as_ref(), !args.unchecked, control)
     })?;
     found.write(folder.path(), &Provenance::here(args::typed()))?;
-    let courses = folder.publish()?.join(single::file(&found.ending));
+    let courses = folder.publish()?.join(single::file(&found.run.ending));
     let courses = courses.display();
 
     if let Some(diverged) = found.diverged() {

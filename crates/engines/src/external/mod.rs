@@ -14,7 +14,6 @@ mod result;
 pub mod scaffold;
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::sync::{OnceLock, PoisonError, RwLock};
 use std::time::Duration;
 
@@ -22,7 +21,8 @@ use pinwheel_courses::Courses;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_law::job;
 
-use crate::engine::{Control, Engine, EngineError, Prepared, Refinement, Run, RunStats, Track};
+use crate::control::{Cancelled, Control};
+use crate::engine::{Ending, Engine, Halt, Prepared, Refinement, Run, RunStats, Track, settled};
 use crate::fnv::Fnv;
 pub use library::{fmu_library, law_library};
 pub use manifest::{Honours, Manifest, ManifestError, Refine, Stated};
@@ -106,25 +106,11 @@ impl Solver {
         self
     }
 
-    fn failed(&self, reason: impl Into<String>) -> EngineError {
-        EngineError::Failed {
-            engine: self.manifest.name.clone(),
-            reason: plain(&reason.into(), MESSAGE),
-        }
-    }
-
-    fn unsupported(&self, reason: impl Into<String>) -> EngineError {
-        EngineError::Unsupported {
-            engine: self.manifest.name.clone(),
-            reason: reason.into(),
-        }
-    }
-
     /// The library, where the command cannot do without it.
-    fn library(&self) -> Result<Option<PathBuf>, EngineError> {
+    fn library(&self) -> Result<Option<PathBuf>, Ending> {
         match law_library() {
             Ok(path) => Ok(Some(path)),
-            Err(remedy) if self.manifest.wants("law") => Err(self.failed(remedy)),
+            Err(remedy) if self.manifest.wants("law") => Err(failed(remedy)),
             Err(_) => Ok(None),
         }
     }
@@ -156,14 +142,14 @@ impl Solver {
         gearbox: &Gearbox,
         control: &Control<'_>,
         fill: impl FnOnce(&Path, Option<&Path>) -> Result<(), job::JobError>,
-    ) -> Result<Run, EngineError> {
-        let io = |error: std::io::Error| self.failed(format!("its job folder: {error}"));
+    ) -> Result<Run, Halt> {
+        let io = |error: std::io::Error| failed(format!("its job folder: {error}"));
         let library = self.library()?;
         let folder = tempfile::Builder::new()
             .prefix(self.prefix)
             .tempdir()
             .map_err(io)?;
-        fill(folder.path(), library.as_deref()).map_err(|error| self.failed(error.to_string()))?;
+        fill(folder.path(), library.as_deref()).map_err(failed)?;
         let handle = JobFolder::open(folder.path()).map_err(io)?;
         let python = self.python.clone().unwrap_or_else(manifest::python);
         let nothing = Path::new("");
@@ -183,29 +169,26 @@ impl Solver {
             library: library.as_deref(),
         };
         let ran = process::run(&argv, place, limits, &|t| control.reached(t))
-            .map_err(|error| self.failed(self.does_not_start(&argv[0], &error)))?;
+            .map_err(|error| failed(self.does_not_start(&argv[0], &error)))?;
         self.judge(gearbox, &handle, ran)
     }
 
     /// Runs it on a job file that breaks off, for whoever wants to see what it does.
     ///
     /// # Errors
-    /// As of any run; a sound solver ends in one.
+    /// A stop. A sound solver fails.
     pub fn run_broken_job(
         &self,
         gearbox: &Gearbox,
-        cancel: &AtomicBool,
-    ) -> Result<Run, EngineError> {
-        let control = Control {
-            cancel,
-            progress: &|_| {},
-        };
-        self.drive(gearbox, &control, |folder, _| {
+        control: &Control<'_>,
+    ) -> Result<Run, Cancelled> {
+        let ran = self.drive(gearbox, control, |folder, _| {
             Ok(std::fs::write(
                 folder.join(pinwheel_law::JOB_FILE),
                 "{\"protocol\": 1, \"sce",
             )?)
-        })
+        });
+        settled(ran)
     }
 
     fn does_not_start(&self, program: &std::ffi::OsStr, error: &std::io::Error) -> String {
@@ -216,15 +199,22 @@ impl Solver {
         format!("{} does not start: {error}; {remedy}", program.display())
     }
 
-    fn judge(&self, gearbox: &Gearbox, folder: &JobFolder, ran: Ran) -> Result<Run, EngineError> {
+    fn judge(&self, gearbox: &Gearbox, folder: &JobFolder, ran: Ran) -> Result<Run, Halt> {
         let said = last_line(&ran.log);
         let and_said = said
             .as_ref()
             .map_or_else(String::new, |line| format!(": {line}"));
         let status = match &ran.end {
-            End::Cancelled => return Err(EngineError::Cancelled),
+            End::Cancelled => return Err(Cancelled.into()),
             End::Stopped(why) => {
-                return Err(self.failed(format!("{why}{}", last_words(said.as_deref()))));
+                return Err(failed(format!("{why}{}", last_words(said.as_deref()))).into());
+            }
+            End::TooLong(why) => {
+                return Err(Ending::TimedOut {
+                    time_s: ran.reached_s.unwrap_or(0.0),
+                    reason: format!("{why}{}", last_words(said.as_deref())),
+                }
+                .into());
             }
             End::Status(status) => *status,
         };
@@ -232,15 +222,17 @@ impl Solver {
             Some(0 | DIVERGED) => {}
             Some(UNSUPPORTED) => {
                 let reason = said.unwrap_or_else(|| "it gives no reason".to_owned());
-                return Err(self.unsupported(reason));
+                return Err(Ending::Unsupported { reason }.into());
             }
-            Some(code) => return Err(self.failed(format!("it ended with status {code}{and_said}"))),
+            Some(code) => {
+                return Err(failed(format!("it ended with status {code}{and_said}")).into());
+            }
             None => {
-                return Err(self.failed(format!("it was ended by {}{and_said}", killer(status))));
+                return Err(failed(format!("it was ended by {}{and_said}", killer(status))).into());
             }
         }
         let diverged = status.code() == Some(DIVERGED);
-        let told = folder.told().map_err(|what| self.failed(what))?;
+        let told = folder.told().map_err(failed)?;
         let found = match folder.courses(gearbox, !diverged) {
             Ok(found) => found,
             // A run may diverge before its first row.
@@ -249,7 +241,9 @@ impl Solver {
                 diverged: None,
                 notes: Vec::new(),
             },
-            Err(what) => return Err(self.failed(format!("{what}{}", last_words(said.as_deref())))),
+            Err(what) => {
+                return Err(failed(format!("{what}{}", last_words(said.as_deref()))).into());
+            }
         };
         let mut run = Run::new(found.courses, self.stats(gearbox, folder, &ran, &told));
         run.stats.notes.extend(found.notes);
@@ -262,15 +256,10 @@ impl Solver {
                 said.unwrap_or_else(|| "it says so itself".to_owned()),
             )
         });
-        match found.diverged.or(stated) {
-            None => Ok(run),
-            Some((time_s, quantity)) => Err(EngineError::Diverged {
-                engine: self.manifest.name.clone(),
-                time_s,
-                quantity,
-                partial: Box::new(run),
-            }),
-        }
+        Ok(match found.diverged.or(stated) {
+            None => run,
+            Some((time_s, quantity)) => run.with_ending(Ending::Diverged { time_s, quantity }),
+        })
     }
 
     fn stats(&self, gearbox: &Gearbox, folder: &JobFolder, ran: &Ran, told: &Told) -> RunStats {
@@ -339,9 +328,9 @@ impl Engine for Solver {
         true
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
         if let Some(reason) = self.manifest.refuses(&gearbox.scene) {
-            return Err(self.unsupported(reason));
+            return Err(Ending::Unsupported { reason }.into());
         }
         self.library()?;
         let gearbox = gearbox.clone();
@@ -351,6 +340,11 @@ impl Engine for Solver {
             })
         }))
     }
+}
+
+/// It broke, in its own words or ours.
+fn failed(reason: impl ToString) -> Ending {
+    Ending::failed(plain(&reason.to_string(), MESSAGE))
 }
 
 /// The last thing it said, for a message.

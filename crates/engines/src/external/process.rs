@@ -53,6 +53,8 @@ pub(super) enum End {
     Cancelled,
     /// We did, and why.
     Stopped(String),
+    /// We did, because it took longer than it may, in words.
+    TooLong(String),
 }
 
 /// What is left of a run.
@@ -222,7 +224,7 @@ fn watch(
             return Some(End::Cancelled);
         }
         if begun.elapsed() > limits.longest {
-            return Some(End::Stopped(format!(
+            return Some(End::TooLong(format!(
                 "it took longer than {} s; give it more by `timeout_s` in its manifest",
                 limits.longest.as_secs_f64()
             )));

@@ -9,7 +9,7 @@ use pinwheel_scene::{CheckedScene, Scene};
 use tempfile::TempDir;
 
 use super::*;
-use crate::Native;
+use crate::{Native, Progress};
 
 fn scene() -> CheckedScene {
     let sets = ["solver.duration_s=0.02".parse().expect("one")];
@@ -48,8 +48,9 @@ impl Script {
         Self { folder, solver }
     }
 
-    fn run(&self) -> Result<Run, EngineError> {
-        self.solver.run(&scene(), &Control::quiet())
+    fn run(&self) -> Result<Run, Ending> {
+        let run = self.solver.run(&scene(), &Control::quiet());
+        run.expect("nobody stops it").whole()
     }
 
     fn fails(&self) -> String {
@@ -81,12 +82,12 @@ fn a_run_with_everything_it_may_tell() {
         echo junk > "$1/more.txt""#
     ));
     let seen = Mutex::new(Vec::new());
-    let progress = |t: f64| seen.lock().expect("lock").push(t);
-    let never = AtomicBool::new(false);
-    let control = Control {
-        cancel: &never,
-        progress: &progress,
+    let progress = |at: Progress<'_>| {
+        let [t, _] = at.simulated_s.expect("a run");
+        seen.lock().expect("lock").push(t);
     };
+    let never = AtomicBool::new(false);
+    let control = Control::new(&never, &progress);
     let run = script.solver.run(&scene(), &control).expect("it runs");
     assert_eq!(run.courses.len(), 201);
     assert_eq!(
@@ -216,10 +217,9 @@ fn hard_results_in_parquet() {
 #[test]
 fn hard_a_divergence_keeps_what_there_is() {
     let script = Script::new("head -n 102 \"$2/good.csv\" > \"$1/courses.csv\"; exit 3");
-    let Err(EngineError::Diverged { partial, .. }) = script.run() else {
-        panic!("it diverges");
-    };
-    assert_eq!(partial.courses.len(), 101);
+    let run = script.solver.run(&scene(), &Control::quiet()).expect("ran");
+    assert!(matches!(run.ending, Ending::Diverged { .. }));
+    assert_eq!(run.courses.len(), 101);
 }
 
 #[test]
@@ -230,11 +230,11 @@ fn hard_a_hang_is_ended_with_all_it_started() {
     );
     let solver = script.solver.clone().within(Duration::from_millis(500));
     let begun = Instant::now();
-    let error = solver
-        .run(&scene(), &Control::quiet())
-        .expect_err("it hangs")
-        .to_string();
-    assert!(error.contains("it took longer than 0.5 s"), "{error}");
+    let run = solver.run(&scene(), &Control::quiet()).expect("ran");
+    let Ending::TimedOut { reason, .. } = run.ending else {
+        panic!("it hangs");
+    };
+    assert!(reason.contains("it took longer than 0.5 s"), "{reason}");
     assert!(begun.elapsed() < Duration::from_secs(10));
     for name in ["own", "grandchild"] {
         let pid = script.read(name);
@@ -260,17 +260,14 @@ fn hard_the_user_stops_it() {
     let stop = AtomicBool::new(false);
     let own = script.folder.path().join("own");
     // As soon as it runs.
-    let progress = |_: f64| {
+    let progress = |_: Progress<'_>| {
         if std::fs::read_to_string(&own).is_ok_and(|pid| !pid.trim().is_empty()) {
             stop.store(true, Ordering::Relaxed);
         }
     };
-    let control = Control {
-        cancel: &stop,
-        progress: &progress,
-    };
+    let control = Control::new(&stop, &progress);
     let ended = script.solver.run(&scene(), &control);
-    assert!(matches!(ended, Err(EngineError::Cancelled)), "{ended:?}");
+    assert!(matches!(ended, Err(Cancelled)), "{ended:?}");
     assert!(!lives(&script.read("own")));
 }
 
@@ -327,11 +324,8 @@ fn what_a_manifest_does_not_honour_is_never_started() {
     let script = Script::new("touch \"$2/ran\"; exit 1");
     let sets = ["contact.friction_coefficient=0.1".parse().expect("one")];
     let rubbing = Scene::load("paper", &sets).expect("preset");
-    let error = script
-        .solver
-        .run(&rubbing, &Control::quiet())
-        .expect_err("refused");
-    assert!(matches!(error, EngineError::Unsupported { .. }), "{error}");
+    let run = script.solver.run(&rubbing, &Control::quiet()).expect("ran");
+    assert!(matches!(run.ending, Ending::Unsupported { .. }), "{run:?}");
     assert!(!script.folder.path().join("ran").exists());
 }
 

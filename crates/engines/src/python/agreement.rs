@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use super::published::Published;
 use super::{convert, engine, host};
-use crate::engine::EngineError;
+use crate::engine::{Ending, Halt};
 
 /// How far the two implementations are apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,21 +36,10 @@ pub struct Agreement {
 ///
 /// # Errors
 /// The scene has a law that only ours knows, or Python is missing or broke.
-pub fn law_agreement(
-    scene: &CheckedScene,
-    states: usize,
-    seed: u64,
-) -> Result<Agreement, EngineError> {
-    const NAME: &str = "the numpy contact law";
-    let failed = |reason: String| EngineError::Failed {
-        engine: NAME.to_owned(),
-        reason,
-    };
-    host::ready(&AtomicBool::new(false)).map_err(|error| failed(format!("{error:?}")))?;
-    let gearbox = Gearbox::new(scene).map_err(|error| failed(error.to_string()))?;
-    let field = gearbox
-        .contact_field()
-        .map_err(|error| failed(error.to_string()))?;
+pub fn law_agreement(scene: &CheckedScene, states: usize, seed: u64) -> Result<Agreement, Halt> {
+    host::ready(&AtomicBool::new(false))?;
+    let gearbox = Gearbox::new(scene).map_err(Ending::failed)?;
+    let field = gearbox.contact_field().map_err(Ending::failed)?;
     let law = Published::new(&gearbox, field);
     Python::attach(|py| {
         let compare = || -> PyResult<Agreement> {
@@ -72,6 +61,9 @@ pub fn law_agreement(
                 ambiguous: count("ambiguous")?,
             })
         };
-        compare().map_err(|error| convert::error(py, NAME, &error))
+        match compare() {
+            Ok(found) => Ok(found),
+            Err(error) => Err(convert::ended(py, &error)?.ending.into()),
+        }
     })
 }

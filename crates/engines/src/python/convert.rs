@@ -1,14 +1,15 @@
 //! Python's results and errors in the words of [`Engine`](crate::Engine).
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, CoursesError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use super::host;
-use crate::engine::{EngineError, Run, RunStats};
+use crate::control::Cancelled;
+use crate::engine::{Ending, Halt, Run, RunStats};
 
 /// A finished run, or the part of one, from the package's `Result`.
-pub(super) fn run(result: &Bound<'_, PyAny>) -> PyResult<Result<Run, String>> {
+pub(super) fn run(result: &Bound<'_, PyAny>) -> PyResult<Run> {
     let stats = result.getattr("stats")?;
     let number = |name: &str| -> PyResult<f64> { stats.getattr(name)?.extract() };
     let count = |name: &str| -> PyResult<u64> { stats.getattr(name)?.extract() };
@@ -27,11 +28,14 @@ pub(super) fn run(result: &Bound<'_, PyAny>) -> PyResult<Result<Run, String>> {
         notes: stats.getattr("notes")?.extract()?,
         ..RunStats::default()
     };
-    Ok(courses(&result.getattr("columns")?)?.map(|courses| Run::new(courses, stats)))
+    Ok(match courses(&result.getattr("columns")?)? {
+        Ok(courses) => Run::new(courses, stats),
+        Err(error) => Run::ended(Ending::failed(error)),
+    })
 }
 
 /// Courses from a dict of numpy columns, `time_s` among them.
-fn courses(columns: &Bound<'_, PyAny>) -> PyResult<Result<Courses, String>> {
+fn courses(columns: &Bound<'_, PyAny>) -> PyResult<Result<Courses, CoursesError>> {
     let columns = columns.cast::<PyDict>()?;
     let (mut time_s, mut channels) = (Vec::new(), Vec::new());
     for (name, values) in columns {
@@ -51,70 +55,51 @@ fn courses(columns: &Bound<'_, PyAny>) -> PyResult<Result<Courses, String>> {
             channels.push((name, values));
         }
     }
-    let made = Courses::new(time_s).and_then(|mut courses| {
+    Ok(Courses::new(time_s).and_then(|mut courses| {
         for (name, values) in channels {
             courses.push(name, values)?;
         }
         Ok(courses)
-    });
-    Ok(made.map_err(|error| error.to_string()))
+    }))
 }
 
-/// A Python error as the engine's.
-pub(super) fn error(py: Python<'_>, engine: &str, error: &PyErr) -> EngineError {
-    let failed = |reason: String| EngineError::Failed {
-        engine: engine.to_owned(),
-        reason,
-    };
-    known(py, engine, error)
-        .unwrap_or_else(|broken| Some(failed(text_of(py, &broken))))
-        .unwrap_or_else(|| failed(text_of(py, error)))
+/// What a Python error makes of a run.
+///
+/// # Errors
+/// The user asked to stop.
+pub(super) fn ended(py: Python<'_>, error: &PyErr) -> Result<Run, Halt> {
+    known(py, error).unwrap_or_else(|broken| Ok(Run::ended(Ending::failed(text_of(py, &broken)))))
 }
 
-/// The package's own errors; `None` for any other.
-fn known(py: Python<'_>, engine: &str, error: &PyErr) -> PyResult<Option<EngineError>> {
+/// The same; the outer error came up on the way.
+fn known(py: Python<'_>, error: &PyErr) -> PyResult<Result<Run, Halt>> {
     let errors = host::package(py)?.getattr("errors")?;
     let value = error.value(py);
     let is = |name: &str| -> PyResult<bool> { value.is_instance(&errors.getattr(name)?) };
-    let owner = engine.to_owned();
     let text = |name: &str| -> PyResult<String> { value.getattr(name)?.extract() };
-    Ok(Some(if is("Cancelled")? {
-        EngineError::Cancelled
+    Ok(Ok(if is("Cancelled")? {
+        return Ok(Err(Cancelled.into()));
     } else if is("Unsupported")? {
-        EngineError::Unsupported {
-            engine: owner,
-            reason: text("reason")?,
-        }
+        Run::ended(Ending::unsupported(text("reason")?))
     } else if is("SceneError")? {
-        EngineError::Unsupported {
-            engine: owner,
-            reason: value.str()?.extract()?,
-        }
+        Run::ended(Ending::unsupported(value.str()?))
     } else if is("Diverged")? {
         let partial = value.getattr("partial")?;
-        let nothing = || Run::new(Courses::default(), RunStats::default());
-        EngineError::Diverged {
-            engine: owner,
+        let ending = Ending::Diverged {
             time_s: value.getattr("time_s")?.extract()?,
             quantity: text("quantity")?,
-            partial: Box::new(if partial.is_none() {
-                nothing()
-            } else {
-                run(&partial)?.unwrap_or_else(|_| nothing())
-            }),
+        };
+        if partial.is_none() {
+            Run::ended(ending)
+        } else {
+            run(&partial)?.with_ending(ending)
         }
     } else if is("EngineFailed")? {
-        EngineError::Failed {
-            engine: owner,
-            reason: text("reason")?,
-        }
+        Run::ended(Ending::failed(text("reason")?))
     } else if is("FrozenForces")? {
-        EngineError::Failed {
-            engine: owner,
-            reason: format!("frozen forces: {}", value.str()?),
-        }
+        Run::ended(Ending::failed(format!("frozen forces: {}", value.str()?)))
     } else {
-        return Ok(None);
+        Run::ended(Ending::failed(text_of(py, error)))
     }))
 }
 

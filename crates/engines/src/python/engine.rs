@@ -6,45 +6,19 @@ use pinwheel_scene::Scene;
 use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
 
-use super::host::NotReady;
 use super::mujoco::{Addresses, Attached, Place, attach, detach};
 use super::published::Published;
 use super::watch::{Watch, watched};
 use super::{border, convert, host};
 use crate::cards::Card;
-use crate::engine::{Control, Engine, EngineError, Prepared, Run, Track};
+use crate::control::Control;
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, Track};
 
 /// One engine of the package.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PythonEngine(pub(super) &'static Card);
 
 impl PythonEngine {
-    fn failed(&self, reason: impl ToString) -> EngineError {
-        EngineError::Failed {
-            engine: self.0.name.to_owned(),
-            reason: reason.to_string(),
-        }
-    }
-
-    fn not_ready(&self, error: NotReady) -> EngineError {
-        match error {
-            NotReady::Stopped => EngineError::Cancelled,
-            NotReady::Because(reason) => EngineError::Absent {
-                engine: self.0.name.to_owned(),
-                reason: reason.to_string(),
-            },
-        }
-    }
-
-    fn field(&self, gearbox: &Gearbox) -> Result<Box<dyn ContactField>, EngineError> {
-        gearbox
-            .contact_field()
-            .map_err(|error| EngineError::Unsupported {
-                engine: self.0.name.to_owned(),
-                reason: error.to_string(),
-            })
-    }
-
     /// Runs a scene with the given contact forces. `every`: see [`Attached::every`].
     pub(super) fn run_with(
         &self,
@@ -52,9 +26,9 @@ impl PythonEngine {
         control: &Control<'_>,
         disguise: impl FnOnce(Box<dyn ContactField>) -> Box<dyn ContactField>,
         every: u64,
-    ) -> Result<Run, EngineError> {
-        let field = self.field(gearbox)?;
-        host::ready(control.cancel).map_err(|error| self.not_ready(error))?;
+    ) -> Result<Run, Halt> {
+        let field = gearbox.contact_field().map_err(Ending::unsupported)?;
+        host::ready(control.cancel)?;
         let law =
             (self.0.track == Track::SharedLaw).then(|| Published::new(gearbox, disguise(field)));
         let scene_toml = gearbox.scene.to_toml();
@@ -67,14 +41,12 @@ impl PythonEngine {
         let run = watched(control, |watch| {
             Python::attach(|py| {
                 self.drive(py, &scene_toml, &start, law.as_ref(), every, watch)
-                    .map_err(|error| convert::error(py, self.0.name, &error))
+                    .or_else(|error| convert::ended(py, &error))
             })
         });
         // Whatever Python did or left undone: no callback may reach this run any more.
         drop(law);
-        let mut run = run
-            .map_err(|error| self.failed(error))??
-            .map_err(|reason| self.failed(reason))?;
+        let mut run = run.map_err(Ending::failed)??;
         if gearbox.has_friction() && self.0.explicit_friction {
             run.stats.notes.push(
                 "Friction is explicit here, and its regularisation takes steps of about 2e-7 s to resolve."
@@ -92,7 +64,7 @@ impl PythonEngine {
         law: Option<&Published>,
         every: u64,
         watch: Watch,
-    ) -> PyResult<Result<Run, String>> {
+    ) -> PyResult<Run> {
         let package = host::package(py)?;
         let options = PyDict::new(py);
         options.set_item("on_progress", watch.into_python(py)?)?;
@@ -191,8 +163,8 @@ impl Engine for PythonEngine {
         self.0.differences
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
-        self.field(gearbox)?;
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+        gearbox.contact_field().map_err(Ending::unsupported)?;
         // The law is ours: what the native solver can do, it can do.
         if self.0.track != Track::SharedLaw {
             self.check(&gearbox.scene)?;
@@ -206,14 +178,16 @@ impl Engine for PythonEngine {
 
 impl PythonEngine {
     /// Whether the package's engine honours the scene.
-    fn check(&self, scene: &Scene) -> Result<(), EngineError> {
-        host::ready(crate::stopping::flag()).map_err(|error| self.not_ready(error))?;
+    fn check(&self, scene: &Scene) -> Result<(), Halt> {
+        host::ready(crate::stopping::flag())?;
         let scene_toml = scene.to_toml();
         Python::attach(|py| {
-            host::package(py)
-                .and_then(|package| package.call_method1("check", (scene_toml, self.0.name)))
-                .map(|_| ())
-                .map_err(|error| convert::error(py, self.0.name, &error))
+            let checked = host::package(py)
+                .and_then(|package| package.call_method1("check", (scene_toml, self.0.name)));
+            match checked {
+                Ok(_) => Ok(()),
+                Err(error) => Err(convert::ended(py, &error)?.ending.into()),
+            }
         })
     }
 }

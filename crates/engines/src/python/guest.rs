@@ -20,7 +20,8 @@ use super::convert;
 use super::law::{SharedLaw, locked};
 use super::published::Published;
 use super::watch::watched;
-use crate::engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, Track};
+use crate::control::Control;
+use crate::engine::{Ending, Engine, Halt, Knob, Prepared, Refinement, Run, Track};
 
 /// A solver of the user's.
 #[derive(Debug)]
@@ -44,17 +45,8 @@ pub struct Guest {
 }
 
 impl Guest {
-    fn failed(&self, reason: impl ToString) -> EngineError {
-        EngineError::Failed {
-            engine: self.name.clone(),
-            reason: reason.to_string(),
-        }
-    }
-
-    fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, EngineError> {
-        let field = gearbox
-            .contact_field()
-            .map_err(|error| self.failed(error))?;
+    fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Halt> {
+        let field = gearbox.contact_field().map_err(Ending::failed)?;
         let law = Published::new(gearbox, field);
         let scene_toml = gearbox.scene.to_toml();
         let start: Vec<[f64; 6]> = gearbox
@@ -64,26 +56,25 @@ impl Guest {
             .collect();
         let run = watched(control, |watch| {
             Python::attach(|py| {
-                let driven = || -> PyResult<Result<Run, String>> {
+                let driven = || -> PyResult<Run> {
                     let options = PyDict::new(py);
                     options.set_item("on_progress", watch.into_python(py)?)?;
                     options.set_item("initial_states", start)?;
                     options.set_item("loads", loads(py, &law)?)?;
                     convert::run(&self.drive.bind(py).call1((scene_toml, options))?)
                 };
-                driven().map_err(|error| {
-                    let told = convert::error(py, &self.name, &error);
-                    if matches!(told, EngineError::Failed { .. }) {
+                driven().or_else(|error| {
+                    let run = convert::ended(py, &error)?;
+                    if matches!(run.ending, Ending::Failed { .. }) {
                         *locked(&self.raised) = Some(error);
                     }
-                    told
+                    Ok(run)
                 })
             })
         });
         // A law that Python keeps must not outlive its run.
         drop(law);
-        run.map_err(|error| self.failed(error))??
-            .map_err(|reason| self.failed(reason))
+        run.map_err(Ending::failed)?
     }
 }
 
@@ -134,7 +125,7 @@ impl Engine for Guest {
         })
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
         let gearbox = gearbox.clone();
         Ok(Box::new(move |control: &Control<'_>| {
             self.run(&gearbox, control)

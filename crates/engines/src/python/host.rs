@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyModule;
 
 use crate::cards::Card;
+use crate::engine::{Ending, Halt};
 
 /// Name of the package.
 pub(super) const PACKAGE: &str = "pinwheel_engines";
@@ -24,34 +25,21 @@ fn is_here() -> bool {
     HERE.load(Ordering::Relaxed) || cfg!(not(feature = "crossval"))
 }
 
-/// Why Python engines cannot run.
-#[derive(Debug)]
-pub(super) enum NotReady {
-    /// The user asked to stop while an environment was made.
-    #[cfg_attr(
-        not(feature = "crossval"),
-        expect(dead_code, reason = "only an environment takes time to make")
-    )]
-    Stopped,
-    /// The reason, with the remedy.
-    Because(String),
-}
-
 /// Makes the interpreter ready to run engines.
-pub(super) fn ready(cancel: &AtomicBool) -> Result<(), NotReady> {
+pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
     if is_here() {
         return Python::attach(|py| {
-            package(py)
-                .map(|_| ())
-                .map_err(|error| NotReady::Because(super::convert::text_of(py, &error)))
+            let found = package(py);
+            found.map_err(|error| Ending::absent(super::convert::text_of(py, &error)))?;
+            Ok(())
         });
     }
     #[cfg(feature = "crossval")]
     return super::embedded::ready(cancel).map_err(|error| {
         if error.is_stop() {
-            NotReady::Stopped
+            crate::control::Cancelled.into()
         } else {
-            NotReady::Because(error.to_string())
+            Ending::absent(error).into()
         }
     });
     #[cfg(not(feature = "crossval"))]

@@ -6,7 +6,8 @@ use pinwheel_scene::{CheckedScene, Sleeve};
 
 use super::engine::PythonEngine;
 use crate::cards::card;
-use crate::engine::{Control, EngineError, Run, compile};
+use crate::control::Control;
+use crate::engine::{Ending, Halt, Run, compile};
 
 /// What goes wrong.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,12 +23,9 @@ pub enum Fault {
 /// Runs a scene in a shared-law engine with the fault.
 ///
 /// # Errors
-/// The one the guard makes of it, or [`EngineError::Unsupported`] for an unknown engine.
-pub fn run(engine: &str, scene: &CheckedScene, fault: Fault) -> Result<Run, EngineError> {
-    let unknown = || EngineError::Unsupported {
-        engine: engine.to_owned(),
-        reason: "there is no such Python engine".to_owned(),
-    };
+/// The halt that the guard makes of it, or an unknown engine.
+pub fn run(engine: &str, scene: &CheckedScene, fault: Fault) -> Result<Run, Halt> {
+    let unknown = || Ending::unsupported("there is no such Python engine");
     let engine = PythonEngine(card(engine).ok_or_else(unknown)?);
     let every = if fault == Fault::FrozenForces { 4 } else { 1 };
     let faulty = |field| {
@@ -37,7 +35,7 @@ pub fn run(engine: &str, scene: &CheckedScene, fault: Fault) -> Result<Run, Engi
             calls: 0,
         }) as Box<dyn ContactField>
     };
-    let gearbox = compile(engine.0.name, None, scene)?;
+    let gearbox = compile(None, scene)?;
     engine.run_with(&gearbox, &Control::quiet(), faulty, every)
 }
 

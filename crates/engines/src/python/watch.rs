@@ -11,7 +11,7 @@ use std::thread::{Builder, scope};
 use pyo3::prelude::*;
 use pyo3::types::PyCFunction;
 
-use crate::engine::Control;
+use crate::control::Control;
 
 /// Enough for deep C++ recursion and Python's own.
 const STACK_BYTES: usize = 64 << 20;

@@ -15,9 +15,9 @@ use super::march::{Contacts, Grid, friction_refusal, march};
 use super::outlines::{closed, hole_edge, wheel_edge};
 use super::spring::{contact_frequency, spring_load};
 use super::sums::Sums;
-use super::unsupported;
 use super::world::World;
-use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
+use crate::control::Control;
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, Track};
 
 const NAME: &str = "rapier-own-contact-colliders";
 
@@ -43,30 +43,25 @@ const PERIODS: f64 = 0.5;
 pub(super) struct Colliders;
 
 impl Colliders {
-    fn compile(gearbox: &Gearbox) -> Result<(Grid, f64), EngineError> {
+    fn compile(gearbox: &Gearbox) -> Result<(Grid, f64), Ending> {
         let scene = &gearbox.scene;
         if let Some(reason) = friction_refusal(scene) {
-            return Err(unsupported(NAME, reason));
+            return Err(Ending::unsupported(reason));
         }
         if scene.drive.start == Start::Equilibrium {
-            return Err(unsupported(
-                NAME,
+            return Err(Ending::unsupported(
                 "its contact spring is not the scene's law, so the equilibrium of drive.start = \"equilibrium\" is not \
                  its own; use \"kinematic\"",
             ));
         }
         if scene.contact.detection == Detection::Points {
-            return Err(unsupported(
-                NAME,
+            return Err(Ending::unsupported(
                 "it finds contacts itself, so contact.detection = \"points\" has no meaning for it; use \"exact\"",
             ));
         }
-        let refuse = |reason: String| unsupported(NAME, reason);
-        let mut field = gearbox
-            .contact_field()
-            .map_err(|error| unsupported(NAME, error))?;
-        let frequency = contact_frequency(gearbox, &mut *field).map_err(refuse)?;
-        let grid = Grid::new(scene, step_s(scene, frequency)).map_err(refuse)?;
+        let mut field = gearbox.contact_field().map_err(Ending::unsupported)?;
+        let frequency = contact_frequency(gearbox, &mut *field).map_err(Ending::unsupported)?;
+        let grid = Grid::new(scene, step_s(scene, frequency)).map_err(Ending::unsupported)?;
         Ok((grid, frequency))
     }
 }
@@ -99,7 +94,7 @@ impl Engine for Colliders {
          forces to 10 %: peaks, wave forms and the start-up are not."
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
         let (grid, frequency) = Self::compile(gearbox)?;
         let gearbox = gearbox.clone();
         Ok(Box::new(move |control: &Control<'_>| {
@@ -108,12 +103,7 @@ impl Engine for Colliders {
     }
 }
 
-fn run(
-    gearbox: &Gearbox,
-    grid: &Grid,
-    frequency: f64,
-    control: &Control<'_>,
-) -> Result<Run, EngineError> {
+fn run(gearbox: &Gearbox, grid: &Grid, frequency: f64, control: &Control<'_>) -> Result<Run, Halt> {
     let mut world = World::new(gearbox, grid.step_s, SWEEPS);
     world.contact_spring(SpringCoefficients {
         natural_frequency: frequency,
@@ -129,7 +119,7 @@ fn run(
         notes: notes(gearbox, grid),
         ..RunStats::default()
     };
-    march(NAME, gearbox, world, &mut contacts, grid, stats, control)
+    march(gearbox, world, &mut contacts, grid, stats, control)
 }
 
 /// Remarks for the reader.

@@ -17,9 +17,9 @@ use rapier2d_f64::prelude::*;
 
 use super::march::{Contacts, Grid, friction_refusal, march};
 use super::sums::{Sums, sleeve_slot};
-use super::unsupported;
 use super::world::World;
-use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
+use crate::control::Control;
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, Track};
 
 const NAME: &str = "rapier-own-contact-hook";
 
@@ -40,11 +40,11 @@ const LEAST_DEPTH: f64 = 1.6e-8;
 pub(super) struct ContactHook;
 
 impl ContactHook {
-    fn grid(scene: &Scene) -> Result<Grid, EngineError> {
+    fn grid(scene: &Scene) -> Result<Grid, Ending> {
         if let Some(reason) = friction_refusal(scene) {
-            return Err(unsupported(NAME, reason));
+            return Err(Ending::unsupported(reason));
         }
-        Grid::new(scene, scene.solver.step_s).map_err(|reason| unsupported(NAME, reason))
+        Grid::new(scene, scene.solver.step_s).map_err(Ending::unsupported)
     }
 }
 
@@ -75,7 +75,7 @@ impl Engine for ContactHook {
          can differ visibly in the driver torque, for one step."
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
         let grid = Self::grid(&gearbox.scene)?;
         let gearbox = gearbox.clone();
         Ok(Box::new(move |control: &Control<'_>| {
@@ -84,10 +84,8 @@ impl Engine for ContactHook {
     }
 }
 
-fn run(gearbox: &Gearbox, grid: &Grid, control: &Control<'_>) -> Result<Run, EngineError> {
-    let field = gearbox
-        .contact_field()
-        .map_err(|error| unsupported(NAME, error))?;
+fn run(gearbox: &Gearbox, grid: &Grid, control: &Control<'_>) -> Result<Run, Halt> {
+    let field = gearbox.contact_field().map_err(Ending::unsupported)?;
     let mut world = World::new(gearbox, grid.step_s, SWEEPS);
     let mut contacts = Hooked::new(gearbox, field, &mut world, grid.step_s);
     let stats = RunStats {
@@ -97,7 +95,7 @@ fn run(gearbox: &Gearbox, grid: &Grid, control: &Control<'_>) -> Result<Run, Eng
         notes: Vec::new(),
         ..RunStats::default()
     };
-    march(NAME, gearbox, world, &mut contacts, grid, stats, control)
+    march(gearbox, world, &mut contacts, grid, stats, control)
 }
 
 /// The table of pairs that our law fills and rapier's hook reads.

@@ -15,7 +15,8 @@ use pinwheel_scene::{Layout, load_course};
 use super::reactions::reactions;
 use super::sums::Sums;
 use super::world::World;
-use crate::engine::{Control, EngineError, Run, RunStats};
+use crate::control::{Cancelled, Control};
+use crate::engine::{Ending, Halt, Run, RunStats};
 
 /// What differs between the engines: where the contact forces come from.
 pub(super) trait Contacts {
@@ -97,17 +98,15 @@ pub(super) fn friction_refusal(scene: &Scene) -> Option<String> {
 /// Marches `contacts` over the grid. `stats` holds the settings and notes, the rest is filled in.
 ///
 /// # Errors
-/// [`EngineError::Diverged`] with the courses until then, [`EngineError::Cancelled`], or
-/// [`EngineError::Failed`] if the samples do not make courses.
+/// A stop, or a failure if the samples do not make courses. A divergence keeps the courses until then.
 pub(super) fn march(
-    engine: &str,
     gearbox: &Gearbox,
     mut world: World,
     contacts: &mut dyn Contacts,
     grid: &Grid,
     mut stats: RunStats,
     control: &Control<'_>,
-) -> Result<Run, EngineError> {
+) -> Result<Run, Halt> {
     let (wall, cpu) = (Instant::now(), ThreadTime::now());
     let layout = gearbox.layout;
     let mut recorder = Recorder::new(gearbox);
@@ -153,7 +152,7 @@ pub(super) fn march(
                 });
             }
             if control.reached(sample_s) {
-                return Err(EngineError::Cancelled);
+                return Err(Cancelled.into());
             }
             samples.next();
         }
@@ -169,19 +168,11 @@ pub(super) fn march(
     stats.bodies = layout.bodies();
     stats.step_s = grid.step_s;
     stats.joint_drift_m = Some(drift);
-    let courses = recorder
-        .finish()
-        .map_err(|error| super::failed(engine, error))?;
-    let run = Run::new(courses, stats);
-    match ran_away {
-        None => Ok(run),
-        Some((time_s, quantity)) => Err(EngineError::Diverged {
-            engine: engine.to_owned(),
-            time_s,
-            quantity,
-            partial: Box::new(run),
-        }),
-    }
+    let run = Run::new(recorder.finish().map_err(Ending::failed)?, stats);
+    Ok(match ran_away {
+        None => run,
+        Some((time_s, quantity)) => run.with_ending(Ending::Diverged { time_s, quantity }),
+    })
 }
 
 /// Load on the output shaft in the step from the node at `time_s`, N m.

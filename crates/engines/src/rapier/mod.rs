@@ -14,9 +14,7 @@ mod spring;
 mod sums;
 mod world;
 
-use std::fmt::Display;
-
-use crate::engine::{Engine, EngineError};
+use crate::engine::Engine;
 
 /// All rapier engines.
 pub(crate) fn engines() -> Vec<Box<dyn Engine>> {
@@ -30,18 +28,4 @@ pub(crate) fn engines() -> Vec<Box<dyn Engine>> {
 /// Name and version of the library behind all three.
 fn version() -> String {
     format!("rapier2d-f64 {}", rapier2d_f64::VERSION)
-}
-
-fn unsupported(engine: &str, reason: impl Display) -> EngineError {
-    EngineError::Unsupported {
-        engine: engine.to_owned(),
-        reason: reason.to_string(),
-    }
-}
-
-fn failed(engine: &str, reason: impl Display) -> EngineError {
-    EngineError::Failed {
-        engine: engine.to_owned(),
-        reason: reason.to_string(),
-    }
 }

@@ -8,9 +8,9 @@ use pinwheel_scene::Scene;
 
 use super::march::{Contacts, Grid, march};
 use super::sums::Sums;
-use super::unsupported;
 use super::world::World;
-use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
+use crate::control::Control;
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, Track};
 
 const NAME: &str = "rapier-shared-law";
 
@@ -22,8 +22,8 @@ const SWEEPS: usize = 10;
 pub(super) struct SharedLaw;
 
 impl SharedLaw {
-    fn grid(scene: &Scene) -> Result<Grid, EngineError> {
-        Grid::new(scene, scene.solver.step_s).map_err(|reason| unsupported(NAME, reason))
+    fn grid(scene: &Scene) -> Result<Grid, Ending> {
+        Grid::new(scene, scene.solver.step_s).map_err(Ending::unsupported)
     }
 }
 
@@ -54,7 +54,7 @@ impl Engine for SharedLaw {
          cannot find an error in them."
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
         let grid = Self::grid(&gearbox.scene)?;
         let gearbox = gearbox.clone();
         Ok(Box::new(move |control: &Control<'_>| {
@@ -63,10 +63,8 @@ impl Engine for SharedLaw {
     }
 }
 
-fn run(gearbox: &Gearbox, grid: &Grid, control: &Control<'_>) -> Result<Run, EngineError> {
-    let field = gearbox
-        .contact_field()
-        .map_err(|error| unsupported(NAME, error))?;
+fn run(gearbox: &Gearbox, grid: &Grid, control: &Control<'_>) -> Result<Run, Halt> {
+    let field = gearbox.contact_field().map_err(Ending::unsupported)?;
     let world = World::new(gearbox, grid.step_s, SWEEPS);
     let mut notes = Vec::new();
     if gearbox.has_friction() {
@@ -83,7 +81,6 @@ fn run(gearbox: &Gearbox, grid: &Grid, control: &Control<'_>) -> Result<Run, Eng
         ..RunStats::default()
     };
     march(
-        NAME,
         gearbox,
         world,
         &mut Law { field, calls: 0 },

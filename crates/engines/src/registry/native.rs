@@ -1,13 +1,14 @@
 //! Pinwheel's own solver as an engine, in its two formulations.
 
 use cpu_time::ThreadTime;
-use pinwheel_gearbox::native::{self, NativeError, NativeRun};
+use pinwheel_gearbox::native::{self, NativeError};
 use pinwheel_gearbox::resolve::{self, Budget, Uncertainty};
 use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_mbs::integrators::method;
 use pinwheel_scene::{Detection, Fault, Formulation, Scene, load_course};
 
-use crate::engine::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
+use crate::control::{Cancelled, Control};
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, Track};
 
 /// How the native solver is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,13 +86,6 @@ impl Native {
         }
         (scene.solver.integrator == auto::AUTO).then_some(auto::PROMISE)
     }
-
-    fn unsupported(&self, error: &dyn std::fmt::Display) -> EngineError {
-        EngineError::Unsupported {
-            engine: self.name().to_owned(),
-            reason: error.to_string(),
-        }
-    }
 }
 
 impl Engine for Native {
@@ -141,10 +135,8 @@ impl Engine for Native {
         }
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
-        let gearbox = self
-            .formed(gearbox)
-            .map_err(|fault| self.unsupported(&fault))?;
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+        let gearbox = self.formed(gearbox).map_err(Ending::unsupported)?;
         Ok(Box::new(move |control: &Control<'_>| {
             self.integrate(&gearbox, control)
         }))
@@ -152,7 +144,7 @@ impl Engine for Native {
 }
 
 impl Native {
-    fn integrate(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, EngineError> {
+    fn integrate(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Halt> {
         let scene = &gearbox.scene;
         let (wall, cpu) = (std::time::Instant::now(), ThreadTime::now());
         let mut watch = |t| control.reached(t);
@@ -162,57 +154,42 @@ impl Native {
             None => native::run(gearbox, &mut watch).map(|run| (run, None)),
         };
         let (wall_s, cpu_s) = (wall.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
-        let dress = |run: NativeRun, uncertainty: Option<Uncertainty>| {
-            let late = load_course::unreached(scene);
-            let notes = uncertainty.iter().flat_map(Uncertainty::notes);
-            let counts = run.counts;
-            let stats = RunStats {
-                wall_s,
-                cpu_s,
-                rhs_calls: counts.evaluations,
-                steps: counts.steps,
-                rejected_steps: counts.rejected,
-                degrees_of_freedom: run.degrees_of_freedom,
-                bodies: gearbox.layout.bodies(),
-                step_s: if counts.steps == 0 {
-                    0.0
-                } else {
-                    run.end_s / counts.steps as f64
-                },
-                settings: settings(&gearbox.scene, uncertainty.as_ref()),
-                joint_drift_m: (self.form == Form::Lagrange).then_some(run.joint_drift_m),
-                energy: windows(scene)
-                    .into_iter()
-                    .filter_map(|(from, to)| run.energy.audit(from, to))
-                    .collect(),
-                notes: late.into_iter().chain(notes).collect(),
-                recorded: None,
-            };
-            Run {
-                uncertainty,
-                ..Run::new(run.courses, stats)
-            }
+        let (run, uncertainty) = outcome.map_err(|error| match error {
+            NativeError::Stopped => Halt::from(Cancelled),
+            NativeError::Model(error) => Ending::unsupported(error).into(),
+            NativeError::Courses(error) => Ending::failed(error).into(),
+            NativeError::Ended(ending) => ending.into(),
+        })?;
+        let uncertainty = uncertainty.filter(|_| run.ending.is_finished());
+        let late = load_course::unreached(scene);
+        let notes = uncertainty.iter().flat_map(Uncertainty::notes);
+        let counts = run.counts;
+        let stats = RunStats {
+            wall_s,
+            cpu_s,
+            rhs_calls: counts.evaluations,
+            steps: counts.steps,
+            rejected_steps: counts.rejected,
+            degrees_of_freedom: run.degrees_of_freedom,
+            bodies: gearbox.layout.bodies(),
+            step_s: if counts.steps == 0 {
+                0.0
+            } else {
+                run.end_s / counts.steps as f64
+            },
+            settings: settings(&gearbox.scene, uncertainty.as_ref()),
+            joint_drift_m: (self.form == Form::Lagrange).then_some(run.joint_drift_m),
+            energy: windows(scene)
+                .into_iter()
+                .filter_map(|(from, to)| run.energy.audit(from, to))
+                .collect(),
+            notes: late.into_iter().chain(notes).collect(),
+            recorded: None,
         };
-        let engine = self.name().to_owned();
-        match outcome {
-            Ok((run, uncertainty)) => Ok(dress(run, uncertainty)),
-            Err(NativeError::Diverged {
-                time_s,
-                quantity,
-                partial,
-            }) => Err(EngineError::Diverged {
-                engine,
-                time_s,
-                quantity,
-                partial: Box::new(dress(*partial, None)),
-            }),
-            Err(NativeError::Stopped) => Err(EngineError::Cancelled),
-            Err(NativeError::Model(error)) => Err(self.unsupported(&error)),
-            Err(NativeError::Courses(error)) => Err(EngineError::Failed {
-                engine,
-                reason: error.to_string(),
-            }),
-        }
+        Ok(Run {
+            uncertainty,
+            ..Run::new(run.courses, stats).with_ending(run.ending)
+        })
     }
 }
 

@@ -9,7 +9,8 @@ use super::cards::{CARDS, IDA, SIMBODY};
 use super::ready::{Missing, Ready};
 use super::{ida, simbody};
 use crate::cards::Card;
-use crate::engine::{Control, Engine, EngineError, Knob, Prepared, Refinement, Run, Track};
+use crate::control::{Cancelled, Control};
+use crate::engine::{Ending, Engine, Halt, Knob, Prepared, Refinement, Run, Track};
 use crate::external::{Solver, law_library};
 
 /// One shipped solver.
@@ -56,22 +57,8 @@ pub(crate) fn engines() -> impl Iterator<Item = Box<dyn Engine>> {
 }
 
 impl Shipped {
-    fn failed(&self, reason: String) -> EngineError {
-        EngineError::Failed {
-            engine: self.card.name.to_owned(),
-            reason,
-        }
-    }
-
-    fn absent(&self, reason: String) -> EngineError {
-        EngineError::Absent {
-            engine: self.card.name.to_owned(),
-            reason,
-        }
-    }
-
     /// The solver for a scene, made ready if it is not.
-    fn solver(&self, gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Solver, EngineError> {
+    fn solver(&self, gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Solver, Halt> {
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let outcome = match made.as_ref() {
             Some(known) => known.clone(),
@@ -82,19 +69,18 @@ impl Shipped {
         }
         drop(made);
         let ready = outcome.map_err(|missing| match missing {
-            Missing::Stopped => EngineError::Cancelled,
-            Missing::Because(reason) => self.absent(reason),
+            Missing::Stopped => Halt::from(Cancelled),
+            Missing::Because(reason) => Ending::Absent { reason }.into(),
         })?;
-        law_library().map_err(|reason| self.absent(reason))?;
+        law_library().map_err(Ending::absent)?;
         let manifest = ready
             .here
             .join(self.manifests[usize::from(gearbox.has_friction())]);
-        Solver::open(&manifest)
-            .map(|solver| solver.known_as(self.card.name, ready.python))
-            .map_err(|error| self.failed(error.to_string()))
+        let solver = Solver::open(&manifest).map_err(Ending::failed)?;
+        Ok(solver.known_as(self.card.name, ready.python))
     }
 
-    fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, EngineError> {
+    fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Halt> {
         self.solver(gearbox, control.cancel)?
             .prepare(gearbox)?
             .run(control)
@@ -129,7 +115,7 @@ impl Engine for Shipped {
         })
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
         let gearbox = gearbox.clone();
         Ok(Box::new(move |control: &Control<'_>| {
             self.run(&gearbox, control)

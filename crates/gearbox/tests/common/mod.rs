@@ -9,7 +9,10 @@ pub(crate) fn run(preset: &str, kernel: Kernel, sets: &[(&str, &str)]) -> Native
     let sets: Vec<Override> = sets.iter().map(|&(k, v)| Override::new(k, v)).collect();
     let mut gearbox = Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap();
     gearbox.kernel = kernel;
-    native::run(&gearbox, &mut |_| false).unwrap()
+    native::run(&gearbox, &mut |_| false)
+        .unwrap()
+        .whole()
+        .unwrap()
 }
 
 /// Relative L2 distance of all sleeve forces together.

@@ -1,8 +1,9 @@
 //! Costs and errors in words, for the terminal and the page.
 
+use pinwheel_courses::Ending;
 use pinwheel_report::format::{seconds, significant};
 use pinwheel_report::study::{Cell, Mark};
-use pinwheel_studies::bench::{CostAt, Ending, Series, Stopped};
+use pinwheel_studies::bench::{CostAt, Series, Stopped};
 
 /// A bound's sign, or nothing.
 fn sign(cost: CostAt) -> &'static str {
@@ -85,13 +86,15 @@ pub fn failure(series: &Series) -> Option<String> {
     }
     let last = series.points.last().map(|point| &point.ending);
     Some(match last {
-        Some(Ending::Failed { reason }) => reason.clone(),
         Some(Ending::Diverged { time_s, quantity }) => {
             format!("diverges at every step; at the finest at {time_s:.4} s: {quantity}")
         }
-        Some(Ending::GivenUp { time_s }) => {
+        Some(Ending::TimedOut { time_s, .. }) => {
             format!("takes too long: {time_s:.4} s simulated when it was given up")
         }
+        Some(
+            Ending::Failed { reason } | Ending::Unsupported { reason } | Ending::Absent { reason },
+        ) => reason.clone(),
         Some(Ending::Finished) | None => match series.stopped {
             Stopped::Interrupted => "stopped by the user".to_owned(),
             other => other.words().to_owned(),

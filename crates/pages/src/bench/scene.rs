@@ -1,5 +1,6 @@
 //! The scene's sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
 
+use pinwheel_courses::Ending;
 use pinwheel_engines::Track;
 use pinwheel_report::colours;
 use pinwheel_report::format::{limit, relative, seconds};
@@ -7,7 +8,7 @@ use pinwheel_report::study::{
     Axis, Block, Cell, Chart, Column, Mark, Section, Series, Style, Table,
 };
 use pinwheel_studies::bench::{
-    self, Ending, Errors, Knob, Measure, Point, Ranking, Solution, WorkPrecision,
+    self, Errors, Knob, Measure, Point, Ranking, Solution, WorkPrecision,
 };
 
 use super::figures;
@@ -470,10 +471,12 @@ fn row(point: &Point, knob: Knob, windows: usize) -> Vec<Cell> {
         Ending::Diverged { time_s, quantity } => {
             Cell::text(format!("diverged at {time_s:.4} s: {quantity}")).marked(Mark::Bad)
         }
-        Ending::GivenUp { time_s } => {
+        Ending::TimedOut { time_s, .. } => {
             Cell::text(format!("given up at {time_s:.4} s of simulated time")).marked(Mark::Warn)
         }
-        Ending::Failed { reason } => Cell::text(reason.clone()).marked(Mark::Bad),
+        Ending::Failed { reason } | Ending::Unsupported { reason } | Ending::Absent { reason } => {
+            Cell::text(reason.clone()).marked(Mark::Bad)
+        }
     });
     row
 }

@@ -1,5 +1,6 @@
 //! A sweep on a terminal.
 
+use pinwheel_courses::Ending;
 use pinwheel_courses::table::Table;
 use pinwheel_report::format::significant;
 use pinwheel_report::terminal::{self, BAD, TITLE, pairs, styled};
@@ -33,7 +34,7 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
             .count()
     };
     let mut runs = vec![format!("{} finished", count("finished"))];
-    for word in ["diverged", "unsupported", "failed"] {
+    for word in &Ending::WORDS[1..] {
         if count(word) > 0 {
             runs.push(styled(BAD, &format!("{} {word}", count(word))));
         }

@@ -26,7 +26,8 @@ mod write;
 mod yardstick;
 
 use cases::Way;
-use pinwheel_engines::{EngineError, by_name};
+use pinwheel_courses::Ending;
+use pinwheel_engines::{Halt, by_name};
 use pinwheel_gearbox::contacts::Kernel;
 
 use crate::StudyError;
@@ -102,7 +103,7 @@ impl Options {
             by_name(name, &scene).is_some_and(|engine| {
                 !matches!(
                     engine.supports(&scene),
-                    Err(EngineError::Unsupported { .. })
+                    Err(Halt::Ended(Ending::Unsupported { .. }))
                 )
             })
         };

@@ -4,9 +4,8 @@
 //! signs s. For two runs, `mean_k (p_k - p'_k)^2` estimates the sum of all squared differences without bias
 //! [Achlioptas 2003], so four numbers at full precision tell a rounding from a change anywhere in a course.
 
-use pinwheel_courses::{Courses, columns};
+use pinwheel_courses::{Courses, EnergyAudit, columns};
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::native::NativeRun;
 use pinwheel_scene::Layout;
 
 /// Numbers of a sketch.
@@ -70,10 +69,15 @@ pub struct Values {
     pub channels: Vec<Vec<f64>>,
 }
 
-/// The quantities of a run that came to its end.
+/// The quantities of a run that came to its end, with its whole account of energy and its joints' largest error, m; those that
+/// the engine does not tell have no numbers.
 #[must_use]
-pub fn values(gearbox: &Gearbox, run: &NativeRun) -> Vec<Values> {
-    let courses = &run.courses;
+pub fn values(
+    gearbox: &Gearbox,
+    courses: &Courses,
+    account: Option<EnergyAudit>,
+    joint_drift_m: Option<f64>,
+) -> Vec<Values> {
     QUANTITIES
         .iter()
         .map(|quantity| Values {
@@ -84,8 +88,8 @@ pub fn values(gearbox: &Gearbox, run: &NativeRun) -> Vec<Values> {
                 "output_twist" => vec![twist(gearbox, courses)],
                 "external_force" => group(courses, columns::EXTERNAL_FORCE),
                 "internal_force" => group(courses, columns::INTERNAL_FORCE),
-                "energy" => vec![energy(run)],
-                _ => vec![vec![run.joint_drift_m]],
+                "energy" => vec![account.map_or_else(Vec::new, energies)],
+                _ => vec![joint_drift_m.into_iter().collect()],
             },
         })
         .collect()
@@ -118,17 +122,15 @@ fn twist(gearbox: &Gearbox, courses: &Courses) -> Vec<f64> {
 }
 
 /// Works of the driver and the load, changes of kinetic and stored energy, losses by damping and friction, J.
-fn energy(run: &NativeRun) -> Vec<f64> {
-    run.energy.total().map_or_else(Vec::new, |a| {
-        vec![
-            a.driver_j,
-            a.load_j,
-            a.kinetic_j,
-            a.stored_j,
-            a.damping_j,
-            a.friction_j,
-        ]
-    })
+fn energies(a: EnergyAudit) -> Vec<f64> {
+    vec![
+        a.driver_j,
+        a.load_j,
+        a.kinetic_j,
+        a.stored_j,
+        a.damping_j,
+        a.friction_j,
+    ]
 }
 
 impl Values {

@@ -4,10 +4,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use cpu_time::ThreadTime;
-use pinwheel_engines::RunStats;
 use pinwheel_gearbox::contacts::Kernel;
-use pinwheel_gearbox::native::{self, NativeError, NativeRun};
-use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +12,7 @@ use super::instructions::Counter;
 use super::quantity::{self, Values};
 use super::yardstick;
 use crate::StudyError;
-use crate::control::{self, Control, Ended, Progress};
+use crate::control::{self, Control, Progress};
 use crate::pool;
 
 /// What a run cost.
@@ -61,43 +58,31 @@ pub(super) struct Job {
     pub(super) repeats: usize,
 }
 
-/// What a solver from outside tells: it keeps no account of energy, and not all have joints.
-fn values(gearbox: &Gearbox, run: &NativeRun, stats: &RunStats) -> Vec<Values> {
-    let mut values = quantity::values(gearbox, run);
-    let joints = stats.joint_drift_m.is_some();
-    values.retain(|v| v.count() > 0 && (joints || v.quantity.key != "joint_drift"));
-    values
-}
-
 /// Makes one run of a solver from outside, which costs what it says, in CPU time of its own.
 fn run_solver(job: &Job, solver: &str, cancel: &AtomicBool) -> Result<Outcome, StudyError> {
     let gearbox = control::compile(&job.scene)?;
     let (mut least, mut unit) = (f64::INFINITY, f64::INFINITY);
     for turn in 1.. {
-        let (ended, stats) = match control::run_on(solver, &job.scene, cancel)? {
-            Ok(found) => found,
-            Err(reason) => return Ok(Err(reason)),
-        };
-        let run = match ended {
-            Ended::Whole(run) => run,
-            Ended::Diverged {
-                time_s, quantity, ..
-            } => {
-                return Ok(Err(format!("diverged at t = {time_s:.6} s: {quantity}")));
-            }
-        };
-        least = least.min(stats.cpu_s);
+        let run = control::run_on(solver, &job.scene, &Control::silent(cancel))?;
+        if !run.ending.is_finished() {
+            return Ok(Err(format!("{solver} {}", run.ending)));
+        }
+        least = least.min(run.stats.cpu_s);
         if job.repeats > 0 {
             unit = unit.min(yardstick::measure());
         }
         if turn >= job.repeats {
+            // It keeps no account of energy, and not all have joints.
+            let stats = &run.stats;
+            let mut values = quantity::values(&gearbox, &run.courses, None, stats.joint_drift_m);
+            values.retain(|v| v.count() > 0);
             return Ok(Ok(Finished {
                 time_s: run.courses.time_s().to_vec(),
-                values: values(&gearbox, &run, &stats),
+                values,
                 costs: Costs {
-                    right_hand_sides: run.counts.evaluations,
-                    steps: run.counts.steps,
-                    rejections: run.counts.rejected,
+                    right_hand_sides: stats.rhs_calls,
+                    steps: stats.steps,
+                    rejections: stats.rejected_steps,
                     newton_steps: 0,
                     instructions: None,
                     time_ratio: (job.repeats > 0 && unit > 0.0).then_some(least / unit),
@@ -117,15 +102,9 @@ pub(super) fn run(
     if let Some(solver) = &job.solver {
         return run_solver(job, solver, cancel);
     }
-    let of_scene = |source| StudyError::Scene {
-        scene: job.label.clone(),
-        source,
-    };
-    let checked = job.scene.clone().check().map_err(GearboxError::from);
-    let built = checked.and_then(|scene| Gearbox::new(&scene));
-    let mut gearbox = built.map_err(of_scene)?;
+    let mut gearbox = control::compile(&job.scene)?;
     gearbox.kernel = job.kernel;
-    let go = || native::run(&gearbox, &mut |_| cancel.load(Ordering::Relaxed));
+    let go = || control::run_compiled(&gearbox, &mut |_| cancel.load(Ordering::Relaxed));
     let (mut least, mut unit) = (f64::INFINITY, f64::INFINITY);
     let mut instructions = None;
     let mut result = None;
@@ -138,16 +117,18 @@ pub(super) fn run(
         instructions = count;
         result = Some(run);
     }
-    let run = match result.unwrap_or_else(go) {
-        Ok(run) => run,
-        Err(NativeError::Stopped) => return Err(StudyError::Cancelled),
-        Err(NativeError::Model(source)) => return Err(of_scene(source)),
-        Err(NativeError::Courses(source)) => return Err(StudyError::Courses(source)),
-        Err(error @ NativeError::Diverged { .. }) => return Ok(Err(error.to_string())),
-    };
+    let run = result.unwrap_or_else(go)?;
+    if !run.ending.is_finished() {
+        return Ok(Err(run.ending.to_string()));
+    }
     Ok(Ok(Finished {
         time_s: run.courses.time_s().to_vec(),
-        values: quantity::values(&gearbox, &run),
+        values: quantity::values(
+            &gearbox,
+            &run.courses,
+            run.energy.total(),
+            Some(run.joint_drift_m),
+        ),
         costs: Costs {
             right_hand_sides: run.counts.evaluations,
             steps: run.counts.steps,

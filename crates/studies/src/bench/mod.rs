@@ -16,7 +16,7 @@ pub use front::CostAt;
 pub use norms::{Errors, Span};
 pub use ranking::{Advantage, Entry, Ranking};
 pub use reference::{Reference, Solution};
-pub use series::{Cost, Ending, Measure, Point, Series};
+pub use series::{Cost, Measure, Point, Series};
 pub use settings::{Knob, Stopped};
 pub use table::write_csv;
 

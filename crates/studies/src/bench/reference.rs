@@ -16,7 +16,7 @@ use serde::Serialize;
 use super::Knob;
 use super::norms::{Errors, Least, Span, errors, spans};
 use crate::StudyError;
-use crate::control::{Control, compile};
+use crate::control::{Control, compile, complete};
 
 /// One converged solution.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -117,7 +117,7 @@ pub(super) fn run(
     let [first, second] = plans(scene)?;
     let mut solve = |plan: &Plan, setting: f64| {
         announce(&format!("reference: {}, {setting:.2e}", plan.method));
-        let run = control.complete(&plan.scene(scene, setting))?;
+        let run = complete(&plan.scene(scene, setting), control)?;
         let solution = Solution {
             method: plan.method.to_owned(),
             knob: plan.knob(),

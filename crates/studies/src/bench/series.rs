@@ -1,13 +1,12 @@
 //! One engine and method at every setting, coarse to fine.
 
-use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::Duration;
 
-use cpu_time::ProcessTime;
 use pinwheel_courses::Courses;
-use pinwheel_engines::{Engine, EngineError, Run, Track};
+use pinwheel_engines::{Ending, Engine, Run, Track};
+use pinwheel_gearbox::Gearbox;
 use pinwheel_mbs::integrators;
-use pinwheel_scene::{Fault, Scene};
+use pinwheel_scene::Scene;
 use serde::Serialize;
 
 use super::Options;
@@ -15,7 +14,7 @@ use super::front::{CostAt, cost_at};
 use super::norms::{Errors, Least, Span, errors};
 use super::settings::{Knob, State, Stopped, settings};
 use crate::StudyError;
-use crate::control::Control;
+use crate::control::{Control, Patience};
 
 /// What a setting costs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -32,31 +31,6 @@ pub struct Cost {
     pub steps: u64,
     /// Rejected steps.
     pub rejected_steps: u64,
-}
-
-/// How a run ended.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(tag = "status", rename_all = "kebab-case")]
-pub enum Ending {
-    /// At its end.
-    Finished,
-    /// The numbers ran away.
-    Diverged {
-        /// When, s.
-        time_s: f64,
-        /// Which quantity.
-        quantity: String,
-    },
-    /// It was given up because it took too long.
-    GivenUp {
-        /// Simulated time reached, s.
-        time_s: f64,
-    },
-    /// The engine does not take this setting, or broke.
-    Failed {
-        /// Its own words.
-        reason: String,
-    },
 }
 
 /// One setting.
@@ -207,9 +181,11 @@ pub(super) fn run(
             other => other?,
         };
         let ended = match point.ending {
-            Ending::Failed { .. } => Some(Stopped::Failed),
-            Ending::GivenUp { .. } => Some(Stopped::TooLong),
             Ending::Finished | Ending::Diverged { .. } => None,
+            Ending::TimedOut { .. } => Some(Stopped::TooLong),
+            Ending::Unsupported { .. } | Ending::Absent { .. } | Ending::Failed { .. } => {
+                Some(Stopped::Failed)
+            }
         };
         // A run that diverged early says nothing of what a whole one costs.
         if point.ending == Ending::Finished
@@ -239,23 +215,36 @@ fn point(
     options: &Options,
     control: &Control<'_>,
 ) -> Result<Point, StudyError> {
+    let without = |ending| Point {
+        setting,
+        ending,
+        errors: Vec::new(),
+        cost: None,
+    };
+    let gearbox = match scene.clone().check().map_err(Ending::unsupported) {
+        Ok(scene) => Gearbox::new(&scene).map_err(Ending::unsupported),
+        Err(ending) => Err(ending),
+    };
+    let gearbox = match gearbox {
+        Ok(gearbox) => gearbox,
+        Err(ending) => return Ok(without(ending)),
+    };
+    let longest = options.longest(engine.track());
+    let patience = Patience {
+        most: Duration::from_secs_f64(PATIENCE * longest),
+        asks: options.longest_s / (PATIENCE * longest),
+        outside: true,
+    };
     let mut times = Vec::new();
-    let mut first: Option<(Run, Ending)> = None;
+    let mut first: Option<Run> = None;
     loop {
-        let (run, ending) = match once(scene, engine, options, control)? {
-            Ok(found) => found,
-            Err(ending) => {
-                return Ok(Point {
-                    setting,
-                    ending,
-                    errors: Vec::new(),
-                    cost: None,
-                });
-            }
-        };
+        let run = patience.run(engine, &gearbox, control)?;
+        if !matches!(run.ending, Ending::Finished | Ending::Diverged { .. }) {
+            return Ok(without(run.ending));
+        }
         times.push(run.stats.cpu_s);
-        let finished = ending == Ending::Finished;
-        let (run, _) = first.get_or_insert((run, ending));
+        let finished = run.ending.is_finished();
+        let run = first.get_or_insert(run);
         let spent: f64 = times.iter().sum();
         let least = options
             .repeats
@@ -269,15 +258,8 @@ fn point(
             break;
         }
     }
-    let Some((run, ending)) = first else {
-        return Ok(Point {
-            setting,
-            ending: Ending::Failed {
-                reason: "never ran".to_owned(),
-            },
-            errors: Vec::new(),
-            cost: None,
-        });
+    let Some(run) = first else {
+        return Ok(without(Ending::failed("never ran")));
     };
     times.sort_by(f64::total_cmp);
     let cost = Cost {
@@ -288,7 +270,7 @@ fn point(
         steps: run.stats.steps,
         rejected_steps: run.stats.rejected_steps,
     };
-    let whole = ending == Ending::Finished && run.courses.len() == truth.courses.len();
+    let whole = run.ending.is_finished() && run.courses.len() == truth.courses.len();
     let errors = if whole {
         let windows = truth.windows.iter();
         windows
@@ -299,73 +281,14 @@ fn point(
     };
     Ok(Point {
         setting,
-        ending,
+        ending: run.ending,
         errors,
         cost: Some(cost),
     })
 }
 
-/// Samples between two looks at the clock, which is not free beside a fast run.
-const SAMPLES_BETWEEN_LOOKS: u32 = 64;
 /// A run is given up after this many times the time it may take.
 const PATIENCE: f64 = 3.0;
-
-/// One run; the inner error says why there is none.
-fn once(
-    scene: &Scene,
-    engine: &dyn Engine,
-    options: &Options,
-    control: &Control<'_>,
-) -> Result<Result<(Run, Ending), Ending>, StudyError> {
-    let stop = AtomicBool::new(false);
-    let (looks, reached_ns) = (AtomicU32::new(0), AtomicU64::new(0));
-    // CPU time of the process: a busy machine must not make a run look long.
-    let (started, begun) = (ProcessTime::now(), Instant::now());
-    let spent = || match engine.is_outside() {
-        true => begun.elapsed(),
-        false => started.elapsed(),
-    };
-    let longest = PATIENCE * options.longest(engine.track());
-    let progress = |time_s: f64| {
-        if control.cancel.load(Ordering::Relaxed) {
-            stop.store(true, Ordering::Relaxed);
-        }
-        if looks.fetch_add(1, Ordering::Relaxed) % SAMPLES_BETWEEN_LOOKS == 0
-            && spent().as_secs_f64() > longest
-        {
-            reached_ns.store((time_s * 1e9) as u64, Ordering::Relaxed);
-            stop.store(true, Ordering::Relaxed);
-        }
-    };
-    let engines = pinwheel_engines::Control {
-        cancel: &stop,
-        progress: &progress,
-    };
-    let unsupported = |fault: Fault| EngineError::Unsupported {
-        engine: engine.name().to_owned(),
-        reason: fault.to_string(),
-    };
-    let checked = scene.clone().check().map_err(unsupported);
-    match checked.and_then(|scene| engine.run(&scene, &engines)) {
-        Ok(run) => Ok(Ok((run, Ending::Finished))),
-        Err(EngineError::Diverged {
-            time_s,
-            quantity,
-            partial,
-            ..
-        }) => Ok(Ok((*partial, Ending::Diverged { time_s, quantity }))),
-        Err(EngineError::Cancelled) if !control.cancel.load(Ordering::Relaxed) => {
-            let time_s = reached_ns.load(Ordering::Relaxed) as f64 * 1e-9;
-            Ok(Err(Ending::GivenUp { time_s }))
-        }
-        Err(EngineError::Cancelled) => Err(StudyError::Cancelled),
-        Err(
-            EngineError::Unsupported { reason, .. }
-            | EngineError::Absent { reason, .. }
-            | EngineError::Failed { reason, .. },
-        ) => Ok(Err(Ending::Failed { reason })),
-    }
-}
 
 /// Of values in order.
 pub(super) fn median(sorted: &[f64]) -> f64 {

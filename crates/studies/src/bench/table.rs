@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::{Ending, Knob, WorkPrecision};
+use super::{Knob, WorkPrecision};
 use crate::StudyError;
 
 /// Writes CSV with a header row, `.` decimals and full precision; what does not exist is empty.
@@ -43,12 +43,6 @@ pub fn write_csv(study: &WorkPrecision, sink: impl Write) -> Result<(), StudyErr
                 Knob::StepS => (setting, String::new()),
                 Knob::Tolerance => (String::new(), setting),
             };
-            let status = match point.ending {
-                Ending::Finished => "finished",
-                Ending::Diverged { .. } => "diverged",
-                Ending::GivenUp { .. } => "given-up",
-                Ending::Failed { .. } => "failed",
-            };
             let mut row = vec![
                 series.engine.clone(),
                 series.version.clone(),
@@ -60,7 +54,7 @@ pub fn write_csv(study: &WorkPrecision, sink: impl Write) -> Result<(), StudyErr
                     .unwrap_or_default(),
                 step,
                 tolerance,
-                status.to_owned(),
+                point.ending.word().to_owned(),
             ];
             if let Some(cost) = point.cost {
                 row.extend([

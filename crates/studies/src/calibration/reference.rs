@@ -40,5 +40,5 @@ pub fn run(scene: &Scene, (integrator, setting): Setting) -> Option<Courses> {
     }
     let gearbox = Gearbox::new(&scene.check().ok()?).ok()?;
     let ran = native::run(&gearbox, &mut |_| false).ok()?;
-    Some(ran.courses)
+    Some(ran.whole().ok()?.courses)
 }

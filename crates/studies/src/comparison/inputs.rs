@@ -10,7 +10,7 @@ use pinwheel_courses::norms::View;
 use pinwheel_scene::CheckedScene;
 
 use crate::StudyError;
-use crate::control::{Control, Progress};
+use crate::control::{Control, Progress, complete};
 use crate::dice::Dice;
 use crate::sampling::hypercube;
 
@@ -48,7 +48,7 @@ pub(super) fn uncertainty(
                 ))
             })?;
         }
-        control.complete(&moved).map(|run| run.courses)
+        complete(&moved, control).map(|run| run.courses)
     };
     let middle = run(&[])?;
     let runs = variants

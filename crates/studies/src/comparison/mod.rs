@@ -15,14 +15,14 @@ use pinwheel_compare::{
     Comparison, Context, Divergence, Metric, Participant, Rules, Scales, Status, Track, WindowKind,
     compare_with, limits,
 };
-use pinwheel_courses::{Courses, columns};
-use pinwheel_engines::{Engine, EngineError, RunStats, external, recorded};
+use pinwheel_courses::columns;
+use pinwheel_engines::{Engine, external, recorded};
 use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, Statement};
 use pinwheel_scene::load_course;
 use pinwheel_scene::{Assumption, Scene, Start, assumptions};
 use serde::Serialize;
 
-use crate::control::{Control, Progress};
+use crate::control::{Control, Patience, Progress, WITHIN};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 use crate::single::RunRecord;
@@ -154,12 +154,14 @@ impl Outcome {
         let (broken, remedy) = each
             .filter_map(|participant| match participant.status {
                 Status::Finished => None,
-                Status::Unsupported { .. } if !asked => None,
+                Status::Unsupported { .. } | Status::Absent { .. } if !asked => None,
+                // Whoever names a solver by its manifest asks for it.
+                Status::TimedOut { .. } if !asked && !has_joined(&participant.name) => None,
                 Status::Diverged { .. } => Some((
                     participant,
                     "try a smaller solver.step_s or another solver.integrator",
                 )),
-                Status::Unsupported { .. } | Status::Failed { .. } => Some((
+                _ => Some((
                     participant,
                     "leave it out with --engines, or change the scene",
                 )),
@@ -217,6 +219,11 @@ impl Outcome {
     }
 }
 
+fn has_joined(engine: &str) -> bool {
+    let joined = external::joined();
+    joined.iter().any(|solver| solver.name() == engine)
+}
+
 /// What the authors of solvers that joined state of their own contact models, once a run is steady: mean driver torque, and
 /// whole courses of everything else.
 fn of_solvers() -> impl Iterator<Item = ModelTolerance> {
@@ -248,45 +255,31 @@ fn take_part(
     at: Progress<'_>,
     control: &Control<'_>,
 ) -> Result<Participant, StudyError> {
-    let ran = match most {
-        Some(most) => control.engine_within(most, engine, gearbox, at)?,
-        None => control.engine(engine, gearbox, at)?,
+    let control = control.piece(at);
+    let run = match most {
+        Some(most) => Patience {
+            most,
+            asks: 1.0 / f64::from(WITHIN),
+            outside: false,
+        }
+        .run(engine, gearbox, &control)?,
+        None => engine.run_compiled(gearbox, &control)?,
     };
     // A live engine that is missing here (no Python, no network) may have been recorded.
-    if let Err(EngineError::Absent { reason, .. } | EngineError::Failed { reason, .. }) = &ran
+    if let Status::Absent { reason } | Status::Failed { reason } = &run.ending
         && let Some(recorded) = recorded::instead(engine.name(), &gearbox.scene, reason)
     {
-        return take_part(recorded.as_ref(), gearbox, most, at, control);
+        return take_part(recorded.as_ref(), gearbox, most, at, &control);
     }
-    let nothing = || (Courses::default(), RunStats::default());
-    let ((courses, stats), status) = match ran {
-        Ok(run) => ((run.courses, run.stats), Status::Finished),
-        Err(EngineError::Diverged {
-            time_s,
-            quantity,
-            partial,
-            ..
-        }) => (
-            (partial.courses, partial.stats),
-            Status::Diverged { time_s, quantity },
-        ),
-        Err(EngineError::Unsupported { reason, .. }) => (nothing(), Status::Unsupported { reason }),
-        Err(EngineError::Absent { reason, .. }) => {
-            let reason = format!("it is not on this machine: {reason}");
-            (nothing(), Status::Unsupported { reason })
-        }
-        Err(EngineError::Failed { reason, .. }) => (nothing(), Status::Failed { reason }),
-        Err(EngineError::Cancelled) => return Err(StudyError::Cancelled),
-    };
     let participant = Participant {
         name: engine.name().to_owned(),
         track: engine.track(),
         version: engine.version(),
         summary: engine.summary().to_owned(),
         differences: engine.differences().to_owned(),
-        courses,
-        cost: stats,
-        status,
+        courses: run.courses,
+        cost: run.stats,
+        status: run.ending,
     };
     Ok(participant)
 }
@@ -353,8 +346,10 @@ fn divergence(
     control: &Control<'_>,
 ) -> Result<Option<Divergence>, StudyError> {
     control.check()?;
-    let mut watch = control.watch(&gearbox.scene, at);
-    match divergence::horizon(gearbox, DIVERGENCE_STEP, &mut watch) {
+    let control = control.piece(at);
+    let control = control.lasting(gearbox.scene.solver.duration_s);
+    let watch = &mut |t| control.reached(t);
+    match divergence::horizon(gearbox, DIVERGENCE_STEP, watch) {
         Ok(horizon) => Ok(Some(Divergence {
             horizon_s: horizon.horizon_s,
             largest_share: horizon.largest_share,

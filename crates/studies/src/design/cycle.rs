@@ -94,7 +94,7 @@ pub(super) fn run(
     // The branch down, and the branch up again.
     let down = from(2.0 * rest + ramp)..from(2.0 * rest + 3.0 * ramp) + 1;
     let up = from(3.0 * rest + 3.0 * ramp)..from(3.0 * rest + 5.0 * ramp) + 1;
-    let whole = found.ending.is_finished();
+    let whole = found.run.ending.is_finished();
     // Of both branches, with every so many samples: the angles at a torque.
     let both = |torque: f64, every: usize| {
         let at = |branch: &std::ops::Range<usize>| {
@@ -128,7 +128,7 @@ pub(super) fn run(
         width_arcmin: width(1),
         lost_motion_uncertainty_arcmin: off(&lost).and_then(|off| Some(off + open()?)),
         width_uncertainty_arcmin: off(&width),
-        status: found.ending.word(),
+        status: found.run.ending.word(),
         closed_from: down.start,
         time_s,
         torque_n_m,

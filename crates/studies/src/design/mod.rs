@@ -216,7 +216,7 @@ pub(crate) fn figures_of(
     };
     let step = |done: usize, what: &str| -> Result<(), StudyError> {
         (control.progress)(Progress::new(done, total, what));
-        control.check()
+        Ok(control.check()?)
     };
     // The direction in which the gear works, as a moment on the output.
     let working = match gearbox.load_torque(scene.solver.duration_s) {
@@ -388,7 +388,7 @@ fn operating(
     let found = single::run(&gearbox, &Native::REDUCED, false, control)?;
     let account = found.run.stats.energy.last();
     let efficiency = account
-        .filter(|_| found.ending.is_finished())
+        .filter(|_| found.run.ending.is_finished())
         .and_then(Efficiency::of);
     let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
     Ok(Operating {
@@ -398,7 +398,7 @@ fn operating(
             .zip(error)
             .map(|(e, error)| e.of_losses * error.driver_torque),
         efficiency,
-        status: found.ending.word(),
+        status: found.run.ending.word(),
     })
 }
 

@@ -9,7 +9,7 @@ use pinwheel_courses::Courses;
 use pinwheel_scene::{Detection, Scene};
 
 use crate::StudyError;
-use crate::control::Control;
+use crate::control::{Control, complete};
 
 /// How contacts are found and the equations solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,7 +78,7 @@ impl<'a> Runs<'a> {
             return Ok(Rc::clone(run));
         }
         let start = Instant::now();
-        let courses = self.control.complete(&scene)?.courses;
+        let courses = complete(&scene, &self.control)?.courses;
         let run = Rc::new(Run {
             courses,
             wall_s: start.elapsed().as_secs_f64(),

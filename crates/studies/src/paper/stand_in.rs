@@ -64,9 +64,12 @@ fn run(
     note: String,
     control: &Control<'_>,
 ) -> Result<Peer, StudyError> {
-    let run = control
-        .engine(engine, gearbox, Progress::new(0, 1, engine.name()))?
-        .map_err(StudyError::Engine)?;
+    let at = control.piece(Progress::new(0, 1, engine.name()));
+    let run = engine.run_compiled(gearbox, &at)?.whole();
+    let run = run.map_err(|ending| StudyError::Ended {
+        engine: engine.name().to_owned(),
+        ending,
+    })?;
     let version = engine.version();
     Ok(Peer {
         name: format!("{} {version}", engine.name()),

@@ -24,7 +24,7 @@ pub use reference::Reference;
 pub use verdict::Failure;
 
 use crate::StudyError;
-use crate::control::{Control, Ended, Progress, run_on};
+use crate::control::{Control, Progress, run_on};
 use crate::pool;
 
 /// A formulation with an integrator, or a solver from outside.
@@ -274,7 +274,8 @@ impl Atlas {
                 let name = &options.scenes[open[k]];
                 let done = begun.fetch_add(1, Ordering::Relaxed);
                 (control.progress)(Progress::new(done, total, name));
-                match control.check().and_then(|()| row(name, options, control)) {
+                let ready = control.check().map_err(StudyError::from);
+                match ready.and_then(|()| row(name, options, control)) {
                     Ok(row) => pool::lock(&found).push((open[k], row)),
                     Err(error) => {
                         pool::lock(&fault).get_or_insert(error);
@@ -363,18 +364,8 @@ fn cell(
         let mut scene = scene.clone();
         scene.solver.step_s = step;
         scene.solver.tolerance = method.tolerance.unwrap_or(scene.solver.tolerance);
-        let Some(solver) = &method.solver else {
-            return control.run(&scene);
-        };
-        let ran = run_on(solver, &scene, control.cancel)?;
-        Ok(ran.map_or_else(
-            |reason| Ended::Diverged {
-                time_s: 0.0,
-                quantity: reason,
-                evaluations: 0,
-            },
-            |(ended, _)| ended,
-        ))
+        let engine = method.solver.as_deref().unwrap_or("native");
+        run_on(engine, &scene, &Control::silent(control.cancel))
     };
     let mut cell = Cell {
         method: method.clone(),
@@ -388,14 +379,15 @@ fn cell(
         never_failed: false,
         fails_first: None,
     };
-    let ended = at(options.step_s)?;
-    cell.failure = judge.failure(&ended);
-    if let Ended::Whole(run) = &ended {
+    let run = at(options.step_s)?;
+    cell.failure = judge.failure(&run);
+    if run.ending.is_finished() {
         cell.error = judge.error(&run.courses);
         cell.level = Some(Level::of(&run.courses));
-        cell.energy_remainder_share = run.energy.total().and_then(|audit| audit.remainder_share);
-        cell.joint_drift_m = run.joint_drift_m;
-        cell.evaluations = run.counts.evaluations;
+        let whole = run.stats.energy.first();
+        cell.energy_remainder_share = whole.and_then(|audit| audit.remainder_share);
+        cell.joint_drift_m = run.stats.joint_drift_m.unwrap_or(0.0);
+        cell.evaluations = run.stats.rhs_calls;
     }
     if method.tolerance.is_none() {
         let stable = cell.failure.is_none();

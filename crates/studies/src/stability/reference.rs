@@ -5,7 +5,7 @@ use pinwheel_scene::{Detection, Formulation, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
-use crate::control::Control;
+use crate::control::{Control, complete};
 use pinwheel_courses::norms::{Distance, Least, Level};
 
 /// How the converged run was made.
@@ -49,7 +49,7 @@ pub(super) fn run(
         } else {
             scene.solver.step_s = setting;
         }
-        control.complete(&scene)
+        complete(&scene, control)
     };
     let (best, other) = (at(fine)?, at(coarse)?);
     let reference = Reference {

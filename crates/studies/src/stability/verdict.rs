@@ -1,10 +1,10 @@
 //! Whether a run gives the right picture, and how it fails if not.
 
-use pinwheel_courses::Courses;
+use pinwheel_courses::{Courses, Ending};
+use pinwheel_engines::Run;
 use pinwheel_scene::Scales;
 use serde::{Deserialize, Serialize};
 
-use crate::control::Ended;
 use pinwheel_courses::norms::{Distance, Least, Level};
 
 /// How a run fails. A blow-up is loud by itself; what ends with wrong numbers looks like data.
@@ -114,22 +114,25 @@ impl Judge<'_> {
     }
 
     /// `None`: the right picture.
-    pub(super) fn failure(&self, ended: &Ended) -> Option<Failure> {
-        let run = match ended {
-            Ended::Diverged {
-                time_s, quantity, ..
-            } => {
+    pub(super) fn failure(&self, run: &Run) -> Option<Failure> {
+        match &run.ending {
+            Ending::Finished => {}
+            Ending::Diverged { time_s, quantity } => {
                 return Some(Failure::BlowUp {
                     time_s: *time_s,
                     quantity: quantity.clone(),
                 });
             }
-            Ended::Whole(run) => run,
-        };
-        if !(run.joint_drift_m <= JOINT_SHARE * self.scales.penetration_m) {
-            return Some(Failure::Drift {
-                joint_m: run.joint_drift_m,
-            });
+            ending => {
+                return Some(Failure::BlowUp {
+                    time_s: 0.0,
+                    quantity: ending.to_string(),
+                });
+            }
+        }
+        let joint_m = run.stats.joint_drift_m.unwrap_or(0.0);
+        if !(joint_m <= JOINT_SHARE * self.scales.penetration_m) {
+            return Some(Failure::Drift { joint_m });
         }
         let found = Level::of(&run.courses);
         let floor = FORCE_SHARE * self.scales.external_force_n;

@@ -4,8 +4,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
-use pinwheel_courses::{Courses, Ending};
-use pinwheel_engines::{Engine, EngineError};
+use pinwheel_engines::Engine;
 use pinwheel_gearbox::Gearbox;
 
 use crate::control::{Control, Progress};
@@ -149,16 +148,15 @@ pub fn perform(
     scene: &str,
     (folder, keep): (&Path, KeepCourses),
     last: &mut Option<Gearbox>,
-    control: &pinwheel_engines::Control<'_>,
+    control: &Control<'_>,
 ) -> Result<Option<RunRecord>, SweepError> {
-    let ran = engine.run_after(last, &planned.scene, control);
-    let Some((record, run)) = judged(planned, engine, scene, ran) else {
+    let Ok(run) = engine.run_after(last, &planned.scene, control) else {
         return Ok(None);
     };
-    if record.ending.is_finished() {
-        let nothing = Courses::default();
-        let courses = run.as_ref().map_or(&nothing, |run| &run.courses);
-        keep_courses(folder, &record.identity(), courses, keep)?;
+    let mut record = RunRecord::empty(planned, engine, scene, run.ending.clone()).with_cost(&run);
+    if run.ending.is_finished() {
+        record = record.with_figures(planned, &run);
+        keep_courses(folder, &record.identity(), &run.courses, keep)?;
     }
     Ok(Some(record))
 }
@@ -211,7 +209,8 @@ impl Shared<'_> {
         }
         let seen_us = AtomicU64::new(0);
         let whole_us = (duration * 1e6) as u64;
-        let reached = |time_s: f64| {
+        let reached = |at: Progress<'_>| {
+            let time_s = at.simulated_s.map_or(0.0, |[time_s, _]| time_s);
             let now = (time_s.clamp(0.0, duration) * 1e6) as u64;
             // All threads write to one counter: not at every sample.
             let before = seen_us.load(Ordering::Relaxed);
@@ -223,51 +222,13 @@ impl Shared<'_> {
                 .fetch_add(now.saturating_sub(before), Ordering::Relaxed);
             self.report();
         };
-        let control = pinwheel_engines::Control {
-            cancel: self.control.cancel,
-            progress: &reached,
-        };
+        let control = Control::new(self.control.cancel, &reached).lasting(duration);
         let place = (self.journal.folder(), keep);
         let made = perform(planned, engine.as_ref(), &scene, place, last, &control)?;
         if let Some(record) = &made {
-            reached(duration);
+            let _ = control.reached(duration);
             self.journal.keep(record)?;
         }
         Ok(made)
     }
-}
-
-/// The record of a run, and the run if it is complete; `None` when cancelled.
-fn judged(
-    planned: &PlannedRun,
-    engine: &dyn Engine,
-    scene: &str,
-    ran: Result<pinwheel_engines::Run, EngineError>,
-) -> Option<(RunRecord, Option<pinwheel_engines::Run>)> {
-    let empty = |ending: Ending| RunRecord::empty(planned, engine, scene, ending);
-    Some(match ran {
-        Ok(mut run) => {
-            run.note_missing_channels(&planned.scene);
-            let record = empty(Ending::Finished)
-                .with_cost(&run)
-                .with_figures(planned, &run);
-            (record, Some(run))
-        }
-        Err(EngineError::Diverged {
-            time_s,
-            quantity,
-            partial,
-            ..
-        }) => (
-            empty(Ending::Diverged { time_s, quantity }).with_cost(&partial),
-            None,
-        ),
-        Err(EngineError::Unsupported { reason, .. }) => {
-            (empty(Ending::Unsupported { reason }), None)
-        }
-        Err(EngineError::Failed { reason, .. } | EngineError::Absent { reason, .. }) => {
-            (empty(Ending::Failed { reason }), None)
-        }
-        Err(EngineError::Cancelled) => return None,
-    })
 }

@@ -21,7 +21,7 @@ use std::str::FromStr;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use pinwheel_courses::{Courses, Ending};
+use pinwheel_courses::Courses;
 
 use crate::folder::beside;
 use crate::ownership::{MARKER, Owner, unlisted};
@@ -211,9 +211,7 @@ impl Journal {
                 } else if name.starts_with(PREFIX) && name.ends_with(".json") {
                     let bytes = fs::read(&path).map_err(at(&path))?;
                     let record: Option<RunRecord> = serde_json::from_slice(&bytes).ok();
-                    if let Some(record) =
-                        record.filter(|r| !matches!(r.ending, Ending::Failed { .. }))
-                    {
+                    if let Some(record) = record.filter(|r| !r.ending.may_pass()) {
                         known.insert(record.identity(), (record, path));
                     }
                 }
@@ -304,7 +302,7 @@ impl Journal {
     /// # Errors
     /// A file cannot be written.
     pub fn keep(&self, record: &RunRecord) -> Result<(), SweepError> {
-        if matches!(record.ending, Ending::Failed { .. }) {
+        if record.ending.may_pass() {
             return Ok(());
         }
         let identity = record.identity();

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use cpu_time::ThreadTime;
 use pinwheel_courses::Courses;
-use pinwheel_engines::{Control, Engine, EngineError, Prepared, Run, RunStats, Track};
+use pinwheel_engines::{Cancelled, Control, Ending, Engine, Halt, Prepared, Run, RunStats, Track};
 use pinwheel_gearbox::Gearbox;
 
 use crate::StudyError;
@@ -70,21 +70,15 @@ impl Engine for Statics {
         "No motion: inertia, damping and friction have no part."
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, EngineError> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
         let gearbox = gearbox.clone();
         Ok(Box::new(move |control: &Control<'_>| {
             let (wall, cpu) = (Instant::now(), ThreadTime::now());
-            let watched = crate::Control {
-                cancel: control.cancel,
-                progress: &|_| {},
-            };
+            let watched = Control::silent(control.cancel);
             let found =
                 design::figures_of(&gearbox, false, &watched).map_err(|error| match error {
-                    StudyError::Cancelled => EngineError::Cancelled,
-                    error => EngineError::Unsupported {
-                        engine: STATICS.to_owned(),
-                        reason: error.to_string(),
-                    },
+                    StudyError::Cancelled => Halt::from(Cancelled),
+                    error => Ending::unsupported(error).into(),
                 })?;
             let stats = RunStats {
                 wall_s: wall.elapsed().as_secs_f64(),

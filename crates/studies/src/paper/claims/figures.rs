@@ -83,7 +83,7 @@ fn damping_above_8(go: Go<'_>) -> Result<Figure, NativeError> {
         }
         match run(&scene, go) {
             Ok(run) => Ok(mean(torque(&run.courses, (0.2, 0.4)))),
-            Err(NativeError::Diverged { .. }) => Ok(f64::NAN),
+            Err(NativeError::Ended(_)) => Ok(f64::NAN),
             Err(other) => Err(other),
         }
     };

@@ -31,7 +31,7 @@ pub(super) fn compile(scene: &Scene) -> Result<Gearbox, NativeError> {
 }
 
 pub(super) fn run(scene: &Scene, go: Go<'_>) -> Result<NativeRun, NativeError> {
-    native::run(&compile(scene)?, &mut |_| !go())
+    Ok(native::run(&compile(scene)?, &mut |_| !go())?.whole()?)
 }
 
 /// The course of a single channel; empty if there is none.

@@ -1,0 +1,187 @@
+//! Cancellation and progress, of one run and of a study of many.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The user asked to stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("stopped")]
+pub struct Cancelled;
+
+/// Where a study is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress<'a> {
+    /// Pieces done.
+    pub done: usize,
+    /// Pieces in all.
+    pub total: usize,
+    /// The piece that is worked on, e.g. a scene's name.
+    pub piece: &'a str,
+    /// Simulated time of all pieces together, reached and in all, s, where pieces are runs.
+    pub simulated_s: Option<[f64; 2]>,
+}
+
+impl<'a> Progress<'a> {
+    /// The piece begins.
+    #[must_use]
+    pub fn new(done: usize, total: usize, piece: &'a str) -> Self {
+        Self {
+            done,
+            total,
+            piece,
+            simulated_s: None,
+        }
+    }
+
+    /// The piece, a run of `duration_s` as all others are, has come to `time_s`.
+    fn reached(self, time_s: f64, duration_s: f64) -> Self {
+        let at = self.done as f64 * duration_s + time_s;
+        Self {
+            simulated_s: Some([at, self.total as f64 * duration_s]),
+            ..self
+        }
+    }
+
+    /// The piece, its number, and the time left where simulated time passes; short, because what a terminal has no room
+    /// for is cut off.
+    #[must_use]
+    pub fn sentence(&self, elapsed_s: f64) -> String {
+        let mut text = String::new();
+        if self.total > 1 {
+            let number = (self.done + 1).min(self.total);
+            text.push_str(&format!("{number} of {}, ", self.total));
+        }
+        text.push_str(self.piece);
+        if let Some([at, of]) = self.simulated_s {
+            let left = elapsed_s * (of - at).max(0.0) / at;
+            if left.is_finite() {
+                text.push_str(&format!(", {} left", span(left)));
+            }
+        }
+        text
+    }
+}
+
+/// Seconds, minutes or hours.
+fn span(time_s: f64) -> String {
+    if time_s < 90.0 {
+        format!("{time_s:.0} s")
+    } else if time_s < 5400.0 {
+        format!("{:.0} min", time_s / 60.0)
+    } else {
+        format!("{:.1} h", time_s / 3600.0)
+    }
+}
+
+/// Cancellation and progress. Cheap enough to be asked at every sample.
+#[derive(Clone, Copy)]
+pub struct Control<'a> {
+    /// Set from outside (Ctrl-C) to stop; looked at in every sample of every run.
+    pub cancel: &'a AtomicBool,
+    /// Called at the beginning of every piece of a study, and in every sample of a run.
+    pub progress: &'a (dyn Fn(Progress<'_>) + Sync),
+    at: Progress<'a>,
+    duration_s: f64,
+}
+
+impl<'a> Control<'a> {
+    /// Stops once `cancel` is set, and reports to `progress`.
+    #[must_use]
+    pub fn new(cancel: &'a AtomicBool, progress: &'a (dyn Fn(Progress<'_>) + Sync)) -> Self {
+        Self {
+            cancel,
+            progress,
+            at: Progress::new(0, 1, ""),
+            duration_s: 0.0,
+        }
+    }
+
+    /// Never cancels, reports nothing.
+    #[must_use]
+    pub fn quiet() -> Control<'static> {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Control::silent(&NEVER)
+    }
+
+    /// Stops once `cancel` is set, and reports nothing.
+    #[must_use]
+    pub fn silent(cancel: &'a AtomicBool) -> Self {
+        Self::new(cancel, &|_| {})
+    }
+
+    /// The same for a run that is the piece `at` of a study.
+    #[must_use]
+    pub fn piece<'b>(&self, at: Progress<'b>) -> Control<'b>
+    where
+        'a: 'b,
+    {
+        Control { at, ..*self }
+    }
+
+    /// The same piece, stopped and observed by others.
+    #[must_use]
+    pub fn limited<'b>(
+        &self,
+        cancel: &'b AtomicBool,
+        progress: &'b (dyn Fn(Progress<'_>) + Sync),
+    ) -> Control<'b>
+    where
+        'a: 'b,
+    {
+        Control {
+            cancel,
+            progress,
+            ..*self
+        }
+    }
+
+    /// The same for a run of `duration_s`.
+    #[must_use]
+    pub fn lasting(self, duration_s: f64) -> Self {
+        Self { duration_s, ..self }
+    }
+
+    /// Reports the simulated time; true when the run must stop.
+    #[must_use]
+    pub fn reached(&self, time_s: f64) -> bool {
+        (self.progress)(self.at.reached(time_s, self.duration_s));
+        self.is_cancelled()
+    }
+
+    /// Whether to stop.
+    #[must_use]
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+
+    /// Fails once asked to stop.
+    ///
+    /// # Errors
+    /// That.
+    pub fn check(&self) -> Result<(), Cancelled> {
+        if self.is_cancelled() {
+            return Err(Cancelled);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_are_counted_and_fit() {
+        let piece = Progress::new(1, 4, "atlas of steel");
+        assert_eq!(piece.sentence(1.0), "2 of 4, atlas of steel");
+        let run = |at| Progress {
+            simulated_s: Some([at, 0.6]),
+            ..Progress::new(6, 12, "rapier-own-contact-colliders")
+        };
+        let line = run(0.3).sentence(12.0);
+        assert_eq!(line, "7 of 12, rapier-own-contact-colliders, 12 s left");
+        // `stability [============] 99m: ` stands before it.
+        assert!(line.len() + 28 <= 80);
+        assert!(run(1e-4).sentence(1.0).ends_with(", 1.7 h left"));
+        assert!(run(0.0).sentence(1.0).ends_with("colliders"));
+    }
+}
