@@ -699,3 +699,57 @@ fn program_opens_completes_and_has_a_manual() {
         "{pages:?}"
     );
 }
+
+/// Pages outlive what they name: links lead to files and headings, commands and their flags are those of this program.
+#[test]
+fn program_documents_name_what_is_there() {
+    let folders = [
+        ".",
+        "docs",
+        "docs/notes",
+        "python",
+        "solvers",
+        "reference/law-vectors",
+        "reference/recorded",
+    ];
+    let pages = folders.map(repository).into_iter().flat_map(|folder| {
+        let names = names_in(&folder).into_iter();
+        let pages = names.filter(|name| name.ends_with(".md"));
+        pages.map(move |name| folder.join(name)).collect::<Vec<_>>()
+    });
+    let of_heading = |line: &str| {
+        let kept = |c: &char| c.is_alphanumeric() || " -_".contains(*c);
+        let title = line.trim_start_matches('#').trim().to_lowercase();
+        title.chars().filter(kept).collect::<String>().replace(' ', "-")
+    };
+    let (mut wrong, mut commands) = (Vec::new(), 0);
+    for page in pages {
+        let text = std::fs::read_to_string(&page).unwrap();
+        let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+        for link in links.filter(|link| !link.contains("://")) {
+            let (file, heading) = link.split_once('#').unwrap_or((link, ""));
+            let target = if file.is_empty() { page.clone() } else { page.with_file_name(file) };
+            let there = match std::fs::read_to_string(&target) {
+                Ok(text) if !heading.is_empty() => text.lines().any(|line| line.starts_with('#') && of_heading(line) == heading),
+                _ => target.exists(),
+            };
+            if !there {
+                wrong.push(format!("{}: {link}", page.display()));
+            }
+        }
+        for piece in text.split(['\n', '`']).filter(|piece| piece.starts_with("pinwheel ")) {
+            let typed = piece.split(" #").next().unwrap_or_default();
+            let words: Vec<&str> = typed.split_whitespace().skip(1).collect();
+            let depth = if matches!(words[0], "baseline" | "solver") { 2 } else { 1 };
+            let command = words.iter().take(depth).filter(|word| !word.starts_with('-'));
+            let help = run_in(Path::new("."), command.chain(&["--help"]));
+            let flags = words.iter().filter(|word| word.starts_with("--"));
+            let mut flags = flags.map(|flag| flag.split('=').next().unwrap_or_default());
+            if help.code != Some(0) || !flags.all(|flag| help.stdout.contains(flag)) {
+                wrong.push(format!("{}: {typed}", page.display()));
+            }
+            commands += 1;
+        }
+    }
+    assert!(wrong.is_empty() && commands > 40, "{commands}, {wrong:#?}");
+}
