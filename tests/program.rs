@@ -720,28 +720,51 @@ fn program_documents_name_what_is_there() {
     let of_heading = |line: &str| {
         let kept = |c: &char| c.is_alphanumeric() || " -_".contains(*c);
         let title = line.trim_start_matches('#').trim().to_lowercase();
-        title.chars().filter(kept).collect::<String>().replace(' ', "-")
+        title
+            .chars()
+            .filter(kept)
+            .collect::<String>()
+            .replace(' ', "-")
     };
     let (mut wrong, mut commands) = (Vec::new(), 0);
     for page in pages {
         let text = std::fs::read_to_string(&page).unwrap();
-        let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+        let links = text
+            .split("](")
+            .skip(1)
+            .filter_map(|rest| rest.split(')').next());
         for link in links.filter(|link| !link.contains("://")) {
             let (file, heading) = link.split_once('#').unwrap_or((link, ""));
-            let target = if file.is_empty() { page.clone() } else { page.with_file_name(file) };
+            let target = if file.is_empty() {
+                page.clone()
+            } else {
+                page.with_file_name(file)
+            };
             let there = match std::fs::read_to_string(&target) {
-                Ok(text) if !heading.is_empty() => text.lines().any(|line| line.starts_with('#') && of_heading(line) == heading),
+                Ok(text) if !heading.is_empty() => text
+                    .lines()
+                    .any(|line| line.starts_with('#') && of_heading(line) == heading),
                 _ => target.exists(),
             };
             if !there {
                 wrong.push(format!("{}: {link}", page.display()));
             }
         }
-        for piece in text.split(['\n', '`']).filter(|piece| piece.starts_with("pinwheel ")) {
+        for piece in text
+            .split(['\n', '`'])
+            .filter(|piece| piece.starts_with("pinwheel "))
+        {
             let typed = piece.split(" #").next().unwrap_or_default();
             let words: Vec<&str> = typed.split_whitespace().skip(1).collect();
-            let depth = if matches!(words[0], "baseline" | "solver") { 2 } else { 1 };
-            let command = words.iter().take(depth).filter(|word| !word.starts_with('-'));
+            let depth = if matches!(words[0], "baseline" | "solver") {
+                2
+            } else {
+                1
+            };
+            let command = words
+                .iter()
+                .take(depth)
+                .filter(|word| !word.starts_with('-'));
             let help = run_in(Path::new("."), command.chain(&["--help"]));
             let flags = words.iter().filter(|word| word.starts_with("--"));
             let mut flags = flags.map(|flag| flag.split('=').next().unwrap_or_default());
