@@ -216,6 +216,16 @@ impl Table {
         }
     }
 
+    /// The table without columns in which nothing stands.
+    #[must_use]
+    pub fn without_empty(mut self) -> Self {
+        self.columns.retain(|column| {
+            let values = &column.values;
+            (0..values.len()).any(|row| !values.text(row).is_empty())
+        });
+        self
+    }
+
     /// Columns that files hold.
     pub(crate) fn named(&self) -> impl Iterator<Item = &Column> {
         self.columns.iter().filter(|column| !column.name.is_empty())

@@ -88,7 +88,7 @@ impl Benched {
     /// The rows of the program's `bench.csv`.
     fn csv(&self) -> PyResult<Vec<u8>> {
         let mut rows = Vec::new();
-        let written = benches::write_csv(&self.0, &mut rows);
+        let written = self.0.table().write_csv(&mut rows);
         written.map_err(|error| errors::study_text(&error))?;
         Ok(rows)
     }

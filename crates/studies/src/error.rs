@@ -53,9 +53,6 @@ pub enum StudyError {
         /// Why.
         reason: String,
     },
-    /// A table could not be written.
-    #[error("the table cannot be written: {0}")]
-    Table(#[from] csv::Error),
     /// Recording failed.
     #[error(transparent)]
     Courses(#[from] pinwheel_courses::CoursesError),

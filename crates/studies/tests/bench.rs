@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pinwheel_engines::{Ending, Engine, Halt, Native, Prepared, Track, by_name};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
-use pinwheel_studies::bench::{Measure, Options, Stopped, WorkPrecision, run, write_csv};
+use pinwheel_studies::bench::{Measure, Options, Stopped, WorkPrecision, run};
 use pinwheel_studies::{Control, Progress, StudyError};
 
 fn scene(sets: &[&str]) -> Scene {
@@ -116,7 +116,7 @@ fn engines_that_do_not_count_or_diverge_have_their_place() {
 fn csv_and_json_can_be_read_back() {
     let study = study(&["rk4"]);
     let mut bytes = Vec::new();
-    write_csv(&study, &mut bytes).unwrap();
+    study.table().write_csv(&mut bytes).unwrap();
     let mut reader = csv::Reader::from_reader(bytes.as_slice());
     let header = reader.headers().unwrap().clone();
     let column = |name: &str| header.iter().position(|h| h == name).unwrap();

@@ -1,8 +1,8 @@
 //! Costs and errors in words, for the terminal and the page.
 
 use pinwheel_courses::Ending;
+use pinwheel_courses::table::{Mark, TableOf};
 use pinwheel_report::format::{seconds, significant};
-use pinwheel_report::study::{Cell, Mark};
 use pinwheel_studies::bench::{CostAt, Series, Stopped};
 
 /// A bound's sign, or nothing.
@@ -35,35 +35,20 @@ pub(super) fn calls(value: f64) -> String {
     }
 }
 
-/// The same without signs that terminals lack.
-pub(super) fn plain_seconds(cost: CostAt) -> String {
-    plain(&cpu(cost))
-}
-
-/// The same for counts.
-pub(super) fn plain_count(cost: CostAt) -> String {
-    plain(&count(cost))
-}
-
-fn plain(text: &str) -> String {
-    text.replace('\u{2264}', "<=")
-        .replace(['\u{202f}', '\u{a0}'], " ")
-        .replace('\u{b5}', "u")
-}
-
-/// A cell of a ranking: the cost, marked if it is only a bound.
-pub(super) fn cell(cost: Option<CostAt>, words: fn(CostAt) -> String) -> Cell {
-    match cost {
-        None => Cell::text("\u{2013}").marked(Mark::Muted),
-        Some(cost) => {
-            let cell = Cell::number(words(cost), cost.value());
-            if cost.reached() {
-                cell
-            } else {
-                cell.marked(Mark::Muted)
-            }
-        }
-    }
+/// A column of a ranking: costs, muted where they are only bounds.
+pub(super) fn column<R>(
+    table: TableOf<R>,
+    label: &str,
+    words: fn(CostAt) -> String,
+    of: impl Fn(&R) -> Option<CostAt>,
+) -> TableOf<R> {
+    table
+        .number("", label, |row| of(row).map(CostAt::value))
+        .said(|row| of(row).map(words))
+        .marked(|row| match of(row) {
+            Some(cost) if cost.reached() => Mark::None,
+            _ => Mark::Muted,
+        })
 }
 
 /// A step or tolerance as people write it.
@@ -108,10 +93,13 @@ mod tests {
 
     #[test]
     fn costs_in_words() {
-        assert_eq!(plain_seconds(CostAt::Interpolated(0.0213)), "21.3 ms");
-        assert_eq!(plain_seconds(CostAt::MoreThan(20.0)), "> 20 s");
-        assert_eq!(plain_count(CostAt::AtMost(22_579.0)), "<= 22.6 k");
-        assert_eq!(plain_count(CostAt::Interpolated(1.234e6)), "1.23 M");
+        assert_eq!(cpu(CostAt::Interpolated(0.0213)), "21.3\u{202f}ms");
+        assert_eq!(cpu(CostAt::MoreThan(20.0)), ">\u{202f}20\u{202f}s");
+        assert_eq!(
+            count(CostAt::AtMost(22_579.0)),
+            "\u{2264}\u{202f}22.6\u{202f}k"
+        );
+        assert_eq!(count(CostAt::Interpolated(1.234e6)), "1.23\u{202f}M");
         assert_eq!(setting(1e-5), "1e-5");
         assert_eq!(setting(2.5e-6), "2.5e-6");
         assert_eq!(setting(3.2e-3), "3.2e-3");

@@ -1,7 +1,7 @@
 //! The page of `pinwheel bench`: headline, what errors cost, the reference, what is unequal, all runs.
 
 use pinwheel_report::format::{limit, relative, seconds, significant};
-use pinwheel_report::study::{Block, Section, Study, Tile, Tone, Verdict, render};
+use pinwheel_report::study::{Block, Section, Study, Tile, Tone, Verdict};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::bench::{Advantage, Ranking, WorkPrecision};
 
@@ -29,25 +29,20 @@ pub fn page(measured: &WorkPrecision, made: &Provenance) -> Result<String, PageE
         verdict: lead_over.map(|(ranking, lead)| verdict(measured, ranking, lead)),
         tiles: tiles(measured, lead_over),
         sections: scene::sections(measured, rankings),
-        command: made.command.clone(),
-        versions: versions(measured, made),
-        machine: made.machine.rows(),
+        versions: versions(measured),
+        ..Study::default()
     };
     if !measured.complete {
         study.sections.insert(
             0,
-            Section {
-                id: "incomplete".to_owned(),
-                title: "Incomplete".to_owned(),
-                blocks: vec![Block::Text(
+            Section::new("incomplete", "Incomplete", [Block::Text(
                     "The measurement was stopped by the user. What had been measured until then stands here; \
                      what is missing is not a result."
                         .to_owned(),
-                )],
-            },
+                )]),
         );
     }
-    Ok(render(&study)?)
+    crate::render(study, made)
 }
 
 fn lead(measured: &WorkPrecision) -> String {
@@ -59,14 +54,10 @@ fn lead(measured: &WorkPrecision) -> String {
     )
 }
 
-fn versions(measured: &WorkPrecision, made: &Provenance) -> Vec<(String, String)> {
-    let mut versions = made.versions();
-    for series in &measured.series {
-        if !versions.iter().any(|(name, _)| *name == series.engine) {
-            versions.push((series.engine.clone(), series.version.clone()));
-        }
-    }
-    versions
+fn versions(measured: &WorkPrecision) -> Vec<(String, String)> {
+    let engines = measured.series.iter();
+    let engines = engines.map(|series| (series.engine.clone(), series.version.clone()));
+    engines.collect()
 }
 
 fn verdict(study: &WorkPrecision, ranking: &Ranking, lead: &Advantage) -> Verdict {
@@ -98,62 +89,39 @@ fn verdict(study: &WorkPrecision, ranking: &Ranking, lead: &Advantage) -> Verdic
 fn tiles(study: &WorkPrecision, lead_over: Option<(&Ranking, &Advantage)>) -> Vec<Tile> {
     let mut tiles = Vec::new();
     if let Some((ranking, lead)) = lead_over {
-        tiles.push(Tile {
-            label: "Native".to_owned(),
-            value: figures::cpu(lead.native_cpu_s),
-            unit: String::new(),
-            detail: format!("CPU time at {}: {}", limit(ranking.error), lead.native),
-        });
-        tiles.push(Tile {
-            label: "Fastest peer".to_owned(),
-            value: figures::cpu(lead.peer_cpu_s),
-            unit: String::new(),
-            detail: format!("CPU time at {}: {}", limit(ranking.error), lead.peer),
-        });
-        tiles.push(Tile {
-            label: "Ratio".to_owned(),
-            value: format!(
-                "{}{}",
-                if lead.at_least {
-                    "\u{2265}\u{202f}"
-                } else {
-                    ""
-                },
-                significant(lead.ratio, 3)
-            ),
-            unit: String::new(),
-            detail: "peer over native, same error, same session".to_owned(),
-        });
+        for (label, cost, name) in [
+            ("Native", lead.native_cpu_s, &lead.native),
+            ("Fastest peer", lead.peer_cpu_s, &lead.peer),
+        ] {
+            let detail = format!("CPU time at {}: {name}", limit(ranking.error));
+            tiles.push(Tile::new(label, figures::cpu(cost), detail));
+        }
+        let sign = if lead.at_least {
+            "\u{2265}\u{202f}"
+        } else {
+            ""
+        };
+        tiles.push(Tile::new(
+            "Ratio",
+            format!("{sign}{}", significant(lead.ratio, 3)),
+            "peer over native, same error, same session",
+        ));
     }
-    let error = study.reference.error(0);
-    tiles.push(Tile {
-        label: "Reference".to_owned(),
-        value: relative(error.force_l2),
-        unit: String::new(),
-        detail: format!(
+    tiles.push(Tile::new(
+        "Reference",
+        relative(study.reference.error(0).force_l2),
+        format!(
             "distance of {} and {} over the whole run",
             study.reference.solution.method, study.reference.second.method
         ),
-    });
-    let runs: usize = study
-        .series
-        .iter()
-        .flat_map(|series| &series.points)
-        .filter_map(|point| point.cost)
-        .map(|cost| cost.runs)
-        .sum();
-    let spent: f64 = study
-        .series
-        .iter()
-        .flat_map(|series| &series.points)
-        .filter_map(|point| point.cost)
+    ));
+    let points = study.series.iter().flat_map(|series| &series.points);
+    let costs = || points.clone().filter_map(|point| point.cost);
+    let runs: usize = costs().map(|cost| cost.runs).sum();
+    let spent: f64 = costs()
         .map(|cost| cost.cpu_median_s * cost.runs as f64)
         .sum();
-    tiles.push(Tile {
-        label: "Runs".to_owned(),
-        value: runs.to_string(),
-        unit: String::new(),
-        detail: format!("about {} of CPU time in all", seconds(spent)),
-    });
+    let spent = format!("about {} of CPU time in all", seconds(spent));
+    tiles.push(Tile::new("Runs", runs.to_string(), spent));
     tiles
 }

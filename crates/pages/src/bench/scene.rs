@@ -1,14 +1,12 @@
 //! The scene's sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
 
-use pinwheel_courses::Ending;
+use pinwheel_courses::table::{Mark, Shown, Table};
 use pinwheel_engines::Track;
 use pinwheel_report::colours;
-use pinwheel_report::format::{limit, relative, seconds};
-use pinwheel_report::study::{
-    Axis, Block, Cell, Chart, Column, Mark, Section, Series, Style, Table,
-};
+use pinwheel_report::format::{NONE, limit};
+use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
 use pinwheel_studies::bench::{
-    self, Errors, Knob, Measure, Point, Ranking, Solution, WorkPrecision,
+    self, Advantage, Errors, Knob, Measure, Ranking, Solution, WorkPrecision,
 };
 
 use super::figures;
@@ -29,41 +27,31 @@ fn costs(study: &WorkPrecision, rankings: &[Ranking]) -> Section {
     let windows = study.windows.len().min(rankings.len());
     let (by_window, by_error) = rankings.split_at(windows);
     let target = study.options.target;
-    let mut columns = vec![Column::text("Engine and method"), Column::text("Track")];
+    let entry = |ranking: &Ranking, k: usize| ranking.entries.get(k).and_then(|e| e.cpu_s);
+    let caption = format!("Cost of a force error of {}", limit(target));
+    let mut table = Table::of(caption, study.series.iter().enumerate())
+        .text("", "Engine and method", |(_, series)| series.label())
+        .text("", "Track", |(_, series)| series.track.as_str());
     for ranking in by_window {
-        columns.push(Column::number(format!("CPU, {}", ranking.window)));
+        let label = format!("CPU, {}", ranking.window);
+        table = figures::column(table, &label, figures::cpu, |(k, _)| entry(ranking, *k));
     }
-    columns.push(Column::number("RHS calls, whole"));
-    for ranking in by_error {
-        columns.push(Column::number(format!("CPU at {}", limit(ranking.error))));
-    }
-    columns.push(Column::text("Series ends"));
-    let rows = study.series.iter().enumerate().map(|(k, series)| {
-        let entry = |ranking: &Ranking| ranking.entries.get(k).and_then(|entry| entry.cpu_s);
-        let mut row = vec![
-            Cell::text(series.label()),
-            Cell::text(series.track.as_str()),
-        ];
-        row.extend(
-            by_window
-                .iter()
-                .map(|r| figures::cell(entry(r), figures::cpu)),
-        );
-        let calls = by_window.first().and_then(|r| r.entries.get(k)?.rhs_calls);
-        row.push(figures::cell(calls, figures::count));
-        row.extend(
-            by_error
-                .iter()
-                .map(|r| figures::cell(entry(r), figures::cpu)),
-        );
-        let end = figures::failure(series).map_or_else(
-            || Cell::text(series.stopped.words()).marked(Mark::Muted),
-            |reason| Cell::text(reason).marked(Mark::Warn),
-        );
-        row.push(end);
-        row
+    table = figures::column(table, "RHS calls, whole", figures::count, |(k, _)| {
+        by_window.first()?.entries.get(*k)?.rhs_calls
     });
-    let mut blocks = vec![
+    for ranking in by_error {
+        let label = format!("CPU at {}", limit(ranking.error));
+        table = figures::column(table, &label, figures::cpu, |(k, _)| entry(ranking, *k));
+    }
+    let table = table
+        .text("", "Series ends", |(_, series)| {
+            figures::failure(series).unwrap_or_else(|| series.stopped.words().to_owned())
+        })
+        .marked(|(_, series)| match figures::failure(series) {
+            Some(_) => Mark::Warn,
+            None => Mark::Muted,
+        });
+    let blocks = [
         Block::Text(format!(
             "CPU time at which each series reaches a relative L2 error of {} in all sleeve forces, window by window; \
              after that, over the whole run, ten times that error and a tenth of it. Costs are interpolated on the \
@@ -71,63 +59,47 @@ fn costs(study: &WorkPrecision, rankings: &[Ranking]) -> Section {
              that the finest is still worse.",
             limit(target)
         )),
-        Block::Table(Table {
-            caption: format!("Cost of a force error of {}", limit(target)),
-            columns,
-            rows: rows.collect(),
-        }),
+        table.done().into(),
+        leads(rankings).into(),
     ];
-    blocks.push(leads(rankings));
-    Section {
-        id: "costs".to_owned(),
-        title: "Costs".to_owned(),
-        blocks,
-    }
+    Section::new("costs", "Costs", blocks)
 }
 
 /// The native solver against the fastest peer, window by window.
-fn leads(rankings: &[Ranking]) -> Block {
-    let rows = rankings.iter().map(|ranking| {
-        let mut row = vec![
-            Cell::text(ranking.window.clone()),
-            Cell::number(limit(ranking.error), ranking.error),
-        ];
-        match &ranking.advantage {
-            None => row.extend(["\u{2013}", "\u{2013}", "\u{2013}"].map(Cell::text)),
-            Some(lead) => row.extend([
-                Cell::text(format!(
-                    "{}, {}",
-                    lead.native,
-                    figures::cpu(lead.native_cpu_s)
-                )),
-                Cell::text(format!("{}, {}", lead.peer, figures::cpu(lead.peer_cpu_s))),
-                Cell::number(
-                    format!(
-                        "{}{:.1}",
-                        if lead.at_least {
-                            "\u{2265}\u{202f}"
-                        } else {
-                            ""
-                        },
-                        lead.ratio
-                    ),
-                    lead.ratio,
-                ),
-            ]),
+fn leads(rankings: &[Ranking]) -> Table {
+    let lead = |ranking: &Ranking, words: fn(&Advantage) -> String| {
+        let words = ranking.advantage.as_ref().map(words);
+        words.unwrap_or_else(|| NONE.to_owned())
+    };
+    let sign = |lead: &Advantage| {
+        if lead.at_least {
+            "\u{2265}\u{202f}"
+        } else {
+            ""
         }
-        row
-    });
-    Block::Table(Table {
-        caption: "The native solver against the fastest peer".to_owned(),
-        columns: vec![
-            Column::text("Window"),
-            Column::number("Force error"),
-            Column::text("Fastest native"),
-            Column::text("Fastest peer"),
-            Column::number("Ratio of CPU times"),
-        ],
-        rows: rows.collect(),
-    })
+    };
+    Table::of("The native solver against the fastest peer", rankings)
+        .text("", "Window", |ranking| &ranking.window)
+        .number("", "Force error", |ranking| ranking.error)
+        .said(|ranking| limit(ranking.error))
+        .text("", "Fastest native", |ranking| {
+            lead(ranking, |of| {
+                format!("{}, {}", of.native, figures::cpu(of.native_cpu_s))
+            })
+        })
+        .text("", "Fastest peer", |ranking| {
+            lead(ranking, |of| {
+                format!("{}, {}", of.peer, figures::cpu(of.peer_cpu_s))
+            })
+        })
+        .number("", "Ratio of CPU times", |ranking| {
+            Some(ranking.advantage.as_ref()?.ratio)
+        })
+        .said(|ranking| {
+            let lead = ranking.advantage.as_ref()?;
+            Some(format!("{}{:.1}", sign(lead), lead.ratio))
+        })
+        .done()
 }
 
 /// Error against cost, two charts a window.
@@ -148,28 +120,20 @@ fn plots(study: &WorkPrecision) -> Section {
         // One pair is read first.
         blocks.push(match k {
             0 => charts,
-            _ => Block::Details {
-                summary: title,
-                blocks: vec![charts],
-            },
+            _ => Block::folded(title, [charts]),
         });
     }
     let lagrange = |series: &bench::Series| series.engine == "native-lagrange";
     if study.series.iter().any(lagrange) {
-        blocks.push(Block::Details {
-            summary: "The saddle-point form: all bodies and joints, factored along the joint tree"
-                .to_owned(),
-            blocks: vec![Block::Charts(vec![
+        blocks.push(Block::folded(
+            "The saddle-point form: all bodies and joints, factored along the joint tree",
+            [Block::Charts(vec![
                 chart(study, 0, Measure::Cpu, &lagrange),
                 chart(study, 0, Measure::Rhs, &lagrange),
             ])],
-        });
+        ));
     }
-    Section {
-        id: "plots".to_owned(),
-        title: "Work and precision".to_owned(),
-        blocks,
-    }
+    Section::new("plots", "Work and precision", blocks)
 }
 
 fn chart(
@@ -265,34 +229,33 @@ fn reference(study: &WorkPrecision) -> Section {
             figures::calls(solution.rhs_calls as f64)
         )
     };
-    let row = |name: &str, what: &str, errors: &Errors| {
-        vec![
-            Cell::text(name),
-            Cell::text(what),
-            Cell::number(relative(errors.force_l2), errors.force_l2),
-            Cell::number(relative(errors.force_max), errors.force_max),
-            Cell::number(relative(errors.torque_l2), errors.torque_l2),
-            Cell::number(relative(errors.torque_max), errors.torque_max),
-        ]
-    };
     let coarser = format!(
         "{}, coarser: {}",
         found.solution.method,
         figures::setting(found.coarser_setting)
     );
-    let mut rows = Vec::new();
-    for (k, window) in study.windows.iter().enumerate() {
-        rows.push(row(
-            &window.name,
-            &found.second.method,
-            &found.between_methods[k],
-        ));
-        rows.push(row(&window.name, &coarser, &found.to_coarser[k]));
+    let rows = study.windows.iter().enumerate().flat_map(|(k, window)| {
+        let methods = (&found.second.method, &found.between_methods[k]);
+        [methods, (&coarser, &found.to_coarser[k])].map(|(run, errors)| (window, run, errors))
+    });
+    let mut table = Table::of("Distance from the reference", rows)
+        .text("", "Window", |(window, ..)| &window.name)
+        .text("", "Run", |(_, run, _)| *run);
+    const DISTANCES: [(&str, fn(&Errors) -> f64); 4] = [
+        ("Forces, L2", |errors| errors.force_l2),
+        ("Forces, L\u{221e}", |errors| errors.force_max),
+        ("Driver torque, L2", |errors| errors.torque_l2),
+        ("Driver torque, L\u{221e}", |errors| errors.torque_max),
+    ];
+    for (label, of) in DISTANCES {
+        table = table
+            .number("", label, |(.., errors)| of(errors))
+            .shown(Shown::Relative);
     }
-    Section {
-        id: "reference".to_owned(),
-        title: "Reference".to_owned(),
-        blocks: vec![
+    Section::new(
+        "reference",
+        "Reference",
+        [
             Block::Text(format!(
                 "Everything is measured against the reduced form by {}. A second method that shares nothing with the \
                  first but the forces, {}, gives the same courses up to the distances below: the error of the worse of \
@@ -301,20 +264,9 @@ fn reference(study: &WorkPrecision) -> Section {
                 named(&found.solution),
                 named(&found.second)
             )),
-            Block::Table(Table {
-                caption: "Distance from the reference".to_owned(),
-                columns: vec![
-                    Column::text("Window"),
-                    Column::text("Run"),
-                    Column::number("Forces, L2"),
-                    Column::number("Forces, L\u{221e}"),
-                    Column::number("Driver torque, L2"),
-                    Column::number("Driver torque, L\u{221e}"),
-                ],
-                rows,
-            }),
+            table.done().into(),
         ],
-    }
+    )
 }
 
 /// What the figures do not compare.
@@ -377,106 +329,37 @@ fn differences(study: &WorkPrecision) -> Section {
             uncounted.join(", ")
         ));
     }
-    let details = study
+    let details: Vec<Block> = study
         .differences
         .iter()
         .map(|(name, text)| Block::Text(format!("`{name}`: {text}")))
         .collect();
-    Section {
-        id: "unequal".to_owned(),
-        title: "What is unequal".to_owned(),
-        blocks: vec![
+    Section::new(
+        "unequal",
+        "What is unequal",
+        [
             Block::List(points),
-            Block::Details {
-                summary: "How each engine differs, in its own words".to_owned(),
-                blocks: details,
-            },
+            Block::folded("How each engine differs, in its own words", details),
         ],
-    }
+    )
 }
 
 /// Every point of every series.
 fn points(study: &WorkPrecision) -> Section {
-    let mut columns = vec![
-        Column::text("Step or tolerance"),
-        Column::number("CPU, minimum"),
-        Column::number("CPU, median"),
-        Column::number("Runs"),
-        Column::number("RHS calls"),
-        Column::number("Steps"),
-    ];
-    for window in &study.windows {
-        columns.push(Column::number(format!("{}: forces L2", window.name)));
-        columns.push(Column::number(format!("{}: forces L\u{221e}", window.name)));
-    }
-    columns.push(Column::text("Ended"));
+    let all = study.table();
+    let mut first = 0;
     let tables = study.series.iter().map(|series| {
-        let table = Table {
-            caption: series.label(),
-            columns: columns.clone(),
-            rows: series
-                .points
-                .iter()
-                .map(|point| row(point, series.knob, study.windows.len()))
-                .collect(),
-        };
-        Block::Details {
-            summary: format!("{} ({} settings)", series.label(), series.points.len()),
-            blocks: vec![Block::Table(table)],
-        }
+        let rows = first..first + series.points.len();
+        first = rows.end;
+        let mut table = all.clone().rows(|row| rows.contains(&row)).without_empty();
+        table.caption = series.label();
+        let summary = format!("{} ({} settings)", series.label(), series.points.len());
+        Block::folded(summary, [table.into()])
     });
-    let mut blocks = vec![Block::Text(
+    let about = Block::text(
         "The same figures, at full precision and with the errors of the driver torque, stand in `bench.csv` beside \
-         this page."
-            .to_owned(),
-    )];
-    blocks.extend(tables);
-    Section {
-        id: "points".to_owned(),
-        title: "All runs".to_owned(),
-        blocks,
-    }
-}
-
-fn row(point: &Point, knob: Knob, windows: usize) -> Vec<Cell> {
-    let unit = match knob {
-        Knob::StepS => " s",
-        Knob::Tolerance => "",
-    };
-    let mut row = vec![Cell::number(
-        format!("{}{unit}", figures::setting(point.setting)),
-        point.setting,
-    )];
-    match point.cost {
-        Some(cost) => row.extend([
-            Cell::number(seconds(cost.cpu_min_s), cost.cpu_min_s),
-            Cell::number(seconds(cost.cpu_median_s), cost.cpu_median_s),
-            Cell::number(cost.runs.to_string(), cost.runs as f64),
-            cost.rhs_calls.map_or_else(
-                || Cell::text("\u{2013}"),
-                |n| Cell::number(n.to_string(), n as f64),
-            ),
-            Cell::number(cost.steps.to_string(), cost.steps as f64),
-        ]),
-        None => row.extend(std::iter::repeat_n(Cell::text("\u{2013}"), 5)),
-    }
-    for errors in &point.errors {
-        row.push(Cell::number(relative(errors.force_l2), errors.force_l2));
-        row.push(Cell::number(relative(errors.force_max), errors.force_max));
-    }
-    let missing = 2 * (windows - point.errors.len());
-    row.extend(std::iter::repeat_n(Cell::text("\u{2013}"), missing));
-    row.push(match &point.ending {
-        Ending::Finished => Cell::text("finished").marked(Mark::Muted),
-        Ending::Diverged { time_s, quantity } => {
-            Cell::text(format!("diverged at {time_s:.4} s: {quantity}")).marked(Mark::Bad)
-        }
-        Ending::TimedOut { time_s, .. } => {
-            Cell::text(format!("given up at {time_s:.4} s of simulated time")).marked(Mark::Warn)
-        }
-        Ending::Failed { reason } | Ending::Unsupported { reason } | Ending::Absent { reason } => {
-            Cell::text(reason.clone()).marked(Mark::Bad)
-        }
-    });
-    row
+         this page.",
+    );
+    let blocks: Vec<Block> = [about].into_iter().chain(tables).collect();
+    Section::new("points", "All runs", blocks)
 }

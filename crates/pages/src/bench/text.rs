@@ -1,6 +1,7 @@
 //! A measurement on a terminal.
 
-use pinwheel_report::terminal::{Cell, QUIET, TITLE, lines, styled};
+use pinwheel_courses::table::{Mark, Table};
+use pinwheel_report::terminal::{self, TITLE, styled};
 use pinwheel_studies::bench::{self, CostAt, WorkPrecision};
 
 use super::figures;
@@ -9,22 +10,15 @@ use super::figures;
 #[must_use]
 pub fn text(study: &WorkPrecision) -> String {
     let ranking = study.ranking(0, study.options.target);
-    let title = |text: &str| Cell::text(text).styled(TITLE);
-    let right = |text: &str| Cell::figure(text).styled(TITLE);
-    let mut rows = vec![vec![
-        title("engine"),
-        right("CPU"),
-        right("right-hand sides"),
-        title(""),
-    ]];
-    for (series, entry) in study.series.iter().zip(&ranking.entries) {
-        rows.push(vec![
-            Cell::text(entry.label.clone()),
-            Cell::figure(entry.cpu_s.map_or("-".into(), figures::plain_seconds)),
-            Cell::figure(entry.rhs_calls.map_or("-".into(), figures::plain_count)),
-            Cell::text(note(series, entry.cpu_s)).styled(QUIET),
-        ]);
-    }
+    let rows = study.series.iter().zip(&ranking.entries);
+    let table = Table::of("", rows).text("", "engine", |(_, entry)| &entry.label);
+    let table = figures::column(table, "CPU", figures::cpu, |(_, entry)| entry.cpu_s);
+    let table = figures::column(table, "right-hand sides", figures::count, |(_, entry)| {
+        entry.rhs_calls
+    });
+    let table = table
+        .text("", "note", |(series, entry)| note(series, entry.cpu_s))
+        .marked(|_| Mark::Muted);
     let mut text = format!(
         "{}\n{}",
         styled(
@@ -34,7 +28,7 @@ pub fn text(study: &WorkPrecision) -> String {
                 study.scene.name, ranking.error, study.scene.solver.duration_s
             )
         ),
-        lines(&rows)
+        terminal::table(&table.done())
     );
     text.push_str(&format!(
         "reference: {} against {}, apart {:.1e}\n",

@@ -1,8 +1,9 @@
 //! The atlas as maps: a table of scenes and methods for every question, shaded and with its figure in every cell.
 
+use pinwheel_courses::table::{Mark, Table};
 use pinwheel_report::format;
-use pinwheel_report::study::{Block, Cell, Column, Mark, Section, Table};
-use pinwheel_studies::stability::{self, Atlas};
+use pinwheel_report::study::{Block, Section};
+use pinwheel_studies::stability::{Atlas, Cell, Failure, SceneRow};
 
 /// Steps at the ends of the shading, s.
 const STEPS: [f64; 2] = [2e-7, 1e-3];
@@ -17,7 +18,7 @@ fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
 }
 
 /// The largest step, or the error of a method that chooses its steps.
-pub(super) fn shown_step(cell: &stability::Cell) -> String {
+pub(super) fn shown_step(cell: &Cell) -> String {
     match (&cell.failure, cell.largest_step_s) {
         (_, Some(step)) if cell.never_failed => format!("> {}", format::seconds(step)),
         (_, Some(step)) => format::seconds(step),
@@ -29,104 +30,122 @@ pub(super) fn shown_step(cell: &stability::Cell) -> String {
     }
 }
 
-fn step(cell: &stability::Cell) -> Cell {
-    let text = shown_step(cell);
+/// What a map shows of one scene and method.
+#[derive(Default)]
+struct Place {
+    text: String,
+    /// What it is sorted by.
+    key: Option<f64>,
+    shade: Option<f64>,
+    mark: Mark,
+}
+
+impl Place {
+    fn marked(text: impl Into<String>, mark: Mark) -> Self {
+        Self {
+            text: text.into(),
+            mark,
+            ..Self::default()
+        }
+    }
+}
+
+fn step(cell: &Cell) -> Place {
     let mark = match (&cell.failure, cell.largest_step_s) {
         (Some(_), None) => Mark::Bad,
         (Some(_), Some(_)) => Mark::Warn,
         (None, None) => Mark::Good,
         (None, Some(_)) => Mark::None,
     };
-    match cell.largest_step_s {
-        Some(step) => Cell::number(text, step).heated(1.0 - share(step, STEPS)),
-        None => Cell::text(text),
-    }
-    .marked(mark)
-}
-
-fn error(cell: &stability::Cell) -> Cell {
-    match (&cell.failure, cell.error) {
-        (Some(failure), None) => Cell::text(failure.word()).heated(1.0).marked(Mark::Bad),
-        (failure, Some(error)) => {
-            let both = format!(
-                "{} / {}",
-                format::relative(error.forces),
-                format::relative(error.driver_torque)
-            );
-            let text = failure
-                .as_ref()
-                .map_or(both.clone(), |f| format!("{both}, {}", f.word()));
-            let cell = Cell::number(text, error.forces).heated(share(error.forces, ERRORS));
-            if failure.is_some() {
-                cell.marked(Mark::Bad)
-            } else {
-                cell
-            }
-        }
-        (None, None) => Cell::text("no forces").marked(Mark::Muted),
+    Place {
+        key: cell.largest_step_s,
+        shade: cell.largest_step_s.map(|step| 1.0 - share(step, STEPS)),
+        ..Place::marked(shown_step(cell), mark)
     }
 }
 
-fn first(cell: &stability::Cell) -> Cell {
+fn error(cell: &Cell) -> Place {
+    let failed = cell.failure.as_ref().map(Failure::word);
+    let mark = Mark::bad(failed.is_some());
+    let Some(error) = cell.error else {
+        return match failed {
+            Some(word) => Place {
+                shade: Some(1.0),
+                ..Place::marked(word, mark)
+            },
+            None => Place::marked("no forces", Mark::Muted),
+        };
+    };
+    let [forces, driver] = [error.forces, error.driver_torque].map(format::relative);
+    let words = [format!("{forces} / {driver}")].into_iter();
+    let words: Vec<String> = words.chain(failed.map(str::to_owned)).collect();
+    Place {
+        key: Some(error.forces),
+        shade: Some(share(error.forces, ERRORS)),
+        ..Place::marked(words.join(", "), mark)
+    }
+}
+
+fn first(cell: &Cell) -> Place {
     match (&cell.fails_first, &cell.failure) {
-        (Some(first), _) => Cell::text(first.short()),
-        (None, Some(failure)) => Cell::text(failure.short()).marked(Mark::Bad),
-        (None, None) if cell.never_failed => Cell::text("nothing did").marked(Mark::Good),
-        (None, None) => Cell::text("chooses its steps").marked(Mark::Muted),
+        (Some(first), _) => Place::marked(first.short(), Mark::None),
+        (None, Some(failure)) => Place::marked(failure.short(), Mark::Bad),
+        (None, None) if cell.never_failed => Place::marked("nothing did", Mark::Good),
+        (None, None) => Place::marked("chooses its steps", Mark::Muted),
     }
 }
 
-fn energy(cell: &stability::Cell) -> Cell {
-    match cell.energy_remainder_share {
-        // Without work there is nothing to take a share of.
-        _ if cell.error.is_none() => Cell::text("-").marked(Mark::Muted),
-        Some(share) => {
-            let mark = if share.abs() > REMAINDER {
-                Mark::Warn
-            } else {
-                Mark::None
-            };
-            Cell::number(format!("{:+.2} %", 100.0 * share), share).marked(mark)
-        }
-        None => Cell::text("-").marked(Mark::Muted),
+fn energy(cell: &Cell) -> Place {
+    // Without work there is nothing to take a share of.
+    let share = cell.energy_remainder_share.filter(|_| cell.error.is_some());
+    let Some(share) = share else {
+        return Place::marked(format::NONE, Mark::Muted);
+    };
+    Place {
+        key: Some(share),
+        ..Place::marked(
+            format!("{:+.2} %", 100.0 * share),
+            Mark::warn(share.abs() > REMAINDER),
+        )
     }
 }
 
-fn map(atlas: &Atlas, caption: &str, shown: fn(&stability::Cell) -> Cell) -> Block {
-    let mut columns = vec![Column::text("Scene")];
-    let methods = &atlas.options.methods;
-    columns.extend(methods.iter().map(|m| Column::number(m.name())));
-    let rows = atlas.done().map(|row| {
-        let mut line = vec![Cell::text(&row.scene)];
-        match &row.refused {
-            Some(reason) => line.push(Cell::text(reason).marked(Mark::Bad)),
-            None => line.extend(row.cells.iter().map(shown)),
-        }
-        line
-    });
-    Block::Table(Table {
-        caption: caption.to_owned(),
-        columns,
-        rows: rows.collect(),
-    })
+/// A table of scenes and methods.
+fn map(atlas: &Atlas, caption: &str, shown: fn(&Cell) -> Place) -> Table {
+    let rows: Vec<_> = atlas.done().collect();
+    let mut table = Table::of(caption, &rows).text("", "Scene", |row| &row.scene);
+    for (k, method) in atlas.options.methods.iter().enumerate() {
+        // Of a scene that was refused the first place says why.
+        let place = |row: &&&SceneRow| match (row.cells.get(k), &row.refused) {
+            (Some(cell), _) => shown(cell),
+            (None, Some(reason)) if k == 0 => Place::marked(reason, Mark::Bad),
+            (None, _) => Place::default(),
+        };
+        table = table
+            .number("", &method.name(), |row| place(row).key)
+            .said(|row| place(row).text)
+            .shaded(|row| place(row).shade)
+            .marked(|row| place(row).mark);
+    }
+    table.done()
+}
+
+/// The largest step of every method.
+pub(super) fn steps(atlas: &Atlas) -> Table {
+    map(atlas, "Largest step with the right picture", step)
 }
 
 /// The four maps.
 pub(super) fn sections(atlas: &Atlas) -> Vec<Section> {
     let options = &atlas.options;
     let step_s = format::seconds(options.step_s);
-    let section = |id: &str, title: &str, text: String, block: Block| Section {
-        id: id.to_owned(),
-        title: title.to_owned(),
-        // The first map answers; the others are looked up.
-        blocks: if id == "map" {
-            vec![Block::Text(text), block]
-        } else {
-            vec![Block::Details {
-                summary: "of every scene with every method".to_owned(),
-                blocks: vec![Block::Text(text), block],
-            }]
-        },
+    // The first map answers; the others are looked up.
+    let section = |id: &str, title: &str, text: String, table: Table| {
+        let section = Section::new(id, title, [Block::Text(text), table.into()]);
+        match id {
+            "map" => section,
+            _ => section.folded("of every scene with every method"),
+        }
     };
     vec![
         section(
@@ -141,7 +160,7 @@ pub(super) fn sections(atlas: &Atlas) -> Vec<Section> {
                 format::seconds(options.steps_s[0]),
                 format::seconds(options.steps_s[1]),
             ),
-            map(atlas, "Largest step with the right picture", step),
+            steps(atlas),
         ),
         section(
             "errors",

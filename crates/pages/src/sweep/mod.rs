@@ -373,11 +373,7 @@ fn runs(plan: &Plan, table: &Table) -> Vec<Block> {
             Some(format!("Run {}: {reason}", row + 1))
         })
         .collect();
-    let mut shown = table.clone().rows(|row| row < MOST_ROWS);
-    shown.columns.retain(|column| {
-        let empty = |row| column.values.text(row).is_empty();
-        !(0..column.values.len()).all(empty)
-    });
+    let mut shown = table.clone().rows(|row| row < MOST_ROWS).without_empty();
     // Figures are shaded from the column's least to its largest.
     let varied = |name: &str| plan.keys().any(|key| key == name);
     for column in &mut shown.columns {

@@ -18,7 +18,6 @@ pub use ranking::{Advantage, Entry, Ranking};
 pub use reference::{Reference, Solution};
 pub use series::{Cost, Measure, Point, Series};
 pub use settings::{Knob, Stopped};
-pub use table::write_csv;
 
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -162,7 +161,7 @@ impl WorkPrecision {
     /// # Errors
     /// A file cannot be written.
     pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
-        write_with(dir, "bench.csv", |sink| write_csv(self, sink))?;
+        write_with(dir, "bench.csv", |sink| self.table().write_csv(sink))?;
         let measured = Measured {
             complete: self.complete,
             scene: &self.scene,

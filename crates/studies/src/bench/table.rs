@@ -1,87 +1,76 @@
-//! The points as one flat table: a line a setting, errors of all windows side by side.
+//! The points as one flat table: a row a setting, errors of all windows side by side.
 
-use std::io::Write;
+use pinwheel_courses::Ending;
+use pinwheel_courses::table::{Mark, Shown, Table};
 
-use super::{Knob, WorkPrecision};
-use crate::StudyError;
+use super::{Cost, Errors, Knob, Point, Series, WorkPrecision};
 
-/// Writes CSV with a header row, `.` decimals and full precision; what does not exist is empty.
-///
-/// # Errors
-/// The sink's.
-pub fn write_csv(study: &WorkPrecision, sink: impl Write) -> Result<(), StudyError> {
-    let mut csv = csv::Writer::from_writer(sink);
-    let mut header: Vec<String> = [
-        "engine",
-        "version",
-        "track",
-        "method",
-        "order",
-        "step_s",
-        "tolerance",
-        "status",
-        "cpu_min_s",
-        "cpu_median_s",
-        "runs",
-        "rhs_calls",
-        "steps",
-        "rejected_steps",
-    ]
-    .map(str::to_owned)
-    .into();
-    for window in &study.windows {
-        for what in ["force_l2", "force_max", "torque_l2", "torque_max"] {
-            header.push(format!("{}_{what}", window.name));
-        }
-    }
-    let columns = header.len();
-    csv.write_record(&header)?;
-    for series in &study.series {
-        for point in &series.points {
-            let setting = point.setting.to_string();
-            let (step, tolerance) = match series.knob {
-                Knob::StepS => (setting, String::new()),
-                Knob::Tolerance => (String::new(), setting),
-            };
-            let mut row = vec![
-                series.engine.clone(),
-                series.version.clone(),
-                series.track.as_str().to_owned(),
-                series.method.clone(),
-                series
-                    .order
-                    .map(|order| order.to_string())
-                    .unwrap_or_default(),
-                step,
-                tolerance,
-                point.ending.word().to_owned(),
-            ];
-            if let Some(cost) = point.cost {
-                row.extend([
-                    cost.cpu_min_s.to_string(),
-                    cost.cpu_median_s.to_string(),
-                    cost.runs.to_string(),
-                    cost.rhs_calls.map(|n| n.to_string()).unwrap_or_default(),
-                    cost.steps.to_string(),
-                    cost.rejected_steps.to_string(),
-                ]);
-            } else {
-                row.extend(std::iter::repeat_n(String::new(), 6));
+/// Errors of a window: how a column's name ends, and what people call it; empty: not shown.
+const ERRORS: [(&str, &str, fn(&Errors) -> f64); 4] = [
+    ("force_l2", "forces L2", |errors| errors.force_l2),
+    ("force_max", "forces L\u{221e}", |errors| errors.force_max),
+    ("torque_l2", "", |errors| errors.torque_l2),
+    ("torque_max", "", |errors| errors.torque_max),
+];
+
+impl WorkPrecision {
+    /// A row for each setting of each series, in their order.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        let each = self.series.iter();
+        let rows = each.flat_map(|series| series.points.iter().map(move |point| (series, point)));
+        let setting =
+            |row: &(&Series, &Point), knob| Some(row.1.setting).filter(|_| row.0.knob == knob);
+        let cost = |row: &(&Series, &Point), of: fn(Cost) -> f64| row.1.cost.map(of);
+        let count = |row: &(&Series, &Point), of: fn(Cost) -> Option<u64>| row.1.cost.and_then(of);
+        let mut table = Table::of("Every step and tolerance of every series", rows)
+            .text("engine", "", |(series, _)| &series.engine)
+            .text("version", "", |(series, _)| &series.version)
+            .text("track", "", |(series, _)| series.track.as_str())
+            .text("method", "", |(series, _)| &series.method)
+            .whole("order", "", |(series, _)| series.order)
+            .number("step_s", "Step", |row| setting(row, Knob::StepS))
+            .unit("s")
+            .shown(Shown::Setting)
+            .number("tolerance", "Tolerance", |row| {
+                setting(row, Knob::Tolerance)
+            })
+            .shown(Shown::Setting)
+            .text("status", "", |(_, point)| point.ending.word())
+            .number("cpu_min_s", "CPU, minimum", |row| {
+                cost(row, |c| c.cpu_min_s)
+            })
+            .shown(Shown::Seconds)
+            .number("cpu_median_s", "CPU, median", |row| {
+                cost(row, |c| c.cpu_median_s)
+            })
+            .shown(Shown::Seconds)
+            .whole("runs", "Runs", |row| count(row, |c| Some(c.runs as u64)))
+            .whole("rhs_calls", "RHS calls", |row| count(row, |c| c.rhs_calls))
+            .whole("steps", "Steps", |row| count(row, |c| Some(c.steps)))
+            .whole("rejected_steps", "", |row| {
+                count(row, |c| Some(c.rejected_steps))
+            });
+        for (k, window) in self.windows.iter().enumerate() {
+            for (end, label, of) in ERRORS {
+                let label = match label {
+                    "" => String::new(),
+                    label => format!("{}: {label}", window.name),
+                };
+                table = table
+                    .number(&format!("{}_{end}", window.name), &label, |(_, point)| {
+                        point.errors.get(k).map(of)
+                    })
+                    .shown(Shown::Relative);
             }
-            for errors in &point.errors {
-                for value in [
-                    errors.force_l2,
-                    errors.force_max,
-                    errors.torque_l2,
-                    errors.torque_max,
-                ] {
-                    row.push(value.to_string());
-                }
-            }
-            row.resize(columns, String::new());
-            csv.write_record(&row)?;
         }
+        table
+            .text("", "Ended", |(_, point)| point.ending.to_string())
+            .marked(|(_, point)| match point.ending {
+                Ending::Finished => Mark::Muted,
+                Ending::TimedOut { .. } => Mark::Warn,
+                _ => Mark::Bad,
+            })
+            .done()
     }
-    csv.flush().map_err(csv::Error::from)?;
-    Ok(())
 }

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use pinwheel_courses::table::Table;
 use serde::{Deserialize, Serialize};
 
-use super::{Atlas, Cell, Failure, Options, SceneRow};
+use super::{Atlas, Cell, Failure, Method, Options, SceneRow};
 use crate::StudyError;
 use crate::output::{OutputError, write_with};
 use crate::provenance::{Provenance, Summary};
@@ -29,7 +30,7 @@ impl Atlas {
     /// # Errors
     /// A file cannot be written.
     pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
-        write_with(dir, "stability.csv", |sink| write_csv(self, sink))?;
+        write_with(dir, "stability.csv", |sink| self.table().write_csv(sink))?;
         let studied = Studied {
             finished: self.rows.iter().all(Option::is_some),
             atlas: self,
@@ -63,61 +64,65 @@ impl Atlas {
     }
 }
 
-const HEAD: [&str; 15] = [
-    "scene",
-    "formulation",
-    "integrator",
-    "tolerance",
-    "error_forces",
-    "error_driver_torque",
-    "failure",
-    "largest_step_s",
-    "never_failed",
-    "fails_first",
-    "fails_first_how",
-    "energy_remainder_share",
-    "joint_drift_m",
-    "evaluations",
-    "refused",
-];
-
-/// One line a scene and method.
-fn write_csv(atlas: &Atlas, sink: impl std::io::Write) -> Result<(), csv::Error> {
-    let mut writer = csv::Writer::from_writer(sink);
-    writer.write_record(HEAD)?;
-    for row in atlas.done() {
-        if row.cells.is_empty() {
-            let mut record = vec![String::new(); HEAD.len()];
-            record[0].clone_from(&row.scene);
-            record[HEAD.len() - 1] = row.refused.clone().unwrap_or_default();
-            writer.write_record(record)?;
-        }
-        for cell in &row.cells {
-            writer.write_record(line(row, cell))?;
-        }
+impl Atlas {
+    /// One row a scene and method; one of a scene that was refused.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        let refused = |row: &SceneRow| row.cells.is_empty().then_some(None);
+        let rows = self.done().flat_map(|row| {
+            let cells = row.cells.iter().map(Some);
+            cells.chain(refused(row)).map(move |cell| (row, cell))
+        });
+        let method = |cell: &Option<&Cell>, of: fn(&Method) -> &str| {
+            cell.map_or_else(String::new, |cell| of(&cell.method).to_owned())
+        };
+        let word = |failure: Option<&Failure>| failure.map_or("", Failure::word);
+        Table::of("Every scene with every method", rows)
+            .text("scene", "Scene", |(row, _)| &row.scene)
+            .text("formulation", "Formulation", |(_, cell)| {
+                method(cell, Method::form)
+            })
+            .text("integrator", "Integrator", |(_, cell)| {
+                method(cell, |method| &method.integrator)
+            })
+            .number("tolerance", "Tolerance", |(_, cell)| {
+                cell.and_then(|cell| cell.method.tolerance)
+            })
+            .number("error_forces", "Forces", |(_, cell)| {
+                cell.and_then(|cell| Some(cell.error?.forces))
+            })
+            .number("error_driver_torque", "Driver torque", |(_, cell)| {
+                cell.and_then(|cell| Some(cell.error?.driver_torque))
+            })
+            .text("failure", "Failure", |(_, cell)| {
+                word(cell.and_then(|cell| cell.failure.as_ref()))
+            })
+            .number("largest_step_s", "Largest step", |(_, cell)| {
+                cell.and_then(|cell| cell.largest_step_s)
+            })
+            .text("never_failed", "", |(_, cell)| {
+                cell.map_or_else(String::new, |cell| cell.never_failed.to_string())
+            })
+            .text("fails_first", "Fails first", |(_, cell)| {
+                word(cell.and_then(|cell| cell.fails_first.as_ref()))
+            })
+            .text("fails_first_how", "", |(_, cell)| {
+                let first = cell.and_then(|cell| cell.fails_first.as_ref());
+                first.map_or_else(String::new, Failure::sentence)
+            })
+            .number("energy_remainder_share", "Energy", |(_, cell)| {
+                cell.and_then(|cell| cell.energy_remainder_share)
+            })
+            .number("joint_drift_m", "Joints", |(_, cell)| {
+                cell.map(|cell| cell.joint_drift_m)
+            })
+            .whole("evaluations", "Evaluations", |(_, cell)| {
+                cell.map(|cell| cell.evaluations)
+            })
+            .text("refused", "Refused", |(row, cell)| {
+                let reason = row.refused.as_deref().filter(|_| cell.is_none());
+                reason.unwrap_or_default()
+            })
+            .done()
     }
-    writer.flush().map_err(csv::Error::from)
-}
-
-fn line(row: &SceneRow, cell: &Cell) -> Vec<String> {
-    let figure = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:e}"));
-    let method = &cell.method;
-    let first = cell.fails_first.as_ref();
-    vec![
-        row.scene.clone(),
-        method.form().to_owned(),
-        method.integrator.clone(),
-        figure(method.tolerance),
-        figure(cell.error.map(|e| e.forces)),
-        figure(cell.error.map(|e| e.driver_torque)),
-        cell.failure.as_ref().map_or("", Failure::word).to_owned(),
-        figure(cell.largest_step_s),
-        cell.never_failed.to_string(),
-        first.map_or("", Failure::word).to_owned(),
-        first.map(Failure::sentence).unwrap_or_default(),
-        figure(cell.energy_remainder_share),
-        format!("{:e}", cell.joint_drift_m),
-        cell.evaluations.to_string(),
-        String::new(),
-    ]
 }
