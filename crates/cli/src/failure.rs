@@ -69,7 +69,7 @@ impl From<FolderError> for Failure {
         Self::input(match error {
             FolderError::Empty => "--out is empty; name a folder".to_owned(),
             FolderError::Refused { .. } => format!("--out {error}; choose another --out"),
-            FolderError::Stranger { .. } => format!(
+            FolderError::ForeignFile { .. } => format!(
                 "--out {error}; choose another --out, or --force to replace the whole folder"
             ),
             FolderError::Output(error) => return error.into(),

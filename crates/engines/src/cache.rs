@@ -9,6 +9,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
+use pinwheel_files::folder::{draft_in, replace};
+
 pub(crate) mod process;
 
 pub(crate) use process::{Note, call};
@@ -73,16 +75,9 @@ pub(crate) fn laid_out<N: AsRef<str>>(
         if fs::read_to_string(&path).is_ok_and(|there| there == *text) {
             continue;
         }
-        let write = || {
-            if let Some(parent) = path.parent() {
-                fs::create_dir_all(parent)?;
-            }
-            // Whole or not at all, also for a process that reads at this moment.
-            let draft = path.with_extension(format!("{}.part", std::process::id()));
-            fs::write(&draft, text)?;
-            fs::rename(&draft, &path)
-        };
-        write().map_err(|error| CacheError::storage(&path, error))?;
+        // Whole or not at all, also for a process that reads at this moment.
+        replace(&path, text.as_bytes())
+            .map_err(|error| CacheError::storage(&path, error.reason))?;
     }
     Ok(folder)
 }
@@ -115,15 +110,13 @@ impl<T, E: From<CacheError>> Made<'_, T, E> {
             return Ok(found);
         }
         remove_leftovers(cache, self.name);
-        let draft = draft_of(cache, self.name);
+        let storage = |error| CacheError::storage(&folder, error);
+        let draft = draft_in(cache, &drafts_of(self.name)).map_err(storage)?;
         let note = Note::new(self.title);
-        let built = fs::create_dir(&draft)
-            .map_err(|error| CacheError::storage(&draft, error).into())
-            .and_then(|()| (self.build)(&draft, &note));
+        let built = (self.build)(draft.path(), &note);
         drop(note);
         let stopped = || cancel.load(Ordering::Relaxed);
         if let Err(error) = built {
-            let _ = fs::remove_dir_all(&draft);
             return Err(if stopped() {
                 CacheError::Stopped.into()
             } else {
@@ -131,9 +124,9 @@ impl<T, E: From<CacheError>> Made<'_, T, E> {
             });
         }
         if folder.exists() {
-            fs::remove_dir_all(&folder).map_err(|error| CacheError::storage(&folder, error))?;
+            fs::remove_dir_all(&folder).map_err(storage)?;
         }
-        fs::rename(&draft, &folder).map_err(|error| CacheError::storage(&folder, error))?;
+        fs::rename(draft.keep(), &folder).map_err(storage)?;
         (self.whole)(&folder).ok_or_else(|| {
             if stopped() {
                 CacheError::Stopped.into()
@@ -145,14 +138,14 @@ impl<T, E: From<CacheError>> Made<'_, T, E> {
     }
 }
 
-/// Where something is built; a prefix of its own tells it from what is whole.
-fn draft_of(cache: &Path, name: &str) -> PathBuf {
-    cache.join(format!(".{name}.{}.part", std::process::id()))
+/// How folders begin in which something is built; a prefix of its own tells them from what is whole.
+fn drafts_of(name: &str) -> String {
+    format!(".{name}.")
 }
 
 /// Drafts of builds that were cut off: nobody else builds while we hold the lock.
 fn remove_leftovers(cache: &Path, name: &str) {
-    let prefix = format!(".{name}.");
+    let prefix = drafts_of(name);
     for entry in fs::read_dir(cache).into_iter().flatten().flatten() {
         if entry.file_name().to_string_lossy().starts_with(&prefix) {
             let _ = fs::remove_dir_all(entry.path());
@@ -187,7 +180,7 @@ pub(crate) fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, CacheError>
 
 /// FNV-1a, 64 bits: tells versions of a text apart in a name; stable across compilers, unlike std's.
 pub(crate) fn fingerprint(parts: &[&str]) -> u64 {
-    let mut hash = crate::fnv::Fnv::default();
-    parts.iter().for_each(|part| hash.add(part.as_bytes()));
+    let mut hash = pinwheel_files::Fnv::default();
+    parts.iter().for_each(|part| hash.add_part(part.as_bytes()));
     hash.value()
 }

@@ -30,7 +30,6 @@ mod cards;
 mod control;
 mod engine;
 pub mod external;
-mod fnv;
 #[cfg(feature = "python")]
 pub mod python;
 #[cfg(feature = "rapier")]

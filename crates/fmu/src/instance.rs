@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use pinwheel_files::fnv;
 use pinwheel_gearbox::cosimulation::{CoSimulation, Shafts};
 use serde::{Deserialize, Serialize};
 
@@ -373,7 +374,7 @@ impl Instance {
         };
         let mut bytes = postcard::to_allocvec(&saved)
             .map_err(|error| Refusal(format!("the state cannot be written: {error}")))?;
-        bytes.extend(checksum(&bytes).to_le_bytes());
+        bytes.extend(fnv(bytes.iter().copied()).to_le_bytes());
         Ok(bytes)
     }
 
@@ -411,7 +412,7 @@ impl Instance {
     fn read(&self, bytes: &[u8]) -> Result<Saved, Refusal> {
         let whole = bytes
             .split_last_chunk::<8>()
-            .filter(|(state, sum)| checksum(state).to_le_bytes() == **sum);
+            .filter(|(state, sum)| fnv(state.iter().copied()).to_le_bytes() == **sum);
         let saved = whole.and_then(|(state, _)| postcard::from_bytes::<Saved>(state).ok());
         let count = self.model.variables().len();
         let of_this = |saved: &Saved| {
@@ -432,11 +433,4 @@ impl Instance {
     pub fn check(&self, bytes: &[u8]) -> Result<(), Refusal> {
         self.read(bytes).map(|_| ())
     }
-}
-
-/// FNV-1a, 64 bits: finds bytes that were damaged.
-fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
-    })
 }

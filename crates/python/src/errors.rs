@@ -2,7 +2,7 @@
 
 use pinwheel::courses::Ending;
 use pinwheel::pages::PageError;
-use pinwheel::scene::{Place, SceneError};
+use pinwheel::scene::{Location, SceneError};
 use pinwheel::studies::StudyError;
 use pinwheel::studies::choice::ChoiceError;
 use pinwheel::studies::sweep::SweepError;
@@ -42,8 +42,8 @@ pub(crate) fn scene(py: Python<'_>, error: &SceneError) -> PyErr {
             remedy,
         } => {
             let at = match place {
-                Place::File { source } if source != NO_FILE => format!("{source}: "),
-                Place::Line { source, line } if source != NO_FILE => {
+                Location::File { source } if source != NO_FILE => format!("{source}: "),
+                Location::Line { source, line } if source != NO_FILE => {
                     format!("{source}, line {line}: ")
                 }
                 _ => String::new(),

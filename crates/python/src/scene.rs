@@ -106,7 +106,7 @@ pub(crate) fn key(py: Python<'_>, name: &str) -> PyResult<String> {
     found.retain(|full| Some(depth(full)) == least);
     let wrong = |what: String| {
         let fault = pinwheel::scene::SceneError::Key {
-            place: pinwheel::scene::Place::Set(String::new()),
+            place: pinwheel::scene::Location::Set(String::new()),
             key: name.to_owned(),
             what: "is no key of a scene".to_owned(),
             remedy: what,

@@ -51,9 +51,7 @@ pub fn style(name: &str) -> usize {
 
 /// A place that follows from the name alone (FNV-1a).
 fn place(name: &str) -> usize {
-    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    });
+    let hash = pinwheel_files::fnv(name.bytes());
     (hash % COUNT as u64) as usize
 }
 

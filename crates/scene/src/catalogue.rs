@@ -30,26 +30,23 @@ pub struct Material {
     pub density_kg_m3: f64,
 }
 
-const fn material(name: &'static str, young_pa: f64, poisson: f64, density_kg_m3: f64) -> Material {
-    Material {
-        name,
-        young_pa,
-        poisson,
-        density_kg_m3,
-    }
+macro_rules! materials {
+    ($($name:literal $young:literal, $poisson:literal, $density:literal;)*) => {
+        &[$(Material { name: $name, young_pa: $young, poisson: $poisson, density_kg_m3: $density }),*]
+    };
 }
 
 /// Materials that a catalogue can name. Round values within the ranges of M. F. Ashby, Materials Selection in Mechanical
 /// Design, 4th ed. (2011), appendix A; printed parts have less than the plastic they are printed of.
-pub const MATERIALS: &[Material] = &[
-    material("steel", 2.1e11, 0.30, 7850.0),
-    material("cast-iron", 1.7e11, 0.27, 7150.0),
-    material("bronze", 1.1e11, 0.34, 8800.0),
-    material("aluminium", 7.0e10, 0.33, 2700.0),
-    material("pom", 3.0e9, 0.35, 1410.0),
-    material("nylon", 2.8e9, 0.40, 1140.0),
-    material("pla", 3.5e9, 0.36, 1240.0),
-];
+pub const MATERIALS: &[Material] = materials! {
+    "steel" 2.1e11, 0.30, 7850.0;
+    "cast-iron" 1.7e11, 0.27, 7150.0;
+    "bronze" 1.1e11, 0.34, 8800.0;
+    "aluminium" 7.0e10, 0.33, 2700.0;
+    "pom" 3.0e9, 0.35, 1410.0;
+    "nylon" 2.8e9, 0.40, 1140.0;
+    "pla" 3.5e9, 0.36, 1240.0;
+};
 
 /// The data of a catalogue. Lengths are diameters, as catalogues give them; what is `None` is suggested.
 #[derive(Debug, Clone, PartialEq)]
@@ -185,13 +182,12 @@ impl Catalogue {
         });
         gear.shortening = gear.eccentricity_m * pins as f64 / radius;
         if gear.shortening >= 1.0 {
+            let [e, circle, most] =
+                [gear.eccentricity_m, 2.0 * radius, eccentricity(1.0)].map(millimetres);
             return Err(Fault::new(
                 &["gear.eccentricity_m"],
                 format!(
-                    "is {} mm: {pins} pins on a circle of {} mm allow less than {} mm, or the profile crosses itself",
-                    millimetres(gear.eccentricity_m),
-                    millimetres(2.0 * radius),
-                    millimetres(eccentricity(1.0)),
+                    "is {e} mm: {pins} pins on a circle of {circle} mm allow less than {most} mm, or the profile crosses itself"
                 ),
                 "make it smaller, or leave it out to have one suggested",
             ));
@@ -270,21 +266,23 @@ impl Catalogue {
         gear.internal_circle_radius_m = circle;
         gear.internal_sleeve_radius_m = sleeve;
         gear.hole_radius_m = sleeve + e;
-        for (given, key) in [
-            (self.output_pins.is_some(), "gear.internal_sleeves"),
+        let given = [
+            ("gear.internal_sleeves", self.output_pins.is_some()),
             (
-                self.output_pin_diameter_m.is_some(),
                 "gear.internal_sleeve_radius_m",
+                self.output_pin_diameter_m.is_some(),
             ),
             (
-                self.output_circle_diameter_m.is_some(),
                 "gear.internal_circle_radius_m",
+                self.output_circle_diameter_m.is_some(),
             ),
-        ] {
-            if !given {
-                suggested.push(key);
-            }
-        }
+        ];
+        suggested.extend(
+            given
+                .into_iter()
+                .filter(|(_, given)| !given)
+                .map(|(key, _)| key),
+        );
         Ok(())
     }
 
@@ -299,7 +297,7 @@ impl Catalogue {
             short(self.speed_rad_s * 30.0 / PI)
         );
         let _ = writeln!(text, "name = {:?}\n\n[gear]", self.name);
-        let mut line = |key: &'static str, value: String, about: String| {
+        let mut line = |key: &'static str, value: String, about: &str| {
             let mark = if plan.suggested.contains(&key) {
                 "suggested: "
             } else {
@@ -309,83 +307,48 @@ impl Catalogue {
             let _ = writeln!(text, "{assignment:<44} # {mark}{about}");
         };
         let m = written;
-        line(
-            "gear.pin_circle_radius_m",
-            m(0.5 * self.pin_circle_diameter_m),
-            "R, circle of the pins".to_owned(),
-        );
-        line(
-            "gear.external_sleeves",
-            gear.external_sleeves.to_string(),
-            "pins on the housing: ratio + 1".to_owned(),
-        );
-        line(
-            "gear.external_sleeve_radius_m",
-            m(gear.external_sleeve_radius_m),
-            "radius of a pin with its sleeve".to_owned(),
-        );
-        line(
-            "gear.eccentricity_m",
-            m(gear.eccentricity_m),
-            format!("e; shortening coefficient e zk/R = {:.3}", gear.shortening),
-        );
-        line(
-            "gear.wheels",
-            gear.wheels.to_string(),
-            "cycloidal discs, evenly phased".to_owned(),
-        );
-        line(
-            "gear.internal_sleeves",
-            gear.internal_sleeves.to_string(),
-            "output pins".to_owned(),
-        );
-        line(
-            "gear.internal_sleeve_radius_m",
-            m(gear.internal_sleeve_radius_m),
-            "radius of an output pin with its sleeve; holes are larger by e".to_owned(),
-        );
-        line(
-            "gear.internal_circle_radius_m",
-            m(gear.internal_circle_radius_m),
-            "circle of the output pins".to_owned(),
-        );
-        line(
-            "gear.face_width_m",
-            m(gear.face_width_m.unwrap_or_default()),
-            "thickness of a disc; masses follow from it".to_owned(),
-        );
+        let shortening = format!("e; shortening coefficient e zk/R = {:.3}", gear.shortening);
+        macro_rules! lines {
+            ($($key:literal $value:expr, $about:expr;)*) => {
+                $(line($key, $value, $about);)*
+            };
+        }
+        lines! {
+            "gear.pin_circle_radius_m" m(0.5 * self.pin_circle_diameter_m), "R, circle of the pins";
+            "gear.external_sleeves" gear.external_sleeves.to_string(), "pins on the housing: ratio + 1";
+            "gear.external_sleeve_radius_m" m(gear.external_sleeve_radius_m), "radius of a pin with its sleeve";
+            "gear.eccentricity_m" m(gear.eccentricity_m), &shortening;
+            "gear.wheels" gear.wheels.to_string(), "cycloidal discs, evenly phased";
+            "gear.internal_sleeves" gear.internal_sleeves.to_string(), "output pins";
+            "gear.internal_sleeve_radius_m" m(gear.internal_sleeve_radius_m), "radius of an output pin with its sleeve; holes are larger by e";
+            "gear.internal_circle_radius_m" m(gear.internal_circle_radius_m), "circle of the output pins";
+            "gear.face_width_m" m(gear.face_width_m.unwrap_or_default()), "thickness of a disc; masses follow from it";
+        }
         if gear.backlash_m > 0.0 {
             line(
                 "gear.backlash_m",
                 m(gear.backlash_m),
-                "the pins stand on R + this".to_owned(),
+                "the pins stand on R + this",
             );
         }
-        let _ = write!(
-            text,
-            "\n[drive]\ninput_speed_rad_s = {:<24} # {} rpm\noutput_torque_n_m = {}\n",
-            written(self.speed_rad_s),
-            short(self.speed_rad_s * 30.0 / PI),
-            written(self.torque_n_m)
-        );
+        let (speed, torque) = (written(self.speed_rad_s), written(self.torque_n_m));
+        let rpm = short(self.speed_rad_s * 30.0 / PI);
         let Material {
             name,
             young_pa,
             poisson,
             density_kg_m3,
         } = self.material;
+        let young = format!("{young_pa:e}");
+        let density = written(density_kg_m3);
+        let friction = self.friction_coefficient;
+        let friction =
+            friction.map_or_else(String::new, |mu| format!("friction_coefficient = {mu}\n"));
         let _ = write!(
             text,
-            "\n[contact]\nyoung_pa = {:<33} # {name}\npoisson = {poisson}\n",
-            format!("{young_pa:e}")
-        );
-        if let Some(friction) = self.friction_coefficient {
-            let _ = writeln!(text, "friction_coefficient = {friction}");
-        }
-        let _ = write!(
-            text,
-            "\n[mass]\ndensity_kg_m3 = {:<28} # {name}\n",
-            format!("{density_kg_m3:?}")
+            "\n[drive]\ninput_speed_rad_s = {speed:<24} # {rpm} rpm\noutput_torque_n_m = {torque}\n\
+             \n[contact]\nyoung_pa = {young:<33} # {name}\npoisson = {poisson}\n{friction}\
+             \n[mass]\ndensity_kg_m3 = {density:<28} # {name}\n"
         );
         text
     }

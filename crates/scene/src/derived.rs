@@ -109,12 +109,11 @@ impl Derived {
     /// What follows from the dimensions and the load, in the order in which one reads it. `scene`: that it was derived from.
     #[must_use]
     pub fn lines(&self, scene: &Scene) -> Vec<Line> {
-        let line = |what, value, unit, how| Line {
-            what,
-            value,
-            unit,
-            how,
-        };
+        macro_rules! lines {
+            ($($what:literal $value:expr, $unit:literal, $how:expr;)*) => {
+                vec![$(Line { what: $what, value: $value, unit: $unit, how: $how }),*]
+            };
+        }
         let expected = if scene.drive.load_changes.is_empty() {
             "load/zs, if the contacts neither lose nor create energy"
         } else {
@@ -122,89 +121,24 @@ impl Derived {
         };
         let circle = self.pitch_radius_m + scene.gear.backlash_m;
         let [tips, pits] = self.profile_radii_m;
-        let Walls {
-            hole_to_profile_m,
-            hole_to_hole_m,
-            sleeve_to_sleeve_m,
-            ..
-        } = self.walls;
-        vec![
-            line(
-                "ratio",
-                self.ratio as f64,
-                "",
-                "the output turns against the input",
-            ),
-            line(
-                "circle of the external sleeves",
-                circle,
-                "m",
-                "R + d, R = e zk/m",
-            ),
-            line("profile from", pits, "m", "pits"),
-            line("profile to", tips, "m", "lobe tips"),
-            line(
-                "radius of curvature, lobe tip",
-                self.tip_curvature_radius_m,
-                "m",
-                "",
-            ),
-            line(
-                "radius of curvature, pit",
-                self.pit_curvature_radius_m,
-                "m",
-                "negative: concave",
-            ),
-            line(
-                "largest external sleeve",
-                self.smallest_convex_radius_m,
-                "m",
-                "a larger one undercuts the wheel",
-            ),
-            line(
-                "clearance in the holes",
-                self.hole_clearance_m,
-                "m",
-                "hole - sleeve - eccentricity",
-            ),
-            line(
-                "wall, hole to profile",
-                hole_to_profile_m,
-                "m",
-                "thinnest place of all holes",
-            ),
-            line("wall, hole to hole", hole_to_hole_m, "m", ""),
-            line(
-                "gap, external sleeves",
-                sleeve_to_sleeve_m,
-                "m",
-                "between neighbours",
-            ),
-            line(
-                "free play to one side",
-                self.free_play_rad,
-                "rad",
-                "d sqrt(1 - m^2)/(e zs), at the wheel",
-            ),
-            line(
-                "driver torque, ideal",
-                self.ideal_input_torque_n_m,
-                "N m",
-                expected,
-            ),
-            line(
-                "largest external sleeve force",
-                self.external_force_estimate_n,
-                "N",
-                "a wheel, rigid and without clearance: 4 T/(e zs zk)",
-            ),
-            line(
-                "largest internal sleeve force",
-                self.internal_force_estimate_n,
-                "N",
-                "a wheel, likewise: 4 T/(zi Rw)",
-            ),
-        ]
+        let walls = self.walls;
+        lines! {
+            "ratio" self.ratio as f64, "", "the output turns against the input";
+            "circle of the external sleeves" circle, "m", "R + d, R = e zk/m";
+            "profile from" pits, "m", "pits";
+            "profile to" tips, "m", "lobe tips";
+            "radius of curvature, lobe tip" self.tip_curvature_radius_m, "m", "";
+            "radius of curvature, pit" self.pit_curvature_radius_m, "m", "negative: concave";
+            "largest external sleeve" self.smallest_convex_radius_m, "m", "a larger one undercuts the wheel";
+            "clearance in the holes" self.hole_clearance_m, "m", "hole - sleeve - eccentricity";
+            "wall, hole to profile" walls.hole_to_profile_m, "m", "thinnest place of all holes";
+            "wall, hole to hole" walls.hole_to_hole_m, "m", "";
+            "gap, external sleeves" walls.sleeve_to_sleeve_m, "m", "between neighbours";
+            "free play to one side" self.free_play_rad, "rad", "d sqrt(1 - m^2)/(e zs), at the wheel";
+            "driver torque, ideal" self.ideal_input_torque_n_m, "N m", expected;
+            "largest external sleeve force" self.external_force_estimate_n, "N", "a wheel, rigid and without clearance: 4 T/(e zs zk)";
+            "largest internal sleeve force" self.internal_force_estimate_n, "N", "a wheel, likewise: 4 T/(zi Rw)";
+        }
     }
 }
 

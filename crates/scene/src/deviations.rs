@@ -11,6 +11,8 @@
 //! and its normal has the lever l = e zs sin(phi)/S about the wheel's centre. [`pinwheel_scene::free_play`](crate::free_play)
 //! is the least g/l. Signs, sources and what engines make of it: `docs/modification.md`.
 
+use std::f64::consts::TAU;
+
 use crate::error::Fault;
 use crate::model::{Errors, Gear, Modification};
 use crate::number::{below, short};
@@ -60,92 +62,60 @@ impl Errors {
     /// Every list with its key and the entries it should have.
     #[must_use]
     pub fn lists(&self, gear: &Gear) -> [ErrorList<'_>; 11] {
-        let (external, internal, wheels) =
-            (gear.external_sleeves, gear.internal_sleeves, gear.wheels);
-        let list = |key, parts, count, values| ErrorList {
-            key,
-            parts,
-            count,
-            values,
-        };
-        let of_external = |key, values| list(key, "external sleeves", external, values);
-        let of_internal = |key, values| list(key, "internal sleeves", internal, values);
-        let of_holes = |key, values| list(key, "holes, wheel by wheel", internal * wheels, values);
-        [
-            of_external(
-                "gear.errors.external_sleeve_radial_m",
-                &self.external_sleeve_radial_m,
-            ),
-            of_external(
-                "gear.errors.external_sleeve_tangential_m",
-                &self.external_sleeve_tangential_m,
-            ),
-            of_external(
-                "gear.errors.external_sleeve_radius_m",
-                &self.external_sleeve_radius_m,
-            ),
-            of_internal(
-                "gear.errors.internal_sleeve_radial_m",
-                &self.internal_sleeve_radial_m,
-            ),
-            of_internal(
-                "gear.errors.internal_sleeve_tangential_m",
-                &self.internal_sleeve_tangential_m,
-            ),
-            of_internal(
-                "gear.errors.internal_sleeve_radius_m",
-                &self.internal_sleeve_radius_m,
-            ),
-            of_holes("gear.errors.hole_radial_m", &self.hole_radial_m),
-            of_holes("gear.errors.hole_tangential_m", &self.hole_tangential_m),
-            of_holes("gear.errors.hole_radius_m", &self.hole_radius_m),
-            list(
-                "gear.errors.eccentricity_m",
-                "wheels",
-                wheels,
-                &self.eccentricity_m,
-            ),
-            list("gear.errors.phase_rad", "wheels", wheels, &self.phase_rad),
-        ]
+        let external = ("external sleeves", gear.external_sleeves);
+        let internal = ("internal sleeves", gear.internal_sleeves);
+        let holes = ("holes, wheel by wheel", gear.internal_sleeves * gear.wheels);
+        let wheels = ("wheels", gear.wheels);
+        macro_rules! lists {
+            ($($field:ident $parts:ident;)*) => {
+                [$(ErrorList {
+                    key: concat!("gear.errors.", stringify!($field)),
+                    parts: $parts.0,
+                    count: $parts.1,
+                    values: &self.$field,
+                }),*]
+            };
+        }
+        lists! {
+            external_sleeve_radial_m external;
+            external_sleeve_tangential_m external;
+            external_sleeve_radius_m external;
+            internal_sleeve_radial_m internal;
+            internal_sleeve_tangential_m internal;
+            internal_sleeve_radius_m internal;
+            hole_radial_m holes;
+            hole_tangential_m holes;
+            hole_radius_m holes;
+            eccentricity_m wheels;
+            phase_rad wheels;
+        }
     }
 
-    /// The largest entry of every list of lengths whose key begins so, summed: what several errors of one part do at most, m.
+    /// The largest entry of every list whose key begins so, summed: what several errors of one part do at most, m. An
+    /// error of an eccentric's angle counts by its arc.
     fn largest_m(&self, gear: &Gear, prefixes: &[&str]) -> f64 {
-        self.lists(gear)
-            .iter()
-            .filter(|list| prefixes.iter().any(|prefix| list.key.starts_with(prefix)))
-            .map(|list| {
-                list.values
-                    .iter()
-                    .fold(0.0, |most: f64, x| most.max(x.abs()))
-            })
-            .sum()
+        let largest = |list: &ErrorList<'_>| {
+            let sizes = list.values.iter().map(|x| x.abs());
+            sizes.fold(0.0, f64::max)
+        };
+        let lists = self.lists(gear);
+        let named =
+            |list: &&ErrorList<'_>| prefixes.iter().any(|name| list.key[12..].starts_with(name));
+        let lengths: f64 = lists.iter().filter(named).map(largest).sum();
+        let [.., phases] = &lists;
+        lengths + largest(phases) * gear.eccentricity_m
     }
 
     /// By how much a gap between wheel and external sleeve is larger than nominal at most, m.
     #[must_use]
     pub fn largest_of_mesh_m(&self, gear: &Gear) -> f64 {
-        let phase = self
-            .phase_rad
-            .iter()
-            .fold(0.0, |most: f64, x| most.max(x.abs()));
-        self.largest_m(gear, &["gear.errors.external", "gear.errors.eccentricity"])
-            + phase * gear.eccentricity_m
+        self.largest_m(gear, &["external", "eccentricity"])
     }
 
     /// The same between hole and internal sleeve, m.
     #[must_use]
     pub fn largest_of_holes_m(&self, gear: &Gear) -> f64 {
-        let phase = self
-            .phase_rad
-            .iter()
-            .fold(0.0, |most: f64, x| most.max(x.abs()));
-        let lists = [
-            "gear.errors.internal",
-            "gear.errors.hole",
-            "gear.errors.eccentricity",
-        ];
-        self.largest_m(gear, &lists) + phase * gear.eccentricity_m
+        self.largest_m(gear, &["internal", "hole", "eccentricity"])
     }
 }
 
@@ -182,11 +152,12 @@ impl Gear {
     /// Where external sleeve `j` sits, ground frame, m.
     #[must_use]
     pub fn external_sleeve_m(&self, j: usize) -> [f64; 2] {
+        let errors = &self.errors;
         placed(
-            std::f64::consts::TAU * j as f64 / self.external_sleeves as f64,
+            TAU * j as f64 / self.external_sleeves as f64,
             self.pitch_radius_m() + self.backlash_m,
-            entry(&self.errors.external_sleeve_radial_m, j),
-            entry(&self.errors.external_sleeve_tangential_m, j),
+            entry(&errors.external_sleeve_radial_m, j),
+            entry(&errors.external_sleeve_tangential_m, j),
         )
     }
 
@@ -213,7 +184,7 @@ impl Gear {
     #[must_use]
     pub fn internal_sleeve_m(&self, k: usize) -> [f64; 2] {
         placed(
-            std::f64::consts::TAU * k as f64 / self.internal_sleeves as f64,
+            TAU * k as f64 / self.internal_sleeves as f64,
             self.internal_circle_radius_m,
             entry(&self.errors.internal_sleeve_radial_m, k),
             entry(&self.errors.internal_sleeve_tangential_m, k),
@@ -226,7 +197,7 @@ impl Gear {
     pub fn hole_m(&self, wheel: usize, k: usize, turned: f64) -> [f64; 2] {
         let number = wheel * self.internal_sleeves + k;
         placed(
-            std::f64::consts::TAU * k as f64 / self.internal_sleeves as f64 + turned,
+            TAU * k as f64 / self.internal_sleeves as f64 + turned,
             self.internal_circle_radius_m,
             entry(&self.errors.hole_radial_m, number),
             entry(&self.errors.hole_tangential_m, number),
@@ -242,8 +213,7 @@ impl Gear {
     /// Angle of a wheel's eccentric from the input's, rad: 2 pi i/n and its error.
     #[must_use]
     pub fn phase_of_rad(&self, wheel: usize) -> f64 {
-        std::f64::consts::TAU * wheel as f64 / self.wheels as f64
-            + entry(&self.errors.phase_rad, wheel)
+        TAU * wheel as f64 / self.wheels as f64 + entry(&self.errors.phase_rad, wheel)
     }
 
     /// The gap of an external sleeve that stands at the angle `phi` (rad) from the eccentric at the ideal mesh, to first
@@ -265,67 +235,62 @@ impl Gear {
 
 /// Refuses lists of other lengths, and deviations that make another gear.
 pub(crate) fn check(gear: &Gear) -> Result<(), Fault> {
-    for list in gear.errors.lists(gear) {
-        if !list.values.is_empty() && list.values.len() != list.count {
-            return Err(Fault::new(
-                &[list.key],
-                format!(
-                    "has {} entries, but there are {} {}",
-                    list.values.len(),
-                    list.count,
-                    list.parts
-                ),
-                format!("give {} numbers, or leave the list out", list.count),
-            ));
-        }
+    let lists = gear.errors.lists(gear);
+    let empty_or_full = |list: &&ErrorList<'_>| [0, list.count].contains(&list.values.len());
+    if let Some(list) = lists.iter().find(|list| !empty_or_full(list)) {
+        let ErrorList { count, parts, .. } = *list;
+        let length = list.values.len();
+        return Err(Fault::new(
+            &[list.key],
+            format!("has {length} entries, but there are {count} {parts}"),
+            format!("give {count} numbers, or leave the list out"),
+        ));
     }
     // As for the backlash: beyond half of these the parts hardly meet.
-    let most = 0.5
-        * gear
-            .eccentricity_m
-            .min(gear.external_sleeve_radius_m)
-            .min(gear.internal_sleeve_radius_m);
-    let too_large = |key: &'static str, value: f64, most: f64, unit: &str| {
-        Err(Fault::new(
+    let radii = [gear.external_sleeve_radius_m, gear.internal_sleeve_radius_m];
+    let most = 0.5 * radii.into_iter().fold(gear.eccentricity_m, f64::min);
+    let change = &gear.modification;
+    let changes = [
+        (
+            "gear.modification.equidistant_m",
+            change.equidistant_m,
+            most,
+        ),
+        ("gear.modification.radial_m", change.radial_m, most),
+        (
+            "gear.modification.rotational_rad",
+            change.rotational_rad,
+            most / gear.lever_m(),
+        ),
+    ];
+    let errors = lists.iter().flat_map(|list| {
+        let most = match list.key.ends_with("_rad") {
+            true => most / gear.eccentricity_m,
+            false => most,
+        };
+        list.values
+            .iter()
+            .map(move |value| (list.key, *value, most))
+    });
+    let mut all = changes.into_iter().chain(errors);
+    if let Some((key, value, most)) = all.find(|(_, value, most)| value.abs() > *most) {
+        let unit = if key.ends_with("_rad") { "rad" } else { "m" };
+        let (value, most) = (short(value), below(most));
+        return Err(Fault::new(
             &[key],
             format!(
-                "has {} {unit}, more than half of the eccentricity or of a sleeve's radius: that is another gear",
-                short(value)
+                "has {value} {unit}, more than half of the eccentricity or of a sleeve's radius: that is another gear"
             ),
-            format!("give at most {} {unit}", below(most)),
-        ))
-    };
-    let change = &gear.modification;
-    for (key, length) in [
-        ("gear.modification.equidistant_m", change.equidistant_m),
-        ("gear.modification.radial_m", change.radial_m),
-    ] {
-        if length.abs() > most {
-            return too_large(key, length, most, "m");
-        }
-    }
-    let most_rad = most / gear.lever_m();
-    if change.rotational_rad > most_rad {
-        let key = "gear.modification.rotational_rad";
-        return too_large(key, change.rotational_rad, most_rad, "rad");
-    }
-    for list in gear.errors.lists(gear) {
-        let (most, unit) = match list.key.ends_with("_rad") {
-            true => (most / gear.eccentricity_m, "rad"),
-            false => (most, "m"),
-        };
-        if let Some(&value) = list.values.iter().find(|value| value.abs() > most) {
-            return too_large(list.key, value, most, unit);
-        }
+            format!("give at most {most} {unit}"),
+        ));
     }
     let shortening = gear.generating_shortening();
     if shortening >= 1.0 {
+        let [radius, shortening] = [gear.generating_radius_m(), shortening].map(short);
         return Err(Fault::new(
             &["gear.modification.radial_m"],
             format!(
-                "leaves a generating circle of {} m, on which the wheel's profile crosses itself: e zk/R' is {}",
-                short(gear.generating_radius_m()),
-                short(shortening)
+                "leaves a generating circle of {radius} m, on which the wheel's profile crosses itself: e zk/R' is {shortening}"
             ),
             "make it larger, or the eccentricity smaller",
         ));

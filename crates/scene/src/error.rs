@@ -2,11 +2,12 @@
 
 use std::borrow::Cow;
 use std::fmt;
-use std::path::PathBuf;
+
+use pinwheel_files::{FileError, one_line};
 
 /// Where a value came from.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Place {
+pub enum Location {
     /// A line of the scene file, the first being 1.
     Line {
         /// File or preset as the user named it.
@@ -28,7 +29,7 @@ pub enum Place {
     },
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line { source, line } => write!(f, "{}, line {line}", one_line(source)),
@@ -50,42 +51,9 @@ pub enum SceneError {
         /// Nearest preset, or all of them.
         remedy: String,
     },
-    /// The file is there but cannot be read.
-    #[error("{}: cannot be read: {source}; check that it is a file you may read", one_line(&.path.display().to_string()))]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
-    /// No scene is that long.
-    #[error("{}: longer than {limit} bytes, which no scene is; give a scene file (TOML)", one_line(.source_name))]
-    TooLong {
-        /// File or preset.
-        source_name: String,
-        /// The bound, bytes.
-        limit: usize,
-    },
-    /// Not text.
-    #[error("{}, line {line}: not UTF-8 text; save the scene as UTF-8", one_line(.source_name))]
-    NotText {
-        /// File or preset.
-        source_name: String,
-        /// Line of the first bad byte.
-        line: usize,
-    },
-    /// Not TOML, nor JSON.
-    #[error("{}, line {line}: not valid {language}: {}; a scene consists of `key = value` lines under [gear], [mass], [drive], [contact] and [solver]", one_line(.source_name), one_line(.what))]
-    Syntax {
-        /// File or preset.
-        source_name: String,
-        /// Line of the fault.
-        line: usize,
-        /// What it was read as.
-        language: &'static str,
-        /// The parser's words.
-        what: String,
-    },
+    /// The file cannot be read, or is neither TOML nor JSON.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// `--set` without `key=value`.
     #[error("--set {}: {what}; write --set key=value, for example --set gear.backlash_m=0.0006", one_line(.text))]
     Override {
@@ -106,7 +74,7 @@ pub enum SceneError {
     #[error("{place}: `{}` {}; {}", one_line(.key), one_line(.what), one_line(.remedy))]
     Key {
         /// Where it stands.
-        place: Place,
+        place: Location,
         /// Full key, for example `gear.wheels`.
         key: String,
         /// What is wrong.
@@ -114,6 +82,23 @@ pub enum SceneError {
         /// How to put it right.
         remedy: String,
     },
+}
+
+impl SceneError {
+    /// A fault of a key.
+    pub(crate) fn key(
+        place: &Location,
+        key: &str,
+        what: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Self::Key {
+            place: place.clone(),
+            key: key.to_owned(),
+            what: what.into(),
+            remedy: remedy.into(),
+        }
+    }
 }
 
 /// A value the checks refuse; its place is added by whoever knows it.
@@ -163,57 +148,5 @@ fn list(keys: &[&str]) -> String {
         Some((last, [])) => last.clone(),
         Some((last, rest)) => format!("{} or {last}", rest.join(", ")),
         None => String::new(),
-    }
-}
-
-/// The text on one line, control characters made visible, cut where it gets out of hand.
-pub(super) fn one_line(text: &str) -> String {
-    const LONGEST: usize = 400;
-    let mut line = String::new();
-    for (count, c) in text.chars().enumerate() {
-        if count == LONGEST {
-            line.push_str("...");
-            break;
-        }
-        match c {
-            '\n' | '\r' | '\t' => line.push(' '),
-            c if c.is_control() => line.extend(c.escape_default()),
-            c => line.push(c),
-        }
-    }
-    line
-}
-
-/// A user's own text inside a message: quoted, short.
-pub(super) fn quoted(text: &str) -> String {
-    const LONGEST: usize = 40;
-    match text.char_indices().nth(LONGEST) {
-        Some((cut, _)) => format!("\"{}...\"", &text[..cut]),
-        None => format!("\"{text}\""),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn messages_stay_on_one_line() {
-        let error = SceneError::Key {
-            place: Place::Line {
-                source: "a\nb.toml".to_owned(),
-                line: 3,
-            },
-            key: "gear.x\u{7}".to_owned(),
-            what: "is\r\nwrong".to_owned(),
-            remedy: "mend it".to_owned(),
-        };
-        assert_eq!(
-            error.to_string(),
-            "a b.toml, line 3: `gear.x\\u{7}` is  wrong; mend it"
-        );
-        assert!(one_line(&"x".repeat(10_000)).len() < 500);
-        assert_eq!(quoted("ab"), "\"ab\"");
-        assert!(quoted(&"é".repeat(100)).ends_with("...\""));
     }
 }

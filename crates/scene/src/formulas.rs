@@ -61,30 +61,6 @@ impl Given<'_> {
     }
 }
 
-fn one(_: &Gear) -> f64 {
-    1.0
-}
-
-fn all_wheels(gear: &Gear) -> f64 {
-    gear.wheels as f64
-}
-
-fn input_shaft(gear: &Gear) -> Shape {
-    Shape::disc(bore_radius_m(gear))
-}
-
-fn output_shaft(gear: &Gear) -> Shape {
-    Shape::disc(gear.internal_circle_radius_m + gear.internal_sleeve_radius_m)
-}
-
-fn internal_sleeve(gear: &Gear) -> Shape {
-    Shape::disc(gear.internal_sleeve_radius_m)
-}
-
-fn external_sleeve(gear: &Gear) -> Shape {
-    Shape::disc(gear.external_sleeve_radius_m)
-}
-
 pub(crate) fn shortening(given: &Given<'_>) -> Option<f64> {
     let radius = given.number("gear.pin_circle_radius_m")?;
     Some(given.number("gear.eccentricity_m")? * given.number("gear.external_sleeves")? / radius)
@@ -115,11 +91,15 @@ macro_rules! bodies {
 }
 
 bodies! {
-    input_shaft_mass input_shaft_moment "mass.input_shaft.mass_kg", input_shaft, all_wheels;
-    output_shaft_mass output_shaft_moment "mass.output_shaft.mass_kg", output_shaft, one;
-    wheel_mass wheel_moment "mass.wheel.mass_kg", Shape::wheel, one;
-    internal_sleeve_mass internal_sleeve_moment "mass.internal_sleeve.mass_kg", internal_sleeve, all_wheels;
-    external_sleeve_mass external_sleeve_moment "mass.external_sleeve.mass_kg", external_sleeve, all_wheels;
+    input_shaft_mass input_shaft_moment "mass.input_shaft.mass_kg", |gear| Shape::disc(bore_radius_m(gear)), all_wheels;
+    output_shaft_mass output_shaft_moment "mass.output_shaft.mass_kg", |gear| Shape::disc(gear.internal_circle_radius_m + gear.internal_sleeve_radius_m), |_| 1.0;
+    wheel_mass wheel_moment "mass.wheel.mass_kg", Shape::wheel, |_| 1.0;
+    internal_sleeve_mass internal_sleeve_moment "mass.internal_sleeve.mass_kg", |gear| Shape::disc(gear.internal_sleeve_radius_m), all_wheels;
+    external_sleeve_mass external_sleeve_moment "mass.external_sleeve.mass_kg", |gear| Shape::disc(gear.external_sleeve_radius_m), all_wheels;
+}
+
+fn all_wheels(gear: &Gear) -> f64 {
+    gear.wheels as f64
 }
 
 pub(crate) fn damping(given: &Given<'_>) -> Option<f64> {

@@ -202,7 +202,7 @@ pub const KEYS: &[Key] = keys! {
 
     "drive.input_speed_rad_s" Number(From(-1e6, 1e6)), Required, "omega", "500 rpm is 52.36 rad/s";
     "drive.output_torque_n_m" TORQUE, Required, "load on the output shaft; positive opposes the motion of a positive input speed", LOAD;
-    "drive.start" Choice("start", names::starts), Usual("\"kinematic\"", "rates of the ideal mesh, load at once"), "state at t = 0", "\"kinematic\": rates of the ideal mesh; \"equilibrium\": statically loaded";
+    "drive.start" Choice("start", || vec!["kinematic", "equilibrium"]), Usual("\"kinematic\"", "rates of the ideal mesh, load at once"), "state at t = 0", "\"kinematic\": rates of the ideal mesh; \"equilibrium\": statically loaded";
     "drive.load_ramp_s" TIME, Usual("0.0", "the load acts at once"), "the load rises linearly over this time; 0: at once", SECONDS;
     "drive.load_changes" Tables(CHANGE), Nothing, "what the load becomes during the run", "write it like [{ time_s = 0.3, output_torque_n_m = -22.0 }]";
 
@@ -227,24 +227,24 @@ pub const KEYS: &[Key] = keys! {
     "contact.ramp_m" Number(From(1e-15, 1e-2)), Follows(formulas::ramp, "a tenth of the penetration under the largest static load"), "penetration at which S reaches 1", "the paper uses 1e-5, the penetration at which the force is fully on";
     "contact.friction_coefficient" Number(From(0.0, 10.0)), Usual("0.0", "no friction"), "mu; 0: no friction", "0 switches friction off; dry steel has 0.1 to 0.2";
     "contact.friction_ramp_m_s" Number(From(1e-18, 1e3)), Follows(formulas::friction_ramp, "a thousandth of omega e"), "sliding speed at which friction reaches mu F_n", "the paper uses 5e-5, the sliding speed at which friction is fully on";
-    "contact.friction_law" Choice("friction law", names::friction_laws), Usual("\"regularised\"", "Coulomb with a linear ramp"), "form of the friction", "\"regularised\" or \"adams\"";
+    "contact.friction_law" Choice("friction law", || vec!["regularised", "adams"]), Usual("\"regularised\"", "Coulomb with a linear ramp"), "form of the friction", "\"regularised\" or \"adams\"";
     "contact.friction_dynamic_coefficient" Number(From(0.0, 10.0)), Usual("0.0", "used by the friction law adams only"), "mu_d of the friction law adams", "the coefficient of fast sliding, at most contact.friction_coefficient";
     "contact.friction_dynamic_speed_m_s" Number(From(1e-18, 1e3)), Follows(formulas::friction_dynamic_speed, "20 times contact.friction_ramp_m_s; used by the friction law adams only"), "sliding speed from which mu_d holds", "the sliding speed from which the dynamic coefficient holds";
     "contact.constant_stiffness_n_m15" Number(From(1e-6, 1e15)), Follows(formulas::constant_stiffness, "after Hertz, of an external sleeve on a flat; used by laws of one stiffness only"), "K of laws with one stiffness for all contacts", "the paper's contacts have 5e7 to 2e8 N/m^1.5";
     "contact.restitution" Number(From(1e-3, 1.0)), Usual("0.9", "used by the hysteresis laws only"), "c of the hysteresis laws", "the share of the impact speed that is left after an impact, 1 without loss";
     "contact.impact_speed_m_s" Number(From(1e-9, 1e3)), Usual("0.01", "used by the hysteresis laws only"), "speed of an impact with that restitution", "the impact speed at which the restitution holds; 0.01 is usual in a gearbox";
     "contact.line_length_m" Number(From(1e-6, 10.0)), Follows(formulas::face_width, "the face width, or 0.15 R; used by the law line-contact only"), "length of a line contact", METRES;
-    "contact.detection" Choice("detection", names::detections), Usual("\"exact\"", "the closest point of the curve"), "how the contact point is found", "\"exact\" or \"points\"";
+    "contact.detection" Choice("detection", || vec!["exact", "points"]), Usual("\"exact\"", "the closest point of the curve"), "how the contact point is found", "\"exact\" or \"points\"";
     "contact.wheel_points" Count(24, 1_000_000), Follows(formulas::wheel_points, "100 a lobe, at least 4000; used by detection points only"), "points on a wheel's profile", "the paper uses 600 and 4000; more than a million costs memory and gains nothing over detection = \"exact\"";
     "contact.hole_points" Count(8, 1_000_000), Usual("100", "used by detection points only"), "points on a hole", "the paper uses 20 to 100; more than a million costs memory and gains nothing over detection = \"exact\"";
 
-    "solver.formulation" Choice("formulation", names::formulations), Usual("\"reduced\"", "centre-pinned bodies eliminated exactly"), "which equations are integrated", "\"reduced\" or \"lagrange\"";
+    "solver.formulation" Choice("formulation", || vec!["reduced", "lagrange"]), Usual("\"reduced\"", "centre-pinned bodies eliminated exactly"), "which equations are integrated", "\"reduced\" or \"lagrange\"";
     "solver.integrator" Choice("integrator", names::integrators), Usual("\"auto\"", "the method that the scene's forces ask for"), "name of the integrator", "\"auto\" takes the method that the scene asks for";
     "solver.duration_s" Number(From(1e-9, 1e5)), Follows(formulas::duration, "until the start-up has died away and two turns of the input more; 3 to 10 turns"), "end time", SECONDS;
     "solver.sample_s" Number(From(1e-12, 1e5)), Follows(formulas::sample, "40 a mesh period and 4 a period of the fastest mode, at most 20000 in all"), "samples stand this far apart", SECONDS;
     "solver.step_s" Number(From(1e-12, 1.0)), Follows(formulas::step, "about 50 a period of the fastest mode under the largest static load"), "step of fixed-step methods", SECONDS;
     "solver.tolerance" Number(Between(1e-14, 1e-1)), Usual("1e-6", "relative error a step of adaptive methods"), "relative error a step of adaptive methods", "1e-6 is a good start; below 1e-14 there are no digits left";
-    "solver.stabilisation" Choice("stabilisation", names::stabilisations), Usual("\"projection\"", "of the Lagrange form"), "how the Lagrange form keeps its constraints", "\"projection\", \"baumgarte\" or \"none\"";
+    "solver.stabilisation" Choice("stabilisation", || vec!["projection", "baumgarte", "none"]), Usual("\"projection\"", "of the Lagrange form"), "how the Lagrange form keeps its constraints", "\"projection\", \"baumgarte\" or \"none\"";
 
     "output.channels" Texts, Nothing, "columns beyond those every run has; `*` stands for any characters", "write it like [\"efficiency\"]";
 };

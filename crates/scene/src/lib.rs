@@ -56,7 +56,6 @@ mod presets;
 mod profile;
 pub mod scales;
 pub mod schema;
-mod suggest;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -66,17 +65,17 @@ pub use assumptions::{Assumption, assumptions};
 pub use catalogue::Catalogue;
 pub use checked::{CheckedScene, Origin, Source};
 pub use derived::{Derived, Frequency, Line, Walls, derived};
-pub use error::{Fault, Place, SceneError};
+pub use error::{Fault, Location, SceneError};
 pub use json::JOB_PROTOCOL;
 pub use keys::{KEYS, Key};
 pub use layout::{Layout, Sleeve};
-pub use load::MOST_BYTES;
+
 pub use model::{
     BodyMass, Contact, Detection, Drive, Errors, Formulation, FrictionLaw, Gear, LoadChange,
     Masses, Modification, Output, PlusMinus, Scene, Solver, Stabilisation, Start,
 };
 pub use outline::Outline;
 pub use parse::{Draft, Override};
+pub use pinwheel_files::{MOST_BYTES, did_you_mean, nearest};
 pub use presets::{PRESETS, Preset, preset};
 pub use scales::{Scales, free_play, largest_hole_play, largest_play};
-pub use suggest::{did_you_mean, nearest};

@@ -13,13 +13,13 @@ use std::collections::HashMap;
 
 use crate::checked::CheckedScene;
 use crate::error::SceneError;
-use crate::load::{self, line_of};
+use crate::load;
 use crate::model::Scene;
 use crate::presets::preset;
 
 pub use overrides::Override;
 
-use layers::{Layers, located};
+use layers::{FORM, Layers, located};
 use unknown::BASE;
 
 /// What many scenes have in common, read once: a file with its base, and overrides.
@@ -111,12 +111,7 @@ impl Scene {
     /// Another text, or the first fault found.
     pub fn from_complete(text: &str) -> Result<CheckedScene, SceneError> {
         const SOURCE: &str = "a complete scene";
-        let scene: Self = toml::from_str(text).map_err(|error| SceneError::Syntax {
-            source_name: SOURCE.to_owned(),
-            line: line_of(text, error.span().map_or(0, |span| span.start)),
-            language: "TOML",
-            what: error.message().trim().to_owned(),
-        })?;
+        let scene: Self = pinwheel_files::read(text, SOURCE, FORM)?;
         let located = |fault| located(fault, &HashMap::new(), SOURCE);
         scene.check().map_err(located)
     }

@@ -54,10 +54,7 @@ pub mod dice;
 pub mod divergence;
 mod error;
 pub mod explained;
-pub mod folder;
 pub mod junit;
-pub mod output;
-pub mod ownership;
 pub mod paper;
 mod pool;
 pub mod provenance;
@@ -68,6 +65,8 @@ mod sampling;
 pub mod single;
 pub mod stability;
 pub mod sweep;
+
+pub use pinwheel_files::{folder, output, ownership};
 
 pub use control::{Control, Progress};
 pub use error::StudyError;

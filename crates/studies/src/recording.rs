@@ -1,6 +1,5 @@
 //! Courses of engines that need Python or a compiler, kept for builds and machines without them.
 
-use std::fs;
 use std::path::Path;
 
 use pinwheel_courses::Ending;
@@ -11,9 +10,8 @@ use pinwheel_scene::{CheckedScene, Scene};
 use crate::StudyError;
 use crate::choice;
 use crate::control::{Control, Progress, compile};
-use crate::folder::Drafts;
+use crate::folder::replace;
 use crate::output::{OutputError, file_name};
-use crate::ownership::sync;
 use crate::provenance::Provenance;
 
 /// The scenes named (presets or files), or those that recordings are kept of.
@@ -94,24 +92,13 @@ pub fn record(
     );
     recording.date = made.date;
     recording.command = made.command;
-    let folder = out.join(file_name(&scene.name));
-    let path = folder.join(engine.name());
+    let path = out.join(file_name(&scene.name)).join(engine.name());
     let (description, csv) = recording
         .write()
         .map_err(|error| OutputError::new(&path, &error))?;
-    fs::create_dir_all(&folder).map_err(|error| OutputError::new(&folder, &error))?;
-    let drafts = Drafts::in_folder(out, &recording.command)?;
-    let write = || -> std::io::Result<()> {
-        // The courses first: without a description they are not a recording.
-        for (ending, text) in [("csv", &csv), ("toml", &description)] {
-            let draft = drafts.path().join(ending);
-            fs::write(&draft, text)?;
-            sync(&draft)?;
-            fs::rename(&draft, path.with_extension(ending))?;
-        }
-        Ok(())
-    };
-    write().map_err(|error| OutputError::new(&path, &error))?;
+    // The courses first: without a description they are not a recording.
+    replace(&path.with_extension("csv"), csv.as_bytes())?;
+    replace(&path.with_extension("toml"), description.as_bytes())?;
     Ok(Recorded::Kept {
         samples: recording.courses.len(),
         bytes: csv.len() + description.len(),

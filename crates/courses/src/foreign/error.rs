@@ -1,5 +1,7 @@
 //! What can be wrong with a map or a foreign file. Every message is one line with its remedy.
 
+use pinwheel_files::FileError;
+
 /// A row that could not be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BadRow {
@@ -12,28 +14,9 @@ pub struct BadRow {
 /// Faults of mapping and reading.
 #[derive(Debug, thiserror::Error)]
 pub enum ForeignError {
-    /// The map is not understood.
-    #[error("{source_name}, line {line}: {what}; see docs/foreign-data.md for an example")]
-    Map {
-        /// The map file.
-        source_name: String,
-        /// Line, the first being 1.
-        line: usize,
-        /// What is wrong.
-        what: String,
-    },
-    /// A key of the map contradicts another or itself.
-    #[error("{source_name}: `{key}` {what}; {remedy}")]
-    Key {
-        /// The map file.
-        source_name: String,
-        /// The key.
-        key: String,
-        /// What is wrong with it.
-        what: String,
-        /// How to put it right.
-        remedy: String,
-    },
+    /// The map is not understood, or contradicts itself.
+    #[error(transparent)]
+    Map(#[from] FileError),
     /// A column the map names is not in the file.
     #[error("`{key}`: the file has no column `{column}`; it has {}", listed(.there))]
     Column {

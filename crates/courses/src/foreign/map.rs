@@ -17,9 +17,9 @@
 
 use std::collections::BTreeMap;
 
+use pinwheel_files::FileError;
 use serde::Deserialize;
 
-use super::error::ForeignError;
 use super::units;
 
 /// Lines and numbers that a map skips at most.
@@ -353,182 +353,82 @@ impl Map {
     ///
     /// # Errors
     /// What is wrong, where, and the remedy.
-    pub fn from_toml(text: &str, source_name: &str) -> Result<Self, ForeignError> {
-        let map: Self = toml::from_str(text).map_err(|error| {
-            let at = error.span().map_or(0, |span| span.start).min(text.len());
-            ForeignError::Map {
-                source_name: source_name.to_owned(),
-                line: 1 + text.as_bytes()[..at]
-                    .iter()
-                    .filter(|&&byte| byte == b'\n')
-                    .count(),
-                what: error.message().trim().replace('\n', " "),
-            }
-        })?;
+    pub fn from_toml(text: &str, source_name: &str) -> Result<Self, FileError> {
+        const FORM: &str = "see docs/foreign-data.md for an example";
+        let map: Self = pinwheel_files::read(text, source_name, FORM)?;
         map.check()
-            .map_err(|(key, what, remedy)| ForeignError::Key {
-                source_name: source_name.to_owned(),
-                key,
-                what,
-                remedy,
-            })?;
+            .map_err(|(what, remedy)| FileError::new(source_name, what, remedy))?;
         Ok(map)
     }
 
-    fn check(&self) -> Result<(), (String, String, String)> {
-        let wrong = |key: &str, what: &str, remedy: &str| {
-            Err((key.to_owned(), what.to_owned(), remedy.to_owned()))
+    /// What is wrong, and the remedy.
+    fn check(&self) -> Result<(), (String, String)> {
+        let require = |sound: bool, what: &str, remedy: &str| match sound {
+            true => Ok(()),
+            false => Err((what.to_owned(), remedy.to_owned())),
         };
-        if let Some(name) = &self.name
-            && !plain(name)
-        {
-            return wrong(
-                "name",
-                "must be letters, digits, `-`, `_` and `.`",
-                "write something like \"adams-2020\"",
-            );
-        }
-        if self.name.as_deref().is_some_and(is_reserved) {
-            return wrong(
-                "name",
-                "is the name of a file of the report",
-                "write something like \"adams-2020\"",
-            );
-        }
-        let file = &self.file;
-        if file.separator_byte().is_none() && file.separator != "space" {
-            return wrong(
-                "file.separator",
-                "is not understood",
-                "write \",\", \";\", \"|\", \"tab\" or \"space\"",
-            );
-        }
-        if ![".", ","].contains(&file.decimal.as_str()) || file.decimal == file.separator {
-            return wrong(
-                "file.decimal",
-                "must be \".\" or \",\", and not the separator",
-                "set file.separator too",
-            );
-        }
-        if file.comment.as_ref().is_some_and(|c| c.len() != 1) {
-            return wrong("file.comment", "must be one character", "write \"#\"");
-        }
-        for (key, lines) in [
-            ("file.skip_lines", file.skip_lines),
-            ("file.lines_after_header", file.lines_after_header),
-        ] {
-            if lines > MOST_LINES {
-                return wrong(
-                    key,
-                    "is more than 1000000",
-                    "count the lines before the data",
-                );
-            }
-        }
-        let time = &self.time;
-        if units::factor("time_s", &time.unit).is_err() {
-            return wrong(
-                "time.unit",
-                "is no unit of time",
-                "write \"s\", \"ms\", \"us\" or \"min\"",
-            );
-        }
-        if !(time.factor > 0.0 && time.factor.is_finite() && time.offset_s.seconds().is_finite()) {
-            return wrong(
-                "time",
-                "needs a positive factor and a finite offset",
-                "leave out what you do not need",
-            );
-        }
-        if self.columns.is_empty() {
-            return wrong(
-                "columns",
-                "names nothing to compare",
-                "map at least one of our columns",
-            );
-        }
+        let Self { file, time, .. } = self;
+        require(
+            self.name.as_deref().is_none_or(plain),
+            "`name` must be letters, digits, `-`, `_` and `.`",
+            "write something like \"adams-2020\"",
+        )?;
+        require(
+            !self.name.as_deref().is_some_and(is_reserved),
+            "`name` is the name of a file of the report",
+            "write something like \"adams-2020\"",
+        )?;
+        require(
+            file.separator_byte().is_some() || file.separator == "space",
+            "`file.separator` is not understood",
+            "write \",\", \";\", \"|\", \"tab\" or \"space\"",
+        )?;
+        require(
+            [".", ","].contains(&file.decimal.as_str()) && file.decimal != file.separator,
+            "`file.decimal` must be \".\" or \",\", and not the separator",
+            "set file.separator too",
+        )?;
+        require(
+            file.comment.as_ref().is_none_or(|c| c.len() == 1),
+            "`file.comment` must be one character",
+            "write \"#\"",
+        )?;
+        require(
+            file.skip_lines.max(file.lines_after_header) <= MOST_LINES,
+            "`file.skip_lines` or `file.lines_after_header` is more than 1000000",
+            "count the lines before the data",
+        )?;
+        require(
+            units::factor("time_s", &time.unit).is_ok(),
+            "`time.unit` is no unit of time",
+            "write \"s\", \"ms\", \"us\" or \"min\"",
+        )?;
+        require(
+            time.factor > 0.0 && time.factor.is_finite() && time.offset_s.seconds().is_finite(),
+            "`time` needs a positive factor and a finite offset",
+            "leave out what you do not need",
+        )?;
+        require(
+            !self.columns.is_empty(),
+            "`columns` names nothing to compare",
+            "map at least one of our columns",
+        )?;
         for (name, source) in &self.columns {
-            let full = source.full();
-            if full.column.is_some() != full.magnitude_of.is_empty() {
-                return wrong(
-                    name,
-                    "needs either `column` or `magnitude_of`",
-                    "give one of them",
-                );
-            }
-            if !(full.factor.is_finite() && full.factor != 0.0 && full.offset.is_finite()) {
-                return wrong(
-                    name,
-                    "needs a finite factor that is not 0, and a finite offset",
-                    "leave out what you do not need",
-                );
-            }
-            if full.first > MOST_LINES {
-                return wrong(
-                    name,
-                    "has a `first` above 1000000",
-                    "write the file's first number",
-                );
-            }
-            if name.matches('*').count() > 1 {
-                return wrong(
-                    name,
-                    "has more than one `*`",
-                    "one stands for the sleeve's or wheel's number",
-                );
-            }
-            let stars = full.columns().all(|column| match column {
-                ColumnRef::Name(column) => column.matches('*').count() == name.matches('*').count(),
-                ColumnRef::Number(_) => !name.contains('*'),
-            });
-            if !stars {
-                return wrong(
-                    name,
-                    "and its column must both hold one `*`, or none",
-                    "write \"force_n_*\" = { column = \"F_*\" }",
-                );
-            }
-            if let Some(unit) = &full.unit
-                && let Err(fitting) = units::factor(name, unit)
-            {
-                let remedy = if fitting.is_empty() {
-                    "leave it out and give a factor".to_owned()
-                } else {
-                    format!("write one of {}", fitting.join(", "))
-                };
-                return Err((name.clone(), format!("cannot be in `{unit}`"), remedy));
-            }
+            source
+                .check(name)
+                .map_err(|(what, remedy)| (format!("`{name}` {what}"), remedy))?;
         }
-        if !(self.resample.longest_gap >= 1.0) {
-            return wrong(
-                "resample.longest_gap",
-                "must be at least 1",
-                "4 bridges three missing rows",
-            );
-        }
-        if self
-            .limits
-            .iter()
-            .any(|limit| !(limit.limit > 0.0 && limit.limit.is_finite()))
-        {
-            return wrong(
-                "limits",
-                "holds a limit that is not above 0",
-                "write limit = 0.05 for 5 %",
-            );
-        }
-        for (name, source) in &self.columns {
-            if let Source::Full(full) = source
-                && full.uncertainty.is_some_and(|u| !u.is_sound())
-            {
-                return wrong(
-                    &format!("columns.{name}.uncertainty"),
-                    "has no part above 0, a negative one, or a share of a range that is not given",
-                    "write { of_reading = 0.005 }, { absolute = 0.02 } or { of_range = 0.001, range = 50.0 }",
-                );
-            }
-        }
-        Ok(())
+        require(
+            self.resample.longest_gap >= 1.0,
+            "`resample.longest_gap` must be at least 1",
+            "4 bridges three missing rows",
+        )?;
+        let sound = |limit: &StatedLimit| limit.limit > 0.0 && limit.limit.is_finite();
+        require(
+            self.limits.iter().all(sound),
+            "`limits` holds a limit that is not above 0",
+            "write limit = 0.05 for 5 %",
+        )
     }
 }
 
@@ -552,6 +452,58 @@ impl FileFormat {
 }
 
 impl Source {
+    /// What is wrong with the source of our column `name`, and the remedy.
+    fn check(&self, name: &str) -> Result<(), (String, String)> {
+        let full = self.full();
+        let stars = |text: &str| text.matches('*').count();
+        let alike = |column: &ColumnRef| match column {
+            ColumnRef::Name(column) => stars(column) == stars(name),
+            ColumnRef::Number(_) => stars(name) == 0,
+        };
+        let (what, remedy) = if full.column.is_some() != full.magnitude_of.is_empty() {
+            (
+                "needs either `column` or `magnitude_of`",
+                "give one of them",
+            )
+        } else if !(full.factor.is_finite() && full.factor != 0.0 && full.offset.is_finite()) {
+            (
+                "needs a finite factor that is not 0, and a finite offset",
+                "leave out what you do not need",
+            )
+        } else if full.first > MOST_LINES {
+            (
+                "has a `first` above 1000000",
+                "write the file's first number",
+            )
+        } else if stars(name) > 1 {
+            (
+                "has more than one `*`",
+                "one stands for the sleeve's or wheel's number",
+            )
+        } else if !full.columns().all(alike) {
+            (
+                "and its column must both hold one `*`, or none",
+                "write \"force_n_*\" = { column = \"F_*\" }",
+            )
+        } else if full.uncertainty.is_some_and(|u| !u.is_sound()) {
+            (
+                "has an uncertainty without a part above 0, with a negative one, or with a share of a range that is not given",
+                "write { of_reading = 0.005 }, { absolute = 0.02 } or { of_range = 0.001, range = 50.0 }",
+            )
+        } else if let Some(unit) = &full.unit
+            && let Err(fitting) = units::factor(name, unit)
+        {
+            let remedy = match fitting.as_slice() {
+                [] => "leave it out and give a factor".to_owned(),
+                fitting => format!("write one of {}", fitting.join(", ")),
+            };
+            return Err((format!("cannot be in `{unit}`"), remedy));
+        } else {
+            return Ok(());
+        };
+        Err((what.to_owned(), remedy.to_owned()))
+    }
+
     /// Written out.
     pub(super) fn full(&self) -> FullSource {
         match self {
@@ -608,7 +560,7 @@ mod tests {
             ("", "missing field `columns`"),
             ("[columns]\n", "names nothing"),
             ("[columns]\na_n = 1\nx = [", "line 3"),
-            ("colums = 1", "unknown field `colums`"),
+            ("colums = 1", "did you mean `columns`?"),
             (
                 "[columns]\na_n = { column = \"F\", unit = \"mm\" }",
                 "write one of N, newton",

@@ -128,12 +128,15 @@ pub fn read(source: impl Read, map: &Map) -> Result<Foreign, ForeignError> {
         });
     }
     bad.truncate(MOST_NAMED);
-    let own = |error: crate::CoursesError| ForeignError::Io(error.to_string());
-    let mut courses = Courses::new(times).map_err(own)?;
+    let mut courses = Courses::new(times).map_err(io)?;
     for (wanted, column) in wanted.into_iter().zip(values) {
-        courses.push(wanted.name, column).map_err(own)?;
+        courses.push(wanted.name, column).map_err(io)?;
     }
     Ok(Foreign { courses, bad, rows })
+}
+
+fn io(error: impl std::fmt::Display) -> ForeignError {
+    ForeignError::Io(error.to_string())
 }
 
 /// Names of the file's columns.
@@ -191,65 +194,41 @@ impl Header {
 fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
     let mut list: Vec<Wanted> = Vec::new();
     let mut known: HashSet<String> = HashSet::new();
-    let patterns_last = map.columns.iter().filter(|(name, _)| !name.contains('*'));
-    for (name, source) in
-        patterns_last.chain(map.columns.iter().filter(|(name, _)| name.contains('*')))
-    {
+    let (patterns, plain): (Vec<_>, Vec<_>) =
+        map.columns.iter().partition(|(name, _)| name.contains('*'));
+    for (name, source) in plain.into_iter().chain(patterns) {
         let full = source.full();
-        let unit = full
-            .unit
-            .as_ref()
-            .map_or(1.0, |unit| units::factor(name, unit).unwrap_or(1.0));
-        let (factor, offset) = (full.factor * unit, full.offset);
-        if !name.contains('*') {
-            let from: Result<Vec<usize>, _> = full
-                .columns()
-                .map(|column| header.find(name, column))
-                .collect();
-            known.insert(name.clone());
-            list.push(Wanted {
-                name: name.clone(),
-                from: from?,
-                factor,
-                offset,
-            });
-            continue;
-        }
-        for number in 0.. {
-            let there = |column: &ColumnRef| match column {
-                ColumnRef::Name(column) => header.position(
-                    &column
-                        .trim()
-                        .replace('*', &(full.first + number).to_string()),
-                ),
-                ColumnRef::Number(_) => None,
-            };
-            let from: Option<Vec<usize>> = full.columns().map(there).collect();
-            let Some(from) = from else {
-                if number == 0 {
-                    let first: Vec<String> = full
-                        .columns()
-                        .map(|column| match column {
-                            ColumnRef::Name(column) => column.replace('*', &full.first.to_string()),
-                            ColumnRef::Number(number) => number.to_string(),
-                        })
-                        .collect();
-                    return Err(ForeignError::Column {
-                        key: name.clone(),
-                        column: first.join("`, `"),
-                        there: header.names.clone(),
-                    });
-                }
-                break;
-            };
-            let name = name.replace('*', &number.to_string());
+        let unit = full.unit.as_ref();
+        let unit = unit.map_or(1.0, |unit| units::factor(name, unit).unwrap_or(1.0));
+        let mut add = |name: String, from: Vec<usize>| {
             if known.insert(name.clone()) {
                 list.push(Wanted {
                     name,
                     from,
-                    factor,
-                    offset,
+                    factor: full.factor * unit,
+                    offset: full.offset,
                 });
+            }
+        };
+        if !name.contains('*') {
+            let from = full.columns().map(|column| header.find(name, column));
+            add(name.clone(), from.collect::<Result<_, _>>()?);
+            continue;
+        }
+        for number in 0.. {
+            let written = |column: &ColumnRef| match column {
+                ColumnRef::Name(column) => {
+                    ColumnRef::Name(column.replace('*', &(full.first + number).to_string()))
+                }
+                ColumnRef::Number(number) => ColumnRef::Number(*number),
+            };
+            let from = full
+                .columns()
+                .map(|column| header.find(name, &written(column)));
+            match from.collect::<Result<_, _>>() {
+                Ok(from) => add(name.replace('*', &number.to_string()), from),
+                Err(error) if number == 0 => return Err(error),
+                Err(_) => break,
             }
         }
     }
@@ -289,10 +268,7 @@ impl<R: Read> Lines<R> {
         let mut first = Vec::new();
         for _ in 0..format.skip_lines {
             first.clear();
-            let count = reader
-                .read_until(b'\n', &mut first)
-                .map_err(|error| ForeignError::Io(error.to_string()))?;
-            if count == 0 {
+            if reader.read_until(b'\n', &mut first).map_err(io)? == 0 {
                 break;
             }
         }
@@ -326,9 +302,7 @@ impl<R: Read> Lines<R> {
                 skipped,
                 record,
             } => {
-                let more = reader
-                    .read_byte_record(record)
-                    .map_err(|error| ForeignError::Io(error.to_string()))?;
+                let more = reader.read_byte_record(record).map_err(io)?;
                 // Old exports are Latin-1: names and units may hold what is no UTF-8.
                 let cells = record
                     .iter()
@@ -346,10 +320,7 @@ impl<R: Read> Lines<R> {
                 comment,
             } => loop {
                 let mut bytes = Vec::new();
-                let count = reader
-                    .read_until(b'\n', &mut bytes)
-                    .map_err(|error| ForeignError::Io(error.to_string()))?;
-                if count == 0 {
+                if reader.read_until(b'\n', &mut bytes).map_err(io)? == 0 {
                     return Ok(None);
                 }
                 *line += 1;

@@ -2,104 +2,28 @@
 
 use std::f64::consts::PI;
 
-/// Suffix of our names, unit as people write it without blanks, factor.
-/// Longer suffixes first: `_n_m` ends in `_m` too.
-const UNITS: &[(&str, &[(&str, f64)])] = &[
-    (
-        "_n_m15",
-        &[("N/m^1.5", 1.0), ("N/mm^1.5", 31_622.776_601_683_792)],
-    ),
-    (
-        "_n_m",
-        &[
-            ("Nm", 1.0),
-            ("N*m", 1.0),
-            ("Nmm", 1e-3),
-            ("N*mm", 1e-3),
-            ("newton-mm", 1e-3),
-            ("newton-meter", 1.0),
-            ("mNm", 1e-3),
-            ("kNm", 1e3),
-            // 1 lbf = 4.4482216152605 N, 1 ft = 0.3048 m, 1 in = 0.0254 m, all exact.
-            ("lbf*ft", 1.355_817_948_331_400_4),
-            ("lbf*in", 0.112_984_829_027_616_7),
-        ],
-    ),
-    (
-        "_rad_s",
-        &[
-            ("rad/s", 1.0),
-            ("deg/s", PI / 180.0),
-            ("rpm", PI / 30.0),
-            ("1/min", PI / 30.0),
-        ],
-    ),
-    ("_m_s", &[("m/s", 1.0), ("mm/s", 1e-3), ("um/s", 1e-6)]),
-    (
-        "_arcmin",
-        &[
-            ("arcmin", 1.0),
-            ("arcsec", 1.0 / 60.0),
-            ("deg", 60.0),
-            ("rad", 10_800.0 / PI),
-            ("mrad", 10.8 / PI),
-        ],
-    ),
-    (
-        "_rad",
-        &[
-            ("rad", 1.0),
-            ("radian", 1.0),
-            ("mrad", 1e-3),
-            ("deg", PI / 180.0),
-            ("degree", PI / 180.0),
-            ("\u{b0}", PI / 180.0),
-            ("arcmin", PI / 10_800.0),
-            ("arcsec", PI / 648_000.0),
-            ("rev", 2.0 * PI),
-            ("turn", 2.0 * PI),
-        ],
-    ),
-    (
-        "_n",
-        &[
-            ("N", 1.0),
-            ("newton", 1.0),
-            ("mN", 1e-3),
-            ("kN", 1e3),
-            ("lbf", 4.448_221_615_260_5),
-            ("kgf", 9.806_65),
-        ],
-    ),
-    (
-        "_w",
-        &[("W", 1.0), ("kW", 1e3), ("mW", 1e-3), ("Nmm/s", 1e-3)],
-    ),
-    (
-        "_m",
-        &[
-            ("m", 1.0),
-            ("meter", 1.0),
-            ("mm", 1e-3),
-            ("um", 1e-6),
-            ("\u{b5}m", 1e-6),
-            ("nm", 1e-9),
-            ("in", 0.0254),
-        ],
-    ),
-    (
-        "_s",
-        &[
-            ("s", 1.0),
-            ("sec", 1.0),
-            ("second", 1.0),
-            ("ms", 1e-3),
-            ("us", 1e-6),
-            ("\u{b5}s", 1e-6),
-            ("min", 60.0),
-        ],
-    ),
-];
+macro_rules! units {
+    ($($suffix:literal: $($unit:literal $factor:expr),*;)*) => {
+        &[$(($suffix, &[$(($unit, $factor)),*])),*]
+    };
+}
+
+/// Suffix of our names, units as people write them without blanks, each with its factor.
+/// Longer suffixes first: `_n_m` ends in `_m` too. 1 lbf = 4.4482216152605 N, 1 ft = 0.3048 m, 1 in = 0.0254 m, all exact.
+const UNITS: &[(&str, &[(&str, f64)])] = units! {
+    "_n_m15": "N/m^1.5" 1.0, "N/mm^1.5" 31_622.776_601_683_792;
+    "_n_m": "Nm" 1.0, "N*m" 1.0, "Nmm" 1e-3, "N*mm" 1e-3, "newton-mm" 1e-3, "newton-meter" 1.0, "mNm" 1e-3, "kNm" 1e3,
+        "lbf*ft" 1.355_817_948_331_400_4, "lbf*in" 0.112_984_829_027_616_7;
+    "_rad_s": "rad/s" 1.0, "deg/s" PI / 180.0, "rpm" PI / 30.0, "1/min" PI / 30.0;
+    "_m_s": "m/s" 1.0, "mm/s" 1e-3, "um/s" 1e-6;
+    "_arcmin": "arcmin" 1.0, "arcsec" 1.0 / 60.0, "deg" 60.0, "rad" 10_800.0 / PI, "mrad" 10.8 / PI;
+    "_rad": "rad" 1.0, "radian" 1.0, "mrad" 1e-3, "deg" PI / 180.0, "degree" PI / 180.0, "\u{b0}" PI / 180.0,
+        "arcmin" PI / 10_800.0, "arcsec" PI / 648_000.0, "rev" 2.0 * PI, "turn" 2.0 * PI;
+    "_n": "N" 1.0, "newton" 1.0, "mN" 1e-3, "kN" 1e3, "lbf" 4.448_221_615_260_5, "kgf" 9.806_65;
+    "_w": "W" 1.0, "kW" 1e3, "mW" 1e-3, "Nmm/s" 1e-3;
+    "_m": "m" 1.0, "meter" 1.0, "mm" 1e-3, "um" 1e-6, "\u{b5}m" 1e-6, "nm" 1e-9, "in" 0.0254;
+    "_s": "s" 1.0, "sec" 1.0, "second" 1.0, "ms" 1e-3, "us" 1e-6, "\u{b5}s" 1e-6, "min" 60.0;
+};
 
 /// The factor from `unit` to the unit of the column `name` (a number at its end does not count).
 ///

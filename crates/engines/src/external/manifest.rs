@@ -1,18 +1,16 @@
 //! The manifest of a solver (`solver.toml`): who it is, how it is started, and what it can do.
 
 use std::collections::BTreeMap;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use pinwheel_courses::Track;
+use pinwheel_files::{FileError, read_text};
 use pinwheel_scene::channels::fits;
 use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
 use serde::Deserialize;
 
 use crate::engine::{Knob, Refinement};
 
-/// Bytes of a manifest at most.
-const MOST_BYTES: u64 = 1 << 16;
 /// Longest run that a manifest may ask for, s.
 const LONGEST_S: f64 = 86_400.0;
 /// What stands in a command for what is known only when it runs.
@@ -100,54 +98,16 @@ fn five_minutes() -> f64 {
     300.0
 }
 
-/// What is wrong with a manifest: one line with the remedy.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{path}: {what}; {remedy}")]
-pub struct ManifestError {
-    /// The file as it was named.
-    pub path: String,
-    /// What is wrong.
-    pub what: String,
-    /// How to put it right.
-    pub remedy: String,
-}
-
-impl ManifestError {
-    fn new(path: &str, what: &str, remedy: &str) -> Self {
-        Self {
-            path: path.to_owned(),
-            what: what.split_whitespace().collect::<Vec<_>>().join(" "),
-            remedy: remedy.to_owned(),
-        }
-    }
-}
+/// Where one finds a manifest that works.
+const FORM: &str = "`pinwheel solver new --language c NAME` writes one that works";
 
 impl Manifest {
     /// Reads and checks a manifest.
     ///
     /// # Errors
     /// A file that cannot be read, is no TOML, or says what cannot be.
-    pub fn read(path: &Path) -> Result<Self, ManifestError> {
-        let fault = |what: String, remedy: &str| {
-            ManifestError::new(&path.display().to_string(), &what, remedy)
-        };
-        let unreadable = |error: std::io::Error| {
-            fault(
-                format!("cannot be read: {error}"),
-                "give the path of a solver's manifest (solver.toml)",
-            )
-        };
-        let data = std::fs::metadata(path).map_err(unreadable)?;
-        if !data.is_file() || data.len() > MOST_BYTES {
-            return Err(fault(
-                "is no manifest: not a file, or far too long".to_owned(),
-                "give the path of a solver's manifest (solver.toml)",
-            ));
-        }
-        let mut text = String::new();
-        std::fs::File::open(path)
-            .and_then(|file| file.take(MOST_BYTES).read_to_string(&mut text))
-            .map_err(unreadable)?;
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let text = read_text(path, "give the path of a solver's manifest (solver.toml)")?;
         Self::from_toml(&text, &path.display().to_string())
     }
 
@@ -155,22 +115,10 @@ impl Manifest {
     ///
     /// # Errors
     /// No TOML, or it says what cannot be.
-    pub fn from_toml(text: &str, path: &str) -> Result<Self, ManifestError> {
-        let fault = |what: String, remedy: &str| ManifestError::new(path, &what, remedy);
-        let manifest: Self = toml::from_str(text).map_err(|error: toml::de::Error| {
-            let at = error.span().map_or(0, |span| span.start.min(text.len()));
-            let line = 1 + text.as_bytes()[..at]
-                .iter()
-                .filter(|b| **b == b'\n')
-                .count();
-            fault(
-                format!("line {line}: {}", error.message()),
-                "`pinwheel solver new --language c NAME` writes one that works",
-            )
-        })?;
-        manifest
-            .check()
-            .map_err(|(what, remedy)| fault(what, &remedy))?;
+    pub fn from_toml(text: &str, path: &str) -> Result<Self, FileError> {
+        let manifest: Self = pinwheel_files::read(text, path, FORM)?;
+        let checked = manifest.check();
+        checked.map_err(|(what, remedy)| FileError::new(path, what, remedy))?;
         Ok(manifest)
     }
 
@@ -415,7 +363,7 @@ order = 4
 input_torque_n_m = { tolerance = 0.01, reason = "bed of springs" }
 "#;
 
-    fn read(text: &str) -> Result<Manifest, ManifestError> {
+    fn read(text: &str) -> Result<Manifest, FileError> {
         let folder = tempfile::tempdir().expect("folder");
         let path = folder.path().join("solver.toml");
         std::fs::write(&path, text).expect("written");
@@ -465,7 +413,7 @@ input_torque_n_m = { tolerance = 0.01, reason = "bed of springs" }
             (
                 "version = \"0.1\"",
                 "verzion = \"0.1\"",
-                "unknown field `verzion`",
+                "did you mean `version`?",
             ),
             ("own-contact", "measured", "write \"shared-law\""),
             ("own-contact", "shared-law", "leave [model] out"),

@@ -18,14 +18,14 @@ use std::sync::{OnceLock, PoisonError, RwLock};
 use std::time::Duration;
 
 use pinwheel_courses::Courses;
+use pinwheel_files::{FileError, Fnv};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_law::job;
 
 use crate::control::{Cancelled, Control};
 use crate::engine::{Ending, Engine, Halt, Prepared, Refinement, Run, RunStats, Track, settled};
-use crate::fnv::Fnv;
 pub use library::{fmu_library, law_library};
-pub use manifest::{Honours, Manifest, ManifestError, Refine, Stated};
+pub use manifest::{Honours, Manifest, Refine, Stated};
 pub use pinwheel_law::job::{schema as job_schema, write as write_job};
 pub use process::end_all;
 use process::{End, Limits, Ran, plain};
@@ -64,7 +64,7 @@ impl Solver {
     ///
     /// # Errors
     /// What is wrong with it.
-    pub fn open(path: &Path) -> Result<Self, ManifestError> {
+    pub fn open(path: &Path) -> Result<Self, FileError> {
         let manifest = Manifest::read(path)?;
         let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         Ok(Self {
@@ -120,7 +120,7 @@ impl Solver {
         let here = self.here.to_string_lossy();
         let mut hash = Fnv::default();
         for word in &self.manifest.command {
-            hash.add(word.as_bytes());
+            hash.add_part(word.as_bytes());
             // Where a word is `--input={here}/gear.dat`, the file begins behind the sign.
             let word = word.replace("{here}", &here);
             let names = [
@@ -130,7 +130,7 @@ impl Solver {
             let mut paths = names.into_iter().flatten().map(Path::new);
             let file = paths.find(|path| path.is_absolute() && path.is_file());
             if let Some(content) = file.and_then(|path| std::fs::read(path).ok()) {
-                hash.add(&content);
+                hash.add_part(&content);
             }
         }
         hash.value()
@@ -384,16 +384,16 @@ static ADMITTED: RwLock<Vec<&'static Solver>> = RwLock::new(Vec::new());
 ///
 /// # Errors
 /// What is wrong with the manifest, or another solver of that name.
-pub fn admit(path: &Path) -> Result<String, ManifestError> {
+pub fn admit(path: &Path) -> Result<String, FileError> {
     let solver = Solver::open(path)?;
     let name = solver.manifest.name.clone();
     let mut admitted = ADMITTED.write().unwrap_or_else(PoisonError::into_inner);
     if admitted.iter().any(|other| other.manifest.name == name) {
-        return Err(ManifestError {
-            path: path.display().to_string(),
-            what: format!("there is another solver of the name {name:?}"),
-            remedy: "name each --solver once, and give them different names".to_owned(),
-        });
+        return Err(FileError::new(
+            &path.display().to_string(),
+            format!("there is another solver of the name {name:?}"),
+            "name each --solver once, and give them different names",
+        ));
     }
     admitted.push(Box::leak(Box::new(solver)));
     Ok(name)

@@ -30,8 +30,9 @@ impl Channels {
     /// # Errors
     /// In words: a pattern that nothing fits, and what may have been meant.
     pub fn of(scene: &Scene) -> Result<Self, String> {
-        let list = select(&scene.output.channels, Layout::of(&scene.gear))
-            .map_err(|unknown| format!("output.channels {}; {}", unknown.what, unknown.remedy))?;
+        let list = select(&scene.output.channels, Layout::of(&scene.gear));
+        let list =
+            list.map_err(|fault| format!("output.channels {}; {}", fault.what, fault.remedy))?;
         Ok(Self { list })
     }
 

@@ -1,6 +1,7 @@
 //! From the patterns of a scene to the columns they ask for.
 
 use super::catalogue::{Chosen, FAMILIES, always_there, fits};
+use crate::error::Fault;
 use crate::layout::Layout;
 use crate::nearest;
 
@@ -9,32 +10,26 @@ pub(crate) const MOST_PATTERNS: usize = 200;
 /// Characters of one entry at most; the longest name has about 50.
 const LONGEST: usize = 80;
 
-/// A pattern that asks for nothing: what is wrong with it and what was meant.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Unknown {
-    pub(crate) pattern: String,
-    pub(crate) what: String,
-    pub(crate) remedy: String,
+/// A list of which a pattern asks for nothing: what is wrong with it and what was meant.
+fn fault(what: String, remedy: impl Into<String>) -> Fault {
+    Fault::new(&["output.channels"], what, remedy)
 }
 
 /// The columns asked for, each once, in the order of the catalogue.
 ///
 /// # Errors
 /// The first pattern that nothing fits.
-pub(crate) fn select(patterns: &[String], layout: Layout) -> Result<Vec<Chosen>, Unknown> {
+pub(crate) fn select(patterns: &[String], layout: Layout) -> Result<Vec<Chosen>, Fault> {
     if patterns.is_empty() {
         return Ok(Vec::new());
     }
-    let too_long = patterns.iter().find(|pattern| pattern.len() > LONGEST);
-    if patterns.len() > MOST_PATTERNS || too_long.is_some() {
-        return Err(Unknown {
-            pattern: too_long
-                .map_or_else(String::new, |pattern| pattern.chars().take(40).collect()),
-            what: format!(
+    if patterns.len() > MOST_PATTERNS || patterns.iter().any(|p| p.len() > LONGEST) {
+        return Err(fault(
+            format!(
                 "has more than {MOST_PATTERNS} entries, or one of more than {LONGEST} characters"
             ),
-            remedy: "use `*` for any characters: \"wheel_0_external_*\"".to_owned(),
-        });
+            "use `*` for any characters: \"wheel_0_external_*\"",
+        ));
     }
     let mut used = vec![false; patterns.len()];
     let mut chosen = Vec::new();
@@ -60,7 +55,7 @@ pub(crate) fn select(patterns: &[String], layout: Layout) -> Result<Vec<Chosen>,
 }
 
 /// What may have been meant: numbers out of range, then the nearest family.
-fn unknown(typed: &str, layout: Layout) -> Unknown {
+fn unknown(typed: &str, layout: Layout) -> Fault {
     let numeric =
         |part: &str| part == "*" || (!part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()));
     let parts: Vec<&str> = typed.split('_').collect();
@@ -74,16 +69,14 @@ fn unknown(typed: &str, layout: Layout) -> Unknown {
         || general.ends_with("_sleeve_force_n_*")
     {
         let last = |count: usize| count.saturating_sub(1);
-        return Unknown {
-            pattern: typed.to_owned(),
-            what: format!("has no `{typed}`: no such wheel or sleeve"),
-            remedy: format!(
-                "wheels are 0 to {}, external sleeves 0 to {}, internal sleeves 0 to {}",
-                last(layout.wheels),
-                last(layout.external_sleeves),
-                last(layout.internal_sleeves)
+        let (wheels, external) = (last(layout.wheels), last(layout.external_sleeves));
+        let internal = last(layout.internal_sleeves);
+        return fault(
+            format!("has no `{typed}`: no such wheel or sleeve"),
+            format!(
+                "wheels are 0 to {wheels}, external sleeves 0 to {external}, internal sleeves 0 to {internal}"
             ),
-        };
+        );
     }
     let remedy = match nearest(&general, FAMILIES.iter().map(|family| family.pattern)) {
         Some(near) => {
@@ -100,11 +93,7 @@ fn unknown(typed: &str, layout: Layout) -> Unknown {
              \"wheel_0_external_penetration_m_3\" or \"wheel_0_external_*\""
             .to_owned(),
     };
-    Unknown {
-        pattern: typed.to_owned(),
-        what: format!("has no `{typed}`"),
-        remedy,
-    }
+    fault(format!("has no `{typed}`"), remedy)
 }
 
 #[cfg(test)]

@@ -2,7 +2,8 @@
 
 use super::super::error::Fault;
 use super::super::model::Scene;
-use super::output;
+use crate::channels::select;
+use crate::layout::Layout;
 use crate::number::{above, short};
 
 /// Samples kept in memory at most.
@@ -19,7 +20,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
 
     let sleeves = gear.external_sleeves + gear.internal_sleeves;
     // The ranges are checked before: at most 64 wheels and 2000 sleeves, no overflow.
-    let pairs = gear.wheels * sleeves;
+    let (wheels, pairs) = (gear.wheels, gear.wheels * sleeves);
     if pairs > MOST_PAIRS {
         return Err(Fault::new(
             &[
@@ -28,73 +29,61 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
                 "gear.internal_sleeves",
             ],
             format!(
-                "makes {} x {sleeves} = {pairs} pairs of wheel and sleeve, more than memory and time are planned for",
-                gear.wheels
+                "makes {wheels} x {sleeves} = {pairs} pairs of wheel and sleeve, more than memory and time are planned for"
             ),
             format!("keep wheels x (external + internal sleeves) at or below {MOST_PAIRS}"),
         ));
     }
 
-    if solver.step_s > solver.duration_s {
-        return Err(Fault::new(
-            &["solver.step_s", "solver.duration_s"],
-            format!(
-                "is {} s, longer than the whole run of {} s",
-                short(solver.step_s),
-                short(solver.duration_s)
-            ),
-            "make the step smaller or solver.duration_s longer",
-        ));
-    }
-    if solver.sample_s > solver.duration_s {
-        return Err(Fault::new(
-            &["solver.sample_s", "solver.duration_s"],
-            format!(
-                "is {} s, longer than the whole run of {} s",
-                short(solver.sample_s),
-                short(solver.duration_s)
-            ),
-            "sample more often or make solver.duration_s longer",
-        ));
+    let duration = solver.duration_s;
+    for (key, length, remedy) in [
+        ("solver.step_s", solver.step_s, "make the step smaller"),
+        ("solver.sample_s", solver.sample_s, "sample more often"),
+    ] {
+        if length > duration {
+            let [length, whole] = [length, duration].map(short);
+            return Err(Fault::new(
+                &[key, "solver.duration_s"],
+                format!("is {length} s, longer than the whole run of {whole} s"),
+                format!("{remedy} or make solver.duration_s longer"),
+            ));
+        }
     }
 
-    let steps = solver.duration_s / solver.step_s;
+    let steps = duration / solver.step_s;
     if steps > MOST_STEPS {
+        let least = above(duration / MOST_STEPS);
+        let [steps, most] = [steps, MOST_STEPS].map(short);
         return Err(Fault::new(
             &["solver.step_s", "solver.duration_s"],
-            format!(
-                "makes {} steps of the run, more than {}",
-                short(steps),
-                short(MOST_STEPS)
-            ),
-            format!(
-                "give at least {} s, or a shorter run",
-                above(solver.duration_s / MOST_STEPS)
-            ),
+            format!("makes {steps} steps of the run, more than {most}"),
+            format!("give at least {least} s, or a shorter run"),
         ));
     }
 
     // Time, torques and angle beside the sleeves, and what is asked for.
-    let columns = (sleeves + 4 + output::columns(scene)?) as f64;
+    let columns = (sleeves + 4 + channels(scene)?) as f64;
     let most = MOST_SAMPLES.min(MOST_VALUES / columns);
-    let samples = solver.duration_s / solver.sample_s + 1.0;
+    let samples = duration / solver.sample_s + 1.0;
     if samples > most {
+        let fewer = match scene.output.channels.as_slice() {
+            [] => "",
+            _ => ", or ask for fewer output.channels",
+        };
+        let (samples, least) = (short(samples.floor()), above(duration / (most - 1.0)));
         return Err(Fault::new(
             &["solver.sample_s", "solver.duration_s"],
             format!(
-                "makes {} samples of {columns} columns, more than memory is planned for",
-                short(samples.floor())
+                "makes {samples} samples of {columns} columns, more than memory is planned for"
             ),
-            format!(
-                "give at least {} s, or a shorter run{}",
-                above(solver.duration_s / (most - 1.0)),
-                if scene.output.channels.is_empty() {
-                    ""
-                } else {
-                    ", or ask for fewer output.channels"
-                }
-            ),
+            format!("give at least {least} s, or a shorter run{fewer}"),
         ));
     }
     Ok(())
+}
+
+/// Number of the channels that a scene asks for; all must exist in its gearbox.
+fn channels(scene: &Scene) -> Result<usize, Fault> {
+    let chosen = select(&scene.output.channels, Layout::of(&scene.gear));
+    Ok(chosen?.len())
 }

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::super::error::Fault;
 use super::super::model::Scene;
 use crate::load_course::APART_S;
-use crate::number::short;
+use crate::number::{below, short};
 
 const KEY: &str = "drive.load_changes";
 
@@ -27,69 +27,43 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
             "integration starts anew at each; let the load ramp from one to the next over a longer time",
         ));
     }
-    let fault = |number: usize, names: &[&str], what: String, remedy: String| Fault {
-        keys: names
-            .iter()
-            .map(|name| Cow::Owned(key(number, name)))
-            .chain([Cow::Borrowed(KEY)])
-            .collect(),
-        what,
-        remedy,
+    let fault = |number: usize, names: &[&str], what: String, remedy: String| {
+        let keys = names.iter().map(|name| Cow::Owned(key(number, name)));
+        let keys = keys.chain([Cow::Borrowed(KEY)]).collect();
+        Err(Fault { keys, what, remedy })
     };
     for (number, change) in changes.iter().enumerate() {
         if change.ramp_s > 0.0 && change.ramp_s < APART_S {
-            return Err(fault(
-                number,
-                &["ramp_s"],
-                format!("is {} s, shorter than any step", short(change.ramp_s)),
-                format!("give 0 for a change at once, or {APART_S:e} s and more"),
-            ));
+            let what = format!("is {} s, shorter than any step", short(change.ramp_s));
+            let remedy = format!("give 0 for a change at once, or {APART_S:e} s and more");
+            return fault(number, &["ramp_s"], what, remedy);
         }
     }
     if let Some(first) = changes.first()
         && drive.load_ramp_s > first.time_s
     {
-        return Err(fault(
-            0,
-            &["time_s"],
-            format!(
-                "is {} s, within the ramp of drive.load_ramp_s = {} s with which the load begins",
-                short(first.time_s),
-                short(drive.load_ramp_s)
-            ),
-            "let the change come later or the ramp be shorter".to_owned(),
-        ));
+        let [time, ramp] = [first.time_s, drive.load_ramp_s].map(short);
+        let what = format!(
+            "is {time} s, within the ramp of drive.load_ramp_s = {ramp} s with which the load begins"
+        );
+        let remedy = "let the change come later or the ramp be shorter".to_owned();
+        return fault(0, &["time_s"], what, remedy);
     }
     for (number, pair) in changes.windows(2).enumerate() {
         let (change, next) = (pair[0], pair[1]);
+        let [from, ramp, until] = [change.time_s, change.ramp_s, next.time_s].map(short);
         if !(next.time_s - change.time_s >= APART_S) {
-            return Err(fault(
-                number + 1,
-                &["time_s"],
-                format!(
-                    "is {} s, not after the change before it at {} s",
-                    short(next.time_s),
-                    short(change.time_s)
-                ),
-                "list the changes in the order in which they come".to_owned(),
-            ));
+            let what = format!("is {until} s, not after the change before it at {from} s");
+            let remedy = "list the changes in the order in which they come".to_owned();
+            return fault(number + 1, &["time_s"], what, remedy);
         }
         // Sums of decimal numbers round: 0.2 + 0.1 is more than 0.3.
         if change.time_s + change.ramp_s > next.time_s + 0.5 * APART_S {
-            return Err(fault(
-                number,
-                &["ramp_s", "time_s"],
-                format!(
-                    "is {} s, so that the change from {} s on is not over when the next begins at {} s",
-                    short(change.ramp_s),
-                    short(change.time_s),
-                    short(next.time_s)
-                ),
-                format!(
-                    "give at most {} s",
-                    crate::number::below(next.time_s - change.time_s)
-                ),
-            ));
+            let what = format!(
+                "is {ramp} s, so that the change from {from} s on is not over when the next begins at {until} s"
+            );
+            let remedy = format!("give at most {} s", below(next.time_s - change.time_s));
+            return fault(number, &["ramp_s", "time_s"], what, remedy);
         }
     }
     Ok(())

@@ -7,7 +7,6 @@ mod budget;
 mod combinations;
 mod geometry;
 mod load;
-mod output;
 mod ranges;
 mod units;
 

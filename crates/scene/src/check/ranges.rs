@@ -2,12 +2,12 @@
 
 use std::borrow::Cow;
 
+use pinwheel_files::{did_you_mean, one_line, quoted};
 use toml::{Table, Value};
 
-use crate::error::{Fault, one_line, quoted};
+use crate::error::Fault;
 use crate::keys::{self, Key, Kind, Range};
 use crate::number::short;
-use crate::suggest::did_you_mean;
 
 /// Smaller numbers are no quantities of a gear; powers and quotients of them are zero or infinite.
 const SMALLEST: f64 = 1e-30;

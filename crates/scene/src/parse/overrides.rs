@@ -2,8 +2,9 @@
 
 use std::str::FromStr;
 
-use crate::error::{Place, SceneError};
-use crate::load::MOST_BYTES;
+use pinwheel_files::MOST_BYTES;
+
+use crate::error::{Location, SceneError};
 
 /// One `--set key=value`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,8 +29,8 @@ impl Override {
         &self.key
     }
 
-    pub(super) fn place(&self) -> Place {
-        Place::Set(format!("{}={}", self.key, self.value))
+    pub(super) fn place(&self) -> Location {
+        Location::Set(format!("{}={}", self.key, self.value))
     }
 }
 

@@ -1,17 +1,17 @@
 //! Keys that do not exist, and which one was meant.
 
+use pinwheel_files::nearest;
 use toml::{Table, Value};
 
-use crate::error::{Place, SceneError};
+use crate::error::{Location, SceneError};
 use crate::keys::{KEYS, Key};
-use crate::suggest::nearest;
 use crate::table::lookup;
 
 /// The key by which a scene begins with another.
 pub(super) const BASE: &str = "base";
 
 /// A key without a row: "did you mean", of the same table first, then the same name elsewhere.
-pub(super) fn unknown(place: Place, key: String, prefix: &str, table: &Table) -> SceneError {
+pub(super) fn unknown(place: Location, key: String, prefix: &str, table: &Table) -> SceneError {
     let name = key.rsplit('.').next().unwrap_or(&key);
     let mut siblings: Vec<&str> = Vec::new();
     for row in KEYS {
@@ -49,12 +49,7 @@ pub(super) fn unknown(place: Place, key: String, prefix: &str, table: &Table) ->
     } else {
         format!("known here: {}", siblings.join(", "))
     };
-    SceneError::Key {
-        place,
-        key,
-        what: "is no key of a scene".to_owned(),
-        remedy,
-    }
+    SceneError::key(&place, &key, "is no key of a scene", remedy)
 }
 
 /// Whether a word means the circle of the external sleeves, for which the field has many names.

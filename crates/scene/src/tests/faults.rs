@@ -1,6 +1,6 @@
 //! Every kind of fault is refused with its key, its line and a remedy, on one line.
 
-use crate::{Override, Place, Scene, SceneError, preset};
+use crate::{Location, Override, Scene, SceneError, preset};
 
 fn overrides(texts: &[&str]) -> Vec<Override> {
     texts.iter().map(|text| text.parse().unwrap()).collect()
@@ -147,7 +147,7 @@ fn a_fault_between_keys_is_placed_where_the_user_changed_something() {
         matches!(
             error,
             SceneError::Key {
-                place: Place::Line { line: 3, .. },
+                place: Location::Line { line: 3, .. },
                 ..
             }
         ),
@@ -163,7 +163,7 @@ fn a_fault_between_keys_is_placed_where_the_user_changed_something() {
         matches!(
             error,
             SceneError::Key {
-                place: Place::Set(_),
+                place: Location::Set(_),
                 ..
             }
         ),
@@ -438,7 +438,7 @@ fn presets_and_files_that_are_not_there() {
     }
     let folder = std::env::temp_dir();
     let error = Scene::load(folder.to_str().unwrap(), &[]).unwrap_err();
-    assert!(matches!(error, SceneError::Unreadable { .. }), "{error:?}");
+    assert!(matches!(error, SceneError::File(_)), "{error:?}");
 }
 
 #[test]

@@ -143,9 +143,5 @@ fn bits(run: &Finished) -> u64 {
         costs.newton_steps,
     ];
     let values = run.values.iter().flat_map(Values::all).map(f64::to_bits);
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    for byte in values.chain(counts).flat_map(u64::to_le_bytes) {
-        hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-    }
-    hash
+    pinwheel_files::fnv(values.chain(counts).flat_map(u64::to_le_bytes))
 }

@@ -9,14 +9,13 @@ use pinwheel_compare::{
 };
 use pinwheel_courses::foreign::{self, ForeignError, Map, Offset, Resampled};
 use pinwheel_courses::{Courses, group_of};
+use pinwheel_files::read_text;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{Scene, did_you_mean};
 
 use crate::StudyError;
 
-/// Bytes of a map at most.
-const MOST_BYTES: u64 = 1 << 20;
 /// Bad rows a note names.
 const MOST_NAMED: usize = 20;
 
@@ -79,29 +78,9 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
     let fail = |path: &Path, what: &dyn std::fmt::Display| {
         StudyError::Input(format!("{}: {what}", path.display()))
     };
-    let there = |path: &Path| {
-        std::fs::metadata(path)
-            .map_err(|error| fail(path, &format!("cannot be read: {error}; check the path")))
-            .and_then(|meta| {
-                if meta.is_file() {
-                    Ok(meta.len())
-                } else {
-                    Err(fail(path, &"is no file; check the path"))
-                }
-            })
-    };
-    if there(map_path)? > MOST_BYTES {
-        return Err(fail(map_path, &"is longer than any map; give a TOML file"));
-    }
-    let text = std::fs::read_to_string(map_path).map_err(|error| {
-        fail(
-            map_path,
-            &format!("cannot be read: {error}; give a TOML file"),
-        )
-    })?;
-    let map = Map::from_toml(&text, &map_path.display().to_string())
+    let map = read_text(map_path, "give a TOML file that says what the columns are")
+        .and_then(|text| Map::from_toml(&text, &map_path.display().to_string()))
         .map_err(|error| StudyError::Input(error.to_string()))?;
-    there(path)?;
     let file =
         File::open(path).map_err(|error| fail(path, &ForeignError::Io(error.to_string())))?;
     let foreign = foreign::read(file, &map).map_err(|error| fail(path, &error))?;

@@ -2,8 +2,9 @@
 
 use std::fmt;
 
-use serde::Serialize;
-use toml_edit::{InlineTable, Value as Toml};
+use pinwheel_files::{Document, FileError, Item, Node};
+use serde::{Deserialize, Serialize};
+use toml::Value as Toml;
 
 /// Values of one axis at most.
 const MOST_VALUES: usize = 100_000;
@@ -23,12 +24,12 @@ pub enum Value {
 }
 
 impl Value {
-    fn of(value: &Toml) -> Self {
-        match value {
-            Toml::Float(x) => Self::Number(*x.value()),
-            Toml::Integer(x) => Self::Whole(*x.value()),
-            Toml::String(x) => Self::Text(x.value().clone()),
-            other => Self::Other(other.to_string().trim().to_owned()),
+    fn of(item: &Item<'_>) -> Self {
+        match &item.node {
+            Node::Plain(Toml::Float(x)) => Self::Number(*x),
+            Node::Plain(Toml::Integer(x)) => Self::Whole(*x),
+            Node::Plain(Toml::String(x)) => Self::Text(x.clone()),
+            _ => Self::Other(item.text.to_owned()),
         }
     }
 
@@ -58,14 +59,15 @@ impl Value {
     /// Its numbers: one, or those of a list; none of what holds none.
     #[must_use]
     pub fn numbers(&self) -> Vec<f64> {
-        let of = |value: &Toml| Self::of(value).number();
+        let of = |value: &Toml| {
+            let whole = || value.as_integer().map(|x| x as f64);
+            value.as_float().or_else(whole)
+        };
         match self {
-            Self::Other(text) => {
-                let list: Option<Toml> = text.parse().ok();
-                let list = list.as_ref().and_then(Toml::as_array);
-                list.map(|list| list.iter().filter_map(of).collect())
-                    .unwrap_or_default()
-            }
+            Self::Other(text) => match text.parse() {
+                Ok(Toml::Array(list)) => list.iter().filter_map(of).collect(),
+                _ => Vec::new(),
+            },
             one => one.number().into_iter().collect(),
         }
     }
@@ -111,147 +113,147 @@ impl Axis {
     }
 }
 
-/// The values of a list `[1, 2]` or a range `{ from, to, points | step, spacing }`.
+/// Keys of a range.
+pub(super) const RANGE: [&str; 5] = ["from", "to", "points", "step", "spacing"];
+
+/// A range of numbers, both ends included.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Range {
+    from: f64,
+    to: f64,
+    points: Option<usize>,
+    step: Option<f64>,
+    #[serde(default)]
+    spacing: Spacing,
+}
+
+#[derive(Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Spacing {
+    #[default]
+    Linear,
+    Log,
+}
+
+/// The values of a list `[1, 2]`, or of a range `{ from, to, points | step, spacing }`, at a key of the scene.
 ///
 /// # Errors
 /// What is wrong and the remedy.
-pub(crate) fn values(value: &Toml) -> Result<Vec<Value>, (String, String)> {
-    let list = match value {
-        Toml::Array(list) => list.iter().map(Value::of).collect(),
-        Toml::InlineTable(table) => range(table)?,
-        single => vec![Value::of(single)],
+pub(super) fn values(
+    document: &Document<'_>,
+    key: &str,
+    item: &Item<'_>,
+) -> Result<Vec<Value>, FileError> {
+    const RANGES: &str = "write { from = 1.0, to = 8.0, points = 8 }, with step = 1.0 instead of points, or with spacing = \"log\"";
+    let wrong =
+        |what: &str, remedy: &str| document.fault(item.line, format!("`{key}`: {what}"), remedy);
+    let list = match &item.node {
+        Node::List(list) => list.iter().map(Value::of).collect(),
+        Node::Table(entries) => {
+            let range: Range = document.read(key, item, RANGES)?;
+            let float = |item: &Item<'_>| matches!(item.node, Node::Plain(Toml::Float(_)));
+            let whole = !entries.iter().any(|(_, item)| float(item));
+            let numbers = range.numbers().map_err(|what| wrong(&what, RANGES))?;
+            tidy(&numbers, whole)
+        }
+        Node::Plain(_) => vec![Value::of(item)],
     };
     if list.is_empty() {
-        return Err((
-            "the list is empty".to_owned(),
-            "give at least one value".to_owned(),
-        ));
+        return Err(wrong("the list is empty", "give at least one value"));
     }
     if list.len() > MOST_VALUES {
-        return Err((
-            format!("{} values are more than {MOST_VALUES}", list.len()),
-            "give fewer".to_owned(),
-        ));
+        let what = format!("{} values are more than {MOST_VALUES}", list.len());
+        return Err(wrong(&what, "give fewer"));
     }
-    for (k, value) in list.iter().enumerate() {
-        if list[..k.min(2000)].contains(value) {
-            return Err((
-                format!("{value} stands in the list twice"),
-                "give each value once".to_owned(),
-            ));
+    let twice = (0..list.len()).find(|&k| list[..k.min(2000)].contains(&list[k]));
+    match twice {
+        Some(k) => {
+            let what = format!("{} stands in the list twice", list[k]);
+            Err(wrong(&what, "give each value once"))
         }
+        None => Ok(list),
     }
-    Ok(list)
 }
 
-fn range(table: &InlineTable) -> Result<Vec<Value>, (String, String)> {
-    const REMEDY: &str = "write { from = 1.0, to = 8.0, points = 8 }, with step = 1.0 instead of points, or with spacing = \"log\"";
-    let wrong = |what: String| (what, REMEDY.to_owned());
-    for (key, _) in table {
-        if !["from", "to", "points", "step", "spacing"].contains(&key) {
-            return Err(wrong(format!("`{key}` is no key of a range")));
+impl Range {
+    fn numbers(&self) -> Result<Vec<f64>, String> {
+        let &Self {
+            from, to, spacing, ..
+        } = self;
+        let log = spacing == Spacing::Log;
+        let ends = [Some(from), Some(to), self.step];
+        if !ends.iter().flatten().all(|x| x.is_finite()) {
+            return Err("the numbers of a range must be finite".to_owned());
         }
-    }
-    let number = |key: &str| match table.get(key) {
-        None => Ok(None),
-        Some(value) => match (value.as_float(), value.as_integer()) {
-            (Some(x), _) if x.is_finite() => Ok(Some(x)),
-            (None, Some(x)) => Ok(Some(x as f64)),
-            _ => Err(wrong(format!("`{key}` of a range must be a finite number"))),
-        },
-    };
-    let need = |key: &str| number(key)?.ok_or_else(|| wrong(format!("the range has no `{key}`")));
-    let (from, to) = (need("from")?, need("to")?);
-    let log = match table.get("spacing").map(Toml::as_str) {
-        None | Some(Some("linear")) => false,
-        Some(Some("log")) => true,
-        Some(_) => return Err(wrong("`spacing` must be \"linear\" or \"log\"".to_owned())),
-    };
-    if log && !(from * to > 0.0) {
-        return Err(wrong(
-            "a range with spacing = \"log\" needs ends of one sign, neither 0".to_owned(),
-        ));
-    }
-    let points = match (table.get("points"), number("step")?) {
-        (Some(points), None) => match points.as_integer() {
-            Some(points) if (1..=MOST_VALUES as i64).contains(&points) => points as usize,
-            _ => {
-                return Err(wrong(format!(
+        if log && !(from * to > 0.0) {
+            return Err(
+                "a range with spacing = \"log\" needs ends of one sign, neither 0".to_owned(),
+            );
+        }
+        let points = match (self.points, self.step) {
+            (Some(points), None) if (1..=MOST_VALUES).contains(&points) => points,
+            (Some(_), None) => {
+                return Err(format!(
                     "`points` must be a whole number from 1 to {MOST_VALUES}"
-                )));
+                ));
             }
-        },
-        (None, Some(step)) if !log && (to - from) / step >= 0.0 => {
-            let steps = (to - from) / step * (1.0 + 1e-12);
-            if !(steps < MOST_VALUES as f64) {
-                return Err(wrong(format!(
-                    "the range has more than {MOST_VALUES} values"
-                )));
+            (None, Some(step)) if !log && (to - from) / step >= 0.0 => {
+                let steps = (to - from) / step * (1.0 + 1e-12);
+                if !(steps < MOST_VALUES as f64) {
+                    return Err(format!("the range has more than {MOST_VALUES} values"));
+                }
+                let count = steps.floor() as usize + 1;
+                return Ok((0..count).map(|k| from + k as f64 * step).collect());
             }
-            let count = steps.floor() as usize + 1;
-            return Ok(numbers(table, count, |k| from + k as f64 * step));
+            (None, Some(_)) => return Err("`step` does not lead from `from` to `to`".to_owned()),
+            (Some(_), Some(_)) => return Err("the range has both `points` and `step`".to_owned()),
+            (None, None) => return Err("the range has neither `points` nor `step`".to_owned()),
+        };
+        if points == 1 && from != to {
+            return Err("one point cannot be at both ends".to_owned());
         }
-        (None, Some(_)) => {
-            return Err(wrong("`step` does not lead from `from` to `to`".to_owned()));
-        }
-        (Some(_), Some(_)) => {
-            return Err(wrong("the range has both `points` and `step`".to_owned()));
-        }
-        (None, None) => {
-            return Err(wrong(
-                "the range has neither `points` nor `step`".to_owned(),
-            ));
-        }
-    };
-    if points == 1 && from != to {
-        return Err(wrong("one point cannot be at both ends".to_owned()));
+        let last = (points - 1).max(1) as f64;
+        let at = |k: usize| {
+            let share = k as f64 / last;
+            match spacing {
+                _ if k + 1 == points => to,
+                Spacing::Log => from * (to / from).powf(share),
+                Spacing::Linear => from + (to - from) * share,
+            }
+        };
+        Ok((0..points).map(at).collect())
     }
-    let last = (points - 1).max(1) as f64;
-    Ok(numbers(table, points, |k| {
-        let share = k as f64 / last;
-        if k + 1 == points {
-            to
-        } else if log {
-            from * (to / from).powf(share)
-        } else {
-            from + (to - from) * share
-        }
-    }))
 }
 
-/// Whole numbers where the file gives whole ends and nothing between is broken; otherwise numbers of
+/// Whole numbers where the file gives whole ends (`whole`) and nothing between is broken; otherwise numbers of
 /// twelve digits, so that 0.1 + 0.2 is 0.3.
-fn numbers(table: &InlineTable, count: usize, at: impl Fn(usize) -> f64) -> Vec<Value> {
-    let given_whole = ["from", "to", "step"].iter().all(|key| {
-        table
-            .get(key)
-            .is_none_or(|value| value.as_integer().is_some())
-    });
-    let list: Vec<f64> = (0..count).map(at).collect();
-    if given_whole
-        && list
-            .iter()
-            .all(|x| (x - x.round()).abs() < 1e-9 * x.abs().max(1.0))
-    {
-        return list
-            .iter()
-            .map(|x| Value::Whole(x.round() as i64))
-            .collect();
-    }
-    let tidy = |x: f64| format!("{x:.11e}").parse().unwrap_or(x);
-    list.into_iter().map(|x| Value::Number(tidy(x))).collect()
+fn tidy(list: &[f64], whole: bool) -> Vec<Value> {
+    let is_whole = |x: &f64| (x - x.round()).abs() < 1e-9 * x.abs().max(1.0);
+    let whole = whole && list.iter().all(is_whole);
+    let number = |&x: &f64| match whole {
+        true => Value::Whole(x.round() as i64),
+        false => Value::Number(format!("{x:.11e}").parse().unwrap_or(x)),
+    };
+    list.iter().map(number).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn read(text: &str) -> Result<Vec<Value>, FileError> {
+        let text = format!("x = {text}");
+        let document = Document::parse(&text, "f", "").unwrap();
+        values(&document, "x", document.get("x").unwrap())
+    }
+
     fn of(text: &str) -> Vec<Value> {
-        values(&text.parse().unwrap()).unwrap()
+        read(text).unwrap()
     }
 
     fn fault(text: &str) -> String {
-        values(&text.parse().unwrap()).unwrap_err().0
+        read(text).unwrap_err().to_string()
     }
 
     #[test]
@@ -284,7 +286,7 @@ mod tests {
         for (text, part) in [
             ("[]", "empty"),
             ("[1, 2, 1]", "twice"),
-            ("{ from = 1.0 }", "no `to`"),
+            ("{ from = 1.0 }", "missing field `to`"),
             ("{ from = 1.0, to = 2.0 }", "neither"),
             ("{ from = 1.0, to = 2.0, points = 2, step = 1.0 }", "both"),
             ("{ from = 1.0, to = 2.0, step = -1.0 }", "does not lead"),
@@ -300,7 +302,7 @@ mod tests {
                 "linear",
             ),
             ("{ from = nan, to = 2.0, points = 3 }", "finite"),
-            ("{ form = 1.0 }", "no key"),
+            ("{ form = 1.0 }", "did you mean `from`?"),
             ("{ from = 0.0, to = 1.0, step = 1e-9 }", "more than"),
         ] {
             assert!(fault(text).contains(part), "{text}: {}", fault(text));
@@ -310,12 +312,8 @@ mod tests {
     #[test]
     fn words_and_numbers_survive_toml() {
         for text in ["0.1", "3", "1e-12", "\"paper \\\"x\\\"\"", "[1, 2]"] {
-            let value = Value::of(&text.parse().unwrap());
-            assert_eq!(
-                Value::of(&value.to_toml().parse().unwrap()),
-                value,
-                "{text}"
-            );
+            let values = of(&format!("[{text}]"));
+            assert_eq!(of(&format!("[{}]", values[0].to_toml())), values, "{text}");
         }
         assert_eq!(Value::Number(1e-5).to_string(), "1e-5");
         assert_eq!(Value::Number(0.25).to_string(), "0.25");

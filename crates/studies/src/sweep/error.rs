@@ -2,31 +2,15 @@
 
 use std::path::PathBuf;
 
+use pinwheel_files::FileError;
 use pinwheel_scene::SceneError;
 
 /// Faults of reading, planning or running a sweep.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// The file cannot be read.
-    #[error("{}: {what}; give a sweep file (TOML), see docs/sweeps.md", path.display())]
-    NotRead {
-        /// The sweep file.
-        path: PathBuf,
-        /// Why.
-        what: String,
-    },
-    /// The file does not say what to do.
-    #[error("{source_name}, line {line}: {what}; {remedy}")]
-    File {
-        /// The sweep file.
-        source_name: String,
-        /// Line, the first being 1.
-        line: usize,
-        /// What is wrong.
-        what: String,
-        /// How to put it right.
-        remedy: String,
-    },
+    /// The file cannot be read, or does not say what to do.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A run's scene is refused.
     #[error("run {number} ({values}): {source}")]
     Scene {

@@ -21,23 +21,20 @@
 //! lost_motion_arcmin = { most = 1.0 }
 //! ```
 
-use std::fs;
 use std::path::Path;
 
-use pinwheel_scene::{Override, PRESETS, nearest};
-use serde::Serialize;
-use toml_edit::{Document, Item, TableLike, Value as Toml};
+use pinwheel_files::{Document, Entries, FileError, Item, read, read_text};
+use pinwheel_scene::{Override, PRESETS};
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
 
 use crate::sweep::SweepError;
 use crate::sweep::axis::{self, Axis};
-use crate::sweep::sample::{NotFinite, Sample, finite};
-use crate::sweep::specification::Limit;
-
-/// Bytes of a sweep file at most.
-const MOST_BYTES: usize = 1 << 20;
+use crate::sweep::sample::{self, Sample};
+use crate::sweep::specification::{self, Limit};
 
 /// Whether and how every run's courses are kept.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum KeepCourses {
     /// Figures only.
@@ -78,23 +75,92 @@ pub struct Sweep {
     pub text: String,
 }
 
-/// Keys that a sweep sets and varies at most.
+/// Keys that a sweep sets and varies at most, and names in a list.
 const MOST_KEYS: usize = 1000;
+const REMEDY: &str = "see docs/sweeps.md for an example";
 
-const KEYS: [&str; 12] = [
-    "name",
-    "description",
-    "scene",
-    "engines",
-    "window_s",
-    "measure",
-    "courses",
-    "set",
-    "vary",
-    "together",
-    "sample",
-    "specification",
-];
+/// Keys at the top of the file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Top {
+    name: Option<String>,
+    #[serde(default)]
+    description: String,
+    scene: Option<String>,
+    #[serde(default = "native")]
+    engines: Names,
+    #[serde(default = "everything")]
+    measure: Names,
+    window_s: Option<Window>,
+    #[serde(default)]
+    courses: KeepCourses,
+    /// Tables whose keys are those of scenes and results: read one by one.
+    #[serde(rename = "set")]
+    _set: Option<IgnoredAny>,
+    #[serde(rename = "vary")]
+    _vary: Option<IgnoredAny>,
+    #[serde(rename = "together")]
+    _together: Option<IgnoredAny>,
+    #[serde(rename = "sample")]
+    _sample: Option<IgnoredAny>,
+    #[serde(rename = "specification")]
+    _specification: Option<IgnoredAny>,
+}
+
+fn native() -> Names {
+    Names(vec!["native".to_owned()])
+}
+
+fn everything() -> Names {
+    Names(vec!["*".to_owned()])
+}
+
+/// Names, each once.
+#[derive(Deserialize)]
+#[serde(try_from = "OneOrMany")]
+struct Names(Vec<String>);
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "must be a list of texts, like [\"a\", \"b\"]")]
+enum OneOrMany {
+    One(String),
+    Many(Vec<String>),
+}
+
+impl TryFrom<OneOrMany> for Names {
+    type Error = String;
+
+    fn try_from(names: OneOrMany) -> Result<Self, String> {
+        let names = match names {
+            OneOrMany::One(name) => vec![name],
+            OneOrMany::Many(names) => names,
+        };
+        if names.is_empty() || names.len() > MOST_KEYS {
+            return Err(format!("is empty, or names more than {MOST_KEYS}"));
+        }
+        let twice = (1..names.len()).find(|&k| names[..k].contains(&names[k]));
+        match twice {
+            Some(k) => Err(format!("names `{}` twice", names[k])),
+            None => Ok(Self(names)),
+        }
+    }
+}
+
+/// Start and end, s.
+#[derive(Deserialize)]
+#[serde(try_from = "[f64; 2]")]
+struct Window([f64; 2]);
+
+impl TryFrom<[f64; 2]> for Window {
+    type Error = &'static str;
+
+    fn try_from([from, to]: [f64; 2]) -> Result<Self, Self::Error> {
+        let sound = from >= 0.0 && from < to && to.is_finite();
+        sound
+            .then_some(Self([from, to]))
+            .ok_or("is no window: write start and end in seconds, [0.3, 0.6]")
+    }
+}
 
 impl Sweep {
     /// Reads the sweep file `path`; a scene file is looked for beside it.
@@ -102,19 +168,8 @@ impl Sweep {
     /// # Errors
     /// A file that cannot be read, or as [`from_toml`](Self::from_toml).
     pub fn read(path: &Path) -> Result<Self, SweepError> {
-        let unreadable = |what: String| SweepError::NotRead {
-            path: path.to_owned(),
-            what,
-        };
-        let failed = |error: std::io::Error| unreadable(format!("cannot be read: {error}"));
-        let size = fs::metadata(path).map_err(failed)?;
-        // Before it is read: a device has no end.
-        if !size.is_file() || size.len() > MOST_BYTES as u64 {
-            return Err(unreadable(
-                "is no sweep file: not a file, or far too long".to_owned(),
-            ));
-        }
-        Self::from_toml(&fs::read_to_string(path).map_err(failed)?, path)
+        let remedy = "give a sweep file (TOML), see docs/sweeps.md";
+        Self::from_toml(&read_text(path, remedy)?, path)
     }
 
     /// Reads a sweep from the text of the file `path`; a scene file is looked for beside it.
@@ -122,414 +177,162 @@ impl Sweep {
     /// # Errors
     /// The first fault with its line and remedy.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, SweepError> {
-        let reader = Reader {
-            text,
-            source: path.display().to_string(),
-        };
-        if text.len() > MOST_BYTES {
-            return Err(reader.fault(
-                0,
-                format!("longer than {MOST_BYTES} bytes"),
-                "give a sweep file",
-            ));
+        let file = path.display().to_string();
+        let top: Top = read(text, &file, REMEDY)?;
+        let document = Document::parse(text, &file, REMEDY)?;
+        if top.courses == KeepCourses::Parquet && cfg!(not(feature = "parquet")) {
+            let remedy = "write courses = \"csv\", or build with --features parquet";
+            return Err(FileError::new(&file, "this build writes no Parquet", remedy).into());
         }
-        let document = Document::parse(text).map_err(|error| {
-            let at = error.span().map_or(0, |span| span.start);
-            let what = error.message().trim().replace('\n', " ");
-            reader.fault(
-                at,
-                format!("not valid TOML: {what}"),
-                "see docs/sweeps.md for an example",
-            )
-        })?;
-        reader.sweep(document.as_table(), path)
-    }
-}
-
-struct Reader<'a> {
-    text: &'a str,
-    source: String,
-}
-
-impl Reader<'_> {
-    fn fault(&self, at: usize, what: impl Into<String>, remedy: impl Into<String>) -> SweepError {
-        let head = &self.text.as_bytes()[..at.min(self.text.len())];
-        SweepError::File {
-            source_name: self.source.clone(),
-            line: 1 + head.iter().filter(|&&byte| byte == b'\n').count(),
-            what: what.into(),
-            remedy: remedy.into(),
-        }
-    }
-
-    fn sweep(&self, root: &dyn TableLike, path: &Path) -> Result<Sweep, SweepError> {
-        for (key, item) in root.iter() {
-            if !KEYS.contains(&key) {
-                let remedy = match nearest(key, KEYS) {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("known here: {}", KEYS.join(", ")),
-                };
-                return Err(self.fault(
-                    place(root, key, item),
-                    format!("`{key}` is no key of a sweep"),
-                    remedy,
-                ));
-            }
-        }
-        let stem = path
-            .file_stem()
-            .map_or("sweep".into(), |stem| stem.to_string_lossy());
-        let mut axes = Vec::new();
-        if let Some(item) = root.get("vary") {
-            for (key, value, at) in self.leaves(root, "vary", item)? {
-                let values = self.values(&value, at)?;
-                axes.push((
-                    Axis {
-                        keys: vec![(key, values)],
-                    },
-                    at,
-                ));
-            }
-        }
-        if let Some(item) = root.get("together") {
-            let at = place(root, "together", item);
-            let tables: Vec<&dyn TableLike> =
-                match (item.as_array_of_tables(), item.as_table_like()) {
-                    (Some(tables), _) => {
-                        tables.iter().map(|table| table as &dyn TableLike).collect()
-                    }
-                    (None, Some(table)) => vec![table],
-                    (None, None) => {
-                        return Err(self.fault(
-                            at,
-                            "`together` is no table",
-                            "write [[together]] on its own line, then key = [...] lines",
-                        ));
-                    }
-                };
-            for table in tables {
-                let mut keys = Vec::new();
-                for (key, value, at) in self.leaves_of(table, "")? {
-                    let values = self.values(&value, at)?;
-                    let axis: Option<&(String, Vec<axis::Value>)> = keys.first();
-                    if let Some((first, known)) = axis
-                        && known.len() != values.len()
-                    {
-                        let what = format!(
-                            "`{key}` has {} values, `{first}` has {}",
-                            values.len(),
-                            known.len()
-                        );
-                        return Err(self.fault(
-                            at,
-                            what,
-                            "keys of one [[together]] change in step: give lists of one length",
-                        ));
-                    }
-                    keys.push((key, values));
-                }
-                if !keys.is_empty() {
-                    axes.push((Axis { keys }, at));
-                }
-            }
-        }
+        let mut known = Known::default();
         let mut set = Vec::new();
-        let mut known: Vec<String> = Vec::new();
-        if let Some(item) = root.get("set") {
-            for (key, value, at) in self.leaves(root, "set", item)? {
-                self.once(&mut known, &key, at)?;
-                set.push(Override::new(key, value.to_string().trim()));
+        for (key, item) in leaves(table(&document, "set")?, &[]) {
+            known.once(&document, &key, item.line)?;
+            set.push(Override::new(key, item.text));
+        }
+        let mut axes = Vec::new();
+        for (key, item) in leaves(table(&document, "vary")?, &axis::RANGE) {
+            known.once(&document, &key, item.line)?;
+            let values = axis::values(&document, &key, item)?;
+            axes.push(Axis {
+                keys: vec![(key, values)],
+            });
+        }
+        for entries in together(&document)? {
+            axes.extend(in_step(&document, entries, &mut known)?);
+        }
+        let sample = match document.get("sample") {
+            None => None,
+            Some(item) => {
+                let entries = table(&document, "sample")?;
+                for (key, item) in leaves(entries, &sample::DISTRIBUTION) {
+                    known.once(&document, &key, item.line)?;
+                }
+                Some(Sample::read(&document, item.line, entries)?)
             }
-        }
-        for (axis, at) in &axes {
-            for (key, _) in &axis.keys {
-                self.once(&mut known, key, *at)?;
-            }
-        }
-        let sample = self.sample(root)?;
-        for (key, _) in sample.iter().flat_map(|sample| &sample.keys) {
-            let at = root
-                .get("sample")
-                .map_or(0, |item| place(root, "sample", item));
-            self.once(&mut known, key, at)?;
-        }
-        Ok(Sweep {
-            name: self
-                .string(root, "name")?
-                .unwrap_or_else(|| stem.into_owned()),
-            description: self.string(root, "description")?.unwrap_or_default(),
-            engines: self
-                .strings(root, "engines")?
-                .unwrap_or_else(|| vec!["native".to_owned()]),
+        };
+        let specification = table(&document, "specification")?;
+        let limits = specification.iter();
+        let limits = limits.map(|(figure, item)| specification::read(&document, figure, item));
+        let stem = path.file_stem().unwrap_or("sweep".as_ref());
+        Ok(Self {
+            name: top
+                .name
+                .unwrap_or_else(|| stem.to_string_lossy().into_owned()),
+            description: top.description,
+            engines: top.engines.0,
             set,
-            axes: axes.into_iter().map(|(axis, _)| axis).collect(),
+            axes,
             sample,
-            specification: self.specification(root)?,
-            window_s: self.window(root)?,
-            measure: self
-                .strings(root, "measure")?
-                .unwrap_or_else(|| vec!["*".to_owned()]),
-            courses: self.courses(root)?,
+            specification: limits.collect::<Result<_, _>>()?,
+            window_s: top.window_s.map(|window| window.0),
+            measure: top.measure.0,
+            courses: top.courses,
             // Last: a mistyped key is named before a missing one.
-            scene: scene_beside(path, &self.scene(root)?),
-            text: self.text.to_owned(),
+            scene: scene_beside(path, &top.scene.ok_or_else(|| no_scene(&document))?),
+            text: text.to_owned(),
         })
     }
+}
 
-    /// Which gear is varied is never guessed.
-    fn scene(&self, root: &dyn TableLike) -> Result<String, SweepError> {
-        self.string(root, "scene")?.ok_or_else(|| {
-            let soft = PRESETS.iter().filter(|p| !p.name.starts_with("hard-"));
-            let names: Vec<&str> = soft.map(|preset| preset.name).collect();
-            let remedy = format!(
-                "write scene = \"paper\", another preset ({}), or a scene file beside this one",
-                names.join(", ")
-            );
-            self.fault(0, "no key `scene` says what is varied", remedy)
-        })
-    }
+/// Which gear is varied is never guessed.
+fn no_scene(document: &Document<'_>) -> FileError {
+    let soft = PRESETS.iter().filter(|p| !p.name.starts_with("hard-"));
+    let names: Vec<&str> = soft.map(|preset| preset.name).collect();
+    let remedy = format!(
+        "write scene = \"paper\", another preset ({}), or a scene file beside this one",
+        names.join(", ")
+    );
+    document.fault(1, "no key `scene` says what is varied", remedy)
+}
 
-    fn once(&self, known: &mut Vec<String>, key: &str, at: usize) -> Result<(), SweepError> {
-        if known.iter().any(|other| other == key) {
-            return Err(self.fault(
-                at,
-                format!("`{key}` is given twice"),
-                "keep it in one place",
-            ));
+/// Keys of the scene that were met.
+#[derive(Default)]
+struct Known(Vec<String>);
+
+impl Known {
+    fn once(&mut self, document: &Document<'_>, key: &str, line: usize) -> Result<(), FileError> {
+        if self.0.iter().any(|other| other == key) {
+            let what = format!("`{key}` is given twice");
+            return Err(document.fault(line, what, "keep it in one place"));
         }
-        if known.len() == MOST_KEYS {
-            return Err(self.fault(
-                at,
-                format!("sets and varies more than {MOST_KEYS} keys"),
-                "leave some out: no scene has that many",
-            ));
+        if self.0.len() == MOST_KEYS {
+            let what = format!("sets and varies more than {MOST_KEYS} keys");
+            return Err(document.fault(line, what, "leave some out: no scene has that many"));
         }
-        known.push(key.to_owned());
+        self.0.push(key.to_owned());
         Ok(())
     }
-
-    fn sample(&self, root: &dyn TableLike) -> Result<Option<Sample>, SweepError> {
-        let Some(item) = root.get("sample") else {
-            return Ok(None);
-        };
-        let at = place(root, "sample", item);
-        let Some(table) = item.as_table_like() else {
-            return Err(self.fault(
-                at,
-                "`sample` is no table",
-                "write [sample] on its own line, then points = 1000 and key = { from = ..., to = ... } lines",
-            ));
-        };
-        let of = |table: &dyn TableLike, key: &str| {
-            table.get(key).map_or(at, |item| place(table, key, item))
-        };
-        let read = Sample::of(table, &of);
-        read.map(Some)
-            .map_err(|(own, what, remedy)| self.fault(own.max(at), what, remedy))
-    }
-
-    fn specification(&self, root: &dyn TableLike) -> Result<Vec<Limit>, SweepError> {
-        const FORM: &str = "write lost_motion_arcmin = { most = 1.0 }, with least = ... for what must not be below";
-        let Some(item) = root.get("specification") else {
-            return Ok(Vec::new());
-        };
-        let at = place(root, "specification", item);
-        let Some(table) = item.as_table_like() else {
-            return Err(self.fault(at, "`specification` is no table", FORM));
-        };
-        let mut limits = Vec::new();
-        for (figure, item) in table.iter() {
-            let at = place(table, figure, item);
-            let wrong = |what: String| self.fault(at, format!("`{figure}` {what}"), FORM);
-            let ends = item
-                .as_table_like()
-                .ok_or_else(|| wrong("has no `least` or `most`".to_owned()))?;
-            if let Some((key, _)) = ends
-                .iter()
-                .find(|(key, _)| !["least", "most"].contains(key))
-            {
-                return Err(wrong(format!("has `{key}`, which is no limit")));
-            }
-            let number = |key: &str| {
-                let number = ends.get(key).map(finite).transpose();
-                number.map_err(|NotFinite| wrong(format!("has a `{key}` that is no finite number")))
-            };
-            let (least, most) = (number("least")?, number("most")?);
-            match (least, most) {
-                (None, None) => return Err(wrong("has no `least` or `most`".to_owned())),
-                (Some(least), Some(most)) if least > most => {
-                    return Err(wrong("has a `least` above its `most`".to_owned()));
-                }
-                _ => limits.push(Limit {
-                    figure: figure.to_owned(),
-                    least,
-                    most,
-                }),
-            }
-        }
-        Ok(limits)
-    }
-
-    fn values(&self, value: &Toml, at: usize) -> Result<Vec<axis::Value>, SweepError> {
-        axis::values(value).map_err(|(what, remedy)| self.fault(at, what, remedy))
-    }
-
-    /// Dotted keys of a table with their values, in the file's order.
-    fn leaves(
-        &self,
-        root: &dyn TableLike,
-        key: &str,
-        item: &Item,
-    ) -> Result<Vec<(String, Toml, usize)>, SweepError> {
-        match item.as_table_like() {
-            Some(table) => self.leaves_of(table, ""),
-            None => Err(self.fault(
-                place(root, key, item),
-                format!("`{key}` is no table"),
-                format!("write [{key}] on its own line, then key = ... lines"),
-            )),
-        }
-    }
-
-    fn leaves_of(
-        &self,
-        table: &dyn TableLike,
-        prefix: &str,
-    ) -> Result<Vec<(String, Toml, usize)>, SweepError> {
-        let mut leaves = Vec::new();
-        for (name, item) in table.iter() {
-            let at = place(table, name, item);
-            let key = format!("{prefix}{name}");
-            match item {
-                // A range is an inline table that begins or ends somewhere.
-                Item::Value(Toml::InlineTable(inner)) if !is_range(inner) => {
-                    leaves.extend(self.leaves_of(inner, &format!("{key}."))?);
-                }
-                Item::Value(value) => leaves.push((key, value.clone(), at)),
-                Item::Table(inner) => leaves.extend(self.leaves_of(inner, &format!("{key}."))?),
-                _ => {
-                    return Err(self.fault(
-                        at,
-                        format!("`{key}` has no value"),
-                        "write key = value",
-                    ));
-                }
-            }
-        }
-        Ok(leaves)
-    }
-
-    fn string(&self, root: &dyn TableLike, key: &str) -> Result<Option<String>, SweepError> {
-        let Some(item) = root.get(key) else {
-            return Ok(None);
-        };
-        let text = item.as_str().map(str::to_owned);
-        let wrong = || {
-            self.fault(
-                place(root, key, item),
-                format!("`{key}` is no text"),
-                "write it in quotes",
-            )
-        };
-        text.ok_or_else(wrong).map(Some)
-    }
-
-    fn strings(&self, root: &dyn TableLike, key: &str) -> Result<Option<Vec<String>>, SweepError> {
-        let Some(item) = root.get(key) else {
-            return Ok(None);
-        };
-        let at = place(root, key, item);
-        let texts: Option<Vec<String>> = match (item.as_array(), item.as_str()) {
-            (Some(list), _) => list
-                .iter()
-                .map(|value| value.as_str().map(str::to_owned))
-                .collect(),
-            (None, text) => text.map(|text| vec![text.to_owned()]),
-        };
-        match texts {
-            Some(texts) if texts.len() > MOST_KEYS => Err(self.fault(
-                at,
-                format!("`{key}` names more than {MOST_KEYS}"),
-                "leave some out, or write one pattern with `*` for many",
-            )),
-            Some(texts) if !texts.is_empty() => {
-                let twice = texts
-                    .iter()
-                    .enumerate()
-                    .find(|(k, text)| texts[..*k].contains(text));
-                match twice {
-                    Some((_, text)) => Err(self.fault(
-                        at,
-                        format!("`{key}` names `{text}` twice"),
-                        "name each once",
-                    )),
-                    None => Ok(Some(texts)),
-                }
-            }
-            Some(_) => Err(self.fault(at, format!("`{key}` is empty"), "name at least one")),
-            None => Err(self.fault(
-                at,
-                format!("`{key}` is no list of texts"),
-                "write it like [\"a\", \"b\"]",
-            )),
-        }
-    }
-
-    fn window(&self, root: &dyn TableLike) -> Result<Option<[f64; 2]>, SweepError> {
-        let Some(item) = root.get("window_s") else {
-            return Ok(None);
-        };
-        let number = |value: &Toml| {
-            value
-                .as_float()
-                .or_else(|| value.as_integer().map(|x| x as f64))
-        };
-        let ends: Option<Vec<f64>> = item
-            .as_array()
-            .and_then(|list| list.iter().map(number).collect());
-        match ends.as_deref() {
-            Some(&[from, to]) if from >= 0.0 && from < to && to.is_finite() => Ok(Some([from, to])),
-            _ => Err(self.fault(
-                place(root, "window_s", item),
-                "`window_s` is no window",
-                "write start and end in seconds: [0.3, 0.6]",
-            )),
-        }
-    }
-
-    fn courses(&self, root: &dyn TableLike) -> Result<KeepCourses, SweepError> {
-        let kept = self.string(root, "courses")?;
-        let at = root
-            .get("courses")
-            .map_or(0, |item| place(root, "courses", item));
-        match kept.as_deref() {
-            None | Some("none") => Ok(KeepCourses::None),
-            Some("csv") => Ok(KeepCourses::Csv),
-            Some("parquet") if cfg!(feature = "parquet") => Ok(KeepCourses::Parquet),
-            Some("parquet") => Err(self.fault(
-                at,
-                "this build writes no Parquet",
-                "write \"csv\", or build with --features parquet",
-            )),
-            Some(_) => Err(self.fault(
-                at,
-                "`courses` is not understood",
-                "write \"none\", \"csv\" or \"parquet\"",
-            )),
-        }
-    }
 }
 
-fn is_range(table: &toml_edit::InlineTable) -> bool {
-    ["from", "to", "points", "step", "spacing"]
-        .iter()
-        .any(|key| table.contains_key(key))
+/// The table at a key of the top, empty if it is not there.
+fn table<'d, 't>(
+    document: &'d Document<'t>,
+    key: &str,
+) -> Result<&'d [(String, Item<'t>)], FileError> {
+    let Some(item) = document.get(key) else {
+        return Ok(&[]);
+    };
+    let table = item.node.as_table().map(Vec::as_slice);
+    table.ok_or_else(|| {
+        let remedy = format!("write [{key}] on its own line, then key = ... lines");
+        document.fault(item.line, format!("`{key}` is no table"), remedy)
+    })
 }
 
-/// Byte offset of a key.
-fn place(table: &dyn TableLike, key: &str, item: &Item) -> usize {
-    let span = table.get_key_value(key).and_then(|(key, _)| key.span());
-    span.or_else(|| item.span()).map_or(0, |span| span.start)
+/// The tables `[[together]]`, or one `[together]`.
+fn together<'d, 't>(document: &'d Document<'t>) -> Result<Vec<&'d Entries<'t>>, FileError> {
+    let Some(item) = document.get("together") else {
+        return Ok(Vec::new());
+    };
+    let one = || item.node.as_table().map(|table| vec![table]);
+    item.node.as_tables().or_else(one).ok_or_else(|| {
+        let remedy = "write [[together]] on its own line, then key = [...] lines";
+        document.fault(item.line, "`together` is no table", remedy)
+    })
+}
+
+/// The axis of keys that change in step, if there are any.
+fn in_step(
+    document: &Document<'_>,
+    entries: &Entries<'_>,
+    known: &mut Known,
+) -> Result<Option<Axis>, FileError> {
+    let mut keys: Vec<(String, Vec<axis::Value>)> = Vec::new();
+    for (key, item) in leaves(entries, &axis::RANGE) {
+        known.once(document, &key, item.line)?;
+        let values = axis::values(document, &key, item)?;
+        if let Some((first, other)) = keys.first()
+            && other.len() != values.len()
+        {
+            let (own, others) = (values.len(), other.len());
+            let what = format!("`{key}` has {own} values, `{first}` has {others}");
+            let remedy = "keys of one [[together]] change in step: give lists of one length";
+            return Err(document.fault(item.line, what, remedy));
+        }
+        keys.push((key, values));
+    }
+    Ok((!keys.is_empty()).then_some(Axis { keys }))
+}
+
+/// Dotted keys of a table with their values, in the file's order; a table with one of the `words` is a value.
+pub(super) fn leaves<'d, 't>(
+    entries: &'d [(String, Item<'t>)],
+    words: &[&str],
+) -> Vec<(String, &'d Item<'t>)> {
+    let mut found = Vec::new();
+    for (name, item) in entries {
+        let is_value =
+            |inner: &&Entries<'_>| inner.iter().any(|(key, _)| words.contains(&key.as_str()));
+        match item.node.as_table().filter(|inner| !is_value(inner)) {
+            Some(inner) => {
+                let inner = leaves(inner, words).into_iter();
+                found.extend(inner.map(|(key, item)| (format!("{name}.{key}"), item)));
+            }
+            None => found.push((name.clone(), item)),
+        }
+    }
+    found
 }
 
 /// A scene file beside the sweep file, otherwise the words as they are.
@@ -599,12 +402,15 @@ mod tests {
                 "[vary]\ngear.wheels = [1, 2]",
                 "line 1: no key `scene` says what is varied; write scene = \"paper\", another preset (",
             ),
-            ("x = 1", "line 1: `x` is no key of a sweep"),
+            ("x = 1", "line 1: `x` is no key here"),
             (
                 "\nengine = [\"native\"]",
-                "line 2: `engine` is no key of a sweep; did you mean `engines`?",
+                "line 2: `engine` is no key here; did you mean `engines`?",
             ),
-            ("[vary]\ngear.backlash_m = []", "line 2: the list is empty"),
+            (
+                "[vary]\ngear.backlash_m = []",
+                "line 2: `gear.backlash_m`: the list is empty",
+            ),
             ("vary = 3", "no table"),
             (
                 "[set]\ngear.wheels = 1\n[vary]\ngear.wheels = [1, 2]",
@@ -617,9 +423,12 @@ mod tests {
             ("engines = []", "empty"),
             ("engines = [\"a\", \"a\"]", "twice"),
             ("window_s = [0.6, 0.3]", "no window"),
-            ("courses = \"xls\"", "not understood"),
+            (
+                "courses = \"xls\"",
+                "cannot be \"xls\"; write one of: none, csv, parquet",
+            ),
             ("[vary", "not valid TOML"),
-            ("name = 3", "no text"),
+            ("name = 3", "expected a string"),
         ] {
             let line = read(text).unwrap_err();
             assert!(

@@ -22,6 +22,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use pinwheel_courses::Courses;
+use pinwheel_files::fnv;
 
 use crate::folder::beside;
 use crate::ownership::{MARKER, Owner, unlisted};
@@ -199,13 +200,8 @@ impl Journal {
         let mut known = HashMap::new();
         let others = others.filter(|place| place.is_dir() && *place != own);
         for place in others.chain([own]) {
-            for entry in fs::read_dir(place).map_err(at(place))? {
-                let path = entry.map_err(at(place))?.path();
-                let name = path
-                    .file_name()
-                    .unwrap_or_default()
-                    .to_string_lossy()
-                    .into_owned();
+            for path in entries(place)? {
+                let name = name_of(&path);
                 if name.starts_with(UNFINISHED) && place == own {
                     fs::remove_file(&path).map_err(at(&path))?;
                 } else if name.starts_with(PREFIX) && name.ends_with(".json") {
@@ -252,17 +248,11 @@ impl Journal {
     pub fn clear(&self) -> Result<(), SweepError> {
         self.lock()
             .retain(|_, (_, path)| !path.starts_with(&self.folder));
-        let io = |source| SweepError::Io {
-            path: self.folder.clone(),
-            source,
-        };
-        for folder in self.shards.iter().chain([&self.folder]) {
-            for entry in fs::read_dir(folder).map_err(io)? {
-                let entry = entry.map_err(io)?;
-                let name = entry.file_name();
-                let name = name.to_string_lossy();
+        for folder in self.folders() {
+            for path in entries(folder)? {
+                let name = name_of(&path);
                 if name.starts_with(PREFIX) || name.starts_with(UNFINISHED) {
-                    fs::remove_file(entry.path()).map_err(io)?;
+                    fs::remove_file(&path).map_err(at(&path))?;
                 }
             }
         }
@@ -275,17 +265,18 @@ impl Journal {
     /// A run cannot be removed.
     pub fn remove(self) -> Result<(), SweepError> {
         self.clear()?;
-        for shard in &self.shards {
-            if unlisted(shard, &[]).is_ok_and(|others| others.is_empty()) {
-                let _ = fs::remove_file(shard.join(MARKER));
-                let _ = fs::remove_dir(shard);
+        for folder in self.folders() {
+            if unlisted(folder, &[]).is_ok_and(|others| others.is_empty()) {
+                let _ = fs::remove_file(folder.join(MARKER));
+                let _ = fs::remove_dir(folder);
             }
         }
-        if unlisted(&self.folder, &[]).is_ok_and(|others| others.is_empty()) {
-            let _ = fs::remove_file(self.folder.join(MARKER));
-            let _ = fs::remove_dir(&self.folder);
-        }
         Ok(())
+    }
+
+    /// The folders it writes, the whole's last.
+    fn folders(&self) -> impl Iterator<Item = &PathBuf> {
+        self.shards.iter().chain([&self.folder])
     }
 
     /// The record of an identity, if its courses are kept as wanted.
@@ -307,8 +298,7 @@ impl Journal {
         }
         let identity = record.identity();
         let path = place(&self.folder, &identity, "json");
-        let text = serde_json::to_string_pretty(record).unwrap_or_default();
-        write_new(&path, text.as_bytes()).map_err(at(&path))?;
+        write_new(&path, json(record).as_bytes()).map_err(at(&path))?;
         self.lock().insert(identity, (record.clone(), path));
         Ok(())
     }
@@ -330,8 +320,7 @@ impl Journal {
             .get(&record.identity())
             .map(|(_, path)| path.clone());
         let Some(path) = place else {
-            let text = serde_json::to_string_pretty(record).unwrap_or_default();
-            return fs::write(&target, text).map_err(at(&target));
+            return fs::write(&target, json(record)).map_err(at(&target));
         };
         linked(&path, &target)?;
         if let Some(extension) = extension(courses) {
@@ -381,21 +370,33 @@ fn at(path: &Path) -> impl Fn(io::Error) -> SweepError {
 
 /// The folders of a journal's shards, sorted.
 fn shards_of(folder: &Path) -> Result<Vec<PathBuf>, SweepError> {
-    let mut shards = Vec::new();
-    for entry in fs::read_dir(folder).map_err(at(folder))? {
-        let path = entry.map_err(at(folder))?.path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if name.starts_with(SHARD) && path.is_dir() {
-            shards.push(path);
-        }
-    }
+    let is_shard = |path: &PathBuf| name_of(path).starts_with(SHARD) && path.is_dir();
+    let mut shards: Vec<PathBuf> = entries(folder)?.into_iter().filter(is_shard).collect();
     shards.sort();
     Ok(shards)
 }
 
+/// What is in a folder.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>, SweepError> {
+    let entries = fs::read_dir(folder).map_err(at(folder))?;
+    let paths = entries.map(|entry| entry.map(|entry| entry.path()));
+    paths.collect::<io::Result<_>>().map_err(at(folder))
+}
+
+fn name_of(path: &Path) -> std::borrow::Cow<'_, str> {
+    path.file_name().unwrap_or_default().to_string_lossy()
+}
+
+fn json(record: &RunRecord) -> String {
+    serde_json::to_string_pretty(record).unwrap_or_default()
+}
+
 /// The file of a run in a journal's folder.
 fn place(folder: &Path, identity: &str, extension: &str) -> PathBuf {
-    folder.join(format!("{PREFIX}{:016x}.{extension}", fnv(identity)))
+    folder.join(format!(
+        "{PREFIX}{:016x}.{extension}",
+        fnv(identity.bytes())
+    ))
 }
 
 /// Keeps the courses of a run in a journal's folder. Its record comes last: where it is, its courses are.
@@ -449,11 +450,4 @@ fn extension(courses: KeepCourses) -> Option<&'static str> {
         KeepCourses::Csv => Some("csv"),
         KeepCourses::Parquet => Some("parquet"),
     }
-}
-
-/// FNV-1a, 64 bits [Fowler, Noll, Vo 1991]: names files; contents decide.
-fn fnv(text: &str) -> u64 {
-    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    })
 }

@@ -3,12 +3,14 @@
 //! A sample is one more axis of a sweep: every point of it is a run with a value of each key. So it is planned, kept, resumed
 //! and shared among machines as any other sweep, and the same seed gives the same runs everywhere.
 
+use pinwheel_files::{Document, FileError, Item, Node, nearest};
+use pinwheel_scene::CheckedScene;
+use serde::Deserialize;
 use statrs::distribution::{ContinuousCDF, Normal};
-use toml_edit::{Item, TableLike, Value as Toml};
-
-use pinwheel_scene::{CheckedScene, nearest};
+use toml::Value as Toml;
 
 use super::axis::{Axis, Value};
+use super::file::leaves;
 use crate::dice::Dice;
 use crate::sampling::hypercube;
 
@@ -22,9 +24,11 @@ const MOST_VALUES: usize = 5_000_000;
 const LEAST_SHARE: f64 = 1e-6;
 
 /// How points are spread.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// Every key once in each of as many equal parts of its distribution as there are points.
+    #[default]
     LatinHypercube,
     /// A Sobol sequence, scrambled after Owen: also even over several keys at once, best for powers of two.
     Sobol,
@@ -32,14 +36,9 @@ pub enum Method {
     Random,
 }
 
-const METHODS: [(&str, Method); 3] = [
-    ("latin-hypercube", Method::LatinHypercube),
-    ("sobol", Method::Sobol),
-    ("random", Method::Random),
-];
-
 /// How the values of a key are distributed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Distribution {
     /// Middle; the value of the scene if left out. Of no use to a uniform distribution with two ends.
     mean: Option<f64>,
@@ -54,98 +53,80 @@ pub struct Distribution {
 }
 
 /// The `[sample]` of a sweep.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Sample {
     /// How points are spread.
+    #[serde(default)]
     pub method: Method,
     /// How many there are.
     pub points: usize,
     /// Another one gives other points.
+    #[serde(default = "one")]
     pub seed: u32,
     /// Keys of the scene and the distributions of their values.
+    #[serde(skip_deserializing)]
     pub keys: Vec<(String, Distribution)>,
 }
 
-/// Where in the file, what, and the remedy.
-type Fault = (usize, String, String);
+fn one() -> u32 {
+    1
+}
+
+/// Keys of `[sample]` that are none of the scene.
+const SETTINGS: [&str; 3] = ["points", "seed", "method"];
+/// Keys of a distribution.
+pub(super) const DISTRIBUTION: [&str; 6] =
+    ["mean", "deviation", "from", "to", "plus_minus", "each"];
 
 const FORMS: &str = "write { from = 0.0, to = 1e-4 }, { mean = 0.05, deviation = 1e-6 }, both together for a truncated normal \
                      distribution, or { plus_minus = 5e-6 } about the scene's own value";
 
 impl Sample {
-    /// Reads the table `[sample]`; `place` gives the byte of a key.
-    pub(super) fn of(
-        table: &dyn TableLike,
-        place: &dyn Fn(&dyn TableLike, &str) -> usize,
-    ) -> Result<Self, Fault> {
-        let whole = |key: &str, least: i64, most: i64| match table.get(key) {
-            None => Ok(None),
-            Some(item) => match item.as_integer() {
-                Some(x) if (least..=most).contains(&x) => Ok(Some(x)),
-                _ => Err((
-                    place(table, key),
-                    format!("`{key}` is no whole number from {least} to {most}"),
-                    format!("write {key} = {}", if key == "seed" { 1 } else { 1000 }),
-                )),
-            },
-        };
+    /// Reads the table `[sample]`, which begins in a line.
+    pub(super) fn read(
+        document: &Document<'_>,
+        line: usize,
+        entries: &[(String, Item<'_>)],
+    ) -> Result<Self, FileError> {
+        let is_setting = |key: &str| SETTINGS.contains(&key);
         // First: a mistyped key is named before a missing one.
         let mut keys = Vec::new();
-        leaves(table, "", place, &mut keys)?;
-        let points = whole("points", 2, MOST_POINTS as i64)?.ok_or_else(|| {
-            (
-                0,
-                "the sample has no `points`".to_owned(),
-                "say how many runs it takes, such as points = 1000".to_owned(),
-            )
-        })? as usize;
-        let seed = whole("seed", 0, i64::from(u32::MAX))?.unwrap_or(1) as u32;
-        let method = match table.get("method") {
-            None => Method::LatinHypercube,
-            Some(item) => {
-                let name = item.as_str().unwrap_or_default();
-                let known = METHODS.iter().find(|(known, _)| *known == name);
-                known.map(|(_, method)| *method).ok_or_else(|| {
-                    (
-                        place(table, "method"),
-                        "`method` is not understood".to_owned(),
-                        "write \"latin-hypercube\", \"sobol\" or \"random\"".to_owned(),
-                    )
-                })?
+        for (key, item) in leaves(entries, &DISTRIBUTION) {
+            if !is_setting(&key) {
+                keys.push((key.clone(), Distribution::read(document, &key, item)?));
             }
+        }
+        let settings = entries.iter().filter(|(key, _)| is_setting(key));
+        let settings = Item {
+            line,
+            text: "",
+            node: Node::Table(settings.cloned().collect()),
         };
-        if keys.is_empty() {
-            return Err((
-                0,
-                "the sample has no key of the scene".to_owned(),
-                format!("name what is uncertain, such as gear.backlash_m; {FORMS}"),
-            ));
-        }
+        let form = "say how many runs it takes, such as points = 1000; seed and method may follow";
+        let sample: Self = document.read("sample", &settings, form)?;
         let columns: usize = keys.iter().map(|(_, of)| of.each.unwrap_or(1)).sum();
-        if method == Method::Sobol && columns > MOST_SOBOL {
-            return Err((
-                0,
-                format!(
-                    "{columns} values a run are more than the {MOST_SOBOL} of a Sobol sequence"
-                ),
-                "write method = \"latin-hypercube\"".to_owned(),
-            ));
-        }
-        if columns * points > MOST_VALUES {
-            return Err((
-                0,
-                format!(
-                    "{columns} values in each of {points} runs are more than {MOST_VALUES} in all"
-                ),
-                "take fewer points, or fewer keys".to_owned(),
-            ));
-        }
-        Ok(Self {
-            method,
-            points,
-            seed,
-            keys,
-        })
+        let points = sample.points;
+        let (what, remedy) = if !(2..=MOST_POINTS).contains(&points) {
+            let what = format!("`points` is no whole number from 2 to {MOST_POINTS}");
+            (what, "write points = 1000".to_owned())
+        } else if keys.is_empty() {
+            let remedy = format!("name what is uncertain, such as gear.backlash_m; {FORMS}");
+            ("the sample has no key of the scene".to_owned(), remedy)
+        } else if sample.method == Method::Sobol && columns > MOST_SOBOL {
+            let what = format!(
+                "{columns} values a run are more than the {MOST_SOBOL} of a Sobol sequence"
+            );
+            (what, "write method = \"latin-hypercube\"".to_owned())
+        } else if columns * points > MOST_VALUES {
+            let what = format!(
+                "{columns} values in each of {points} runs are more than {MOST_VALUES} in all"
+            );
+            (what, "take fewer points, or fewer keys".to_owned())
+        } else {
+            return Ok(Self { keys, ..sample });
+        };
+        Err(document.fault(line, what, remedy))
     }
 
     /// The sample as an axis; `scene` has the values that distributions are about where they say no mean.
@@ -180,7 +161,7 @@ impl Sample {
                     (0..self.points)
                         .map(|point| {
                             let list = lists.iter().map(|values| values[point]);
-                            Value::Other(Toml::Array(list.collect()).to_string())
+                            Value::Other(Toml::Array(list.map(Toml::Float).collect()).to_string())
                         })
                         .collect()
                 }
@@ -191,100 +172,47 @@ impl Sample {
     }
 }
 
-/// Keys of the scene below `table`, with their distributions.
-fn leaves(
-    table: &dyn TableLike,
-    prefix: &str,
-    place: &dyn Fn(&dyn TableLike, &str) -> usize,
-    found: &mut Vec<(String, Distribution)>,
-) -> Result<(), Fault> {
-    for (name, item) in table.iter() {
-        let key = format!("{prefix}{name}");
-        if ["points", "seed", "method"].contains(&key.as_str()) {
-            continue;
-        }
-        let at = place(table, name);
-        let Some(inner) = item.as_table_like() else {
-            let (what, remedy) = match nearest(&key, ["points", "seed", "method"]) {
-                Some(near) if !key.contains('.') => (
-                    format!("`{key}` is no key of a sample"),
-                    format!("did you mean `{near}`?"),
-                ),
-                _ => (format!("`{key}` has no distribution"), FORMS.to_owned()),
-            };
-            return Err((at, what, remedy));
-        };
-        if inner
-            .iter()
-            .any(|(name, _)| Distribution::KEYS.contains(&name))
-        {
-            let read = Distribution::of(inner);
-            let of = read.map_err(|what| (at, format!("`{key}`: {what}"), FORMS.to_owned()))?;
-            found.push((key, of));
-        } else {
-            leaves(inner, &format!("{key}."), place, found)?;
-        }
-    }
-    Ok(())
-}
-
-/// A value that is no finite number.
-pub(super) struct NotFinite;
-
-/// The number of an item.
-pub(super) fn finite(item: &Item) -> Result<f64, NotFinite> {
-    let whole = || item.as_integer().map(|x| x as f64);
-    let number = item.as_float().or_else(whole);
-    number.filter(|x| x.is_finite()).ok_or(NotFinite)
-}
-
 impl Distribution {
-    const KEYS: [&str; 6] = ["mean", "deviation", "from", "to", "plus_minus", "each"];
-
-    fn of(table: &dyn TableLike) -> Result<Self, String> {
-        for (key, _) in table.iter() {
-            if !Self::KEYS.contains(&key) {
-                return Err(format!("`{key}` is no key of a distribution"));
-            }
+    /// Reads that of a key.
+    fn read(document: &Document<'_>, key: &str, item: &Item<'_>) -> Result<Self, FileError> {
+        if item.node.as_table().is_none() {
+            let near = nearest(key, SETTINGS).map(|near| format!("did you mean `{near}`?"));
+            let what = format!("`{key}` has no distribution");
+            return Err(document.fault(item.line, what, near.unwrap_or_else(|| FORMS.to_owned())));
         }
-        let number = |key: &str| {
-            let number = table.get(key).map(finite).transpose();
-            number.map_err(|NotFinite| format!("`{key}` is no finite number"))
-        };
-        let above_0 = |key: &str| match number(key)? {
-            Some(x) if x <= 0.0 => Err(format!("`{key}` is not above 0")),
-            x => Ok(x),
-        };
-        let each = match table.get("each").map(|item| item.as_integer()) {
-            None => None,
-            Some(Some(x)) if (1..=MOST_EACH as i64).contains(&x) => Some(x as usize),
-            Some(_) => {
-                return Err(format!("`each` is no whole number from 1 to {MOST_EACH}"));
-            }
-        };
-        let found = Self {
-            mean: number("mean")?,
-            deviation: above_0("deviation")?,
-            from: number("from")?,
-            to: number("to")?,
-            plus_minus: above_0("plus_minus")?,
-            each,
-        };
-        let one_end = found.from.is_some() || found.to.is_some();
-        if let (Some(from), Some(to)) = (found.from, found.to)
-            && from >= to
+        let found: Self = document.read(key, item, FORMS)?;
+        let wrong = |what: &str| Err(document.fault(item.line, format!("`{key}`: {what}"), FORMS));
+        let widths = [found.deviation, found.plus_minus];
+        let numbers = [found.mean, found.from, found.to].into_iter().chain(widths);
+        if !numbers.flatten().all(f64::is_finite) {
+            return wrong("a number is not finite");
+        }
+        if widths.iter().flatten().any(|x| *x <= 0.0) {
+            return wrong("`deviation` or `plus_minus` is not above 0");
+        }
+        if found
+            .each
+            .is_some_and(|count| !(1..=MOST_EACH).contains(&count))
         {
-            return Err("`from` is not below `to`".to_owned());
+            return wrong(&format!("`each` is no whole number from 1 to {MOST_EACH}"));
+        }
+        let one_end = found.from.is_some() || found.to.is_some();
+        if found
+            .from
+            .zip(found.to)
+            .is_some_and(|(from, to)| from >= to)
+        {
+            return wrong("`from` is not below `to`");
         }
         if one_end && found.plus_minus.is_some() {
-            return Err("`plus_minus` and `from` or `to` are two ways to say one thing".to_owned());
+            return wrong("`plus_minus` and `from` or `to` are two ways to say one thing");
         }
-        match (found.deviation, found.plus_minus) {
-            (None, None) if found.mean.is_some() => {
-                Err("has a mean and no `deviation` or `plus_minus`".to_owned())
+        match widths {
+            [None, None] if found.mean.is_some() => {
+                wrong("has a mean and no `deviation` or `plus_minus`")
             }
-            (None, None) if found.from.is_none() || found.to.is_none() => {
-                Err("has no `deviation`, and not both `from` and `to`".to_owned())
+            [None, None] if found.from.is_none() || found.to.is_none() => {
+                wrong("has no `deviation`, and not both `from` and `to`")
             }
             _ => Ok(found),
         }

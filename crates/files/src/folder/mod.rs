@@ -6,7 +6,7 @@
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let base = tempfile::tempdir()?;
-//! use pinwheel_studies::folder::{Folder, Request};
+//! use pinwheel_files::folder::{Folder, Request};
 //!
 //! let out = base.path().join("mine");
 //! let folder = Folder::prepare(&out, Request::default())?;
@@ -25,14 +25,14 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use crate::output::OutputError;
-use crate::ownership::{MARKER, Mark, Owner, abandoned, stranger, sync};
+use crate::ownership::{MARKER, Mark, Owner, abandoned, foreign_file, sync};
 
 mod page;
-mod place;
+mod target;
 
 pub use page::{PAGE, newest_page, page_at};
-pub use place::named_files;
-use place::{Place, nearest_existing};
+pub use target::named_files;
+use target::{Target, nearest_existing};
 
 /// Why a folder cannot take an output.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -50,7 +50,7 @@ pub enum FolderError {
     },
     /// It holds a file that we did not write; [`Request::force`] replaces the folder all the same.
     #[error("{}: holds `{name}`, which is not in its list of pinwheel's files ({MARKER})", shown.display())]
-    Stranger {
+    ForeignFile {
         /// The folder as it was asked for.
         shown: PathBuf,
         /// The file, relative to it.
@@ -80,9 +80,8 @@ const STAGING: &str = ".pinwheel-";
 /// An output folder in the making. Dropped without [`publish`](Self::publish) it leaves nothing.
 #[derive(Debug)]
 pub struct Folder {
-    place: Place,
-    owner: Owner,
-    staging: Staging,
+    target: Target,
+    drafts: Drafts,
 }
 
 impl Folder {
@@ -94,33 +93,29 @@ impl Folder {
         if let Some(known) = &mut request.known {
             known.sort();
         }
-        let place = Place::new(out, request)?;
-        place.inspect()?;
-        let beside = nearest_existing(place.target.parent().unwrap_or(&place.target));
-        let Drafts { owner, staging } = Drafts::in_folder(&beside, &place.request.command)?;
+        let target = Target::new(out, request)?;
+        target.inspect()?;
+        let beside = nearest_existing(target.path.parent().unwrap_or(&target.path));
+        let drafts = Drafts::in_folder(&beside, &target.request.command)?;
         #[cfg(unix)]
         {
             use std::os::unix::fs::MetadataExt as _;
             let owner = |path: &Path| fs::metadata(path).map(|data| data.uid());
             // Whoever made the staging folder is us.
-            if let (Ok(ours), Ok(theirs)) = (owner(staging.path()), owner(&place.target))
+            if let (Ok(ours), Ok(theirs)) = (owner(drafts.path()), owner(&target.path))
                 && ours != theirs
                 && ours != 0
             {
-                return Err(place.refuse("belongs to another user"));
+                return Err(target.refuse("belongs to another user"));
             }
         }
-        Ok(Self {
-            place,
-            owner,
-            staging,
-        })
+        Ok(Self { target, drafts })
     }
 
     /// Where to write for now.
     #[must_use]
     pub fn path(&self) -> &Path {
-        self.staging.path()
+        self.drafts.path()
     }
 
     /// Gives the folder its name; returns it as the user wrote it.
@@ -139,7 +134,7 @@ impl Folder {
     /// # Errors
     /// As [`publish`](Self::publish).
     pub fn publish_partial(mut self) -> Result<PathBuf, FolderError> {
-        let target = &self.place.target;
+        let target = &self.target.path;
         let replaceable = Mark::of(target).is_some_and(|mark| !mark.complete);
         let empty = fs::read_dir(target).map_or(true, |mut entries| entries.next().is_none());
         if !replaceable && !empty {
@@ -150,38 +145,41 @@ impl Folder {
                 let place = beside(target, ending);
                 fs::symlink_metadata(&place).is_err()
                     || Mark::of(&place).is_some_and(|mark| !mark.complete)
-                        && stranger(&place).is_ok_and(|name| name.is_none())
+                        && foreign_file(&place).is_ok_and(|name| name.is_none())
             };
             let ending = endings.into_iter().find(free).unwrap_or_default();
-            self.place.target = beside(target, &ending);
-            self.place.shown = beside(&self.place.shown, &ending);
+            self.target.path = beside(target, &ending);
+            self.target.shown = beside(&self.target.shown, &ending);
         }
         self.finish(false)
     }
 
     fn finish(mut self, complete: bool) -> Result<PathBuf, FolderError> {
-        let Place { target, shown, .. } = &self.place;
+        let Target { path, shown, .. } = &self.target;
         // Others may have written there while the engines ran.
-        self.place.inspect()?;
+        self.target.inspect()?;
         let failed = |error: io::Error| OutputError::new(shown, &error);
-        self.owner.seal(self.staging.path(), complete)?;
-        if self.place.request.known.is_some() {
-            fs::remove_file(self.staging.path().join(MARKER)).map_err(failed)?;
+        self.drafts
+            .owner
+            .seal(self.drafts.staging.path(), complete)?;
+        if self.target.request.known.is_some() {
+            fs::remove_file(self.drafts.path().join(MARKER)).map_err(failed)?;
         }
-        let parent = target.parent().unwrap_or(target);
+        let parent = path.parent().unwrap_or(path);
         fs::create_dir_all(parent).map_err(failed)?;
+        let Drafts { owner, staging } = self.drafts;
         // Windows renames no folder with an open file in it.
-        let held = cfg!(unix).then_some(self.owner);
-        if target.exists() {
+        let held = cfg!(unix).then_some(owner);
+        if path.exists() {
             // Afterwards the staging folder holds the earlier output and goes with it.
-            swap(self.staging.path(), target).map_err(failed)?;
+            swap(staging.path(), path).map_err(failed)?;
         } else {
-            fs::rename(self.staging.path(), target).map_err(failed)?;
+            fs::rename(staging.path(), path).map_err(failed)?;
         }
         drop(held);
         // The name is there; should this fail, only a loss of power could take it away.
         let _ = sync(parent);
-        Ok(self.place.shown)
+        Ok(self.target.shown)
     }
 }
 
@@ -200,20 +198,10 @@ impl Drafts {
     /// The folder cannot be written.
     pub fn in_folder(folder: &Path, command: &str) -> Result<Self, OutputError> {
         remove_abandoned(folder);
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(STAGING);
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt as _;
-            // As a plain mkdir would: the user's umask decides.
-            builder.permissions(fs::Permissions::from_mode(0o777));
-        }
         let mut attempts = 3;
         loop {
-            let staging = builder
-                .tempdir_in(folder)
-                .map_err(|error| OutputError::new(folder, &error))?;
-            let staging = Staging(staging);
+            let staging = draft_in(folder, STAGING);
+            let staging = Staging(staging.map_err(|error| OutputError::new(folder, &error))?);
             let owner = Owner::take(staging.path(), command);
             attempts -= 1;
             // Before it had its marker another program may have taken it for what a kill left.
@@ -232,6 +220,22 @@ impl Drafts {
     pub fn path(&self) -> &Path {
         self.staging.path()
     }
+}
+
+/// An empty folder in `folder` whose name begins with `prefix`, as a plain mkdir would make it; goes when it is dropped.
+///
+/// # Errors
+/// The folder cannot be written.
+pub fn draft_in(folder: &Path, prefix: &str) -> io::Result<TempDir> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(prefix);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        // The user's umask decides.
+        builder.permissions(fs::Permissions::from_mode(0o777));
+    }
+    builder.tempdir_in(folder)
 }
 
 /// Writes a file by itself: what was there is replaced as a whole or not at all, and a kill leaves nothing for good. Folders
@@ -356,7 +360,7 @@ fn swap(new: &Path, old: &Path) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::place::is_mount_point;
+    use super::target::is_mount_point;
     use super::*;
 
     fn plain(out: &Path) -> Result<Folder, FolderError> {
@@ -579,7 +583,10 @@ mod tests {
             }
             let failure = plain(&out).unwrap_err();
             assert!(failure.to_string().contains(part), "{failure}");
-            assert!(matches!(failure, FolderError::Stranger { .. }), "{failure}");
+            assert!(
+                matches!(failure, FolderError::ForeignFile { .. }),
+                "{failure}"
+            );
             assert_eq!(names(base.path()), ["x"]);
             forced(&out).unwrap();
             fs::remove_dir_all(out).unwrap();

@@ -88,25 +88,31 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), OutputError> {
 }
 
 /// Makes the folder `name` in `dir`, and those above it.
-pub(crate) fn folder(dir: &Path, name: &str) -> Result<PathBuf, OutputError> {
+///
+/// # Errors
+/// It cannot be made.
+pub fn folder(dir: &Path, name: &str) -> Result<PathBuf, OutputError> {
     let place = dir.join(name);
     fs::create_dir_all(&place).map_err(|error| OutputError::new(&place, &error))?;
     Ok(place)
 }
 
 /// Writes the file `name` in `dir` by `write`.
-pub(crate) fn write_with<E: Display>(
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_with<E: Display>(
     dir: &Path,
     name: &str,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
 ) -> Result<(), OutputError> {
     let path = dir.join(name);
-    let file = File::create(&path).map_err(|error| OutputError::new(&path, &error))?;
+    let failed = |error: &dyn Display| OutputError::new(&path, error);
+    let file = File::create(&path).map_err(|error| failed(&error))?;
     let mut sink = BufWriter::new(file);
-    write(&mut sink).map_err(|error| OutputError::new(&path, &error))?;
+    write(&mut sink).map_err(|error| failed(&error))?;
     // Dropped, it would keep the last error to itself.
-    sink.flush()
-        .map_err(|error| OutputError::new(&path, &error))
+    sink.flush().map_err(|error| failed(&error))
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ impl Mark {
 ///
 /// # Errors
 /// The folder cannot be read.
-pub fn stranger(folder: &Path) -> io::Result<Option<String>> {
+pub fn foreign_file(folder: &Path) -> io::Result<Option<String>> {
     let known = Mark::of(folder).map(|mark| mark.files).unwrap_or_default();
     Ok(unlisted(folder, &known)?.into_iter().next())
 }
@@ -220,9 +220,9 @@ mod tests {
         first.seal(dir.path(), true).unwrap();
         drop(first);
         assert!(abandoned(dir.path()));
-        assert_eq!(stranger(dir.path()).unwrap(), None);
+        assert_eq!(foreign_file(dir.path()).unwrap(), None);
         fs::write(dir.path().join("runs/b"), "").unwrap();
-        assert_eq!(stranger(dir.path()).unwrap().as_deref(), Some("runs/b"));
+        assert_eq!(foreign_file(dir.path()).unwrap().as_deref(), Some("runs/b"));
         assert!(Mark::of(dir.path()).is_some_and(|mark| mark.complete));
     }
 
@@ -232,7 +232,7 @@ mod tests {
         for text in ["", "{}", "{\"program\":\"other\",\"format\":1}"] {
             fs::write(dir.path().join(MARKER), text).unwrap();
             assert!(Mark::of(dir.path()).is_none() && !abandoned(dir.path()));
-            assert_eq!(stranger(dir.path()).unwrap().as_deref(), Some(MARKER));
+            assert_eq!(foreign_file(dir.path()).unwrap().as_deref(), Some(MARKER));
             assert!(Owner::take(dir.path(), "").is_err());
         }
     }

@@ -5,42 +5,42 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use super::{FolderError, Request};
-use crate::ownership::{stranger, unlisted};
+use crate::ownership::{foreign_file, unlisted};
 
 /// Where an output goes.
 #[derive(Debug)]
-pub(super) struct Place {
+pub(super) struct Target {
     /// Absolute, without links.
-    pub(super) target: PathBuf,
+    pub(super) path: PathBuf,
     /// As the user wrote it.
     pub(super) shown: PathBuf,
     /// With its known files sorted.
     pub(super) request: Request,
 }
 
-impl Place {
+impl Target {
     /// `out` resolved: an absolute path without links and `..`, of which only the end may not exist yet.
     pub(super) fn new(out: &Path, request: Request) -> Result<Self, FolderError> {
-        let mut place = Self {
-            target: PathBuf::new(),
+        let mut target = Self {
+            path: PathBuf::new(),
             shown: out.to_owned(),
             request,
         };
         if out.as_os_str().is_empty() {
             return Err(FolderError::Empty);
         }
-        let not_found = |error: io::Error| place.refuse(&format!("cannot be found: {error}"));
+        let not_found = |error: io::Error| target.refuse(&format!("cannot be found: {error}"));
         let absolute = std::path::absolute(out).map_err(not_found)?;
         let existing = nearest_existing(&absolute);
         let rest = absolute.strip_prefix(&existing).unwrap_or(Path::new(""));
         let mut below = existing.clone();
         for part in rest.components() {
             if !matches!(part, Component::Normal(_)) {
-                return Err(place.refuse("leads through a folder that does not exist"));
+                return Err(target.refuse("leads through a folder that does not exist"));
             }
             below.push(part);
             match fs::symlink_metadata(&below) {
-                Ok(_) => return Err(place.refuse("is a link to nothing, or leads through one")),
+                Ok(_) => return Err(target.refuse("is a link to nothing, or leads through one")),
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {}
                 // Below a file it is told with what that file prevents.
                 Err(error) if error.kind() == io::ErrorKind::NotADirectory => {}
@@ -50,12 +50,12 @@ impl Place {
         }
         let root = existing.canonicalize().map_err(not_found)?;
         // Joining nothing would add a slash.
-        place.target = if rest.as_os_str().is_empty() {
+        target.path = if rest.as_os_str().is_empty() {
             root
         } else {
             root.join(rest)
         };
-        Ok(place)
+        Ok(target)
     }
 
     pub(super) fn refuse(&self, reason: &str) -> FolderError {
@@ -67,19 +67,21 @@ impl Place {
 
     /// Refuses a target that is not ours to replace.
     pub(super) fn inspect(&self) -> Result<(), FolderError> {
-        let target = &self.target;
+        let target = &self.path;
         if !target.exists() {
             return Ok(());
         }
         if !target.is_dir() {
             return Err(self.refuse("is not a folder"));
         }
-        let home = std::env::var_os("HOME")
-            .map(PathBuf::from)
-            .filter(|home| home.is_absolute());
+        let within = |path: &Path| {
+            let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+            path.starts_with(target)
+        };
+        let home = std::env::var_os("HOME").map(PathBuf::from);
+        let home = home.filter(|home| home.is_absolute());
         let here = std::env::current_dir().ok();
-        let within = |path: PathBuf| path.canonicalize().unwrap_or(path).starts_with(target);
-        if here.into_iter().chain(home).any(within) {
+        if here.into_iter().chain(home).any(|path| within(&path)) {
             return Err(self.refuse(
                 "is a folder you are working in, and an output folder is replaced as a whole",
             ));
@@ -89,39 +91,29 @@ impl Place {
                 self.refuse("is a mount point, which cannot be replaced; name a folder in it")
             );
         }
-        self.protect()?;
+        if let Some(input) = self.request.inputs.iter().find(|path| within(path)) {
+            let input = input.display();
+            return Err(self.refuse(&format!(
+                "holds {input}, which is read, and an output folder is replaced as a whole"
+            )));
+        }
         if self.request.force {
             return Ok(());
         }
-        let found = match &self.request.known {
+        let known = &self.request.known;
+        let found = match known {
             Some(known) => unlisted(target, known).map(|names| names.into_iter().next()),
-            None => stranger(target),
+            None => foreign_file(target),
         };
-        match found {
-            Ok(None) => Ok(()),
-            Ok(Some(name)) if self.request.known.is_some() => Err(self.refuse(&format!(
+        match found.map_err(|error| self.refuse(&format!("cannot be read: {error}")))? {
+            None => Ok(()),
+            Some(name) if known.is_some() => Err(self.refuse(&format!(
                 "holds `{name}`, which pinwheel did not write; move it elsewhere"
             ))),
-            Ok(Some(name)) => Err(FolderError::Stranger {
+            Some(name) => Err(FolderError::ForeignFile {
                 shown: self.shown.clone(),
                 name,
             }),
-            Err(error) => Err(self.refuse(&format!("cannot be read: {error}"))),
-        }
-    }
-
-    /// Refuses a target that holds an input.
-    fn protect(&self) -> Result<(), FolderError> {
-        let within = |path: &&PathBuf| {
-            path.canonicalize()
-                .is_ok_and(|path| path.starts_with(&self.target))
-        };
-        match self.request.inputs.iter().find(within) {
-            Some(input) => Err(self.refuse(&format!(
-                "holds {}, which is read, and an output folder is replaced as a whole",
-                input.display()
-            ))),
-            None => Ok(()),
         }
     }
 }

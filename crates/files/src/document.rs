@@ -1,0 +1,333 @@
+//! TOML files that users write.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+use serde::de::{DeserializeOwned, IntoDeserializer as _};
+use toml::de::{DeTable, DeValue, Deserializer, Error};
+use toml::{Spanned, Value};
+
+use crate::error::{FileError, quoted};
+use crate::suggest::did_you_mean;
+
+/// Bytes of a file at most; a full scene with comments has about 5000.
+pub const MOST_BYTES: usize = 1 << 20;
+
+/// The text of a file; `remedy` says which file is wanted.
+///
+/// # Errors
+/// It cannot be read, is too long, or no text.
+pub fn read_text(path: &Path, remedy: &str) -> Result<String, FileError> {
+    let name = path.display().to_string();
+    let unreadable = |error| FileError::new(&name, format!("cannot be read: {error}"), remedy);
+    // The size is not asked for in advance: a pipe or a device has none and may never end.
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(unreadable)?;
+    file.take(MOST_BYTES as u64 + 1)
+        .read_to_end(&mut bytes)
+        .map_err(unreadable)?;
+    too_long(bytes.len(), &name, remedy)?;
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        FileError::new(&name, "not UTF-8 text", "save it as UTF-8").in_line(line_of(valid))
+    })
+}
+
+fn too_long(bytes: usize, name: &str, remedy: &str) -> Result<(), FileError> {
+    if bytes > MOST_BYTES {
+        let what = format!("longer than {MOST_BYTES} bytes");
+        return Err(FileError::new(name, what, remedy));
+    }
+    Ok(())
+}
+
+/// Number of the line after some bytes, the first being 1.
+fn line_of(head: &[u8]) -> usize {
+    1 + head.iter().filter(|&&byte| byte == b'\n').count()
+}
+
+/// Reads a TOML text as a type; `file` is how messages name it, `remedy` where an example is found.
+///
+/// # Errors
+/// The first fault: its line, its key, and for a mistyped name what was meant.
+pub fn read<T: DeserializeOwned>(text: &str, file: &str, remedy: &str) -> Result<T, FileError> {
+    too_long(text.len(), file, remedy)?;
+    let root = DeTable::parse(text).map_err(|error| broken(&error, text, file, remedy))?;
+    serde_path_to_error::deserialize(Deserializer::from(root)).map_err(|error| {
+        let key = error.path().to_string();
+        let at = error.inner().span().map_or(0, |span| span.start);
+        let line = line_of(&text.as_bytes()[..at.min(text.len())]);
+        misread(&key, error.inner().message(), file, remedy).in_line(line)
+    })
+}
+
+/// The fault of a text that is no TOML.
+fn broken(error: &Error, text: &str, file: &str, remedy: &str) -> FileError {
+    let at = error.span().map_or(0, |span| span.start).min(text.len());
+    let what = format!("not valid TOML: {}", error.message().trim());
+    FileError::new(file, what, remedy).in_line(line_of(&text.as_bytes()[..at]))
+}
+
+/// The fault of a value that a type does not take, from serde's words.
+fn misread(key: &str, message: &str, file: &str, remedy: &str) -> FileError {
+    let mut names = message.split('`').skip(1).step_by(2);
+    let first = names.next();
+    let (what, remedy) = match first.filter(|_| message.starts_with("unknown ")) {
+        Some(typed) => {
+            let what = match message.starts_with("unknown field") {
+                true => format!("`{key}` is no key here"),
+                false => format!("`{key}` cannot be {}", quoted(typed)),
+            };
+            (what, did_you_mean(typed, &names.collect::<Vec<_>>()))
+        }
+        None if key == "." => (message.trim().to_owned(), remedy.to_owned()),
+        None => (format!("`{key}`: {}", message.trim()), remedy.to_owned()),
+    };
+    FileError::new(file, what, remedy)
+}
+
+/// Keys of a table with what stands there, in the order of the file.
+pub type Entries<'t> = Vec<(String, Item<'t>)>;
+
+/// A TOML text taken apart: each value with the line of its key.
+#[derive(Debug, Clone)]
+pub struct Document<'t> {
+    /// How messages name the file.
+    pub file: &'t str,
+    /// The table at the top.
+    pub root: Entries<'t>,
+}
+
+/// What stands at a key.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Item<'t> {
+    /// Line of the key, the first being 1.
+    pub line: usize,
+    /// The value as the file writes it.
+    pub text: &'t str,
+    /// The value.
+    pub node: Node<'t>,
+}
+
+/// A value.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Node<'t> {
+    /// A table.
+    Table(Entries<'t>),
+    /// A list; lines and texts are those of its values.
+    List(Vec<Item<'t>>),
+    /// Neither.
+    Plain(Value),
+}
+
+impl<'t> Document<'t> {
+    /// Takes a text apart; `file` and `remedy` as for [`read`].
+    ///
+    /// # Errors
+    /// It is too long, or no TOML.
+    pub fn parse(text: &'t str, file: &'t str, remedy: &str) -> Result<Self, FileError> {
+        too_long(text.len(), file, remedy)?;
+        // Counted once: a file may have many values on many lines.
+        let lines: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
+        let root = DeTable::parse(text).and_then(|root| entries(text, &lines, root.into_inner()));
+        let root = root.map_err(|error| broken(&error, text, file, remedy))?;
+        Ok(Self { file, root })
+    }
+
+    /// What stands at a key of the top.
+    #[must_use]
+    pub fn get(&self, key: &str) -> Option<&Item<'t>> {
+        let found = self.root.iter().find(|(name, _)| name == key);
+        found.map(|(_, item)| item)
+    }
+
+    /// A fault in a line.
+    pub fn fault(
+        &self,
+        line: usize,
+        what: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> FileError {
+        FileError::new(self.file, what, remedy).in_line(line)
+    }
+
+    /// An item as a type of serde; `key` is its full name, `remedy` how it is written.
+    ///
+    /// # Errors
+    /// As [`read`].
+    pub fn read<T: DeserializeOwned>(
+        &self,
+        key: &str,
+        item: &Item<'_>,
+        remedy: &str,
+    ) -> Result<T, FileError> {
+        serde_path_to_error::deserialize(item.node.value()).map_err(|error| {
+            let key = match error.path().to_string().as_str() {
+                "." => key.to_owned(),
+                inner => format!("{key}.{inner}"),
+            };
+            misread(&key, error.inner().message(), self.file, remedy).in_line(item.line)
+        })
+    }
+}
+
+impl<'t> Node<'t> {
+    /// Its keys, if it is a table.
+    #[must_use]
+    pub fn as_table(&self) -> Option<&Entries<'t>> {
+        match self {
+            Self::Table(entries) => Some(entries),
+            _ => None,
+        }
+    }
+
+    /// Its tables, if it is a list of such.
+    #[must_use]
+    pub fn as_tables(&self) -> Option<Vec<&Entries<'t>>> {
+        match self {
+            Self::List(list) => list.iter().map(|item| item.node.as_table()).collect(),
+            _ => None,
+        }
+    }
+
+    /// As a value without places.
+    #[must_use]
+    pub fn value(&self) -> Value {
+        match self {
+            Self::Table(entries) => {
+                let values = entries.iter();
+                Value::Table(
+                    values
+                        .map(|(key, item)| (key.clone(), item.node.value()))
+                        .collect(),
+                )
+            }
+            Self::List(list) => Value::Array(list.iter().map(|item| item.node.value()).collect()),
+            Self::Plain(value) => value.clone(),
+        }
+    }
+
+    /// What it is, in words.
+    #[must_use]
+    pub fn words(&self) -> String {
+        match self {
+            Self::Table(_) => "a table".to_owned(),
+            Self::List(list) if list.iter().any(|item| item.node.as_table().is_some()) => {
+                "a list of tables ([[...]])".to_owned()
+            }
+            Self::List(_) => "a list".to_owned(),
+            Self::Plain(Value::String(text)) => format!("the text {}", quoted(text)),
+            Self::Plain(Value::Float(number)) => number.to_string(),
+            Self::Plain(Value::Datetime(_)) => "a date".to_owned(),
+            Self::Plain(value) => value.to_string(),
+        }
+    }
+}
+
+fn entries<'t>(text: &'t str, lines: &[usize], table: DeTable<'t>) -> Result<Entries<'t>, Error> {
+    let mut entries = Vec::with_capacity(table.len());
+    for (key, value) in table {
+        let at = key.span().start;
+        let name = key.into_inner().into_owned();
+        entries.push((at, name, item(text, lines, at, value)?));
+    }
+    entries.sort_by_key(|(at, ..)| *at);
+    let sorted = entries.into_iter().map(|(_, key, item)| (key, item));
+    Ok(sorted.collect())
+}
+
+/// A value whose place in the text is `at`, bytes.
+fn item<'t>(
+    text: &'t str,
+    lines: &[usize],
+    at: usize,
+    value: Spanned<DeValue<'t>>,
+) -> Result<Item<'t>, Error> {
+    let span = value.span();
+    let own = text.get(span.clone()).unwrap_or_default();
+    let node = match value.into_inner() {
+        DeValue::Table(table) => Node::Table(entries(text, lines, table)?),
+        DeValue::Array(list) => {
+            let each = list.into_iter();
+            let each = each.map(|value| item(text, lines, value.span().start, value));
+            Node::List(each.collect::<Result<_, _>>()?)
+        }
+        plain => {
+            let value = Spanned::new(span, plain).into_deserializer();
+            Node::Plain(serde::Deserialize::deserialize(value)?)
+        }
+    };
+    Ok(Item {
+        line: 1 + lines.partition_point(|&end| end < at),
+        text: own,
+        node,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::Deserialize;
+
+    use super::*;
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    #[allow(dead_code, reason = "only its reading is of interest")]
+    struct Gear {
+        wheels: usize,
+    }
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    #[allow(dead_code, reason = "only its reading is of interest")]
+    struct File {
+        gear: Gear,
+    }
+
+    #[test]
+    fn faults_name_line_key_and_what_was_meant() {
+        for (text, line) in [
+            (
+                "\n[gear]\nwheel = 1",
+                "f, line 3: `gear.wheel` is no key here; did you mean `wheels`?",
+            ),
+            (
+                "[gear]\nwheels = \"a\"",
+                "f, line 2: `gear.wheels`: invalid type: string \"a\", expected usize; see",
+            ),
+            ("[gear]\n", "f, line 1: `gear`: missing field `wheels`; see"),
+            (
+                "gear = [",
+                "f, line 1: not valid TOML: unclosed array, expected `]`; see",
+            ),
+        ] {
+            let error = read::<File>(text, "f", "see").unwrap_err();
+            assert_eq!(error.to_string(), line);
+        }
+    }
+
+    #[test]
+    fn keys_keep_the_order_and_the_lines_of_the_file() {
+        let text = "z = [1,\n 2]\na.y = { q = 1e-6, b = 2 }\nc = 1979-05-27\na.x = 'x'\n";
+        let document = Document::parse(text, "f", "").unwrap();
+        let order = |entries: &Entries| {
+            let names = entries.iter().map(|(key, item)| (key.clone(), item.line));
+            names.collect::<Vec<_>>()
+        };
+        let named = |keys: &[(&str, usize)]| {
+            keys.iter()
+                .map(|(key, line)| ((*key).to_owned(), *line))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            order(&document.root),
+            named(&[("z", 1), ("a", 3), ("c", 4)])
+        );
+        let a = document.get("a").unwrap().node.as_table().unwrap();
+        assert_eq!(order(a), named(&[("y", 3), ("x", 5)]));
+        assert_eq!(a[0].1.text, "{ q = 1e-6, b = 2 }");
+        assert_eq!(document.get("z").unwrap().text, "[1,\n 2]");
+        assert_eq!(document.get("c").unwrap().node.words(), "a date");
+    }
+}

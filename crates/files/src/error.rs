@@ -1,0 +1,95 @@
+//! What can be wrong with a file that somebody wrote. Every message is one line: where, what, and the remedy.
+
+use std::fmt;
+
+/// A fault of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileError {
+    /// The file as the user named it.
+    pub file: String,
+    /// Line, the first being 1; `None` where the fault is in no line.
+    pub line: Option<usize>,
+    /// What is wrong, with the key where it is one.
+    pub what: String,
+    /// How to put it right.
+    pub remedy: String,
+}
+
+impl FileError {
+    /// A fault of the whole file.
+    pub fn new(file: &str, what: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self {
+            file: file.to_owned(),
+            line: None,
+            what: what.into(),
+            remedy: remedy.into(),
+        }
+    }
+
+    /// The same in a line.
+    #[must_use]
+    pub fn in_line(self, line: usize) -> Self {
+        Self {
+            line: Some(line),
+            ..self
+        }
+    }
+}
+
+impl fmt::Display for FileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&one_line(&self.file))?;
+        if let Some(line) = self.line {
+            write!(f, ", line {line}")?;
+        }
+        write!(f, ": {}; {}", one_line(&self.what), one_line(&self.remedy))
+    }
+}
+
+impl std::error::Error for FileError {}
+
+/// The text on one line, control characters made visible, cut where it gets out of hand.
+#[must_use]
+pub fn one_line(text: &str) -> String {
+    const LONGEST: usize = 400;
+    let mut line = String::new();
+    for (count, c) in text.chars().enumerate() {
+        if count == LONGEST {
+            line.push_str("...");
+            break;
+        }
+        match c {
+            '\n' | '\r' | '\t' => line.push(' '),
+            c if c.is_control() => line.extend(c.escape_default()),
+            c => line.push(c),
+        }
+    }
+    line
+}
+
+/// A user's own text inside a message: quoted, short.
+#[must_use]
+pub fn quoted(text: &str) -> String {
+    const LONGEST: usize = 40;
+    match text.char_indices().nth(LONGEST) {
+        Some((cut, _)) => format!("\"{}...\"", &text[..cut]),
+        None => format!("\"{text}\""),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_stay_on_one_line() {
+        let error = FileError::new("a\nb.toml", "is\r\nwrong\u{7}", "mend it").in_line(3);
+        assert_eq!(
+            error.to_string(),
+            "a b.toml, line 3: is  wrong\\u{7}; mend it"
+        );
+        assert!(one_line(&"x".repeat(10_000)).len() < 500);
+        assert_eq!(quoted("ab"), "\"ab\"");
+        assert!(quoted(&"é".repeat(100)).ends_with("...\""));
+    }
+}

@@ -1,0 +1,20 @@
+//! Files: what users write, read with line, key and remedy; what the program writes, whole or not at all.
+//!
+//! * [`read`]: a TOML file as a type of serde: maps of foreign data, manifests of solvers, the head of a sweep.
+//! * [`Document`]: a TOML file whose keys are in a table of data and not in a type: scenes, and what sweeps vary.
+//! * [`FileError`]: what is wrong, on one line, with its remedy; [`did_you_mean`] for mistyped names.
+//! * [`folder`]: outputs that take their place in one step and replace nothing of others; [`ownership`]: how they are known.
+//! * [`output`]: the files in them.
+
+mod document;
+mod error;
+mod fnv;
+pub mod folder;
+pub mod output;
+pub mod ownership;
+mod suggest;
+
+pub use document::{Document, Entries, Item, MOST_BYTES, Node, read, read_text};
+pub use error::{FileError, one_line, quoted};
+pub use fnv::{Fnv, fnv};
+pub use suggest::{did_you_mean, nearest};
