@@ -729,6 +729,7 @@ fn program_documents_name_what_is_there() {
     let (mut wrong, mut commands) = (Vec::new(), 0);
     for page in pages {
         let text = std::fs::read_to_string(&page).unwrap();
+        let text = text.replace("run: $PINWHEEL", "\npinwheel");
         let links = text
             .split("](")
             .skip(1)
