@@ -22,7 +22,7 @@ use pulp::Simd;
 
 use crate::lanes::{ComplexLanes, Lanes, Mask};
 use crate::search::Search;
-use crate::{Complex, Epitrochoid};
+use crate::{Complex, Epitrochoid, Real};
 
 /// Feet of several points; where `inside` is not set the values hold no meaning.
 #[derive(Debug, Clone, Copy)]

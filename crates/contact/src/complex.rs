@@ -6,7 +6,9 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// x + i y.
+use crate::Real;
+
+/// x + i y, of one pair of numbers or of several side by side ([`ComplexLanes`](crate::ComplexLanes)).
 ///
 /// ```
 /// use pinwheel_contact::Complex;
@@ -17,23 +19,97 @@ use std::ops::{Add, Mul, Neg, Sub};
 /// assert_eq!(Complex::new(3.0, 4.0).cross(Complex::new(0.0, 2.0)), 6.0);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Complex {
+pub struct Complex<R = f64> {
     /// Real part, x.
-    pub re: f64,
+    pub re: R,
     /// Imaginary part, y.
-    pub im: f64,
+    pub im: R,
+}
+
+impl<R> Complex<R> {
+    /// x + i y.
+    #[must_use]
+    #[inline(always)]
+    pub const fn new(re: R, im: R) -> Self {
+        Self { re, im }
+    }
+}
+
+impl<R: Real> Complex<R> {
+    /// x - i y: the inverse of a rotation.
+    #[must_use]
+    #[inline(always)]
+    pub fn conj(self) -> Self {
+        Self::new(self.re, -self.im)
+    }
+
+    /// Turned by +90 degrees.
+    #[must_use]
+    #[inline(always)]
+    pub fn turned(self) -> Self {
+        Self::new(-self.im, self.re)
+    }
+
+    /// Scalar product of two vectors.
+    #[must_use]
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> R {
+        self.re.mul_add(other.re, self.im * other.im)
+    }
+
+    /// z component of the vector product: the moment of the force `other` at the arm `self`.
+    #[must_use]
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> R {
+        self.re * other.im - self.im * other.re
+    }
+
+    /// self times the conjugate of another.
+    #[must_use]
+    #[inline(always)]
+    pub fn times_conj(self, other: Self) -> Self {
+        Self::new(self.dot(other), other.cross(self))
+    }
+
+    /// Scaled by a real factor.
+    #[must_use]
+    #[inline(always)]
+    pub fn scale(self, factor: R) -> Self {
+        Self::new(self.re * factor, self.im * factor)
+    }
+
+    /// self * factor + term.
+    #[must_use]
+    #[inline(always)]
+    pub fn scale_add(self, factor: R, term: Self) -> Self {
+        Self::new(
+            self.re.mul_add(factor, term.re),
+            self.im.mul_add(factor, term.im),
+        )
+    }
+
+    /// Power by squaring, exponent >= 1; for a unit number the rotation by `exponent` times its angle.
+    #[must_use]
+    #[inline(always)]
+    pub fn powu(self, mut exponent: u32) -> Self {
+        let mut base = self;
+        let mut power: Option<Self> = None;
+        loop {
+            if exponent & 1 == 1 {
+                power = Some(power.map_or(base, |p| p * base));
+            }
+            exponent >>= 1;
+            if exponent == 0 {
+                return power.unwrap_or(base);
+            }
+            base = base * base;
+        }
+    }
 }
 
 impl Complex {
     /// 1, the rotation by nothing.
     pub const ONE: Self = Self { re: 1.0, im: 0.0 };
-
-    /// x + i y.
-    #[must_use]
-    #[inline]
-    pub const fn new(re: f64, im: f64) -> Self {
-        Self { re, im }
-    }
 
     /// e^{i angle}.
     #[must_use]
@@ -57,44 +133,10 @@ impl Complex {
         }
     }
 
-    /// x - i y: the inverse of a rotation.
-    #[must_use]
-    #[inline]
-    pub const fn conj(self) -> Self {
-        Self {
-            re: self.re,
-            im: -self.im,
-        }
-    }
-
-    /// Turned by +90 degrees.
-    #[must_use]
-    #[inline]
-    pub const fn turned(self) -> Self {
-        Self {
-            re: -self.im,
-            im: self.re,
-        }
-    }
-
-    /// Scalar product of two vectors.
-    #[must_use]
-    #[inline]
-    pub const fn dot(self, other: Self) -> f64 {
-        self.re * other.re + self.im * other.im
-    }
-
-    /// z component of the vector product: the moment of the force `other` at the arm `self`.
-    #[must_use]
-    #[inline]
-    pub const fn cross(self, other: Self) -> f64 {
-        self.re * other.im - self.im * other.re
-    }
-
     /// Squared length.
     #[must_use]
     #[inline]
-    pub const fn norm2(self) -> f64 {
+    pub fn norm2(self) -> f64 {
         self.dot(self)
     }
 
@@ -112,31 +154,6 @@ impl Complex {
         self.im.atan2(self.re)
     }
 
-    /// Scaled by a real factor.
-    #[must_use]
-    #[inline]
-    pub const fn scale(self, factor: f64) -> Self {
-        Self {
-            re: self.re * factor,
-            im: self.im * factor,
-        }
-    }
-
-    /// Power by squaring; for a unit number the rotation by `exponent` times its angle.
-    #[must_use]
-    #[inline]
-    pub fn powu(self, mut exponent: u32) -> Self {
-        let (mut base, mut power) = (self, Self::ONE);
-        while exponent > 1 {
-            if exponent & 1 == 1 {
-                power = power * base;
-            }
-            base = base * base;
-            exponent >>= 1;
-        }
-        if exponent == 1 { power * base } else { power }
-    }
-
     /// As `[x, y]`.
     #[must_use]
     #[inline]
@@ -152,47 +169,38 @@ impl From<[f64; 2]> for Complex {
     }
 }
 
-impl Add for Complex {
+impl<R: Real> Add for Complex<R> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, o: Self) -> Self {
-        Self {
-            re: self.re + o.re,
-            im: self.im + o.im,
-        }
+        Self::new(self.re + o.re, self.im + o.im)
     }
 }
 
-impl Sub for Complex {
+impl<R: Real> Sub for Complex<R> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, o: Self) -> Self {
-        Self {
-            re: self.re - o.re,
-            im: self.im - o.im,
-        }
+        Self::new(self.re - o.re, self.im - o.im)
     }
 }
 
-impl Mul for Complex {
+impl<R: Real> Mul for Complex<R> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, o: Self) -> Self {
-        Self {
-            re: self.re * o.re - self.im * o.im,
-            im: self.re * o.im + self.im * o.re,
-        }
+        Self::new(
+            self.re.mul_add(o.re, -(self.im * o.im)),
+            self.re.mul_add(o.im, self.im * o.re),
+        )
     }
 }
 
-impl Neg for Complex {
+impl<R: Real> Neg for Complex<R> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
-        Self {
-            re: -self.re,
-            im: -self.im,
-        }
+        Self::new(-self.re, -self.im)
     }
 }
 

@@ -3,17 +3,17 @@
 //! `S` is the instruction set (pulp picks it when the program runs). A [`Lanes`] is two of its
 //! registers, whose latencies overlap: 8 doubles with AVX2, 2 on a machine without vectors.
 
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use pulp::Simd;
 use pulp::bytemuck::cast;
 
-use crate::Complex;
+use crate::{Complex, Real};
 
 /// Two registers of doubles.
 ///
 /// ```
-/// use pinwheel_contact::Lanes;
+/// use pinwheel_contact::{Lanes, Real};
 /// use pulp::Simd;
 ///
 /// /// Root of every value, several at a time, with what the processor has.
@@ -98,13 +98,6 @@ impl<S: Simd> Lanes<S> {
             simd,
             v: [simd.splat_f64s(x); 2],
         }
-    }
-
-    /// The same value in all lanes, of this instruction set.
-    #[must_use]
-    #[inline(always)]
-    pub fn like(self, x: f64) -> Self {
-        Self::splat(self.simd, x)
     }
 
     /// The first [`Lanes::COUNT`] values of a slice; lanes beyond its end are 0.
@@ -206,13 +199,6 @@ impl<S: Simd> Lanes<S> {
         pulp::bytemuck::cast_slice_mut(&mut self.v)
     }
 
-    /// Square roots.
-    #[must_use]
-    #[inline(always)]
-    pub fn sqrt(self) -> Self {
-        both!(self, k, self.simd.sqrt_f64s(self.v[k]))
-    }
-
     /// Inverse square roots of positive numbers, to 2 units of the last place: half of the exponent by integers, then
     /// Newton's steps of third order. Dividers and roots would take several times as long as these products.
     #[must_use]
@@ -252,29 +238,6 @@ impl<S: Simd> Lanes<S> {
         both!(self, k, self.simd.and_f64s(self.v[k], rest))
     }
 
-    /// self * factor + term, fused where that is one instruction.
-    #[must_use]
-    #[inline(always)]
-    pub fn mul_add(self, factor: Self, term: Self) -> Self {
-        both!(self, k, {
-            self.simd.mul_add_e_f64s(self.v[k], factor.v[k], term.v[k])
-        })
-    }
-
-    /// Larger of two.
-    #[must_use]
-    #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
-        both!(self, k, self.simd.max_f64s(self.v[k], other.v[k]))
-    }
-
-    /// Smaller of two.
-    #[must_use]
-    #[inline(always)]
-    pub fn min(self, other: Self) -> Self {
-        both!(self, k, self.simd.min_f64s(self.v[k], other.v[k]))
-    }
-
     /// Where `self < other`; false for NaN.
     #[must_use]
     #[inline(always)]
@@ -307,6 +270,48 @@ impl<S: Simd> Lanes<S> {
     pub fn sum(self) -> f64 {
         self.simd
             .reduce_sum_f64s(self.simd.add_f64s(self.v[0], self.v[1]))
+    }
+}
+
+impl<S: Simd> Real for Lanes<S> {
+    #[inline(always)]
+    fn like(self, x: f64) -> Self {
+        Self::splat(self.simd, x)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        both!(self, k, self.simd.sqrt_f64s(self.v[k]))
+    }
+
+    #[inline(always)]
+    fn powf(mut self, exponent: f64) -> Self {
+        for x in self.as_mut_slice() {
+            *x = x.powf(exponent);
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        both!(self, k, self.simd.max_f64s(self.v[k], other.v[k]))
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        both!(self, k, self.simd.min_f64s(self.v[k], other.v[k]))
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        both!(self, k, {
+            self.simd.mul_add_e_f64s(self.v[k], factor.v[k], term.v[k])
+        })
+    }
+
+    #[inline(always)]
+    fn below(self, limit: Self, yes: Self, no: Self) -> Self {
+        yes.or_where(self.less(limit), no)
     }
 }
 
@@ -410,6 +415,7 @@ macro_rules! operator {
 operator!(Add, add, add_f64s);
 operator!(Sub, sub, sub_f64s);
 operator!(Mul, mul, mul_f64s);
+operator!(Div, div, div_f64s);
 
 impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
@@ -442,23 +448,10 @@ const fn inverse_factorials(last: u32) -> [f64; 10] {
     of
 }
 
-/// Planar vectors or rotations; see [`Complex`].
-#[derive(Debug, Clone, Copy)]
-pub struct ComplexLanes<S: Simd> {
-    /// Real parts.
-    pub re: Lanes<S>,
-    /// Imaginary parts.
-    pub im: Lanes<S>,
-}
+/// Planar vectors or rotations, several side by side.
+pub type ComplexLanes<S> = Complex<Lanes<S>>;
 
 impl<S: Simd> ComplexLanes<S> {
-    /// From parts.
-    #[must_use]
-    #[inline(always)]
-    pub fn new(re: Lanes<S>, im: Lanes<S>) -> Self {
-        Self { re, im }
-    }
-
     /// All lanes alike.
     #[must_use]
     #[inline(always)]
@@ -493,7 +486,7 @@ impl<S: Simd> ComplexLanes<S> {
     /// e^{i angle}, to 2e-16: both series on [-pi/2, pi/2], turned by pi for odd multiples of it.
     #[must_use]
     #[inline(always)]
-    pub fn unit(angle: Lanes<S>) -> Self {
+    pub fn units(angle: Lanes<S>) -> Self {
         // Multiples up to here times the first two parts of pi are exact: parts of 32 bits [Cody & Waite 1980].
         const MOST: f64 = 3e6;
         const PI: [f64; 3] = [
@@ -534,100 +527,10 @@ impl<S: Simd> ComplexLanes<S> {
         unit
     }
 
-    /// Turned by +90 degrees.
-    #[must_use]
-    #[inline(always)]
-    pub fn turned(self) -> Self {
-        Self::new(-self.im, self.re)
-    }
-
-    /// Scalar products.
-    #[must_use]
-    #[inline(always)]
-    pub fn dot(self, o: Self) -> Lanes<S> {
-        self.re.mul_add(o.re, self.im * o.im)
-    }
-
-    /// Vector products.
-    #[must_use]
-    #[inline(always)]
-    pub fn cross(self, o: Self) -> Lanes<S> {
-        self.re * o.im - self.im * o.re
-    }
-
-    /// self times the conjugate of another.
-    #[must_use]
-    #[inline(always)]
-    pub fn times_conj(self, o: Self) -> Self {
-        Self::new(self.dot(o), o.cross(self))
-    }
-
-    /// Scaled lane by lane.
-    #[must_use]
-    #[inline(always)]
-    pub fn scale(self, factor: Lanes<S>) -> Self {
-        Self::new(self.re * factor, self.im * factor)
-    }
-
-    /// self * factor + term.
-    #[must_use]
-    #[inline(always)]
-    pub fn scale_add(self, factor: Lanes<S>, term: Self) -> Self {
-        Self::new(
-            self.re.mul_add(factor, term.re),
-            self.im.mul_add(factor, term.im),
-        )
-    }
-
     /// `self` where the mask is set, 0 elsewhere.
     #[must_use]
     #[inline(always)]
     pub fn only(self, mask: Mask<S>) -> Self {
         Self::new(self.re.only(mask), self.im.only(mask))
-    }
-
-    /// Power by squaring, exponent >= 1.
-    #[must_use]
-    #[inline(always)]
-    pub fn powu(self, mut exponent: u32) -> Self {
-        let mut base = self;
-        let mut power: Option<Self> = None;
-        loop {
-            if exponent & 1 == 1 {
-                power = Some(power.map_or(base, |p| p * base));
-            }
-            exponent >>= 1;
-            if exponent == 0 {
-                return power.unwrap_or(base);
-            }
-            base = base * base;
-        }
-    }
-}
-
-impl<S: Simd> Add for ComplexLanes<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, o: Self) -> Self {
-        Self::new(self.re + o.re, self.im + o.im)
-    }
-}
-
-impl<S: Simd> Sub for ComplexLanes<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, o: Self) -> Self {
-        Self::new(self.re - o.re, self.im - o.im)
-    }
-}
-
-impl<S: Simd> Mul for ComplexLanes<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, o: Self) -> Self {
-        Self::new(
-            self.re.mul_add(o.re, -(self.im * o.im)),
-            self.re.mul_add(o.im, self.im * o.re),
-        )
     }
 }

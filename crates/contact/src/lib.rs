@@ -60,6 +60,7 @@ mod hole;
 mod lanes;
 pub mod laws;
 mod points;
+mod real;
 mod search;
 
 pub use closest_lanes::{FeetLanes, LocalFeet};
@@ -74,3 +75,4 @@ pub use laws::{
     NormalLaw, PaperConservative, PaperLaw, PaperPrinted, Ramp,
 };
 pub use points::{HolePoints, ProfilePoints, Vertex};
+pub use real::Real;

@@ -1,6 +1,6 @@
 //! Functions of lanes against the standard library, by every instruction set there is.
 
-use pinwheel_contact::{Complex, ComplexLanes, Lanes, Mask};
+use pinwheel_contact::{Complex, ComplexLanes, Lanes, Mask, Real};
 use pulp::Simd;
 
 #[derive(Clone, Copy)]
@@ -13,7 +13,7 @@ impl pulp::WithSimd for Functions<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         for group in self.0.chunks(Lanes::<S>::COUNT) {
             let x = Lanes::load(simd, group);
-            let (unit, root) = (ComplexLanes::unit(x), x.abs().inverse_sqrt());
+            let (unit, root) = (ComplexLanes::units(x), x.abs().inverse_sqrt());
             for (k, &x) in group.iter().enumerate() {
                 let off = (unit.lane(k) - Complex::unit(x)).norm();
                 assert!(off < 4e-16, "e^i {x}: off by {off:e}");
@@ -179,7 +179,7 @@ fn vectors<S: Simd>(simd: S) {
         assert!(off.abs() < 8e-15, "{off:e}");
         let off = a.cross(b).as_slice()[k] - (x.re * y.im - x.im * y.re);
         assert!(off.abs() < 8e-15, "{off:e}");
-        let unit = ComplexLanes::unit(a.re);
+        let unit = ComplexLanes::units(a.re);
         for exponent in 1..20 {
             let exact = Complex::unit(f64::from(exponent) * x.re);
             let off = (unit.powu(exponent).lane(k) - exact).norm();

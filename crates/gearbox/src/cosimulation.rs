@@ -12,16 +12,14 @@
 //! are summed over all bodies and slopes are differences: more evaluations, the same motion.
 
 use pinwheel_mbs::integrators::{Legs, StepCounts, StepSettings, Stepper};
-use pinwheel_mbs::sliding::{Contact, RateStage};
-use pinwheel_mbs::{
-    BodyState, ContactEnergy, Driver, Forces, Formulation, Jacobian, Motion, Reduced, Wrench,
-};
+use pinwheel_mbs::sliding::Contact;
+use pinwheel_mbs::{Ask, BodyState, Driver, Forces, Formulation, Motion, Reduced, Sums, Wrench};
 use serde::{Deserialize, Serialize};
 
 use crate::auto::{self, AUTO};
 use crate::channels::{LawPairs, Seen};
 use crate::contacts::ContactField;
-use crate::friction::GearForces;
+use crate::forces::GearForces;
 use crate::load_course;
 use crate::scene::{self, Drive};
 use crate::{Gearbox, GearboxError, Layout, Recorder, guard};
@@ -108,38 +106,24 @@ impl Forces for HeldForces {
         self.add(time, loads);
     }
 
-    fn apply_held(
-        &mut self,
-        time: f64,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-        observed: bool,
-    ) -> Option<ContactEnergy> {
-        let energy = self.gear.apply_held(time, bodies, loads, observed);
-        self.add(time, loads);
-        energy
-    }
-
-    fn moments(&mut self, time: f64, bodies: &[BodyState], moments: &mut [f64]) -> bool {
-        let known = self.usual && self.gear.moments(time, bodies, moments);
-        if known {
+    fn evaluate(&mut self, time: f64, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
+        // Moments alone lack those of the input, which then is free.
+        let is_partial = sums.slopes.is_some() || sums.moments.is_some() && sums.loads.is_none();
+        if is_partial && !self.usual || !self.gear.evaluate(time, bodies, ask, sums) {
+            return false;
+        }
+        if let Some(loads) = &mut sums.loads {
+            self.add(time, loads);
+        }
+        if let Some(moments) = &mut sums.moments {
+            moments[Layout::INPUT] += self.input.at(time);
             moments[Layout::OUTPUT] += self.output.at(time);
         }
-        known
-    }
-
-    fn observed_moments(
-        &mut self,
-        time: f64,
-        bodies: &[BodyState],
-        moments: &mut [f64],
-        loads: &mut [Wrench],
-    ) -> Option<ContactEnergy> {
-        let energy = self.gear.observed_moments(time, bodies, moments, loads)?;
-        moments[Layout::INPUT] += self.input.at(time);
-        moments[Layout::OUTPUT] += self.output.at(time);
-        self.add(time, loads);
-        Some(energy)
+        if let Some(slopes) = &mut sums.slopes {
+            // The output is the first of the free bodies.
+            slopes.parts_mut().2[0] += self.output.slope;
+        }
+        true
     }
 
     fn apply_without_friction(
@@ -152,31 +136,6 @@ impl Forces for HeldForces {
         self.gear
             .apply_without_friction(time, bodies, loads, contacts);
         self.add(time, loads);
-    }
-
-    fn solve_friction(
-        &mut self,
-        time: f64,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-        stage: &mut RateStage<'_>,
-    ) -> Option<bool> {
-        if !self.usual {
-            return None;
-        }
-        let solved = self.gear.solve_friction(time, bodies, loads, stage)?;
-        self.add(time, loads);
-        Some(solved)
-    }
-
-    fn moment_slopes(&mut self, time: f64, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
-        let known = self.usual && self.gear.moment_slopes(time, bodies, slopes);
-        if known {
-            // The output is the first of the free bodies.
-            let (_, _, by_time) = slopes.parts_mut();
-            by_time[0] += self.output.slope;
-        }
-        known
     }
 
     fn enter_leg(&mut self, from: f64) {
@@ -566,6 +525,8 @@ fn start(gearbox: &Gearbox, setup: &Setup) -> Result<Vec<BodyState>, GearboxErro
 
 #[cfg(test)]
 mod tests {
+    use pinwheel_mbs::{Jacobian, Pose};
+
     use super::*;
     use crate::native;
     use crate::scene::Scene;
@@ -688,33 +649,13 @@ mod tests {
                 usual,
             };
             let mut slopes = Jacobian::new(&structure, 6);
-            let known = forces.moment_slopes(0.1, &bodies, &mut slopes);
+            let (ask, mut sums) = (Ask::of(Pose::Prescribed), Sums::of_slopes(&mut slopes));
+            let known = forces.evaluate(0.1, &bodies, ask, &mut sums);
             known.then(|| slopes.parts_mut().2[0])
         };
         let (level, rising) = (by_time(0.0, true).unwrap(), by_time(500.0, true).unwrap());
         assert!((rising - level - 500.0).abs() < 1e-9, "{level} {rising}");
         assert_eq!(by_time(500.0, false), None);
-    }
-
-    /// Without its short cuts a gear that rubs moves as with them.
-    #[test]
-    fn friction_without_short_cuts_is_the_same() {
-        let sets = [
-            "contact.friction_coefficient=0.1",
-            "solver.integrator=imex2",
-            "solver.step_s=1e-5",
-        ];
-        let gear = gearbox(&sets, &[]);
-        let [one, other] = [true, false].map(|usual| {
-            let mut unit = CoSimulation::new(&gear, Setup::of(&gear.scene.drive)).unwrap();
-            unit.system.forces_mut().usual = usual;
-            unit.advance(0.001).unwrap();
-            let mut row = Vec::new();
-            unit.observe(&mut row);
-            row
-        });
-        let off = apart(&one, &other);
-        assert!(off < 1e-9, "{off:e}");
     }
 
     /// An importer's tolerance is the method's.

@@ -9,7 +9,7 @@ use crate::channels::{LawPairs, Seen};
 use crate::contacts::{ContactEnergy, ContactField};
 use crate::due::Due;
 use crate::energy::EnergyAccount;
-use crate::friction::GearForces;
+use crate::forces::GearForces;
 use crate::load_course;
 use crate::pace::{Limits, Pace};
 use crate::scene;

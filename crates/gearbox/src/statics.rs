@@ -19,7 +19,7 @@ use newton::NEAR_STEPS;
 
 pub use closed_forms::{LinearMesh, LinearOutput, smallest_convex_radius};
 
-use pinwheel_mbs::{BodyState, Jacobian, Wrench};
+use pinwheel_mbs::{Ask, BodyState, Jacobian, Pose, Sums, Wrench};
 
 use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
@@ -156,10 +156,13 @@ impl<'a> Statics<'a> {
         self.evaluations += 1;
         self.loads.fill(Wrench::default());
         self.slopes.clear();
-        let (loads, slopes) = (&mut self.loads, &mut self.slopes);
+        let mut sums = Sums {
+            slopes: Some(&mut self.slopes),
+            ..Sums::of_loads(&mut self.loads)
+        };
         let sloped = self
             .field
-            .add_loads_with_slopes(&self.bodies, loads, slopes);
+            .evaluate(&self.bodies, Ask::of(Pose::Any), &mut sums);
         sloped.then(|| self.summed(out))
     }
 

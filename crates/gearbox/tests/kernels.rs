@@ -5,8 +5,8 @@ mod brute;
 
 use pinwheel_contact::Complex;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::contacts::{ContactEnergy, Kernel, PairContact};
-use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, Kernel, PairContact};
+use pinwheel_mbs::{Ask, BodyState, Pose, Sums, Wrench};
 use pinwheel_scene::{CheckedScene, Layout, Scene, Sleeve};
 use proptest::prelude::*;
 
@@ -45,8 +45,25 @@ fn both(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> (Vec<Wrench>
     gearbox.kernel = kernel;
     let mut loads = vec![Wrench::default(); bodies.len()];
     let mut field = gearbox.contact_field().unwrap();
-    let energy = field.add_loads_with_energy(bodies, &mut loads);
+    let mut sums = Sums::of_loads(&mut loads);
+    field.evaluate(bodies, Ask::with_energy(Pose::Any), &mut sums);
+    let energy = sums.energy.unwrap();
     (loads, energy)
+}
+
+/// Moments, loads and energy from angles and rates alone; `None` if the field cannot tell them.
+fn from_angles(
+    field: &mut dyn ContactField,
+    bodies: &[BodyState],
+    moments: &mut [f64],
+    loads: &mut [Wrench],
+) -> Option<ContactEnergy> {
+    let mut sums = Sums {
+        moments: Some(moments),
+        ..Sums::of_loads(loads)
+    };
+    field.evaluate(bodies, Ask::with_energy(Pose::AnglesOnly), &mut sums);
+    sums.energy
 }
 
 /// Moments about the pins, and loads with energies, from angles and rates alone.
@@ -60,18 +77,18 @@ fn held(
     let mut field = gearbox.contact_field().unwrap();
     let mut loads = vec![Wrench::default(); bodies.len()];
     let mut moments = vec![0.0; bodies.len()];
-    let known = field.add_moments(bodies, &mut moments);
-    let energy = field.add_held_loads(bodies, &mut loads, true).unwrap();
+    let mut sums = Sums::of_moments(&mut moments);
+    let known = field.evaluate(bodies, Ask::of(Pose::AnglesOnly), &mut sums);
+    let mut sums = Sums::of_loads(&mut loads);
+    field.evaluate(bodies, Ask::with_energy(Pose::Prescribed), &mut sums);
+    let energy = sums.energy.unwrap();
     let (mut all, mut written) = (vec![0.0; bodies.len()], loads.clone());
-    written.fill(Wrench {
-        fx: f64::NAN,
-        ..Wrench::default()
-    });
-    let held = field.hold(bodies, &mut all, &mut written);
+    written.fill(Wrench::default());
+    let held = from_angles(field.as_mut(), bodies, &mut all, &mut written);
     assert_eq!(held, known.then_some(energy));
     if known {
         assert_eq!(written, loads, "one way to the loads");
-        // What add_moments tells, but for the input.
+        // What moments alone tell, but for the input.
         let largest = all.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         moments[Layout::INPUT] = all[Layout::INPUT];
         for (a, b) in moments.iter().zip(&all) {
@@ -353,7 +370,8 @@ fn fields_know_no_history() {
                 let found = [&mut field, &mut new].map(|field| {
                     let mut loads = vec![Wrench::default(); bodies.len()];
                     let mut moments = vec![0.0; bodies.len()];
-                    let energy = field.hold(&bodies, &mut moments, &mut loads).unwrap();
+                    let energy =
+                        from_angles(field.as_mut(), &bodies, &mut moments, &mut loads).unwrap();
                     (moments, loads, energy)
                 });
                 assert_eq!(found[0], found[1], "{preset} {kernel:?} {k}");
@@ -421,7 +439,8 @@ fn hard_levers_find_what_touches() {
             bodies[Layout::OUTPUT].angle = 0.0;
             let mut found = [0; 2].map(|_| vec![Wrench::default(); bodies.len()]);
             fields[0].add_loads(&bodies, &mut found[0]);
-            fields[1].add_held_loads(&bodies, &mut found[1], false);
+            let (ask, mut sums) = (Ask::of(Pose::Prescribed), Sums::of_loads(&mut found[1]));
+            fields[1].evaluate(&bodies, ask, &mut sums);
             for body in gearbox.layout.external_bodies() {
                 let [a, b] = [0, 1].map(|k| found[k][body].fx.hypot(found[k][body].fy));
                 touching += u64::from(a > 0.0);

@@ -1,10 +1,7 @@
-//! Implicit friction in lanes against the contact-by-contact way through `pinwheel_mbs::sliding`, its oracle.
+//! Implicit friction of contacts that were listed in lanes against that of contacts found one by one.
 
-use pinwheel_gearbox::contacts::{ContactField, Kernel};
-use pinwheel_gearbox::statics::Statics;
+use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_gearbox::{Gearbox, native};
-use pinwheel_mbs::sliding::RateStage;
-use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::{Override, Scene};
 
 fn columns(scene: &Scene, kernel: Kernel) -> Vec<Vec<f64>> {
@@ -68,54 +65,5 @@ fn lanes_equal_contact_by_contact() {
         }
         println!("{preset}, {wheels} wheels, {more:?}: {worst:.1e}");
         assert!(worst < 1e-10, "{preset}, {wheels} wheels: {worst:e}");
-    }
-}
-
-/// A stage of `field` at these states: rates and accelerations, and the loads without friction.
-fn stage(
-    field: &mut dyn ContactField,
-    bodies: &[BodyState],
-) -> (Vec<f64>, Vec<f64>, Vec<f64>, Vec<Wrench>) {
-    let free = &bodies[1..];
-    let mut rates: Vec<f64> = free.iter().map(|b| b.rate).collect();
-    let inertia = vec![1e-3; free.len()];
-    let (mut explicit, mut implicit) = (vec![0.0; free.len()], vec![0.0; free.len()]);
-    let mut loads = vec![Wrench::default(); bodies.len()];
-    let mut stage = RateStage {
-        a: 1e-5,
-        rates: &mut rates,
-        inertia: &inertia,
-        explicit: &mut explicit,
-        implicit: &mut implicit,
-        newton_steps: 0,
-    };
-    assert_eq!(
-        field.solve_friction(bodies, &mut loads, &mut stage),
-        Some(true)
-    );
-    (rates, explicit, implicit, loads)
-}
-
-/// Contacts of the stage before leave nothing behind, those on the other side of the gear neither.
-#[test]
-fn a_stage_forgets_the_one_before() {
-    let sets = ["contact.friction_coefficient=0.1", "gear.wheels=3"];
-    let sets = sets.map(|set| set.parse().unwrap());
-    let mut gearbox = Gearbox::new(&Scene::load("forty-pins", &sets).unwrap()).unwrap();
-    let mut statics = Statics::new(&gearbox).unwrap();
-    let mut poses = [0.3, 2.4].map(|phi| statics.solve(phi, 22.0).unwrap().bodies);
-    for bodies in &mut poses {
-        for (k, body) in bodies.iter_mut().enumerate().skip(1) {
-            body.rate += (k % 5) as f64 - 2.0;
-        }
-    }
-    for kernel in [Kernel::Lanes, Kernel::Avx2, Kernel::Portable] {
-        gearbox.kernel = kernel;
-        let [mut used, mut fresh] = [(); 2].map(|()| gearbox.contact_field().unwrap());
-        let first = stage(used.as_mut(), &poses[0]);
-        let then = stage(used.as_mut(), &poses[1]);
-        let alone = stage(fresh.as_mut(), &poses[1]);
-        assert_ne!(first.0, then.0);
-        assert_eq!(then, alone, "{kernel:?}");
     }
 }

@@ -3,7 +3,9 @@
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactField, Kernel};
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_mbs::{BodyState, Forces, Jacobian, OdeSystem, Reduced, Structure, Wrench};
+use pinwheel_mbs::{
+    Ask, BodyState, Forces, Jacobian, OdeSystem, Pose, Reduced, Structure, Sums, Wrench,
+};
 use pinwheel_scene::Scene;
 use proptest::prelude::*;
 
@@ -15,8 +17,8 @@ impl Forces for Contacts {
         self.0.add_loads(bodies, loads);
     }
 
-    fn moment_slopes(&mut self, _: f64, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
-        self.0.add_slopes(bodies, slopes)
+    fn evaluate(&mut self, _: f64, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
+        sums.moments.is_none() && self.0.evaluate(bodies, ask, sums)
     }
 }
 
@@ -304,12 +306,17 @@ fn one_pass_gives_what_two_give() {
         };
         for phi in [0.0, 0.4, 1.7] {
             let bodies = statics.solve(phi, 15.0).unwrap().bodies;
+            let ask = Ask::of(Pose::Any);
             let new = || Jacobian::new(&structure, 2 * free);
             let (mut loads, mut slopes) = (vec![Wrench::default(); bodies.len()], new());
             field.add_loads(&bodies, &mut loads);
-            assert!(field.add_slopes(&bodies, &mut slopes));
+            assert!(field.evaluate(&bodies, ask, &mut Sums::of_slopes(&mut slopes)));
             let (mut both, mut of_both) = (vec![Wrench::default(); bodies.len()], new());
-            assert!(field.add_loads_with_slopes(&bodies, &mut both, &mut of_both));
+            let mut sums = Sums {
+                slopes: Some(&mut of_both),
+                ..Sums::of_loads(&mut both)
+            };
+            assert!(field.evaluate(&bodies, ask, &mut sums));
             assert!(loads.iter().any(|load| load.fx != 0.0));
             assert_eq!(loads, both, "{preset} {kernel:?}");
             let (position, of_both) = (slopes.position().unwrap(), of_both.position().unwrap());

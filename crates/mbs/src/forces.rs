@@ -1,62 +1,108 @@
 //! What acts on the bodies of a mechanism.
 
-use crate::sliding::{Contact, RateStage};
-use crate::{BodyState, ContactEnergy, Jacobian};
+use crate::sliding::Contact;
+use crate::{BodyState, ContactEnergy, Jacobian, Wrench};
+
+/// How far the bodies of an evaluation can be relied upon.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pose {
+    /// Anywhere: the joints may be off by the integrator's error.
+    Any,
+    /// Every body stands and moves as its joints prescribe, which forces may make use of.
+    Prescribed,
+    /// As [`Prescribed`](Self::Prescribed), but only angles and rates are set: carried bodies were not put in place.
+    AnglesOnly,
+}
+
+/// What is asked of an evaluation besides the sums that are there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ask {
+    /// Of the bodies.
+    pub pose: Pose,
+    /// Whether the energy of the contacts is wanted, if the forces know it.
+    pub energy: bool,
+}
+
+impl Ask {
+    /// Without the energy of the contacts.
+    #[must_use]
+    pub fn of(pose: Pose) -> Self {
+        let energy = false;
+        Self { pose, energy }
+    }
+
+    /// With the energy of the contacts.
+    #[must_use]
+    pub fn with_energy(pose: Pose) -> Self {
+        let energy = true;
+        Self { pose, energy }
+    }
+}
+
+/// What an evaluation adds to; what is `None` is not asked for.
+#[derive(Debug, Default)]
+pub struct Sums<'a> {
+    /// Loads on all bodies, in their order: ground frame, N and N m about the centre of mass. With a prescribed pose they
+    /// hold 0 on entry.
+    pub loads: Option<&'a mut [Wrench]>,
+    /// Moments about the pins by body, N m, loads of carried bodies included: of the free bodies of
+    /// [`Reduced`](crate::Reduced), and where `loads` are asked for too also of the driven ones.
+    pub moments: Option<&'a mut [f64]>,
+    /// How these moments change with the free angles (N m/rad), the free rates (N m s/rad) and the time (N m/s), in the order
+    /// of [`Reduced::free_bodies`](crate::Reduced::free_bodies).
+    pub slopes: Option<&'a mut Jacobian>,
+    /// Energy of the contacts: written where it is asked for and known.
+    pub energy: Option<ContactEnergy>,
+}
+
+impl<'a> Sums<'a> {
+    /// Loads alone.
+    pub fn of_loads(loads: &'a mut [Wrench]) -> Self {
+        Self {
+            loads: Some(loads),
+            ..Self::default()
+        }
+    }
+
+    /// Moments alone.
+    pub fn of_moments(moments: &'a mut [f64]) -> Self {
+        Self {
+            moments: Some(moments),
+            ..Self::default()
+        }
+    }
+
+    /// Slopes alone.
+    pub fn of_slopes(slopes: &'a mut Jacobian) -> Self {
+        Self {
+            slopes: Some(slopes),
+            ..Self::default()
+        }
+    }
+}
 
 /// Applied loads as a function of time and of all bodies' states.
 pub trait Forces {
     /// Adds every applied load to `loads` (body order of the mechanism).
-    fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [crate::Wrench]);
+    fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]);
 
-    /// [`apply`](Self::apply) for a state that is looked at, with the contacts' energy if that is cheaper to tell
-    /// now than later. The loads are the same.
-    fn apply_observed(
-        &mut self,
-        time: f64,
-        bodies: &[BodyState],
-        loads: &mut [crate::Wrench],
-    ) -> Option<ContactEnergy> {
-        self.apply(time, bodies, loads);
-        None
-    }
-
-    /// [`apply`](Self::apply), or where the state is `observed` [`apply_observed`](Self::apply_observed), with every body
-    /// standing and moving as its joints hold it, which forces may make use of.
-    fn apply_held(
-        &mut self,
-        time: f64,
-        bodies: &[BodyState],
-        loads: &mut [crate::Wrench],
-        observed: bool,
-    ) -> Option<ContactEnergy> {
-        if observed {
-            return self.apply_observed(time, bodies, loads);
+    /// Adds to what `sums` holds. False: these forces cannot tell it from such a pose, and nothing was added; the caller asks
+    /// for loads of bodies that are in place, which all forces know.
+    ///
+    /// By default forces know their loads, and those alone.
+    fn evaluate(&mut self, time: f64, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
+        match sums {
+            Sums {
+                loads: Some(loads),
+                moments: None,
+                slopes: None,
+                ..
+            } if ask.pose != Pose::AnglesOnly => {
+                self.apply(time, bodies, loads);
+                true
+            }
+            _ => false,
         }
-        self.apply(time, bodies, loads);
-        None
-    }
-
-    /// Adds the moments about the pins (N m, by body) of the free bodies of [`Reduced`](crate::Reduced), loads of carried
-    /// bodies included, from the angles and rates of `bodies` alone: carried bodies were not put in place.
-    ///
-    /// False, the default, and nothing was added: bodies will be put in place and their loads asked for.
-    fn moments(&mut self, _time: f64, _bodies: &[BodyState], _moments: &mut [f64]) -> bool {
-        false
-    }
-
-    /// Writes every applied load to `loads` and adds the moments about the pins (N m, by body) of all bodies of
-    /// [`Reduced`](crate::Reduced) that turn, driven ones included, for a state that is looked at; from the angles and rates of
-    /// `bodies` alone, as [`moments`](Self::moments). The answer is the contacts' energy.
-    ///
-    /// `None`, the default, and nothing was touched: [`apply_held`](Self::apply_held) will be asked for.
-    fn observed_moments(
-        &mut self,
-        _time: f64,
-        _bodies: &[BodyState],
-        _moments: &mut [f64],
-        _loads: &mut [crate::Wrench],
-    ) -> Option<ContactEnergy> {
-        None
     }
 
     /// Adds every applied load but the friction of contacts, and lists these contacts.
@@ -66,35 +112,11 @@ pub trait Forces {
         &mut self,
         time: f64,
         bodies: &[BodyState],
-        loads: &mut [crate::Wrench],
+        loads: &mut [Wrench],
         contacts: &mut Vec<Contact>,
     ) {
         contacts.clear();
         self.apply(time, bodies, loads);
-    }
-
-    /// Adds every applied load but the friction of contacts, and solves the friction of a stage.
-    ///
-    /// `Some(solved)` from forces that do so by a faster way than listing their contacts; the result must
-    /// be that of [`SlidingStage`](crate::sliding::SlidingStage). `None`, the default, and nothing is
-    /// touched: the contacts will be asked for by [`apply_without_friction`](Self::apply_without_friction).
-    fn solve_friction(
-        &mut self,
-        _time: f64,
-        _bodies: &[BodyState],
-        _loads: &mut [crate::Wrench],
-        _stage: &mut RateStage<'_>,
-    ) -> Option<bool> {
-        None
-    }
-
-    /// Adds to `slopes` how the moments about the pins change with the free angles (N m/rad), the free rates (N m s/rad) and
-    /// the time (N m/s), rows and columns in the order of [`Reduced::free_bodies`](crate::Reduced::free_bodies).
-    ///
-    /// A moment about a pin is that of [`Reduced`](crate::Reduced): loads of carried bodies included. False, the default, and
-    /// nothing was added: they are not known.
-    fn moment_slopes(&mut self, _time: f64, _bodies: &[BodyState], _slopes: &mut Jacobian) -> bool {
-        false
     }
 
     /// From now on the loads are those of the leg which begins at `from` (s), at its end too, until the next call;

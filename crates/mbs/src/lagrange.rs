@@ -16,12 +16,12 @@ use std::iter::zip;
 
 use nalgebra::Vector3;
 
-use crate::forces::Forces;
+use crate::forces::{Ask, Forces, Pose, Sums};
 use crate::mechanism::{Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
 use crate::pinned::PinnedContacts;
 use crate::saddle::{Dependent, SaddlePoint, redundant};
-use crate::state::{BodyState, Wrench};
+use crate::state::{BodyState, ContactEnergy, Wrench};
 use crate::tree::{Arms, Forest, turned};
 use turning::{Settled, Turning};
 
@@ -351,14 +351,22 @@ impl<F: Forces> Lagrange<F> {
 
     /// Loads, factorisation and solution at the unpacked bodies.
     fn evaluate(&mut self, t: f64) -> Result<(), usize> {
-        self.loads.fill(Wrench::default());
-        if self.stabilisation == Stabilisation::Projection {
-            self.forces
-                .apply_held(t, &self.bodies, &mut self.loads, false);
-        } else {
-            self.forces.apply(t, &self.bodies, &mut self.loads);
-        }
+        self.sum_loads(t, false);
         self.accelerate(t)
+    }
+
+    /// The applied loads at the unpacked bodies; the contacts' energy if it is asked for and known.
+    fn sum_loads(&mut self, t: f64, energy: bool) -> Option<ContactEnergy> {
+        self.loads.fill(Wrench::default());
+        let pose = if self.stabilisation == Stabilisation::Projection {
+            Pose::Prescribed
+        } else {
+            Pose::Any
+        };
+        let mut sums = Sums::of_loads(&mut self.loads);
+        self.forces
+            .evaluate(t, &self.bodies, Ask { pose, energy }, &mut sums);
+        sums.energy
     }
 
     /// Accelerations and multipliers under the loads.
@@ -468,13 +476,7 @@ impl<F: Forces> Formulation for Lagrange<F> {
 
     fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
         self.prepare(t, y);
-        self.loads.fill(Wrench::default());
-        let energy = if self.stabilisation == Stabilisation::Projection {
-            self.forces
-                .apply_held(t, &self.bodies, &mut self.loads, true)
-        } else {
-            self.forces.apply_observed(t, &self.bodies, &mut self.loads)
-        };
+        let energy = self.sum_loads(t, true);
         let solved = self.accelerate(t).is_ok();
         for k in 0..self.reactions.len() {
             let mu = self.saddle.constraints()[k];

@@ -4,7 +4,7 @@
 //! carried one also swings about its carrier's pin. What turns at a prescribed rate is an offset.
 
 use crate::forces::Forces;
-use crate::sliding::{Contact, RateStage, Row, SlidingStage};
+use crate::sliding::{Contact, Row, SlidingStage};
 use crate::state::{BodyId, BodyState};
 
 /// What moves a body's angle.
@@ -80,21 +80,9 @@ impl PinnedContacts {
         self.stage.solve(a, guess, rates, law)
     }
 
-    /// Solves a stage and adds up its accelerations. False if there is no solution.
-    pub fn solve_stage<F: Forces>(
-        &mut self,
-        bodies: &[BodyState],
-        forces: &F,
-        stage: &mut RateStage<'_>,
-    ) -> bool {
-        let before = self.newton_steps();
-        let solved = self.solve(stage.a, stage.implicit, bodies, forces, stage.rates);
-        stage.newton_steps = self.newton_steps() - before;
-        if solved {
-            stage.implicit.fill(0.0);
-            self.stage.accelerate(stage.explicit, stage.implicit);
-        }
-        solved
+    /// See [`SlidingStage::accelerate`]: in the free rates.
+    pub(crate) fn accelerate(&self, e: &mut [f64], i: &mut [f64]) {
+        self.stage.accelerate(e, i);
     }
 
     /// See [`SlidingStage::newton_steps`].

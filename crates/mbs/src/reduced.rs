@@ -15,12 +15,11 @@
 //! Friction may be treated implicitly ([`OdeSystem::split_stage`]): a contact's sliding speed is
 //! linear in the free rates, `u = offset + J v`, and `-J' F_t` is what its friction does to them.
 
-use crate::forces::Forces;
+use crate::forces::{Ask, Forces, Pose, Sums};
 use crate::jacobian::{Jacobian, Structure};
 use crate::mechanism::{Mechanism, MechanismError, Motion};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
 use crate::pinned::{Angle, PinnedContacts};
-use crate::sliding::RateStage;
 use crate::state::{BodyId, BodyState, ContactEnergy, Wrench};
 
 /// A body carried by another.
@@ -46,9 +45,7 @@ pub struct Reduced<F> {
     /// Kinetic energy of their turning, J.
     idle_j: f64,
     leaves: Vec<BodyId>,
-    /// Of the free bodies.
-    free_inertia: Vec<f64>,
-    /// Their inverses: a division for every body and evaluation would be a tenth of the time of a small gear.
+    /// Inverses of those of the free bodies: a division for every body and evaluation would be a tenth of the time of a small gear.
     free_inverse: Vec<f64>,
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
@@ -59,7 +56,6 @@ pub struct Reduced<F> {
     torques: Vec<f64>,
     contacts: PinnedContacts,
     scales: Option<ErrorScales>,
-    newton_steps: u64,
     /// Forces of the revolutes on their children; empty unless wanted.
     reactions: Vec<[f64; 2]>,
     /// What the bodies carry, of all reactions: scratch.
@@ -159,7 +155,6 @@ impl<F: Forces> Reduced<F> {
         let moving: Vec<f64> = free.iter().map(|&body| inertia[body]).collect();
         Ok(Self {
             scales: None,
-            newton_steps: 0,
             reactions: Vec::new(),
             borne: Vec::new(),
             evaluated: Evaluated {
@@ -168,7 +163,6 @@ impl<F: Forces> Reduced<F> {
             },
             contacts: PinnedContacts::new(angles.clone(), carrier_of, free.clone(), moving.clone()),
             free_inverse: moving.iter().map(|inertia| inertia.recip()).collect(),
-            free_inertia: moving,
             leaves: Vec::new(),
             forces,
             angles,
@@ -296,17 +290,20 @@ impl<F: Forces> Reduced<F> {
         self.turn(t, y);
         self.evaluated.placed = false;
         self.moments.fill(0.0);
-        let (bodies, moments) = (&self.bodies, &mut self.moments);
-        let told = self
-            .forces
-            .observed_moments(t, bodies, moments, &mut self.loads);
-        self.evaluated.energy = told;
-        if told.is_none() {
+        self.loads.fill(Wrench::default());
+        let mut sums = Sums {
+            moments: Some(&mut self.moments),
+            ..Sums::of_loads(&mut self.loads)
+        };
+        let ask = Ask::with_energy(Pose::AnglesOnly);
+        if self.forces.evaluate(t, &self.bodies, ask, &mut sums) {
+            self.evaluated.energy = sums.energy;
+        } else {
             self.put(t);
-            self.loads.fill(Wrench::default());
-            self.evaluated.energy = self
-                .forces
-                .apply_held(t, &self.bodies, &mut self.loads, true);
+            let mut sums = Sums::of_loads(&mut self.loads);
+            let ask = Ask::with_energy(Pose::Prescribed);
+            self.forces.evaluate(t, &self.bodies, ask, &mut sums);
+            self.evaluated.energy = sums.energy;
             self.sum_moments();
         }
         for (torque, driver) in self.torques.iter_mut().zip(&self.mechanism.drivers) {
@@ -426,7 +423,9 @@ impl<F: Forces> OdeSystem for Reduced<F> {
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.turn(t, y);
         self.moments.fill(0.0);
-        if !self.forces.moments(t, &self.bodies, &mut self.moments) {
+        let mut sums = Sums::of_moments(&mut self.moments);
+        let ask = Ask::of(Pose::AnglesOnly);
+        if !self.forces.evaluate(t, &self.bodies, ask, &mut sums) {
             self.carry();
             self.loads.fill(Wrench::default());
             self.forces.apply(t, &self.bodies, &mut self.loads);
@@ -445,30 +444,16 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         self.loads.fill(Wrench::default());
         let n = self.free.len();
         e.fill(0.0);
-        i[..n].fill(0.0);
-        let mut stage = RateStage {
-            a,
-            rates: &mut y[n..],
-            inertia: &self.free_inertia,
-            explicit: &mut e[n..],
-            implicit: &mut i[n..],
-            newton_steps: 0,
-        };
-        let solved = self
-            .forces
-            .solve_friction(t, &self.bodies, &mut self.loads, &mut stage);
-        let solved = solved.unwrap_or_else(|| {
-            let listed = self.contacts.listed_mut();
-            self.forces
-                .apply_without_friction(t, &self.bodies, &mut self.loads, listed);
-            self.contacts
-                .solve_stage(&self.bodies, &self.forces, &mut stage)
-        });
-        self.newton_steps += stage.newton_steps;
-        if !solved {
+        let listed = self.contacts.listed_mut();
+        self.forces
+            .apply_without_friction(t, &self.bodies, &mut self.loads, listed);
+        let (bodies, guess, rates) = (&self.bodies, &i[n..], &mut y[n..]);
+        if !self.contacts.solve(a, guess, bodies, &self.forces, rates) {
             e.fill(f64::NAN);
             return;
         }
+        i.fill(0.0);
+        self.contacts.accelerate(&mut e[n..], &mut i[n..]);
         self.sum_moments();
         for (k, &body) in self.free.iter().enumerate() {
             e[n + k] += self.moments[body] * self.free_inverse[k];
@@ -484,7 +469,9 @@ impl<F: Forces> OdeSystem for Reduced<F> {
 
     fn jacobian(&mut self, t: f64, y: &[f64], jacobian: &mut Jacobian) -> bool {
         self.place(t, y);
-        let known = self.forces.moment_slopes(t, &self.bodies, jacobian);
+        let ask = Ask::of(Pose::Prescribed);
+        let mut sums = Sums::of_slopes(jacobian);
+        let known = self.forces.evaluate(t, &self.bodies, ask, &mut sums);
         if known {
             jacobian.scale_rows(&self.free_inverse);
         }
@@ -529,7 +516,7 @@ impl<F: Forces> Formulation for Reduced<F> {
     }
 
     fn newton_steps(&self) -> u64 {
-        self.newton_steps
+        self.contacts.newton_steps()
     }
 
     fn joint_error(&mut self, _t: f64, _y: &[f64]) -> f64 {

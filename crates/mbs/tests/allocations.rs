@@ -2,8 +2,8 @@
 
 use pinwheel_mbs::integrators::{METHODS, StepSettings, Stepper, start};
 use pinwheel_mbs::{
-    Body, BodyState, Driver, Forces, Formulation, Jacobian, Lagrange, Mechanism, Motion, Reduced,
-    Revolute, Stabilisation, Wrench,
+    Ask, Body, BodyState, Driver, Forces, Formulation, Lagrange, Mechanism, Motion, Reduced,
+    Revolute, Stabilisation, Sums, Wrench,
 };
 
 /// A spring on every angle.
@@ -18,9 +18,14 @@ impl Forces for Springs {
     }
 
     /// Near enough: methods that ask for slopes shall use them.
-    fn moment_slopes(&mut self, _: f64, _: &[BodyState], slopes: &mut Jacobian) -> bool {
-        let (position, ..) = slopes.parts_mut();
-        let Some(position) = position else {
+    fn evaluate(&mut self, t: f64, bodies: &[BodyState], _: Ask, sums: &mut Sums<'_>) -> bool {
+        if let Some(loads) = &mut sums.loads {
+            self.apply(t, bodies, loads);
+        }
+        let Some(slopes) = &mut sums.slopes else {
+            return sums.moments.is_none();
+        };
+        let Some(position) = slopes.parts_mut().0 else {
             return false;
         };
         for k in 0..position.dimension() {

@@ -5,7 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::integrators::{StepSettings, start};
 use pinwheel_mbs::sliding::{Arrowhead, Contact, Row, SlidingProblem, Slip};
 use pinwheel_mbs::{
-    Body, BodyState, Forces, Formulation, Jacobian, Mechanism, OdeSystem, Reduced, Revolute, Wrench,
+    Ask, Body, BodyState, Forces, Formulation, Mechanism, OdeSystem, Reduced, Revolute, Sums,
+    Wrench,
 };
 use proptest::prelude::*;
 
@@ -131,7 +132,13 @@ impl Forces for Brake {
         loads[1].moment += 2.0 * RADIUS * friction;
     }
 
-    fn moment_slopes(&mut self, _: f64, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
+    fn evaluate(&mut self, t: f64, bodies: &[BodyState], _: Ask, sums: &mut Sums<'_>) -> bool {
+        if let Some(loads) = &mut sums.loads {
+            self.apply(t, bodies, loads);
+        }
+        let Some(slopes) = &mut sums.slopes else {
+            return sums.moments.is_none();
+        };
         let levers = [RADIUS, 2.0 * RADIUS];
         let sliding = levers[0] * bodies[0].rate + levers[1] * bodies[1].rate;
         if sliding.abs() < self.ramp {

@@ -4,6 +4,7 @@
 //! exponent e is 1.5 here; the damping reaches c_max at the depth d.
 
 use super::{LawInfo, LawParameters, NormalLaw, step};
+use crate::Real;
 
 /// IMPACT with exponent 1.5.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,20 +18,21 @@ pub struct AdamsImpact {
 }
 
 impl NormalLaw for AdamsImpact {
-    #[inline]
-    fn force(&self, _hertz: f64, penetration: f64, rate: f64) -> f64 {
-        let elastic = self.stiffness * penetration * penetration.sqrt();
+    #[inline(always)]
+    fn force<R: Real>(&self, _hertz: R, penetration: R, rate: R) -> R {
+        let elastic = rate.like(self.stiffness) * penetration * penetration.sqrt();
         let damping = step(penetration, 0.0, 0.0, self.depth, self.damping);
-        (elastic + damping * rate).max(0.0)
+        (elastic + damping * rate).max(rate.like(0.0))
     }
 
-    #[inline]
-    fn stored(&self, _hertz: f64, penetration: f64) -> f64 {
-        self.stiffness * penetration * penetration * penetration.sqrt() / 2.5
+    #[inline(always)]
+    fn stored<R: Real>(&self, _hertz: R, penetration: R) -> R {
+        let power = penetration.like(self.stiffness) * penetration * penetration;
+        power * penetration.sqrt() / power.like(2.5)
     }
 
-    #[inline]
-    fn along(&self, _penetration: f64) -> Option<f64> {
+    #[inline(always)]
+    fn along<R: Real>(&self, _penetration: R) -> Option<R> {
         None
     }
 

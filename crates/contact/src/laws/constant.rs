@@ -3,6 +3,7 @@
 //! What engineering software offers, and the simplest law with a potential.
 
 use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, Ramp};
+use crate::Real;
 
 /// Eq. 20 with constant K.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,22 +17,22 @@ pub struct ConstantStiffness {
 }
 
 impl NormalLaw for ConstantStiffness {
-    #[inline]
-    fn force(&self, _hertz: f64, penetration: f64, rate: f64) -> f64 {
+    #[inline(always)]
+    fn force<R: Real>(&self, _hertz: R, penetration: R, rate: R) -> R {
         let paper = PaperLaw {
             damping: self.damping,
             ramp: self.ramp,
         };
-        paper.force(self.stiffness, penetration, rate)
+        paper.force(rate.like(self.stiffness), penetration, rate)
     }
 
-    #[inline]
-    fn stored(&self, _hertz: f64, penetration: f64) -> f64 {
-        self.stiffness * self.ramp.integral(penetration)
+    #[inline(always)]
+    fn stored<R: Real>(&self, _hertz: R, penetration: R) -> R {
+        penetration.like(self.stiffness) * self.ramp.integral(penetration)
     }
 
-    #[inline]
-    fn along(&self, _penetration: f64) -> Option<f64> {
+    #[inline(always)]
+    fn along<R: Real>(&self, _penetration: R) -> Option<R> {
         None
     }
 

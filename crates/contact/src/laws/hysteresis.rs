@@ -14,6 +14,7 @@
 //! ```
 
 use super::NormalLaw;
+use crate::Real;
 
 /// A law of the family.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,19 +34,20 @@ impl Hysteresis {
 }
 
 impl NormalLaw for Hysteresis {
-    #[inline]
-    fn force(&self, stiffness: f64, penetration: f64, rate: f64) -> f64 {
+    #[inline(always)]
+    fn force<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> R {
+        let c = |x: f64| rate.like(x);
         let elastic = stiffness * penetration * penetration.sqrt();
-        (elastic * (1.0 + self.per_speed * rate)).max(0.0)
+        (elastic * (c(1.0) + c(self.per_speed) * rate)).max(c(0.0))
     }
 
-    #[inline]
-    fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
-        stiffness * penetration * penetration * penetration.sqrt() / 2.5
+    #[inline(always)]
+    fn stored<R: Real>(&self, stiffness: R, penetration: R) -> R {
+        stiffness * penetration * penetration * penetration.sqrt() / stiffness.like(2.5)
     }
 
-    #[inline]
-    fn along(&self, _penetration: f64) -> Option<f64> {
+    #[inline(always)]
+    fn along<R: Real>(&self, _penetration: R) -> Option<R> {
         None
     }
 }

@@ -4,6 +4,7 @@
 //! mm and F in N, so `K_L = H (1000/3.84e-5)^(10/9) L^(8/9)`, N/m^(10/9), whatever the radii; H as for the other laws.
 
 use super::{LawInfo, LawParameters, NormalLaw, Ramp};
+use crate::Real;
 
 /// Palmgren's law with the paper's damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,19 +28,21 @@ impl LineContact {
 }
 
 impl NormalLaw for LineContact {
-    #[inline]
-    fn force(&self, _hertz: f64, penetration: f64, rate: f64) -> f64 {
-        let elastic = self.stiffness * penetration.powf(10.0 / 9.0);
-        (elastic + self.ramp.at(penetration) * self.damping * rate).max(0.0)
+    #[inline(always)]
+    fn force<R: Real>(&self, _hertz: R, penetration: R, rate: R) -> R {
+        let c = |x: f64| rate.like(x);
+        let elastic = c(self.stiffness) * penetration.powf(10.0 / 9.0);
+        (elastic + self.ramp.at(penetration) * c(self.damping) * rate).max(c(0.0))
     }
 
-    #[inline]
-    fn stored(&self, _hertz: f64, penetration: f64) -> f64 {
-        self.stiffness * penetration.powf(19.0 / 9.0) * (9.0 / 19.0)
+    #[inline(always)]
+    fn stored<R: Real>(&self, _hertz: R, penetration: R) -> R {
+        let c = |x: f64| penetration.like(x);
+        c(self.stiffness) * penetration.powf(19.0 / 9.0) * c(9.0 / 19.0)
     }
 
-    #[inline]
-    fn along(&self, _penetration: f64) -> Option<f64> {
+    #[inline(always)]
+    fn along<R: Real>(&self, _penetration: R) -> Option<R> {
         None
     }
 

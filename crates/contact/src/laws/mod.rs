@@ -2,7 +2,7 @@
 //!
 //! One file a law; each opens with its equation and source, implements [`NormalLaw`], and has `INFO` (what it is, for
 //! users) and `new` (the law of a scene's parameters). One line below registers it, and everything follows from that
-//! line: [`LAWS`], [`Law`] with its forces, energy, force along the profile and lanes, [`Law::named`], and
+//! line: [`LAWS`], [`Law`] with its forces, energy and force along the profile, [`Law::named`], and
 //! [`Law::visit`], by which loops are compiled for each law.
 
 mod adams_impact;
@@ -23,9 +23,7 @@ mod ramp;
 mod registry;
 mod response;
 
-use pulp::Simd;
-
-use crate::lanes::Lanes;
+use crate::Real;
 
 pub use adams_impact::AdamsImpact;
 pub use constant::ConstantStiffness;
@@ -101,15 +99,19 @@ pub fn hysteresis_factor(name: &str, restitution: f64) -> Option<f64> {
 
 /// STEP of the Adams solver: h0 below x0, h1 above x1, a smooth cubic between.
 #[must_use]
-#[inline]
-pub fn step(x: f64, x0: f64, h0: f64, x1: f64, h1: f64) -> f64 {
-    let s = ((x - x0) / (x1 - x0)).clamp(0.0, 1.0);
-    h0 + (h1 - h0) * s * s * (3.0 - 2.0 * s)
+#[inline(always)]
+pub fn step<R: Real>(x: R, x0: f64, h0: f64, x1: f64, h1: f64) -> R {
+    let c = |v: f64| x.like(v);
+    let s = ((x - c(x0)) / c(x1 - x0)).max(c(0.0)).min(c(1.0));
+    c(h0) + c(h1 - h0) * s * s * (c(3.0) - c(2.0) * s)
 }
 
 #[cfg(test)]
 mod tests {
+    use pulp::Simd;
+
     use super::*;
+    use crate::Lanes;
 
     /// Every law at the default parameters.
     fn each() -> impl Iterator<Item = (&'static str, Law)> {
@@ -213,12 +215,12 @@ mod tests {
             let splat = |x: f64| Lanes::splat(simd, x);
             for depth in [1e-7, 4e-6, 1e-5, 3e-5, 4e-4] {
                 for rate in [-0.3, 0.0, 1e-4, 0.3] {
-                    let lanes = law.force_lanes(splat(9e7), splat(depth), splat(rate));
+                    let lanes = law.force(splat(9e7), splat(depth), splat(rate));
                     same(lanes, law.force(9e7, depth, rate));
                 }
-                let stored = law.stored_lanes(splat(9e7), splat(depth));
+                let stored = law.stored(splat(9e7), splat(depth));
                 same(stored, law.stored(9e7, depth));
-                match (law.along_lanes(splat(depth)), law.along(depth)) {
+                match (law.along(splat(depth)), law.along(depth)) {
                     (Some(lanes), Some(value)) => same(lanes, value),
                     (lanes, value) => assert!(lanes.is_none() && value.is_none(), "{name}"),
                 }

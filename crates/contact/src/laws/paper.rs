@@ -4,10 +4,8 @@
 //! Because K varies along the profile while the force is normal only, the law has no potential and
 //! creates about 1 % energy on the paper's gear.
 
-use pulp::Simd;
-
 use super::{LawInfo, LawParameters, NormalLaw, Ramp};
-use crate::lanes::Lanes;
+use crate::Real;
 
 /// Eq. 20.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,38 +17,21 @@ pub struct PaperLaw {
 }
 
 impl NormalLaw for PaperLaw {
-    #[inline]
-    fn force(&self, stiffness: f64, penetration: f64, rate: f64) -> f64 {
-        let elastic = stiffness * penetration * penetration.sqrt();
-        (self.ramp.at(penetration) * (elastic + self.damping * rate)).max(0.0)
+    #[inline(always)]
+    fn force<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> R {
+        let c = |x: f64| rate.like(x);
+        let elastic = stiffness * (penetration * penetration.sqrt());
+        (self.ramp.at(penetration) * rate.mul_add(c(self.damping), elastic)).max(c(0.0))
     }
 
-    #[inline]
-    fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
+    #[inline(always)]
+    fn stored<R: Real>(&self, stiffness: R, penetration: R) -> R {
         stiffness * self.ramp.integral(penetration)
     }
 
-    #[inline]
-    fn along(&self, _penetration: f64) -> Option<f64> {
+    #[inline(always)]
+    fn along<R: Real>(&self, _penetration: R) -> Option<R> {
         None
-    }
-
-    #[inline(always)]
-    fn force_lanes<S: Simd>(
-        &self,
-        stiffness: Lanes<S>,
-        penetration: Lanes<S>,
-        rate: Lanes<S>,
-    ) -> Lanes<S> {
-        let c = |x: f64| rate.like(x);
-        let elastic = stiffness * (penetration * penetration.sqrt());
-        (self.ramp.lanes(penetration) * rate.mul_add(c(self.damping), elastic)).max(c(0.0))
-    }
-
-    #[inline(always)]
-    fn stored_lanes<S: Simd>(&self, stiffness: Lanes<S>, penetration: Lanes<S>) -> Lanes<S> {
-        let power = penetration * penetration.sqrt();
-        stiffness * self.ramp.integral_lanes(penetration, power)
     }
 }
 

@@ -9,10 +9,8 @@
 //! that centre, with its reaction on the wheel at the same point; the part along the profile is what
 //! the paper leaves out. It needs dK/da, so it exists for exact detection only.
 
-use pulp::Simd;
-
 use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, Ramp};
-use crate::lanes::Lanes;
+use crate::Real;
 
 /// Eq. 20 with the missing part of the gradient.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,40 +33,19 @@ impl PaperConservative {
 }
 
 impl NormalLaw for PaperConservative {
-    #[inline]
-    fn force(&self, stiffness: f64, penetration: f64, rate: f64) -> f64 {
+    #[inline(always)]
+    fn force<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> R {
         self.normal().force(stiffness, penetration, rate)
     }
 
-    #[inline]
-    fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
+    #[inline(always)]
+    fn stored<R: Real>(&self, stiffness: R, penetration: R) -> R {
         self.normal().stored(stiffness, penetration)
     }
 
-    #[inline]
-    fn along(&self, penetration: f64) -> Option<f64> {
+    #[inline(always)]
+    fn along<R: Real>(&self, penetration: R) -> Option<R> {
         Some(self.ramp.integral(penetration))
-    }
-
-    #[inline(always)]
-    fn force_lanes<S: Simd>(
-        &self,
-        stiffness: Lanes<S>,
-        penetration: Lanes<S>,
-        rate: Lanes<S>,
-    ) -> Lanes<S> {
-        self.normal().force_lanes(stiffness, penetration, rate)
-    }
-
-    #[inline(always)]
-    fn stored_lanes<S: Simd>(&self, stiffness: Lanes<S>, penetration: Lanes<S>) -> Lanes<S> {
-        self.normal().stored_lanes(stiffness, penetration)
-    }
-
-    #[inline(always)]
-    fn along_lanes<S: Simd>(&self, penetration: Lanes<S>) -> Option<Lanes<S>> {
-        let power = penetration * penetration.sqrt();
-        Some(self.ramp.integral_lanes(penetration, power))
     }
 }
 

@@ -4,6 +4,7 @@
 //! published model does; use the law `paper` for results.
 
 use super::{LawInfo, LawParameters, NormalLaw, Ramp};
+use crate::Real;
 
 /// Eq. 20 without a maximum.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,19 +17,19 @@ pub struct PaperPrinted {
 
 impl NormalLaw for PaperPrinted {
     /// May be negative, unlike every other law's.
-    #[inline]
-    fn force(&self, stiffness: f64, penetration: f64, rate: f64) -> f64 {
+    #[inline(always)]
+    fn force<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> R {
         let elastic = stiffness * penetration * penetration.sqrt();
-        self.ramp.at(penetration) * (elastic + self.damping * rate)
+        self.ramp.at(penetration) * (elastic + rate.like(self.damping) * rate)
     }
 
-    #[inline]
-    fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
+    #[inline(always)]
+    fn stored<R: Real>(&self, stiffness: R, penetration: R) -> R {
         stiffness * self.ramp.integral(penetration)
     }
 
-    #[inline]
-    fn along(&self, _penetration: f64) -> Option<f64> {
+    #[inline(always)]
+    fn along<R: Real>(&self, _penetration: R) -> Option<R> {
         None
     }
 }

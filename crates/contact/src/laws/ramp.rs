@@ -1,16 +1,15 @@
 //! S of Eq. 22, by which forces set in over the first bit of a penetration.
 
-use pulp::Simd;
+use crate::Real;
 
-use crate::lanes::Lanes;
-
-/// S: 0 below 0, 1 above its width, linear between. With what the contact loops would divide and take roots for.
+/// S: 0 at 0, 1 above its width, linear between. With what the contact loops would divide and take roots for.
 ///
 /// ```
 /// use pinwheel_contact::laws::Ramp;
 ///
 /// let ramp = Ramp::new(1e-5);
-/// assert_eq!([-1e-6, 5e-6, 1e-4].map(|depth| ramp.at(depth)), [0.0, 0.5, 1.0]);
+/// assert!((ramp.at(5e-6) - 0.5_f64).abs() < 1e-15);
+/// assert_eq!(ramp.at(1e-4), 1.0);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ramp {
@@ -31,39 +30,20 @@ impl Ramp {
         }
     }
 
-    /// S at a penetration `x`, m.
+    /// S at a penetration `x` > 0, m.
     #[must_use]
-    #[inline]
-    pub fn at(&self, x: f64) -> f64 {
-        (x / self.width).clamp(0.0, 1.0)
+    #[inline(always)]
+    pub fn at<R: Real>(&self, x: R) -> R {
+        (x * x.like(self.inverse)).min(x.like(1.0))
     }
 
     /// Integral of S x^1.5 from 0 to `x` >= 0, m^2.5.
     #[must_use]
-    #[inline]
-    pub(crate) fn integral(&self, x: f64) -> f64 {
-        let power = x * x * x.sqrt();
-        if x < self.width {
-            power * x / (3.5 * self.width)
-        } else {
-            power / 2.5 - self.missing
-        }
-    }
-
-    /// S of several penetrations above 0.
-    #[must_use]
     #[inline(always)]
-    pub(crate) fn lanes<S: Simd>(&self, x: Lanes<S>) -> Lanes<S> {
-        (x * x.like(self.inverse)).min(x.like(1.0))
-    }
-
-    /// The integrals of several, whose x^1.5 is `power`.
-    #[must_use]
-    #[inline(always)]
-    pub(crate) fn integral_lanes<S: Simd>(&self, x: Lanes<S>, power: Lanes<S>) -> Lanes<S> {
-        let power = power * x;
-        let risen = power * (self.lanes(x) * x.like(1.0 / 3.5));
+    pub(crate) fn integral<R: Real>(&self, x: R) -> R {
+        let power = x * x.sqrt() * x;
+        let risen = power * (self.at(x) * x.like(1.0 / 3.5));
         let beyond = power.mul_add(x.like(1.0 / 2.5), x.like(-self.missing));
-        risen.or_where(x.less(x.like(self.width)), beyond)
+        x.below(x.like(self.width), risen, beyond)
     }
 }

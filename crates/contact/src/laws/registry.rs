@@ -41,22 +41,22 @@ macro_rules! registry {
         }
 
         impl NormalLaw for Law {
-            #[inline]
-            fn force(&self, stiffness: f64, penetration: f64, rate: f64) -> f64 {
+            #[inline(always)]
+            fn force<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> R {
                 match self {
                     $(Self::$law(law) => law.force(stiffness, penetration, rate)),*
                 }
             }
 
-            #[inline]
-            fn stored(&self, stiffness: f64, penetration: f64) -> f64 {
+            #[inline(always)]
+            fn stored<R: Real>(&self, stiffness: R, penetration: R) -> R {
                 match self {
                     $(Self::$law(law) => law.stored(stiffness, penetration)),*
                 }
             }
 
-            #[inline]
-            fn along(&self, penetration: f64) -> Option<f64> {
+            #[inline(always)]
+            fn along<R: Real>(&self, penetration: R) -> Option<R> {
                 match self {
                     $(Self::$law(law) => law.along(penetration)),*
                 }
@@ -70,44 +70,9 @@ macro_rules! registry {
             }
 
             #[inline(always)]
-            fn force_lanes<S: Simd>(
-                &self,
-                stiffness: Lanes<S>,
-                penetration: Lanes<S>,
-                rate: Lanes<S>,
-            ) -> Lanes<S> {
+            fn observed<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> [R; 3] {
                 match self {
-                    $(Self::$law(law) => law.force_lanes(stiffness, penetration, rate)),*
-                }
-            }
-
-            #[inline(always)]
-            fn stored_lanes<S: Simd>(
-                &self,
-                stiffness: Lanes<S>,
-                penetration: Lanes<S>,
-            ) -> Lanes<S> {
-                match self {
-                    $(Self::$law(law) => law.stored_lanes(stiffness, penetration)),*
-                }
-            }
-
-            #[inline(always)]
-            fn observed_lanes<S: Simd>(
-                &self,
-                stiffness: Lanes<S>,
-                penetration: Lanes<S>,
-                rate: Lanes<S>,
-            ) -> [Lanes<S>; 3] {
-                match self {
-                    $(Self::$law(law) => law.observed_lanes(stiffness, penetration, rate)),*
-                }
-            }
-
-            #[inline(always)]
-            fn along_lanes<S: Simd>(&self, penetration: Lanes<S>) -> Option<Lanes<S>> {
-                match self {
-                    $(Self::$law(law) => law.along_lanes(penetration)),*
+                    $(Self::$law(law) => law.observed(stiffness, penetration, rate)),*
                 }
             }
         }

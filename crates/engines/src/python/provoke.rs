@@ -1,7 +1,8 @@
 //! Faults on purpose, for tests that a guard sees them. Not used by the program.
 
-use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, PairContact};
-use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_contact::Law;
+use pinwheel_gearbox::contacts::{ContactField, PairContact};
+use pinwheel_mbs::{Ask, BodyState, Sums};
 use pinwheel_scene::{CheckedScene, Sleeve};
 
 use super::engine::PythonEngine;
@@ -46,23 +47,20 @@ struct Faulty {
 }
 
 impl ContactField for Faulty {
-    fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
-        self.field.add_loads(bodies, loads);
+    fn evaluate(&mut self, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
+        let told = self.field.evaluate(bodies, ask, sums);
         self.calls += 1;
         let factor = match self.fault {
             Fault::NotANumber(from) if self.calls >= from => f64::NAN,
             Fault::TooLarge(from, factor) if self.calls >= from => factor,
-            _ => return,
+            _ => return told,
         };
-        for load in loads {
+        for load in sums.loads.iter_mut().flat_map(|loads| loads.iter_mut()) {
             load.fx *= factor;
             load.fy *= factor;
             load.moment *= factor;
         }
-    }
-
-    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
-        self.field.energy(bodies)
+        told
     }
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
@@ -73,7 +71,7 @@ impl ContactField for Faulty {
         self.field.nearest(bodies, wheel, sleeve)
     }
 
-    fn normal_force(&self, pair: &PairContact, rate: f64) -> f64 {
-        self.field.normal_force(pair, rate)
+    fn law(&self) -> &Law {
+        self.field.law()
     }
 }

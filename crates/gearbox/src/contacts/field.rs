@@ -1,8 +1,8 @@
 //! The contact forces of a whole gearbox as a function of its bodies' states.
 
+use pinwheel_contact::{Law, NormalLaw};
 pub use pinwheel_mbs::ContactEnergy;
-use pinwheel_mbs::sliding::RateStage;
-use pinwheel_mbs::{BodyState, Jacobian, Wrench};
+use pinwheel_mbs::{Ask, BodyState, Pose, Sums, Wrench};
 
 use crate::Sleeve;
 
@@ -48,70 +48,35 @@ impl PairContact {
         );
         [-fn_ * nx - ft * ny, -fn_ * ny + ft * nx]
     }
+
+    /// F_n of a pair that touches, N, if it closed at `rate` (m/s) at the same positions.
+    #[must_use]
+    pub fn normal_force_at(&self, law: &Law, rate: f64) -> f64 {
+        law.force(self.stiffness, self.penetration_m, rate)
+    }
+
+    /// Adds what the pair stores and dissipates.
+    pub(super) fn add_energy(&self, law: &Law, sum: &mut ContactEnergy) {
+        let (stiffness, depth) = (self.stiffness, self.penetration_m);
+        let elastic = self.normal_force_at(law, 0.0);
+        sum.stored_j += law.stored(stiffness, depth);
+        sum.damping_w += (self.normal_force_n - elastic) * self.normal_rate_m_s;
+        sum.friction_w -= self.friction_force_n * self.tangential_rate_m_s;
+    }
 }
 
-/// Contact forces of a gearbox. `bodies` and `loads` are in [`Layout`](crate::Layout) order.
+/// Contact forces of a gearbox. `bodies` and loads are in [`Layout`](crate::Layout) order.
 ///
 /// Implementations keep no history: the same states give the same bits.
 pub trait ContactField: Send {
-    /// Adds every body's contact load (force, and moment about the centre of mass) to `loads`.
-    fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]);
-
-    /// What the contacts store and dissipate at these states.
-    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy;
-
-    /// Both at once.
-    fn add_loads_with_energy(
-        &mut self,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-    ) -> ContactEnergy {
-        self.add_loads(bodies, loads);
-        self.energy(bodies)
-    }
-
-    /// Adds the contacts' moments about the pins of wheels and output (N m, by body) where every body stands where its joints
-    /// hold it: only angles and rates are read. False, the default, and nothing was added, if this field has no such way.
-    fn add_moments(&mut self, _bodies: &[BodyState], _moments: &mut [f64]) -> bool {
-        false
-    }
-
-    /// From angles and rates alone, as [`add_moments`](Self::add_moments): writes the contacts' loads on all bodies to `loads` and
-    /// adds their moments about the pins of wheels, output and input. `None`, the default, and nothing was touched, if this
-    /// field has no such way.
-    fn hold(
-        &mut self,
-        _bodies: &[BodyState],
-        _moments: &mut [f64],
-        _loads: &mut [Wrench],
-    ) -> Option<ContactEnergy> {
-        None
-    }
-
-    /// [`add_loads`](Self::add_loads), or where the state is `observed`
-    /// [`add_loads_with_energy`](Self::add_loads_with_energy).
-    fn add_asked_loads(
-        &mut self,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-        observed: bool,
-    ) -> Option<ContactEnergy> {
-        if observed {
-            return Some(self.add_loads_with_energy(bodies, loads));
-        }
-        self.add_loads(bodies, loads);
-        None
-    }
-
-    /// The same with every body standing where its joints hold it, to `loads` of 0 on wheels and sleeves.
-    fn add_held_loads(
-        &mut self,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-        observed: bool,
-    ) -> Option<ContactEnergy> {
-        self.add_asked_loads(bodies, loads, observed)
-    }
+    /// Adds to what `sums` holds: loads (force, and moment about the centre of mass), moments about the pins and their
+    /// slopes, and writes what the contacts store and dissipate. False: this field cannot tell it from such a pose, and
+    /// nothing was added. Loads of bodies in place are known to all; moments need no friction. See
+    /// [`Forces::evaluate`](pinwheel_mbs::Forces::evaluate).
+    ///
+    /// Slopes are those where the input turns at a constant rate. Free are all bodies but the input, in their order, and
+    /// without friction the output and the wheels alone.
+    fn evaluate(&mut self, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool;
 
     /// Visits every touching pair (penetration > 0), wheel by wheel, external before internal.
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact));
@@ -120,36 +85,18 @@ pub trait ContactField: Send {
     /// For looking at single pairs: away from contact it searches the whole curve.
     fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact;
 
-    /// F_n of a pair that [`touching`](Self::touching) found, N, if it closed at `rate` (m/s) at the same positions.
-    fn normal_force(&self, pair: &PairContact, rate: f64) -> f64;
+    /// The law of all pairs.
+    fn law(&self) -> &Law;
 
-    /// Adds every load but friction and solves the friction of a stage, if this field has a way of its own;
-    /// else `None`, and nothing was touched. See [`Forces::solve_friction`](pinwheel_mbs::Forces::solve_friction).
-    fn solve_friction(
-        &mut self,
-        _bodies: &[BodyState],
-        _loads: &mut [Wrench],
-        _stage: &mut RateStage<'_>,
-    ) -> Option<bool> {
-        None
+    /// Adds every body's contact load to `loads`.
+    fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
+        self.evaluate(bodies, Ask::of(Pose::Any), &mut Sums::of_loads(loads));
     }
 
-    /// Adds to `slopes` how the moments about the pins change with the free angles, the free rates and the time, where the
-    /// input turns at a constant rate; false, and nothing was added, if this field has no way to. See
-    /// [`Forces::moment_slopes`](pinwheel_mbs::Forces::moment_slopes). Free are all bodies but the input, in their order,
-    /// and without friction the output and the wheels alone.
-    fn add_slopes(&mut self, _bodies: &[BodyState], _slopes: &mut Jacobian) -> bool {
-        false
-    }
-
-    /// [`add_loads`](Self::add_loads) and [`add_slopes`](Self::add_slopes) at once; the answer is the latter's.
-    fn add_loads_with_slopes(
-        &mut self,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-        slopes: &mut Jacobian,
-    ) -> bool {
-        self.add_loads(bodies, loads);
-        self.add_slopes(bodies, slopes)
+    /// What the contacts store and dissipate at these states.
+    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
+        let (law, mut sum) = (*self.law(), ContactEnergy::default());
+        self.touching(bodies, &mut |pair| pair.add_energy(&law, &mut sum));
+        sum
     }
 }

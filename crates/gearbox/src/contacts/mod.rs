@@ -131,7 +131,7 @@ impl LawVisitor for Build<'_> {
             }
             Detection::Exact => {
                 let exact = Exact::new(scene, geometry, &law);
-                Box::new(Pairs::new(scene, geometry, law, exact))
+                Box::new(Pairs::new(scene, geometry, law, any, exact))
             }
             // A force along the profile needs the slope of K, which points do not have.
             Detection::Points if law.along(0.0).is_some() => {
@@ -143,7 +143,7 @@ impl LawVisitor for Build<'_> {
             }
             Detection::Points => {
                 let points = Points::new(scene, geometry)?;
-                Box::new(Pairs::new(scene, geometry, law, points))
+                Box::new(Pairs::new(scene, geometry, law, any, points))
             }
         })
     }

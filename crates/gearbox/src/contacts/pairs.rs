@@ -4,9 +4,9 @@
 //! wheel brings the sleeves in, one brings the sum of forces back. Forces of a pair act at W on
 //! both bodies, so action and reaction balance in force and in moment.
 
-use pinwheel_contact::{AdamsFriction, Complex, Friction, NormalLaw, RegularisedCoulomb};
+use pinwheel_contact::{AdamsFriction, Complex, Friction, Law, NormalLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
-use pinwheel_mbs::{BodyState, Jacobian, Wrench};
+use pinwheel_mbs::{Ask, BodyState, Jacobian, Pose, Sums, Wrench};
 
 use super::detection::{Detection, Slopes, Touch};
 use super::field::{ContactEnergy, ContactField, PairContact};
@@ -19,6 +19,8 @@ use crate::{Layout, Sleeve};
 pub(super) struct Pairs<L, D> {
     layout: Layout,
     law: L,
+    /// The same, by name.
+    any: Law,
     detection: D,
     friction: Friction,
     external_directions: Vec<Complex>,
@@ -106,16 +108,6 @@ impl Loaded {
             centre: ground(self.touch.point - self.arm),
         }
     }
-
-    /// Adds what the pair stores and dissipates.
-    #[inline]
-    pub(super) fn add_energy(&self, law: &impl NormalLaw, sum: &mut ContactEnergy) {
-        let (stiffness, depth) = (self.touch.stiffness, self.touch.penetration);
-        let elastic = law.force(stiffness, depth, 0.0);
-        sum.stored_j += law.stored(stiffness, depth);
-        sum.damping_w += (self.normal_force - elastic) * self.normal_rate;
-        sum.friction_w -= self.friction_force * self.tangential_rate;
-    }
 }
 
 /// The friction of a scene.
@@ -135,10 +127,11 @@ fn friction(contact: &scene::Contact) -> Friction {
 }
 
 impl<L: NormalLaw, D: Detection> Pairs<L, D> {
-    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: L, detection: D) -> Self {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: L, any: Law, detection: D) -> Self {
         Self {
             layout: Layout::of(&scene.gear),
             law,
+            any,
             detection,
             friction: friction(&scene.contact),
             external_directions: geometry.external_directions.clone(),
@@ -433,7 +426,7 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
     }
 
     /// The friction that slopes must know, if any; `None`: this field has none of the slopes asked for.
-    fn rubbing(&self, slopes: &mut Jacobian) -> Option<Option<RegularisedCoulomb>> {
+    fn sloped_friction(&self, slopes: &mut Jacobian) -> Option<Option<RegularisedCoulomb>> {
         let free = slopes.rate().dimension();
         let friction = match self.friction {
             Friction::Regularised(friction) if free + 1 == self.layout.bodies() => Some(friction),
@@ -488,30 +481,44 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
 }
 
 impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
-    fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
-        for (wheel, body) in self.layout.wheel_bodies().enumerate() {
-            let frame = WheelFrame::of(&bodies[body]);
+    fn evaluate(&mut self, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
+        let friction = match &mut sums.slopes {
+            None => Some(None),
+            Some(slopes) => self.sloped_friction(slopes),
+        };
+        let Some(friction) = friction else {
+            return false;
+        };
+        if sums.moments.is_some() || ask.pose == Pose::AnglesOnly {
+            return false;
+        }
+        let mut energy = ContactEnergy::default();
+        for (wheel, hub) in self.layout.wheel_bodies().enumerate() {
+            let frame = WheelFrame::of(&bodies[hub]);
             let mut reaction = Reaction::default();
-            self.wheel_pairs(wheel, bodies, &frame, |_, sleeve, pair, _| {
-                self.add_load(pair, &frame, &mut loads[sleeve], &mut reaction);
+            self.wheel_pairs(wheel, bodies, &frame, |sleeve, body, pair, seat| {
+                if let Some(loads) = &mut sums.loads {
+                    self.add_load(pair, &frame, &mut loads[body], &mut reaction);
+                }
+                if let Some(slopes) = &mut sums.slopes {
+                    let at = (wheel, sleeve, body, seat);
+                    self.add_slopes_of(at, bodies, &frame, pair, friction, slopes);
+                }
+                if ask.energy {
+                    let pair = pair.contact(&self.law, wheel, sleeve, &frame);
+                    pair.add_energy(&self.any, &mut energy);
+                }
             });
-            reaction.add_to(&mut loads[body], &frame);
+            if let Some(loads) = &mut sums.loads {
+                reaction.add_to(&mut loads[hub], &frame);
+            }
         }
+        sums.energy = ask.energy.then_some(energy);
+        true
     }
 
-    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
-        let mut sum = ContactEnergy::default();
-        for (wheel, body) in self.layout.wheel_bodies().enumerate() {
-            let frame = WheelFrame::of(&bodies[body]);
-            self.wheel_pairs(wheel, bodies, &frame, |_, _, pair, _| {
-                pair.add_energy(&self.law, &mut sum);
-            });
-        }
-        sum
-    }
-
-    fn normal_force(&self, pair: &PairContact, rate: f64) -> f64 {
-        self.law.force(pair.stiffness, pair.penetration_m, rate)
+    fn law(&self) -> &Law {
+        &self.any
     }
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
@@ -521,43 +528,6 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
                 visit(&pair.contact(&self.law, wheel, sleeve, &frame));
             });
         }
-    }
-
-    fn add_slopes(&mut self, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
-        let Some(friction) = self.rubbing(slopes) else {
-            return false;
-        };
-        for (wheel, body) in self.layout.wheel_bodies().enumerate() {
-            let frame = WheelFrame::of(&bodies[body]);
-            self.wheel_pairs(wheel, bodies, &frame, |sleeve, body, pair, seat| {
-                let at = (wheel, sleeve, body, seat);
-                self.add_slopes_of(at, bodies, &frame, pair, friction, slopes);
-            });
-        }
-        true
-    }
-
-    fn add_loads_with_slopes(
-        &mut self,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-        slopes: &mut Jacobian,
-    ) -> bool {
-        let Some(friction) = self.rubbing(slopes) else {
-            self.add_loads(bodies, loads);
-            return false;
-        };
-        for (wheel, body) in self.layout.wheel_bodies().enumerate() {
-            let frame = WheelFrame::of(&bodies[body]);
-            let mut reaction = Reaction::default();
-            self.wheel_pairs(wheel, bodies, &frame, |sleeve, body, pair, seat| {
-                self.add_load(pair, &frame, &mut loads[body], &mut reaction);
-                let at = (wheel, sleeve, body, seat);
-                self.add_slopes_of(at, bodies, &frame, pair, friction, slopes);
-            });
-            reaction.add_to(&mut loads[body], &frame);
-        }
-        true
     }
 
     fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {

@@ -9,7 +9,7 @@
 //! It begins beyond the free play, pressed in deeper than the load will press: forces that stiffen with the depth then lead
 //! back without passing the balance, and all that will carry touches from the start.
 
-use pinwheel_mbs::{Jacobian, Structure};
+use pinwheel_mbs::{Ask, Jacobian, Pose, Structure, Sums};
 
 use super::{ANGLE, Equilibrium, Statics};
 use crate::{Gearbox, Layout};
@@ -75,7 +75,9 @@ impl Statics<'_> {
     /// Slopes of the contacts where they were evaluated last; false if they have none.
     fn find_slopes(&mut self) -> bool {
         self.slopes.clear();
-        self.field.add_slopes(&self.bodies, &mut self.slopes)
+        let mut sums = Sums::of_slopes(&mut self.slopes);
+        self.field
+            .evaluate(&self.bodies, Ask::of(Pose::Any), &mut sums)
     }
 
     /// The output's angle in balance, the wheels' in `wheels`, which holds the ideal mesh on entry and, after a failure,

@@ -1,4 +1,4 @@
-//! What all methods share whose steps follow from a tolerance: where a run is, and how it goes on after a step.
+//! What all methods share that go from one step to the next: where a run is, and how it goes on after a step.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -16,16 +16,43 @@ pub(super) struct Clock {
     /// The last one taken, s.
     pub(super) taken: f64,
     pub(super) counts: StepCounts,
+    /// Where a run with a fixed step began, s; `None`: steps follow from a tolerance.
+    pub(super) start: Option<f64>,
 }
 
 impl Clock {
-    /// At `time` with a first step `h`.
+    /// At `time` with a first step `h`; the next ones follow from a tolerance.
     pub(super) fn new(h: f64, time: f64) -> Self {
         Self {
             time,
             h,
             taken: h,
             counts: StepCounts::default(),
+            start: None,
+        }
+    }
+
+    /// At `time` with steps `h`. Times are n h, not sums of h.
+    pub(super) fn fixed(h: f64, time: f64) -> Self {
+        Self {
+            start: Some(time),
+            ..Self::new(h, time)
+        }
+    }
+
+    /// Where the next step ends, s.
+    pub(super) fn end(&self) -> f64 {
+        match self.start {
+            Some(start) => start + (self.counts.steps + 1) as f64 * self.h,
+            None => self.time + self.h,
+        }
+    }
+
+    /// Where the last step began, s.
+    pub(super) fn begin(&self) -> f64 {
+        match self.start {
+            Some(start) => start + (self.counts.steps - 1) as f64 * self.h,
+            None => self.time - self.taken,
         }
     }
 
@@ -38,12 +65,17 @@ impl Clock {
         }
     }
 
+    /// The step tried is taken; the next is as long.
+    pub(super) fn advance(&mut self) {
+        self.time = self.end();
+        self.taken = self.h;
+        self.counts.steps += 1;
+    }
+
     /// The step tried is taken; the next is `factor` times as long.
     pub(super) fn accept(&mut self, factor: f64) {
-        self.taken = self.h;
-        self.time += self.h;
+        self.advance();
         self.h = short_step(self.h * factor);
-        self.counts.steps += 1;
     }
 
     /// The step tried is not taken; the next attempt is `factor` times as long.
@@ -53,8 +85,8 @@ impl Clock {
     }
 }
 
-/// A method whose steps follow from a tolerance.
-pub(super) trait Adaptive: Serialize + DeserializeOwned + Send {
+/// A method that hands out the state inside its last step.
+pub(super) trait Method: Serialize + DeserializeOwned + Send {
     fn clock(&self) -> &Clock;
     fn clock_mut(&mut self) -> &mut Clock;
     /// State at the end of the last accepted step.
@@ -63,9 +95,13 @@ pub(super) trait Adaptive: Serialize + DeserializeOwned + Send {
     fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError>;
     /// Writes the state at `t`, which lies inside the last accepted step and is not its end.
     fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]);
+    /// Takes over what was saved of a run of the same method and settings.
+    fn resume(&mut self, saved: Self) {
+        *self = saved;
+    }
 }
 
-impl<S: OdeSystem, A: Adaptive> Stepper<S> for A {
+impl<S: OdeSystem, M: Method> Stepper<S> for M {
     fn step(&mut self, system: &mut S) -> Result<(), StepError> {
         self.advance(system)
     }
@@ -75,7 +111,7 @@ impl<S: OdeSystem, A: Adaptive> Stepper<S> for A {
     }
 
     fn state(&self) -> &[f64] {
-        Adaptive::state(self)
+        Method::state(self)
     }
 
     fn next_step(&self) -> f64 {
@@ -84,13 +120,15 @@ impl<S: OdeSystem, A: Adaptive> Stepper<S> for A {
 
     fn shorten(&mut self, longest: f64) {
         let clock = self.clock_mut();
-        clock.h = clock.h.min(longest);
+        if clock.start.is_none() {
+            clock.h = clock.h.min(longest);
+        }
     }
 
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         let clock = self.clock();
         if clock.counts.steps == 0 || (clock.time - t).abs() < 1e-9 * clock.taken {
-            y.copy_from_slice(Adaptive::state(self));
+            y.copy_from_slice(Method::state(self));
             return;
         }
         self.inside(system, t, y);
@@ -106,6 +144,24 @@ impl<S: OdeSystem, A: Adaptive> Stepper<S> for A {
     }
 
     fn restore(&mut self, bytes: &[u8]) -> bool {
-        restored(self, bytes)
+        restored(bytes).map(|saved| self.resume(saved)).is_some()
     }
 }
+
+/// The fields that [`Method`] asks for.
+macro_rules! fields {
+    ($clock:ident, $($state:ident).+) => {
+        fn clock(&self) -> &Clock {
+            &self.$clock
+        }
+
+        fn clock_mut(&mut self) -> &mut Clock {
+            &mut self.$clock
+        }
+
+        fn state(&self) -> &[f64] {
+            &self.$($state).+
+        }
+    };
+}
+pub(super) use fields;

@@ -12,7 +12,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::clock::{Adaptive, Clock};
+use super::clock::{Clock, Method, fields};
 use super::dop853_coefficients::{A, C, D, E3, E5, EXTENDED, STAGES};
 use super::weighted::{each_sum, set_scaled, set_sum};
 use super::{MethodInfo, StepError};
@@ -143,7 +143,7 @@ impl Dop853 {
     }
 }
 
-impl Adaptive for Dop853 {
+impl Method for Dop853 {
     fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
         self.refresh(system);
         self.trial[0].copy_from_slice(&self.k[STAGES]);
@@ -167,27 +167,14 @@ impl Adaptive for Dop853 {
                 (self.fresh, self.extended) = (false, false);
                 return Ok(());
             }
-            let factor = if error.is_finite() {
-                (SAFETY * error.powf(-EXPONENT)).max(SHRINK)
-            } else {
-                SHRINK
-            };
-            self.clock.reject(factor);
+            // 0 where the error is infinite.
+            self.clock
+                .reject((SAFETY * error.powf(-EXPONENT)).max(SHRINK));
             limit = 1.0;
         }
     }
 
-    fn clock(&self) -> &Clock {
-        &self.clock
-    }
-
-    fn clock_mut(&mut self) -> &mut Clock {
-        &mut self.clock
-    }
-
-    fn state(&self) -> &[f64] {
-        &self.y
-    }
+    fields!(clock, y);
 
     fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         if !self.extended {

@@ -12,8 +12,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::clock::{Clock, Method, fields};
 use super::weighted::{Row, each_sum, set_sum};
-use super::{MethodInfo, StepCounts, StepError, Stepper, restored, saved, short_step};
+use super::{MethodInfo, StepError};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
@@ -84,12 +85,8 @@ const INTEGRAL: f64 = 0.04;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Dopri5 {
     tolerance: f64,
-    time: f64,
-    /// Next step to try, and the last one taken.
-    h: f64,
-    taken: f64,
+    clock: Clock,
     last_error: f64,
-    counts: StepCounts,
     y: Vec<f64>,
     next: Vec<f64>,
     k: Vec<Vec<f64>>,
@@ -143,11 +140,8 @@ impl Dopri5 {
         let zeros = vec![0.0; y.len()];
         Self {
             tolerance,
-            time: t,
-            h,
-            taken: h,
+            clock: Clock::new(h, t),
             last_error: 1e-4,
-            counts: StepCounts::default(),
             y: y.to_vec(),
             next: zeros.clone(),
             k: vec![zeros.clone(); STAGES],
@@ -159,7 +153,10 @@ impl Dopri5 {
 
     /// Starts anew at (t, y) with a first step `h` (s); counts go on.
     pub(super) fn restart(&mut self, h: f64, t: f64, y: &[f64]) {
-        (self.time, self.h, self.taken) = (t, h, h);
+        self.clock = Clock {
+            counts: self.clock.counts,
+            ..Clock::new(h, t)
+        };
         (self.last_error, self.fresh) = (1e-4, false);
         self.y.copy_from_slice(y);
     }
@@ -171,19 +168,19 @@ impl Dopri5 {
 
     /// All stages from `k[0]`; the result is in `next`.
     fn stages<S: OdeSystem>(&mut self, system: &mut S) {
-        let h = self.h;
+        let h = self.clock.h;
         for i in 1..STAGES {
             let (known, rest) = self.k.split_at_mut(i);
             set_sum(&mut self.next, &self.y, h, A[i], known);
-            system.derivative(self.time + C[i] * h, &self.next, &mut rest[0]);
-            self.counts.evaluations += 1;
+            system.derivative(self.clock.time + C[i] * h, &self.next, &mut rest[0]);
+            self.clock.counts.evaluations += 1;
         }
     }
 
     /// RMS of the scaled error; infinite if anything is not finite.
     fn error<S: OdeSystem>(&mut self, system: &S) -> f64 {
         system.scale(&self.next, &mut self.scale);
-        let (mut sum, h, tolerance, scale) = (0.0, self.h, self.tolerance, &self.scale[..]);
+        let (mut sum, h, tolerance, scale) = (0.0, self.clock.h, self.tolerance, &self.scale[..]);
         each_sum::<{ E.len() }>(E, &self.k, scale.len(), |c, error| {
             let relative = h * error / (tolerance * scale[c]);
             sum += relative * relative;
@@ -197,7 +194,7 @@ impl Dopri5 {
     }
 
     fn remember(&mut self) {
-        let h = self.h;
+        let h = self.clock.h;
         let n = self.y.len();
         let (y, next) = (&self.y[..n], &self.next[..n]);
         let (first, last) = (&self.k[0][..n], &self.k[STAGES - 1][..n]);
@@ -208,89 +205,49 @@ impl Dopri5 {
             (d0[c], d1[c], d2[c]) = (y[c], change, bend);
             (d3[c], d4[c]) = (change - h * last[c] - bend, h * fourth);
         });
-        (self.dense.end, self.dense.taken) = (self.time + h, h);
+        (self.dense.end, self.dense.taken) = (self.clock.time + h, h);
     }
 }
 
-impl<S: OdeSystem> Stepper<S> for Dopri5 {
-    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+impl Method for Dopri5 {
+    fields!(clock, y);
+
+    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
+        let time = self.clock.time;
         if !self.fresh {
-            system.derivative(self.time, &self.y, &mut self.k[0]);
-            self.counts.evaluations += 1;
+            system.derivative(time, &self.y, &mut self.k[0]);
+            self.clock.counts.evaluations += 1;
             self.fresh = true;
         }
         // All of them: without a way out early the check takes several at a time.
         if !self.k[0].iter().fold(true, |all, x| all & x.is_finite()) {
-            return Err(StepError::NotFinite { time: self.time });
+            return Err(StepError::NotFinite { time });
         }
         let mut limit = GROW;
         loop {
-            if !(self.h > 4.0 * f64::EPSILON * self.time.abs().max(f64::MIN_POSITIVE)) {
-                return Err(StepError::StepTooSmall { time: self.time });
-            }
+            self.clock.room()?;
             self.stages(system);
             let error = self.error(system);
             if error <= 1.0 {
                 let floor = error.max(1e-10);
                 let factor = SAFETY * floor.powf(-PROPORTIONAL) * self.last_error.powf(INTEGRAL);
                 self.remember();
-                self.taken = self.h;
-                self.time += self.h;
-                self.h = short_step(self.h * factor.clamp(SHRINK, limit));
+                self.clock.accept(factor.clamp(SHRINK, limit));
                 self.last_error = floor.max(1e-4);
                 std::mem::swap(&mut self.y, &mut self.next);
                 self.k.swap(0, STAGES - 1);
-                system.settle(self.time, &mut self.y);
-                self.counts.steps += 1;
+                system.settle(self.clock.time, &mut self.y);
                 return Ok(());
             }
-            self.counts.rejected += 1;
-            let factor = if error.is_finite() {
-                (SAFETY * error.powf(-0.2)).max(SHRINK)
-            } else {
-                SHRINK
-            };
-            self.h = short_step(self.h * factor);
+            // 0 where the error is infinite.
+            self.clock.reject((SAFETY * error.powf(-0.2)).max(SHRINK));
             if !pinwheel_faults::armed(pinwheel_faults::Fault::ForgottenRejection) {
                 limit = 1.0;
             }
         }
     }
 
-    fn time(&self) -> f64 {
-        self.time
-    }
-
-    fn state(&self) -> &[f64] {
-        &self.y
-    }
-
-    fn next_step(&self) -> f64 {
-        self.h
-    }
-
-    fn shorten(&mut self, longest: f64) {
-        self.h = self.h.min(longest);
-    }
-
-    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
-        if self.counts.steps == 0 || (self.time - t).abs() < 1e-9 * self.taken {
-            y.copy_from_slice(&self.y);
-            return;
-        }
+    fn inside<S: OdeSystem>(&mut self, _system: &mut S, t: f64, y: &mut [f64]) {
         self.dense.interpolate(t, y);
-        system.settle(t, y);
-    }
-
-    fn counts(&self) -> StepCounts {
-        self.counts
-    }
-
-    fn save(&self) -> Vec<u8> {
-        saved(self)
-    }
-
-    fn restore(&mut self, bytes: &[u8]) -> bool {
-        restored(self, bytes)
     }
 }

@@ -9,7 +9,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{StepCounts, StepError, Stepper, restored, saved};
+use super::StepError;
+use super::clock::{Clock, Method, fields};
 use crate::OdeSystem;
 
 /// Coefficients; `a[i]` has i entries.
@@ -29,9 +30,7 @@ pub struct FixedStep {
     /// What the run was started with; not saved.
     #[serde(skip, default = "none")]
     tableau: &'static Tableau,
-    h: f64,
-    start: f64,
-    counts: StepCounts,
+    clock: Clock,
     y: Vec<f64>,
     /// State and derivative one step ago.
     y_before: Vec<f64>,
@@ -58,9 +57,7 @@ impl FixedStep {
         let n = y.len();
         Self {
             tableau,
-            h,
-            start: t,
-            counts: StepCounts::default(),
+            clock: Clock::fixed(h, t),
             y: y.to_vec(),
             y_before: y.to_vec(),
             f_before: vec![0.0; n],
@@ -70,27 +67,28 @@ impl FixedStep {
         }
     }
 
-    fn evaluate_first_stage<S: OdeSystem>(&mut self, system: &mut S, t: f64) {
+    fn evaluate_first_stage<S: OdeSystem>(&mut self, system: &mut S) {
         if !self.fresh {
-            system.derivative(t, &self.y, &mut self.stages[0]);
-            self.counts.evaluations += 1;
+            system.derivative(self.clock.time, &self.y, &mut self.stages[0]);
+            self.clock.counts.evaluations += 1;
             self.fresh = true;
         }
     }
 }
 
-impl<S: OdeSystem> Stepper<S> for FixedStep {
-    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
-        let (h, t) = (self.h, <Self as Stepper<S>>::time(self));
-        self.evaluate_first_stage(system, t);
+impl Method for FixedStep {
+    fields!(clock, y);
+
+    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
+        let (h, t, end) = (self.clock.h, self.clock.time, self.clock.end());
+        self.evaluate_first_stage(system);
         for i in 1..self.stages.len() {
             let (known, rest) = self.stages.split_at_mut(i);
             set_sum(&mut self.scratch, &self.y, h, self.tableau.a[i], known);
             system.derivative(t + self.tableau.c[i] * h, &self.scratch, &mut rest[0]);
-            self.counts.evaluations += 1;
+            self.clock.counts.evaluations += 1;
         }
         set_sum(&mut self.scratch, &self.y, h, self.tableau.b, &self.stages);
-        let end = self.start + (self.counts.steps + 1) as f64 * h;
         system.settle(end, &mut self.scratch);
         let finite = self.scratch.iter().fold(true, |all, x| all & x.is_finite());
         if !finite {
@@ -100,30 +98,14 @@ impl<S: OdeSystem> Stepper<S> for FixedStep {
         std::mem::swap(&mut self.f_before, &mut self.stages[0]);
         std::mem::swap(&mut self.y, &mut self.scratch);
         self.fresh = false;
-        self.counts.steps += 1;
+        self.clock.advance();
         Ok(())
     }
 
-    fn time(&self) -> f64 {
-        self.start + self.counts.steps as f64 * self.h
-    }
-
-    fn state(&self) -> &[f64] {
-        &self.y
-    }
-
-    fn next_step(&self) -> f64 {
-        self.h
-    }
-
-    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
-        let (h, end) = (self.h, <Self as Stepper<S>>::time(self));
-        let s = 1.0 + (t - end) / h;
-        if (s - 1.0).abs() < 1e-9 || self.counts.steps == 0 {
-            y.copy_from_slice(&self.y);
-            return;
-        }
-        self.evaluate_first_stage(system, end);
+    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+        self.evaluate_first_stage(system);
+        let h = self.clock.h;
+        let s = 1.0 + (t - self.clock.time) / h;
         let u = 1.0 - s;
         let (w0, w1) = ((1.0 + 2.0 * s) * u * u, (1.0 + 2.0 * u) * s * s);
         let (d0, d1) = (h * s * u * u, -h * s * s * u);
@@ -133,22 +115,11 @@ impl<S: OdeSystem> Stepper<S> for FixedStep {
                 + d0 * self.f_before[i]
                 + d1 * self.stages[0][i];
         }
-        system.settle(t, y);
     }
 
-    fn counts(&self) -> StepCounts {
-        self.counts
-    }
-
-    fn save(&self) -> Vec<u8> {
-        saved(self)
-    }
-
-    fn restore(&mut self, bytes: &[u8]) -> bool {
+    fn resume(&mut self, saved: Self) {
         let tableau = self.tableau;
-        let known = restored(self, bytes);
-        self.tableau = tableau;
-        known
+        *self = Self { tableau, ..saved };
     }
 }
 

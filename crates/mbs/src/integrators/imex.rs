@@ -16,7 +16,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{MethodInfo, StepCounts, StepError, Stepper, restored, saved};
+use super::clock::{Clock, Method, fields};
+use super::{MethodInfo, StepError};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
@@ -83,9 +84,7 @@ pub(super) fn advance<S: OdeSystem>(
 /// A fixed-step run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ImexFixed {
-    h: f64,
-    start: f64,
-    counts: StepCounts,
+    clock: Clock,
     before: Point,
     now: Point,
     stage: Point,
@@ -100,9 +99,7 @@ impl ImexFixed {
     pub fn new(h: f64, t: f64, y: &[f64]) -> Self {
         let point = Point::new(y);
         Self {
-            h,
-            start: t,
-            counts: StepCounts::default(),
+            clock: Clock::fixed(h, t),
             before: point.clone(),
             now: point.clone(),
             stage: point.clone(),
@@ -112,24 +109,19 @@ impl ImexFixed {
     }
 }
 
-impl<S: OdeSystem> Stepper<S> for ImexFixed {
-    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
-        let t = <Self as Stepper<S>>::time(self);
+impl Method for ImexFixed {
+    fields!(clock, now.y);
+
+    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
+        let (t, h, end) = (self.clock.time, self.clock.h, self.clock.end());
         if !self.fresh {
             self.now.evaluate(system, t);
-            self.counts.evaluations += 1;
+            self.clock.counts.evaluations += 1;
             self.fresh = true;
         }
-        advance(
-            system,
-            t,
-            self.h,
-            &self.now,
-            &mut self.stage,
-            &mut self.next,
-        );
-        self.counts.evaluations += 2;
-        let end = self.start + (self.counts.steps + 1) as f64 * self.h;
+        let (stage, next) = (&mut self.stage, &mut self.next);
+        advance(system, t, h, &self.now, stage, next);
+        self.clock.counts.evaluations += 2;
         let known = self.next.e.iter().chain(&self.next.i);
         if !self.next.y.iter().chain(known).all(|x| x.is_finite()) {
             return Err(StepError::NotFinite { time: end });
@@ -137,50 +129,14 @@ impl<S: OdeSystem> Stepper<S> for ImexFixed {
         system.settle(end, &mut self.next.y);
         std::mem::swap(&mut self.before, &mut self.now);
         std::mem::swap(&mut self.now, &mut self.next);
-        self.counts.steps += 1;
+        self.clock.advance();
         Ok(())
     }
 
-    fn time(&self) -> f64 {
-        self.start + self.counts.steps as f64 * self.h
-    }
-
-    fn state(&self) -> &[f64] {
-        &self.now.y
-    }
-
-    fn next_step(&self) -> f64 {
-        self.h
-    }
-
-    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
-        let back = <Self as Stepper<S>>::time(self) - t;
-        if self.counts.steps == 0 || back.abs() < 1e-9 * self.h {
-            y.copy_from_slice(&self.now.y);
-            return;
-        }
-        let begin = self.start + (self.counts.steps - 1) as f64 * self.h;
-        advance(
-            system,
-            begin,
-            self.h - back,
-            &self.before,
-            &mut self.stage,
-            &mut self.next,
-        );
+    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+        let (begin, h) = (self.clock.begin(), self.clock.h - (self.clock.time - t));
+        let (stage, next) = (&mut self.stage, &mut self.next);
+        advance(system, begin, h, &self.before, stage, next);
         y.copy_from_slice(&self.next.y);
-        system.settle(t, y);
-    }
-
-    fn counts(&self) -> StepCounts {
-        self.counts
-    }
-
-    fn save(&self) -> Vec<u8> {
-        saved(self)
-    }
-
-    fn restore(&mut self, bytes: &[u8]) -> bool {
-        restored(self, bytes)
     }
 }

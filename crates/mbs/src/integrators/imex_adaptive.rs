@@ -14,7 +14,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::clock::{Adaptive, Clock};
+use super::clock::{Clock, Method, fields};
 use super::imex::{Point, advance};
 use super::{MethodInfo, StepError};
 use crate::OdeSystem;
@@ -94,7 +94,7 @@ impl ImexAdaptive {
     }
 }
 
-impl Adaptive for ImexAdaptive {
+impl Method for ImexAdaptive {
     fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
         if !self.fresh {
             self.now.evaluate(system, self.clock.time);
@@ -134,17 +134,7 @@ impl Adaptive for ImexAdaptive {
         }
     }
 
-    fn clock(&self) -> &Clock {
-        &self.clock
-    }
-
-    fn clock_mut(&mut self) -> &mut Clock {
-        &mut self.clock
-    }
-
-    fn state(&self) -> &[f64] {
-        &self.now.y
-    }
+    fields!(clock, now.y);
 
     fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
         advance(

@@ -154,10 +154,13 @@ impl<S: OdeSystem> Stepper<S> for Legs<S> {
     }
 
     fn restore(&mut self, bytes: &[u8]) -> bool {
-        let mut all: (Vec<f64>, StepCounts, f64, Vec<u8>) = Default::default();
-        let known = restored(&mut all, bytes) && self.stepper.restore(&all.3);
+        let all: Option<(Vec<f64>, StepCounts, f64, Vec<u8>)> = restored(bytes);
+        let Some((ends, past, aim, stepper)) = all else {
+            return false;
+        };
+        let known = self.stepper.restore(&stepper);
         if known {
-            (self.ends, self.past, self.aim) = (all.0, all.1, all.2);
+            (self.ends, self.past, self.aim) = (ends, past, aim);
         }
         known
     }

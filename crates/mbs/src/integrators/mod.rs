@@ -137,11 +137,8 @@ fn saved(method: &impl Serialize) -> Vec<u8> {
     postcard::to_allocvec(method).unwrap_or_default()
 }
 
-fn restored<T: DeserializeOwned>(method: &mut T, bytes: &[u8]) -> bool {
-    postcard::from_bytes(bytes).is_ok_and(|saved| {
-        *method = saved;
-        true
-    })
+fn restored<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    postcard::from_bytes(bytes).ok()
 }
 
 /// A method as listed for users.

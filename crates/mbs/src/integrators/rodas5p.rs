@@ -15,7 +15,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::clock::{Adaptive, Clock};
+use super::clock::{Clock, Method, fields};
 use super::rodas5p_coefficients::{A, C, D, GAMMA, H, STAGES, TIMES};
 use super::{MethodInfo, StepError};
 use crate::OdeSystem;
@@ -181,7 +181,7 @@ fn add(row: &[f64], factor: f64, u: &[Vec<f64>], sum: &mut [f64]) {
     }
 }
 
-impl Adaptive for Rodas5p {
+impl Method for Rodas5p {
     fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
         self.linearise(system)?;
         let mut limit = GROW;
@@ -206,17 +206,7 @@ impl Adaptive for Rodas5p {
         }
     }
 
-    fn clock(&self) -> &Clock {
-        &self.clock
-    }
-
-    fn clock_mut(&mut self) -> &mut Clock {
-        &mut self.clock
-    }
-
-    fn state(&self) -> &[f64] {
-        &self.y
-    }
+    fields!(clock, y);
 
     fn inside<S: OdeSystem>(&mut self, _system: &mut S, t: f64, y: &mut [f64]) {
         if !self.extended {

@@ -8,11 +8,9 @@
 mod arrowhead;
 mod contact;
 mod problem;
-mod rates;
 mod stage;
 
 pub use arrowhead::Arrowhead;
 pub use contact::{Contact, Row};
 pub use problem::{SlidingProblem, Slip};
-pub use rates::RateStage;
 pub use stage::SlidingStage;

@@ -28,8 +28,8 @@
 
 use std::mem::take;
 
-use pinwheel_contact::{Complex, ComplexLanes, Lanes, Mask, NormalLaw};
-use pinwheel_mbs::{BodyState, ContactEnergy, Wrench};
+use pinwheel_contact::{Complex, ComplexLanes, Lanes, Law, Mask, NormalLaw, Real};
+use pinwheel_mbs::{self as mbs, BodyState, ContactEnergy, Wrench};
 use pulp::Simd;
 
 use super::columns::{Column, PADDING};
@@ -123,16 +123,6 @@ struct Sums<S: Simd> {
     /// Where energy is asked for.
     stored: Lanes<S>,
     dissipated: Lanes<S>,
-}
-
-/// What comes of an evaluation.
-pub(super) struct Found<'a> {
-    /// About the pins, of all bodies, N m; the input's with `LOADS` alone. May be empty with `LOADS`.
-    pub(super) moments: &'a mut [f64],
-    /// With `LOADS`: on all bodies; those on wheels and sleeves are written.
-    pub(super) loads: &'a mut [Wrench],
-    /// With `LOADS`, where it is asked for.
-    pub(super) energy: Option<ContactEnergy>,
 }
 
 /// Numbers of a register's lanes.
@@ -272,38 +262,42 @@ impl Levers {
     }
 
     /// Forces at the angles and rates of `bodies`, whose places are not looked at. Moments are those of wheels and output,
-    /// with `LOADS` the input's and all bodies' loads, too. Nothing rubs.
+    /// with `LOADS` the input's and all bodies' loads, too; those on wheels and sleeves are written. Nothing rubs.
     #[inline(always)]
-    pub(super) fn run<S: Simd, L: NormalLaw, const LOADS: bool>(
+    pub(super) fn run<S: Simd, const LOADS: bool>(
         &mut self,
         simd: S,
-        law: &L,
+        law: &Law,
         shapes: &Shapes,
         bodies: &[BodyState],
-        found: &mut Found<'_>,
+        energy: bool,
+        found: &mut mbs::Sums<'_>,
     ) {
         let output = self.place(simd, bodies);
         let nothing = Lanes::splat(simd, 0.0);
         let mut sums = Sums {
-            asked: LOADS && found.energy.is_some(),
+            asked: LOADS && energy,
             on_input: nothing,
             on_output: nothing,
             stored: nothing,
             dissipated: nothing,
         };
-        self.external::<S, L, LOADS>(simd, law, shapes, bodies, &mut sums);
-        self.internal::<S, L, LOADS>(simd, law, shapes, bodies, output, &mut sums);
-        if LOADS {
-            self.scatter(found.loads);
+        self.external::<S, LOADS>(simd, law, shapes, bodies, &mut sums);
+        self.internal::<S, LOADS>(simd, law, shapes, bodies, output, &mut sums);
+        if LOADS && let Some(loads) = &mut found.loads {
+            self.scatter(loads);
         }
-        if let Some(energy) = &mut found.energy {
-            energy.stored_j += sums.stored.sum();
-            energy.damping_w += sums.dissipated.sum();
+        if sums.asked {
+            found.energy = Some(ContactEnergy {
+                stored_j: sums.stored.sum(),
+                damping_w: sums.dissipated.sum(),
+                friction_w: 0.0,
+            });
         }
-        if !found.moments.is_empty() {
-            found.moments[Layout::INPUT] += sums.on_input.sum();
-            found.moments[Layout::OUTPUT] += sums.on_output.sum();
-            let on_wheels = &mut found.moments[self.layout.wheel_bodies()];
+        if let Some(moments) = &mut found.moments {
+            moments[Layout::INPUT] += sums.on_input.sum();
+            moments[Layout::OUTPUT] += sums.on_output.sum();
+            let on_wheels = &mut moments[self.layout.wheel_bodies()];
             for (total, wheel) in on_wheels.iter_mut().zip(&self.wheels) {
                 *total += wheel.moment;
             }
@@ -323,7 +317,7 @@ impl Levers {
             multiples[k] = self.lobes * hubs[k].angle;
         }
         for from in (0..2 + 2 * n).step_by(S::F64_LANES) {
-            let unit = ComplexLanes::unit(Lanes::load_first(simd, &self.angles[from..]));
+            let unit = ComplexLanes::units(Lanes::load_first(simd, &self.angles[from..]));
             unit.re.store_first(&mut self.units.x[from..]);
             unit.im.store_first(&mut self.units.y[from..]);
         }
@@ -432,10 +426,10 @@ impl Levers {
     }
 
     #[inline(always)]
-    fn external<S: Simd, L: NormalLaw, const LOADS: bool>(
+    fn external<S: Simd, const LOADS: bool>(
         &mut self,
         simd: S,
-        law: &L,
+        law: &Law,
         shapes: &Shapes,
         bodies: &[BodyState],
         sums: &mut Sums<S>,
@@ -465,7 +459,7 @@ impl Levers {
             let pressure = force.only(inside);
             let mut moment = (wheel_lever * force).only(inside);
             let mut beside = None;
-            if let Some(along) = law.along_lanes(foot.depth) {
+            if let Some(along) = law.along(foot.depth) {
                 let slopes = shapes.stiffness_slopes(&foot, stiffness);
                 // A, whose lever is -P.n = (C.T + r.T)/sqrt(g).
                 let along = -(slopes.along * along).only(inside);
@@ -505,10 +499,10 @@ impl Levers {
     }
 
     #[inline(always)]
-    fn internal<S: Simd, L: NormalLaw, const LOADS: bool>(
+    fn internal<S: Simd, const LOADS: bool>(
         &mut self,
         simd: S,
-        law: &L,
+        law: &Law,
         shapes: &Shapes,
         bodies: &[BodyState],
         output: Complex,
@@ -597,16 +591,16 @@ impl<S: Simd> Sums<S> {
     #[inline(always)]
     fn force(
         &mut self,
-        law: &impl NormalLaw,
+        law: &Law,
         stiffness: Lanes<S>,
         depth: Lanes<S>,
         closing: Lanes<S>,
         inside: Mask<S>,
     ) -> Lanes<S> {
         if !self.asked {
-            return law.force_lanes(stiffness, depth, closing);
+            return law.force(stiffness, depth, closing);
         }
-        let [force, elastic, stored] = law.observed_lanes(stiffness, depth, closing);
+        let [force, elastic, stored] = law.observed(stiffness, depth, closing);
         self.stored = self.stored + stored.only(inside);
         self.dissipated = self.dissipated + ((force - elastic) * closing).only(inside);
         force

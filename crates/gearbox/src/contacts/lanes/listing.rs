@@ -1,26 +1,24 @@
 //! Touching pairs one by one, found several at a time.
 
-use pinwheel_contact::{NormalLaw, RegularisedCoulomb};
+use pinwheel_contact::{Law, NormalLaw, Real, RegularisedCoulomb};
 use pulp::Simd;
 
 use super::walk::{Group, Sink, Wheel};
 use crate::Sleeve;
 use crate::contacts::detection::Touch;
+use crate::contacts::field::PairContact;
 use crate::contacts::pairs::{Loaded, WheelFrame};
 
-/// Takes a pair: wheel number, sleeve, the wheel's frame, the pair in that frame.
-pub(super) type Visit<'a> = dyn FnMut(usize, Sleeve, &WheelFrame, &Loaded) + 'a;
-
 /// Gives every touching pair, with rates and forces, to `visit`.
-pub(super) struct Listing<'a, 'v, L> {
-    pub(super) law: L,
+pub(super) struct Listing<'a, 'v> {
+    pub(super) law: Law,
     pub(super) friction: RegularisedCoulomb,
-    pub(super) visit: &'a mut Visit<'v>,
+    pub(super) visit: &'a mut (dyn FnMut(&PairContact) + 'v),
 }
 
-impl<S: Simd, L: NormalLaw> Sink<S> for Listing<'_, '_, L> {
+impl Sink for Listing<'_, '_> {
     #[inline(always)]
-    fn group(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
+    fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let touching = &group.touching;
         let arm = group.arm();
         let relative = group.relative_velocity::<true>(simd, wheel);
@@ -28,7 +26,7 @@ impl<S: Simd, L: NormalLaw> Sink<S> for Listing<'_, '_, L> {
         let tangential_rate = relative.dot(touching.normal.turned());
         let pressure = self
             .law
-            .force_lanes(touching.stiffness, touching.penetration, normal_rate);
+            .force(touching.stiffness, touching.penetration, normal_rate);
         let along = group.along(&self.law);
         let frame = WheelFrame {
             centre: wheel.centre.lane(0),
@@ -66,10 +64,7 @@ impl<S: Simd, L: NormalLaw> Sink<S> for Listing<'_, '_, L> {
             } else {
                 Sleeve::Internal(number)
             };
-            (self.visit)(wheel.number, sleeve, &frame, &pair);
+            (self.visit)(&pair.contact(&self.law, wheel.number, sleeve, &frame));
         }
     }
-
-    #[inline(always)]
-    fn end(&mut self, _: usize, _: &Wheel<S>) {}
 }

@@ -1,36 +1,35 @@
 //! Forces of all touching pairs, summed onto the bodies.
 
-use pinwheel_contact::{Complex, Lanes, NormalLaw, RegularisedCoulomb};
+use pinwheel_contact::{Complex, Lanes, Law, NormalLaw, Real, RegularisedCoulomb};
 use pinwheel_mbs::{ContactEnergy, Wrench};
 use pulp::Simd;
 
+use super::columns::Sleeves;
 use super::walk::{Group, Sink, Wheel};
 
 /// Adds forces (Eq. 20, 21) to the sleeves' columns and to the wheels' loads, and with `ENERGY` what they store and
 /// dissipate.
-pub(super) struct Loads<'a, L, const FRICTION: bool, const ENERGY: bool> {
-    pub(super) law: L,
+pub(super) struct Loads<'a, const FRICTION: bool, const ENERGY: bool> {
+    pub(super) law: Law,
     pub(super) friction: RegularisedCoulomb,
     pub(super) loads: &'a mut [Wrench],
     pub(super) energy: &'a mut ContactEnergy,
 }
 
-impl<S: Simd, L: NormalLaw, const FRICTION: bool, const ENERGY: bool> Sink<S>
-    for Loads<'_, L, FRICTION, ENERGY>
-{
+impl<const FRICTION: bool, const ENERGY: bool> Sink for Loads<'_, FRICTION, ENERGY> {
     #[inline(always)]
-    fn group(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
+    fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let (touching, from) = (&group.touching, group.from);
         let (n, arm) = (touching.normal, group.arm());
         let relative = group.relative_velocity::<FRICTION>(simd, wheel);
         let (stiffness, depth) = (touching.stiffness, touching.penetration);
         let closing = relative.dot(n);
-        let pressure = self.law.force_lanes(stiffness, depth, closing);
+        let pressure = self.law.force(stiffness, depth, closing);
         let mut on_sleeve = n.scale(-pressure);
         if ENERGY {
             let mask = touching.mask;
-            let elastic = self.law.force_lanes(stiffness, depth, depth.like(0.0));
-            let stored = self.law.stored_lanes(stiffness, depth);
+            let elastic = self.law.force(stiffness, depth, depth.like(0.0));
+            let stored = self.law.stored(stiffness, depth);
             self.energy.stored_j += stored.only(mask).sum();
             self.energy.damping_w += ((pressure - elastic) * closing).only(mask).sum();
         }
@@ -60,12 +59,19 @@ impl<S: Simd, L: NormalLaw, const FRICTION: bool, const ENERGY: bool> Sink<S>
     }
 
     #[inline(always)]
-    fn end(&mut self, body: usize, wheel: &Wheel<S>) {
+    fn end<S: Simd>(&mut self, body: usize, wheel: &Wheel<S>) {
         let force = Complex::new(wheel.force.re.sum(), wheel.force.im.sum());
         let ground = force * wheel.turn.lane(0);
         let load = &mut self.loads[body];
         load.fx += ground.re;
         load.fy += ground.im;
         load.moment += wheel.moment.sum();
+    }
+
+    #[inline(always)]
+    fn finish(&mut self, sleeves: [&Sleeves; 2]) {
+        for sleeves in sleeves {
+            sleeves.scatter(self.loads);
+        }
     }
 }

@@ -10,14 +10,12 @@ mod levers;
 mod listing;
 mod loads;
 mod shapes;
-mod sliding;
 mod slopes;
 mod walk;
 
-use pinwheel_contact::{Law, NormalLaw, RegularisedCoulomb};
+use pinwheel_contact::{Law, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
-use pinwheel_mbs::sliding::RateStage;
-use pinwheel_mbs::{BodyState, Jacobian, Wrench};
+use pinwheel_mbs::{Ask, BodyState, Pose, Sums};
 use pulp::Simd;
 
 use super::detection::Exact;
@@ -27,11 +25,10 @@ use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
 use columns::Sleeves;
-use levers::{Found, Levers};
-use listing::{Listing, Visit};
+use levers::Levers;
+use listing::Listing;
 use loads::Loads;
 use shapes::Shapes;
-use sliding::{Sliding, Split};
 use slopes::Slopes;
 use walk::{Sink, walk};
 
@@ -45,8 +42,6 @@ pub(super) struct LaneField {
     levers: Option<Levers>,
     /// For single pairs, where lanes gain nothing.
     scalar: Pairs<Law, Exact>,
-    /// With friction, if the gear has no more wheels than there is room for.
-    sliding: Option<Sliding>,
 }
 
 /// What a walk needs.
@@ -64,101 +59,41 @@ struct Walk<'a, K> {
     sink: K,
 }
 
-/// A walk that leaves its sums in the sleeves' columns.
-struct SumWalk<'a, L, const FRICTION: bool, const ENERGY: bool>(
-    Walk<'a, Loads<'a, L, FRICTION, ENERGY>>,
-);
+impl<K: Sink> pulp::WithSimd for Walk<'_, K> {
+    type Output = ();
 
-/// A walk that visits.
-struct ListWalk<'a, 'v, L>(Walk<'a, Listing<'a, 'v, L>>);
-
-/// A walk that lists the contacts of a friction stage.
-struct SplitWalk<'a, L>(Walk<'a, Split<'a, L>>);
-
-impl<K> Walk<'_, K> {
     #[inline(always)]
-    fn run<S: Simd>(&mut self, simd: S)
-    where
-        K: Sink<S>,
-    {
+    fn with_simd<S: Simd>(mut self, simd: S) {
         let LanePairs {
             layout,
             shapes,
             external,
             internal,
         } = self.pairs;
-        let sleeves = [external, internal];
+        let sleeves = [&mut *external, &mut *internal];
         walk(simd, *layout, shapes, sleeves, self.bodies, &mut self.sink);
+        self.sink.finish([external, internal]);
     }
 }
 
-impl<L: NormalLaw, const FRICTION: bool, const ENERGY: bool> pulp::WithSimd
-    for SumWalk<'_, L, FRICTION, ENERGY>
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        self.0.run(simd);
-        self.0.pairs.external.scatter(self.0.sink.loads);
-        self.0.pairs.internal.scatter(self.0.sink.loads);
-    }
-}
-
-impl<L: NormalLaw> pulp::WithSimd for ListWalk<'_, '_, L> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        self.0.run(simd);
-    }
-}
-
-impl<L: NormalLaw> pulp::WithSimd for SplitWalk<'_, L> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        self.0.run(simd);
-        self.0.pairs.external.scatter(self.0.sink.loads);
-        self.0.pairs.internal.scatter(self.0.sink.loads);
-    }
-}
-
-/// A walk that adds up slopes.
-struct SlopeWalk<'a, L, const FRICTION: bool>(Walk<'a, Slopes<'a, L, FRICTION>>);
-
-impl<L: NormalLaw, const FRICTION: bool> pulp::WithSimd for SlopeWalk<'_, L, FRICTION> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        self.0.run(simd);
-    }
-}
-
-/// Angles and rates to moments or loads.
-struct LeverWalk<'a, 'b, L, const LOADS: bool> {
+/// Angles and rates to moments, and with `LOADS` to loads.
+struct LeverWalk<'a, 'b, const LOADS: bool> {
     levers: &'a mut Levers,
     shapes: &'a Shapes,
-    law: L,
+    law: Law,
     bodies: &'a [BodyState],
-    found: &'a mut Found<'b>,
+    energy: bool,
+    sums: &'a mut Sums<'b>,
 }
 
-impl<L: NormalLaw, const LOADS: bool> pulp::WithSimd for LeverWalk<'_, '_, L, LOADS> {
+impl<const LOADS: bool> pulp::WithSimd for LeverWalk<'_, '_, LOADS> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self {
-            levers,
-            shapes,
-            law,
-            bodies,
-            found,
-        } = self;
-        levers.run::<S, L, LOADS>(simd, &law, shapes, bodies, found);
+        let (law, energy) = (&self.law, self.energy);
+        self.levers
+            .run::<S, LOADS>(simd, law, self.shapes, self.bodies, energy, self.sums);
     }
 }
 
@@ -166,224 +101,135 @@ impl LaneField {
     pub(super) fn new(scene: &Scene, geometry: &Geometry, law: Law, arch: pulp::Arch) -> Self {
         let contact = &scene.contact;
         let layout = Layout::of(&scene.gear);
-        let friction = RegularisedCoulomb {
-            coefficient: contact.friction_coefficient,
-            ramp: contact.friction_ramp_m_s,
-        };
+        let coefficient = contact.friction_coefficient;
         Self {
             arch,
             law,
             friction: RegularisedCoulomb {
-                ramp: friction.ramp * factor(Fault::FrictionSign, -1.0),
-                ..friction
+                coefficient,
+                ramp: contact.friction_ramp_m_s * factor(Fault::FrictionSign, -1.0),
             },
-            levers: (friction.coefficient == 0.0).then(|| Levers::new(scene, geometry)),
-            sliding: (friction.coefficient > 0.0)
-                .then(|| Sliding::new(layout, friction))
-                .flatten(),
+            levers: (coefficient == 0.0).then(|| Levers::new(scene, geometry)),
             pairs: LanePairs {
                 layout,
                 shapes: Shapes::new(scene, geometry),
                 external: Sleeves::new(layout.external_bodies()),
                 internal: Sleeves::new(layout.internal_bodies()),
             },
-            scalar: Pairs::new(scene, geometry, law, Exact::new(scene, geometry, &law)),
+            scalar: Pairs::new(scene, geometry, law, law, Exact::new(scene, geometry, &law)),
         }
+    }
+
+    fn walk(&mut self, bodies: &[BodyState], sink: impl Sink) {
+        let pairs = &mut self.pairs;
+        self.arch.dispatch(Walk {
+            pairs,
+            bodies,
+            sink,
+        });
     }
 
     fn sum<const FRICTION: bool, const ENERGY: bool>(
         &mut self,
         bodies: &[BodyState],
-        loads: &mut [Wrench],
-    ) -> ContactEnergy {
+        sums: &mut Sums<'_>,
+    ) {
+        let Some(loads) = sums.loads.as_deref_mut() else {
+            return;
+        };
         let mut energy = ContactEnergy::default();
-        let sink = Loads::<Law, FRICTION, ENERGY> {
+        let sink = Loads::<FRICTION, ENERGY> {
             law: self.law,
             friction: self.friction,
             loads,
             energy: &mut energy,
         };
-        let pairs = &mut self.pairs;
-        self.arch.dispatch(SumWalk(Walk {
-            pairs,
-            bodies,
-            sink,
-        }));
-        energy
+        self.walk(bodies, sink);
+        sums.energy = ENERGY.then_some(energy);
     }
 
-    /// False, and nothing was added, where something rubs.
-    fn levers<const LOADS: bool>(&mut self, bodies: &[BodyState], found: &mut Found<'_>) -> bool {
-        let Some(levers) = self.levers.as_mut() else {
-            return false;
-        };
-        let walk = LeverWalk::<_, LOADS> {
-            levers,
-            shapes: &self.pairs.shapes,
-            law: self.law,
-            bodies,
-            found,
-        };
-        self.arch.dispatch(walk);
-        true
-    }
-
-    fn slopes<const FRICTION: bool>(
+    /// Moments, and loads if they are asked for, of bodies whose joints hold them. Nothing rubs.
+    fn sum_levers<const LOADS: bool>(
         &mut self,
         bodies: &[BodyState],
-        slopes: &mut Jacobian,
-    ) -> bool {
-        let layout = self.pairs.layout;
-        let sink = Slopes::<_, FRICTION>::new(self.law, self.friction, layout, bodies, slopes);
-        let Some(sink) = sink else {
-            return false;
+        energy: bool,
+        sums: &mut Sums<'_>,
+    ) {
+        if let Some(levers) = &mut self.levers {
+            self.arch.dispatch(LeverWalk::<LOADS> {
+                levers,
+                shapes: &self.pairs.shapes,
+                law: self.law,
+                bodies,
+                energy,
+                sums,
+            });
+        }
+    }
+
+    /// False, and nothing was added, for free bodies that are not those of a gear with or without friction.
+    fn add_slopes(&mut self, bodies: &[BodyState], sums: &mut Sums<'_>) -> bool {
+        let Some(slopes) = sums.slopes.as_deref_mut() else {
+            return true;
         };
-        let pairs = &mut self.pairs;
-        self.arch.dispatch(SlopeWalk(Walk {
-            pairs,
-            bodies,
-            sink,
-        }));
+        let (layout, law, friction) = (self.pairs.layout, self.law, self.friction);
+        let has_friction = friction.coefficient > 0.0;
+        let free = if has_friction {
+            layout.bodies() - 1
+        } else {
+            1 + layout.wheels
+        };
+        if slopes.rate().dimension() != free || slopes.position().is_none() {
+            return false;
+        }
+        if has_friction {
+            if let Some(sink) = Slopes::<true>::new(law, friction, layout, bodies, slopes) {
+                self.walk(bodies, sink);
+            }
+        } else if let Some(sink) = Slopes::<false>::new(law, friction, layout, bodies, slopes) {
+            self.walk(bodies, sink);
+        }
+        true
+    }
+}
+
+impl ContactField for LaneField {
+    fn evaluate(&mut self, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
+        if self.levers.is_some() && ask.pose != Pose::Any && sums.slopes.is_none() {
+            if sums.loads.is_some() {
+                self.sum_levers::<true>(bodies, ask.energy, sums);
+            } else {
+                self.sum_levers::<false>(bodies, false, sums);
+            }
+            return true;
+        }
+        let is_told = sums.moments.is_none() && ask.pose != Pose::AnglesOnly;
+        if !is_told || !self.add_slopes(bodies, sums) {
+            return false;
+        }
+        match (self.friction.coefficient > 0.0, ask.energy) {
+            (false, false) => self.sum::<false, false>(bodies, sums),
+            (false, true) => self.sum::<false, true>(bodies, sums),
+            (true, false) => self.sum::<true, false>(bodies, sums),
+            (true, true) => self.sum::<true, true>(bodies, sums),
+        }
         true
     }
 
-    fn list(&mut self, bodies: &[BodyState], visit: &mut Visit<'_>) {
+    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
         let sink = Listing {
             law: self.law,
             friction: self.friction,
             visit,
         };
-        let pairs = &mut self.pairs;
-        self.arch.dispatch(ListWalk(Walk {
-            pairs,
-            bodies,
-            sink,
-        }));
-    }
-}
-
-impl ContactField for LaneField {
-    fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
-        if self.friction.coefficient > 0.0 {
-            self.sum::<true, false>(bodies, loads);
-        } else {
-            self.sum::<false, false>(bodies, loads);
-        }
-    }
-
-    fn add_loads_with_energy(
-        &mut self,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-    ) -> ContactEnergy {
-        if self.friction.coefficient > 0.0 {
-            self.sum::<true, true>(bodies, loads)
-        } else {
-            self.sum::<false, true>(bodies, loads)
-        }
-    }
-
-    fn add_moments(&mut self, bodies: &[BodyState], moments: &mut [f64]) -> bool {
-        let found = &mut Found {
-            moments,
-            loads: &mut [],
-            energy: None,
-        };
-        self.levers::<false>(bodies, found)
-    }
-
-    fn hold(
-        &mut self,
-        bodies: &[BodyState],
-        moments: &mut [f64],
-        loads: &mut [Wrench],
-    ) -> Option<ContactEnergy> {
-        self.levers.as_ref()?;
-        for shaft in [Layout::INPUT, Layout::OUTPUT] {
-            loads[shaft] = Wrench::default();
-        }
-        let mut found = Found {
-            moments,
-            loads,
-            energy: Some(ContactEnergy::default()),
-        };
-        self.levers::<true>(bodies, &mut found);
-        found.energy
-    }
-
-    fn add_held_loads(
-        &mut self,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-        observed: bool,
-    ) -> Option<ContactEnergy> {
-        let mut found = Found {
-            moments: &mut [],
-            loads,
-            energy: observed.then(ContactEnergy::default),
-        };
-        if self.levers::<true>(bodies, &mut found) {
-            return found.energy;
-        }
-        self.add_asked_loads(bodies, loads, observed)
-    }
-
-    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
-        let law = self.law;
-        self.list(bodies, &mut |wheel, sleeve, frame, pair| {
-            visit(&pair.contact(&law, wheel, sleeve, frame));
-        });
+        self.walk(bodies, sink);
     }
 
     fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
         self.scalar.nearest(bodies, wheel, sleeve)
     }
 
-    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
-        let mut sum = ContactEnergy::default();
-        let law = self.law;
-        self.list(bodies, &mut |_, _, _, pair| pair.add_energy(&law, &mut sum));
-        sum
-    }
-
-    fn normal_force(&self, pair: &PairContact, rate: f64) -> f64 {
-        self.law.force(pair.stiffness, pair.penetration_m, rate)
-    }
-
-    fn solve_friction(
-        &mut self,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-        stage: &mut RateStage<'_>,
-    ) -> Option<bool> {
-        let sliding = self.sliding.as_mut()?;
-        // Free are all bodies but the input.
-        if stage.rates.len() + 1 != bodies.len() {
-            return None;
-        }
-        sliding.clear();
-        let sink = Split {
-            law: self.law,
-            sliding,
-            loads,
-        };
-        let pairs = &mut self.pairs;
-        self.arch.dispatch(SplitWalk(Walk {
-            pairs,
-            bodies,
-            sink,
-        }));
-        let sliding = self.sliding.as_mut()?;
-        Some(sliding.solve(self.arch, self.law, stage))
-    }
-
-    fn add_slopes(&mut self, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
-        let layout = self.pairs.layout;
-        let (rubs, free) = (self.friction.coefficient > 0.0, slopes.rate().dimension());
-        match (rubs, free) {
-            (true, n) if n == layout.bodies() - 1 => self.slopes::<true>(bodies, slopes),
-            (false, n) if n == 1 + layout.wheels => self.slopes::<false>(bodies, slopes),
-            _ => false,
-        }
+    fn law(&self) -> &Law {
+        &self.law
     }
 }

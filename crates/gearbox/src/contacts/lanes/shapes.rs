@@ -1,6 +1,6 @@
 //! Where sleeves touch, several at a time, in the wheel's frame.
 
-use pinwheel_contact::{ComplexLanes, Epitrochoid, Lanes, LocalFeet, Mask};
+use pinwheel_contact::{ComplexLanes, Epitrochoid, Lanes, LocalFeet, Mask, Real};
 use pinwheel_scene::scales::hertz;
 use pulp::Simd;
 

@@ -15,7 +15,7 @@
 //! and the moments are differentiated by the product rule. The slopes of the normal law are differences of the law itself,
 //! right to 1e-9, so that a law needs none of its own. Where friction or law have a kink, one side's slope counts.
 
-use pinwheel_contact::{Lanes, NormalLaw, RegularisedCoulomb};
+use pinwheel_contact::{Lanes, Law, NormalLaw, Real, RegularisedCoulomb};
 use pinwheel_mbs::{Arrow, BodyState, Jacobian};
 use pulp::Simd;
 
@@ -28,8 +28,8 @@ const PENETRATION_SHARE: f64 = 1e-5;
 const CLOSING: f64 = 1e-6;
 
 /// Adds the slopes of the moments about the pins to a Jacobian.
-pub(super) struct Slopes<'a, L, const FRICTION: bool> {
-    law: L,
+pub(super) struct Slopes<'a, const FRICTION: bool> {
+    law: Law,
     friction: RegularisedCoulomb,
     position: &'a mut Arrow,
     rate: &'a mut Arrow,
@@ -48,10 +48,10 @@ const CARRIER: usize = 1;
 const INPUT: usize = 2;
 const ANGLES: usize = 3;
 
-impl<'a, L, const FRICTION: bool> Slopes<'a, L, FRICTION> {
+impl<'a, const FRICTION: bool> Slopes<'a, FRICTION> {
     /// `None` for a Jacobian that is not of second order.
     pub(super) fn new(
-        law: L,
+        law: Law,
         friction: RegularisedCoulomb,
         layout: Layout,
         bodies: &[BodyState],
@@ -84,23 +84,23 @@ struct Pressure<S: Simd> {
 
 impl<S: Simd> Pressure<S> {
     #[inline(always)]
-    fn new<L: NormalLaw>(law: &L, group: &Group<'_, S>, closing: Lanes<S>) -> Self {
+    fn new(law: &Law, group: &Group<'_, S>, closing: Lanes<S>) -> Self {
         let (touching, mask) = (&group.touching, group.touching.mask);
         let (stiffness, depth) = (touching.stiffness, touching.penetration);
         let c = |x: f64| depth.like(x);
         let (more, less) = (c(1.0 + STIFFNESS_SHARE), c(1.0 - STIFFNESS_SHARE));
-        let by_stiffness = (law.force_lanes(stiffness * more, depth, closing)
-            - law.force_lanes(stiffness * less, depth, closing))
+        let by_stiffness = (law.force(stiffness * more, depth, closing)
+            - law.force(stiffness * less, depth, closing))
             * (stiffness * c(2.0 * STIFFNESS_SHARE)).recip();
         let (more, less) = (c(1.0 + PENETRATION_SHARE), c(1.0 - PENETRATION_SHARE));
-        let by_depth = (law.force_lanes(stiffness, depth * more, closing)
-            - law.force_lanes(stiffness, depth * less, closing))
+        let by_depth = (law.force(stiffness, depth * more, closing)
+            - law.force(stiffness, depth * less, closing))
             * (depth * c(2.0 * PENETRATION_SHARE)).recip();
-        let by_closing = (law.force_lanes(stiffness, depth, closing + c(CLOSING))
-            - law.force_lanes(stiffness, depth, closing - c(CLOSING)))
+        let by_closing = (law.force(stiffness, depth, closing + c(CLOSING))
+            - law.force(stiffness, depth, closing - c(CLOSING)))
             * c(0.5 / CLOSING);
         Self {
-            force: law.force_lanes(stiffness, depth, closing).only(mask),
+            force: law.force(stiffness, depth, closing).only(mask),
             by_stiffness: by_stiffness.only(mask),
             by_depth: by_depth.only(mask),
             by_closing: by_closing.only(mask),
@@ -123,7 +123,7 @@ struct Centre<S: Simd> {
 
 impl<S: Simd> Profile<S> {
     #[inline(always)]
-    fn new<L: NormalLaw>(law: &L, group: &Group<'_, S>) -> Self {
+    fn new(law: &Law, group: &Group<'_, S>) -> Self {
         let (touching, mask) = (&group.touching, group.touching.mask);
         let depth = touching.penetration;
         let c = |x: f64| depth.like(x);
@@ -136,9 +136,9 @@ impl<S: Simd> Profile<S> {
         let slopes = group.shapes.stiffness_slopes(foot, touching.stiffness);
         let (more, less) = (c(1.0 + PENETRATION_SHARE), c(1.0 - PENETRATION_SHARE));
         let three = (
-            law.along_lanes(depth),
-            law.along_lanes(depth * more),
-            law.along_lanes(depth * less),
+            law.along(depth),
+            law.along(depth * more),
+            law.along(depth * less),
         );
         let centre = if let (Some(along), Some(more), Some(less)) = three {
             let rise = (more - less) * (depth * c(2.0 * PENETRATION_SHARE)).recip();
@@ -162,7 +162,7 @@ impl<S: Simd> Profile<S> {
 /// Slopes of the three moments of a contact: on the wheel, on the output, on the sleeve.
 type Moments<S> = [Lanes<S>; 3];
 
-impl<L: NormalLaw, const FRICTION: bool> Slopes<'_, L, FRICTION> {
+impl<const FRICTION: bool> Slopes<'_, FRICTION> {
     /// Adds a column of slopes, of the angle or rate `of` a hub, or of the time.
     #[inline(always)]
     fn add<S: Simd>(
@@ -211,9 +211,9 @@ enum Target {
     Time,
 }
 
-impl<S: Simd, L: NormalLaw, const FRICTION: bool> Sink<S> for Slopes<'_, L, FRICTION> {
+impl<const FRICTION: bool> Sink for Slopes<'_, FRICTION> {
     #[inline(always)]
-    fn group(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
+    fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let (touching, mask) = (&group.touching, group.touching.mask);
         let n = touching.normal.only(mask);
         let t = n.turned();
@@ -333,7 +333,4 @@ impl<S: Simd, L: NormalLaw, const FRICTION: bool> Sink<S> for Slopes<'_, L, FRIC
             }
         }
     }
-
-    #[inline(always)]
-    fn end(&mut self, _: usize, _: &Wheel<S>) {}
 }

@@ -1,6 +1,6 @@
 //! The walk over all pairs of wheels and sleeves, a group of lanes at a time.
 
-use pinwheel_contact::{Complex, ComplexLanes, Lanes, NormalLaw};
+use pinwheel_contact::{Complex, ComplexLanes, Lanes, Law, NormalLaw};
 use pinwheel_mbs::BodyState;
 use pulp::Simd;
 
@@ -43,10 +43,10 @@ impl<S: Simd> Wheel<S> {
     /// Takes the reactions of the force `on_sleeve` at `point`, 0 where nothing touches, and of the law's force along the
     /// profile at the sleeves' centres; returns what the sleeves receive in all.
     #[inline(always)]
-    pub(super) fn push<L: NormalLaw>(
+    pub(super) fn push(
         &mut self,
         group: &Group<'_, S>,
-        law: &L,
+        law: &Law,
         n: ComplexLanes<S>,
         point: ComplexLanes<S>,
         on_sleeve: ComplexLanes<S>,
@@ -85,10 +85,10 @@ impl<S: Simd> Group<'_, S> {
 
     /// Force on the sleeves at their centres along t, N, in lanes that touch, and 0 in others; `None` where there is none.
     #[inline(always)]
-    pub(super) fn along<L: NormalLaw>(&self, law: &L) -> Option<Lanes<S>> {
+    pub(super) fn along(&self, law: &Law) -> Option<Lanes<S>> {
         let touching = &self.touching;
         let foot = touching.foot.as_ref()?;
-        let along = law.along_lanes(touching.penetration)?;
+        let along = law.along(touching.penetration)?;
         let slopes = self.shapes.stiffness_slopes(foot, touching.stiffness);
         Some(-(slopes.along * along).only(touching.mask))
     }
@@ -114,12 +114,17 @@ impl<S: Simd> Group<'_, S> {
 }
 
 /// What is done with touching pairs.
-pub(super) trait Sink<S: Simd> {
+pub(super) trait Sink {
     /// A group of which some lanes touch.
-    fn group(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>);
+    fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>);
 
     /// All groups of a wheel (body index `body`) were seen.
-    fn end(&mut self, body: usize, wheel: &Wheel<S>);
+    #[inline(always)]
+    fn end<S: Simd>(&mut self, _body: usize, _wheel: &Wheel<S>) {}
+
+    /// All wheels were seen; `sleeves`: external and internal, with what was left in their columns.
+    #[inline(always)]
+    fn finish(&mut self, _sleeves: [&Sleeves; 2]) {}
 }
 
 /// Visits every group with a touching pair: wheel by wheel, external sleeves before internal ones.
@@ -130,7 +135,7 @@ pub(super) fn walk<S: Simd>(
     shapes: &Shapes,
     [external, internal]: [&mut Sleeves; 2],
     bodies: &[BodyState],
-    sink: &mut impl Sink<S>,
+    sink: &mut impl Sink,
 ) {
     external.gather(bodies);
     internal.gather(bodies);

@@ -28,6 +28,7 @@ use serde::{Deserialize, Serialize};
 use self::columns::{Columns, Factors, Judge, copy, padded};
 use self::history::{History, Line, shift};
 use self::propagator::{Linear, Propagator};
+use super::clock::Method as _;
 use super::dopri5::{Dense, Dopri5};
 use super::{MethodInfo, StepCounts, StepError, Stepper, restored, saved, short_step};
 use crate::OdeSystem;
@@ -665,7 +666,7 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
     fn next_step(&self) -> f64 {
         match &self.multistep {
             Some(multistep) if self.runs => self.fitting(multistep),
-            _ => Stepper::<S>::next_step(&self.start),
+            _ => self.start.clock().h,
         }
     }
 
@@ -697,7 +698,7 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
     }
 
     fn counts(&self) -> StepCounts {
-        let start = Stepper::<S>::counts(&self.start);
+        let start = self.start.clock().counts;
         StepCounts {
             steps: self.counts.steps + start.steps,
             rejected: self.counts.rejected + start.rejected,
@@ -711,6 +712,6 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
     }
 
     fn restore(&mut self, bytes: &[u8]) -> bool {
-        restored(self, bytes)
+        restored(bytes).map(|saved| *self = saved).is_some()
     }
 }

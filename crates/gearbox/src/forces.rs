@@ -1,7 +1,7 @@
 //! Contact forces and the load as the mechanism's applied forces, whole or with the friction told apart.
 
-use pinwheel_mbs::sliding::{Contact, RateStage};
-use pinwheel_mbs::{BodyState, ContactEnergy, Forces, Jacobian, Wrench};
+use pinwheel_mbs::sliding::Contact;
+use pinwheel_mbs::{Ask, BodyState, Forces, Sums, Wrench};
 
 use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
@@ -47,47 +47,25 @@ impl Forces for GearForces {
         self.field.add_loads(bodies, loads);
     }
 
-    fn apply_observed(
-        &mut self,
-        time: f64,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-    ) -> Option<ContactEnergy> {
-        loads[Layout::OUTPUT].moment += self.load.torque(time);
-        Some(self.field.add_loads_with_energy(bodies, loads))
-    }
-
-    fn apply_held(
-        &mut self,
-        time: f64,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-        observed: bool,
-    ) -> Option<ContactEnergy> {
-        loads[Layout::OUTPUT].moment += self.load.torque(time);
-        self.field.add_held_loads(bodies, loads, observed)
-    }
-
-    fn moments(&mut self, time: f64, bodies: &[BodyState], moments: &mut [f64]) -> bool {
-        let known = self.field.add_moments(bodies, moments);
-        if known {
-            moments[Layout::OUTPUT] += self.load.torque(time);
+    fn evaluate(&mut self, time: f64, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
+        if !self.field.evaluate(bodies, ask, sums) {
+            return false;
         }
-        known
-    }
-
-    fn observed_moments(
-        &mut self,
-        time: f64,
-        bodies: &[BodyState],
-        moments: &mut [f64],
-        loads: &mut [Wrench],
-    ) -> Option<ContactEnergy> {
-        let energy = self.field.hold(bodies, moments, loads)?;
-        let load = self.load.torque(time);
-        moments[Layout::OUTPUT] += load;
-        loads[Layout::OUTPUT].moment += load;
-        Some(energy)
+        let torque = self.load.torque(time);
+        if let Some(loads) = &mut sums.loads {
+            loads[Layout::OUTPUT].moment += torque;
+        }
+        if let Some(moments) = &mut sums.moments {
+            moments[Layout::OUTPUT] += torque;
+        }
+        if let Some(slopes) = &mut sums.slopes {
+            let load = &self.load;
+            if (load.from_s..load.settled_s()).contains(&time) {
+                // The output is the first of the free bodies.
+                slopes.parts_mut().2[0] += (load.after_n_m - load.before_n_m) / load.ramp_s;
+            }
+        }
+        true
     }
 
     fn apply_without_friction(
@@ -135,31 +113,6 @@ impl Forces for GearForces {
         });
     }
 
-    fn solve_friction(
-        &mut self,
-        time: f64,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-        stage: &mut RateStage<'_>,
-    ) -> Option<bool> {
-        let solved = self.field.solve_friction(bodies, loads, stage)?;
-        loads[Layout::OUTPUT].moment += self.load.torque(time);
-        Some(solved)
-    }
-
-    fn moment_slopes(&mut self, time: f64, bodies: &[BodyState], slopes: &mut Jacobian) -> bool {
-        if !self.field.add_slopes(bodies, slopes) {
-            return false;
-        }
-        let load = &self.load;
-        if (load.from_s..load.settled_s()).contains(&time) {
-            // The output is the first of the free bodies.
-            let (_, _, by_time) = slopes.parts_mut();
-            by_time[0] += (load.after_n_m - load.before_n_m) / load.ramp_s;
-        }
-        true
-    }
-
     fn enter_leg(&mut self, from: f64) {
         self.load = load_course::piece_at(&self.drive, from);
     }
@@ -167,7 +120,7 @@ impl Forces for GearForces {
     fn normal_force(&self, index: usize, listed: f64, rate: f64) -> f64 {
         self.pairs
             .get(index)
-            .map_or(listed, |pair| self.field.normal_force(pair, rate))
+            .map_or(listed, |pair| pair.normal_force_at(self.field.law(), rate))
     }
 }
 
@@ -175,7 +128,7 @@ impl Forces for GearForces {
 mod tests {
     use super::*;
     use crate::scene::{Override, Scene};
-    use pinwheel_mbs::Structure;
+    use pinwheel_mbs::{Jacobian, Pose, Structure};
 
     fn gearbox(sets: &[(&str, &str)]) -> Gearbox {
         let sets: Vec<Override> = sets.iter().map(|&(k, v)| Override::new(k, v)).collect();
@@ -206,7 +159,9 @@ mod tests {
             let (mut whole, mut seen, mut rest) = (zeros.clone(), zeros.clone(), zeros);
             let mut contacts = Vec::new();
             forces.apply(0.1, &bodies, &mut whole);
-            let energy = forces.apply_observed(0.1, &bodies, &mut seen).unwrap();
+            let mut sums = Sums::of_loads(&mut seen);
+            assert!(forces.evaluate(0.1, &bodies, Ask::with_energy(Pose::Any), &mut sums));
+            let energy = sums.energy.unwrap();
             assert_eq!(whole, seen);
             let known = forces.field.energy(&bodies);
             assert!((energy.stored_j / known.stored_j - 1.0).abs() < 1e-12);
@@ -269,7 +224,8 @@ mod tests {
         };
         let slopes = |forces: &mut GearForces, time: f64| {
             let mut slopes = Jacobian::new(&structure, 6);
-            assert!(forces.moment_slopes(time, &bodies, &mut slopes));
+            let (ask, mut sums) = (Ask::of(Pose::Prescribed), Sums::of_slopes(&mut slopes));
+            assert!(forces.evaluate(time, &bodies, ask, &mut sums));
             slopes.parts_mut().2.to_vec()
         };
         let (rising, risen) = (slopes(&mut forces, 0.005), slopes(&mut forces, 0.02));
