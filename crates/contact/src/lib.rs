@@ -27,8 +27,7 @@
 //! A sleeve pressed 20 um into the tip of a lobe of the paper's wheel (e = 2.8 mm, zk = 16, m = 0.7), by the program and by
 //! hand:
 //! ```
-//! use pinwheel_contact::laws::{GapState, Law};
-//! use pinwheel_contact::{Complex, Epitrochoid, HertzStiffness};
+//! use pinwheel_contact::{Complex, Epitrochoid, HertzStiffness, Law, LawParameters, NormalLaw};
 //!
 //! let curve = Epitrochoid::new(0.0028, 16, 0.7)?;
 //! // The tip is at a = 0: C = R + e = 64 + 2.8 mm on the x axis.
@@ -43,9 +42,9 @@
 //! assert!((stiffness / by_hand - 1.0).abs() < 1e-5);
 //!
 //! // Closing at 0.1 m/s: F_n = K delta^1.5 + C v, about 7.9 N + 0.8 N.
-//! let law = Law::from_values("paper", &[("damping_n_s_m", 8.0), ("ramp_m", 1e-5)])?;
-//! let pair = GapState { stiffness, stiffness_slope: 0.0, penetration: -foot.distance, rate: 0.1 };
-//! let force = law.respond(&pair).normal_force;
+//! let parameters = LawParameters { damping: 8.0, ramp: 1e-5, ..LawParameters::default() };
+//! let law = Law::named("paper", &parameters).expect("it is registered");
+//! let force = law.force(stiffness, -foot.distance, 0.1);
 //! assert!((force - (by_hand * 20e-6_f64.powf(1.5) + 0.8)).abs() < 1e-4 && (force - 8.69).abs() < 0.01);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -3,7 +3,7 @@
 //! What is planned here is a good first try, from [`Frequencies`]; [`resolve`](crate::resolve) verifies it on the run
 //! itself, refines it, and falls back on the next plan of the [`chain`] where it fails.
 
-use pinwheel_mbs::integrators::method;
+use pinwheel_mbs::integrators::{Family, method};
 
 use crate::energy::EnergyAccount;
 use crate::frequencies::Frequencies;
@@ -80,6 +80,12 @@ impl Plan {
         method(self.integrator).is_some_and(|method| method.adaptive)
     }
 
+    /// What its method does with the equations.
+    #[must_use]
+    pub fn family(&self) -> Option<Family> {
+        method(self.integrator).map(|method| method.family)
+    }
+
     /// What sets its steps, in words.
     #[must_use]
     pub fn setting(&self) -> String {
@@ -97,12 +103,7 @@ impl Plan {
         if plan.adaptive() {
             plan.tolerance = (plan.tolerance / factor).clamp(TOLERANCES.0, TOLERANCES.1);
             // Runs whose steps are all the longest would be the same run twice.
-            let power = match plan.integrator {
-                "imex2-adaptive" => 0.5,
-                // Twice the step for ten times the tolerance.
-                EXPONENTIAL => std::f64::consts::LOG10_2,
-                _ => 0.2,
-            };
+            let power = method(plan.integrator).map_or(0.0, |method| method.step_power);
             plan.longest_step_s /= (self.tolerance / plan.tolerance).powf(power);
         } else {
             plan.step_s /= factor;
@@ -193,7 +194,7 @@ pub fn chain(scene: &Scene, promise: f64) -> Vec<Plan> {
     ];
     plans.extend(others.into_iter().filter(|plan| {
         plan.integrator != first.integrator
-            && (planner.may_be_implicit() || !plan.integrator.starts_with("imex"))
+            && (planner.may_be_implicit() || plan.family() != Some(Family::SplitImplicit))
             && (planner.smooth() || !plan.adaptive())
     }));
     plans

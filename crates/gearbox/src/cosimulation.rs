@@ -21,6 +21,7 @@ use crate::channels::{LawPairs, Seen};
 use crate::contacts::ContactField;
 use crate::forces::GearForces;
 use crate::load_course;
+use crate::native::reduced;
 use crate::scene::{self, Drive};
 use crate::{Gearbox, GearboxError, Layout, Recorder, guard};
 
@@ -212,7 +213,6 @@ impl CoSimulation {
         } else if let Some(tolerance) = setup.tolerance {
             gearbox = gearbox.with_solver(|solver| solver.tolerance = tolerance)?;
         }
-        let scales = gearbox.error_scales();
         gearbox.start = Some(start(&gearbox, &setup)?);
         let mut loaded = gearbox.clone();
         if !setup.scene_load {
@@ -239,26 +239,13 @@ impl CoSimulation {
                 });
             }
         }
-        let sleeves: Vec<usize> =
-            (gearbox.layout.external_bodies().start..gearbox.layout.bodies()).collect();
-        // Without friction nothing turns a sleeve.
-        let idle: &[usize] = if gearbox.has_friction() {
-            &[]
-        } else {
-            &sleeves
-        };
         let forces = HeldForces {
             gear: GearForces::new(&loaded)?,
             input: Straight::default(),
             output: Straight::default(),
             usual: (setup.input, setup.output) == (Held::BySpeed, Held::ByTorque),
         };
-        let mut system = Reduced::new(mechanism, forces, idle)?
-            .with_leaves(&sleeves)
-            .with_scales(scales);
-        if gearbox.channels.need_reactions() {
-            system = system.with_reactions();
-        }
+        let system = reduced(&gearbox, mechanism, forces)?;
         let solver = &gearbox.scene.solver;
         let (integrator, settings) = (
             solver.integrator.clone(),

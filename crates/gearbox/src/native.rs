@@ -2,7 +2,7 @@
 
 use pinwheel_courses::{Courses, CoursesError, Ending};
 use pinwheel_mbs::integrators::{Legs, StepCounts, StepError, StepSettings, Stepper};
-use pinwheel_mbs::{Formulation, Lagrange, Observation, Reduced, Stabilisation};
+use pinwheel_mbs::{Forces, Formulation, Lagrange, Mechanism, Observation, Reduced, Stabilisation};
 
 use crate::balance::Balance;
 use crate::channels::{LawPairs, Seen};
@@ -90,25 +90,9 @@ pub(crate) fn run_within(
 ) -> Result<NativeRun, NativeError> {
     let forces = GearForces::new(gearbox)?;
     let mechanism = gearbox.mechanism();
-    let sleeves: Vec<usize> =
-        (gearbox.layout.external_bodies().start..gearbox.layout.bodies()).collect();
     match gearbox.scene.solver.formulation {
         scene::Formulation::Reduced => {
-            // Without friction nothing turns a sleeve.
-            let idle: &[usize] = if gearbox.has_friction() {
-                &[]
-            } else {
-                &sleeves
-            };
-            let system = Reduced::new(mechanism, forces, idle)
-                .map_err(GearboxError::from)?
-                .with_leaves(&sleeves)
-                .with_scales(gearbox.error_scales());
-            let system = if gearbox.channels.need_reactions() {
-                system.with_reactions()
-            } else {
-                system
-            };
+            let system = reduced(gearbox, mechanism, forces)?;
             integrate(gearbox, system, limits, watch)
         }
         scene::Formulation::Lagrange => {
@@ -119,17 +103,38 @@ pub(crate) fn run_within(
                     rate: BAUMGARTE_PER_STEP / gearbox.scene.solver.step_s,
                 },
             };
-            let contacts = Reduced::new(mechanism.clone(), GearForces::new(gearbox)?, &[])
-                .map_err(GearboxError::from)?
-                .with_leaves(&sleeves)
-                .into_contacts();
+            let contacts = reduced(gearbox, mechanism.clone(), GearForces::new(gearbox)?)?;
             let system = Lagrange::new(mechanism, forces, stabilisation)
                 .map_err(GearboxError::from)?
-                .with_contacts(contacts)
+                .with_contacts(contacts.into_contacts())
                 .with_scales(gearbox.error_scales());
             integrate(gearbox, system, limits, watch)
         }
     }
+}
+
+/// The reduced form of `mechanism`, which is the gear's but for its drivers.
+pub(crate) fn reduced<F: Forces>(
+    gearbox: &Gearbox,
+    mechanism: Mechanism,
+    forces: F,
+) -> Result<Reduced<F>, GearboxError> {
+    let layout = gearbox.layout;
+    let sleeves: Vec<usize> = (layout.external_bodies().start..layout.bodies()).collect();
+    // Without friction nothing turns a sleeve.
+    let idle: &[usize] = if gearbox.has_friction() {
+        &[]
+    } else {
+        &sleeves
+    };
+    let system = Reduced::new(mechanism, forces, idle)?
+        .with_leaves(&sleeves)
+        .with_scales(gearbox.error_scales());
+    Ok(if gearbox.channels.need_reactions() {
+        system.with_reactions()
+    } else {
+        system
+    })
 }
 
 /// Steps through the run, samples between steps, guards every sample.

@@ -1,5 +1,7 @@
 //! What bounds a run; and the end of one whose adaptive steps have become so short that its own end is out of reach.
 
+use pinwheel_mbs::integrators::{Family, method};
+
 use crate::scene::Scene;
 
 /// Steps from one look at whether the run must stop to the next; samples may be much farther apart.
@@ -73,7 +75,9 @@ impl Pace {
         self.last = time;
         self.next_look = steps + SPAN;
         if left > MOST_STEPS {
-            let remedy = if self.rubs && !self.integrator.starts_with("imex2") {
+            let implicit = method(&self.integrator)
+                .is_some_and(|method| method.family == Family::SplitImplicit);
+            let remedy = if self.rubs && !implicit {
                 "set solver.integrator to \"imex2\" or \"auto\", which treat friction implicitly"
             } else {
                 "raise solver.tolerance, or name a method with a fixed step in solver.integrator"

@@ -21,7 +21,6 @@ mod paper_printed;
 mod parameters;
 mod ramp;
 mod registry;
-mod response;
 
 use crate::Real;
 
@@ -33,10 +32,9 @@ pub use normal::NormalLaw;
 pub use paper::PaperLaw;
 pub use paper_conservative::PaperConservative;
 pub use paper_printed::PaperPrinted;
-pub use parameters::{LawError, LawParameters};
+pub use parameters::LawParameters;
 pub use ramp::Ramp;
 use registry::registry;
-pub use response::{GapState, Response};
 
 registry! {
     paper: Paper(PaperLaw),
@@ -269,31 +267,6 @@ mod tests {
             }
         }
         assert!(hysteresis_factor("paper", 0.5).is_none());
-    }
-
-    /// A pair as a whole: the energy's gradient where the law has one, and nothing at all across a gap.
-    #[test]
-    fn responses_are_the_laws() {
-        for (name, law) in each() {
-            let touch = GapState {
-                stiffness: 9e7,
-                stiffness_slope: 2e9,
-                penetration: 3e-5,
-                rate: 0.1,
-            };
-            let found = law.respond(&touch);
-            assert_eq!(found.normal_force, law.force(9e7, 3e-5, 0.1), "{name}");
-            assert_eq!(found.stored, law.stored(9e7, 3e-5), "{name}");
-            let along = law.along(3e-5).map_or(0.0, |along| -2e9 * along);
-            assert_eq!(found.along_force, along, "{name}");
-            for penetration in [0.0, -1e-6, f64::NAN] {
-                let gap = GapState {
-                    penetration,
-                    ..touch
-                };
-                assert_eq!(law.respond(&gap), Response::default(), "{name}");
-            }
-        }
     }
 
     struct Force;

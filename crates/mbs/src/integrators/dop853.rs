@@ -15,16 +15,15 @@ use serde::{Deserialize, Serialize};
 use super::clock::{Clock, Method, fields};
 use super::dop853_coefficients::{A, C, D, E3, E5, EXTENDED, STAGES};
 use super::weighted::{each_sum, set_scaled, set_sum};
-use super::{MethodInfo, StepError};
+use super::{Family, MethodInfo, StepError};
 use crate::OdeSystem;
 
-pub(super) const INFO: MethodInfo = MethodInfo {
-    name: "dop853",
-    summary: "Dormand-Prince 8(5,3), steps from the tolerance, dense output: for smooth motion and many digits",
-    order: 8,
-    adaptive: true,
-    unseen: super::UNSEEN,
-};
+pub(super) const INFO: MethodInfo = MethodInfo::adaptive(
+    "dop853",
+    "Dormand-Prince 8(5,3), steps from the tolerance, dense output: for smooth motion and many digits",
+    8,
+    Family::Explicit,
+);
 
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 1.0 / 3.0;

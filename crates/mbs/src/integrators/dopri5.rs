@@ -14,16 +14,15 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Method, fields};
 use super::weighted::{Row, each_sum, set_sum};
-use super::{MethodInfo, StepError};
+use super::{Family, MethodInfo, StepError};
 use crate::OdeSystem;
 
-pub(super) const INFO: MethodInfo = MethodInfo {
-    name: "dopri5",
-    summary: "Dormand-Prince 5(4), steps from the tolerance, dense output",
-    order: 5,
-    adaptive: true,
-    unseen: super::UNSEEN,
-};
+pub(super) const INFO: MethodInfo = MethodInfo::adaptive(
+    "dopri5",
+    "Dormand-Prince 5(4), steps from the tolerance, dense output",
+    5,
+    Family::Explicit,
+);
 
 const STAGES: usize = 7;
 

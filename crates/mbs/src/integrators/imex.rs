@@ -17,16 +17,15 @@
 use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Method, fields};
-use super::{MethodInfo, StepError};
+use super::{Family, MethodInfo, StepError};
 use crate::OdeSystem;
 
-pub(super) const INFO: MethodInfo = MethodInfo {
-    name: "imex2",
-    summary: "ARS(2,2,2), second order, fixed step, friction implicit: for scenes with friction",
-    order: 2,
-    adaptive: false,
-    unseen: 0.0,
-};
+pub(super) const INFO: MethodInfo = MethodInfo::fixed(
+    "imex2",
+    "ARS(2,2,2), second order, fixed step, friction implicit: for scenes with friction",
+    2,
+    Family::SplitImplicit,
+);
 
 /// g.
 pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;

@@ -16,15 +16,18 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Method, fields};
 use super::imex::{Point, advance};
-use super::{MethodInfo, StepError};
+use super::{Family, MethodInfo, StepError};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
-    name: "imex2-adaptive",
-    summary: "ARS(2,2,2), second order, steps from the tolerance, friction implicit",
-    order: 2,
-    adaptive: true,
-    unseen: super::UNSEEN,
+    step_power: 0.5,
+    usual_tolerance: 1e-3,
+    ..MethodInfo::adaptive(
+        "imex2-adaptive",
+        "ARS(2,2,2), second order, steps from the tolerance, friction implicit",
+        2,
+        Family::SplitImplicit,
+    )
 };
 
 /// Share of the step that the estimate allows.

@@ -141,7 +141,20 @@ fn restored<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     postcard::from_bytes(bytes).ok()
 }
 
-/// A method as listed for users.
+/// What a method does with f.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    /// Evaluates it.
+    Explicit,
+    /// Treats what [`OdeSystem::split_stage`] knows, friction, implicitly.
+    SplitImplicit,
+    /// Solves with its Jacobian.
+    Rosenbrock,
+    /// Is exact for its linear part, by the Jacobian.
+    Exponential,
+}
+
+/// A method as listed for users, with all that others need to know of it.
 #[derive(Debug, Clone, Copy)]
 pub struct MethodInfo {
     /// Name in scenes.
@@ -150,15 +163,65 @@ pub struct MethodInfo {
     pub summary: &'static str,
     /// Classical order.
     pub order: u32,
+    /// What it does with f.
+    pub family: Family,
     /// Whether the step follows from a tolerance.
     pub adaptive: bool,
     /// Error that runs at different tolerances may share, so that their differences do not show it: a share of the finest
     /// tolerance, relative to the quantity. 0 for a fixed step.
     pub unseen: f64,
+    /// Steps from a tolerance grow with this power of it.
+    pub step_power: f64,
+    /// A tolerance that any scene can be tried with.
+    pub usual_tolerance: f64,
 }
 
-/// [`MethodInfo::unseen`] of error control: near rest the step is bounded by stability, whatever the tolerance, and all runs err
-/// alike (5e-10 at 5e-7 where their differences said 1.5e-10).
+impl MethodInfo {
+    /// A method with a fixed step.
+    pub(crate) const fn fixed(
+        name: &'static str,
+        summary: &'static str,
+        order: u32,
+        family: Family,
+    ) -> Self {
+        Self {
+            name,
+            summary,
+            order,
+            family,
+            adaptive: false,
+            unseen: 0.0,
+            step_power: 0.0,
+            usual_tolerance: 1e-6,
+        }
+    }
+
+    /// A method with steps from the tolerance of a step.
+    ///
+    /// Near rest the step is bounded by stability, whatever the tolerance, and all runs err alike: by 5e-10 at 5e-7 where their
+    /// differences said 1.5e-10.
+    pub(crate) const fn adaptive(
+        name: &'static str,
+        summary: &'static str,
+        order: u32,
+        family: Family,
+    ) -> Self {
+        Self {
+            adaptive: true,
+            unseen: UNSEEN,
+            step_power: 0.2,
+            ..Self::fixed(name, summary, order, family)
+        }
+    }
+
+    /// Whether it solves with the system's Jacobian, for which differences stand in where there is none.
+    #[must_use]
+    pub fn uses_jacobian(&self) -> bool {
+        matches!(self.family, Family::Rosenbrock | Family::Exponential)
+    }
+}
+
+/// [`MethodInfo::unseen`] of error control.
 pub const UNSEEN: f64 = 2e-3;
 
 /// The method of this name.

@@ -17,18 +17,17 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Method, fields};
 use super::rodas5p_coefficients::{A, C, D, GAMMA, H, STAGES, TIMES};
-use super::{MethodInfo, StepError};
+use super::{Family, MethodInfo, StepError};
 use crate::OdeSystem;
 use crate::differences::Differences;
 use crate::jacobian::Jacobian;
 
-pub(super) const INFO: MethodInfo = MethodInfo {
-    name: "rodas5p",
-    summary: "RODAS5P, Rosenbrock 5(4), steps from the tolerance, dense output: for friction and other stiffness at tight tolerances",
-    order: 5,
-    adaptive: true,
-    unseen: super::UNSEEN,
-};
+pub(super) const INFO: MethodInfo = MethodInfo::adaptive(
+    "rodas5p",
+    "RODAS5P, Rosenbrock 5(4), steps from the tolerance, dense output: for friction and other stiffness at tight tolerances",
+    5,
+    Family::Rosenbrock,
+);
 
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
