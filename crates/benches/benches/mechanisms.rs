@@ -4,14 +4,18 @@
 //! Lagrange form with projection. `crates/mbs/tests/published_mechanisms.rs` holds the solutions against the
 //! published ones.
 
+#[path = "../../mbs/tests/mechanisms/mod.rs"]
+mod mechanisms;
+
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use pinwheel_mbs::Stabilisation;
-use pinwheel_mbs::benchmarks::{andrews, four_bars, pendulum};
 use pinwheel_mbs::integrators::{METHODS, StepSettings};
 
-fn mechanisms(criterion: &mut Criterion) {
+use mechanisms::{andrews, four_bars, pendulum};
+
+fn solve(criterion: &mut Criterion) {
     // Problem, end (s), fixed step (s).
     let problems = [
         (pendulum(), 10.0, 1e-3),
@@ -38,5 +42,5 @@ fn mechanisms(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, mechanisms);
+criterion_group!(benches, solve);
 criterion_main!(benches);

@@ -13,16 +13,23 @@
 //! A rod of 1 m, pinned at its end, falls from the horizontal; at the bottom its rate is sqrt(3 g/l):
 //!
 //! ```
-//! use pinwheel_mbs::elements::{Element, Elements};
 //! use pinwheel_mbs::integrators::{StepSettings, start};
-//! use pinwheel_mbs::{Body, BodyState, Formulation, Lagrange, Mechanism, Revolute, Stabilisation};
+//! use pinwheel_mbs::{
+//!     Body, BodyState, Forces, Formulation, Lagrange, Mechanism, Revolute, Stabilisation, Wrench,
+//! };
+//!
+//! struct Weight;
+//! impl Forces for Weight {
+//!     fn apply(&mut self, _time: f64, _bodies: &[BodyState], loads: &mut [Wrench]) {
+//!         loads[0].fy -= 3.0 * 9.81;
+//!     }
+//! }
 //!
 //! let start_at = BodyState { x: 0.5, ..BodyState::default() };
 //! let rod = Body { name: "rod".into(), mass: 3.0, moment: 0.25, start: start_at };
 //! let pin = Revolute { parent: None, parent_point: [0.0; 2], child: 0, child_point: [-0.5, 0.0] };
 //! let mechanism = Mechanism { bodies: vec![rod], revolutes: vec![pin], drivers: vec![] };
-//! let weight = Elements(vec![Element::gravity(&mechanism, [0.0, -9.81])]);
-//! let mut system = Lagrange::new(mechanism, weight, Stabilisation::Projection)?;
+//! let mut system = Lagrange::new(mechanism, Weight, Stabilisation::Projection)?;
 //!
 //! let settings = StepSettings { step: 1e-3, tolerance: 1e-9 };
 //! let mut stepper = start("dopri5", settings, 0.0, &system.initial()).ok_or("no such method")?;
@@ -35,9 +42,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod benchmarks;
 mod differences;
-pub mod elements;
 mod forces;
 pub mod integrators;
 mod jacobian;

@@ -3,13 +3,14 @@
 //! Values and their sources stand in `reference/published/`. Error limits are measured x 2 unless said; orders
 //! are observed between step sizes where the leading error term rules.
 
-use pinwheel_mbs::benchmarks::{Problem, Solved, andrews, four_bars, pendulum};
 use pinwheel_mbs::integrators::{METHODS, StepSettings};
 use pinwheel_mbs::{Formulation, Lagrange, OdeSystem, Stabilisation};
 
 mod bounds;
+mod mechanisms;
 mod published;
 use bounds::holds;
+use mechanisms::{Problem, Solved, andrews, four_bars, pendulum};
 use published::{Table, number, numbers, table, worst};
 
 fn solve(problem: &Problem, kept: Stabilisation, method: &str, step: f64, times: &[f64]) -> Solved {

@@ -7,7 +7,6 @@ mod loops;
 
 use approx::assert_relative_eq;
 use bounds::holds;
-use pinwheel_mbs::elements::kinetic_energy;
 use pinwheel_mbs::integrators::{StepSettings, Stepper, start};
 use pinwheel_mbs::{
     Body, BodyState, Driver, ErrorScales, Forces, Formulation, Lagrange, Mechanism, MechanismError,
@@ -537,7 +536,7 @@ fn kinetic_energy_is_half_of_mass_times_square() {
         ..Mechanism::default()
     };
     let expected = 0.5 * (3.3 * (0.04 + 0.49) + 0.6 * 1.69);
-    let found = kinetic_energy(&m, &[state; 2]);
+    let found = m.kinetic_j(&[state; 2]);
     assert_relative_eq!(found, expected, max_relative = 1e-15);
 }
 

@@ -5,15 +5,13 @@
 //! Read out: x, y, vx, vy of the point at 1 m.
 //! Source: IFToMM Technical Committee for Multibody Dynamics, Library of Computational Benchmark Problems, A01.
 
+use pinwheel_mbs::{Body, BodyState, Mechanism, Observation, Revolute};
+
 use super::Problem;
-use crate::elements::{Element, Elements};
-use crate::mechanism::{Body, Mechanism, Revolute};
-use crate::ode::Observation;
-use crate::state::BodyState;
+use super::elements::{Element, Elements};
 
 /// The pendulum at x = -1, at rest.
-#[must_use]
-pub fn pendulum() -> Problem {
+pub(crate) fn pendulum() -> Problem {
     let half_turn = std::f64::consts::PI;
     let mechanism = Mechanism {
         bodies: vec![Body {

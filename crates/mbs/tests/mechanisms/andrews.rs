@@ -7,12 +7,11 @@
 //! Read out: q (7), q' (7), lambda (6).
 //! Source: Test Set for Initial Value Problem Solvers, problem "andrews"; [Hairer & Wanner 1996, VII.7].
 
+use pinwheel_mbs::{Body, BodyState, Mechanism, Observation, Revolute};
+
 use super::Problem;
-use crate::elements::{Anchor, Element, Elements};
-use crate::mechanism::{Body, Mechanism, Revolute};
-use crate::ode::Observation;
-use crate::state::BodyState;
-use crate::tree::turned;
+use super::elements::turned;
+use super::elements::{Anchor, Element, Elements};
 
 const MASSES: [f64; 7] = [
     0.04325, 0.00365, 0.02373, 0.00706, 0.07050, 0.00706, 0.05498,
@@ -83,8 +82,7 @@ const CENTRES: [[f64; 2]; 7] = [
 const AT_P: usize = 7;
 
 /// The mechanism at rest.
-#[must_use]
-pub fn andrews() -> Problem {
+pub(crate) fn andrews() -> Problem {
     let [be, th, ga, ph, de, om, ep] = START;
     let angles = [be, be + th, ga, de + ph, de, ep + om, ep];
     let add = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
@@ -155,7 +153,6 @@ pub fn andrews() -> Problem {
         },
         stiffness: C0,
         free_length: L0,
-        damping: 0.0,
     };
     let torque = Element::Torque {
         body: 0,

@@ -10,15 +10,13 @@
 //! Read out: x, y, vx, vy of the first crank's tip.
 //! Source: IFToMM Technical Committee for Multibody Dynamics, Library of Computational Benchmark Problems, A02.
 
+use pinwheel_mbs::{Body, BodyState, Mechanism, Observation, Revolute};
+
 use super::Problem;
-use crate::elements::{Element, Elements};
-use crate::mechanism::{Body, Mechanism, Revolute};
-use crate::ode::Observation;
-use crate::state::BodyState;
+use super::elements::{Element, Elements};
 
 /// `loops` = N >= 1 four-bars.
-#[must_use]
-pub fn four_bars(loops: usize) -> Problem {
+pub(crate) fn four_bars(loops: usize) -> Problem {
     let upright = std::f64::consts::FRAC_PI_2;
     let rod = |name: String, start: BodyState| Body {
         name,

@@ -1,0 +1,81 @@
+//! Published mechanisms with known solutions, ready to run: what ties this solver to the world.
+//!
+//! A [`Problem`] holds mechanism, loads and what is read off; the numbers it is measured against
+//! live in `reference/published/`. Nothing here knows of gears.
+
+#![allow(dead_code, reason = "tests and benches each use a part")]
+
+mod andrews;
+mod elements;
+mod four_bars;
+mod pendulum;
+
+pub(crate) use andrews::andrews;
+pub(crate) use four_bars::four_bars;
+pub(crate) use pendulum::pendulum;
+
+use elements::Elements;
+use pinwheel_mbs::integrators::{StepCounts, StepError, StepSettings, start};
+use pinwheel_mbs::{Formulation, Lagrange, Mechanism, Observation, Stabilisation};
+
+/// A mechanism with its loads and its published read-out.
+#[derive(Debug, Clone)]
+pub(crate) struct Problem {
+    /// For tables.
+    pub(crate) name: String,
+    /// Bodies and joints.
+    pub(crate) mechanism: Mechanism,
+    /// Applied loads.
+    pub(crate) loads: Elements,
+    /// What the published solution gives, from a state.
+    pub(crate) read: fn(&Observation<'_>) -> Vec<f64>,
+}
+
+/// The read-out of one run at the times asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Solved {
+    /// One row of [`Problem::read`] a time.
+    pub(crate) values: Vec<Vec<f64>>,
+    /// Kinetic plus potential energy at those times, J.
+    pub(crate) energy: Vec<f64>,
+    /// Largest joint error at those times, m.
+    pub(crate) joint_error: f64,
+    /// What the integrator did.
+    pub(crate) counts: StepCounts,
+}
+
+impl Problem {
+    /// Integrates in the Lagrange form by `method` and reads the solution at `times` (s, increasing).
+    pub(crate) fn solve(
+        &self,
+        stabilisation: Stabilisation,
+        method: &str,
+        settings: StepSettings,
+        times: &[f64],
+    ) -> Result<Solved, StepError> {
+        let mut system = Lagrange::new(self.mechanism.clone(), self.loads.clone(), stabilisation)
+            .expect("a mechanism without fault");
+        let mut y = system.initial();
+        let mut stepper =
+            start::<Lagrange<Elements>>(method, settings, 0.0, &y).expect("registered");
+        let (mut values, mut energy) = (Vec::new(), Vec::new());
+        let mut joint_error: f64 = 0.0;
+        for &t in times {
+            // A step that ends within rounding of t has arrived.
+            while stepper.time() < t * (1.0 - 1e-12) {
+                stepper.step(&mut system)?;
+            }
+            stepper.interpolate(&mut system, t, &mut y);
+            joint_error = joint_error.max(system.joint_error(t, &y));
+            let seen = system.observe(t, &y);
+            values.push((self.read)(&seen));
+            energy.push(seen.kinetic_j + self.loads.potential(seen.bodies));
+        }
+        Ok(Solved {
+            values,
+            energy,
+            joint_error,
+            counts: stepper.counts(),
+        })
+    }
+}
