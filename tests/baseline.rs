@@ -16,7 +16,7 @@ fn copied(base: &Path) -> PathBuf {
     to
 }
 
-const CHECK: [&str; 9] = [
+const CHECK: [&str; 7] = [
     "baseline",
     "check",
     "accepted",
@@ -24,8 +24,6 @@ const CHECK: [&str; 9] = [
     "baselines",
     "--only",
     "paper",
-    "--repeats",
-    "0",
 ];
 
 #[test]
@@ -41,7 +39,7 @@ fn a_check_writes_its_page_and_judges() {
     );
 
     // An accepted run that needed a step less: now one more is worse.
-    let file = accepted.join("paper.toml");
+    let file = accepted.join("baseline.toml");
     let text = std::fs::read_to_string(&file).unwrap();
     let tampered = text.replacen("right_hand_sides = 4000", "right_hand_sides = 3998", 1);
     assert_ne!(text, tampered);
@@ -87,10 +85,14 @@ fn what_cannot_be_is_refused_with_a_remedy() {
             outcome.stderr
         );
     }
-    std::fs::write(accepted.join("paper.toml"), "scene = 1").unwrap();
+    std::fs::write(accepted.join("baseline.toml"), "scene = 1").unwrap();
     let spoiled = run_in(base.path(), CHECK);
     assert_eq!(spoiled.code, Some(2), "{}", spoiled.stderr);
-    assert!(spoiled.stderr.contains("paper.toml"), "{}", spoiled.stderr);
+    assert!(
+        spoiled.stderr.contains("baseline.toml"),
+        "{}",
+        spoiled.stderr
+    );
     assert_eq!(names_in(&accepted), before);
     assert_eq!(names_in(base.path()), ["baselines"]);
 }

@@ -124,16 +124,7 @@ const WRITERS: [Writer; 16] = [
     },
     Writer {
         words: &[
-            "baseline",
-            "check",
-            "--dir",
-            "bl",
-            "--only",
-            "flores",
-            "--repeats",
-            "0",
-            "--out",
-            "out",
+            "baseline", "check", "--dir", "bl", "--only", "flores", "--out", "out",
         ],
         out: "out",
         same: &[],

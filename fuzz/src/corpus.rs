@@ -137,26 +137,18 @@ pub fn sweeps() -> Vec<Vec<u8>> {
     .concat()
 }
 
-/// A head with one scene, and each of the accepted scenes cut short.
+/// The accepted baseline, cut down to one scene each.
 #[must_use]
 pub fn baselines() -> Vec<Vec<u8>> {
-    let folder = "reference/baselines/accepted";
-    let head = strings(files(folder, "baseline.toml")).concat();
-    let start = head.find("scenes = [");
-    let end = start.and_then(|start| Some(start + head[start..].find(']')?));
-    let head = match start.zip(end) {
-        Some((start, end)) => format!("{}scenes = [\"s\"{}", &head[..start], &head[end..]),
-        None => head,
-    };
-    let scenes = strings(files(folder, ".toml"));
-    let short = scenes.iter().filter(|text| text.contains("[[case]]"));
-    let mut seeds: Vec<Vec<u8>> = short.map(|text| joined(&head, text)).collect();
+    let text = strings(files("reference/baselines/accepted", "baseline.toml")).concat();
+    let mut parts = text.split("[[scene]]");
+    let head = parts.next().unwrap_or_default();
+    let mut seeds: Vec<Vec<u8>> = parts
+        .map(|part| format!("{head}[[scene]]{part}").into_bytes())
+        .collect();
     seeds.sort_by_key(Vec::len);
     seeds.truncate(8);
     seeds
-        .into_iter()
-        .chain(files("fuzz/corpus/baseline", ""))
-        .collect()
 }
 
 /// Recordings, of which the courses are cut short.

@@ -232,25 +232,21 @@ pub fn sweep(bytes: &[u8]) -> bool {
     }
 }
 
-/// A baseline: its head and the file of one scene, `s.toml`.
+/// A baseline.
 pub fn baseline(bytes: &[u8]) -> bool {
-    let Some((head, scene)) = parts(bytes) else {
+    let Ok(text) = std::str::from_utf8(bytes) else {
         return false;
     };
-    // Not from a disk, which takes longer than reading does.
-    let text = |path: &Path| match path.file_name().and_then(|name| name.to_str()) {
-        Some("baseline.toml") => Ok(head.to_owned()),
-        Some("s.toml") => Ok(scene.to_owned()),
-        _ => Err(std::io::ErrorKind::NotFound.into()),
-    };
-    match Baseline::read_by(Path::new("bl"), &text) {
+    match Baseline::parse(Path::new("baseline.toml"), text) {
         Ok(found) => {
-            for scene in &found.scenes {
-                for quantity in &scene.reference.quantities {
-                    finite(&quantity.key, [quantity.scale, quantity.quantum]);
-                    let samples = quantity.samples().unwrap_or_default();
-                    finite(&quantity.key, samples.into_iter().flatten());
-                }
+            for converged in found
+                .scenes
+                .iter()
+                .flat_map(|scene| scene.converged.values())
+            {
+                let statistics = &converged.statistics;
+                finite("scale", [converged.scale, converged.own_error]);
+                finite("peak", [statistics.whole_mean(), statistics.whole_peak()]);
             }
             true
         }

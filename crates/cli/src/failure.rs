@@ -149,7 +149,8 @@ impl From<BaselineError> for Failure {
                 Self::engine(format!("{error}; nothing was written"))
             }
             BaselineError::NoScene(_) => {
-                let names: Vec<&str> = baseline::SCENES.iter().map(|case| case.name).collect();
+                let scenes = baseline::scenes().iter();
+                let names: Vec<&str> = scenes.map(|case| case.name.as_str()).collect();
                 Self::input(format!("{error}; there are {}", names.join(", ")))
             }
             BaselineError::Name(_) | BaselineError::Missing { .. } => {

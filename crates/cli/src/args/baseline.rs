@@ -46,7 +46,7 @@ pub(crate) struct Running {
     pub(crate) only: Vec<String>,
     #[command(flatten)]
     pub(crate) solvers: super::Solvers,
-    /// Threads; results do not depend on their number, times a little [default: 1].
+    /// Threads; results do not depend on their number [default: 1].
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
     pub(crate) threads: u8,
 }
@@ -73,15 +73,9 @@ pub(crate) struct CheckArgs {
     /// Contact loop.
     #[arg(long = "loop", value_parser = named(LOOPS), default_value = "best")]
     pub(crate) kernel: Kernel,
-    /// Times each run is repeated for its time; 0: no times.
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8))]
-    pub(crate) repeats: u8,
     /// Write the verdicts as a JUnit file, too, for CI systems.
     #[arg(long, value_name = "FILE")]
     pub(crate) junit: Option<PathBuf>,
-    /// Let the time over all cases decide, too.
-    #[arg(long)]
-    pub(crate) judge_time: bool,
     #[command(flatten)]
     pub(crate) running: Running,
     #[command(flatten)]

@@ -1,7 +1,7 @@
 //! `pinwheel baseline`: what the solver gave when it was last accepted, and what moved since.
 
 use pinwheel::pages;
-use pinwheel::studies::baseline::{self, Baseline, Made, Options, Place, Verdict, made};
+use pinwheel::studies::baseline::{self, Acceptance, Baseline, FILE, Options, Verdict, made};
 use pinwheel::studies::{Provenance, junit};
 
 use crate::args::{self, Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
@@ -20,25 +20,30 @@ pub(crate) fn baseline(args: &BaselineArgs) -> Result<u8, Failure> {
 
 fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
     let Which { dir, name } = &args.which;
-    let place = Place::of(dir, name)?;
+    let folder = Baseline::folder(dir, name)?;
+    let earlier = Baseline::earlier(&folder)?;
     let reason = args.accept.as_deref().map(str::trim);
-    if place.earlier.is_some() && reason.is_none_or(str::is_empty) {
+    if earlier.is_some() && reason.is_none_or(str::is_empty) {
         return Err(Failure::input(format!(
             "{} exists; say why its results may change: --accept \"reason\", or choose another name",
-            place.folder.display()
+            folder.display()
         )));
     }
     interrupt::check()?;
-    let folder = Folder::prepare_known(&place.folder, place.files())?;
-    let here = made(dir);
-    let accepted = place.accepted(&here, reason);
+    let known = earlier.iter().map(|_| FILE.to_owned()).collect();
+    let folder = Folder::prepare_known(&folder, known)?;
     let options = Options {
         threads: args.running.threads.into(),
-        repeats: REPEATS,
         only: args.running.only.clone(),
         solvers: args.running.solvers.join()?,
         ..Options::default()
     };
+    let here = made(options.kernel);
+    let mut accepted = earlier.map_or_else(Vec::new, |earlier| earlier.accepted);
+    accepted.push(Acceptance {
+        date: here.date.clone(),
+        reason: reason.unwrap_or("first record").to_owned(),
+    });
     let recorded = watched("baseline", |control| {
         baseline::record(here, accepted, &options, control)
     })?;
@@ -53,9 +58,6 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
     Ok(0)
 }
 
-/// Runs of each case of a record, of which the shortest is its time.
-const REPEATS: usize = 3;
-
 fn check(args: &CheckArgs) -> Result<u8, Failure> {
     let Which { dir, name } = &args.which;
     let accepted = Baseline::open(dir, name)?;
@@ -64,22 +66,17 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     let options = Options {
         kernel: args.kernel,
         threads: args.running.threads.into(),
-        repeats: args.repeats.into(),
         only: args.running.only.clone(),
-        judge_time: args.judge_time,
         solvers: args.running.solvers.join()?,
     };
-    let here = Made {
-        vectors: options.kernel.vectors().to_owned(),
-        ..made(dir)
-    };
+    let here = made(options.kernel);
     let found = watched("baseline", |control| {
         baseline::check(&accepted, here, &options, control)
     })?;
 
     let made = Provenance::here(args::typed());
-    baseline::write(&found, &accepted.head, folder.path(), &made)?;
-    let page = pages::baseline::page(name, &accepted.head, &found, &made)?;
+    baseline::write(&found, &accepted, folder.path(), &made)?;
+    let page = pages::baseline::page(name, &accepted, &found, &made)?;
     folder.show(&page, &pages::baseline::text(&found))?;
     if let Some(path) = &args.junit {
         junit::write(path, "pinwheel baseline", &junit::of_baseline(name, &found))?;

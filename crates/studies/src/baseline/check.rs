@@ -7,11 +7,10 @@ use serde::Serialize;
 use super::Options;
 use super::cases::{SceneCase, Way};
 use super::error::BaselineError;
-use super::file::{Baseline, CaseRecord, Made, ReferenceRecord};
+use super::file::{Baseline, CaseSnapshot, Made, SceneSnapshot};
 use super::judge::{self, CostCheck, QuantityCheck, Verdict};
-use super::limits;
 use super::record::plain_job;
-use super::runner::{Finished, Outcome, run_all};
+use super::runner::{Finished, RunResult, run_all};
 use crate::control::Control;
 
 /// One scene by one solver.
@@ -25,8 +24,9 @@ pub struct CaseCheck {
     pub quantities: Vec<QuantityCheck>,
     /// Counts; less is better.
     pub costs: Vec<CostCheck>,
-    /// Times over the yardstick's, accepted and new, where both were measured.
-    pub time_ratio: Option<[f64; 2]>,
+    /// Hash of every bit of the new run; 0 where there is none.
+    #[serde(skip)]
+    pub bits: u64,
     /// What keeps it from being compared: diverged, not in the baseline, gone from the set.
     pub trouble: Option<String>,
     /// What it comes to.
@@ -42,10 +42,6 @@ pub struct Check {
     pub after: Made,
     /// One a scene and solver, in the order of the set.
     pub cases: Vec<CaseCheck>,
-    /// Time over all cases in yardsticks, where both were measured by the same build.
-    pub time: Option<CostCheck>,
-    /// Whether the time counts for the verdict.
-    pub time_is_judged: bool,
     /// What it comes to: the most urgent of all.
     pub verdict: Verdict,
 }
@@ -60,7 +56,7 @@ pub fn check(
     options: &Options,
     control: &Control<'_>,
 ) -> Result<Check, BaselineError> {
-    let recorded = &baseline.head.solvers;
+    let recorded = &baseline.solvers;
     if *recorded != options.solvers {
         return Err(BaselineError::OtherSolvers {
             recorded: recorded.clone(),
@@ -68,14 +64,18 @@ pub fn check(
     }
     // What a solver of the user's was recorded on.
     let recorded_on = Options {
-        only: baseline.head.scenes.clone(),
+        only: baseline
+            .scenes
+            .iter()
+            .map(|scene| scene.name.clone())
+            .collect(),
         ..options.clone()
     };
     let options = match options.only.is_empty() && !options.solvers.is_empty() {
         true => &recorded_on,
         false => options,
     };
-    let mut pairs: Vec<(&SceneCase, Way<'_>)> = Vec::new();
+    let mut pairs: Vec<(&'static SceneCase, Way<'_>)> = Vec::new();
     for case in options.scenes()? {
         pairs.extend(options.ways(case)?.into_iter().map(|way| (case, way)));
     }
@@ -83,19 +83,18 @@ pub fn check(
     for (case, choice) in &pairs {
         jobs.push(plain_job(case, choice, options)?);
     }
-    let outcomes = run_all(&jobs, options.threads, control)?;
-    let made = &baseline.head.made;
-    let same_build = made.build == here.build;
-    let comparable = same_build && made.vectors == here.vectors && made.processor == here.processor;
+    let results = run_all(&jobs, options.threads, control)?;
+    let made = &baseline.made;
+    let comparable = made.build == here.build
+        && made.vectors == here.vectors
+        && made.processor == here.processor;
     let mut cases = Vec::new();
-    for (((case, choice), job), outcome) in pairs.iter().zip(&jobs).zip(outcomes) {
-        let record = baseline
-            .scenes
-            .iter()
-            .find(|record| record.scene == case.name);
-        let accepted = record.and_then(|record| {
-            let found = record.cases.iter().find(|c| c.choice == choice.name);
-            found.map(|accepted| (&record.reference, accepted))
+    for (((case, choice), job), result) in pairs.iter().zip(&jobs).zip(results) {
+        let mut scenes = baseline.scenes.iter();
+        let scene = scenes.find(|scene| scene.name == case.name);
+        let accepted = scene.and_then(|scene| {
+            let found = scene.cases.iter().find(|c| c.choice == choice.name);
+            found.map(|accepted| (scene, accepted))
         });
         let integrator = auto::integrator(&job.scene).integrator;
         let adaptive = match &job.solver {
@@ -104,49 +103,46 @@ pub fn check(
             None => method(&integrator).is_some_and(|m| m.adaptive),
         };
         let mut found = CaseCheck {
-            scene: case.name.to_owned(),
+            scene: case.name.clone(),
             choice: choice.name.to_owned(),
             quantities: Vec::new(),
             costs: Vec::new(),
-            time_ratio: None,
+            bits: 0,
             trouble: None,
             verdict: Verdict::Same,
         };
-        found.judge(accepted, outcome, adaptive, comparable);
+        found.judge(accepted, result, adaptive, comparable);
         cases.push(found);
     }
     cases.extend(gone(baseline, options, &pairs));
-    let time = time(&cases).filter(|_| same_build);
-    let judged = time
-        .iter()
-        .filter(|_| options.judge_time)
-        .map(|time| time.verdict);
-    let verdict = cases.iter().map(|case| case.verdict).chain(judged).max();
+    let verdict = cases.iter().map(|case| case.verdict).max();
     Ok(Check {
         before: made.clone(),
         after: here,
-        time,
-        time_is_judged: options.judge_time,
         verdict: verdict.unwrap_or(Verdict::New),
         cases,
     })
 }
 
 /// Cases of the baseline that the set no longer has: what is not run cannot be called unchanged.
-fn gone(baseline: &Baseline, options: &Options, pairs: &[(&SceneCase, Way<'_>)]) -> Vec<CaseCheck> {
+fn gone(
+    baseline: &Baseline,
+    options: &Options,
+    pairs: &[(&'static SceneCase, Way<'_>)],
+) -> Vec<CaseCheck> {
     let mut found = Vec::new();
-    for record in &baseline.scenes {
-        for accepted in &record.cases {
+    for scene in &baseline.scenes {
+        for accepted in &scene.cases {
             let mut run = pairs.iter();
             let known =
-                run.any(|(case, way)| case.name == record.scene && way.name == accepted.choice);
+                run.any(|(case, way)| case.name == scene.name && way.name == accepted.choice);
             if !known && options.only.is_empty() {
                 found.push(CaseCheck {
-                    scene: record.scene.clone(),
+                    scene: scene.name.clone(),
                     choice: accepted.choice.clone(),
                     quantities: Vec::new(),
                     costs: Vec::new(),
-                    time_ratio: None,
+                    bits: 0,
                     trouble: Some("in the baseline, but no longer in the set".to_owned()),
                     verdict: Verdict::Worse,
                 });
@@ -159,30 +155,26 @@ fn gone(baseline: &Baseline, options: &Options, pairs: &[(&SceneCase, Way<'_>)])
 impl CaseCheck {
     fn judge(
         &mut self,
-        accepted: Option<(&ReferenceRecord, &CaseRecord)>,
-        outcome: Outcome,
+        accepted: Option<(&SceneSnapshot, &CaseSnapshot)>,
+        result: RunResult,
         adaptive: bool,
         comparable: bool,
     ) {
-        let run = match outcome {
+        let run = match result {
             Ok(run) => run,
             Err(reason) => {
                 (self.trouble, self.verdict) = (Some(reason), Verdict::Worse);
                 return;
             }
         };
-        let Some((reference, accepted)) = accepted else {
+        self.bits = run.bits;
+        let Some((scene, accepted)) = accepted else {
             let trouble = "not in the baseline yet; record it to watch it".to_owned();
             (self.trouble, self.verdict) = (Some(trouble), Verdict::New);
             return;
         };
-        self.quantities = self.quantities(&run, reference, accepted);
+        self.quantities = self.quantities(&run, scene, accepted);
         self.costs = judge::costs(accepted, &run.costs, adaptive, comparable);
-        self.time_ratio = accepted
-            .costs
-            .time_ratio
-            .zip(run.costs.time_ratio)
-            .map(|(a, b)| [a, b]);
         let verdicts = self.quantities.iter().map(|q| q.verdict);
         let verdicts = verdicts.chain(self.costs.iter().map(|c| c.verdict));
         // Without a number nothing is the same.
@@ -192,30 +184,31 @@ impl CaseCheck {
     fn quantities(
         &mut self,
         run: &Finished,
-        reference: &ReferenceRecord,
-        accepted: &CaseRecord,
+        scene: &SceneSnapshot,
+        accepted: &CaseSnapshot,
     ) -> Vec<QuantityCheck> {
         let mut found = Vec::new();
-        for values in &run.values {
-            let key = values.quantity.key;
-            let before = accepted.quantities.iter().find(|q| q.key == key);
-            let judged = before
-                .zip(reference.quantity(key))
-                .and_then(|(before, reference)| {
-                    judge::quantity(values, &run.time_s, before, reference)
-                });
+        for (&quantity, before) in &accepted.quantity {
+            let after = run.statistics.get(&quantity);
+            let judged = after.zip(scene.converged.get(&quantity));
+            let judged = judged
+                .and_then(|(after, converged)| judge::quantity(quantity, after, before, converged));
             match judged {
                 Some(check) => found.push(check),
-                None => {
-                    let label = values.quantity.label;
-                    self.trouble = Some(format!(
-                        "{label}: the scene has other samples or channels than when recorded"
-                    ));
-                    self.verdict = Verdict::Worse;
-                }
+                None => self.unlike(quantity.label()),
             }
         }
+        let mut known = run.statistics.keys();
+        if let Some(new) = known.find(|quantity| !accepted.quantity.contains_key(quantity)) {
+            self.unlike(new.label());
+        }
         found
+    }
+
+    /// A quantity that cannot be compared is worse than any other.
+    fn unlike(&mut self, label: &str) {
+        let trouble = format!("{label}: the run and the baseline hold different figures of it");
+        (self.trouble, self.verdict) = (Some(trouble), Verdict::Worse);
     }
 
     /// The quantity that moved most in units of its rounding limit, if any is compared.
@@ -226,19 +219,4 @@ impl CaseCheck {
             by_verdict.then(a.change.total_cmp(&b.change))
         })
     }
-}
-
-/// All cases with both times.
-fn time(cases: &[CaseCheck]) -> Option<CostCheck> {
-    let ratios: Vec<[f64; 2]> = cases.iter().filter_map(|case| case.time_ratio).collect();
-    let sum = |side: usize| ratios.iter().map(|ratio| ratio[side]).sum();
-    (!ratios.is_empty()).then(|| {
-        judge::cost(
-            "time in yardsticks",
-            sum(0),
-            sum(1),
-            limits::TIME_SHARE,
-            0.0,
-        )
-    })
 }

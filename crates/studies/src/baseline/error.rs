@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use crate::StudyError;
+use crate::output::OutputError;
 
 /// Version of the layout.
-pub(super) const FORMAT: u32 = 1;
+pub(super) const FORMAT: u32 = 2;
 
 /// Why there is no baseline, or no check of it.
 #[derive(Debug, thiserror::Error)]
@@ -19,14 +20,9 @@ pub enum BaselineError {
         source: std::io::Error,
     },
     /// A file that cannot be written.
-    #[error("{}: cannot be written: {source}", path.display())]
-    Write {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// A file that is no part of a baseline.
+    #[error(transparent)]
+    Write(#[from] OutputError),
+    /// A file that is no baseline.
     #[error("{}: {what}", path.display())]
     Spoiled {
         /// Which.
@@ -35,12 +31,12 @@ pub enum BaselineError {
         what: String,
     },
     /// A layout of another time.
-    #[error("{}: format {found} is not the one this program writes ({}); record it anew", path.display(), FORMAT)]
+    #[error("{}: format {found} is not the one this program writes ({}); record it anew under another name", path.display(), FORMAT)]
     Format {
         /// Which file.
         path: PathBuf,
         /// Its format.
-        found: u32,
+        found: i64,
     },
     /// Made by other solvers than those that are to be checked.
     #[error("{}", other_solvers(recorded))]

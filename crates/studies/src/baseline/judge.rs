@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
-use super::file::{CaseQuantity, CaseRecord, ReferenceQuantity};
+use super::file::{CaseSnapshot, Converged, QuantitySnapshot};
 use super::limits;
-use super::quantity::{Quantity, Values, rms, sketched_distance};
 use super::runner::Costs;
+use super::snapshot::{Quantity, Statistics};
 
 /// What became of a figure; the most urgent last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -37,35 +37,14 @@ impl Verdict {
     }
 }
 
-/// A course before and after, for the eye.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Overlay {
-    /// Number of the channel that moved most.
-    pub channel: usize,
-    /// Times of the kept samples, s.
-    pub kept_s: Vec<f64>,
-    /// Accepted, at the kept samples.
-    pub before: Vec<f64>,
-    /// Converged, at the kept samples.
-    pub converged: Vec<f64>,
-    /// All sample times, s.
-    pub time_s: Vec<f64>,
-    /// New, at all samples.
-    pub after: Vec<f64>,
-    /// New, at the kept samples.
-    pub after_kept: Vec<f64>,
-}
-
 /// One quantity of one case.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct QuantityCheck {
-    /// Its key.
-    pub key: &'static str,
+    /// Which.
+    pub quantity: Quantity,
     /// In words.
     pub label: &'static str,
-    /// Unit of mean and peak.
-    pub unit: &'static str,
-    /// Root mean square change against the accepted run, a share of the quantity's size.
+    /// Root mean square change of the statistics against the accepted run, a share of the quantity's size.
     pub change: f64,
     /// Up to here a change is a rounding.
     pub rounding_limit: f64,
@@ -81,9 +60,6 @@ pub struct QuantityCheck {
     pub peak: [f64; 2],
     /// What it comes to.
     pub verdict: Verdict,
-    /// Courses, where there are any.
-    #[serde(skip)]
-    pub overlay: Option<Overlay>,
 }
 
 /// One cost of one case.
@@ -101,36 +77,21 @@ pub struct CostCheck {
     pub verdict: Verdict,
 }
 
-/// `values`: new; `time_s`: their sample times. `None` if their shape is not that of the record.
+/// `after`: new. `None` if its shape is not that of the record.
 pub(super) fn quantity(
-    values: &Values,
-    time_s: &[f64],
-    accepted: &CaseQuantity,
-    reference: &ReferenceQuantity,
+    quantity: Quantity,
+    after: &Statistics,
+    accepted: &QuantitySnapshot,
+    converged: &Converged,
 ) -> Option<QuantityCheck> {
-    let scale = reference.scale;
-    let (before, converged) = (accepted.samples(reference)?, reference.samples()?);
-    let after = values.kept();
-    let fits = |other: &[Vec<f64>]| {
-        other.len() == after.len() && other.iter().zip(&after).all(|(a, b)| a.len() == b.len())
-    };
-    if !fits(&before) || !fits(&converged) {
-        return None;
-    }
-    let apart = |other: &[Vec<f64>]| {
-        let pairs = other.iter().flatten().zip(after.iter().flatten());
-        rms(pairs.map(|(a, b)| a - b)) / scale
-    };
-    let seen = apart(&before);
-    // Below the quanta of the kept courses only the sketches tell.
-    let change = if seen > 2.0 * accepted.quantum / scale {
-        seen
-    } else {
-        sketched_distance(&accepted.sketch, &values.sketch(), values.count()) / scale
-    };
+    let share = |distance: f64| distance / converged.scale;
+    let change = share(after.distance(&accepted.statistics)?);
     let rounding_limit = limits::same_up_to(accepted.rounding);
-    let (error_before, error_after) = (accepted.error, apart(&converged));
-    let error_limit = limits::ERROR_SHARE * error_before + reference.own_error + rounding_limit;
+    let (error_before, error_after) = (
+        accepted.error,
+        share(after.distance(&converged.statistics)?),
+    );
+    let error_limit = limits::ERROR_SHARE * error_before + converged.own_error + rounding_limit;
     let verdict = if change <= rounding_limit {
         Verdict::Same
     } else if error_after < error_before - error_limit {
@@ -140,53 +101,25 @@ pub(super) fn quantity(
     } else {
         Verdict::Worse
     };
-    let Quantity {
-        key, label, unit, ..
-    } = *values.quantity;
+    let before = &accepted.statistics;
     Some(QuantityCheck {
-        key,
-        label,
-        unit,
+        quantity,
+        label: quantity.label(),
         change,
         rounding_limit,
         error_before,
         error_after,
         error_limit,
-        mean: [accepted.mean, values.mean()],
-        peak: [accepted.peak, values.peak()],
+        mean: [before.whole_mean(), after.whole_mean()],
+        peak: [before.whole_peak(), after.whole_peak()],
         verdict,
-        overlay: overlay(values, time_s, before, converged),
-    })
-}
-
-fn overlay(
-    values: &Values,
-    time_s: &[f64],
-    before: Vec<Vec<f64>>,
-    converged: Vec<Vec<f64>>,
-) -> Option<Overlay> {
-    let every = values.quantity.every;
-    if every == 0 {
-        return None;
-    }
-    let kept = values.kept();
-    let moved = |k: usize| rms(kept[k].iter().zip(&before[k]).map(|(a, b)| a - b));
-    let channel = (0..kept.len()).max_by(|&a, &b| moved(a).total_cmp(&moved(b)))?;
-    Some(Overlay {
-        channel,
-        kept_s: time_s.iter().step_by(every).copied().collect(),
-        before: before.into_iter().nth(channel)?,
-        converged: converged.into_iter().nth(channel)?,
-        time_s: time_s.to_vec(),
-        after: values.channels.get(channel)?.clone(),
-        after_kept: kept.into_iter().nth(channel)?,
     })
 }
 
 /// All costs of a case. `adaptive`: a step control chose the steps. `comparable`: instructions are of the same build
 /// and processor.
 pub(super) fn costs(
-    accepted: &CaseRecord,
+    accepted: &CaseSnapshot,
     after: &Costs,
     adaptive: bool,
     comparable: bool,
@@ -236,13 +169,7 @@ pub(super) fn costs(
 }
 
 /// A figure of which less is better; it may move by `share` of itself and `room`.
-pub(super) fn cost(
-    label: &'static str,
-    before: f64,
-    after: f64,
-    share: f64,
-    room: f64,
-) -> CostCheck {
+fn cost(label: &'static str, before: f64, after: f64, share: f64, room: f64) -> CostCheck {
     let limit = share * before + room;
     let verdict = if after - before > limit {
         Verdict::Worse
@@ -263,73 +190,68 @@ pub(super) fn cost(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::baseline::quantity::QUANTITIES;
 
-    fn course(shift: f64) -> Values {
-        let wave = |k: i32| 100.0 + shift + (f64::from(k) * 0.3).sin();
-        Values {
-            quantity: &QUANTITIES[0],
-            channels: vec![(0..40).map(wave).collect()],
-        }
+    /// Two forces that swing, the second scaled.
+    fn course(shift: f64, second: f64) -> Statistics {
+        let wave = |k: i32| 100.0 + shift + 30.0 * (f64::from(k) * 0.3).sin();
+        let first: Vec<f64> = (0..200).map(wave).collect();
+        let other: Vec<f64> = first.iter().map(|x| second * x).collect();
+        Statistics::of_course(&[&first, &other])
     }
 
     /// An accepted run 1e-3 off the converged one, judged against others.
-    fn judged(shift: f64) -> QuantityCheck {
-        let (converged, ours) = (course(0.0), course(0.1));
-        let lines = |values: &[Vec<f64>], q: f64| {
-            values
-                .iter()
-                .map(|c| super::super::quantised::to_line(c, q))
-                .collect()
-        };
-        let reference = ReferenceQuantity {
-            key: "driver_torque".into(),
-            scale: 100.0,
-            own_error: 1e-7,
-            quantum: 1e-5,
-            courses: lines(&converged.kept(), 1e-5),
-        };
-        let accepted = CaseQuantity {
-            key: "driver_torque".into(),
-            mean: ours.mean(),
-            peak: ours.peak(),
-            sketch: ours.sketch(),
-            error: 1e-3,
+    fn judged(after: &Statistics) -> QuantityCheck {
+        let (converged, ours) = (course(0.0, 1.0), course(0.1, 1.0));
+        let scale = converged.whole_rms();
+        let accepted = QuantitySnapshot {
+            error: ours.distance(&converged).unwrap() / scale,
             rounding: 1e-14,
-            quantum: 1e-3,
-            differences: vec!["100 ".repeat(converged.kept()[0].len())],
+            statistics: ours,
         };
-        let time: Vec<f64> = (0..40).map(f64::from).collect();
-        quantity(&course(shift), &time, &accepted, &reference).unwrap()
+        let converged = Converged {
+            scale,
+            own_error: 1e-7,
+            statistics: converged,
+        };
+        quantity(Quantity::ExternalForce, after, &accepted, &converged).unwrap()
     }
 
     #[test]
     fn verdicts() {
-        let verdict = |shift| judged(shift).verdict;
+        let verdict = |shift| judged(&course(shift, 1.0)).verdict;
         assert_eq!(verdict(0.1), Verdict::Same);
         assert_eq!(verdict(0.1 + 1e-12), Verdict::Same);
-        assert_eq!(verdict(0.1 + 1e-8), Verdict::Changed);
         assert_eq!(verdict(0.105), Verdict::Changed);
         assert_eq!(verdict(0.12), Verdict::Worse);
         assert_eq!(verdict(0.08), Verdict::Better);
         // As far off, on the other side: moved by twice the error, and as good as before.
         assert_eq!(verdict(-0.1), Verdict::Changed);
         assert_eq!(verdict(f64::NAN), Verdict::Worse);
-        let check = judged(-0.1);
-        assert!((check.change - 2e-3).abs() < 1e-5 && (check.error_after - 1e-3).abs() < 1e-6);
-        // The sketch sees what the kept samples cannot: 1e-8 of 100 is 1e-10.
-        assert!((0.1..10.0).contains(&(judged(0.1 + 1e-8).change / 1e-10)));
+        let other = Statistics {
+            mean: vec![1.0],
+            ..Statistics::default()
+        };
+        let same = QuantitySnapshot {
+            error: 0.0,
+            rounding: 0.0,
+            statistics: course(0.0, 1.0),
+        };
+        let converged = Converged {
+            scale: 1.0,
+            own_error: 0.0,
+            statistics: course(0.0, 1.0),
+        };
+        assert!(quantity(Quantity::ExternalForce, &other, &same, &converged).is_none());
     }
 
-    /// What is drawn at a time is the value of that time.
+    /// One force of two off by 1e-9 of itself is no rounding; a change in the last digits is one.
     #[test]
-    fn overlays_are_in_step() {
-        let overlay = judged(0.12).overlay.unwrap();
-        assert!(overlay.kept_s.len() > 2);
-        for (time, value) in overlay.kept_s.iter().zip(&overlay.after_kept) {
-            let k = overlay.time_s.iter().position(|t| t == time).unwrap();
-            assert_eq!(overlay.after[k], *value);
-        }
+    fn a_change_of_one_force_by_1e_9_is_no_rounding() {
+        let scaled = |factor: f64| judged(&course(0.1, factor));
+        assert_eq!(scaled(1.0 + 1e-9).verdict, Verdict::Changed);
+        let change = scaled(1.0 + 1e-9).change / 1e-9;
+        assert!((0.2..2.0).contains(&change), "{change}");
+        assert_eq!(scaled(1.0 + 1e-15).verdict, Verdict::Same);
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub fn same_up_to(recorded: f64) -> f64 {
 
 /// A change of the error by less than this share of the error is none. Methods of one order differ by factors in
 /// their errors (rk2 and rk4 on the paper's gear by 700, dopri5 between two step controls of one tolerance by 1.3),
-/// while an error read from the kept samples, a part of all, is no better known than to some per cent.
+/// while an error read from a few statistics is no better known than to some per cent.
 pub const ERROR_SHARE: f64 = 0.1;
 
 /// Counts of methods with a step control may move by this share, or three times what roundings moved them when the
@@ -41,15 +41,6 @@ pub const NEWTON_SHARE: f64 = 0.02;
 
 /// Instructions may move by this share on the same build and processor: counters and the system's own work.
 pub const INSTRUCTION_SHARE: f64 = 0.01;
-
-/// The time over all cases, in yardsticks, may move by this share where it is judged at all.
-pub const TIME_SHARE: f64 = 0.3;
-
-/// Quanta of a kept course as shares of the quantity's size: of the converged courses (fine enough for errors of
-/// 1e-7), and of the accepted ones (their sketches are exact; the courses are for the eye).
-pub const REFERENCE_QUANTUM: f64 = 1e-7;
-/// See [`REFERENCE_QUANTUM`].
-pub const COURSE_QUANTUM: f64 = 1e-5;
 
 /// What a reader should know of the limits, one row each: name, value, reason.
 #[must_use]
@@ -67,7 +58,7 @@ pub fn table() -> Vec<[String; 3]> {
         row(
             "error",
             format!("{} of it + the reference's own error", percent(ERROR_SHARE)),
-            "what kept samples tell of an error; below its own error the converged run tells nothing",
+            "what statistics tell of an error; below its own error the converged run tells nothing",
         ),
         row(
             "right-hand sides, steps",
@@ -94,11 +85,6 @@ pub fn table() -> Vec<[String; 3]> {
             "instructions",
             percent(INSTRUCTION_SHARE),
             "judged only on the build and vector instructions that were recorded",
-        ),
-        row(
-            "time over all cases",
-            percent(TIME_SHARE),
-            "shown always, judged only on demand: processors differ in more than speed",
         ),
     ]
 }

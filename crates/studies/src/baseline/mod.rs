@@ -1,51 +1,44 @@
 //! Baselines: what the solver gave when somebody last looked and accepted it, and what moved since.
 //!
-//! A baseline holds, for a fixed set of short scenes and solvers ([`SCENES`]), the results (exact summaries,
-//! and courses to five digits), their errors against converged runs, and what they cost in counts. [`check`]
-//! runs the set again: a result may move and be better, so every change is told twice, against the
-//! accepted result and as the change of the error. [`limits`] has every threshold with its reason.
+//! A baseline holds, for a fixed set of short scenes and solvers ([`scenes`]), exact [`Statistics`] of the results, their
+//! errors against converged runs, and what they cost in counts. [`check`] runs the set again: a result may move and be
+//! better, so every change is told twice, against the accepted result and as the change of the error. [`limits`] has every
+//! threshold with its reason.
 
 mod cases;
 mod check;
-mod common;
 mod error;
 mod file;
 mod instructions;
 mod judge;
 pub mod limits;
-mod place;
-mod quantised;
-pub mod quantity;
 mod record;
-mod reference;
 mod runner;
-mod same;
-mod source;
-pub mod table;
-mod write;
-mod yardstick;
+mod snapshot;
+
+use std::path::Path;
 
 use cases::Way;
 use pinwheel_courses::Ending;
 use pinwheel_engines::{Halt, by_name};
 use pinwheel_gearbox::contacts::Kernel;
+use serde::Serialize;
 
 use crate::StudyError;
+use crate::output::OutputError;
+use crate::provenance::{Provenance, Summary};
 
-pub use cases::{Choice, SCENES, SceneCase};
+pub use cases::{SceneCase, scenes};
 pub use check::{CaseCheck, Check, check};
-pub use common::in_common;
 pub use error::BaselineError;
 pub use file::{
-    Acceptance, Baseline, CaseQuantity, CaseRecord, HEAD, Head, Listed, Made, SceneRecord,
+    Acceptance, Baseline, CaseSnapshot, Converged, FILE, Listed, Made, QuantitySnapshot,
+    SceneSnapshot,
 };
-pub use judge::{CostCheck, Overlay, QuantityCheck, Verdict};
-pub use place::Place;
+pub use judge::{CostCheck, QuantityCheck, Verdict};
 pub use record::record;
 pub use runner::Costs;
-pub use same::{Fingerprint, Spread, across_loops, fingerprints};
-pub use source::made;
-pub use write::write;
+pub use snapshot::{Quantity, Statistics};
 
 /// How the set is run.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,12 +47,8 @@ pub struct Options {
     pub kernel: Kernel,
     /// Threads; the results do not depend on their number.
     pub threads: usize,
-    /// Times each run is repeated for its time; 0: no times.
-    pub repeats: usize,
     /// Names of scenes; empty: all.
     pub only: Vec<String>,
-    /// Whether the time over all cases decides, too.
-    pub judge_time: bool,
     /// Solvers that joined; with any, they are run instead of our own, at the scenes' steps and tolerances.
     pub solvers: Vec<String>,
 }
@@ -69,9 +58,7 @@ impl Default for Options {
         Self {
             kernel: Kernel::Lanes,
             threads: 1,
-            repeats: 0,
             only: Vec::new(),
-            judge_time: false,
             solvers: Vec::new(),
         }
     }
@@ -83,20 +70,18 @@ impl Options {
         if let Some(unknown) = self
             .only
             .iter()
-            .find(|name| !SCENES.iter().any(|case| case.name == *name))
+            .find(|name| !scenes().iter().any(|case| case.name == **name))
         {
             return Err(BaselineError::NoScene(unknown.clone()));
         }
-        let wanted = |case: &&SceneCase| {
-            self.only.is_empty() || self.only.iter().any(|name| name == case.name)
-        };
-        Ok(SCENES.iter().filter(wanted).collect())
+        let wanted = |case: &&SceneCase| self.only.is_empty() || self.only.contains(&case.name);
+        Ok(scenes().iter().filter(wanted).collect())
     }
 
     /// By which a scene of the set is run: our choices, or the solvers that honour it.
-    fn ways<'a>(&'a self, case: &SceneCase) -> Result<Vec<Way<'a>>, BaselineError> {
+    fn ways<'a>(&'a self, case: &'static SceneCase) -> Result<Vec<Way<'a>>, BaselineError> {
         if self.solvers.is_empty() {
-            return Ok(case.choices.iter().map(Way::from).collect());
+            return Ok(case.choices.iter().map(|name| Way::of(name)).collect());
         }
         let scene = case.scene(&[]).map_err(StudyError::from)?;
         let honours = |name: &&String| {
@@ -118,11 +103,40 @@ impl Options {
     }
 }
 
-/// Why this machine does not count instructions; empty if it does.
+/// This program, on this machine, today.
 #[must_use]
-pub fn no_instructions() -> String {
-    instructions::Counter::new()
-        .refusal()
-        .unwrap_or_default()
-        .to_owned()
+pub fn made(kernel: Kernel) -> Made {
+    let here = Provenance::here("");
+    Made {
+        date: here.date,
+        version: here.version.to_owned(),
+        build: here.machine.build.to_owned(),
+        vectors: kernel.vectors().to_owned(),
+        processor: here.machine.processor,
+        no_instructions: instructions::Counter::new()
+            .refusal()
+            .unwrap_or_default()
+            .to_owned(),
+    }
+}
+
+/// Payload of `summary.json`.
+#[derive(Serialize)]
+struct Checked<'a> {
+    accepted: &'a [Acceptance],
+    check: &'a Check,
+}
+
+/// Writes `summary.json` of a check against `baseline` into the folder `dir`.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write(
+    check: &Check,
+    baseline: &Baseline,
+    dir: &Path,
+    made: &Provenance,
+) -> Result<(), OutputError> {
+    let accepted = &baseline.accepted;
+    Summary::new(made, Checked { accepted, check }).write(dir)
 }

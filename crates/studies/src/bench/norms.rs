@@ -1,14 +1,8 @@
-//! How far a run lies from the reference, window by window.
-//!
-//! ```text
-//! L2   = sqrt(sum (a - b)^2 / sum b^2)      over all sleeves and all samples of the window
-//! Linf = max |a - b| / max |b|
-//! ```
-//! Where b is next to nothing, [`Least`] stands in for it.
+//! How far a run lies from the reference, window by window: relative L2 and Linf of [`pinwheel_courses::norms`].
 
 use pinwheel_compare::windows::{SETTLING_S, windows};
-use pinwheel_courses::{Courses, columns};
-use pinwheel_gearbox::Gearbox;
+use pinwheel_courses::Courses;
+use pinwheel_courses::norms::{Least, View, relative_l2, relative_linf};
 use pinwheel_scene::load_course;
 use pinwheel_scene::{Scene, Start};
 use serde::Serialize;
@@ -37,19 +31,6 @@ pub struct Errors {
     pub torque_max: f64,
 }
 
-impl Errors {
-    /// The larger of each.
-    #[must_use]
-    pub fn or_worse(self, other: Self) -> Self {
-        Self {
-            force_l2: self.force_l2.max(other.force_l2),
-            force_max: self.force_max.max(other.force_max),
-            torque_l2: self.torque_l2.max(other.torque_l2),
-            torque_max: self.torque_max.max(other.torque_max),
-        }
-    }
-}
-
 /// The whole run first, then its transient and its steady part, where it is long enough to have them.
 pub(super) fn spans(scene: &Scene, courses: &Courses) -> Vec<Span> {
     let settling = if scene.drive.start == Start::Equilibrium {
@@ -74,68 +55,16 @@ pub(super) fn spans(scene: &Scene, courses: &Courses) -> Vec<Span> {
     spans
 }
 
-/// Loads that a gear does not notice; errors are shares of no less.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Least {
-    pub(super) force_n: f64,
-    pub(super) torque_n_m: f64,
-}
-
-impl Least {
-    pub(super) fn of(gearbox: &Gearbox) -> Self {
-        let force_n = gearbox.least_force_n();
-        Self {
-            force_n,
-            torque_n_m: force_n * gearbox.scene.gear.eccentricity_m,
-        }
-    }
-}
-
 /// Errors of `a` against `b` in a window. Both hold the same samples.
 pub(super) fn errors(a: &Courses, b: &Courses, span: &Span, least: Least) -> Errors {
-    let (mut force, mut torque) = (Sums::default(), Sums::default());
     let range = b.window(span.from_s, span.to_s);
-    for prefix in [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE] {
-        for (x, y) in a.group(prefix).iter().zip(b.group(prefix)) {
-            force.add(&x[range.clone()], &y[range.clone()]);
-        }
-    }
-    let name = columns::INPUT_TORQUE;
-    if let (Some(x), Some(y)) = (a.channel(name), b.channel(name)) {
-        torque.add(&x[range.clone()], &y[range]);
-    }
+    let forces = [a, b].map(|run| View::forces(run, range.clone()));
+    let torque = [a, b].map(|run| View::driver_torque(run, range.clone()));
     Errors {
-        force_l2: force.l2(least.force_n),
-        force_max: force.most / force.largest.max(least.force_n),
-        torque_l2: torque.l2(least.torque_n_m),
-        torque_max: torque.most / torque.largest.max(least.torque_n_m),
-    }
-}
-
-#[derive(Default)]
-struct Sums {
-    samples: usize,
-    square: f64,
-    size: f64,
-    most: f64,
-    largest: f64,
-}
-
-impl Sums {
-    /// `least` in one of the channels at every sample.
-    fn l2(&self, least: f64) -> f64 {
-        (self.square / self.size.max(least * least * self.samples as f64)).sqrt()
-    }
-
-    fn add(&mut self, a: &[f64], b: &[f64]) {
-        self.samples = a.len();
-        for (a, b) in a.iter().zip(b) {
-            let difference = (a - b).abs();
-            self.square += difference * difference;
-            self.size += b * b;
-            self.most = self.most.max(difference);
-            self.largest = self.largest.max(b.abs());
-        }
+        force_l2: relative_l2(&forces[0], &forces[1], least.force_n),
+        force_max: relative_linf(&forces[0], &forces[1], least.force_n),
+        torque_l2: relative_l2(&torque[0], &torque[1], least.torque_n_m),
+        torque_max: relative_linf(&torque[0], &torque[1], least.torque_n_m),
     }
 }
 
@@ -168,16 +97,17 @@ mod tests {
             torque_n_m: 1e-3,
         };
         let errors = |a: &Courses, b: &Courses, span: &Span| errors(a, b, span, least);
+        let near = |found: [f64; 2], by_hand: [f64; 2]| {
+            let off = found.iter().zip(by_hand).map(|(a, b)| (a - b).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-15, "{found:?}");
+        };
         let whole = errors(&a, &b, &span(0.0, 2.0));
-        assert_eq!((whole.force_l2, whole.force_max), (0.2, 0.25));
+        near([whole.force_l2, whole.force_max], [0.2, 0.25]);
         assert_eq!((whole.torque_l2, whole.torque_max), (0.0, 0.0));
         let early = errors(&a, &b, &span(0.0, 1.0));
         assert_eq!((early.force_l2, early.force_max), (0.0, 0.0));
+        // Of the least force.
         let late = errors(&a, &b, &span(2.0, 2.0));
-        assert_eq!(
-            (late.force_l2, late.force_max),
-            (2.0, 2.0),
-            "of the least force"
-        );
+        near([late.force_l2, late.force_max], [2.0, 2.0]);
     }
 }

@@ -10,11 +10,12 @@
 //! reference. What the reference gains from a tolerance ten times (a step two times) coarser is given beside it.
 
 use pinwheel_courses::Courses;
+use pinwheel_courses::norms::Least;
 use pinwheel_scene::{Detection, Formulation, FrictionLaw, Scene};
 use serde::Serialize;
 
 use super::Knob;
-use super::norms::{Errors, Least, Span, errors, spans};
+use super::norms::{Errors, Span, errors, spans};
 use crate::StudyError;
 use crate::control::{Control, compile, complete};
 
@@ -130,7 +131,7 @@ pub(super) fn run(
     let (other, others) = solve(&second, second.setting)?;
     let (_, coarser) = solve(&first, first.coarser())?;
     let spans = spans(scene, &courses);
-    let least = Least::of(&compile(scene)?);
+    let least = compile(scene)?.least_loads();
     let against = |run: &Courses| {
         let spans = spans.iter();
         spans

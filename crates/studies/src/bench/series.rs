@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use pinwheel_courses::Courses;
+use pinwheel_courses::norms::Least;
 use pinwheel_engines::{Ending, Engine, Run, Track};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_mbs::integrators;
@@ -11,7 +12,7 @@ use serde::Serialize;
 
 use super::Options;
 use super::front::{CostAt, cost_at};
-use super::norms::{Errors, Least, Span, errors};
+use super::norms::{Errors, Span, errors};
 use super::settings::{Knob, State, Stopped, settings};
 use crate::StudyError;
 use crate::control::{Control, Patience};

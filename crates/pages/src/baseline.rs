@@ -1,0 +1,362 @@
+//! A check against a baseline: what moved, before and after, by how much it moved.
+
+use pinwheel_courses::table::{Mark, Shown, Table};
+use pinwheel_report::study::{self, Block, Section, Study, Tile, Tone};
+use pinwheel_report::terminal::{self, Cell, QUIET, TITLE, lines, styled};
+use pinwheel_studies::Provenance;
+use pinwheel_studies::baseline::{
+    Acceptance, Baseline, CaseCheck, Check, CostCheck, Listed, Made, QuantityCheck, Verdict, limits,
+};
+
+use crate::PageError;
+
+/// One quantity of one case.
+type Moved<'a> = (&'a CaseCheck, &'a QuantityCheck);
+
+/// The page of a check against the baseline `name`.
+///
+/// # Errors
+/// The page cannot be made.
+pub fn page(
+    name: &str,
+    baseline: &Baseline,
+    check: &Check,
+    made: &Provenance,
+) -> Result<String, PageError> {
+    let moved = moved(check);
+    // What is worse is read, what passed is folded.
+    let bad = |verdict: Verdict| verdict == Verdict::Worse;
+    let passed = check.cases.iter().filter(|case| !bad(case.verdict)).count();
+    let all = cases_table("Every scene by every solver", check.cases.iter());
+    let mut cases = section("cases", "All cases", vec![Block::Data(all)]);
+    if passed == check.cases.len() {
+        cases = cases.folded(format!("{passed} cases, none worse"));
+    }
+    let mut costs = section("costs", "Costs", costs_blocks(check));
+    let mut counts = check.cases.iter().flat_map(|case| &case.costs);
+    if !counts.any(|cost| bad(cost.verdict)) {
+        costs = costs.folded("Counts of the program's work, none worse");
+    }
+    let study = Study {
+        title: format!("baseline {name}"),
+        eyebrow: "What moved since it was accepted".to_owned(),
+        lead: format!(
+            "{} cases run again and compared with the results accepted on {}: against the accepted result, and by the change \
+             of their error against a converged run.",
+            check.cases.len(),
+            baseline.made.date,
+        ),
+        verdict: Some(study::Verdict {
+            tone: match check.verdict {
+                Verdict::Worse => Tone::Bad,
+                Verdict::Changed | Verdict::New => Tone::Neutral,
+                Verdict::Same | Verdict::Better => Tone::Good,
+            },
+            headline: headline(check.verdict).to_owned(),
+            detail: sentence(check),
+        }),
+        tiles: tiles(check, &moved),
+        sections: vec![
+            section("moved", "What moved", moved_blocks(&moved)),
+            cases,
+            costs,
+            section("limits", "Limits", vec![Block::Data(limits_table())])
+                .folded("What a figure may move by, and why"),
+            section("history", "History", history_blocks(baseline, check))
+                .folded("What was accepted, when and why"),
+        ],
+        command: made.command.clone(),
+        versions: made.versions(),
+        machine: made.machine.rows(),
+    };
+    Ok(study::render(&study)?)
+}
+
+/// What a terminal shows, without the place of the page: the cases that moved, and a sentence on all.
+#[must_use]
+pub fn text(check: &Check) -> String {
+    let (same, moved): (Vec<_>, Vec<_>) = check
+        .cases
+        .iter()
+        .partition(|case| case.verdict == Verdict::Same);
+    let mut text = String::new();
+    if !moved.is_empty() {
+        text.push_str(&terminal::table(&cases_table("", moved.into_iter())));
+    }
+    let mut solvers: Vec<&str> = same.iter().map(|case| case.choice.as_str()).collect();
+    solvers.sort_unstable();
+    let groups = solvers.chunk_by(|a, b| a == b);
+    let named: Vec<String> = groups
+        .map(|group| format!("{} {}", group[0], group.len()))
+        .collect();
+    if !named.is_empty() {
+        let list = format!("same to rounding: {}", named.join(", "));
+        text.push_str(&lines(&[vec![Cell::text(list).styled(QUIET)]]));
+    }
+    text.push_str(&sentence(check));
+    text
+}
+
+/// The baselines that there are, with the reasons for which they were accepted.
+#[must_use]
+pub fn list(listed: &[Listed]) -> String {
+    let mut text = String::new();
+    for one in listed {
+        let made = &one.made;
+        text.push_str(&format!(
+            "{}  {} scenes, made {}, {} build, {}\n",
+            styled(TITLE, &one.name),
+            one.scenes,
+            made.date,
+            made.build,
+            made.vectors
+        ));
+        let row = |a: &Acceptance| ["  ", &a.date, &a.reason].map(Cell::text).to_vec();
+        text.push_str(&lines(&one.accepted.iter().map(row).collect::<Vec<_>>()));
+    }
+    text
+}
+
+fn section(id: &str, title: &str, blocks: Vec<Block>) -> Section {
+    Section {
+        id: id.to_owned(),
+        title: title.to_owned(),
+        blocks,
+    }
+}
+
+/// Quantities beyond their rounding, by how much they moved.
+fn moved(check: &Check) -> Vec<Moved<'_>> {
+    let all = check.cases.iter();
+    let all = all.flat_map(|case| case.quantities.iter().map(move |quantity| (case, quantity)));
+    let mut moved: Vec<Moved<'_>> = all
+        .filter(|(_, quantity)| quantity.verdict != Verdict::Same)
+        .collect();
+    moved.sort_by(|(_, a), (_, b)| b.change.total_cmp(&a.change));
+    moved
+}
+
+fn headline(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Same => "Nothing moved but roundings",
+        Verdict::Changed => "Results moved, within their limits",
+        Verdict::New => "Some results are not in the baseline",
+        Verdict::Better => "Something is better, nothing is worse",
+        Verdict::Worse => "Something is worse",
+    }
+}
+
+/// One line on the whole: how many cases are what.
+fn sentence(check: &Check) -> String {
+    let verdicts = [
+        Verdict::Worse,
+        Verdict::Better,
+        Verdict::New,
+        Verdict::Changed,
+        Verdict::Same,
+    ];
+    let counted = verdicts.into_iter().filter_map(|verdict| {
+        let of = check.cases.iter().filter(|case| case.verdict == verdict);
+        let count = of.count();
+        (count > 0).then(|| format!("{count} {}", verdict.label()))
+    });
+    let parts: Vec<String> = counted.collect();
+    format!("{} cases: {}", check.cases.len(), parts.join(", "))
+}
+
+fn mark(verdict: Verdict) -> Mark {
+    match verdict {
+        Verdict::Same => Mark::Muted,
+        Verdict::Changed | Verdict::New => Mark::Warn,
+        Verdict::Better => Mark::Good,
+        Verdict::Worse => Mark::Bad,
+    }
+}
+
+/// `1e-5 > 2e-5`, or the one figure where both are the same.
+fn both<T: PartialEq>(before: T, after: T, words: impl Fn(T) -> String) -> String {
+    if before == after {
+        words(after)
+    } else {
+        format!("{} > {}", words(before), words(after))
+    }
+}
+
+/// The quantity that moved most, if any did.
+fn most(case: &CaseCheck) -> Option<&QuantityCheck> {
+    case.moved_most().filter(|moved| moved.change > 0.0)
+}
+
+/// The count that moved most, otherwise the first.
+fn count(case: &CaseCheck) -> Option<&CostCheck> {
+    let moved = case.costs.iter();
+    let moved = moved.filter(|cost| cost.verdict != Verdict::Same);
+    moved.max_by_key(|cost| cost.verdict).or(case.costs.first())
+}
+
+/// A row a case: what moved most, and the count that moved most.
+fn cases_table<'a>(caption: &str, cases: impl Iterator<Item = &'a CaseCheck>) -> Table {
+    Table::of(caption, cases)
+        .text("scene", "Scene", |case| case.scene.clone())
+        .text("solver", "Solver", |case| case.choice.clone())
+        .text("verdict", "Verdict", |case| case.verdict.label())
+        .marked(|case| mark(case.verdict))
+        .text("moved_most", "Moved most", |case| match &case.trouble {
+            Some(trouble) => trouble.clone(),
+            None => most(case).map_or("", |moved| moved.label).to_owned(),
+        })
+        .number("change", "Change", |case| Some(most(case)?.change))
+        .shown(Shown::Relative)
+        .text("", "Error before > after", |case| {
+            most(case).map_or_else(String::new, |moved| {
+                both(moved.error_before, moved.error_after, |error| {
+                    format!("{error:.2e}")
+                })
+            })
+        })
+        .text("", "Right-hand sides", |case| {
+            count(case).map_or_else(String::new, |cost| {
+                let counts = both(cost.before, cost.after, |count| format!("{count:.0}"));
+                match cost.label {
+                    "right-hand sides" => counts,
+                    label => format!("{label} {counts}"),
+                }
+            })
+        })
+        .done()
+}
+
+fn tiles(check: &Check, moved: &[Moved<'_>]) -> Vec<Tile> {
+    let tile = |label: &str, value: String, detail: String| Tile {
+        label: label.to_owned(),
+        value,
+        unit: String::new(),
+        detail,
+    };
+    let worse = check
+        .cases
+        .iter()
+        .filter(|case| case.verdict == Verdict::Worse);
+    let mut tiles = vec![
+        tile(
+            "cases worse",
+            worse.count().to_string(),
+            format!("of {}", check.cases.len()),
+        ),
+        tile(
+            "quantities moved",
+            moved.len().to_string(),
+            "beyond what roundings make".to_owned(),
+        ),
+    ];
+    if let Some((case, quantity)) = moved.first() {
+        tiles.push(tile(
+            "largest change",
+            format!("{:.1e}", quantity.change),
+            format!("{}, {}, {}", quantity.label, case.scene, case.choice),
+        ));
+    }
+    tiles
+}
+
+fn moved_blocks(moved: &[Moved<'_>]) -> Vec<Block> {
+    if moved.is_empty() {
+        let text = "Every quantity of every case is the accepted one to rounding.";
+        return vec![Block::Text(text.to_owned())];
+    }
+    let table = Table::of("Quantities beyond their rounding", moved)
+        .text("case", "Case", |(case, _)| {
+            format!("{}, {}", case.scene, case.choice)
+        })
+        .text("quantity", "Quantity", |(_, quantity)| quantity.label)
+        .number("change", "Change", |(_, quantity)| quantity.change)
+        .shown(Shown::Relative)
+        .number("rounding", "Rounding up to", |(_, quantity)| {
+            quantity.rounding_limit
+        })
+        .shown(Shown::Relative)
+        .number("error_before", "Error before", |(_, quantity)| {
+            quantity.error_before
+        })
+        .shown(Shown::Relative)
+        .number("error_after", "Error after", |(_, quantity)| {
+            quantity.error_after
+        })
+        .shown(Shown::Relative)
+        .number("mean_before", "Mean before", |(_, quantity)| {
+            quantity.mean[0]
+        })
+        .number("mean_after", "Mean after", |(_, quantity)| quantity.mean[1])
+        .number("peak_before", "Peak before", |(_, quantity)| {
+            quantity.peak[0]
+        })
+        .number("peak_after", "Peak after", |(_, quantity)| quantity.peak[1])
+        .text("verdict", "Verdict", |(_, quantity)| {
+            quantity.verdict.label()
+        })
+        .marked(|(_, quantity)| mark(quantity.verdict))
+        .done();
+    let text = "Change, rounding and errors are shares of the quantity's size; errors are against the converged run, which \
+                was recorded with the accepted ones.";
+    vec![Block::Text(text.to_owned()), Block::Data(table)]
+}
+
+fn costs_blocks(check: &Check) -> Vec<Block> {
+    let costs = check.cases.iter();
+    let costs = costs.flat_map(|case| case.costs.iter().map(move |cost| (case, cost)));
+    let differ = costs.filter(|(_, cost)| cost.before != cost.after);
+    let caption = "Counts that differ; they depend on the program alone, not on the machine";
+    let table = Table::of(caption, differ)
+        .text("case", "Case", |(case, _)| {
+            format!("{}, {}", case.scene, case.choice)
+        })
+        .text("count", "Count", |(_, cost)| cost.label)
+        .number("before", "Before", |(_, cost)| cost.before)
+        .shown(Shown::Decimals(0))
+        .number("after", "After", |(_, cost)| cost.after)
+        .shown(Shown::Decimals(0))
+        .number("limit", "May move", |(_, cost)| cost.limit)
+        .shown(Shown::Decimals(0))
+        .text("verdict", "Verdict", |(_, cost)| cost.verdict.label())
+        .marked(|(_, cost)| mark(cost.verdict))
+        .done();
+    let mut blocks = vec![match table.is_empty() {
+        true => Block::Text("No count differs from the accepted one.".to_owned()),
+        false => Block::Data(table),
+    }];
+    if !check.after.no_instructions.is_empty() {
+        blocks.push(Block::Text(format!(
+            "Instructions were not compared: {}.",
+            check.after.no_instructions
+        )));
+    }
+    blocks
+}
+
+fn limits_table() -> Table {
+    Table::of("What a figure may move by", limits::table())
+        .text("figure", "Figure", |row| row[0].clone())
+        .text("limit", "Limit", |row| row[1].clone())
+        .text("reason", "Reason", |row| row[2].clone())
+        .done()
+}
+
+fn history_blocks(baseline: &Baseline, check: &Check) -> Vec<Block> {
+    let made = |what: &str, made: &Made| {
+        format!(
+            "{what}: {}, version {}, {} build, contact loop on {}, {}",
+            made.date, made.version, made.build, made.vectors, made.processor
+        )
+    };
+    let table = Table::of("Why results were accepted", &baseline.accepted)
+        .text("date", "Date", |one| one.date.clone())
+        .text("reason", "Reason", |one| one.reason.clone())
+        .done();
+    vec![
+        Block::List(vec![
+            made("Before", &check.before),
+            made("After", &check.after),
+        ]),
+        Block::Data(table),
+    ]
+}

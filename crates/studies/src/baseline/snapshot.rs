@@ -1,0 +1,211 @@
+//! What is kept of a run: a few exact numbers for each quantity, and what the run cost.
+//!
+//! A course is cut into four windows of equal length. Each has the mean, the root mean square and the largest magnitude of
+//! all channels together, at full precision. A change of any force by 1e-9 of itself moves them by about as much, while
+//! roundings move them by 1e-15 to 1e-10.
+
+use std::collections::BTreeMap;
+
+use pinwheel_courses::norms::{self, View};
+use pinwheel_courses::{Courses, columns};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::energy::EnergyAudit;
+use pinwheel_scene::Layout;
+use serde::{Deserialize, Serialize};
+
+/// What is watched of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Torque of the driver, N m.
+    DriverTorque,
+    /// Torque on the output shaft, N m.
+    OutputTorque,
+    /// Output angle less that of the ideal mesh, rad: angles grow to radians, the twist is a milliradian.
+    OutputTwist,
+    /// Forces on the external sleeves, N.
+    ExternalForce,
+    /// Forces on the internal sleeves, N.
+    InternalForce,
+    /// Works of driver and load, changes of kinetic and stored energy, losses by damping and friction, J.
+    Energy,
+    /// Largest joint error, m.
+    JointDrift,
+}
+
+impl Quantity {
+    /// In words.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::DriverTorque => "driver torque",
+            Self::OutputTorque => "output torque",
+            Self::OutputTwist => "output angle against the ideal ratio",
+            Self::ExternalForce => "external sleeve forces",
+            Self::InternalForce => "internal sleeve forces",
+            Self::Energy => "energy account",
+            Self::JointDrift => "largest joint error",
+        }
+    }
+}
+
+/// Windows of a course.
+const WINDOWS: usize = 4;
+
+/// A quantity of one run, in its unit.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Means by window; what is no course (energies, the joint error) as it is.
+    pub mean: Vec<f64>,
+    /// Root mean squares by window.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rms: Vec<f64>,
+    /// Largest magnitudes by window.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub peak: Vec<f64>,
+}
+
+impl Statistics {
+    /// Of all channels of a course together, which are equally long.
+    #[must_use]
+    pub fn of_course(channels: &[&[f64]]) -> Self {
+        let samples = channels.first().map_or(0, |channel| channel.len());
+        let mut found = Self::default();
+        for k in 0..WINDOWS {
+            let range = k * samples / WINDOWS..(k + 1) * samples / WINDOWS;
+            let cut = channels
+                .iter()
+                .filter_map(|channel| channel.get(range.clone()));
+            let figures = norms::Statistics::of(&View::new(cut.collect()));
+            let figures = figures.map_or([f64::NAN; 3], |it| [it.mean, it.rms, it.peak]);
+            let lists = [&mut found.mean, &mut found.rms, &mut found.peak];
+            for (list, figure) in lists.into_iter().zip(figures) {
+                list.push(figure);
+            }
+        }
+        found
+    }
+
+    fn of_values(values: Vec<f64>) -> Self {
+        Self {
+            mean: values,
+            ..Self::default()
+        }
+    }
+
+    fn all(&self) -> impl Iterator<Item = f64> + '_ {
+        let all = self.mean.iter().chain(&self.rms).chain(&self.peak);
+        all.copied()
+    }
+
+    /// Root mean square of the differences to `other`; `None` if that has other windows.
+    #[must_use]
+    pub fn distance(&self, other: &Self) -> Option<f64> {
+        let shape = |it: &Self| [it.mean.len(), it.rms.len(), it.peak.len()];
+        let differences = self.all().zip(other.all()).map(|(a, b)| a - b);
+        (shape(self) == shape(other)).then(|| rms(differences))
+    }
+
+    /// Mean over the windows.
+    #[must_use]
+    pub fn whole_mean(&self) -> f64 {
+        self.mean.iter().sum::<f64>() / self.mean.len().max(1) as f64
+    }
+
+    /// Root mean square over the windows.
+    #[must_use]
+    pub fn whole_rms(&self) -> f64 {
+        rms(self.rms.iter().copied())
+    }
+
+    /// Largest magnitude of all.
+    #[must_use]
+    pub fn whole_peak(&self) -> f64 {
+        self.all().fold(0.0, |most, x| most.max(x.abs()))
+    }
+}
+
+/// Root mean square; 0 for no values.
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0_u32);
+    for value in values {
+        sum += value * value;
+        count += 1;
+    }
+    (sum / f64::from(count.max(1))).sqrt()
+}
+
+/// The quantities of a run that came to its end, with its whole account of energy and its joints' largest error, m. Those that
+/// the engine does not tell are missing.
+pub(super) fn statistics(
+    gearbox: &Gearbox,
+    courses: &Courses,
+    account: Option<EnergyAudit>,
+    joint_drift_m: Option<f64>,
+) -> BTreeMap<Quantity, Statistics> {
+    let twist = twist(gearbox, courses);
+    let course = |name: &str| courses.channel(name).into_iter().collect::<Vec<_>>();
+    let followed = [
+        (Quantity::DriverTorque, course(columns::INPUT_TORQUE)),
+        (Quantity::OutputTorque, course(columns::OUTPUT_TORQUE)),
+        (Quantity::OutputTwist, vec![twist.as_slice()]),
+        (
+            Quantity::ExternalForce,
+            courses.group(columns::EXTERNAL_FORCE),
+        ),
+        (
+            Quantity::InternalForce,
+            courses.group(columns::INTERNAL_FORCE),
+        ),
+    ];
+    let followed = followed.into_iter();
+    let followed =
+        followed.map(|(quantity, channels)| (quantity, Statistics::of_course(&channels)));
+    let energy = account.map(|a| {
+        vec![
+            a.driver_j,
+            a.load_j,
+            a.kinetic_j,
+            a.stored_j,
+            a.damping_j,
+            a.friction_j,
+        ]
+    });
+    let energy = energy.map(|values| (Quantity::Energy, Statistics::of_values(values)));
+    let drift =
+        joint_drift_m.map(|drift| (Quantity::JointDrift, Statistics::of_values(vec![drift])));
+    followed.chain(energy).chain(drift).collect()
+}
+
+fn twist(gearbox: &Gearbox, courses: &Courses) -> Vec<f64> {
+    let motion = gearbox.input_motion();
+    let start = gearbox.kinematic_states()[Layout::OUTPUT].angle;
+    let angles = courses.channel(columns::OUTPUT_ANGLE).unwrap_or(&[]);
+    let ideal = |t: f64| start + gearbox.geometry.ideal_output_angle(motion.at(t).0);
+    let samples = courses.time_s().iter().zip(angles);
+    samples.map(|(&t, angle)| angle - ideal(t)).collect()
+}
+
+/// A hash of every bit of every sample.
+pub(super) fn bits(courses: &Courses) -> u64 {
+    let channels = courses.channels().iter();
+    let values = channels.flat_map(|channel| &channel.values);
+    pinwheel_files::fnv(values.flat_map(|value| value.to_bits().to_le_bytes()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_by_hand() {
+        let found = Statistics::of_course(&[&[3.0, 0.0, 1.0, -2.0], &[4.0, 0.0, 1.0, 2.0]]);
+        assert_eq!(found.mean, [3.5, 0.0, 1.0, 0.0]);
+        assert_eq!(found.rms, [12.5_f64.sqrt(), 0.0, 1.0, 2.0]);
+        assert_eq!(found.peak, [4.0, 0.0, 1.0, 2.0]);
+        assert_eq!((found.whole_mean(), found.whole_peak()), (1.125, 4.0));
+        let spoiled = Statistics::of_course(&[&[f64::NAN, 1.0, 1.0, 1.0]]);
+        assert!(spoiled.distance(&found).unwrap().is_nan());
+        assert_eq!(found.distance(&Statistics::of_values(vec![1.0])), None);
+    }
+}
