@@ -69,8 +69,8 @@ fn participant(engine: &dyn Engine, scene: &Scene) -> Participant {
         name: engine.name().to_owned(),
         track: engine.track(),
         version: engine.version(),
-        summary: engine.summary().to_owned(),
-        differences: engine.differences().to_owned(),
+        summary: engine.info().summary.to_owned(),
+        differences: engine.info().differences.to_owned(),
         courses: run.courses,
         cost: Cost {
             step_s: run.stats.step_s,

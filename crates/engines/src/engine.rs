@@ -9,6 +9,7 @@ use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Scene};
 
 use crate::control::{Cancelled, Control};
+use crate::registry::EngineInfo;
 
 /// A run, however it ended.
 #[derive(Debug, Clone)]
@@ -122,23 +123,63 @@ pub struct Refinement {
     pub order: f64,
 }
 
+impl Refinement {
+    /// By `solver.step_s`.
+    #[must_use]
+    pub const fn step(order: f64) -> Self {
+        Self {
+            knob: Knob::Step,
+            order,
+        }
+    }
+
+    /// By `solver.tolerance`.
+    #[must_use]
+    pub const fn tolerance(order: f64) -> Self {
+        Self {
+            knob: Knob::Tolerance,
+            order,
+        }
+    }
+}
+
+/// Shared by those who hand engines on.
+impl<E: Engine + ?Sized> Engine for &E {
+    fn info(&self) -> EngineInfo<'_> {
+        (**self).info()
+    }
+
+    fn version(&self) -> String {
+        (**self).version()
+    }
+
+    fn build(&self) -> String {
+        (**self).build()
+    }
+
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+        (**self).prepare(gearbox)
+    }
+}
+
 /// A solver that turns a scene into courses.
 ///
 /// One that keeps every body as it starts, recorded as all engines record:
 ///
 /// ```
-/// use pinwheel_engines::{Cancelled, Control, Ending, Engine, Halt, Prepared, Run, RunStats, Track};
+/// use pinwheel_engines::{
+///     Cancelled, Control, Ending, Engine, EngineInfo, Halt, Prepared, Run, RunStats, Track,
+/// };
 /// use pinwheel_gearbox::{Gearbox, Recorder};
 /// use pinwheel_scene::Scene;
 ///
 /// struct Frozen;
 ///
 /// impl Engine for Frozen {
-///     fn name(&self) -> &str { "frozen" }
-///     fn track(&self) -> Track { Track::SharedLaw }
+///     fn info(&self) -> EngineInfo<'_> {
+///         EngineInfo::own("frozen", Track::SharedLaw, "nothing moves")
+///     }
 ///     fn version(&self) -> String { "1".into() }
-///     fn summary(&self) -> &str { "nothing moves" }
-///     fn differences(&self) -> &str { "integrates nothing" }
 ///
 ///     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
 ///         if gearbox.has_friction() {
@@ -169,28 +210,13 @@ pub struct Refinement {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Engine: Send + Sync {
-    /// Name as typed by users, kebab-case, with the track in foreign engines' names.
-    fn name(&self) -> &str;
-    /// Which comparison it belongs to.
-    fn track(&self) -> Track;
+    /// What is known of it without running it.
+    fn info(&self) -> EngineInfo<'_>;
     /// Version of the engine behind it.
     fn version(&self) -> String;
     /// Changes when the engine is built anew under the same version; empty where it is part of this program.
     fn build(&self) -> String {
         String::new()
-    }
-    /// One line for `pinwheel engines`.
-    fn summary(&self) -> &str;
-    /// How it differs from the native solver, in plain words, for the report.
-    fn differences(&self) -> &str;
-    /// Which key of a scene makes it more accurate, and with which order; `None` where none does, or where comparisons know
-    /// better (the native engines).
-    fn refinement(&self) -> Option<Refinement> {
-        None
-    }
-    /// Whether it runs in a process of its own, whose CPU time is not this one's.
-    fn is_outside(&self) -> bool {
-        false
     }
     /// Says whether it honours the scene of `gearbox`, and makes everything ready that a run needs. A caller that runs
     /// a scene on several engines compiles it once.
@@ -198,6 +224,16 @@ pub trait Engine: Send + Sync {
     /// # Errors
     /// How a run would end before it begins: unsupported, or not on this machine.
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt>;
+
+    /// Name as typed by users.
+    fn name(&self) -> &str {
+        self.info().name
+    }
+
+    /// What it shares with the native solver.
+    fn track(&self) -> Track {
+        self.info().track
+    }
 
     /// Whether it honours the scene.
     ///
@@ -243,6 +279,10 @@ pub trait Engine: Send + Sync {
         let mut run = settled(prepared.and_then(|prepared| prepared.run(&control)))?;
         control.check()?;
         if run.ending.is_finished() || !run.courses.is_empty() {
+            if gearbox.has_friction() && self.info().explicit_friction {
+                let note = "Friction is explicit here, and its regularisation takes steps of about 2e-7 s to resolve.";
+                run.stats.notes.push(note.to_owned());
+            }
             run.note_missing_channels(&gearbox.scene);
         }
         Ok(run)

@@ -26,7 +26,6 @@
 
 #[cfg(feature = "crossval")]
 mod cache;
-mod cards;
 mod control;
 mod engine;
 pub mod external;
@@ -36,10 +35,11 @@ pub mod python;
 mod rapier;
 pub mod recorded;
 mod registry;
+#[cfg(feature = "crossval")]
 mod solvers;
 mod stopping;
 
 pub use control::{Cancelled, Control, Progress};
 pub use engine::{Ending, Engine, Halt, Knob, Prepared, Refinement, Run, RunStats, Track};
-pub use registry::{Native, by_name, registry};
+pub use registry::{EngineInfo, Form, Native, by_name, family, info, known, registry};
 pub use stopping::stop_preparing;

@@ -11,9 +11,9 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Scene, Solver};
 use serde::{Deserialize, Serialize};
 
-use crate::cards::{Card, card};
 use crate::control::{Cancelled, Control};
-use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, Track};
+use crate::engine::{Ending, Engine, Halt, Knob, Prepared, Run, RunStats};
+use crate::registry::{self, EngineInfo};
 
 /// The recordings' files: path below their folder, text.
 const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/recorded.rs"));
@@ -76,7 +76,7 @@ impl Recording {
     /// A recording of a run, thinned and rounded.
     #[must_use]
     pub fn new(engine: &dyn Engine, scene: &Scene, run: Run) -> Self {
-        let digits = digits(engine.name());
+        let digits = engine.info().digits;
         let every = (SAMPLE_S / scene.solver.sample_s).round().max(1.0) as usize;
         let rows: Vec<usize> = (0..run.courses.len()).step_by(every).collect();
         Self {
@@ -147,9 +147,8 @@ impl Recording {
     /// Whether a run of `scene` would be this recording, or its beginning: all keys agree but those that
     /// name the scene, belong to the native solver, or choose samples.
     fn is_of(&self, scene: &Scene) -> bool {
-        let by_tolerance = crate::solvers::CARDS
-            .iter()
-            .any(|card| card.name == self.engine);
+        let refinement = registry::info(&self.engine).and_then(|info| info.refinement);
+        let by_tolerance = refinement.is_some_and(|refined| refined.knob == Knob::Tolerance);
         let setting = |own: &Solver| {
             let mut solver = Scene::paper().solver;
             if by_tolerance {
@@ -189,16 +188,6 @@ impl Recording {
     }
 }
 
-/// Digits that leave an engine's own accuracy untouched: a thousandth of its limits.
-fn digits(engine: &str) -> usize {
-    match card(engine).map(|card| card.track) {
-        Some(Track::OwnContact) => 6,
-        _ if engine.ends_with("constrained") => 7,
-        _ if engine.starts_with("ida") => 8,
-        _ => 9,
-    }
-}
-
 /// A number without superfluous zeros, or signs of them.
 fn trimmed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
@@ -218,7 +207,7 @@ fn trimmed(value: f64, decimals: usize) -> String {
 /// # Errors
 /// Why not, in words.
 pub fn worth_keeping(engine: &str, scene: &Scene) -> Result<(), String> {
-    let explicit = card(engine).is_some_and(|card| card.explicit_friction);
+    let explicit = registry::info(engine).is_some_and(|info| info.explicit_friction);
     if explicit
         && scene.contact.friction_coefficient > 0.0
         && scene.solver.step_s > EXPLICIT_FRICTION_STEP_S
@@ -258,13 +247,13 @@ pub fn find(scene: &str, engine: &str) -> Option<Result<Recording, RecordingErro
 /// A recording of `engine` that stands for a run of `scene`; `why` says for the reader why it does.
 #[must_use]
 pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>> {
-    let card = card(engine)?;
+    let info = registry::info(engine)?;
     let recording = list()
         .filter(|&(_, recorded)| recorded == engine)
         .filter_map(|(name, _)| find(name, engine)?.ok())
         .find(|recording| recording.is_of(scene))?;
     Some(Box::new(Recorded {
-        card,
+        info,
         recording,
         why: why.to_owned(),
     }))
@@ -273,26 +262,15 @@ pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>
 /// Recordings for a scene of all engines that this build lacks.
 #[must_use]
 pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
-    crate::cards::all()
-        .filter(|card| !is_live(card))
-        .filter_map(|card| instead(card.name, scene, NOT_BUILT))
+    registry::lacking()
+        .filter_map(|info| instead(info.name, scene, NOT_BUILT))
         .collect()
-}
-
-fn is_live(card: &Card) -> bool {
-    #[cfg(feature = "python")]
-    return crate::python::has(card);
-    #[cfg(not(feature = "python"))]
-    return {
-        let _ = card;
-        false
-    };
 }
 
 /// Whether an engine may be missing in a build or on a machine, so that recordings of it are of use.
 #[must_use]
 pub fn may_be_missing(engine: &str) -> bool {
-    card(engine).is_some()
+    registry::info(engine).is_some_and(|info| info.feature == Some("crossval"))
 }
 
 /// Why a build without Python engines shows recordings.
@@ -300,30 +278,22 @@ pub const NOT_BUILT: &str = "this build has no engines of its kind (feature cros
 
 /// A recording in the place of an engine.
 struct Recorded {
-    card: &'static Card,
+    info: &'static EngineInfo<'static>,
     recording: Recording,
     why: String,
 }
 
 impl Engine for Recorded {
-    fn name(&self) -> &'static str {
-        self.card.name
-    }
-
-    fn track(&self) -> Track {
-        self.card.track
+    /// No setting refines it.
+    fn info(&self) -> EngineInfo<'_> {
+        EngineInfo {
+            refinement: None,
+            ..*self.info
+        }
     }
 
     fn version(&self) -> String {
         format!("{}, recorded", self.recording.version)
-    }
-
-    fn summary(&self) -> &'static str {
-        self.card.summary
-    }
-
-    fn differences(&self) -> &'static str {
-        self.card.differences
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
@@ -443,7 +413,7 @@ mod tests {
             assert_eq!(recording.engine, engine);
             assert_eq!(recording.scene.name, scene);
             assert!(recording.courses.len() > 100, "{scene} {engine}");
-            assert!(card(engine).is_some());
+            assert!(may_be_missing(engine));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use pinwheel::engines::python::Guest;
+use pinwheel::engines::python::UserEngine;
 use pinwheel::engines::{Engine, Track};
 use pinwheel::scene::Scene;
 use pinwheel::studies::choice;
@@ -13,7 +13,7 @@ use crate::errors;
 /// An engine as it is asked for.
 pub(crate) enum Asked {
     Name(String),
-    Own(Guest),
+    Own(UserEngine),
 }
 
 impl Asked {
@@ -35,7 +35,7 @@ impl Asked {
             "own-contact" => Track::OwnContact,
             _ => Track::SharedLaw,
         };
-        Ok(Self::Own(Guest {
+        Ok(Self::Own(UserEngine {
             name: text("name")?,
             track,
             version: text("version")?,

@@ -1,31 +1,15 @@
 //! One colour and dash for each engine, on every page the same.
 
+use pinwheel_engines::info;
+
 /// Colours of lines in the style sheet (`--line-0` ...).
 pub const COUNT: usize = 16;
-
-/// Engines that are often seen together, so that no two share a colour.
-const KNOWN: [&str; 14] = [
-    "native-reduced",
-    "native-lagrange",
-    "native-resolved",
-    "rapier-shared-law",
-    "mujoco-shared-law",
-    "exudyn-shared-law-explicit",
-    "exudyn-shared-law-constrained",
-    "rapier-own-contact-hook",
-    "rapier-own-contact-colliders",
-    "mujoco-own-contact",
-    "exudyn-own-contact",
-    "simbody-shared-law",
-    "ida-shared-law",
-    "simbody-own-contact",
-];
 
 /// The style of each name: known engines have their own, others one that follows from their name. Two on one page share
 /// a colour only if there are more than [`COUNT`]; then they differ by dash.
 #[must_use]
 pub fn styles(names: &[&str]) -> Vec<usize> {
-    let known = |name: &str| KNOWN.iter().position(|k| *k == name);
+    let known = |name: &str| info(name).and_then(|info| info.colour);
     let mut taken: Vec<usize> = names.iter().filter_map(|n| known(n)).collect();
     names
         .iter()
@@ -57,6 +41,8 @@ fn place(name: &str) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use pinwheel_engines::known;
+
     use super::*;
 
     #[test]
@@ -70,8 +56,8 @@ mod tests {
     #[test]
     fn no_two_of_one_page_share_a_colour() {
         let own: Vec<String> = (0..40).map(|k| format!("solver-{k}")).collect();
-        let mut names = KNOWN.to_vec();
-        names.extend(own.iter().take(COUNT - KNOWN.len()).map(String::as_str));
+        let mut names: Vec<&str> = known().map(|info| info.name).collect();
+        names.extend(own.iter().take(COUNT - names.len()).map(String::as_str));
         let mut found = styles(&names);
         found.sort_unstable();
         assert_eq!(found, (0..COUNT).collect::<Vec<_>>());

@@ -2,6 +2,7 @@
 
 use pinwheel_compare::comparison::{Pair, PairEntry};
 use pinwheel_compare::{Check, Comparison, Metric, Outcome, Verdict};
+use pinwheel_engines::info;
 
 /// The number that a verdict rests on.
 #[derive(Debug, Clone, Copy)]
@@ -168,18 +169,8 @@ pub fn why(verdict: &Verdict) -> Option<Unresolved> {
 
 /// An engine's name where its track is said beside it.
 #[must_use]
-pub fn short(engine: &str) -> String {
-    let mut name = engine.to_owned();
-    for (long, brief) in [
-        ("native-", ""),
-        ("-shared-law", ""),
-        ("own-contact-hook", "hook"),
-        ("own-contact-colliders", "colliders"),
-        ("own-contact", "own"),
-    ] {
-        name = name.replace(long, brief);
-    }
-    name
+pub fn short(engine: &str) -> &str {
+    info(engine).map_or(engine, |info| info.short)
 }
 
 /// What a metric is called.

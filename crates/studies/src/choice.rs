@@ -1,6 +1,6 @@
 //! Which engines a name means.
 
-use pinwheel_engines::{Engine, Track, by_name, recorded, registry};
+use pinwheel_engines::{Engine, Track, by_name, family, known, recorded, registry};
 use pinwheel_scene::{Scene, did_you_mean};
 
 /// Why there is no such engine.
@@ -35,25 +35,19 @@ pub enum ChoiceError {
 /// An unknown name, or an engine that was not built in.
 pub fn find(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
     by_name(name, scene).ok_or_else(|| {
-        let optional = [
-            ("rapier", "rapier"),
-            ("exudyn", "crossval"),
-            ("mujoco", "crossval"),
-            ("simbody", "crossval"),
-            ("ida", "crossval"),
-        ];
-        let left_out = optional.iter().find(|(prefix, _)| {
-            name.starts_with(prefix) && !registry().iter().any(|e| e.name().starts_with(prefix))
-        });
-        if let Some((_, feature)) = left_out {
+        let registry = registry();
+        let kin = |of: &str| family(of) == family(name);
+        let left_out = known()
+            .find(|info| kin(info.name))
+            .and_then(|info| info.feature);
+        if let Some(feature) = left_out.filter(|_| !registry.iter().any(|e| kin(e.name()))) {
             return ChoiceError::NotBuilt {
                 name: name.to_owned(),
                 feature,
             };
         }
-        let listed = registry();
         let known: Vec<&str> = std::iter::once("native")
-            .chain(listed.iter().map(|engine| engine.name()))
+            .chain(registry.iter().map(|engine| engine.name()))
             .collect();
         ChoiceError::Unknown {
             name: name.to_owned(),
@@ -115,12 +109,15 @@ pub struct Listed {
 pub fn listed() -> Vec<Listed> {
     registry()
         .iter()
-        .map(|engine| Listed {
-            name: engine.name().to_owned(),
-            track: engine.track(),
-            version: engine.version(),
-            summary: engine.summary().to_owned(),
-            differences: engine.differences().to_owned(),
+        .map(|engine| {
+            let info = engine.info();
+            Listed {
+                name: info.name.to_owned(),
+                track: info.track,
+                version: engine.version(),
+                summary: info.summary.to_owned(),
+                differences: info.differences.to_owned(),
+            }
         })
         .collect()
 }

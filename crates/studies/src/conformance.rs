@@ -400,7 +400,7 @@ impl Trials<'_> {
 
     /// Runs at three settings, the coarsest first, and their distances to the finest but one and to the finest.
     fn ladder(&self) -> Result<(Vec<Run>, [f64; 2], f64), Miss> {
-        let Some(refinement) = self.solver.refinement() else {
+        let Some(refinement) = self.solver.info().refinement else {
             return skipped("its manifest has no [refine]");
         };
         let factor: f64 = match refinement.knob {
@@ -425,7 +425,7 @@ impl Trials<'_> {
 
     fn order(&self) -> Seen {
         let (_, [coarse, fine], factor) = self.ladder()?;
-        let Some(refinement) = self.solver.refinement() else {
+        let Some(refinement) = self.solver.info().refinement else {
             return skipped("its manifest has no [refine]");
         };
         let stated = refinement.order;
@@ -551,7 +551,13 @@ impl Trials<'_> {
     }
 
     fn divergence(&self) -> Seen {
-        if self.solver.refinement().map(|refinement| refinement.knob) != Some(Knob::Step) {
+        if self
+            .solver
+            .info()
+            .refinement
+            .map(|refinement| refinement.knob)
+            != Some(Knob::Step)
+        {
             return skipped("no step of the scene is its own");
         }
         let scene = self.changed(|scene| {

@@ -42,7 +42,7 @@ impl Patience {
         let (stop, ended) = (AtomicBool::new(false), AtomicBool::new(false));
         let (begin, gave_up) = (OnceLock::new(), OnceLock::new());
         let looked_ns = AtomicU64::new(0);
-        let by_wall = self.outside && engine.is_outside();
+        let by_wall = self.outside && engine.info().outside;
         let duration = gearbox.scene.solver.duration_s;
         let progress = |at: Progress<'_>| {
             (control.progress)(at);

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use pinwheel_courses::{Courses, Ending};
-use pinwheel_engines::{Engine, Halt, Run, RunStats, Track};
+use pinwheel_engines::{Engine, Form, Halt, Run, RunStats, Track};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::resolve::{self, Uncertainty};
 use pinwheel_scene::{Assumption, CheckedScene, Formulation, Scene, assumptions};
@@ -152,12 +152,11 @@ fn check(
     run: &Run,
     control: &Control<'_>,
 ) -> Result<Option<Resolution>, StudyError> {
-    let formulation = match engine.name() {
-        "native-reduced" => Formulation::Reduced,
-        "native-lagrange" => Formulation::Lagrange,
-        _ => return Ok(None),
+    let formulation = match engine.info().form {
+        Some(Form::Reduced) => Formulation::Reduced,
+        Some(Form::Lagrange) => Formulation::Lagrange,
+        Some(Form::Resolved) | None => return Ok(None),
     };
-    debug_assert_eq!(engine.track(), Track::Native);
     let formed = gearbox.with_solver(|solver| solver.formulation = formulation);
     let formed = formed.map_err(|fault| of_scene(&gearbox.scene, fault.into()))?;
     let label = format!("{} once more, coarser", engine.name());

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pinwheel_engines::{Ending, Engine, Halt, Native, Prepared, Track, by_name};
+use pinwheel_engines::{Ending, Engine, EngineInfo, Halt, Native, Prepared, Track, by_name};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
 use pinwheel_studies::bench::{Measure, Options, Stopped, WorkPrecision, run};
@@ -26,20 +26,11 @@ fn options(methods: &[&str]) -> Options {
 struct Peer;
 
 impl Engine for Peer {
-    fn name(&self) -> &'static str {
-        "peer"
-    }
-    fn track(&self) -> Track {
-        Track::SharedLaw
+    fn info(&self) -> EngineInfo<'_> {
+        EngineInfo::own("peer", Track::SharedLaw, "")
     }
     fn version(&self) -> String {
         "1".to_owned()
-    }
-    fn summary(&self) -> &'static str {
-        ""
-    }
-    fn differences(&self) -> &'static str {
-        ""
     }
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
         let step_s = gearbox.scene.solver.step_s;

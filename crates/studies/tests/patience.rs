@@ -7,7 +7,7 @@ use std::time::Duration;
 use cpu_time::ThreadTime;
 use pinwheel_compare::{Comparison, Status, Track};
 use pinwheel_engines::{
-    Cancelled, Control, Engine, Halt, Knob, Prepared, Refinement, Run, by_name,
+    Cancelled, Control, Engine, EngineInfo, Halt, Prepared, Refinement, Run, by_name,
 };
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
@@ -41,31 +41,16 @@ impl Slow {
 struct Borrowed(&'static Slow);
 
 impl Engine for Borrowed {
-    fn name(&self) -> &str {
-        "slow"
-    }
-
-    fn track(&self) -> Track {
-        self.0.track
+    fn info(&self) -> EngineInfo<'_> {
+        let refined = self.0.track == Track::SharedLaw;
+        EngineInfo {
+            refinement: refined.then_some(Refinement::step(4.0)),
+            ..EngineInfo::own("slow", self.0.track, "slow")
+        }
     }
 
     fn version(&self) -> String {
         "0".to_owned()
-    }
-
-    fn summary(&self) -> &str {
-        "slow"
-    }
-
-    fn differences(&self) -> &str {
-        ""
-    }
-
-    fn refinement(&self) -> Option<Refinement> {
-        (self.0.track == Track::SharedLaw).then_some(Refinement {
-            knob: Knob::Step,
-            order: 4.0,
-        })
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {

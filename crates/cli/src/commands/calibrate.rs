@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use pinwheel::engines::family;
 use pinwheel::pages;
 use pinwheel::scene::Scene;
 use pinwheel::studies::Provenance;
@@ -40,7 +41,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<u8, Failure> {
         let input = power::Input {
             scenes,
             right: "native-reduced".to_owned(),
-            engines: chosen::engines(&args.engines, |name| !name.starts_with("native"))?,
+            engines: chosen::engines(&args.engines, |name| family(name) != "native")?,
             effort: effort(power::RESOLUTION),
             smallest: true,
         };

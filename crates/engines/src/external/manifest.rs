@@ -10,6 +10,7 @@ use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
 use serde::Deserialize;
 
 use crate::engine::{Knob, Refinement};
+use crate::registry::{self, EngineInfo};
 
 /// Longest run that a manifest may ask for, s.
 const LONGEST_S: f64 = 86_400.0;
@@ -136,7 +137,8 @@ impl Manifest {
                 "name = {name:?} is no name of an engine; use small letters, digits and `-`, a letter first"
             ));
         }
-        if crate::registry::built_in(name) || name.starts_with("native") {
+        let families = || registry::known().map(EngineInfo::family);
+        if registry::info(name).is_some() || families().any(|own| own == registry::family(name)) {
             return Err(format!(
                 "name = {name:?} is one of Pinwheel's own engines; choose another name"
             ));

@@ -23,7 +23,8 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_law::job;
 
 use crate::control::{Cancelled, Control};
-use crate::engine::{Ending, Engine, Halt, Prepared, Refinement, Run, RunStats, Track, settled};
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, settled};
+use crate::registry::EngineInfo;
 pub use library::{fmu_library, law_library};
 pub use manifest::{Honours, Manifest, Refine, Stated};
 pub use pinwheel_law::job::{schema as job_schema, write as write_job};
@@ -265,6 +266,7 @@ impl Solver {
     fn stats(&self, gearbox: &Gearbox, folder: &JobFolder, ran: &Ran, told: &Told) -> RunStats {
         let solver = &gearbox.scene.solver;
         let by_step = self
+            .manifest
             .refinement()
             .is_some_and(|refinement| refinement.knob == crate::Knob::Step);
         let mean = solver.duration_s / told.steps.max(1) as f64;
@@ -292,12 +294,14 @@ impl Solver {
 }
 
 impl Engine for Solver {
-    fn name(&self) -> &str {
-        &self.manifest.name
-    }
-
-    fn track(&self) -> Track {
-        self.manifest.track
+    fn info(&self) -> EngineInfo<'_> {
+        let manifest = &self.manifest;
+        EngineInfo {
+            differences: &manifest.differences,
+            refinement: manifest.refinement(),
+            outside: true,
+            ..EngineInfo::own(&manifest.name, manifest.track, &manifest.summary)
+        }
     }
 
     fn version(&self) -> String {
@@ -310,22 +314,6 @@ impl Engine for Solver {
     fn build(&self) -> String {
         let hashed = || format!("{:016x}", self.hash());
         self.build.get_or_init(hashed).clone()
-    }
-
-    fn summary(&self) -> &str {
-        &self.manifest.summary
-    }
-
-    fn differences(&self) -> &str {
-        &self.manifest.differences
-    }
-
-    fn refinement(&self) -> Option<Refinement> {
-        self.manifest.refinement()
-    }
-
-    fn is_outside(&self) -> bool {
-        true
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
@@ -402,7 +390,7 @@ pub fn admit(path: &Path) -> Result<String, FileError> {
 /// The solvers that joined, as engines.
 pub(crate) fn admitted() -> impl Iterator<Item = Box<dyn Engine>> {
     let solvers = joined().into_iter();
-    solvers.map(|solver| Box::new(solver.clone()) as Box<dyn Engine>)
+    solvers.map(|solver| Box::new(solver) as Box<dyn Engine>)
 }
 
 /// The solvers that joined.

@@ -13,8 +13,8 @@ use super::convert::text_of;
 use super::environment::{self, ENGINES, Environment};
 use super::error::PythonError;
 use super::host::{PACKAGE, package};
+use super::pins::pins;
 use crate::cache;
-use crate::cards::pins;
 
 /// The package's files: path below its folder, text.
 const SOURCES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/sources.rs"));

@@ -9,14 +9,14 @@ use pyo3::types::{PyCFunction, PyDict};
 use super::mujoco::{Addresses, Attached, Place, attach, detach};
 use super::published::Published;
 use super::watch::{Watch, watched};
-use super::{border, convert, host};
-use crate::cards::Card;
+use super::{convert, ffi, host, pins};
 use crate::control::Control;
 use crate::engine::{Ending, Engine, Halt, Prepared, Run, Track};
+use crate::registry::EngineInfo;
 
 /// One engine of the package.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PythonEngine(pub(super) &'static Card);
+pub(super) struct PythonEngine(pub(super) &'static EngineInfo<'static>);
 
 impl PythonEngine {
     /// Runs a scene with the given contact forces. `every`: see [`Attached::every`].
@@ -46,14 +46,7 @@ impl PythonEngine {
         });
         // Whatever Python did or left undone: no callback may reach this run any more.
         drop(law);
-        let mut run = run.map_err(Ending::failed)??;
-        if gearbox.has_friction() && self.0.explicit_friction {
-            run.stats.notes.push(
-                "Friction is explicit here, and its regularisation takes steps of about 2e-7 s to resolve."
-                    .to_owned(),
-            );
-        }
-        Ok(run)
+        run.map_err(Ending::failed)?
     }
 
     fn drive(
@@ -89,12 +82,12 @@ pub(super) fn pointer<'py>(
         let (addresses, places) = layout(args.get_item(0)?.cast::<PyDict>()?, bodies)?;
         let law = shared.clone();
         attach(Attached::new(run, addresses, places, law, every));
-        Ok(border::passive_address())
+        Ok(ffi::passive_address())
     })?;
     let leave = PyCFunction::new_closure(py, None, None, move |_, _| detach(run))?;
     package
         .getattr("LawPointer")?
-        .call1((border::law_address(), run, enter, leave))
+        .call1((ffi::law_address(), run, enter, leave))
 }
 
 /// Addresses and joints from the layout that the package hands over.
@@ -143,24 +136,12 @@ fn layout(layout: &Bound<'_, PyDict>, bodies: usize) -> PyResult<(Addresses, Vec
 }
 
 impl Engine for PythonEngine {
-    fn name(&self) -> &'static str {
-        self.0.name
-    }
-
-    fn track(&self) -> Track {
-        self.0.track
+    fn info(&self) -> EngineInfo<'_> {
+        *self.0
     }
 
     fn version(&self) -> String {
-        self.0.version()
-    }
-
-    fn summary(&self) -> &'static str {
-        self.0.summary
-    }
-
-    fn differences(&self) -> &'static str {
-        self.0.differences
+        pins::version(self.0.package)
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {

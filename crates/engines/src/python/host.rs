@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pyo3::prelude::*;
 use pyo3::types::PyModule;
 
-use crate::cards::Card;
+use super::pins;
 use crate::engine::{Ending, Halt};
 
 /// Name of the package.
@@ -54,17 +54,17 @@ pub(super) fn package(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
     py.import(PACKAGE)
 }
 
-/// Whether the engine of a card can be had: an embedded interpreter gets what it lacks, another has it or not. Recorded
+/// Whether an engine of a package can be had: an embedded interpreter gets what it lacks, another has it or not. Recorded
 /// courses and limits belong to one version, so another one does not count. Asked once: it takes a millisecond.
-pub(crate) fn has(card: &Card) -> bool {
+pub(super) fn has(package: &str) -> bool {
     static FOUND: OnceLock<Vec<&'static str>> = OnceLock::new();
     if !is_here() {
         return true;
     }
     if let Some(found) = FOUND.get() {
-        return found.contains(&card.package);
+        return found.contains(&package);
     }
-    let there = |pin: &crate::cards::Pin| {
+    let there = |pin: &pins::Pin| {
         Python::attach(|py| -> PyResult<bool> {
             let found: String = py
                 .import("importlib.metadata")?
@@ -74,9 +74,9 @@ pub(crate) fn has(card: &Card) -> bool {
         })
         .unwrap_or(false)
     };
-    let found = crate::cards::pins().filter(there).map(|pin| pin.package);
+    let found = pins::pins().filter(there).map(|pin| pin.package);
     let found: Vec<&'static str> = found.collect();
-    let has = found.contains(&card.package);
+    let has = found.contains(&package);
     // Two threads may both ask; waiting for one another with the interpreter's lock they might wait for ever.
     let _ = FOUND.set(found);
     has

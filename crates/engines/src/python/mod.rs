@@ -6,7 +6,6 @@
 //! law crosses compiled: no Python runs per step in MuJoCo, one user function per stage in exudyn.
 
 mod agreement;
-mod border;
 mod convert;
 #[cfg(feature = "crossval")]
 mod embedded;
@@ -15,15 +14,17 @@ mod engine;
 mod environment;
 #[cfg(feature = "crossval")]
 mod error;
-mod guest;
+mod ffi;
 mod host;
 #[cfg(feature = "crossval")]
 mod interpreter;
 mod law;
 mod mujoco;
+mod pins;
 #[cfg(feature = "provoke")]
 pub mod provoke;
 mod published;
+mod user_engine;
 #[cfg(feature = "crossval")]
 mod variables;
 mod watch;
@@ -35,19 +36,14 @@ pub use agreement::{Agreement, law_agreement};
 pub use environment::{ENGINES, Environment, Requirements, environment};
 #[cfg(feature = "crossval")]
 pub use error::PythonError;
-pub use guest::Guest;
 pub use host::use_this_interpreter;
+pub use user_engine::UserEngine;
 
-use crate::cards::CARDS;
 use crate::engine::Engine;
+use crate::registry::EngineInfo;
 use engine::PythonEngine;
-pub(crate) use host::has;
 
-/// All Python engines; in an interpreter that is not ours those whose packages it has.
-pub(crate) fn engines() -> Vec<Box<dyn Engine>> {
-    CARDS
-        .iter()
-        .filter(|card| has(card))
-        .map(|card| Box::new(PythonEngine(card)) as Box<dyn Engine>)
-        .collect()
+/// An engine of the package `pinwheel_engines`; in an interpreter that is not ours only if that has what is behind it.
+pub(crate) fn engine(info: &'static EngineInfo<'static>) -> Option<Box<dyn Engine>> {
+    host::has(info.package).then(|| Box::new(PythonEngine(info)) as Box<dyn Engine>)
 }

@@ -6,9 +6,9 @@ use pinwheel_mbs::{Ask, BodyState, Sums};
 use pinwheel_scene::{CheckedScene, Sleeve};
 
 use super::engine::PythonEngine;
-use crate::cards::card;
 use crate::control::Control;
 use crate::engine::{Ending, Halt, Run, compile};
+use crate::registry;
 
 /// What goes wrong.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +27,7 @@ pub enum Fault {
 /// The halt that the guard makes of it, or an unknown engine.
 pub fn run(engine: &str, scene: &CheckedScene, fault: Fault) -> Result<Run, Halt> {
     let unknown = || Ending::unsupported("there is no such Python engine");
-    let engine = PythonEngine(card(engine).ok_or_else(unknown)?);
+    let engine = PythonEngine(registry::info(engine).ok_or_else(unknown)?);
     let every = if fault == Fault::FrozenForces { 4 } else { 1 };
     let faulty = |field| {
         Box::new(Faulty {

@@ -17,9 +17,8 @@ use super::spring::{contact_frequency, spring_load};
 use super::sums::Sums;
 use super::world::World;
 use crate::control::Control;
-use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, Track};
-
-const NAME: &str = "rapier-own-contact-colliders";
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats};
+use crate::registry::{EngineInfo, RAPIER_COLLIDERS};
 
 /// Points of a wheel's edge, and fewest on a lobe: a gear of 39 lobes has its mean forces right to
 /// 0.8 % with 103 points a lobe, against 267.
@@ -40,7 +39,7 @@ const STEPS_PER_TURN: f64 = 1200.0;
 const PERIODS: f64 = 0.5;
 
 /// See the module.
-pub(super) struct Colliders;
+pub(crate) struct Colliders;
 
 impl Colliders {
     fn compile(gearbox: &Gearbox) -> Result<(Grid, f64), Ending> {
@@ -67,31 +66,12 @@ impl Colliders {
 }
 
 impl Engine for Colliders {
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
-    fn track(&self) -> Track {
-        Track::OwnContact
+    fn info(&self) -> EngineInfo<'_> {
+        RAPIER_COLLIDERS
     }
 
     fn version(&self) -> String {
         super::version()
-    }
-
-    fn summary(&self) -> &'static str {
-        "rapier2d alone: its collision detection, contact spring and friction, on polyline wheels"
-    }
-
-    fn differences(&self) -> &'static str {
-        "Everything in contact is rapier's own. Wheels and holes are closed polylines made from Eq. 1 alone, sleeves are \
-         discs, contacts come from its collision detection (of several segments that touch a sleeve only the nearest \
-         counts), friction is exactly Coulomb and implicit. Its contact spring is linear, not K delta^1.5: one frequency \
-         serves all pairs, chosen so that its stiffness is right in the mean under the static load, and its implicit \
-         integration damps far more than the scene's law. Steps are its own and longer. A linear spring spreads the load \
-         over more sleeves, which raises mean forces and lowers peaks; and having a potential, it takes from the driver \
-         what the load demands, where the paper's law creates energy. So only means are comparable, torques to 1.5 % and \
-         forces to 10 %: peaks, wave forms and the start-up are not."
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {

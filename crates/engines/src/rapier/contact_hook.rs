@@ -19,9 +19,8 @@ use super::march::{Contacts, Grid, friction_refusal, march};
 use super::sums::{Sums, sleeve_slot};
 use super::world::World;
 use crate::control::Control;
-use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, Track};
-
-const NAME: &str = "rapier-own-contact-hook";
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats};
+use crate::registry::{EngineInfo, RAPIER_HOOK};
 
 /// Gauss-Seidel sweeps a step. Friction couples the sleeves through the shafts: in the driver
 /// torque five leave 1.6e-2, ten 1.0e-3, twenty 8.9e-4, forty 8.6e-4 (mu = 0.1, steady, 1e-5 s).
@@ -37,7 +36,7 @@ const STEP_TIMES_FREQUENCY: f64 = 1e-4;
 const LEAST_DEPTH: f64 = 1.6e-8;
 
 /// See the module.
-pub(super) struct ContactHook;
+pub(crate) struct ContactHook;
 
 impl ContactHook {
     fn grid(scene: &Scene) -> Result<Grid, Ending> {
@@ -49,30 +48,12 @@ impl ContactHook {
 }
 
 impl Engine for ContactHook {
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
-    fn track(&self) -> Track {
-        Track::OwnContact
+    fn info(&self) -> EngineInfo<'_> {
+        RAPIER_HOOK
     }
 
     fn version(&self) -> String {
         super::version()
-    }
-
-    fn summary(&self) -> &'static str {
-        "rapier2d's contact solver and implicit Coulomb friction, with Pinwheel's points and normal forces"
-    }
-
-    fn differences(&self) -> &'static str {
-        "Bodies, joints and time integration as in rapier-shared-law, but the forces pass through rapier's own contact \
-         solver: a hook hands it the contact point, the normal and a depth under which its spring carries the normal \
-         force of the scene's law (a part of that law along the profile acts as a load beside it). Friction is \
-         rapier's: implicit, exactly Coulomb, so that a contact may stick, where the scene's friction creeps below its \
-         ramp speed (contact.friction_ramp_m_s is not used). Normal and friction forces are read from the impulses \
-         rapier applied, so a sample averages over one step: an instant at which a contact begins to stick or slide \
-         can differ visibly in the driver torque, for one step."
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {

@@ -14,16 +14,9 @@ mod spring;
 mod sums;
 mod world;
 
-use crate::engine::Engine;
-
-/// All rapier engines.
-pub(crate) fn engines() -> Vec<Box<dyn Engine>> {
-    vec![
-        Box::new(shared_law::SharedLaw),
-        Box::new(contact_hook::ContactHook),
-        Box::new(colliders::Colliders),
-    ]
-}
+pub(crate) use colliders::Colliders;
+pub(crate) use contact_hook::ContactHook;
+pub(crate) use shared_law::SharedLaw;
 
 /// Name and version of the library behind all three.
 fn version() -> String {

@@ -7,19 +7,9 @@ use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_mbs::integrators::method;
 use pinwheel_scene::{Detection, Fault, Formulation, Scene, load_course};
 
+use super::{EngineInfo, Form, NATIVE_LAGRANGE, NATIVE_REDUCED, NATIVE_RESOLVED};
 use crate::control::{Cancelled, Control};
-use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, Track};
-
-/// How the native solver is used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Form {
-    /// Centre-pinned bodies eliminated.
-    Reduced,
-    /// All bodies, Eq. 2.
-    Lagrange,
-    /// The reduced form, integrated until the step no longer matters.
-    Resolved,
-}
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats};
 
 /// The native solver in one of its forms.
 #[derive(Debug, Clone, Copy)]
@@ -89,50 +79,16 @@ impl Native {
 }
 
 impl Engine for Native {
-    fn name(&self) -> &'static str {
+    fn info(&self) -> EngineInfo<'_> {
         match self.form {
-            Form::Reduced => "native-reduced",
-            Form::Lagrange => "native-lagrange",
-            Form::Resolved => "native-resolved",
+            Form::Reduced => NATIVE_REDUCED,
+            Form::Lagrange => NATIVE_LAGRANGE,
+            Form::Resolved => NATIVE_RESOLVED,
         }
-    }
-
-    fn track(&self) -> Track {
-        Track::Native
     }
 
     fn version(&self) -> String {
         env!("CARGO_PKG_VERSION").to_owned()
-    }
-
-    fn summary(&self) -> &'static str {
-        match self.form {
-            Form::Reduced => "own solver, centre-pinned bodies eliminated exactly",
-            Form::Lagrange => "own solver, every body and joint by multipliers (Eq. 2)",
-            Form::Resolved => {
-                "own solver, reduced form, integrated until the step no longer matters"
-            }
-        }
-    }
-
-    fn differences(&self) -> &'static str {
-        match self.form {
-            Form::Reduced => {
-                "One equation per angle that forces can change: wheels, output, and with friction the sleeves. \
-                 Translations of centre-pinned bodies are eliminated exactly, so there are no joints to drift."
-            }
-            Form::Lagrange => {
-                "Three coordinates per body and multipliers for every joint, as the paper writes it. The saddle-point \
-                 system is factored along the joints; positions are put back onto the constraints at every stage \
-                 unless the scene says otherwise."
-            }
-            Form::Resolved => {
-                "The equations of native-reduced without the scene's integrator and step: method and steps come from the \
-                 scene's frequencies and are refined until two runs show the forces to be within 1e-7 (with friction or points \
-                 1e-5) of the exact solution; the notes say what was reached. Its distance from native-reduced is the error of the \
-                 scene's own integrator."
-            }
-        }
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {

@@ -5,56 +5,40 @@ use std::sync::{Mutex, PoisonError};
 
 use pinwheel_gearbox::Gearbox;
 
-use super::cards::{CARDS, IDA, SIMBODY};
 use super::ready::{Missing, Ready};
 use super::{ida, simbody};
-use crate::cards::Card;
 use crate::control::{Cancelled, Control};
-use crate::engine::{Ending, Engine, Halt, Knob, Prepared, Refinement, Run, Track};
+use crate::engine::{Ending, Engine, Halt, Prepared, Run};
 use crate::external::{Solver, law_library};
+use crate::registry::{self, EngineInfo};
 
 /// One shipped solver.
-struct Shipped {
-    card: &'static Card,
+pub(crate) struct Shipped {
+    info: &'static EngineInfo<'static>,
     version: fn() -> String,
-    /// Order of the error in `solver.tolerance`, measured.
-    order: f64,
     /// Makes it ready.
     make: fn(&AtomicBool) -> Result<Ready, Missing>,
     /// What became of it, once a process: asking again for every engine of a comparison would only take time.
-    made: &'static Mutex<Option<Result<Ready, Missing>>>,
+    made: Mutex<Option<Result<Ready, Missing>>>,
     /// Its manifest for scenes without friction, and with.
     manifests: [&'static str; 2],
 }
 
-static MADE_SIMBODY: Mutex<Option<Result<Ready, Missing>>> = Mutex::new(None);
-static MADE_IDA: Mutex<Option<Result<Ready, Missing>>> = Mutex::new(None);
+pub(crate) static SIMBODY: Shipped = Shipped {
+    info: &registry::SIMBODY,
+    version: simbody::version,
+    make: simbody::ready,
+    made: Mutex::new(None),
+    manifests: simbody::MANIFESTS,
+};
 
-/// All of them, in the order of their cards.
-pub(crate) fn engines() -> impl Iterator<Item = Box<dyn Engine>> {
-    CARDS.iter().filter_map(|card| {
-        let shipped = match card.name {
-            SIMBODY => Shipped {
-                card,
-                version: simbody::version,
-                order: 0.9,
-                make: simbody::ready,
-                made: &MADE_SIMBODY,
-                manifests: simbody::MANIFESTS,
-            },
-            IDA => Shipped {
-                card,
-                version: ida::version,
-                order: 0.7,
-                make: ida::ready,
-                made: &MADE_IDA,
-                manifests: [ida::MANIFEST; 2],
-            },
-            _ => return None,
-        };
-        Some(Box::new(shipped) as Box<dyn Engine>)
-    })
-}
+pub(crate) static IDA: Shipped = Shipped {
+    info: &registry::IDA,
+    version: ida::version,
+    make: ida::ready,
+    made: Mutex::new(None),
+    manifests: [ida::MANIFEST; 2],
+};
 
 impl Shipped {
     /// The solver for a scene, made ready if it is not.
@@ -77,7 +61,7 @@ impl Shipped {
             .here
             .join(self.manifests[usize::from(gearbox.has_friction())]);
         let solver = Solver::open(&manifest).map_err(Ending::failed)?;
-        Ok(solver.known_as(self.card.name, ready.python))
+        Ok(solver.known_as(self.info.name, ready.python))
     }
 
     fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Halt> {
@@ -88,31 +72,12 @@ impl Shipped {
 }
 
 impl Engine for Shipped {
-    fn name(&self) -> &str {
-        self.card.name
-    }
-
-    fn track(&self) -> Track {
-        self.card.track
+    fn info(&self) -> EngineInfo<'_> {
+        *self.info
     }
 
     fn version(&self) -> String {
         (self.version)()
-    }
-
-    fn summary(&self) -> &str {
-        self.card.summary
-    }
-
-    fn differences(&self) -> &str {
-        self.card.differences
-    }
-
-    fn refinement(&self) -> Option<Refinement> {
-        Some(Refinement {
-            knob: Knob::Tolerance,
-            order: self.order,
-        })
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {

@@ -186,7 +186,7 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
             .filter(|engine| match engine.track() {
                 Track::Native => native.contains(&engine.name()),
                 Track::SharedLaw => true,
-                Track::OwnContact => friction || engine.is_outside(),
+                Track::OwnContact => friction || engine.info().outside,
                 Track::Measured => false,
             })
             .collect());
@@ -269,7 +269,12 @@ pub fn run(
         series: all,
         differences: engines
             .iter()
-            .map(|engine| (engine.name().to_owned(), engine.differences().to_owned()))
+            .map(|engine| {
+                (
+                    engine.name().to_owned(),
+                    engine.info().differences.to_owned(),
+                )
+            })
             .collect(),
         complete: !control.cancel.load(Ordering::Relaxed),
     })

@@ -132,7 +132,7 @@ pub(super) fn run(
     control: &Control<'_>,
     announce: &mut dyn FnMut(&str),
 ) -> Result<Series, StudyError> {
-    let refinement = engine.refinement();
+    let refinement = engine.info().refinement;
     let knob = method.map_or_else(
         || match refinement.map(|refinement| refinement.knob) {
             Some(pinwheel_engines::Knob::Tolerance) => Knob::Tolerance,

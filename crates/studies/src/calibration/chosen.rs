@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use pinwheel_scene::{CheckedScene, Override, Scene};
 
-use super::{ENGINES, gears};
+use super::gears;
 use crate::StudyError;
 use crate::choice;
 
@@ -41,15 +41,15 @@ pub fn engines(asked: &[String], wanted: impl Fn(&str) -> bool) -> Result<Vec<St
     if asked.is_empty() {
         let listed = choice::listed();
         let is_built = |name: &str| listed.iter().any(|engine| engine.name == name);
-        let own = ENGINES.iter().copied();
+        let own = super::engines();
         let built = own.filter(|name| is_built(name) && wanted(name));
         return Ok(built.map(str::to_owned).collect());
     }
     for name in asked {
-        if !ENGINES.contains(&name.as_str()) {
+        if !super::engines().any(|own| own == name) {
             return Err(StudyError::Input(format!(
                 "`{name}` has no ladder to be held against; take some of {}",
-                ENGINES.join(", ")
+                super::engines().collect::<Vec<_>>().join(", ")
             )));
         }
         choice::find(name, &Scene::paper())?;

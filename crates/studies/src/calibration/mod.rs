@@ -19,6 +19,7 @@ use pinwheel_compare::{
     compare_with,
 };
 use pinwheel_courses::Courses;
+use pinwheel_engines::{Knob, known};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::CheckedScene;
 use serde::Serialize;
@@ -53,16 +54,17 @@ pub const PRESETS: [(&str, f64); 8] = [
     ("paper-rough", 0.01),
 ];
 
-/// Engines whose uncertainty comes from ladders of their own.
-pub const ENGINES: [&str; 7] = [
-    "native-reduced",
-    "native-lagrange",
-    "native-resolved",
-    "rapier-shared-law",
-    "mujoco-shared-law",
-    "exudyn-shared-law-explicit",
-    "exudyn-shared-law-constrained",
-];
+/// Engines whose uncertainty comes from refining the scene's own step or tolerance.
+pub fn engines() -> impl Iterator<Item = &'static str> {
+    let own = known().filter(|info| match info.track {
+        Track::Native => true,
+        Track::SharedLaw => info
+            .refinement
+            .is_some_and(|refined| refined.knob == Knob::Step),
+        Track::OwnContact | Track::Measured => false,
+    });
+    own.map(|info| info.name)
+}
 
 /// Least share of the errors that are to be within what was stated.
 pub const COVERAGE: f64 = 0.95;

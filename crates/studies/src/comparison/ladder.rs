@@ -13,7 +13,7 @@ use pinwheel_compare::{
     compare_with,
 };
 use pinwheel_courses::Courses;
-use pinwheel_engines::{Engine, Native, by_name};
+use pinwheel_engines::{Engine, Form, Native};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, Plan};
 use pinwheel_mbs::integrators::{UNSEEN, method};
@@ -123,8 +123,6 @@ struct Engines<'a> {
 
 /// Tolerance of RODAS5P where a comparison begins: ten times looser is as loose as it may be.
 const ROSENBROCK: f64 = 1e-6;
-/// Relative tolerance of exudyn's Newton iterations, which sets what the implicit form leaves.
-const NEWTON: f64 = 1e-8;
 
 const OF_ITS_OWN: &str = "its step and its contacts are its own";
 const EXPLICIT: &str = "its friction is not ours or explicit, and takes steps of about 2e-7 s";
@@ -146,26 +144,25 @@ impl<'a> Engines<'a> {
             unseen: UNSEEN,
             most: None,
         };
-        match own.name() {
-            "native-resolved" => Self::resolved(own, gearbox),
-            name if name.starts_with("native") => Self::native(own, gearbox.clone()),
-            "rapier-shared-law" | "rapier-own-contact-hook" => Some(foreign(2.0)),
-            "exudyn-shared-law-constrained" => Some(Self {
-                floor: NEWTON,
-                ..foreign(2.0)
-            }),
-            "exudyn-shared-law-explicit" | "mujoco-shared-law" => Some(foreign(4.0)),
-            _ => own.refinement().map(|refinement| match refinement.knob {
-                pinwheel_engines::Knob::Step => foreign(refinement.order),
-                // Error control follows the friction.
-                pinwheel_engines::Knob::Tolerance => Self {
-                    knob: Knob::Tolerance,
-                    value: scene.solver.tolerance,
-                    excuse: None,
-                    ..foreign(refinement.order)
-                },
-            }),
-        }
+        let info = own.info();
+        let refinement = match info.form {
+            Some(Form::Resolved) => return Self::resolved(own, gearbox),
+            Some(_) => return Self::native(own, gearbox.clone()),
+            None => info.refinement?,
+        };
+        Some(match refinement.knob {
+            pinwheel_engines::Knob::Step => Self {
+                floor: info.floor,
+                ..foreign(refinement.order)
+            },
+            // Error control follows the friction.
+            pinwheel_engines::Knob::Tolerance => Self {
+                knob: Knob::Tolerance,
+                value: scene.solver.tolerance,
+                excuse: None,
+                ..foreign(refinement.order)
+            },
+        })
     }
 
     /// A native engine with the method that the scene names.
@@ -201,7 +198,7 @@ impl<'a> Engines<'a> {
         };
         Some(Self {
             own,
-            rungs: Some(by_name("native-reduced", &gearbox.scene)?),
+            rungs: Some(Box::new(Native::REDUCED)),
             gearbox: plan.applied(gearbox).ok()?,
             knob,
             value,
@@ -215,7 +212,7 @@ impl<'a> Engines<'a> {
     /// The ways to run a scene, the best first: one, but for native engines whose method is left to us.
     fn ways(own: &'a dyn Engine, gearbox: &Gearbox) -> Vec<Self> {
         let automatic = gearbox.scene.solver.integrator == auto::AUTO;
-        if !automatic || !matches!(own.name(), "native-reduced" | "native-lagrange") {
+        if !automatic || !matches!(own.info().form, Some(Form::Reduced | Form::Lagrange)) {
             return Self::of(own, gearbox).into_iter().collect();
         }
         let mut plans = auto::chain(&gearbox.scene, auto::PROMISE);
@@ -637,8 +634,7 @@ mod tests {
         let scene = pinwheel_scene::Scene::from_toml(scene, "paper", &[]).expect("a scene");
         let gearbox = Gearbox::new(&scene).expect("a gear");
         assert_eq!(gearbox.scene.solver.sample_s, 1e-4);
-        let own = by_name("native-reduced", &gearbox.scene).expect("an engine");
-        let mut engines = Engines::native(own.as_ref(), gearbox).expect("a ladder");
+        let mut engines = Engines::native(&Native::REDUCED, gearbox).expect("a ladder");
         for (step, longer) in [
             (1e-4, &[][..]),
             (5e-5, &[1e-4]),

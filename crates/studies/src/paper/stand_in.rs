@@ -1,6 +1,6 @@
 //! The engine that stands in Adams' place: one that finds and resolves contacts itself.
 
-use pinwheel_engines::{Engine, Track, by_name, recorded};
+use pinwheel_engines::{Engine, Track, by_name, known, recorded};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
 
@@ -8,13 +8,6 @@ use super::Peer;
 use crate::StudyError;
 use crate::choice::find_or_recorded;
 use crate::control::{Control, Progress, compile};
-
-/// In this order: multibody programs with contacts of their own first, as Adams is one.
-const PREFERRED: [&str; 3] = [
-    "exudyn-own-contact",
-    "mujoco-own-contact",
-    "rapier-own-contact-colliders",
-];
 
 /// The engine named, live or else recorded; or of the preferred ones the first that is recorded or in this build.
 /// `None` if there is none at all.
@@ -36,7 +29,9 @@ pub fn peer(named: Option<&str>, control: &Control<'_>) -> Result<Option<Peer>, 
         return run(engine.as_ref(), &gearbox, String::new(), control).map(Some);
     }
     let mut missing = Vec::new();
-    for name in PREFERRED {
+    let mut fit: Vec<_> = known().filter(|info| info.stands_in.is_some()).collect();
+    fit.sort_by_key(|info| info.stands_in);
+    for name in fit.into_iter().map(|info| info.name) {
         let recording = recorded::instead(
             name,
             &scene,
@@ -74,7 +69,7 @@ fn run(
     Ok(Peer {
         name: format!("{} {version}", engine.name()),
         live: !version.contains("recorded"),
-        differences: engine.differences().to_owned(),
+        differences: engine.info().differences.to_owned(),
         note,
         courses: run.courses,
         wall_s: Some(run.stats.wall_s),

@@ -45,7 +45,7 @@ impl Method {
     /// A solver that joined, by its name.
     #[must_use]
     pub fn of_solver(name: &str, scene: &Scene) -> Self {
-        let knob = by_name(name, scene).and_then(|engine| Some(engine.refinement()?.knob));
+        let knob = by_name(name, scene).and_then(|engine| Some(engine.info().refinement?.knob));
         Self {
             solver: Some(name.to_owned()),
             formulation: Formulation::Reduced,

@@ -4,7 +4,9 @@ use std::time::Instant;
 
 use cpu_time::ThreadTime;
 use pinwheel_courses::Courses;
-use pinwheel_engines::{Cancelled, Control, Ending, Engine, Halt, Prepared, Run, RunStats, Track};
+use pinwheel_engines::{
+    Cancelled, Control, Ending, Engine, EngineInfo, Halt, Prepared, Run, RunStats, Track,
+};
 use pinwheel_gearbox::Gearbox;
 
 use crate::StudyError;
@@ -50,24 +52,19 @@ pub(super) const FIGURES: [(&str, fn(&Outcome) -> f64); 11] = [
 pub(super) struct Statics;
 
 impl Engine for Statics {
-    fn name(&self) -> &str {
-        STATICS
-    }
-
-    fn track(&self) -> Track {
-        Track::Native
+    fn info(&self) -> EngineInfo<'_> {
+        EngineInfo {
+            differences: "No motion: inertia, damping and friction have no part.",
+            ..EngineInfo::own(
+                STATICS,
+                Track::Native,
+                "balances at rest over one period of the mesh; for sweeps alone",
+            )
+        }
     }
 
     fn version(&self) -> String {
         env!("CARGO_PKG_VERSION").to_owned()
-    }
-
-    fn summary(&self) -> &str {
-        "balances at rest over one period of the mesh; for sweeps alone"
-    }
-
-    fn differences(&self) -> &str {
-        "No motion: inertia, damping and friction have no part."
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {

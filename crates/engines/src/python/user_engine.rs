@@ -21,11 +21,12 @@ use super::law::{SharedLaw, locked};
 use super::published::Published;
 use super::watch::watched;
 use crate::control::Control;
-use crate::engine::{Ending, Engine, Halt, Knob, Prepared, Refinement, Run, Track};
+use crate::engine::{Ending, Engine, Halt, Prepared, Refinement, Run, Track};
+use crate::registry::EngineInfo;
 
 /// A solver of the user's.
 #[derive(Debug)]
-pub struct Guest {
+pub struct UserEngine {
     /// Name as typed by users.
     pub name: String,
     /// Which comparison it belongs to.
@@ -44,7 +45,7 @@ pub struct Guest {
     pub raised: Mutex<Option<PyErr>>,
 }
 
-impl Guest {
+impl UserEngine {
     fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Halt> {
         let field = gearbox.contact_field().map_err(Ending::failed)?;
         let law = Published::new(gearbox, field);
@@ -97,32 +98,17 @@ fn loads<'py>(py: Python<'py>, law: &Published) -> PyResult<Bound<'py, PyCFuncti
     })
 }
 
-impl Engine for Guest {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn track(&self) -> Track {
-        self.track
+impl Engine for UserEngine {
+    fn info(&self) -> EngineInfo<'_> {
+        EngineInfo {
+            differences: &self.differences,
+            refinement: self.order.map(Refinement::step),
+            ..EngineInfo::own(&self.name, self.track, &self.summary)
+        }
     }
 
     fn version(&self) -> String {
         self.version.clone()
-    }
-
-    fn summary(&self) -> &str {
-        &self.summary
-    }
-
-    fn differences(&self) -> &str {
-        &self.differences
-    }
-
-    fn refinement(&self) -> Option<Refinement> {
-        self.order.map(|order| Refinement {
-            knob: Knob::Step,
-            order,
-        })
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {

@@ -1,0 +1,25 @@
+//! The pinned packages of the Python engines, from the list of what we ask for.
+
+/// A pinned package.
+pub(super) struct Pin {
+    pub(super) package: &'static str,
+    pub(super) version: &'static str,
+}
+
+/// All of them.
+pub(super) fn pins() -> impl Iterator<Item = Pin> {
+    include_str!("../../../../python/requirements.in")
+        .lines()
+        .filter_map(|line| {
+            let (package, version) = line.split_once("==")?;
+            (!package.starts_with('#')).then_some(Pin { package, version })
+        })
+}
+
+/// Name and pinned version of a package.
+pub(super) fn version(package: &str) -> String {
+    let name = package.trim_end_matches("-core");
+    pins()
+        .find(|pin| pin.package == package)
+        .map_or_else(|| name.to_owned(), |pin| format!("{name} {}", pin.version))
+}
