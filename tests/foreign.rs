@@ -328,7 +328,7 @@ fn bad_input_is_named() {
         (
             text.clone(),
             MAP.replace("[time]", "[tiem]"),
-            &["rig.toml, line 7", "unknown field `tiem`"],
+            &["rig.toml, line 7", "did you mean `time`?"],
         ),
         (
             String::new(),

@@ -48,6 +48,20 @@ impl fmt::Display for FileError {
 
 impl std::error::Error for FileError {}
 
+/// What is wrong, and the remedy.
+pub type Broken = (String, String);
+
+/// A rule that a file must keep: `what` says what is wrong where it does not.
+///
+/// # Errors
+/// It does not hold.
+pub fn require(holds: bool, what: impl Into<String>, remedy: &str) -> Result<(), Broken> {
+    match holds {
+        true => Ok(()),
+        false => Err((what.into(), remedy.to_owned())),
+    }
+}
+
 /// The text on one line, control characters made visible, cut where it gets out of hand.
 #[must_use]
 pub fn one_line(text: &str) -> String {

@@ -12,7 +12,7 @@ use toml::{Table, Value};
 
 use crate::checked::CheckedScene;
 use crate::error::Fault;
-use crate::keys::{self, Key, Kind};
+use crate::keys::{self, Kind};
 use crate::model::Scene;
 use crate::number::short;
 use crate::table::{insert, lookup};
@@ -31,48 +31,42 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     }
     let table = Table::try_from(scene).unwrap_or_default();
     for (key, half) in &scene.uncertain {
-        let fault = |what: String, remedy: &str| Fault {
+        let half = half.plus_minus;
+        let number = lookup(&table, key).and_then(Value::as_float);
+        let range = keys::key(key).and_then(|row| match row.kind {
+            Kind::Number(range) => Some(range),
+            _ => None,
+        });
+        let section = key.split('.').next().unwrap_or_default();
+        let (what, remedy) = if let Some((value, range)) = number.zip(range) {
+            let ends = [value - half, value + half];
+            if !SECTIONS.contains(&section) {
+                (
+                    "is a setting and no input of the model".to_owned(),
+                    "what settings do to the numbers is found by the comparison itself; leave it out",
+                )
+            } else if !(half > 0.0 && half.is_finite()) {
+                (format!("is {}, but must be above 0", short(half)), EXAMPLE)
+            } else if let Some(&end) = ends.iter().find(|end| !range.holds(**end)) {
+                let (end, range) = (short(end), range.words());
+                (
+                    format!("reaches {end}, but {key} must be {range}"),
+                    "make it smaller, or write the middle of the interval as the value",
+                )
+            } else {
+                continue;
+            }
+        } else {
+            (
+                "is no number of this scene".to_owned(),
+                "only lengths, masses, loads and properties of the contact are uncertain; leave it out",
+            )
+        };
+        return Err(Fault {
             keys: vec![format!("{UNCERTAIN}.{key}").into()],
             what,
             remedy: remedy.to_owned(),
-        };
-        let Some((
-            Key {
-                kind: Kind::Number(range),
-                ..
-            },
-            value,
-        )) = keys::key(key).zip(lookup(&table, key).and_then(Value::as_float))
-        else {
-            return Err(fault(
-                "is no number of this scene".to_owned(),
-                "only lengths, masses, loads and properties of the contact are uncertain; leave it out",
-            ));
-        };
-        if !SECTIONS.contains(&key.split('.').next().unwrap_or_default()) {
-            return Err(fault(
-                "is a setting and no input of the model".to_owned(),
-                "what settings do to the numbers is found by the comparison itself; leave it out",
-            ));
-        }
-        if !(half.plus_minus > 0.0 && half.plus_minus.is_finite()) {
-            return Err(fault(
-                format!("is {}, but must be above 0", short(half.plus_minus)),
-                EXAMPLE,
-            ));
-        }
-        for end in [value - half.plus_minus, value + half.plus_minus] {
-            if !range.holds(end) {
-                return Err(fault(
-                    format!(
-                        "reaches {}, but {key} must be {}",
-                        short(end),
-                        range.words()
-                    ),
-                    "make it smaller, or write the middle of the interval as the value",
-                ));
-            }
-        }
+        });
     }
     Ok(())
 }

@@ -39,7 +39,7 @@ impl Shift {
 
     /// What one would write into the map, which now says `before`.
     #[must_use]
-    pub fn told(&self, reference: &str, before: Offset) -> String {
+    pub fn message(&self, reference: &str, before: Offset) -> String {
         let by = tidy(self.seconds, self.resolution_s);
         let rival = self.rival.map_or_else(String::new, |rival| {
             format!(
@@ -190,8 +190,8 @@ mod tests {
         let found = shift(&run, &record).unwrap();
         assert!((found.seconds - 0.012_34).abs() < 3e-5, "{found:?}");
         assert!(found.matters() && found.correlation > 0.98, "{found:?}");
-        let told = found.told("native-reduced", Offset::Seconds(0.1));
-        assert!(told.contains("offset_s = 0.1123"), "{told}");
+        let message = found.message("native-reduced", Offset::Seconds(0.1));
+        assert!(message.contains("offset_s = 0.1123"), "{message}");
     }
 
     #[test]

@@ -17,7 +17,7 @@
 
 use std::collections::BTreeMap;
 
-use pinwheel_files::FileError;
+use pinwheel_files::{Broken, FileError, require};
 use serde::Deserialize;
 
 use super::units;
@@ -362,11 +362,7 @@ impl Map {
     }
 
     /// What is wrong, and the remedy.
-    fn check(&self) -> Result<(), (String, String)> {
-        let require = |sound: bool, what: &str, remedy: &str| match sound {
-            true => Ok(()),
-            false => Err((what.to_owned(), remedy.to_owned())),
-        };
+    fn check(&self) -> Result<(), Broken> {
         let Self { file, time, .. } = self;
         require(
             self.name.as_deref().is_none_or(plain),
@@ -453,55 +449,55 @@ impl FileFormat {
 
 impl Source {
     /// What is wrong with the source of our column `name`, and the remedy.
-    fn check(&self, name: &str) -> Result<(), (String, String)> {
+    fn check(&self, name: &str) -> Result<(), Broken> {
         let full = self.full();
         let stars = |text: &str| text.matches('*').count();
         let alike = |column: &ColumnRef| match column {
             ColumnRef::Name(column) => stars(column) == stars(name),
             ColumnRef::Number(_) => stars(name) == 0,
         };
-        let (what, remedy) = if full.column.is_some() != full.magnitude_of.is_empty() {
-            (
-                "needs either `column` or `magnitude_of`",
-                "give one of them",
-            )
-        } else if !(full.factor.is_finite() && full.factor != 0.0 && full.offset.is_finite()) {
-            (
-                "needs a finite factor that is not 0, and a finite offset",
-                "leave out what you do not need",
-            )
-        } else if full.first > MOST_LINES {
-            (
-                "has a `first` above 1000000",
-                "write the file's first number",
-            )
-        } else if stars(name) > 1 {
-            (
-                "has more than one `*`",
-                "one stands for the sleeve's or wheel's number",
-            )
-        } else if !full.columns().all(alike) {
-            (
-                "and its column must both hold one `*`, or none",
-                "write \"force_n_*\" = { column = \"F_*\" }",
-            )
-        } else if full.uncertainty.is_some_and(|u| !u.is_sound()) {
-            (
-                "has an uncertainty without a part above 0, with a negative one, or with a share of a range that is not given",
-                "write { of_reading = 0.005 }, { absolute = 0.02 } or { of_range = 0.001, range = 50.0 }",
-            )
-        } else if let Some(unit) = &full.unit
-            && let Err(fitting) = units::factor(name, unit)
-        {
-            let remedy = match fitting.as_slice() {
-                [] => "leave it out and give a factor".to_owned(),
-                fitting => format!("write one of {}", fitting.join(", ")),
-            };
-            return Err((format!("cannot be in `{unit}`"), remedy));
-        } else {
-            return Ok(());
-        };
-        Err((what.to_owned(), remedy.to_owned()))
+        require(
+            full.column.is_some() == full.magnitude_of.is_empty(),
+            "needs either `column` or `magnitude_of`",
+            "give one of them",
+        )?;
+        require(
+            full.factor.is_finite() && full.factor != 0.0 && full.offset.is_finite(),
+            "needs a finite factor that is not 0, and a finite offset",
+            "leave out what you do not need",
+        )?;
+        require(
+            full.first <= MOST_LINES,
+            "has a `first` above 1000000",
+            "write the file's first number",
+        )?;
+        require(
+            stars(name) <= 1,
+            "has more than one `*`",
+            "one stands for the sleeve's or wheel's number",
+        )?;
+        require(
+            full.columns().all(alike),
+            "and its column must both hold one `*`, or none",
+            "write \"force_n_*\" = { column = \"F_*\" }",
+        )?;
+        require(
+            full.uncertainty.is_none_or(|u| u.is_sound()),
+            "has an uncertainty without a part above 0, with a negative one, or with a share of a range that is not given",
+            "write { of_reading = 0.005 }, { absolute = 0.02 } or { of_range = 0.001, range = 50.0 }",
+        )?;
+        let unit = full.unit.as_deref().unwrap_or_default();
+        match full.unit.as_ref().map(|unit| units::factor(name, unit)) {
+            Some(Err(fitting)) if fitting.is_empty() => Err((
+                format!("cannot be in `{unit}`"),
+                "leave it out and give a factor".to_owned(),
+            )),
+            Some(Err(fitting)) => Err((
+                format!("cannot be in `{unit}`"),
+                format!("write one of {}", fitting.join(", ")),
+            )),
+            _ => Ok(()),
+        }
     }
 
     /// Written out.

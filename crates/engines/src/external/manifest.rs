@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use pinwheel_courses::Track;
-use pinwheel_files::{FileError, read_text};
+use pinwheel_files::{Broken, FileError, read_text, require};
 use pinwheel_scene::channels::fits;
 use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
 use serde::Deserialize;
@@ -147,14 +147,12 @@ impl Manifest {
     }
 
     /// What is wrong, and the remedy.
-    fn check(&self) -> Result<(), (String, String)> {
-        let wrong = |what: String, remedy: &str| Err((what, remedy.to_owned()));
-        if self.protocol != JOB_PROTOCOL {
-            return wrong(
-                format!("protocol = {} is not known here", self.protocol),
-                "write protocol = 1",
-            );
-        }
+    fn check(&self) -> Result<(), Broken> {
+        require(
+            self.protocol == JOB_PROTOCOL,
+            format!("protocol = {} is not known here", self.protocol),
+            "write protocol = 1",
+        )?;
         if let Err(fault) = Self::is_name(&self.name) {
             let (what, remedy) = fault.split_once("; ").unwrap_or((&fault, ""));
             return Err((what.to_owned(), remedy.to_owned()));
@@ -164,94 +162,80 @@ impl Manifest {
             ("summary", &self.summary, false),
             ("differences", &self.differences, true),
         ] {
-            if text.len() > 4000 || text.chars().any(|c| c.is_control() && c != '\n') {
-                return wrong(
-                    format!("{key} is too long, or holds control characters"),
-                    "write plain text",
-                );
-            }
-            if text.trim().is_empty() && !may_be_empty {
-                return wrong(format!("{key} is empty"), "reports show it");
-            }
+            let control = |c: char| c.is_control() && c != '\n';
+            require(
+                text.len() <= 4000 && !text.chars().any(control),
+                format!("{key} is too long, or holds control characters"),
+                "write plain text",
+            )?;
+            let empty = text.trim().is_empty() && !may_be_empty;
+            require(!empty, format!("{key} is empty"), "reports show it")?;
         }
-        if !matches!(self.track, Track::SharedLaw | Track::OwnContact) {
-            return wrong(
-                format!("track = {:?} is not one of a solver", self.track.as_str()),
-                "write \"shared-law\" or \"own-contact\"",
-            );
-        }
-        if self.command.first().is_none_or(String::is_empty) {
-            return wrong(
-                "command is empty".to_owned(),
-                "write the program and its arguments, [\"{here}/solver\", \"{job}\", \"{law}\"]",
-            );
-        }
+        require(
+            matches!(self.track, Track::SharedLaw | Track::OwnContact),
+            format!("track = {:?} is not one of a solver", self.track.as_str()),
+            "write \"shared-law\" or \"own-contact\"",
+        )?;
+        require(
+            !self.command.first().is_none_or(String::is_empty),
+            "command is empty",
+            "write the program and its arguments, [\"{here}/solver\", \"{job}\", \"{law}\"]",
+        )?;
         for word in &self.command {
-            if word.contains('\0') {
-                return wrong("command holds a zero byte".to_owned(), "write plain text");
-            }
-            let mut rest = word.as_str();
-            while let Some((_, after)) = rest.split_once('{') {
-                let place = PLACES.iter().find(|place| {
-                    after
-                        .strip_prefix(**place)
-                        .is_some_and(|s| s.starts_with('}'))
-                });
-                if place.is_none() {
-                    return wrong(
-                        format!("{word:?} in command has a `{{` that stands for nothing"),
-                        "known are {here}, {job}, {law} and {python}",
-                    );
-                }
-                rest = after;
-            }
+            let plain = !word.contains('\0');
+            require(plain, "command holds a zero byte", "write plain text")?;
+            let is_place = |after: &str| {
+                let closed = |place: &&str| {
+                    let after = after.strip_prefix(*place);
+                    after.is_some_and(|after| after.starts_with('}'))
+                };
+                PLACES.iter().any(closed)
+            };
+            require(
+                word.split('{').skip(1).all(is_place),
+                format!("{word:?} in command has a `{{` that stands for nothing"),
+                "known are {here}, {job}, {law} and {python}",
+            )?;
         }
-        if !(self.timeout_s > 0.0 && self.timeout_s <= LONGEST_S) {
-            return wrong(
-                format!("timeout_s = {} is no time to wait", self.timeout_s),
-                "write seconds, at most a day (86400)",
-            );
-        }
+        require(
+            self.timeout_s > 0.0 && self.timeout_s <= LONGEST_S,
+            format!("timeout_s = {} is no time to wait", self.timeout_s),
+            "write seconds, at most a day (86400)",
+        )?;
         for law in &self.honours.laws {
-            if !names::laws().iter().any(|known| fits(law, known)) {
-                return wrong(
-                    format!("honours.laws names {law:?}, which is no contact law"),
-                    "`pinwheel laws` lists them; `*` stands for any characters",
-                );
-            }
+            require(
+                names::laws().iter().any(|known| fits(law, known)),
+                format!("honours.laws names {law:?}, which is no contact law"),
+                "`pinwheel laws` lists them; `*` stands for any characters",
+            )?;
         }
         if let Some(refine) = &self.refine {
-            if refine.knob().is_none() {
-                return wrong(
-                    format!(
-                        "refine.key = {:?} is not one that can be varied",
-                        refine.key
-                    ),
-                    "write \"solver.step_s\" or \"solver.tolerance\"",
-                );
-            }
-            if !(refine.order > 0.0 && refine.order <= 20.0) {
-                return wrong(
-                    format!("refine.order = {} is no order", refine.order),
-                    "write the order of the method, e.g. 4 (of solver.tolerance: 1)",
-                );
-            }
+            require(
+                refine.knob().is_some(),
+                format!(
+                    "refine.key = {:?} is not one that can be varied",
+                    refine.key
+                ),
+                "write \"solver.step_s\" or \"solver.tolerance\"",
+            )?;
+            require(
+                refine.order > 0.0 && refine.order <= 20.0,
+                format!("refine.order = {} is no order", refine.order),
+                "write the order of the method, e.g. 4 (of solver.tolerance: 1)",
+            )?;
         }
+        require(
+            self.model.is_empty() || self.track == Track::OwnContact,
+            "[model] states differences of an own contact model, but the track is \"shared-law\"",
+            "leave [model] out",
+        )?;
         for (quantity, stated) in &self.model {
-            if self.track != Track::OwnContact {
-                return wrong(
-                    "[model] states differences of an own contact model, but the track is \"shared-law\""
-                        .to_owned(),
-                    "leave [model] out",
-                );
-            }
             let sound = stated.tolerance >= 0.0 && stated.tolerance.is_finite();
-            if !sound || stated.reason.trim().is_empty() {
-                return wrong(
-                    format!("model.{quantity} needs a tolerance, 0 or more, and a reason"),
-                    "write { tolerance = 0.01, reason = \"...\" }",
-                );
-            }
+            require(
+                sound && !stated.reason.trim().is_empty(),
+                format!("model.{quantity} needs a tolerance, 0 or more, and a reason"),
+                "write { tolerance = 0.01, reason = \"...\" }",
+            )?;
         }
         Ok(())
     }

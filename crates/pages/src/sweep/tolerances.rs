@@ -4,7 +4,7 @@ use pinwheel_compare::quantities::label_and_unit;
 use pinwheel_courses::table::{Shown, Table, Values};
 use pinwheel_report::format::significant;
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Tone, Verdict};
-use pinwheel_studies::sweep::{Figure, Found, Limit, Plan, Quantile, Yield};
+use pinwheel_studies::sweep::{FigureOfSample, Limit, Plan, Quantile, SampleResult, Yield};
 
 /// Figures that are shown at most; summary.json has all.
 const MOST_FIGURES: usize = 20;
@@ -18,16 +18,16 @@ const DIGITS: usize = 4;
 const STRAIGHT: f64 = 0.7;
 
 /// Figures that are shown: those of the specification, then balances and means, which say most.
-pub(super) fn shown<'a>(plan: &Plan, found: &'a Found) -> Vec<&'a Figure> {
+pub(super) fn shown<'a>(plan: &Plan, found: &'a SampleResult) -> Vec<&'a FigureOfSample> {
     let limits = &plan.sweep.specification;
-    let rank = |figure: &&Figure| {
+    let rank = |figure: &&FigureOfSample| {
         let place = limits.iter().position(|limit| limit.figure == figure.name);
         let plain = !["min_", "max_", "rms_"]
             .iter()
             .any(|p| figure.name.starts_with(p));
         place.unwrap_or(limits.len() + usize::from(!plain))
     };
-    let mut figures: Vec<&Figure> = found.figures.iter().collect();
+    let mut figures: Vec<&FigureOfSample> = found.figures.iter().collect();
     figures.sort_by_key(rank);
     figures.truncate(MOST_FIGURES);
     figures
@@ -44,7 +44,7 @@ pub(super) fn yield_in_words(found: &Yield) -> String {
 }
 
 /// Where a sample stands: its engine and what else is varied.
-pub(super) fn place(found: &Found) -> String {
+pub(super) fn place(found: &SampleResult) -> String {
     let varied = found
         .varied
         .iter()
@@ -54,7 +54,7 @@ pub(super) fn place(found: &Found) -> String {
 }
 
 /// What decides, in words: keys with their share of the variance.
-pub(super) fn decides(figure: &Figure) -> String {
+pub(super) fn decides(figure: &FigureOfSample) -> String {
     let share = |of: &pinwheel_studies::sweep::Sensitivity| {
         let straight = figure.linear.is_some_and(|linear| linear >= STRAIGHT);
         let slope = of.coefficient.filter(|_| straight).map(|c| c * c);
@@ -73,7 +73,7 @@ pub(super) fn decides(figure: &Figure) -> String {
 }
 
 /// The middle quantile and the outer ones of a figure.
-pub(super) fn between(figure: &Figure) -> [Option<&Quantile>; 3] {
+pub(super) fn between(figure: &FigureOfSample) -> [Option<&Quantile>; 3] {
     [0.05, 0.5, 0.95].map(|share| figure.quantiles.iter().find(|q| q.share == share))
 }
 
@@ -83,7 +83,7 @@ pub(super) fn named(name: &str) -> String {
 }
 
 /// The verdict of a sweep with a specification, of its worst sample.
-pub(super) fn verdict(found: &[Found]) -> Option<Verdict> {
+pub(super) fn verdict(found: &[SampleResult]) -> Option<Verdict> {
     let yields = found.iter().filter_map(|f| Some((f, f.yielded.as_ref()?)));
     let (worst, of) = yields.min_by(|a, b| a.1.share.total_cmp(&b.1.share))?;
     let [low, high] = of.interval.map(|share| 100.0 * share);
@@ -100,7 +100,7 @@ pub(super) fn verdict(found: &[Found]) -> Option<Verdict> {
 }
 
 /// The section of a sample.
-pub(super) fn section(plan: &Plan, table: &Table, all: &[Found]) -> Section {
+pub(super) fn section(plan: &Plan, table: &Table, all: &[SampleResult]) -> Section {
     let mut blocks = Vec::new();
     for found in all {
         if all.len() > 1 {
@@ -140,7 +140,7 @@ fn limits(limits: &[Limit], of: &Yield) -> Block {
     Block::Data(table.done())
 }
 
-fn figures(plan: &Plan, found: &Found) -> [Block; 2] {
+fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
     let quantile = |of: Option<&Quantile>| {
         let of = of?;
         let end = |end: Option<f64>| end.map_or("open".to_owned(), |x| significant(x, DIGITS));
@@ -178,9 +178,9 @@ fn figures(plan: &Plan, found: &Found) -> [Block; 2] {
 }
 
 /// How the first figures are distributed, with their limits.
-fn charts(plan: &Plan, table: &Table, found: &Found) -> Vec<Chart> {
+fn charts(plan: &Plan, table: &Table, found: &SampleResult) -> Vec<Chart> {
     let figures = shown(plan, found).into_iter().take(MOST_CHARTS);
-    let chart = |figure: &Figure| {
+    let chart = |figure: &FigureOfSample| {
         let Values::Number(values) = &table.column(&figure.name)?.values else {
             return None;
         };

@@ -7,21 +7,21 @@ use crate::number::short;
 
 type Length = (&'static str, fn(&mut Gear) -> &mut f64);
 
+macro_rules! lengths {
+    ($($field:ident),*) => {
+        [$((concat!("gear.", stringify!($field)), |gear| &mut gear.$field)),*]
+    };
+}
+
 /// Lengths one may mistype.
-const LENGTHS: [Length; 6] = [
-    ("gear.eccentricity_m", |gear| &mut gear.eccentricity_m),
-    ("gear.external_sleeve_radius_m", |gear| {
-        &mut gear.external_sleeve_radius_m
-    }),
-    ("gear.internal_sleeve_radius_m", |gear| {
-        &mut gear.internal_sleeve_radius_m
-    }),
-    ("gear.internal_circle_radius_m", |gear| {
-        &mut gear.internal_circle_radius_m
-    }),
-    ("gear.hole_radius_m", |gear| &mut gear.hole_radius_m),
-    ("gear.backlash_m", |gear| &mut gear.backlash_m),
-];
+const LENGTHS: [Length; 6] = lengths!(
+    eccentricity_m,
+    external_sleeve_radius_m,
+    internal_sleeve_radius_m,
+    internal_circle_radius_m,
+    hole_radius_m,
+    backlash_m
+);
 
 /// A length smaller than this share of the gear is none that anybody builds.
 const PLAUSIBLE: f64 = 0.005;
@@ -50,13 +50,11 @@ pub(super) fn guess(gear: &Gear, fault: Fault) -> Fault {
         let mut same_circle = meant.clone();
         same_circle.shortening *= 1e-3;
         if geometry::check(&meant).is_ok() || geometry::check(&same_circle).is_ok() {
+            let [typed, meant] = [typed, 1e-3 * typed].map(short);
             return Fault::new(
                 &[key],
-                format!("is {} m, and no gear can be built with it", short(typed)),
-                format!(
-                    "did you mean {}? lengths are in metres",
-                    short(1e-3 * typed)
-                ),
+                format!("is {typed} m, and no gear can be built with it"),
+                format!("did you mean {meant}? lengths are in metres"),
             );
         }
     }

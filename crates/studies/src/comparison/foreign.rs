@@ -262,11 +262,11 @@ impl Data {
                         .push(channel.name.clone(), values)
                         .map_err(|e| broken(&e))?;
                 }
-                Ok((moved, Some(shift.told(name, offset))))
+                Ok((moved, Some(shift.message(name, offset))))
             }
             (Offset::Seconds(_), found) => {
                 let better = found.filter(|(_, shift)| shift.matters());
-                let told = better.map(|(name, shift)| shift.told(name, offset));
+                let told = better.map(|(name, shift)| shift.message(name, offset));
                 Ok((own.clone(), told))
             }
         }

@@ -71,17 +71,10 @@ pub fn execute_some(
         fault: Mutex::new(None),
     };
     pool::each(jobs, picks.len(), || None, |last, k| shared.work(last, k));
-    let fault = shared
-        .fault
-        .into_inner()
-        .unwrap_or_else(std::sync::PoisonError::into_inner);
-    if let Some(fault) = fault {
+    if let Some(fault) = lock(&shared.fault).take() {
         return Err(fault);
     }
-    let records = shared
-        .records
-        .into_inner()
-        .unwrap_or_else(std::sync::PoisonError::into_inner);
+    let records = std::mem::take(&mut *lock(&shared.records));
     let finished = records.iter().flatten().count();
     let whole: Option<Vec<RunRecord>> = records.into_iter().collect();
     whole.ok_or(SweepError::Stopped {

@@ -110,19 +110,10 @@ impl Plan {
         let mut draft = None;
         if let Some(sample) = &sweep.sample {
             let values: Vec<(String, Value)> = values_at(&sweep, 0);
-            let fault = |what: String| SweepError::Run {
-                number: 1,
-                values: in_words(&values),
-                what,
-            };
             // About the first of what else is varied: distributions without a mean are about the scene's own value.
-            let scene = scene_at(&mut draft, &sweep, overrides, &values);
-            let scene = scene.map_err(|source| SweepError::Scene {
-                number: 1,
-                values: in_words(&values),
-                source: Box::new(source),
-            })?;
-            let axis = sample.axis(&scene).map_err(fault)?;
+            let scene = scene_at(&mut draft, &sweep, overrides, 1, &values)?;
+            let axis = sample.axis(&scene);
+            let axis = axis.map_err(|what| refused(1, &values, what))?;
             sweep.axes.push(axis);
         }
         let points = sweep
@@ -149,17 +140,8 @@ impl Plan {
             }
             let values = values_at(&sweep, point);
             let number = runs.len() + 1;
-            let scene = scene_at(&mut draft, &sweep, overrides, &values);
-            let scene = scene.map_err(|source| SweepError::Scene {
-                number,
-                values: in_words(&values),
-                source: Box::new(source),
-            })?;
-            let wrong = |what: String| SweepError::Run {
-                number,
-                values: in_words(&values),
-                what,
-            };
+            let scene = scene_at(&mut draft, &sweep, overrides, number, &values)?;
+            let wrong = |what: String| refused(number, &values, what);
             let duration = scene.solver.duration_s;
             let window_s = sweep.window_s.unwrap_or([0.5 * duration, duration]);
             if window_s[1] > duration * (1.0 + 1e-9) {
@@ -204,10 +186,9 @@ impl Plan {
     pub(crate) fn engine(&self, planned: &PlannedRun) -> Result<Arc<dyn Engine>, SweepError> {
         let engine = self.guests.engine(&planned.engine, &planned.scene);
         // Planned, so it was there; a registry does not change while the program runs.
-        engine.ok_or_else(|| SweepError::Run {
-            number: planned.number,
-            values: in_words(&planned.values),
-            what: format!("engine `{}` is gone", planned.engine),
+        engine.ok_or_else(|| {
+            let what = format!("engine `{}` is gone", planned.engine);
+            refused(planned.number, &planned.values, what)
         })
     }
 
@@ -284,25 +265,40 @@ fn values_at(sweep: &Sweep, point: usize) -> Vec<(String, Value)> {
     .collect()
 }
 
-/// The scene of a run; `draft` is what all have in common, read when the first asks for it.
+/// A run that cannot be planned.
+fn refused(number: usize, values: &[(String, Value)], what: String) -> SweepError {
+    SweepError::Run {
+        number,
+        values: in_words(values),
+        what,
+    }
+}
+
+/// The scene of run `number`; `draft` is what all have in common, read when the first asks for it.
 fn scene_at(
     draft: &mut Option<Draft>,
     sweep: &Sweep,
     overrides: &[Override],
+    number: usize,
     values: &[(String, Value)],
-) -> Result<CheckedScene, SceneError> {
-    let draft = match draft {
-        Some(draft) => draft,
-        None => {
-            let common = [sweep.set.as_slice(), overrides].concat();
-            draft.insert(Draft::load(&sweep.scene, &common)?)
-        }
+) -> Result<CheckedScene, SweepError> {
+    let mut made = || {
+        let draft = match draft {
+            Some(draft) => draft,
+            None => {
+                let common = [sweep.set.as_slice(), overrides].concat();
+                draft.insert(Draft::load(&sweep.scene, &common)?)
+            }
+        };
+        let varied = values.iter();
+        let varied = varied.map(|(key, value)| Override::new(key.clone(), value.to_toml()));
+        draft.with(&varied.collect::<Vec<_>>())
     };
-    let varied: Vec<Override> = values
-        .iter()
-        .map(|(key, value)| Override::new(key.clone(), value.to_toml()))
-        .collect();
-    draft.with(&varied)
+    made().map_err(|source: SceneError| SweepError::Scene {
+        number,
+        values: in_words(values),
+        source: Box::new(source),
+    })
 }
 
 /// `gear.backlash_m = 0.0003, contact.damping_n_s_m = 8`.

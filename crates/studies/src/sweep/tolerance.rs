@@ -54,7 +54,7 @@ pub struct Sensitivity {
 
 /// A figure over the sample.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Figure {
+pub struct FigureOfSample {
     /// Column of the results.
     pub name: String,
     /// Runs that have it.
@@ -90,7 +90,7 @@ pub struct Yield {
 
 /// What the sample says of one engine, at one point of what else is varied.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Found {
+pub struct SampleResult {
     /// Engine.
     pub engine: String,
     /// What else is varied, and its values here, in words.
@@ -98,7 +98,7 @@ pub struct Found {
     /// Runs, finished or not.
     pub runs: usize,
     /// Figures that are not the same in every run.
-    pub figures: Vec<Figure>,
+    pub figures: Vec<FigureOfSample>,
     /// `None` without a specification.
     #[serde(rename = "yield")]
     pub yielded: Option<Yield>,
@@ -117,7 +117,7 @@ fn is_figure(name: &str, plan: &Plan) -> bool {
 
 /// What the sample of a sweep says; nothing without one. `table`: [its results](super::results).
 #[must_use]
-pub fn tolerances(plan: &Plan, table: &Table) -> Vec<Found> {
+pub fn tolerances(plan: &Plan, table: &Table) -> Vec<SampleResult> {
     let Some(sample) = &plan.sweep.sample else {
         return Vec::new();
     };
@@ -148,7 +148,7 @@ pub fn tolerances(plan: &Plan, table: &Table) -> Vec<Found> {
                 let values: Vec<Option<f64>> = rows.iter().map(|&row| values[row]).collect();
                 figure(name, &values, &inputs)
             });
-            all.push(Found {
+            all.push(SampleResult {
                 engine: run.engine.clone(),
                 varied: others
                     .map(|(key, value)| (key.clone(), value.to_string()))
@@ -224,7 +224,7 @@ fn inputs(plan: &Plan, rows: &[usize], sampled: &dyn Fn(&str) -> bool) -> Vec<In
     places.map(input).collect()
 }
 
-fn figure(name: &str, values: &[Option<f64>], inputs: &[Input]) -> Option<Figure> {
+fn figure(name: &str, values: &[Option<f64>], inputs: &[Input]) -> Option<FigureOfSample> {
     let there: Vec<usize> = (0..values.len()).filter(|&k| values[k].is_some()).collect();
     let of: Vec<f64> = values.iter().copied().flatten().collect();
     let [mean, deviation] = moments(&of);
@@ -260,7 +260,7 @@ fn figure(name: &str, values: &[Option<f64>], inputs: &[Input]) -> Option<Figure
         .collect();
     let size = |s: &Sensitivity| s.coefficient.unwrap_or(0.0).abs();
     sensitivities.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    Some(Figure {
+    Some(FigureOfSample {
         name: name.to_owned(),
         count: of.len(),
         mean,

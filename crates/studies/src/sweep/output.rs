@@ -5,7 +5,7 @@ use std::path::Path;
 use pinwheel_courses::table::Table;
 use serde::Serialize;
 
-use super::{Found, Journal, Limit, Plan, RunRecord, SweepError, costs, tolerances};
+use super::{Journal, Limit, Plan, RunRecord, SampleResult, SweepError, costs, tolerances};
 use crate::output::{self, write_text, write_with};
 use crate::provenance::{Provenance, Summary};
 
@@ -23,7 +23,7 @@ struct Payload<'a> {
     #[serde(skip_serializing_if = "<[Limit]>::is_empty")]
     specification: &'a [Limit],
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    sample: Vec<Found>,
+    sample: Vec<SampleResult>,
 }
 
 /// Writes the results (`table`, of [`results`](super::results)) as CSV and, with the feature, as Parquet, the costs,
