@@ -66,7 +66,10 @@ class Comparison:
 
     @property
     def engines(self) -> dict[str, str]:
-        """How every engine's run ended: `finished`, `diverged`, `unsupported`, `failed`."""
+        """How every engine's run ended.
+
+        `finished`, `diverged`, `unsupported`, `absent`, `failed` or `timed-out`.
+        """
         return {engine["name"]: engine["status"]["state"] for engine in self.data["engines"]}
 
     def __getitem__(self, engine: str) -> Columns:

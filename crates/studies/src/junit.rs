@@ -89,7 +89,9 @@ pub fn of_comparison(comparison: &Comparison) -> Vec<Suite> {
         time_s: Some(engine.cost.wall_s),
         ended: match (&engine.status, engine.status.reason()) {
             (Status::Finished, _) => Ended::Passed,
-            (Status::Unsupported { .. }, why) => Ended::Skipped(why.unwrap_or_default()),
+            (Status::Unsupported { .. } | Status::Absent { .. } | Status::TimedOut { .. }, why) => {
+                Ended::Skipped(why.unwrap_or_default())
+            }
             (_, why) => Ended::Failed(why.unwrap_or_default()),
         },
     });

@@ -8,7 +8,7 @@ use pyo3::types::{PyCFunction, PyDict};
 
 use super::mujoco::{Addresses, Attached, Place, attach, detach};
 use super::published::Published;
-use super::watch::{Watch, watched};
+use super::watch::hosted;
 use super::{convert, ffi, host, pins};
 use crate::control::Control;
 use crate::engine::{Ending, Engine, Halt, Prepared, Run, Track};
@@ -32,41 +32,14 @@ impl PythonEngine {
         let law =
             (self.0.track == Track::SharedLaw).then(|| Published::new(gearbox, disguise(field)));
         let scene_toml = gearbox.scene.to_toml();
-        // One start for all engines: they differ in how they go on.
-        let start: Vec<[f64; 6]> = gearbox
-            .initial_states()
-            .iter()
-            .map(pinwheel_law::numbers)
-            .collect();
-        let run = watched(control, |watch| {
-            Python::attach(|py| {
-                self.drive(py, &scene_toml, &start, law.as_ref(), every, watch)
-                    .or_else(|error| convert::ended(py, &error))
-            })
+        let (ran, _) = hosted(gearbox, control, law, |options, law| {
+            let package = host::package(options.py())?;
+            if let Some(law) = law {
+                options.set_item("law", pointer(&package, law, every)?)?;
+            }
+            package.call_method("run", (scene_toml, self.0.name), Some(options))
         });
-        // Whatever Python did or left undone: no callback may reach this run any more.
-        drop(law);
-        run.map_err(Ending::failed)?
-    }
-
-    fn drive(
-        &self,
-        py: Python<'_>,
-        scene_toml: &str,
-        start: &[[f64; 6]],
-        law: Option<&Published>,
-        every: u64,
-        watch: Watch,
-    ) -> PyResult<Run> {
-        let package = host::package(py)?;
-        let options = PyDict::new(py);
-        options.set_item("on_progress", watch.into_python(py)?)?;
-        options.set_item("initial_states", start)?;
-        if let Some(law) = law {
-            options.set_item("law", pointer(&package, law, every)?)?;
-        }
-        let result = package.call_method("run", (scene_toml, self.0.name), Some(&options))?;
-        convert::run(&result)
+        ran
     }
 }
 

@@ -14,12 +14,11 @@ use pinwheel_gearbox::Gearbox;
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyCFunction, PyDict};
+use pyo3::types::PyCFunction;
 
-use super::convert;
 use super::law::{SharedLaw, locked};
 use super::published::Published;
-use super::watch::watched;
+use super::watch::hosted;
 use crate::control::Control;
 use crate::engine::{Ending, Engine, Halt, Prepared, Refinement, Run, Track};
 use crate::registry::EngineInfo;
@@ -50,32 +49,17 @@ impl UserEngine {
         let field = gearbox.contact_field().map_err(Ending::failed)?;
         let law = Published::new(gearbox, field);
         let scene_toml = gearbox.scene.to_toml();
-        let start: Vec<[f64; 6]> = gearbox
-            .initial_states()
-            .iter()
-            .map(pinwheel_law::numbers)
-            .collect();
-        let run = watched(control, |watch| {
-            Python::attach(|py| {
-                let driven = || -> PyResult<Run> {
-                    let options = PyDict::new(py);
-                    options.set_item("on_progress", watch.into_python(py)?)?;
-                    options.set_item("initial_states", start)?;
-                    options.set_item("loads", loads(py, &law)?)?;
-                    convert::run(&self.drive.bind(py).call1((scene_toml, options))?)
-                };
-                driven().or_else(|error| {
-                    let run = convert::ended(py, &error)?;
-                    if matches!(run.ending, Ending::Failed { .. }) {
-                        *locked(&self.raised) = Some(error);
-                    }
-                    Ok(run)
-                })
-            })
+        let (ran, raised) = hosted(gearbox, control, Some(law), |options, law| {
+            let py = options.py();
+            if let Some(law) = law {
+                options.set_item("loads", loads(py, law)?)?;
+            }
+            self.drive.bind(py).call1((scene_toml, options))
         });
-        // A law that Python keeps must not outlive its run.
-        drop(law);
-        run.map_err(Ending::failed)?
+        if matches!(&ran, Ok(run) if matches!(run.ending, Ending::Failed { .. })) {
+            *locked(&self.raised) = raised;
+        }
+        ran
     }
 }
 

@@ -8,10 +8,14 @@ use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Builder, scope};
 
+use pinwheel_gearbox::Gearbox;
 use pyo3::prelude::*;
-use pyo3::types::PyCFunction;
+use pyo3::types::{PyCFunction, PyDict};
 
+use super::convert;
+use super::published::Published;
 use crate::control::Control;
+use crate::engine::{Ending, Halt, Run};
 
 /// Enough for deep C++ recursion and Python's own.
 const STACK_BYTES: usize = 64 << 20;
@@ -24,14 +28,14 @@ enum Message {
 }
 
 /// A run's way to its caller.
-pub(super) struct Watch {
+struct Watch {
     tell: SyncSender<Message>,
     hear: Receiver<bool>,
 }
 
 impl Watch {
     /// The Python function `on_progress(time_s) -> stop`.
-    pub(super) fn into_python(self, py: Python<'_>) -> PyResult<Bound<'_, PyCFunction>> {
+    fn into_python(self, py: Python<'_>) -> PyResult<Bound<'_, PyCFunction>> {
         let line = Mutex::new(self);
         PyCFunction::new_closure(py, None, None, move |args, _| -> PyResult<bool> {
             let time_s: f64 = args.get_item(0)?.extract()?;
@@ -54,11 +58,42 @@ impl Drop for End {
     }
 }
 
+/// Runs a Python solver on the scene of `gearbox`: `call` gets the options that all have, `on_progress` and
+/// `initial_states`, and the law, which is gone afterwards. Also gives what Python raised.
+pub(super) fn hosted(
+    gearbox: &Gearbox,
+    control: &Control<'_>,
+    law: Option<Published>,
+    call: impl for<'py> FnOnce(&Bound<'py, PyDict>, Option<&Published>) -> PyResult<Bound<'py, PyAny>>
+    + Send,
+) -> (Result<Run, Halt>, Option<PyErr>) {
+    // One start for all engines: they differ in how they go on.
+    let states = gearbox.initial_states();
+    let start: Vec<[f64; 6]> = states.iter().map(pinwheel_law::numbers).collect();
+    let ran = watched(control, |watch| {
+        Python::attach(|py| {
+            let driven = || -> PyResult<Run> {
+                let options = PyDict::new(py);
+                options.set_item("on_progress", watch.into_python(py)?)?;
+                options.set_item("initial_states", start)?;
+                convert::run(&call(&options, law.as_ref())?)
+            };
+            match driven() {
+                Ok(run) => (Ok(run), None),
+                Err(error) => (convert::ended(py, &error), Some(error)),
+            }
+        })
+    });
+    // Whatever Python did or left undone: no callback may reach this run any more.
+    drop(law);
+    ran.unwrap_or_else(|error| (Ok(Run::ended(Ending::failed(error))), None))
+}
+
 /// Runs `work` on a thread of its own; `control` is asked at every time that `work` reports.
 ///
 /// # Errors
 /// The system has no thread left.
-pub(super) fn watched<T: Send>(
+fn watched<T: Send>(
     control: &Control<'_>,
     work: impl FnOnce(Watch) -> T + Send,
 ) -> std::io::Result<T> {
