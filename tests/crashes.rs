@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-use pinwheel::studies::dice::Dice;
+use pinwheel::studies::rng::Rng;
 use pinwheel_tests::{names_in, pinwheel};
 
 const SIGNALS: [&str; 3] = ["KILL", "TERM", "INT"];
@@ -327,7 +327,7 @@ fn assert_whole(writer: &Writer, out: &Path) {
 }
 
 /// Runs a writer once to its end, then kills it again and again; the number of kills that met it alive.
-fn kill(writer: &Writer, kills: usize, random: &mut Dice) -> usize {
+fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
     let dir = tempfile::tempdir().unwrap();
     let dir = dir.path();
     inputs(dir);
@@ -484,7 +484,7 @@ fn regress_kills_tear_nothing_and_lose_nothing() {
             continue;
         }
         let begin = Instant::now();
-        let met = kill(writer, kills, &mut Dice::new(1000 * seed + place as u64));
+        let met = kill(writer, kills, &mut Rng::new(1000 * seed + place as u64));
         println!(
             "{:<60} {met} of {kills} kills met it, {:.1} s",
             writer.words.join(" "),

@@ -7,7 +7,7 @@ use parry2d_f64::math::Vector;
 use parry2d_f64::query::PointQuery;
 use parry2d_f64::shape::{Polyline, PolylineFlags};
 use pinwheel_contact::{Complex, Epitrochoid};
-use pinwheel_studies::dice::Dice;
+use pinwheel_studies::rng::Rng;
 
 /// Vertices of the polyline. Its error falls with their square: 12 000 give 2.6e-7 m.
 const VERTICES: usize = 40_000;
@@ -32,7 +32,7 @@ fn polyline(curve: &Epitrochoid) -> Polyline {
 /// backlash of the curve, half anywhere in and around the gear.
 fn largest_error(curve: &Epitrochoid, positions: usize) -> f64 {
     let line = polyline(curve);
-    let mut random = Dice::new(7);
+    let mut random = Rng::new(7);
     let mut largest: f64 = 0.0;
     for i in 0..positions {
         let p = if i % 2 == 0 {

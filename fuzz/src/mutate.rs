@@ -1,15 +1,15 @@
 //! Inputs from seeds: bytes, lines and numbers changed by a generator with a fixed seed.
 
-use pinwheel_studies::dice::Dice;
+use pinwheel_studies::rng::Rng;
 
 /// Numbers from a seed.
-pub struct Random(Dice);
+pub struct Random(Rng);
 
 impl Random {
     /// The same seed gives the same numbers.
     #[must_use]
     pub fn new(seed: u64) -> Self {
-        Self(Dice::new(seed))
+        Self(Rng::new(seed))
     }
 
     /// Below `most`; 0 where that is 0.

@@ -1,14 +1,14 @@
 //! Points spread over the unit cube.
 
-use crate::dice::Dice;
+use crate::rng::Rng;
 
 /// One coordinate of a Latin hypercube (McKay, Beckman, Conover 1979): a value in each of `count` equal parts of 0 to 1, in
 /// an order of its own.
-pub(crate) fn hypercube(dice: &mut Dice, count: usize) -> Vec<f64> {
+pub(crate) fn hypercube(rng: &mut Rng, count: usize) -> Vec<f64> {
     let mut parts: Vec<usize> = (0..count).collect();
     for last in (1..count).rev() {
-        parts.swap(last, dice.whole(0, last));
+        parts.swap(last, rng.whole(0, last));
     }
-    let within = |part: usize| (part as f64 + dice.share()) / count as f64;
+    let within = |part: usize| (part as f64 + rng.share()) / count as f64;
     parts.into_iter().map(within).collect()
 }

@@ -60,12 +60,12 @@ const STEP_RADIANS: f64 = 0.01;
 /// Fixed steps where forces jump or friction is stiff, as a share of the scene's.
 const DIVISION: f64 = 40.0;
 
-struct Plan {
+struct MethodSetting {
     method: &'static str,
     setting: f64,
 }
 
-impl Plan {
+impl MethodSetting {
     fn knob(&self) -> Knob {
         Knob::of(self.method)
     }
@@ -86,10 +86,10 @@ impl Plan {
     }
 }
 
-fn plans(scene: &Scene) -> Result<[Plan; 2], StudyError> {
+fn methods(scene: &Scene) -> Result<[MethodSetting; 2], StudyError> {
     let contact = &scene.contact;
     let short = scene.solver.step_s / DIVISION;
-    let plan = |method, setting| Plan { method, setting };
+    let plan = |method, setting| MethodSetting { method, setting };
     if contact.detection == Detection::Points {
         return Ok([plan("rk4", short), plan("rk2", short)]);
     }
@@ -115,8 +115,8 @@ pub(super) fn run(
     control: &Control<'_>,
     announce: &mut dyn FnMut(&str),
 ) -> Result<(Reference, Vec<Span>, Least, Courses), StudyError> {
-    let [first, second] = plans(scene)?;
-    let mut solve = |plan: &Plan, setting: f64| {
+    let [first, second] = methods(scene)?;
+    let mut solve = |plan: &MethodSetting, setting: f64| {
         announce(&format!("reference: {}, {setting:.2e}", plan.method));
         let run = complete(&plan.scene(scene, setting), control)?;
         let solution = Solution {

@@ -11,7 +11,7 @@ use pinwheel_scene::{
     BodyMass, Detection, Errors, FrictionLaw, Gear, LoadChange, Masses, Modification, Scene, Start,
 };
 
-use crate::dice::Dice;
+use crate::rng::Rng;
 
 /// Of the fastest oscillation of a gear on its contacts, so many periods a run lasts.
 const OSCILLATIONS: (f64, f64) = (6.0, 24.0);
@@ -23,8 +23,8 @@ const SAMPLES: f64 = 60.0;
 /// The gear of a seed; `None` when a thousand draws give no valid one.
 #[must_use]
 pub fn gear(seed: u64) -> Option<Scene> {
-    let mut dice = Dice::new(seed);
-    let scene = (0..1000).find_map(|_| draw(&mut dice))?;
+    let mut rng = Rng::new(seed);
+    let scene = (0..1000).find_map(|_| draw(&mut rng))?;
     Some(Scene {
         name: format!("random-{seed}"),
         ..scene
@@ -32,42 +32,42 @@ pub fn gear(seed: u64) -> Option<Scene> {
 }
 
 /// One draw; `None` if its parts do not fit together.
-fn draw(dice: &mut Dice) -> Option<Scene> {
+fn draw(rng: &mut Rng) -> Option<Scene> {
     let mut scene = Scene::paper();
-    scene.gear = geometry(dice);
-    let wheel_density = if dice.chance(0.7) { 7850.0 } else { 1200.0 };
-    scene.mass = masses(dice, &scene.gear, wheel_density);
-    material(dice, &mut scene);
-    drive(dice, &mut scene);
-    contact(dice, &mut scene);
-    solver(dice, &mut scene);
+    scene.gear = geometry(rng);
+    let wheel_density = if rng.chance(0.7) { 7850.0 } else { 1200.0 };
+    scene.mass = masses(rng, &scene.gear, wheel_density);
+    material(rng, &mut scene);
+    drive(rng, &mut scene);
+    contact(rng, &mut scene);
+    solver(rng, &mut scene);
     let checked = scene.clone().check().ok()?;
     // A load can be more than the teeth carry from an equilibrium.
     Gearbox::new(&checked).ok()?;
     Some(scene)
 }
 
-fn geometry(dice: &mut Dice) -> Gear {
-    let pitch_radius = dice.spread(2.5e-3, 0.5);
-    let zk = dice.whole(6, 60);
-    let shortening = dice.between(0.4, 0.9);
+fn geometry(rng: &mut Rng) -> Gear {
+    let pitch_radius = rng.spread(2.5e-3, 0.5);
+    let zk = rng.whole(6, 60);
+    let shortening = rng.between(0.4, 0.9);
     let eccentricity = shortening * pitch_radius / zk as f64;
     let k = zk as f64;
     // Smallest convex radius of the sleeve centre's path as its formula has it, where that is not at an end.
     let bend = pitch_radius
         * (27.0 * (1.0 - shortening * shortening) * (k - 1.0) / (k + 1.0).powi(3)).sqrt();
     let pitch = pitch_radius * (PI / k).sin();
-    let sleeve = dice.between(0.3, 0.9) * bend.min(pitch);
-    let zi = dice.whole(4, 16);
+    let sleeve = rng.between(0.3, 0.9) * bend.min(pitch);
+    let zi = rng.whole(4, 16);
     let room = pitch_radius - eccentricity - sleeve;
-    let circle = dice.between(0.45, 0.75) * room;
+    let circle = rng.between(0.45, 0.75) * room;
     let most = (circle * (PI / zi as f64).sin()).min(room - circle);
-    let clearance = if dice.chance(0.5) {
+    let clearance = if rng.chance(0.5) {
         0.0
     } else {
-        eccentricity * dice.spread(1e-3, 0.2)
+        eccentricity * rng.spread(1e-3, 0.2)
     };
-    let internal = dice.between(0.5, 0.95) * (most - eccentricity - clearance);
+    let internal = rng.between(0.5, 0.95) * (most - eccentricity - clearance);
     Gear {
         eccentricity_m: eccentricity,
         external_sleeves: zk,
@@ -80,16 +80,16 @@ fn geometry(dice: &mut Dice) -> Gear {
         face_width_m: None,
         modification: Modification::default(),
         errors: Errors::default(),
-        wheels: dice.whole(1, 4),
-        backlash_m: if dice.chance(0.5) {
+        wheels: rng.whole(1, 4),
+        backlash_m: if rng.chance(0.5) {
             0.0
         } else {
-            eccentricity.min(sleeve) * dice.spread(1e-3, 0.4)
+            eccentricity.min(sleeve) * rng.spread(1e-3, 0.4)
         },
     }
 }
 
-fn masses(dice: &mut Dice, gear: &Gear, density: f64) -> Masses {
+fn masses(rng: &mut Rng, gear: &Gear, density: f64) -> Masses {
     let (radius, width) = (gear.pitch_radius_m(), gear.pitch_radius_m() * 0.15);
     let disc = |r: f64, factor: f64| {
         let mass_kg = density * PI * r * r * width;
@@ -101,16 +101,16 @@ fn masses(dice: &mut Dice, gear: &Gear, density: f64) -> Masses {
     Masses {
         density_kg_m3: None,
         input_shaft: disc(0.3 * radius, 1.0),
-        output_shaft: disc(radius, dice.spread(0.1, 3.0)),
-        wheel: disc(radius, dice.spread(0.1, 1.0)),
+        output_shaft: disc(radius, rng.spread(0.1, 3.0)),
+        wheel: disc(radius, rng.spread(0.1, 1.0)),
         // Tables of real gears hold moments that are up to several times a cylinder's.
-        internal_sleeve: disc(gear.internal_sleeve_radius_m, dice.spread(0.5, 6.0)),
-        external_sleeve: disc(gear.external_sleeve_radius_m, dice.spread(0.5, 6.0)),
+        internal_sleeve: disc(gear.internal_sleeve_radius_m, rng.spread(0.5, 6.0)),
+        external_sleeve: disc(gear.external_sleeve_radius_m, rng.spread(0.5, 6.0)),
     }
 }
 
 /// Law and stiffness; damping comes with the load.
-fn material(dice: &mut Dice, scene: &mut Scene) {
+fn material(rng: &mut Rng, scene: &mut Scene) {
     let laws = [
         "paper",
         "paper",
@@ -125,9 +125,9 @@ fn material(dice: &mut Dice, scene: &mut Scene) {
         "paper-printed",
     ];
     let contact = &mut scene.contact;
-    contact.law = laws[dice.whole(0, laws.len() - 1)].to_owned();
-    contact.young_pa = dice.spread(2e9, 2e11);
-    contact.stiffness_multiplier = [1.0, 1.0, 0.1, 0.01][dice.whole(0, 3)];
+    contact.law = laws[rng.whole(0, laws.len() - 1)].to_owned();
+    contact.young_pa = rng.spread(2e9, 2e11);
+    contact.stiffness_multiplier = [1.0, 1.0, 0.1, 0.01][rng.whole(0, 3)];
     contact.line_length_m = 0.15 * scene.gear.pitch_radius_m();
 }
 
@@ -140,20 +140,20 @@ fn hertz(scene: &Scene) -> f64 {
 }
 
 /// Speed and every kind of load: none, at once, by a ramp, changes; from either start.
-fn drive(dice: &mut Dice, scene: &mut Scene) {
+fn drive(rng: &mut Rng, scene: &mut Scene) {
     let gear = &scene.gear;
     let sleeve = gear.external_sleeve_radius_m;
     // The load presses the most loaded sleeve in by this share of its radius.
-    let depth = sleeve * dice.spread(1e-4, 1e-2);
+    let depth = sleeve * rng.spread(1e-4, 1e-2);
     let force = hertz(scene) * depth.powf(1.5);
     let lever = gear.eccentricity_m * gear.lobes() as f64;
     let load = 0.25 * force * lever * gear.external_sleeves as f64 * gear.wheels as f64;
-    let kind = dice.share();
+    let kind = rng.share();
     let drive = &mut scene.drive;
     // The wheel's edge at 0.1 to 10 m/s.
-    drive.input_speed_rad_s = dice.sign() * dice.spread(0.05, 5.0) / gear.pitch_radius_m();
-    drive.output_torque_n_m = if kind < 0.04 { 0.0 } else { dice.sign() * load };
-    drive.start = if dice.chance(0.3) {
+    drive.input_speed_rad_s = rng.sign() * rng.spread(0.05, 5.0) / gear.pitch_radius_m();
+    drive.output_torque_n_m = if kind < 0.04 { 0.0 } else { rng.sign() * load };
+    drive.start = if rng.chance(0.3) {
         Start::Equilibrium
     } else {
         Start::Kinematic
@@ -161,15 +161,15 @@ fn drive(dice: &mut Dice, scene: &mut Scene) {
 }
 
 /// Everything of the contact that is measured by what the load does to it.
-fn contact(dice: &mut Dice, scene: &mut Scene) {
+fn contact(rng: &mut Rng, scene: &mut Scene) {
     let scales = twist(scene);
     let (depth, frequency) = (scales.0, scales.1);
     let speed = depth * frequency;
     let gear = scene.gear.clone();
-    let zeta = if dice.chance(0.2) {
+    let zeta = if rng.chance(0.2) {
         0.0
     } else {
-        dice.spread(1e-3, 0.3)
+        rng.spread(1e-3, 0.3)
     };
     let lever = gear.eccentricity_m * gear.lobes() as f64;
     let moment = scene.mass.wheel.moment_kg_m2;
@@ -177,27 +177,27 @@ fn contact(dice: &mut Dice, scene: &mut Scene) {
     let slide = scene.drive.input_speed_rad_s.abs() * gear.pitch_radius_m() / gear.lobes() as f64;
     let contact = &mut scene.contact;
     contact.damping_n_s_m = 2.0 * zeta * mass * frequency;
-    contact.ramp_m = depth * dice.spread(1e-3, 0.5);
+    contact.ramp_m = depth * rng.spread(1e-3, 0.5);
     contact.constant_stiffness_n_m15 = 2.0 / 3.0 * contact.stiffness_multiplier * contact.young_pa
         / (1.0 - contact.poisson * contact.poisson)
         * gear.external_sleeve_radius_m.sqrt();
-    contact.restitution = dice.between(0.5, 0.95);
-    contact.impact_speed_m_s = speed * dice.spread(0.3, 3.0);
-    if dice.chance(0.4) {
-        contact.friction_coefficient = dice.spread(0.005, 0.3);
-        contact.friction_ramp_m_s = slide * dice.spread(1e-3, 1e-1);
-        if dice.chance(0.15) {
+    contact.restitution = rng.between(0.5, 0.95);
+    contact.impact_speed_m_s = speed * rng.spread(0.3, 3.0);
+    if rng.chance(0.4) {
+        contact.friction_coefficient = rng.spread(0.005, 0.3);
+        contact.friction_ramp_m_s = slide * rng.spread(1e-3, 1e-1);
+        if rng.chance(0.15) {
             // Followed explicitly: its ramps are as wide as those of the published models that use it.
             contact.friction_law = FrictionLaw::Adams;
             contact.friction_ramp_m_s *= 20.0;
             contact.friction_dynamic_coefficient = 0.7 * contact.friction_coefficient;
-            contact.friction_dynamic_speed_m_s = contact.friction_ramp_m_s * dice.spread(3.0, 30.0);
+            contact.friction_dynamic_speed_m_s = contact.friction_ramp_m_s * rng.spread(3.0, 30.0);
         }
     }
-    if dice.chance(0.06) && contact.law != "paper-conservative" {
+    if rng.chance(0.06) && contact.law != "paper-conservative" {
         contact.detection = Detection::Points;
-        contact.wheel_points = gear.lobes() * dice.whole(200, 600);
-        contact.hole_points = dice.whole(100, 400);
+        contact.wheel_points = gear.lobes() * rng.whole(200, 600);
+        contact.hole_points = rng.whole(100, 400);
     }
 }
 
@@ -215,7 +215,7 @@ fn twist(scene: &Scene) -> (f64, f64) {
     (depth, (stiffness / scene.mass.wheel.moment_kg_m2).sqrt())
 }
 
-fn solver(dice: &mut Dice, scene: &mut Scene) {
+fn solver(rng: &mut Rng, scene: &mut Scene) {
     let frequency = Frequencies::of(scene).contact_rad_s;
     let gear = &scene.gear;
     let period = TAU / frequency;
@@ -232,25 +232,17 @@ fn solver(dice: &mut Dice, scene: &mut Scene) {
     };
     let rubs = scene.contact.friction_coefficient > 0.0;
     let share = if rubs { RUBBING } else { 1.0 };
-    let duration = share * dice.between(OSCILLATIONS.0, OSCILLATIONS.1) * period
+    let duration = share * rng.between(OSCILLATIONS.0, OSCILLATIONS.1) * period
         + (2.0 * flight).min(30.0 * period);
-    let (kind, when, what) = (
-        dice.share(),
-        dice.between(0.3, 0.7),
-        dice.between(-1.0, 2.0),
-    );
+    let (kind, when, what) = (rng.share(), rng.between(0.3, 0.7), rng.between(-1.0, 2.0));
     let drive = &mut scene.drive;
     if drive.start == Start::Kinematic && kind < 0.2 {
-        drive.load_ramp_s = duration * dice.between(0.1, 0.4);
+        drive.load_ramp_s = duration * rng.between(0.1, 0.4);
     } else if kind > 0.7 {
         drive.load_changes = vec![LoadChange {
             time_s: duration * when,
             output_torque_n_m: what * drive.output_torque_n_m,
-            ramp_s: if dice.chance(0.5) {
-                0.0
-            } else {
-                0.1 * duration
-            },
+            ramp_s: if rng.chance(0.5) { 0.0 } else { 0.1 * duration },
         }];
     }
     let solver = &mut scene.solver;

@@ -11,7 +11,7 @@ use pinwheel_scene::CheckedScene;
 
 use crate::StudyError;
 use crate::control::{Control, Progress, complete};
-use crate::dice::Dice;
+use crate::rng::Rng;
 use crate::sampling::hypercube;
 
 /// Keys that are moved one at a time.
@@ -115,11 +115,11 @@ fn ends(scene: &CheckedScene) -> Vec<Moves<'_>> {
 
 /// Every key once in each of [`SAMPLES`] equal parts of its interval, in an order of its own, the same on every machine.
 fn all_at_once(scene: &CheckedScene) -> Vec<Moves<'_>> {
-    let mut dice = Dice::new(1);
+    let mut rng = Rng::new(1);
     let mut runs: Vec<Moves<'_>> = vec![Vec::new(); SAMPLES];
     for (key, half) in &scene.uncertain {
         let middle = value(scene, key);
-        for (run, at) in runs.iter_mut().zip(hypercube(&mut dice, SAMPLES)) {
+        for (run, at) in runs.iter_mut().zip(hypercube(&mut rng, SAMPLES)) {
             run.push((key.as_str(), middle + (2.0 * at - 1.0) * half.plus_minus));
         }
     }

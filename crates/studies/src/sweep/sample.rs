@@ -11,7 +11,7 @@ use toml::Value as Toml;
 
 use super::axis::{Axis, Value};
 use super::file::leaves;
-use crate::dice::Dice;
+use crate::rng::Rng;
 use crate::sampling::hypercube;
 
 /// Points of a sample at most, and keys of a Sobol sequence: what the library's direction numbers reach.
@@ -134,13 +134,13 @@ impl Sample {
     /// # Errors
     /// Names the key.
     pub(super) fn axis(&self, scene: &CheckedScene) -> Result<Axis, String> {
-        let mut dice = Dice::new(u64::from(self.seed));
+        let mut rng = Rng::new(u64::from(self.seed));
         let mut columns = 0;
         let mut unit = || {
             columns += 1;
             match self.method {
-                Method::LatinHypercube => hypercube(&mut dice, self.points),
-                Method::Random => (0..self.points).map(|_| dice.share()).collect(),
+                Method::LatinHypercube => hypercube(&mut rng, self.points),
+                Method::Random => (0..self.points).map(|_| rng.share()).collect(),
                 Method::Sobol => (0..self.points)
                     .map(|k| {
                         // Points lie on a grid of 2^-24: the middle of their cell is never an end.

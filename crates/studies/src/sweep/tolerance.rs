@@ -355,15 +355,15 @@ fn first_order(column: &[f64], of: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dice::Dice;
+    use crate::rng::Rng;
 
     /// Figures whose indices are known: y = 3 a + b, and y = a^2, which no straight line sees, of uniform a and b.
     #[test]
     fn published_sensitivities_of_known_functions() {
-        let mut dice = Dice::new(7);
+        let mut rng = Rng::new(7);
         let mut draw = || {
             (0..4000)
-                .map(|_| dice.between(-1.0, 1.0))
+                .map(|_| rng.between(-1.0, 1.0))
                 .collect::<Vec<f64>>()
         };
         let (a, b) = (draw(), draw());

@@ -2,9 +2,9 @@
 
 /// Numbers from a seed, the same on every machine: SplitMix64 [Steele, Lea, Flood 2014].
 #[derive(Debug, Clone)]
-pub struct Dice(u64);
+pub struct Rng(u64);
 
-impl Dice {
+impl Rng {
     /// Starts at a seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
