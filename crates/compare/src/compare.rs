@@ -4,7 +4,7 @@ use pinwheel_courses::Courses;
 
 use crate::comparison::{Comparison, EngineSummary};
 use crate::judge::{Judge, Negligible, Sides};
-use crate::limits::{Limit, MEASURED_ON, StatedLimit, fits};
+use crate::limits::{StatedLimit, fits};
 use crate::matrix::{self, track_of};
 use crate::pairs::pair;
 use crate::participant::{Context, Participant};
@@ -12,41 +12,9 @@ use crate::quantities::{self, Quantity};
 use crate::rules::Rules;
 use crate::summary::engine_summary;
 use crate::uncertainty::Evidence;
-use crate::verdict::{Counts, Outcome};
+use crate::verdict::Counts;
 use crate::windows::{self, SETTLING_S, Window};
 use crate::{CompareError, grid};
-
-/// Compares by limits alone: [`compare_with`] without evidence.
-///
-/// `limits` is usually [`limits::TABLE`](crate::limits::TABLE).
-///
-/// # Errors
-/// As [`compare_with`].
-pub fn compare(
-    context: &Context,
-    participants: &[Participant],
-    limits: &[Limit],
-) -> Result<Comparison, CompareError> {
-    compare_stated(context, participants, limits, &[])
-}
-
-/// [`compare`] with measured participants, held against the limits stated for them alone.
-///
-/// # Errors
-/// As [`compare_with`].
-pub fn compare_stated(
-    context: &Context,
-    participants: &[Participant],
-    limits: &[Limit],
-    stated: &[StatedLimit],
-) -> Result<Comparison, CompareError> {
-    let rules = Rules {
-        limits,
-        stated,
-        ..Rules::default()
-    };
-    compare_with(context, participants, &rules)
-}
 
 /// Compares every finished run with every other on its track, window by window.
 ///
@@ -56,7 +24,7 @@ pub fn compare_stated(
 /// # Errors
 /// No participant, two of one name, finished runs on different sample times, evidence for nobody, a stated limit
 /// that matches nothing.
-pub fn compare_with(
+pub fn compare(
     context: &Context,
     participants: &[Participant],
     rules: &Rules<'_>,
@@ -106,10 +74,6 @@ pub fn compare_with(
     let judge = Judge {
         rules,
         friction: context.friction_coefficient > 0.0,
-        guarded: context
-            .guarded
-            .as_deref()
-            .is_some_and(|name| MEASURED_ON.contains(&name)),
         context,
         negligible: Negligible::of(context, &finished, &quantities),
     };
@@ -129,18 +93,12 @@ pub fn compare_with(
     }
     let matrices = matrix::matrices(&finished, &pairs, &quantities, &windows);
     let mut counts = Counts::default();
-    engines
-        .iter()
-        .flat_map(|e| &e.judged)
-        .for_each(|entry| counts.add(&entry.verdict));
-    pairs
-        .iter()
-        .flat_map(|p| &p.entries)
-        .for_each(|entry| counts.add(&entry.verdict));
+    let alone = engines.iter().flat_map(|e| &e.judged).map(|e| &e.result);
+    let of_pairs = pairs.iter().flat_map(|p| &p.entries).map(|e| &e.result);
+    alone.chain(of_pairs).for_each(|one| counts.add(one));
     Ok(Comparison {
         context: context.clone(),
-        passed: counts.outcome() == Outcome::Passed,
-        outcome: counts.outcome(),
+        passed: counts.exit_status() == 0 && counts.agree > 0,
         resolution: rules.resolution,
         counts,
         unfinished: participants.len() - finished.len(),

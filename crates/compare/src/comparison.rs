@@ -7,12 +7,11 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::metrics::{Metric, PairMetrics};
+use crate::metrics::PairMetrics;
 use crate::participant::{Context, Cost, Status, Track};
 use crate::quantities::Quantity;
 use crate::uncertainty::{Evidence, Method, QuantityUncertainty, Source};
-use crate::validation::Budget;
-use crate::verdict::{Check, Counts, Outcome, Verdict};
+use crate::verdict::{Assessment, Counts};
 use crate::windows::{AbsentWindow, Window, WindowKind};
 use pinwheel_courses::norms::Statistics;
 
@@ -21,13 +20,11 @@ use pinwheel_courses::norms::Statistics;
 pub struct Comparison {
     /// The scene.
     pub context: Context,
-    /// True when something was judged and everything judged holds.
+    /// Whether something agrees, and there is nothing to act on.
     pub passed: bool,
-    /// What the verdicts amount to; a program's exit status is [`Outcome::exit_status`] of it.
-    pub outcome: Outcome,
     /// The largest U that still counts as resolved, relative.
     pub resolution: f64,
-    /// Verdicts over all engines and pairs.
+    /// Verdicts over all engines and pairs; a program's exit status is [`Counts::exit_status`].
     pub counts: Counts,
     /// Engines that did not finish.
     pub unfinished: usize,
@@ -69,31 +66,31 @@ pub struct EngineSummary {
     /// Its numerical uncertainty per window and quantity; empty where no evidence was given.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub uncertainty: Vec<QuantityUncertainty>,
-    /// The runs that these rest on; `None` where there is no ladder.
+    /// The runs that these rest on; `None` where there is no refinement study.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub ladder: Option<LadderSummary>,
+    pub refinement: Option<RefinementSummary>,
 }
 
-/// What a ladder was and what it cost.
+/// What a refinement study was and what it cost.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LadderSummary {
+pub struct RefinementSummary {
     /// What is refined, and the order stated for it.
     #[serde(flatten)]
     pub method: Method,
     /// The finest run's step (s) or tolerance.
     pub finest: f64,
     /// The coarser runs.
-    pub rungs: Vec<RungSummary>,
+    pub levels: Vec<LevelSummary>,
     /// Wall time of all runs over that of the finest; `None` where times are not known.
     pub cost: Option<f64>,
     /// Why it was not refined further, where it was not sharp enough.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub excuse: Option<String>,
+    pub reason: Option<String>,
 }
 
 /// One coarser run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RungSummary {
+pub struct LevelSummary {
     /// Its setting over the finest run's.
     pub refinement: f64,
     /// Wall time, s.
@@ -103,23 +100,23 @@ pub struct RungSummary {
     pub failed: Option<String>,
 }
 
-impl LadderSummary {
+impl RefinementSummary {
     pub(crate) fn of(evidence: &Evidence, finest_wall_s: f64) -> Option<Self> {
-        let Source::Ladder(ladder) = &evidence.source else {
+        let Source::Refinement(study) = &evidence.source else {
             return None;
         };
-        let rungs = ladder.coarser.iter().map(|rung| RungSummary {
-            refinement: rung.refinement,
-            wall_s: rung.wall_s,
-            failed: rung.run.as_ref().err().cloned(),
+        let levels = study.coarser.iter().map(|level| LevelSummary {
+            refinement: level.refinement,
+            wall_s: level.wall_s,
+            failed: level.run.as_ref().err().cloned(),
         });
-        let coarser: f64 = ladder.coarser.iter().map(|rung| rung.wall_s).sum();
+        let coarser: f64 = study.coarser.iter().map(|level| level.wall_s).sum();
         Some(Self {
-            method: ladder.method,
-            finest: ladder.finest,
-            rungs: rungs.collect(),
+            method: study.method,
+            finest: study.finest,
+            levels: levels.collect(),
             cost: (finest_wall_s > 0.0).then(|| 1.0 + coarser / finest_wall_s),
-            excuse: evidence.excuse.clone(),
+            reason: evidence.is_final.as_ref().map(|why| why.reason.clone()),
         })
     }
 }
@@ -152,11 +149,9 @@ pub struct EngineEntry {
     pub quantity: String,
     /// Window.
     pub window: WindowKind,
-    /// Limits checked; empty when not judged.
-    pub checks: Vec<Check>,
-    /// The worst of the checks.
+    /// What was found.
     #[serde(flatten)]
-    pub verdict: Verdict,
+    pub result: Assessment,
 }
 
 /// Two engines side by side.
@@ -181,49 +176,15 @@ pub struct PairEntry {
     pub window: WindowKind,
     /// Every metric; `None` where the channels cannot be compared (see the verdict's reason).
     pub metrics: Option<PairMetrics>,
-    /// Limits checked; empty when not judged.
-    pub checks: Vec<Check>,
-    /// The distance against the numerical uncertainty of both, metric by metric; empty where no evidence was given.
+    /// The difference in every metric against what it is held against; empty where nothing is.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub judgements: Vec<Judgement>,
-    /// The same with the leading error term of every confirmed ladder taken off (Richardson).
+    pub assessments: Vec<Assessment>,
+    /// The same with the leading error term of every confirmed refinement study taken off (Richardson).
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub extrapolated: Option<Judgement>,
-    /// The worst of the checks and of the judgements that count.
+    pub extrapolated: Option<Assessment>,
+    /// The gravest of those that decide.
     #[serde(flatten)]
-    pub verdict: Verdict,
-}
-
-/// A distance against uncertainties. All values relative, as the metric is.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Judgement {
-    /// Which metric.
-    pub metric: Metric,
-    /// D. Signed where its verdict is on a mean with a predicted sign.
-    pub distance: Option<f64>,
-    /// u of the first participant.
-    pub u_a: Option<f64>,
-    /// u of the second.
-    pub u_b: Option<f64>,
-    /// Whether it counts for the entry's verdict; the others are shown beside it.
-    pub counts: bool,
-    /// The parts of a validation uncertainty, of measured data.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub budget: Option<Budget>,
-    /// Why a tolerance is what it is; empty for others.
-    #[serde(skip_serializing_if = "str::is_empty")]
-    pub reason: &'static str,
-    /// What follows.
-    #[serde(flatten)]
-    pub verdict: Verdict,
-}
-
-impl Judgement {
-    /// U, where both are known.
-    #[must_use]
-    pub fn combined(&self) -> Option<f64> {
-        Some(self.u_a? + self.u_b?)
-    }
+    pub result: Assessment,
 }
 
 /// All engines of a track against each other in one window.
@@ -248,23 +209,16 @@ pub struct Cell {
     pub column: usize,
     /// Index into [`Comparison::pairs`].
     pub pair: usize,
-    /// The figure that decided the verdict: of what was judged the one that uses most of its limit or uncertainty. Where
-    /// nothing was judged the largest relative L2 over forces and torques; `None` if there is none.
-    pub worst: Option<f64>,
-    /// The quantity that has it.
-    pub worst_quantity: Option<String>,
-    /// The metric it is of.
-    pub worst_metric: Option<Metric>,
-    /// U of it, where it was held against one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub worst_uncertainty: Option<f64>,
+    /// The quantity that decided.
+    pub quantity: Option<String>,
     /// Largest relative L2 over forces (N).
     pub force: Option<f64>,
     /// Largest relative L2 over torques (N m).
     pub torque: Option<f64>,
-    /// The worst verdict over the pair's quantities in this window.
+    /// The gravest over the pair's quantities in this window; where nothing was compared the largest relative L2 over forces
+    /// and torques.
     #[serde(flatten)]
-    pub verdict: Verdict,
+    pub result: Assessment,
 }
 
 impl Matrix {

@@ -1,16 +1,15 @@
 //! From distances, uncertainties and limits to a verdict.
 
-use crate::comparison::Judgement;
 use crate::limits::{NEGLIGIBLE_SHARE, fits};
 use crate::metrics::{Metric, PairMetrics};
 use crate::model::{self, ModelTolerance, Prediction};
 use crate::participant::{Context, Participant, Track};
 use crate::quantities::Quantity;
 use crate::rules::Rules;
-use crate::uncertainty::{Estimate, QuantityUncertainty, Uncertainty, Unresolved};
+use crate::uncertainty::{Estimate, Final, QuantityUncertainty, Uncertainty, Unresolved};
 use crate::validation::Budget;
-use crate::verdict::{self, Check, Outcome, Side, Verdict};
-use crate::windows::{Window, WindowKind};
+use crate::verdict::{self, Allowed, Assessment, Side, Verdict};
+use crate::windows::Window;
 
 /// What a verdict depends on besides the numbers.
 #[derive(Clone, Copy)]
@@ -19,8 +18,6 @@ pub(crate) struct Judge<'a> {
     pub(crate) rules: &'a Rules<'a>,
     /// Whether the scene has friction.
     pub(crate) friction: bool,
-    /// Whether the table of limits guards this scene.
-    pub(crate) guarded: bool,
     /// The scene, for its divergence horizon.
     pub(crate) context: &'a Context,
     /// Force (N) and torque (N m) below which a load is rounding.
@@ -80,23 +77,6 @@ impl Negligible {
     }
 }
 
-/// What was found of one quantity of a pair in one window.
-pub(crate) struct Judged {
-    pub(crate) checks: Vec<Check>,
-    pub(crate) judgements: Vec<Judgement>,
-    pub(crate) verdict: Verdict,
-}
-
-impl Judged {
-    fn not(reason: String) -> Self {
-        Self {
-            checks: Vec::new(),
-            judgements: Vec::new(),
-            verdict: Verdict::NotJudged { reason },
-        }
-    }
-}
-
 /// The uncertainties of both sides of a pair; `None` where no evidence was given.
 pub(crate) type Uncertainties<'a> = [Option<&'a QuantityUncertainty>; 2];
 
@@ -108,33 +88,30 @@ pub(crate) struct Sides<'a> {
     pub(crate) b: &'a Participant,
 }
 
+/// In the mean the contact forces on the output shaft balance the load, whatever law and engine: to this share of it.
+pub const LOAD_BALANCE: f64 = 1e-4;
+
 impl Judge<'_> {
-    /// What is not resolved, marked as stated where its participant says why it has to be so, or where the scene itself
+    /// What is inconclusive, with nothing to act on where its participant says why it has to be so, or where the scene itself
     /// parts runs by their roundings.
-    pub(crate) fn excused(&self, mut verdict: Verdict, pointwise: bool) -> Verdict {
-        if let Verdict::NotResolved {
-            participant,
-            reason,
-            stated,
-            ..
-        } = &mut verdict
-        {
-            let mut evidence = self.rules.evidence.iter();
-            let own = evidence.find(|e| e.engine == *participant);
-            if let Some(excuse) = own.and_then(|e| e.excuse.as_ref()) {
-                *reason = format!("{reason}; {excuse}");
-                *stated = true;
-            } else if !pointwise {
-                *reason = format!(
-                    "{reason}; a rounding parts two runs here, so figures are samples: only a longer run makes them sharper"
-                );
-                *stated = true;
-            }
+    fn settled(&self, found: Assessment, pointwise: bool) -> Assessment {
+        let parted = || {
+            Final {
+            group: "figures of windows in which a rounding parts two runs",
+            reason: "a rounding parts two runs here, so figures are samples: only a longer run makes them sharper"
+                .to_owned(),
         }
-        verdict
+        };
+        let mut evidence = self.rules.evidence.iter();
+        let own = evidence.find(|e| Some(&e.engine) == found.participant.as_ref());
+        let why = own.and_then(|e| e.is_final.clone());
+        match why.or_else(|| (!pointwise).then(parted)) {
+            Some(why) => found.beyond_settings(&why),
+            None => found,
+        }
     }
 
-    /// Judges one quantity of a pair in one window.
+    /// Judges one quantity of a pair in one window, in one metric or several.
     pub(crate) fn pair(
         &self,
         sides: Sides<'_>,
@@ -142,82 +119,59 @@ impl Judge<'_> {
         window: &Window,
         metrics: &PairMetrics,
         uncertainties: Uncertainties<'_>,
-    ) -> Judged {
-        let Sides { a, b, .. } = sides;
-        let below = self.negligible.below(quantity);
-        if let Some(below) = below
-            .zip(metrics.larger_peak)
-            .filter(|(below, peak)| peak < below)
-        {
-            let below = below.0;
-            return Judged::not(format!(
+    ) -> Vec<Assessment> {
+        let below = self.negligible.below(quantity).zip(metrics.larger_peak);
+        if let Some((below, _)) = below.filter(|(below, peak)| peak < below) {
+            return vec![Assessment::not_compared(format!(
                 "both stay below {below:.0e} {}: only rounding at the size of this scene",
                 quantity.unit
-            ));
+            ))];
         }
-        let measured = [a, b].iter().any(|p| p.track == Track::Measured);
-        let (checks, reason) = if measured {
-            self.stated(&[&a.name, &b.name], quantity, window.kind, metrics)
-        } else {
-            self.guard(sides, quantity, window, metrics)
-        };
-        let mut judgements = if measured {
-            self.validation(sides, quantity, metrics, uncertainties)
+        let pointwise = self.context.is_pointwise(window.to_s);
+        let (found, otherwise) = if sides.track == Track::Measured {
+            let mut found = self.limits(sides, quantity, window, metrics);
+            found.extend(self.measured(sides, quantity, metrics, uncertainties));
+            let nothing =
+                "measured data: no limit and no uncertainty is stated for this quantity and window";
+            (found, nothing)
         } else if self.rules.evidence.is_empty() {
-            Vec::new()
-        } else if [Track::Native, Track::SharedLaw].contains(&sides.track) {
-            self.one_law(sides, window, metrics, uncertainties)
+            (Vec::new(), "no numerical uncertainties are given")
+        } else if sides.track == Track::OwnContact {
+            (
+                self.models(sides, quantity, window, metrics, uncertainties),
+                "",
+            )
         } else {
-            self.models(sides, quantity, window, metrics, uncertainties)
+            (self.one_law(sides, window, metrics, uncertainties), "")
         };
-        for judgement in &mut judgements {
-            let pointwise = self.context.is_pointwise(window.to_s);
-            judgement.verdict = self.excused(judgement.verdict.clone(), pointwise);
-            // Where the guard's table speaks, what a ladder cannot say takes nothing from it.
-            let silent = [Outcome::Stated, Outcome::NotResolved];
-            judgement.counts &= checks.is_empty() || !silent.contains(&judgement.verdict.outcome());
+        let mut found: Vec<Assessment> = found
+            .into_iter()
+            .map(|one| self.settled(one, pointwise))
+            .collect();
+        if !found.iter().any(|one| one.decides) {
+            found.push(Assessment::not_compared(otherwise));
         }
-        let of_checks: Vec<Verdict> = checks.iter().map(Check::verdict).collect();
-        let counting = judgements.iter().filter(|j| j.counts).map(|j| &j.verdict);
-        let verdict = Verdict::worst(counting.chain(&of_checks))
-            .cloned()
-            .unwrap_or(Verdict::NotJudged { reason });
-        Judged {
-            checks,
-            judgements,
-            verdict,
-        }
+        found
     }
 
-    /// What is stated for measured data.
-    fn stated(
+    /// Limits stated for measured data.
+    fn limits(
         &self,
-        names: &[&String],
+        Sides { a, b, .. }: Sides<'_>,
         quantity: &Quantity,
-        window: WindowKind,
+        window: &Window,
         metrics: &PairMetrics,
-    ) -> (Vec<Check>, String) {
+    ) -> Vec<Assessment> {
         let rows = self.rules.stated.iter().filter(|row| {
-            names.contains(&&row.engine)
-                && row.window == window
+            [&a.name, &b.name].contains(&&row.engine)
+                && row.window == window.kind
                 && fits(&row.quantity, &quantity.name)
         });
-        let checks: Vec<Check> = rows
-            .map(|row| {
-                let value = (row.metric.row().of)(metrics);
-                Check {
-                    metric: row.metric,
-                    value,
-                    limit: row.limit,
-                    measured: None,
-                    reason: row.reason.clone(),
-                    within: value.is_some_and(|value| value <= row.limit),
-                }
-            })
-            .collect();
-        let reason =
-            "measured data: no limit and no uncertainty is stated for this quantity and window";
-        (checks, reason.to_owned())
+        rows.map(|row| {
+            let value = (row.metric.row().of)(metrics);
+            Assessment::limit(row.metric, value, row.limit, &row.reason)
+        })
+        .collect()
     }
 
     /// Two participants of one law: any difference beyond the uncertainties is a finding.
@@ -227,9 +181,9 @@ impl Judge<'_> {
         window: &Window,
         metrics: &PairMetrics,
         [of_a, of_b]: Uncertainties<'_>,
-    ) -> Vec<Judgement> {
+    ) -> Vec<Assessment> {
         let pointwise = self.context.is_pointwise(window.to_s);
-        let counts = |metric| {
+        let decides = |metric| {
             if pointwise {
                 metric == Metric::RelativeL2
             } else {
@@ -239,24 +193,19 @@ impl Judge<'_> {
         let metrics_there = Metric::of_pairs().filter(|metric| pointwise || !metric.is_pointwise());
         metrics_there
             .filter_map(|metric| {
-                let (one, other) = (
-                    side(a, of_a, metric, metrics),
-                    side(b, of_b, metric, metrics),
-                );
-                let distance = (metric.row().of)(metrics);
-                let verdict = match distance {
-                    Some(distance) => verdict::pair(distance, &one, &other, self.rules.resolution),
-                    None if counts(metric) => not_finite(a, b),
+                let sides = [
+                    &side(a, of_a, metric, metrics),
+                    &side(b, of_b, metric, metrics),
+                ];
+                let found = match (metric.row().of)(metrics) {
+                    Some(d) => verdict::pair(metric, d, sides, self.rules.resolution),
+                    None if decides(metric) => not_finite(metric, a, b),
                     None => return None,
                 };
-                Some(judgement(
-                    metric,
-                    distance,
-                    &one,
-                    &other,
-                    counts(metric),
-                    verdict,
-                ))
+                Some(Assessment {
+                    decides: decides(metric),
+                    ..found
+                })
             })
             .collect()
     }
@@ -269,28 +218,34 @@ impl Judge<'_> {
         window: &Window,
         metrics: &PairMetrics,
         [of_a, of_b]: Uncertainties<'_>,
-    ) -> Vec<Judgement> {
+    ) -> Vec<Assessment> {
         let pointwise = self.context.is_pointwise(window.to_s);
-        let statement = |engine: &Participant, metric: Metric| {
+        let tolerance = |engine: &Participant, metric: Metric| {
             self.rules.tolerances.iter().find(|t| {
                 t.metric == metric
                     && t.applies(&engine.name, self.friction, window.kind, &quantity.name)
             })
         };
+        let assess = |metric: Metric, distance: Option<f64>, allowed: Result<Allowed, &str>| {
+            let sides = [
+                &side(a, of_a, metric, metrics),
+                &side(b, of_b, metric, metrics),
+            ];
+            match distance {
+                Some(d) => verdict::model(metric, d, sides, self.rules.resolution, allowed),
+                None => not_finite(metric, a, b),
+            }
+        };
         let mut found = Vec::new();
         for metric in Metric::of_pairs().filter(|m| pointwise || !m.is_pointwise()) {
-            let own: Vec<&Participant> = [a, b]
-                .into_iter()
-                .filter(|p| p.track != Track::Native)
-                .collect();
-            let Some(statements) = own
-                .iter()
-                .map(|p| statement(p, metric))
+            let own = [a, b].into_iter().filter(|p| p.track != Track::Native);
+            let Some(tolerances) = own
+                .map(|p| tolerance(p, metric))
                 .collect::<Option<Vec<&ModelTolerance>>>()
             else {
                 continue;
             };
-            let energy = statements
+            let energy = tolerances
                 .iter()
                 .any(|t| t.predicted == Prediction::LawEnergy);
             let predicted = energy.then(|| model::predicted(a, b, window)).flatten();
@@ -299,29 +254,16 @@ impl Judge<'_> {
                 Some(_) => metrics.signed_mean_difference(),
                 None => (metric.row().of)(metrics),
             };
-            let (one, other) = (
-                side(a, of_a, metric, metrics),
-                side(b, of_b, metric, metrics),
-            );
-            let tolerance = statements.iter().map(|t| t.tolerance).sum();
-            let verdict = match distance {
-                Some(d) => {
-                    let tolerance = (!energy || predicted.is_some()).then_some(tolerance);
-                    verdict::model(
-                        d,
-                        &one,
-                        &other,
-                        self.rules.resolution,
-                        predicted.unwrap_or(0.0),
-                        tolerance,
-                    )
-                }
-                None => not_finite(a, b),
+            let allowed = if energy && predicted.is_none() {
+                Err("no energy account predicts this difference")
+            } else {
+                Ok(Allowed {
+                    predicted: predicted.unwrap_or(0.0),
+                    tolerance: tolerances.iter().map(|t| t.tolerance).sum(),
+                    reason: tolerances.first().map_or("", |t| t.reason),
+                })
             };
-            found.push(Judgement {
-                reason: statements.first().map_or("", |t| t.reason),
-                ..judgement(metric, distance, &one, &other, true, verdict)
-            });
+            found.push(assess(metric, distance, allowed));
         }
         if found.is_empty() {
             let metric = if pointwise {
@@ -329,91 +271,107 @@ impl Judge<'_> {
             } else {
                 Metric::Mean
             };
-            let (one, other) = (
-                side(a, of_a, metric, metrics),
-                side(b, of_b, metric, metrics),
-            );
-            let distance = (metric.row().of)(metrics);
-            let verdict = match distance {
-                Some(d) => verdict::model(d, &one, &other, self.rules.resolution, 0.0, None),
-                None => not_finite(a, b),
-            };
-            // Nothing is stated of this quantity, so nothing can fail: what is not resolved is told and not counted.
-            let counts = matches!(verdict, Verdict::ModelDifference { .. });
-            found.push(judgement(metric, distance, &one, &other, counts, verdict));
+            let nothing =
+                "models that differ on purpose state no tolerance for this quantity and window";
+            found.push(assess(metric, (metric.row().of)(metrics), Err(nothing)));
         }
         found
     }
 
     /// A simulation against measured data whose owner states their uncertainty.
-    fn validation(
+    fn measured(
         &self,
         Sides { a, b, .. }: Sides<'_>,
         quantity: &Quantity,
         metrics: &PairMetrics,
         [of_a, of_b]: Uncertainties<'_>,
-    ) -> Vec<Judgement> {
-        let (data, simulation, of_simulation) = match (a.track, b.track) {
+    ) -> Vec<Assessment> {
+        let (data, simulation, of_simulation, sign) = match (a.track, b.track) {
             (Track::Measured, Track::Measured) => return Vec::new(),
-            (Track::Measured, _) => (a, b, of_b),
-            _ => (b, a, of_a),
+            // E = S - D.
+            (Track::Measured, _) => (a, b, of_b, -1.0),
+            _ => (b, a, of_a, 1.0),
         };
-        let Some(stated) = self
-            .rules
-            .data
-            .iter()
-            .find(|d| d.engine == data.name && fits(&d.quantity, &quantity.name))
-        else {
+        let about = |d: &&crate::DataUncertainty| {
+            d.engine == data.name && fits(&d.quantity, &quantity.name)
+        };
+        let Some(stated) = self.rules.data.iter().find(about) else {
             return Vec::new();
         };
         let metrics_there = [Metric::RelativeL2, Metric::Mean, Metric::Peak, Metric::Rms];
-        metrics_there
-            .into_iter()
-            .map(|metric| {
-                let one = side(simulation, of_simulation, metric, metrics);
-                let nothing = Side::known(&data.name, Estimate::stated(0.0));
-                let signed = |d: f64| {
-                    // E = S - D.
-                    if simulation.name == a.name { d } else { -d }
-                };
-                let distance = match metric {
-                    Metric::Mean => metrics
-                        .signed_mean_difference()
-                        .map(signed)
-                        .or(metrics.mean_difference),
-                    _ => (metric.row().of)(metrics),
-                };
-                let budget = one
-                    .uncertainty
-                    .as_ref()
-                    .ok()
-                    .map(|e| Budget::new(e.u, stated.input, stated.data));
-                let verdict = match (distance, &budget) {
-                    (None, _) => not_finite(a, b),
-                    (Some(error), Some(budget)) => budget.verdict(error),
-                    (Some(_), None) => verdict::combined(&one, &nothing)
-                        .err()
-                        .unwrap_or_else(|| not_finite(a, b)),
-                };
-                let u_of = |p: &Participant| {
-                    if p.name == simulation.name {
-                        one.uncertainty.as_ref().ok().map(|e| e.u)
-                    } else {
-                        Some(stated.data)
-                    }
-                };
-                Judgement {
-                    metric,
-                    distance,
-                    u_a: u_of(a),
-                    u_b: u_of(b),
-                    counts: metric == Metric::RelativeL2,
-                    budget,
-                    reason: "",
-                    verdict,
+        let assess = |metric: Metric| {
+            let one = side(simulation, of_simulation, metric, metrics);
+            let other = Side::known(&data.name, Estimate::stated(stated.data));
+            let sides = if sign > 0.0 {
+                [&one, &other]
+            } else {
+                [&other, &one]
+            };
+            let plain = (metric.row().of)(metrics);
+            let distance = match metric {
+                Metric::Mean => metrics.signed_mean_difference().map(|d| sign * d).or(plain),
+                _ => plain,
+            };
+            let found = match (distance, &one.uncertainty) {
+                (None, _) => not_finite(metric, a, b),
+                (Some(error), Ok(numerical)) => {
+                    let budget = Budget::new(numerical.u, stated.input, stated.data);
+                    verdict::measured(metric, error, sides, budget)
                 }
-            })
-            .collect()
+                (Some(error), Err(_)) => {
+                    verdict::pair(metric, error.abs(), sides, self.rules.resolution)
+                }
+            };
+            Assessment {
+                decides: metric == Metric::RelativeL2,
+                ..found
+            }
+        };
+        metrics_there.into_iter().map(assess).collect()
+    }
+
+    /// Judges the mean output torque of one engine against the load, on any scene: this is mechanics. `u`: the
+    /// uncertainty of that mean, N m, which widens the limit; where it is not known, a mean beyond the limit is inconclusive.
+    pub(crate) fn load(
+        &self,
+        engine: &Participant,
+        mean: Option<f64>,
+        load_n_m: f64,
+        u: Option<&Uncertainty>,
+    ) -> Assessment {
+        if load_n_m.abs() <= self.negligible.torque_n_m {
+            return Assessment::not_compared("the scene has no load to compare with");
+        }
+        if engine.cost.recorded.is_some() {
+            // One sample a millisecond aliases the ripple into the mean: 1e-4 of it for 40 sleeves.
+            return Assessment::not_compared("a recording has too few samples for this mean");
+        }
+        let value = mean.map(|mean| (mean + load_n_m).abs() / load_n_m.abs());
+        let share = u.and_then(Uncertainty::u).unwrap_or(0.0) / load_n_m.abs();
+        let found = Assessment {
+            u_a: Some(share),
+            ..Assessment::limit(
+                Metric::MeanAgainstLoad,
+                value,
+                LOAD_BALANCE + share,
+                "In the mean the contact forces on the output shaft balance the load, whatever the law and engine.",
+            )
+        };
+        let found = if !(share <= self.rules.resolution) {
+            let reason = format!(
+                "the mean is uncertain by {share:.1e} of the load, above the resolution of {:.0e}",
+                self.rules.resolution
+            );
+            found.inconclusive(&engine.name, reason, format!("refine {}", engine.name))
+        } else if let (Some(Uncertainty::Unknown(missing)), Verdict::Differ) = (u, found.verdict)
+            && value.is_some()
+        {
+            let (reason, remedy) = (missing.reason.clone(), missing.remedy.clone());
+            found.inconclusive(&engine.name, reason, remedy)
+        } else {
+            found
+        };
+        self.settled(found, self.context.is_pointwise(f64::INFINITY))
     }
 }
 
@@ -428,10 +386,10 @@ fn side<'a>(
     let uncertainty = match of.map(|of| of.of(row.norm)) {
         None => Err(Unresolved::new(
             "its numerical uncertainty is not known",
-            "give the runs of its ladder, or a recording that holds its uncertainty",
+            "give the runs of its refinement study, or a recording that holds its uncertainty",
         )),
-        Some(Uncertainty::NotResolved(missing)) => Err(missing.clone()),
-        Some(Uncertainty::Resolved(estimate)) => {
+        Some(Uncertainty::Unknown(missing)) => Err(missing.clone()),
+        Some(Uncertainty::Known(estimate)) => {
             let relative = match (row.scale)(metrics) {
                 _ if estimate.u == 0.0 => Some(0.0),
                 Some(scale) => Some(row.sensitivity * estimate.u / scale),
@@ -441,7 +399,7 @@ fn side<'a>(
                 Some(u) => Ok(Estimate { u, ..*estimate }),
                 None => Err(Unresolved::new(
                     "the quantity is zero throughout and its uncertainty is not",
-                    "look at the runs of its ladder",
+                    "look at the runs of its refinement study",
                 )),
             }
         }
@@ -452,29 +410,8 @@ fn side<'a>(
     }
 }
 
-pub(crate) fn judgement(
-    metric: Metric,
-    distance: Option<f64>,
-    a: &Side<'_>,
-    b: &Side<'_>,
-    counts: bool,
-    verdict: Verdict,
-) -> Judgement {
-    let u = |side: &Side<'_>| side.uncertainty.as_ref().ok().map(|e| e.u);
-    Judgement {
-        metric,
-        distance,
-        u_a: u(a),
-        u_b: u(b),
-        counts,
-        budget: None,
-        reason: "",
-        verdict,
-    }
-}
-
 /// A distance that has no value.
-fn not_finite(a: &Participant, b: &Participant) -> Verdict {
+fn not_finite(metric: Metric, a: &Participant, b: &Participant) -> Assessment {
     let spoiled = |p: &&&Participant| {
         let channels = p.courses.channels();
         channels
@@ -482,11 +419,10 @@ fn not_finite(a: &Participant, b: &Participant) -> Verdict {
             .any(|c| c.values.iter().any(|v| !v.is_finite()))
     };
     let who = [a, b].iter().find(spoiled).map_or(a, |p| *p);
-    Verdict::NotResolved {
-        participant: who.name.clone(),
-        u: None,
-        reason: "a value is not finite".to_owned(),
-        remedy: format!("look at the time series of {}", who.name),
-        stated: false,
-    }
+    let found = Assessment {
+        metric: Some(metric),
+        ..Assessment::not_compared("")
+    };
+    let remedy = format!("look at the time series of {}", who.name);
+    found.inconclusive(&who.name, "a value is not finite".to_owned(), remedy)
 }

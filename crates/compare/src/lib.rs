@@ -1,22 +1,20 @@
 //! Metrics, uncertainties and verdicts on the time series of several engines.
 //!
-//! [`compare_with`] takes finished (and unfinished) runs on one sample grid and says, per pair of engines, window
+//! [`compare`] takes finished (and unfinished) runs on one sample grid and says, per pair of engines, window
 //! and quantity, how far they are apart and what follows. No engine is called the truth: every judged metric is free
 //! of direction. It works on any time series; what only a gearbox has (load, efficiency) is optional.
 //!
 //! ```text
 //!  runs of engine A: step h, 2h, 4h ──> uA ─┐
-//!                                           ├─ U = uA + uB ─┐   D <= U           agree to U
-//!  runs of engine B: step h, 2h, 4h ──> uB ─┘               ├── D >  U           differ by at least D - U
-//!  A at h against B at h ────────────────────────────> D ───┘   U > resolution   not resolved, with the remedy
+//!                                           ├─ U = uA + uB ─┐   D <= U           agree, to U
+//!  runs of engine B: step h, 2h, 4h ──> uB ─┘               ├── D >  U           differ, by at least D - U
+//!  A at h against B at h ────────────────────────────> D ───┘   U > resolution   inconclusive, with the remedy
 //! ```
 //!
 //! * [`uncertainty`]: the numerical uncertainty u of a run, from the same engine's runs at coarser settings.
-//! * [`verdict`]: the words, and the one function from verdicts to an exit status ([`Counts::outcome`],
-//!   [`Outcome::exit_status`]).
+//! * [`verdict`]: the four verdicts, and the one function from verdicts to an exit status ([`Counts::exit_status`]).
 //! * [`model`]: engines with a contact model of their own, whose difference is an interval against a prediction.
 //! * [`validation`]: measured data, by ASME V&V 20.
-//! * [`limits`]: the table of limits, a regression guard on the scenes it was measured on and on no other.
 //! * [`metrics`]: every metric in one table.
 //!
 //! `docs/verdicts.md` explains all of it on one page.
@@ -39,14 +37,14 @@
 //! }
 //!
 //! fn engine(name: &str, error: f64, order: i32) -> Result<(Participant, Evidence), CoursesError> {
-//!     let rung = |refinement: f64| {
+//!     let level = |refinement: f64| {
 //!         let courses = run(error * refinement.powi(order))?;
-//!         Ok::<_, CoursesError>(Rung { refinement, run: Ok(courses), wall_s: 0.0 })
+//!         Ok::<_, CoursesError>(Level { refinement, run: Ok(courses), wall_s: 0.0 })
 //!     };
-//!     let ladder = Ladder {
+//!     let study = RefinementStudy {
 //!         method: Method::Step { order: order.into(), limit: None },
 //!         finest: 1e-5,
-//!         coarser: vec![rung(2.0)?, rung(4.0)?],
+//!         coarser: vec![level(2.0)?, level(4.0)?],
 //!     };
 //!     let participant = Participant {
 //!         name: name.to_owned(),
@@ -58,7 +56,7 @@
 //!         cost: Cost::default(),
 //!         status: Status::Finished,
 //!     };
-//!     Ok((participant, Evidence::ladder(name, ladder)))
+//!     Ok((participant, Evidence::refinement(name, study)))
 //! }
 //!
 //! let (second, of_second) = engine("second-order", 1e-4, 2)?;
@@ -66,11 +64,12 @@
 //! let context = Context { duration_s: 1.0, ..Context::default() };
 //! let evidence = [of_second, of_fourth];
 //! let rules = Rules { evidence: &evidence, ..Rules::default() };
-//! let found = compare_with(&context, &[second, fourth], &rules)?;
+//! let found = compare(&context, &[second, fourth], &rules)?;
 //!
-//! let verdict = &found.pairs[0].entries[0].verdict;
-//! assert!(matches!(verdict, Verdict::Agree { to } if (1e-4..2e-4).contains(to)), "{verdict:?}");
-//! assert_eq!(found.outcome.exit_status(), 0);
+//! let result = &found.pairs[0].entries[0].result;
+//! assert_eq!(result.verdict, Verdict::Agree);
+//! assert!(result.bound.is_some_and(|bound| (1e-4..2e-4).contains(&bound)), "{result:?}");
+//! assert_eq!(found.counts.exit_status(), 0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -78,7 +77,6 @@ mod compare;
 pub mod comparison;
 mod error;
 mod grid;
-mod guard;
 mod judge;
 pub mod limits;
 mod matrix;
@@ -95,15 +93,16 @@ pub mod validation;
 pub mod verdict;
 pub mod windows;
 
-pub use compare::{compare, compare_stated, compare_with};
-pub use comparison::{Comparison, Judgement};
+pub use compare::compare;
+pub use comparison::Comparison;
 pub use error::CompareError;
-pub use limits::{Limit, StatedLimit};
+pub use judge::LOAD_BALANCE;
+pub use limits::StatedLimit;
 pub use metrics::Metric;
 pub use participant::{Context, Cost, Divergence, Energy, Participant, Scales, Status, Track};
 pub use quantities::Quantity;
 pub use rules::{RESOLUTION, Rules};
-pub use uncertainty::{Evidence, Ladder, Rung, Uncertainty};
+pub use uncertainty::{Evidence, Level, RefinementStudy, Uncertainty};
 pub use validation::DataUncertainty;
-pub use verdict::{Check, Counts, Outcome, Verdict};
+pub use verdict::{Against, Assessment, Counts, Verdict};
 pub use windows::{Window, WindowKind};

@@ -4,11 +4,11 @@
 //! differs by per cents on purpose; in one table each would hide the other. Native engines stand
 //! in every matrix.
 
-use crate::comparison::{Cell, Judgement, Matrix, Pair, PairEntry};
+use crate::comparison::{Cell, Matrix, Pair};
 use crate::metrics::Metric;
 use crate::participant::{Participant, Track};
 use crate::quantities::Quantity;
-use crate::verdict::{Outcome, Verdict};
+use crate::verdict::Assessment;
 use crate::windows::Window;
 
 /// The track two engines are compared on; `None` if they must not be.
@@ -101,93 +101,38 @@ fn cell(
             .filter_map(|e| Some((e.metrics.as_ref()?.relative_l2?, &e.quantity)))
             .max_by(|(a, _), (b, _)| a.total_cmp(b))
     };
-    let worst = decisive(&entries).or_else(|| {
-        let (value, quantity) = largest(Quantity::is_load)?;
-        Some(Figure {
-            outcome: Outcome::Nothing,
-            share: 0.0,
-            value: Some(value),
-            quantity,
-            metric: Metric::RelativeL2,
-            combined: None,
-        })
+    let worst = entries.iter().reduce(|a, b| {
+        let graver = Assessment::worst([&a.result, &b.result]);
+        if graver == Some(&a.result) { a } else { b }
     });
-    let verdict = Verdict::worst(entries.iter().map(|e| &e.verdict));
+    let decided = worst.filter(|entry| entry.result.rank() > 0);
+    let (quantity, result) = match (decided, largest(Quantity::is_load)) {
+        (None, Some((value, quantity))) => {
+            let shown = Assessment {
+                metric: Some(Metric::RelativeL2),
+                difference: Some(value),
+                u_a: None,
+                u_b: None,
+                ..worst.map_or_else(nothing, |entry| entry.result.clone())
+            };
+            (Some(quantity.clone()), shown)
+        }
+        _ => (
+            worst.map(|entry| entry.quantity.clone()),
+            worst.map_or_else(nothing, |entry| entry.result.clone()),
+        ),
+    };
     Cell {
         row,
         column,
         pair,
-        worst: worst.as_ref().and_then(|w| w.value),
-        worst_quantity: worst.as_ref().map(|w| w.quantity.to_owned()),
-        worst_metric: worst.as_ref().map(|w| w.metric),
-        worst_uncertainty: worst.as_ref().and_then(|w| w.combined),
+        quantity,
         force: largest(Quantity::is_force).map(|(value, _)| value),
         torque: largest(Quantity::is_torque).map(|(value, _)| value),
-        verdict: verdict.cloned().unwrap_or_else(|| Verdict::NotJudged {
-            reason: "nothing to compare".to_owned(),
-        }),
+        result,
     }
 }
 
-/// A number that was judged.
-struct Figure<'a> {
-    outcome: Outcome,
-    /// Of its limit or uncertainty.
-    share: f64,
-    value: Option<f64>,
-    quantity: &'a str,
-    metric: Metric,
-    /// U.
-    combined: Option<f64>,
-}
-
-/// The figure that decided: of the gravest outcome the one that uses most of its limit or uncertainty.
-fn decisive<'a>(entries: &[&'a PairEntry]) -> Option<Figure<'a>> {
-    let checks = entries.iter().flat_map(|entry| {
-        entry.checks.iter().map(|check| Figure {
-            outcome: check.verdict().outcome(),
-            share: check.share(),
-            value: check.value,
-            quantity: &entry.quantity,
-            metric: check.metric,
-            combined: None,
-        })
-    });
-    let judgements = entries.iter().flat_map(|entry| {
-        let judged = entry.judgements.iter().filter(|j| j.counts);
-        judged.map(|judgement| Figure {
-            outcome: judgement.verdict.outcome(),
-            share: share(judgement),
-            value: judgement.distance.map(f64::abs),
-            quantity: &entry.quantity,
-            metric: judgement.metric,
-            combined: judgement.combined(),
-        })
-    });
-    judgements.chain(checks).max_by(|a, b| {
-        let outcomes = a.outcome.cmp(&b.outcome);
-        outcomes.then(a.share.total_cmp(&b.share))
-    })
-}
-
-/// Distance over what it was allowed to be; what is not known is beyond all.
-fn share(judgement: &Judgement) -> f64 {
-    let (Some(distance), Some(sum)) = (judgement.distance, judgement.combined()) else {
-        return f64::INFINITY;
-    };
-    let (distance, allowed) = match &judgement.verdict {
-        Verdict::ModelDifference {
-            predicted,
-            tolerance,
-            ..
-        } => (distance - predicted, sum + tolerance.unwrap_or(0.0)),
-        // What is not resolved is so by its uncertainty, not by its distance.
-        Verdict::NotResolved { .. } => (sum, 1.0),
-        _ => (distance, sum),
-    };
-    if distance == 0.0 {
-        0.0
-    } else {
-        distance.abs() / allowed
-    }
+fn nothing() -> Assessment {
+    Assessment::not_compared("nothing to compare")
 }

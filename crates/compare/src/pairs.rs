@@ -2,15 +2,15 @@
 
 use pinwheel_courses::Courses;
 
-use crate::comparison::{EngineSummary, Judgement, Pair, PairEntry};
+use crate::comparison::{EngineSummary, Pair, PairEntry};
 use crate::grid::Common;
-use crate::judge::{self, Judge, Sides, Uncertainties};
+use crate::judge::{Judge, Sides, Uncertainties};
 use crate::metrics::{Metric, PairMetrics};
 use crate::participant::{Participant, Track};
 use crate::quantities::Quantity;
 use crate::summary::{covered, floor, shared, uncertainty};
 use crate::uncertainty::{Estimate, Extrapolated, QuantityUncertainty, Source};
-use crate::verdict::{self, Side, Verdict};
+use crate::verdict::{self, Assessment, Side};
 use crate::windows::{FEWEST_SAMPLES, Window};
 use crate::{CompareError, grid};
 use pinwheel_courses::norms::View;
@@ -48,15 +48,14 @@ fn pair_entry(
     judge: Judge<'_>,
 ) -> Option<PairEntry> {
     let Sides { a, b, .. } = sides;
-    let unjudged = |reason| {
+    let unjudged = |reason: String| {
         Some(PairEntry {
             quantity: quantity.name.clone(),
             window: window.kind,
             metrics: None,
-            checks: Vec::new(),
-            judgements: Vec::new(),
+            assessments: Vec::new(),
             extrapolated: None,
-            verdict: Verdict::NotJudged { reason },
+            result: Assessment::not_compared(reason),
         })
     };
     let has = |p: &Participant| {
@@ -107,28 +106,29 @@ fn pair_entry(
     };
     let of_sides = [uncertainty(a, of_a), uncertainty(b, of_b)];
     let of_sides = [of_sides[0].as_ref(), of_sides[1].as_ref()];
-    let found = judge.pair(sides, quantity, window, &metrics, of_sides);
+    let assessments = judge.pair(sides, quantity, window, &metrics, of_sides);
+    let deciding = assessments.iter().filter(|one| one.decides);
+    let result = Assessment::worst(deciding)?.clone();
     let extrapolated = extrapolated(sides, quantity, window, of_sides, judge);
     Some(PairEntry {
         quantity: quantity.name.clone(),
         window: window.kind,
         metrics: Some(metrics),
-        checks: found.checks,
-        judgements: found.judgements,
+        assessments,
         extrapolated,
-        verdict: found.verdict,
+        result,
     })
 }
 
 /// The relative L2 judgement of two participants of one law, both on one grid, with the leading error term of every
-/// confirmed ladder taken off; `None` where neither has one.
+/// confirmed refinement study taken off; `None` where neither has one.
 fn extrapolated(
     Sides { track, a, b }: Sides<'_>,
     quantity: &Quantity,
     window: &Window,
     [of_a, of_b]: Uncertainties<'_>,
     judge: Judge<'_>,
-) -> Option<Judgement> {
+) -> Option<Assessment> {
     let one_law = [Track::Native, Track::SharedLaw].contains(&track);
     if !one_law || !judge.context.is_pointwise(window.to_s) || !grid::same(&a.courses, &b.courses) {
         return None;
@@ -136,11 +136,11 @@ fn extrapolated(
     let samples = a.courses.window(window.from_s, window.to_s);
     let sharper = |p: &Participant, of: Option<&QuantityUncertainty>| {
         let evidence = judge.rules.evidence.iter().find(|e| e.engine == p.name)?;
-        let Source::Ladder(ladder) = &evidence.source else {
+        let Source::Refinement(study) = &evidence.source else {
             return None;
         };
         let floor = floor(p, evidence, judge.context);
-        ladder.extrapolated(&p.courses, quantity, samples.clone(), &of?.l2, floor)
+        study.extrapolated(&p.courses, quantity, samples.clone(), &of?.l2, floor)
     };
     let (new_a, new_b) = (sharper(a, of_a), sharper(b, of_b));
     if new_a.is_none() && new_b.is_none() {
@@ -179,13 +179,10 @@ fn extrapolated(
         Side::known(&b.name, u(&new_b, of_b)?),
     );
     let distance = metrics.relative_l2?;
-    let verdict = verdict::pair(distance, &side_a, &side_b, judge.rules.resolution);
-    Some(judge::judgement(
-        Metric::RelativeL2,
-        Some(distance),
-        &side_a,
-        &side_b,
-        false,
-        verdict,
-    ))
+    let sides = [&side_a, &side_b];
+    let resolution = judge.rules.resolution;
+    Some(Assessment {
+        decides: false,
+        ..verdict::pair(Metric::RelativeL2, distance, sides, resolution)
+    })
 }

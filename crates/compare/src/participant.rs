@@ -43,17 +43,13 @@ pub struct Context {
     pub load_changes_s: Vec<f64>,
     /// Angular velocity of the driver, rad/s.
     pub input_speed_rad_s: Option<f64>,
-    /// Coefficient of friction; 0 chooses the limits of frictionless scenes.
+    /// Coefficient of friction; 0 chooses the tolerances of frictionless scenes.
     pub friction_coefficient: f64,
     /// Time in which the start-up transient has decayed, s; `None` takes
     /// [`SETTLING_S`](crate::windows::SETTLING_S). 0 for a run that starts in equilibrium.
     pub settling_s: Option<f64>,
     /// What a rounding does to the scene, where it was measured.
     pub divergence: Option<Divergence>,
-    /// The preset that the scene is, but for its duration and what it writes: the table of limits guards those
-    /// presets it was measured on. `None` for any other scene.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub guarded: Option<String>,
     /// Sizes that tell a load from a rounding; what is `None` is taken from the time series themselves.
     #[serde(skip_serializing_if = "Scales::is_empty")]
     pub scales: Scales,

@@ -1,6 +1,6 @@
 //! What verdicts are made by.
 
-use crate::limits::{self, Limit, StatedLimit};
+use crate::limits::StatedLimit;
 use crate::model::{self, ModelTolerance};
 use crate::uncertainty::Evidence;
 use crate::validation::DataUncertainty;
@@ -8,25 +8,22 @@ use crate::validation::DataUncertainty;
 /// What verdicts are made by. `Rules::default()` has the project's tables and no evidence.
 #[derive(Debug, Clone, Copy)]
 pub struct Rules<'a> {
-    /// The regression guard, usually [`limits::TABLE`](crate::limits::TABLE): holds on the scenes it was measured on.
-    pub limits: &'a [Limit],
     /// Limits stated for measured participants.
     pub stated: &'a [StatedLimit],
-    /// Numerical uncertainty of the participants. With evidence for one, each of the others without is
-    /// *not resolved*; without any, verdicts are those of the limits alone.
+    /// Numerical uncertainty of the participants. With evidence for one, whatever is compared with others without is
+    /// *inconclusive*; without any, engines are not compared at all.
     pub evidence: &'a [Evidence],
     /// How far own-contact engines state to be from the native model.
     pub tolerances: &'a [ModelTolerance],
     /// Uncertainty of measured data and of the inputs.
     pub data: &'a [DataUncertainty],
-    /// The largest U that still counts as resolved, relative.
+    /// The largest U that still proves agreement, relative.
     pub resolution: f64,
 }
 
 impl Default for Rules<'_> {
     fn default() -> Self {
         Self {
-            limits: limits::TABLE,
             stated: &[],
             evidence: &[],
             tolerances: model::TOLERANCES,

@@ -6,7 +6,7 @@ use std::ops::Range;
 use pinwheel_courses::norms::{Statistics, View};
 use pinwheel_courses::{Courses, efficiency as ratio, mean_powers};
 
-use crate::comparison::{EngineEntry, EngineSummary, Figures, LadderSummary};
+use crate::comparison::{EngineEntry, EngineSummary, Figures, RefinementSummary};
 use crate::judge::Judge;
 use crate::model;
 use crate::participant::{Context, Participant, Track};
@@ -15,7 +15,6 @@ use crate::uncertainty::{
     Estimate, Evidence, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved,
     rounding_floor,
 };
-use crate::verdict::Verdict;
 use crate::windows::{Window, WindowKind};
 
 /// What rounding alone makes of a run, as a share.
@@ -44,12 +43,12 @@ pub(crate) fn uncertainty(
         .iter()
         .find(|e| e.engine == participant.name)?;
     let missing = |missing: &Unresolved| {
-        let what = Uncertainty::NotResolved(missing.clone());
+        let what = Uncertainty::Unknown(missing.clone());
         QuantityUncertainty::everywhere(&quantity.name, window.kind, &what)
     };
     Some(match &evidence.source {
-        Source::Ladder(ladder) => match ladder.check(&participant.courses) {
-            Ok(()) => ladder.assess(
+        Source::Refinement(study) => match study.check(&participant.courses) {
+            Ok(()) => study.assess(
                 &participant.courses,
                 quantity,
                 window.kind,
@@ -68,13 +67,13 @@ pub(crate) fn uncertainty(
             .unwrap_or_else(|| {
                 missing(&Unresolved {
                     reason: "its recording holds no uncertainty of this".to_owned(),
-                    remedy: "record it anew with its ladder, or run it live".to_owned(),
+                    remedy: "record it anew with its refinement study, or run it live".to_owned(),
                 })
             }),
         Source::Exact(share) => {
             let statistics = View::of(&participant.courses, &quantity.channels, samples)
                 .and_then(|view| Statistics::of(&view));
-            let of = |size: f64| Uncertainty::Resolved(Estimate::stated(share * size));
+            let of = |size: f64| Uncertainty::Known(Estimate::stated(share * size));
             let own = statistics?;
             QuantityUncertainty {
                 linf: of(own.peak),
@@ -109,32 +108,16 @@ pub(crate) fn engine_summary(
         let found: Vec<QuantityUncertainty> = there
             .filter_map(|q| uncertainty(participant, q, window, samples.clone(), judge))
             .collect();
-        let output = quantities.iter().find(|q| q.name == OUTPUT_TORQUE);
-        let judged_alone = participant.track != Track::Measured;
-        if let Some((quantity, load_n_m)) = output.zip(context.load_n_m).filter(|_| judged_alone) {
-            let mean = figures
-                .quantities
-                .get(OUTPUT_TORQUE)
-                .map(|statistics| statistics.mean);
-            let u = found
-                .iter()
-                .find(|u| u.quantity == OUTPUT_TORQUE)
-                .map(|u| &u.mean);
-            let found = judge.load(participant, quantity, window.kind, mean, load_n_m, u);
-            let found = found.map(|(checks, verdict)| {
-                if participant.cost.recorded.is_none() {
-                    return (checks, verdict);
-                }
-                // One sample a millisecond aliases the ripple into the mean: 1e-4 of it for 40 sleeves.
-                let reason = "a recording has too few samples for this mean".to_owned();
-                (Vec::new(), Verdict::NotJudged { reason })
-            });
-            judged.extend(found.map(|(checks, verdict)| EngineEntry {
-                quantity: quantity.name.clone(),
+        let steady = window.kind == WindowKind::Steady && participant.track != Track::Measured;
+        let there = quantities.iter().any(|q| q.name == OUTPUT_TORQUE);
+        if let Some(load_n_m) = context.load_n_m.filter(|_| steady && there) {
+            let mean = figures.quantities.get(OUTPUT_TORQUE).map(|s| s.mean);
+            let u = found.iter().find(|u| u.quantity == OUTPUT_TORQUE);
+            judged.push(EngineEntry {
+                quantity: OUTPUT_TORQUE.to_owned(),
                 window: window.kind,
-                checks,
-                verdict,
-            }));
+                result: judge.load(participant, mean, load_n_m, u.map(|u| &u.mean)),
+            });
         }
         all_figures.push(figures);
         uncertainties.extend(found);
@@ -150,12 +133,12 @@ pub(crate) fn engine_summary(
         figures: all_figures,
         judged,
         uncertainty: uncertainties,
-        ladder: judge
+        refinement: judge
             .rules
             .evidence
             .iter()
             .find(|e| e.engine == participant.name)
-            .and_then(|e| LadderSummary::of(e, participant.cost.wall_s)),
+            .and_then(|e| RefinementSummary::of(e, participant.cost.wall_s)),
     }
 }
 

@@ -6,8 +6,6 @@
 
 use serde::Serialize;
 
-use crate::verdict::Verdict;
-
 /// k for about 95 %.
 pub const COVERAGE: f64 = 2.0;
 
@@ -61,18 +59,10 @@ impl Budget {
         (whole > 0.0).then(|| [self.numerical, self.input, self.data].map(share))
     }
 
-    /// The verdict on the error `E` (signed where it has a sign).
+    /// Up to here an error cannot be told from nothing: k u_val.
     #[must_use]
-    pub fn verdict(&self, error: f64) -> Verdict {
-        let level = COVERAGE * self.validation();
-        if error.abs() <= level {
-            Verdict::NotDistinguishable { level }
-        } else {
-            Verdict::ModelError {
-                low: error - level,
-                high: error + level,
-            }
-        }
+    pub fn bound(&self) -> f64 {
+        COVERAGE * self.validation()
     }
 }
 
@@ -87,14 +77,7 @@ mod tests {
         let shares = budget.shares().unwrap();
         assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-14);
         assert!((shares[2] - 144.0 / 169.0).abs() < 1e-14);
-        assert_eq!(
-            budget.verdict(-0.0259).word(),
-            "no model error distinguishable"
-        );
-        let Verdict::ModelError { low, high } = budget.verdict(-0.0265) else {
-            panic!();
-        };
-        assert!((low + 0.0525).abs() < 1e-14 && (high + 0.0005).abs() < 1e-14);
+        assert!((budget.bound() - 0.026).abs() < 1e-15);
         assert_eq!(Budget::new(0.0, 0.0, 0.0).shares(), None);
     }
 }

@@ -1,256 +1,298 @@
-//! The one vocabulary of verdicts: used by pairs, figures and matrices, and by whatever shows them.
+//! Four verdicts, what they rest on, and what a comparison amounts to.
+//!
+//! No engine counts as the truth. A difference D is held against a bound: the numerical error U = uA + uB of both, a model's
+//! tolerance, the uncertainty of a measurement, or a limit that a user states.
 
 use serde::Serialize;
 
 use crate::metrics::Metric;
-use crate::uncertainty::{Estimate, Unresolved};
+use crate::uncertainty::{Estimate, Final, Unresolved};
+use crate::validation::Budget;
 
-/// What was found of two numbers or of one number and its limit. All values are relative (see
-/// [`Metric`]).
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(tag = "verdict", rename_all = "kebab-case")]
+/// What follows from a difference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// No difference beyond the numerical uncertainty: D <= U.
-    Agree {
-        /// How sharp the statement is: U.
-        to: f64,
-    },
-    /// They differ beyond the numerical uncertainty: D > U.
-    Differ {
-        /// By at least D - U.
-        at_least: f64,
-    },
+    /// The difference is no larger than its bound.
+    Agree,
+    /// It is larger.
+    Differ,
     /// The numerical uncertainty is too large, or not known: neither was shown.
-    NotResolved {
-        /// The participant with the largest uncertainty.
-        participant: String,
-        /// Its relative uncertainty, where known.
-        u: Option<f64>,
-        /// Why.
-        reason: String,
-        /// What would do.
-        remedy: String,
-        /// Whether this is how it has to be: the participant says why it brings no sharper number
-        /// ([`Evidence::excuse`](crate::Evidence::excuse)). A statement then, and no failure.
-        stated: bool,
-    },
-    /// The two differ in their model on purpose, by something in this interval.
-    ModelDifference {
-        /// D - U.
-        low: f64,
-        /// D + U.
-        high: f64,
-        /// The difference predicted; 0 where none is.
-        predicted: f64,
-        /// How far the engine states its model may be from that; `None` where it states nothing.
-        tolerance: Option<f64>,
-        /// Whether |D - predicted| <= U + tolerance; `None` without a tolerance.
-        within: Option<bool>,
-    },
-    /// A model error is not distinguishable from zero at this level (ASME V&V 20): |E| <= k u_val.
-    NotDistinguishable {
-        /// k u_val.
-        level: f64,
-    },
-    /// The model is off by something in this interval (ASME V&V 20): E - k u_val to E + k u_val.
-    ModelError {
-        /// Lower end.
-        low: f64,
-        /// Upper end.
-        high: f64,
-    },
-    /// At or below a limit.
-    Within,
-    /// Above a limit, or not a number.
-    Exceeded,
-    /// Nothing applies.
-    NotJudged {
-        /// Why.
-        reason: String,
-    },
+    Inconclusive,
+    /// There is nothing to hold the difference against.
+    NotCompared,
 }
 
 impl Verdict {
-    /// The word used in tables.
+    /// The word for readers.
     #[must_use]
-    pub fn word(&self) -> &'static str {
+    pub fn word(self) -> &'static str {
         match self {
-            Self::Agree { .. } => "agree",
-            Self::Differ { .. } => "differ",
-            Self::NotResolved { .. } => "not resolved",
-            Self::ModelDifference {
-                within: Some(false),
-                ..
-            } => "model difference beyond its tolerance",
-            Self::ModelDifference { .. } => "model difference",
-            Self::NotDistinguishable { .. } => "no model error distinguishable",
-            Self::ModelError { .. } => "model error",
-            Self::Within => "within",
-            Self::Exceeded => "exceeded",
-            Self::NotJudged { .. } => "not judged",
+            Self::Agree => "agree",
+            Self::Differ => "differ",
+            Self::Inconclusive => "inconclusive",
+            Self::NotCompared => "not compared",
         }
-    }
-
-    /// What it amounts to.
-    #[must_use]
-    pub fn outcome(&self) -> Outcome {
-        match self {
-            Self::Differ { .. }
-            | Self::Exceeded
-            | Self::ModelDifference {
-                within: Some(false),
-                ..
-            } => Outcome::Finding,
-            Self::NotResolved { stated: true, .. } => Outcome::Stated,
-            Self::NotResolved { .. } => Outcome::NotResolved,
-            Self::NotJudged { .. } => Outcome::Nothing,
-            // A model difference without a tolerance is a result; nothing was checked.
-            Self::ModelDifference { within: None, .. } => Outcome::Nothing,
-            Self::Agree { .. }
-            | Self::ModelDifference { .. }
-            | Self::NotDistinguishable { .. }
-            | Self::ModelError { .. }
-            | Self::Within => Outcome::Passed,
-        }
-    }
-
-    /// The worst of several: a finding before what is not resolved before what passed before what was not judged; among
-    /// what is not resolved what a user could change first.
-    /// Of equals the first.
-    ///
-    /// ```
-    /// use pinwheel_compare::{Outcome, Verdict};
-    ///
-    /// let found = [Verdict::Within, Verdict::Agree { to: 1e-4 }, Verdict::Exceeded];
-    /// let worst = Verdict::worst(&found).ok_or("nothing was judged")?;
-    /// assert_eq!(worst.outcome(), Outcome::Finding);
-    /// # Ok::<(), &str>(())
-    /// ```
-    pub fn worst<'a>(verdicts: impl IntoIterator<Item = &'a Self>) -> Option<&'a Self> {
-        let mut worst: Option<&Self> = None;
-        for verdict in verdicts {
-            if worst.is_none_or(|known| verdict.outcome() > known.outcome()) {
-                worst = Some(verdict);
-            }
-        }
-        worst
     }
 }
 
-/// What one verdict or a whole comparison amounts to, from the mildest to the gravest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+/// What a difference is held against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Outcome {
-    /// Nothing was judged.
-    Nothing,
-    /// Everything judged holds.
-    Passed,
-    /// Not resolved, for a stated reason that no setting of the user's would change.
-    Stated,
-    /// Something could not be shown either way.
-    NotResolved,
-    /// Something differs, or is beyond its limit.
-    Finding,
+pub enum Against {
+    /// The numerical uncertainty of both engines.
+    NumericalError,
+    /// That, and what an engine states of its own contact model.
+    ModelTolerance,
+    /// The uncertainty of measured data, of the inputs and of the numerics (ASME V&V 20).
+    Measurement,
+    /// A limit: the user's, or that of the balance with the load.
+    Limit,
 }
 
-impl Outcome {
-    /// The status a program ends with: 1 where something differs, or could not be resolved; else 0.
+impl Against {
+    /// The words for readers.
     #[must_use]
-    pub fn exit_status(self) -> u8 {
-        u8::from(matches!(self, Self::NotResolved | Self::Finding))
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::NumericalError => "numerical error",
+            Self::ModelTolerance => "model tolerance",
+            Self::Measurement => "measurement",
+            Self::Limit => "limit",
+        }
     }
 }
 
-/// One number held against one limit.
+/// A verdict with everything it rests on. All figures are relative, as the metric is (see [`Metric`]).
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Check {
-    /// Which metric.
-    pub metric: Metric,
-    /// Its value; `None` where the courses hold values that are not finite.
-    pub value: Option<f64>,
-    /// The limit.
-    pub limit: f64,
-    /// What was measured when the limit was set.
-    pub measured: Option<f64>,
-    /// Why the limit is what it is.
+pub struct Assessment {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// What the difference was held against.
+    pub against: Against,
+    /// How the difference was measured; `None` where nothing was.
+    pub metric: Option<Metric>,
+    /// D; signed where a sign is predicted. `None` where there is none, or it is not finite.
+    #[serde(rename = "value")]
+    pub difference: Option<f64>,
+    /// The difference that is predicted and taken off.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub predicted: f64,
+    /// Up to here the two agree; `None` where that is not known.
+    pub bound: Option<f64>,
+    /// Of the bound, what the models may differ by.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
+    /// Uncertainty of the first participant.
+    pub u_a: Option<f64>,
+    /// Uncertainty of the second.
+    pub u_b: Option<f64>,
+    /// The parts of a validation uncertainty, of measured data.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub budget: Option<Budget>,
+    /// Whose uncertainty is too large or not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub participant: Option<String>,
+    /// Why: of what is inconclusive or not compared, of a limit and of a tolerance.
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub reason: String,
-    /// True when within.
-    pub within: bool,
+    /// The setting that would settle it.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub remedy: String,
+    /// Whether there is something to act on.
+    pub actionable: bool,
+    /// What those are who can bring nothing sharper, e.g. `recordings`; empty for all others.
+    #[serde(skip)]
+    pub group: &'static str,
+    /// Whether it decides about its quantity; others are shown beside those that do.
+    pub decides: bool,
 }
 
-impl Check {
-    /// The verdict of this check alone.
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+impl Assessment {
+    /// Nothing to hold a difference against, and why.
     #[must_use]
-    pub fn verdict(&self) -> Verdict {
-        if self.within {
-            Verdict::Within
-        } else {
-            Verdict::Exceeded
+    pub fn not_compared(reason: impl Into<String>) -> Self {
+        Self {
+            verdict: Verdict::NotCompared,
+            against: Against::NumericalError,
+            metric: None,
+            difference: None,
+            predicted: 0.0,
+            bound: None,
+            tolerance: None,
+            u_a: None,
+            u_b: None,
+            budget: None,
+            participant: None,
+            reason: reason.into(),
+            remedy: String::new(),
+            actionable: false,
+            group: "",
+            decides: true,
         }
     }
 
-    /// Value over limit; infinite where the value is not finite.
+    /// A figure against a limit; what is not finite is beyond every limit.
+    #[must_use]
+    pub fn limit(metric: Metric, value: Option<f64>, limit: f64, reason: &str) -> Self {
+        let holds = value.is_some_and(|value| value <= limit);
+        Self {
+            against: Against::Limit,
+            metric: Some(metric),
+            difference: value,
+            bound: Some(limit),
+            ..Self::not_compared(reason)
+        }
+        .decided(holds)
+    }
+
+    /// Neither was shown: the fault of `participant`.
+    #[must_use]
+    pub fn inconclusive(self, participant: &str, reason: String, remedy: String) -> Self {
+        Self {
+            verdict: Verdict::Inconclusive,
+            participant: Some(participant.to_owned()),
+            reason,
+            remedy,
+            actionable: true,
+            ..self
+        }
+    }
+
+    fn decided(self, agree: bool) -> Self {
+        let verdict = if agree {
+            Verdict::Agree
+        } else {
+            Verdict::Differ
+        };
+        Self {
+            verdict,
+            actionable: !agree,
+            ..self
+        }
+    }
+
+    /// What is inconclusive, with nothing to act on because its participant can bring nothing sharper.
+    #[must_use]
+    pub fn beyond_settings(mut self, why: &Final) -> Self {
+        if self.verdict == Verdict::Inconclusive {
+            self.reason = format!("{}; {}", self.reason, why.reason);
+            self.group = why.group;
+            self.actionable = false;
+            self.remedy.clear();
+        }
+        self
+    }
+
+    /// U, where both uncertainties are known.
+    #[must_use]
+    pub fn combined(&self) -> Option<f64> {
+        Some(self.u_a? + self.u_b?)
+    }
+
+    /// What models differ by, or a model is off by: the difference with its uncertainty to both sides.
+    #[must_use]
+    pub fn interval(&self) -> Option<[f64; 2]> {
+        let half = match self.against {
+            Against::ModelTolerance => self.combined()?,
+            Against::Measurement => self.bound?,
+            Against::NumericalError | Against::Limit => return None,
+        };
+        let middle = self.difference?;
+        Some([middle - half, middle + half])
+    }
+
+    /// Difference over bound; what is inconclusive is so by its uncertainty, and what is not known is beyond all.
     #[must_use]
     pub fn share(&self) -> f64 {
-        self.value.map_or(f64::INFINITY, |value| value / self.limit)
+        if self.verdict == Verdict::Inconclusive {
+            return self.combined().unwrap_or(f64::INFINITY);
+        }
+        match (self.difference, self.bound) {
+            (Some(difference), Some(bound)) => {
+                let off = (difference - self.predicted).abs();
+                if off == 0.0 { 0.0 } else { off / bound }
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// From what says nothing to what is graver: not compared, agree, inconclusive with nothing to act on, inconclusive,
+    /// differ.
+    #[must_use]
+    pub fn rank(&self) -> u8 {
+        match (self.verdict, self.actionable) {
+            (Verdict::NotCompared, _) => 0,
+            (Verdict::Agree, _) => 1,
+            (Verdict::Inconclusive, false) => 2,
+            (Verdict::Inconclusive, true) => 3,
+            (Verdict::Differ, _) => 4,
+        }
+    }
+
+    /// The gravest of several, and among equals the one that uses most of its bound.
+    pub fn worst<'a>(all: impl IntoIterator<Item = &'a Self>) -> Option<&'a Self> {
+        all.into_iter().reduce(|worst, other| {
+            let graver = other.rank().cmp(&worst.rank());
+            match graver.then(other.share().total_cmp(&worst.share())) {
+                std::cmp::Ordering::Greater => other,
+                _ => worst,
+            }
+        })
     }
 }
 
 /// How many verdicts of each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Counts {
-    /// Agree to their uncertainty.
+    /// Agree.
     pub agree: usize,
-    /// Differ beyond it.
+    /// Differ.
     pub differ: usize,
-    /// Not resolved.
-    pub not_resolved: usize,
-    /// Not resolved for a stated reason that lies in an engine, a recording or the time allowed.
-    pub stated: usize,
-    /// Differences and errors of a model, stated as such.
-    pub model: usize,
-    /// Of these, beyond the tolerance stated for the model.
-    pub model_beyond: usize,
-    /// Within a limit.
-    pub within: usize,
-    /// Beyond a limit.
-    pub exceeded: usize,
-    /// Not judged.
-    pub not_judged: usize,
+    /// Inconclusive.
+    pub inconclusive: usize,
+    /// Not compared.
+    pub not_compared: usize,
+    /// Of those that differ, those with something to act on: not the error of a model against a measurement.
+    pub differ_actionable: usize,
+    /// Of those that are inconclusive, those that a setting would settle.
+    pub inconclusive_actionable: usize,
 }
 
 impl Counts {
     /// Counts one more.
-    pub fn add(&mut self, verdict: &Verdict) {
-        match verdict {
-            Verdict::Agree { .. } => self.agree += 1,
-            Verdict::Differ { .. } => self.differ += 1,
-            Verdict::NotResolved { stated: true, .. } => self.stated += 1,
-            Verdict::NotResolved { .. } => self.not_resolved += 1,
-            Verdict::ModelDifference { within, .. } => {
-                self.model += 1;
-                self.model_beyond += usize::from(*within == Some(false));
-            }
-            Verdict::NotDistinguishable { .. } | Verdict::ModelError { .. } => self.model += 1,
-            Verdict::Within => self.within += 1,
-            Verdict::Exceeded => self.exceeded += 1,
-            Verdict::NotJudged { .. } => self.not_judged += 1,
-        }
+    pub fn add(&mut self, one: &Assessment) {
+        let [all, actionable] = match one.verdict {
+            Verdict::Agree => [&mut self.agree, &mut 0],
+            Verdict::Differ => [&mut self.differ, &mut self.differ_actionable],
+            Verdict::Inconclusive => [&mut self.inconclusive, &mut self.inconclusive_actionable],
+            Verdict::NotCompared => [&mut self.not_compared, &mut 0],
+        };
+        *all += 1;
+        *actionable += usize::from(one.actionable);
     }
 
-    /// What they amount to; the exit status is [`Outcome::exit_status`] of this.
+    /// Those that were compared.
     #[must_use]
-    pub fn outcome(&self) -> Outcome {
-        if self.differ + self.exceeded + self.model_beyond > 0 {
-            Outcome::Finding
-        } else if self.not_resolved > 0 {
-            Outcome::NotResolved
-        } else if self.agree + self.within + self.model > 0 {
-            Outcome::Passed
-        } else if self.stated > 0 {
-            Outcome::Stated
+    pub fn compared(&self) -> usize {
+        self.agree + self.differ + self.inconclusive
+    }
+
+    /// The status a program ends with: 1 where something differs, 4 where something is inconclusive that a setting would
+    /// settle, else 0.
+    #[must_use]
+    pub fn exit_status(&self) -> u8 {
+        if self.differ_actionable > 0 {
+            1
+        } else if self.inconclusive_actionable > 0 {
+            4
         } else {
-            Outcome::Nothing
+            0
         }
     }
 }
@@ -274,31 +316,43 @@ impl<'a> Side<'a> {
         }
     }
 
-    fn u(&self) -> Option<f64> {
+    /// Its relative uncertainty, if it is known.
+    #[must_use]
+    pub fn u(&self) -> Option<f64> {
         self.uncertainty.as_ref().ok().map(|e| e.u)
     }
 }
 
-/// The combined uncertainty U of two sides, or the verdict that says what is missing.
+/// A difference in a metric of two sides, not held against anything yet.
+fn between(
+    metric: Metric,
+    difference: f64,
+    against: Against,
+    [a, b]: [&Side<'_>; 2],
+) -> Assessment {
+    Assessment {
+        against,
+        metric: Some(metric),
+        difference: Some(difference),
+        u_a: a.u(),
+        u_b: b.u(),
+        ..Assessment::not_compared("")
+    }
+}
+
+/// The combined uncertainty U of two sides, or the side whose uncertainty is not known, and why.
 ///
 /// U = uA + uB: both are bounds of errors that are fixed by the settings, not random and not independent (two
 /// engines may share a method and err alike or against each other), so nothing entitles us to add them as squares.
 ///
 /// # Errors
-/// The verdict `NotResolved` where one of them is not known.
-pub fn combined(a: &Side<'_>, b: &Side<'_>) -> Result<f64, Verdict> {
-    for side in [a, b] {
-        if let Err(missing) = &side.uncertainty {
-            return Err(Verdict::NotResolved {
-                participant: side.name.to_owned(),
-                u: None,
-                reason: missing.reason.clone(),
-                remedy: missing.remedy.clone(),
-                stated: false,
-            });
-        }
-    }
-    Ok(a.u().unwrap_or(0.0) + b.u().unwrap_or(0.0))
+/// The side whose uncertainty is not known.
+pub fn combined<'a>([a, b]: [&'a Side<'a>; 2]) -> Result<f64, (&'a str, Unresolved)> {
+    let of = |side: &'a Side<'a>| match &side.uncertainty {
+        Ok(estimate) => Ok(estimate.u),
+        Err(missing) => Err((side.name, missing.clone())),
+    };
+    Ok(of(a)? + of(b)?)
 }
 
 /// How much of U a difference must exceed where an order was not confirmed.
@@ -306,87 +360,118 @@ pub const UNCONFIRMED: f64 = 2.0;
 
 /// Two participants of one law at the relative distance D.
 ///
-/// D <= U: agree to U. D > U: differ by at least D - U; where an uncertainty rests on no confirmed order, 2 U takes the place
+/// D <= U: they agree. D > U: they differ; where an uncertainty rests on no confirmed order, 2 U takes the place
 /// of U for distances above U. Where U is above `resolution`, agreement would say nothing,
-/// and a difference is told only if both uncertainties rest on confirmed orders: otherwise not resolved.
+/// and a difference is told only if both uncertainties rest on confirmed orders: otherwise it is inconclusive.
 #[must_use]
-pub fn pair(distance: f64, a: &Side<'_>, b: &Side<'_>, resolution: f64) -> Verdict {
-    let sum = match combined(a, b) {
+pub fn pair(metric: Metric, distance: f64, sides: [&Side<'_>; 2], resolution: f64) -> Assessment {
+    let found = between(metric, distance, Against::NumericalError, sides);
+    let sum = match combined(sides) {
         Ok(sum) => sum,
-        Err(missing) => return missing,
+        Err((who, missing)) => return found.inconclusive(who, missing.reason, missing.remedy),
     };
-    let confirmed = [a, b]
+    let confirmed = sides
         .iter()
         .all(|s| s.uncertainty.as_ref().is_ok_and(|e| e.basis.is_confirmed()));
     // What is not a number is not sharp.
     let (sharp, shown) = (sum <= resolution, confirmed && distance > sum);
     if !(sharp || shown) {
-        return too_blunt(sum, a, b, resolution);
+        return too_blunt(found, sum, sides, resolution);
     }
     // Of a size that no order confirms only twice as much is a bound: such estimates miss one error in a hundred by as
     // much, and a comparison makes hundreds of them.
-    let bound = if confirmed { sum } else { UNCONFIRMED * sum };
-    if distance <= sum {
-        Verdict::Agree { to: sum }
-    } else if distance <= bound {
-        Verdict::Agree { to: bound }
+    let bound = if confirmed || distance <= sum {
+        sum
     } else {
-        Verdict::Differ {
-            at_least: distance - bound,
-        }
+        UNCONFIRMED * sum
+    };
+    Assessment {
+        bound: Some(bound),
+        ..found
     }
+    .decided(distance <= bound)
 }
 
-/// Not resolved: U is above what was asked for.
-pub(crate) fn too_blunt(sum: f64, a: &Side<'_>, b: &Side<'_>, resolution: f64) -> Verdict {
+/// Inconclusive: U is above what was asked for.
+fn too_blunt(found: Assessment, sum: f64, [a, b]: [&Side<'_>; 2], resolution: f64) -> Assessment {
     let (blunt, other) = if a.u() >= b.u() { (a, b) } else { (b, a) };
     let target = (resolution - other.u().unwrap_or(0.0)).max(resolution / 2.0);
-    let factor = blunt
-        .uncertainty
-        .as_ref()
-        .ok()
-        .and_then(|e| e.refinement_for(target));
-    Verdict::NotResolved {
-        participant: blunt.name.to_owned(),
-        u: blunt.u(),
-        reason: format!("U = {sum:.1e} is above the resolution of {resolution:.0e}"),
-        remedy: match factor {
-            Some(factor) => format!(
-                "refine {} {} times",
-                blunt.name,
-                (factor * 10.0).ceil() / 10.0
-            ),
-            None => format!("refine {}", blunt.name),
-        },
-        stated: false,
-    }
+    let estimate = blunt.uncertainty.as_ref().ok();
+    let remedy = match estimate.and_then(|e| e.refinement_for(target)) {
+        Some(factor) => format!(
+            "refine {} {} times",
+            blunt.name,
+            (factor * 10.0).ceil() / 10.0
+        ),
+        None => format!("refine {}", blunt.name),
+    };
+    let reason = format!("U = {sum:.1e} is above the resolution of {resolution:.0e}");
+    found.inconclusive(blunt.name, reason, remedy)
 }
 
-/// Two participants whose models differ on purpose, at the (signed, where it has a sign) distance D: the interval
-/// D - U to D + U, and whether the difference less the predicted one is within U + `tolerance`.
+/// What two models are allowed to differ by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Allowed {
+    /// The difference that is predicted.
+    pub predicted: f64,
+    /// How far from that the engines say they may be, beside numerical uncertainty.
+    pub tolerance: f64,
+    /// Why the tolerance is what it is.
+    pub reason: &'static str,
+}
+
+/// Two participants whose models differ on purpose, at the (signed, where it has a sign) distance D: they agree if the
+/// difference less the predicted one is no larger than U and the tolerance; without a tolerance there is nothing to compare
+/// with, and the interval D - U to D + U is the result.
 #[must_use]
 pub fn model(
+    metric: Metric,
     distance: f64,
-    a: &Side<'_>,
-    b: &Side<'_>,
+    sides: [&Side<'_>; 2],
     resolution: f64,
-    predicted: f64,
-    tolerance: Option<f64>,
-) -> Verdict {
-    let sum = match combined(a, b) {
+    allowed: Result<Allowed, &str>,
+) -> Assessment {
+    let found = between(metric, distance, Against::ModelTolerance, sides);
+    let allowed = match allowed {
+        Ok(allowed) => allowed,
+        Err(reason) => {
+            return Assessment {
+                reason: reason.to_owned(),
+                ..found
+            };
+        }
+    };
+    let sum = match combined(sides) {
         Ok(sum) => sum,
-        Err(missing) => return missing,
+        Err((who, missing)) => return found.inconclusive(who, missing.reason, missing.remedy),
     };
     // As blunt as its tolerance a statement may be, but no blunter: it would pass by being blunt.
-    let resolution = resolution.max(tolerance.unwrap_or(0.0));
+    let resolution = resolution.max(allowed.tolerance);
     if !(sum <= resolution) {
-        return too_blunt(sum, a, b, resolution);
+        return too_blunt(found, sum, sides, resolution);
     }
-    Verdict::ModelDifference {
-        low: distance - sum,
-        high: distance + sum,
-        predicted,
-        tolerance,
-        within: tolerance.map(|t| (distance - predicted).abs() <= sum + t),
+    let bound = sum + allowed.tolerance;
+    Assessment {
+        predicted: allowed.predicted,
+        bound: Some(bound),
+        tolerance: Some(allowed.tolerance),
+        reason: allowed.reason.to_owned(),
+        ..found
+    }
+    .decided((distance - allowed.predicted).abs() <= bound)
+}
+
+/// A simulation against measured data at the error E = S - D. That a model is off is a result, and nothing to act on.
+#[must_use]
+pub fn measured(metric: Metric, error: f64, sides: [&Side<'_>; 2], budget: Budget) -> Assessment {
+    let bound = budget.bound();
+    let found = Assessment {
+        bound: Some(bound),
+        budget: Some(budget),
+        ..between(metric, error, Against::Measurement, sides)
+    };
+    Assessment {
+        actionable: false,
+        ..found.decided(error.abs() <= bound)
     }
 }

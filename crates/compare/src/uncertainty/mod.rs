@@ -1,26 +1,26 @@
 //! The numerical uncertainty of a run, from the same engine's runs at coarser settings.
 //!
-//! [`order`] holds the formulas on plain numbers. [`Ladder`] applies them to time series: per quantity (all
+//! [`order`] holds the formulas on plain numbers. [`RefinementStudy`] applies them to time series: per quantity (all
 //! channels jointly) and window, in the norms of the comparison. [`Evidence`] is what a participant brings.
 
-mod ladder;
 pub mod order;
+mod refinement;
 
 use serde::{Deserialize, Serialize};
 
 use crate::windows::WindowKind;
-pub(crate) use ladder::Settings;
-pub use ladder::{Extrapolated, Ladder, Rung};
 pub use order::{Basis, Estimate, Method, Unresolved};
+pub(crate) use refinement::Settings;
+pub use refinement::{Extrapolated, Level, RefinementStudy};
 
 /// The uncertainty of one figure, or why there is none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "kebab-case")]
 pub enum Uncertainty {
     /// Known.
-    Resolved(Estimate),
+    Known(Estimate),
     /// Not known.
-    NotResolved(Unresolved),
+    Unknown(Unresolved),
 }
 
 impl Uncertainty {
@@ -28,8 +28,8 @@ impl Uncertainty {
     #[must_use]
     pub fn estimate(&self) -> Option<&Estimate> {
         match self {
-            Self::Resolved(estimate) => Some(estimate),
-            Self::NotResolved(_) => None,
+            Self::Known(estimate) => Some(estimate),
+            Self::Unknown(_) => None,
         }
     }
 
@@ -42,7 +42,7 @@ impl Uncertainty {
 
 impl From<Result<Estimate, Unresolved>> for Uncertainty {
     fn from(found: Result<Estimate, Unresolved>) -> Self {
-        found.map_or_else(Self::NotResolved, Self::Resolved)
+        found.map_or_else(Self::Unknown, Self::Known)
     }
 }
 
@@ -118,18 +118,27 @@ pub struct Evidence {
     pub engine: String,
     /// Where its uncertainty comes from.
     pub source: Source,
-    /// Why a number that is not sharp enough has to be accepted: a recording has no ladder, a time limit is spent.
-    /// What is then not resolved is stated and no failure. `None` where a setting would do.
-    pub excuse: Option<String>,
+    /// Why a number that is not sharp enough has to be accepted: a time limit is spent, say. What is then inconclusive
+    /// leaves nothing to act on. `None` where a setting would do.
+    pub is_final: Option<Final>,
     /// Share of a quantity's size that no refinement takes off: what the engine's own iterations leave. 0 for none.
     pub floor: f64,
+}
+
+/// Why no setting of the user's makes a participant's numbers sharper.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Final {
+    /// What such participants are called together, e.g. `recordings`.
+    pub group: &'static str,
+    /// The reason of this one.
+    pub reason: String,
 }
 
 /// Where an uncertainty comes from.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// Coarser runs of the same engine.
-    Ladder(Ladder),
+    Refinement(RefinementStudy),
     /// Uncertainties written down with a recording, as a comparison gave them
     /// ([`EngineSummary::uncertainty`](crate::comparison::EngineSummary::uncertainty)).
     Recorded(Vec<QuantityUncertainty>),
@@ -140,13 +149,13 @@ pub enum Source {
 }
 
 impl Evidence {
-    /// Evidence from a ladder.
+    /// Evidence from a refinement study.
     #[must_use]
-    pub fn ladder(engine: impl Into<String>, ladder: Ladder) -> Self {
+    pub fn refinement(engine: impl Into<String>, study: RefinementStudy) -> Self {
         Self {
             engine: engine.into(),
-            source: Source::Ladder(ladder),
-            excuse: None,
+            source: Source::Refinement(study),
+            is_final: None,
             floor: 0.0,
         }
     }
@@ -163,7 +172,7 @@ impl Evidence {
                 reason: reason.into(),
                 remedy: remedy.into(),
             }),
-            excuse: None,
+            is_final: None,
             floor: 0.0,
         }
     }
@@ -174,11 +183,12 @@ impl Evidence {
         Self { floor, ..self }
     }
 
-    /// The same with an excuse.
+    /// The same of a participant that can bring nothing sharper.
     #[must_use]
-    pub fn excused(self, why: impl Into<String>) -> Self {
+    pub fn finally(self, group: &'static str, reason: impl Into<String>) -> Self {
+        let reason = reason.into();
         Self {
-            excuse: Some(why.into()),
+            is_final: Some(Final { group, reason }),
             ..self
         }
     }

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 pub const SAFETY: f64 = 1.25;
 /// Fs elsewhere.
 pub const SAFETY_UNCONFIRMED: f64 = 3.0;
-/// Below this observed order a ladder does not converge.
+/// Below this observed order a refinement study does not converge.
 pub const LEAST_ORDER: f64 = 0.5;
 /// As [`LEAST_ORDER`] for tolerances: the differences shrink less than twofold while the tolerance falls tenfold.
 pub const LEAST_TOLERANCE_ORDER: f64 = 0.3;
@@ -30,7 +30,7 @@ pub const CONTACTS: f64 = 2.5;
 /// The order that a scene with friction, impacts or jumps allows.
 pub const FRICTION: f64 = 1.0;
 
-/// What is refined from rung to rung.
+/// What is refined from level to level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "refined", rename_all = "kebab-case")]
 pub enum Method {
@@ -117,12 +117,12 @@ pub enum Basis {
     /// which a method of a higher order than theirs cannot confirm: Fs = 3 with theirs.
     Unconfirmed,
     /// Two runs: the order is the stated one, unseen. What both runs miss alike cannot be seen.
-    TwoRungs,
+    TwoLevels,
     /// Runs at several tolerances: the error was taken as proportional to the tolerance, Fs = 3.
     Tolerance,
     /// The runs differ by rounding only: u is the floor of rounding.
     Rounding,
-    /// A figure of a series whose own uncertainty bounds it more sharply than the figure's ladder does.
+    /// A figure of a series whose own uncertainty bounds it more sharply than the figure's study does.
     Series,
     /// Runs at several tolerances that show no order, or runs beyond the divergence horizon, where each is a sample: three
     /// times their spread.
@@ -150,7 +150,7 @@ pub struct Estimate {
     pub observed_order: Option<f64>,
     /// Order used.
     pub order: Option<f64>,
-    /// Factor of safety of the finest difference; those of coarser rungs may have another.
+    /// Factor of safety of the finest difference; those of coarser levels may have another.
     pub safety: Option<f64>,
 }
 
@@ -209,7 +209,7 @@ impl Unresolved {
     }
 }
 
-/// From one rung to the next coarser one.
+/// From one level to the next coarser one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     /// The coarser refinement over the finer one, above 1.
@@ -253,7 +253,7 @@ pub fn observed_order(fine: Step, coarse: Step) -> Option<f64> {
 
 /// The uncertainty of the finest run.
 ///
-/// `steps`: from the finest rung to the coarsest. `alignment`: cosine between the two finest differences, for
+/// `steps`: from the finest level to the coarsest. `alignment`: cosine between the two finest differences, for
 /// single figures 1 or -1. `floor`: what rounding alone may make of a difference, in the unit of the differences.
 ///
 /// # Errors
@@ -272,8 +272,8 @@ pub fn estimate(
     };
     if steps.iter().any(|s| !s.difference.is_finite()) {
         return Err(Unresolved::new(
-            "a run of the ladder is not finite",
-            "take a finer ladder",
+            "a run of the refinement study is not finite",
+            "take a finer study",
         ));
     }
     if steps
@@ -281,7 +281,7 @@ pub fn estimate(
         .any(|s| !(s.ratio > 1.0 && s.ratio.is_finite()))
     {
         return Err(Unresolved::new(
-            "the rungs of the ladder are not ordered from fine to coarse",
+            "the levels of the refinement study are not ordered from fine to coarse",
             "order them",
         ));
     }
@@ -292,7 +292,7 @@ pub fn estimate(
     let bound = |order: f64, safety: f64| {
         let mut refinement = fine.ratio;
         let mut largest = safety * fine.difference / (refinement.powf(order) - 1.0);
-        // Every rung predicts the error of the finest; an accident of one difference does not hide the others.
+        // Every level predicts the error of the finest; an accident of one difference does not hide the others.
         // With friction, and at tolerances, coarse runs fall with the method's own order; over kinks with theirs. Clearly more
         // than the method's own order is luck: the finest difference is small for no reason, the next one is not.
         let order = if method.allowed_order() < stated && !method.is_kinked() {
@@ -325,7 +325,7 @@ pub fn estimate(
     };
     let guarded = method.unconfirmed_safety();
     let (unseen, lowest) = match method {
-        Method::Step { .. } => (Basis::TwoRungs, Basis::Rounding),
+        Method::Step { .. } => (Basis::TwoLevels, Basis::Rounding),
         // Its floor is what all its runs may miss alike, which nothing shows.
         Method::Tolerance { .. } => (Basis::Tolerance, Basis::Tolerance),
     };
@@ -343,7 +343,7 @@ pub fn estimate(
         }
         return Err(Unresolved::new(
             format!(
-                "it does not converge: from rung to rung the runs differ by {:.1e} and then by {:.1e} (observed order {}, \
+                "it does not converge: from level to level the runs differ by {:.1e} and then by {:.1e} (observed order {}, \
                  at least {} needed)",
                 coarse.difference,
                 fine.difference,

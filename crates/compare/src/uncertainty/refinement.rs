@@ -13,18 +13,18 @@ use pinwheel_courses::norms::{Statistics, View, peak, rms};
 
 /// The coarser runs beside a participant's own, which is the finest.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ladder {
+pub struct RefinementStudy {
     /// What is refined.
     pub method: Method,
     /// The finest run's step (s), tolerance, or whatever is refined: for the remedies told.
     pub finest: f64,
     /// The other runs.
-    pub coarser: Vec<Rung>,
+    pub coarser: Vec<Level>,
 }
 
 /// One coarser run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rung {
+pub struct Level {
     /// Its step or tolerance over the finest run's, above 1.
     pub refinement: f64,
     /// Its time series at the finest run's sample times; or why there are none.
@@ -51,7 +51,7 @@ pub(crate) struct Settings {
     pub(crate) pointwise: bool,
 }
 
-/// One pair of neighbouring rungs, in every norm.
+/// One pair of neighbouring levels, in every norm.
 #[derive(Debug, Clone, Copy)]
 struct Gap {
     ratio: f64,
@@ -59,12 +59,12 @@ struct Gap {
     linf: f64,
 }
 
-impl Ladder {
-    /// The rungs from fine to coarse, without the finest.
-    fn rungs(&self) -> Vec<&Rung> {
-        let mut rungs: Vec<&Rung> = self.coarser.iter().collect();
-        rungs.sort_by(|a, b| a.refinement.total_cmp(&b.refinement));
-        rungs
+impl RefinementStudy {
+    /// The levels from fine to coarse, without the finest.
+    fn levels(&self) -> Vec<&Level> {
+        let mut levels: Vec<&Level> = self.coarser.iter().collect();
+        levels.sort_by(|a, b| a.refinement.total_cmp(&b.refinement));
+        levels
     }
 
     /// The remedy in words: the setting that makes the uncertainty `factor` times finer.
@@ -77,10 +77,10 @@ impl Ladder {
         format!("run it at a {what} of {:.1e}", self.finest / factor)
     }
 
-    /// Whether the ladder can be read at all.
+    /// Whether the refinement study can be read at all.
     ///
     /// # Errors
-    /// A rung that failed, has other sample times, or is not coarser than the finest.
+    /// A level that failed, has other sample times, or is not coarser than the finest.
     pub fn check(&self, finest: &Courses) -> Result<(), Unresolved> {
         if self.coarser.is_empty() {
             return Err(Unresolved::new(
@@ -89,32 +89,32 @@ impl Ladder {
             ));
         }
         let mut before = 1.0;
-        for rung in self.rungs() {
-            if !(rung.refinement > before && rung.refinement.is_finite()) {
+        for level in self.levels() {
+            if !(level.refinement > before && level.refinement.is_finite()) {
                 return Err(Unresolved::new(
                     format!(
-                        "a rung of its ladder has the refinement {}",
-                        rung.refinement
+                        "a level of its refinement study has the refinement {}",
+                        level.refinement
                     ),
-                    "give every rung a refinement of its own above 1",
+                    "give every level a refinement of its own above 1",
                 ));
             }
-            before = rung.refinement;
-            match &rung.run {
+            before = level.refinement;
+            match &level.run {
                 Err(reason) => {
                     return Err(Unresolved::new(
                         format!(
                             "its run at {} times the setting failed: {reason}",
-                            rung.refinement
+                            level.refinement
                         ),
-                        self.remedy(rung.refinement),
+                        self.remedy(level.refinement),
                     ));
                 }
                 Ok(courses) if !grid::same(finest, courses) => {
                     return Err(Unresolved::new(
                         format!(
                             "its run at {} times the setting has other sample times",
-                            rung.refinement
+                            level.refinement
                         ),
                         "write all runs on one grid",
                     ));
@@ -126,7 +126,7 @@ impl Ladder {
     }
 
     /// The uncertainties of one quantity of the finest run in the samples of one window.
-    /// [`Ladder::check`] must have passed.
+    /// [`RefinementStudy::check`] must have passed.
     pub(crate) fn assess(
         &self,
         finest: &Courses,
@@ -136,17 +136,19 @@ impl Ladder {
         settings: Settings,
     ) -> QuantityUncertainty {
         let unresolved = |reason: String| {
-            let what =
-                Uncertainty::NotResolved(Unresolved::new(reason, "look at the runs of its ladder"));
+            let what = Uncertainty::Unknown(Unresolved::new(
+                reason,
+                "look at the runs of its refinement study",
+            ));
             QuantityUncertainty::everywhere(&quantity.name, window, &what)
         };
         let Some(views) = self.views(finest, quantity, samples) else {
-            return unresolved("a run of its ladder lacks a channel".to_owned());
+            return unresolved("a run of its refinement study lacks a channel".to_owned());
         };
         let figures: Option<Vec<Statistics>> =
             views.iter().map(|(_, v)| Statistics::of(v)).collect();
         let (Some(figures), Some(gaps)) = (figures, gaps(&views)) else {
-            return unresolved("a run of its ladder is not finite".to_owned());
+            return unresolved("a run of its refinement study is not finite".to_owned());
         };
         let own = figures[0];
         let (floor_rms, floor_peak) = (settings.floor * own.rms, settings.floor * own.peak);
@@ -235,7 +237,7 @@ impl Ladder {
     }
 
     /// The quantity freed of the leading term of its error, pointwise: `f1 + (f1 - f2)/(r^p - 1)` (Richardson). Only
-    /// where three rungs showed the stated order. What is left is taken from two extrapolations, one rung apart, as
+    /// where three levels showed the stated order. What is left is taken from two extrapolations, one level apart, as
     /// if the next term had the same order; it has at least one more.
     #[must_use]
     pub(crate) fn extrapolated(
@@ -289,10 +291,10 @@ impl Ladder {
         samples: Range<usize>,
     ) -> Option<Vec<(f64, View<'a>)>> {
         let mut views = vec![(1.0, View::of(finest, &quantity.channels, samples.clone())?)];
-        for rung in self.rungs() {
-            let courses = rung.run.as_ref().ok()?;
+        for level in self.levels() {
+            let courses = level.run.as_ref().ok()?;
             views.push((
-                rung.refinement,
+                level.refinement,
                 View::of(courses, &quantity.channels, samples.clone())?,
             ));
         }
@@ -345,7 +347,7 @@ fn alignment(views: &[(f64, View<'_>)]) -> Option<f64> {
     Some(xy / (xx * yy).sqrt())
 }
 
-/// Beyond the divergence horizon every rung is a sample of the same statistics.
+/// Beyond the divergence horizon every level is a sample of the same statistics.
 fn spread(values: &[f64], floor: f64) -> Estimate {
     let furthest = values
         .iter()
