@@ -141,7 +141,7 @@ fn our_own_courses_come_back() {
     let judged = summary["engines"][1]["judged"].as_array().unwrap();
     assert!(judged.is_empty());
     let verdicts = summary["pairs"][0]["entries"].as_array().unwrap();
-    assert!(verdicts.iter().all(|e| e["verdict"] == "not-judged"));
+    assert!(verdicts.iter().all(|e| e["verdict"] == "not-compared"));
     let kept = Courses::load_csv(&dir.path().join("out/rig/courses.csv")).unwrap();
     assert_eq!((kept.len(), kept.channels().len()), (ours.len(), 18));
     let page = std::fs::read_to_string(dir.path().join("out/index.html")).unwrap();
@@ -388,8 +388,8 @@ fn stated_uncertainties_give_validation_verdicts() {
     };
     let (outcome, entry) = torque(map("uncertainty = { of_reading = 0.005 }"));
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    assert_eq!(entry["verdict"], "not-distinguishable", "{entry}");
-    let budget = &entry["judgements"][0]["budget"];
+    assert_eq!(entry["verdict"], "agree", "{entry}");
+    let budget = &entry["assessments"][0]["budget"];
     assert!(
         (budget["data"].as_f64().unwrap() - 0.005).abs() < 1e-9,
         "{budget}"
@@ -398,7 +398,7 @@ fn stated_uncertainties_give_validation_verdicts() {
     // Off by 10 %: far beyond it.
     let off = map("uncertainty = { absolute = 1e-3 }").replace("factor = -1.0", "factor = -1.1");
     let (outcome, entry) = torque(off);
-    assert_eq!(entry["verdict"], "model-error", "{entry}");
+    assert_eq!(entry["verdict"], "differ", "{entry}");
     assert_eq!(
         outcome.code,
         Some(0),
@@ -429,7 +429,7 @@ fn uncertain_inputs_are_part_of_the_budget() {
             .find(|e| e["quantity"] == "input_torque_n_m");
         (
             outcome.stdout,
-            entry.unwrap()["judgements"][0]["budget"].clone(),
+            entry.unwrap()["assessments"][0]["budget"].clone(),
         )
     };
     let (_, before) = budget(&[]);

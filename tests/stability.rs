@@ -106,13 +106,13 @@ fn bad_input_to_stability_is_one_line() {
     }
 }
 
-/// A run whose step does not resolve its scene ends with status 1, with its courses; asked not to look, with 0.
+/// A run whose step does not resolve its scene ends with status 4, with its courses; asked not to look, with 0.
 #[test]
 fn hard_unresolved_run_ends_with_status_one() {
     let dir = tempfile::tempdir().unwrap();
     let words = ["run", "hard-all-open", "--set", "solver.duration_s=0.02"];
     let outcome = run_in(dir.path(), words);
-    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert_eq!(outcome.code, Some(4), "{outcome:?}");
     assert!(outcome.stderr.contains("does not resolve"), "{outcome:?}");
     let record = dir.path().join("out/hard-all-open-run/run.json");
     let record: Value = serde_json::from_str(&std::fs::read_to_string(record).unwrap()).unwrap();

@@ -110,14 +110,14 @@ def test_bad_input_of_engines():
 def test_comparison(tmp_path):
     found = pinwheel.compare(SHORT, ["native-reduced", "native-lagrange", "rapier-shared-law"])
     assert found.passed and set(found.engines.values()) == {"finished"}
-    assert {v.verdict for v in found.verdicts} <= {"agree", "within"}
+    assert {v.verdict for v in found.verdicts} <= {"agree"}
     agree = [v for v in found.verdicts if v.verdict == "agree"]
     assert agree and all(v.distance <= v.uncertainty for v in agree)
     assert found["rapier-shared-law"]["external_sleeve_force_n"].shape == (101, 16)
     page = found.show(tmp_path / "page.html").read_text()
     assert page.startswith("<!") and "rapier-shared-law" in page
     assert len(found.to_pandas()) == len(found.verdicts) and "<table>" in found._repr_html_()
-    assert "every statement holds" in str(found)
+    assert "PASS  " in str(found)
 
 
 def test_law_on_arrays():

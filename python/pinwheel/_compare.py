@@ -35,7 +35,7 @@ class Verdict:
     window: str
     quantity: str
     verdict: str
-    """`agree`, `differ`, `not-resolved`, `model-difference`, `within`, `exceeded`, `not-judged`."""
+    """`agree`, `differ`, `inconclusive`, `not-compared`."""
     distance: float | None
     """Relative L2 of the difference, where it could be compared."""
     uncertainty: float | None
@@ -61,7 +61,7 @@ class Comparison:
 
     @property
     def passed(self) -> bool:
-        """Whether something was judged and everything judged holds."""
+        """Whether something agrees, and there is nothing to act on."""
         return bool(self.data["passed"])
 
     @property
@@ -92,7 +92,7 @@ class Comparison:
 
     def __repr__(self) -> str:
         counts = {word: count for word, count in self.data["counts"].items() if count}
-        told = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in counts.items()) or "nothing judged"
+        told = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in counts.items()) or "nothing compared"
         return f"<Comparison of {self.scene.name} in {len(self.engines)} engines: {told}>"
 
     def _repr_html_(self) -> str:
@@ -107,8 +107,7 @@ class Comparison:
 
 
 def _verdict(pair: dict[str, Any], entry: dict[str, Any]) -> Verdict:
-    counting = [judged for judged in entry.get("judgements", ()) if judged["counts"]]
-    parts = [judged[side] for judged in counting[:1] for side in ("u_a", "u_b")]
+    parts = [entry[side] for side in ("u_a", "u_b")]
     return Verdict(
         a=pair["a"],
         b=pair["b"],
@@ -117,7 +116,7 @@ def _verdict(pair: dict[str, Any], entry: dict[str, Any]) -> Verdict:
         quantity=entry["quantity"],
         verdict=entry["verdict"],
         distance=(entry["metrics"] or {}).get("relative_l2"),
-        uncertainty=None if None in parts or not parts else sum(parts),
+        uncertainty=None if None in parts else sum(parts),
         reason=str(entry.get("reason", "")),
     )
 
@@ -138,7 +137,7 @@ def compare(
     uncertainty (docs/foreign-data.md).
 
     >>> c = compare(Scene("paper", duration_s=0.01), ["native-reduced", "native-lagrange"])
-    >>> c.passed, {v.verdict for v in c.verdicts} <= {"agree", "within"}
+    >>> c.passed, {v.verdict for v in c.verdicts} <= {"agree"}
     (True, True)
     """
     made = scene if isinstance(scene, Scene) else Scene(scene)

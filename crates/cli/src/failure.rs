@@ -11,8 +11,10 @@ use pinwheel::studies::folder::FolderError;
 use pinwheel::studies::output::OutputError;
 use pinwheel::studies::sweep::SweepError;
 
-/// Ran, but a limit was exceeded.
-pub(crate) const EXCEEDED: u8 = 1;
+/// Ran, and engines differ, or something is worse than it may be.
+pub(crate) const DIFFER: u8 = 1;
+/// Ran, and something is inconclusive that a setting of the user's would settle.
+pub(crate) const INCONCLUSIVE: u8 = 4;
 /// Bad input or usage.
 pub(crate) const INPUT: u8 = 2;
 /// An engine is missing, diverged or failed.

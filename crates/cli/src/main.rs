@@ -1,7 +1,6 @@
 //! The program `pinwheel`: arguments, progress, exit codes, nothing else.
 //!
-//! Exit status: 0 done and within limits; 1 ran, but a limit was exceeded; 2 bad input or usage;
-//! 3 an engine is missing, diverged or failed; 130 stopped by the user.
+//! The exit status is explained by [`args::STATUS`].
 //! Results go to stdout, progress to stderr and only when that is a terminal.
 
 mod args;

@@ -5,8 +5,8 @@
 
 use std::error::Error;
 
-use pinwheel_compare::limits::TABLE;
-use pinwheel_compare::{Context, Cost, Participant, Status, Track, compare};
+use pinwheel_compare::uncertainty::Source;
+use pinwheel_compare::{Context, Cost, Evidence, Participant, Rules, Status, Track, compare};
 use pinwheel_courses::Courses;
 use pinwheel_report::{Fact, ReportInput, render};
 
@@ -141,10 +141,22 @@ fn main() -> Result<(), Box<dyn Error>> {
         duration_s: 0.6,
         load_n_m: Some(22.0),
         input_speed_rad_s: Some(52.34),
-        guarded: Some("paper".to_owned()),
         ..Context::default()
     };
-    let comparison = compare(&context, &participants, TABLE)?;
+    let evidence: Vec<Evidence> = participants
+        .iter()
+        .map(|participant| Evidence {
+            engine: participant.name.clone(),
+            source: Source::Exact(1e-4),
+            is_final: None,
+            floor: 0.0,
+        })
+        .collect();
+    let rules = Rules {
+        evidence: &evidence,
+        ..Rules::default()
+    };
+    let comparison = compare(&context, &participants, &rules)?;
     let fact = Fact::new;
     let page = render(&ReportInput {
         comparison: &comparison,

@@ -8,8 +8,7 @@
 //! come from here.
 
 use pinwheel_compare::comparison::Comparison;
-use pinwheel_compare::validation::COVERAGE;
-use pinwheel_compare::{Outcome, Participant, Quantity, Track, WindowKind, quantities};
+use pinwheel_compare::{Participant, Quantity, Track, Verdict, WindowKind, quantities};
 use serde::Serialize;
 
 use crate::colours;
@@ -342,7 +341,7 @@ fn first(comparison: &Comparison, engines: &[Line], quantities: &[ChartQuantity]
     }
     let entries = comparison.pairs.iter().flat_map(|pair| &pair.entries);
     let differs = entries
-        .filter(|e| e.verdict.outcome() == Outcome::Finding)
+        .filter(|e| e.result.verdict == Verdict::Differ)
         .find_map(|e| quantities.iter().position(|q| q.name == e.quantity));
     [differs.unwrap_or(0), 0, 0]
 }
@@ -358,13 +357,13 @@ fn bands(comparison: &Comparison, engines: &[Line], quantity: &str) -> Vec<(usiz
                 let figures = engine.figures.iter().find(|f| f.window == entry.window)?;
                 Some(figures.quantities.get(quantity)?.rms)
             };
-            let budget = entry.judgements.iter().find_map(|j| j.budget);
+            let budget = entry.assessments.iter().find_map(|one| one.budget);
             let scale = rms(&pair.a).zip(rms(&pair.b)).map(|(a, b)| a.max(b));
             if let (Some(budget), Some(scale), Some(a), Some(b)) =
                 (budget, scale, place(&pair.a), place(&pair.b))
                 && !found.iter().any(|(x, y, _)| (*x, *y) == (a, b))
             {
-                found.push((a, b, COVERAGE * budget.validation() * scale));
+                found.push((a, b, budget.bound() * scale));
             }
         }
     }
@@ -637,7 +636,8 @@ mod tests {
             duration_s: 0.6,
             ..pinwheel_compare::Context::default()
         };
-        let comparison = pinwheel_compare::compare(&context, participants, &[]).unwrap();
+        let comparison =
+            pinwheel_compare::compare(&context, participants, &Default::default()).unwrap();
         ChartData::of(&comparison, participants).unwrap()
     }
 

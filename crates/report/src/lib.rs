@@ -1,7 +1,7 @@
 //! The report: one self-contained HTML page.
 //!
 //! ```text
-//!  Comparison, courses ─> view (tiles, statements, tracks, matrices) ─┐
+//!  Comparison, courses ─> view (tiles, verdicts, tracks, matrices) ─┐
 //!  any study's tables  ─> study (cards, charts, tables) ──────────────┼─> shell ─> one HTML file, nothing outside it
 //!  angles, forces      ─> animation ──────────────────────────────────┘
 //! ```
@@ -18,11 +18,11 @@ pub mod format;
 pub mod harmless;
 mod input;
 mod packed;
-pub mod statement;
 pub mod study;
 pub mod table;
 pub mod terminal;
 mod view;
+pub mod words;
 
 pub use error::ReportError;
 pub use input::{Fact, ReportInput};

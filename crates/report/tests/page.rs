@@ -1,7 +1,9 @@
 //! The page as a whole: it says what was compared, loads nothing, and no scene can break out of it.
 
-use pinwheel_compare::limits::TABLE;
-use pinwheel_compare::{Comparison, Context, Cost, Participant, Status, Track, compare};
+use pinwheel_compare::uncertainty::Source;
+use pinwheel_compare::{
+    Comparison, Context, Cost, Evidence, Participant, Rules, Status, Track, compare,
+};
 use pinwheel_courses::Courses;
 use pinwheel_report::{Fact, ReportError, ReportInput, render};
 
@@ -70,7 +72,6 @@ fn context(scene: &str) -> Context {
         scene: scene.to_owned(),
         duration_s: 0.6,
         load_n_m,
-        guarded: Some("paper".to_owned()),
         ..Context::default()
     }
 }
@@ -91,8 +92,24 @@ fn page_of(comparison: &Comparison, participants: &[Participant]) -> Result<Stri
     })
 }
 
+/// Every participant is known to 2e-5.
+fn judged(context: &Context, participants: &[Participant]) -> Comparison {
+    let known = |participant: &Participant| Evidence {
+        engine: participant.name.clone(),
+        source: Source::Exact(2e-5),
+        is_final: None,
+        floor: 0.0,
+    };
+    let evidence: Vec<Evidence> = participants.iter().map(known).collect();
+    let rules = Rules {
+        evidence: &evidence,
+        ..Rules::default()
+    };
+    compare(context, participants, &rules).unwrap()
+}
+
 fn page(participants: &[Participant]) -> String {
-    let comparison = compare(&context("paper"), participants, TABLE).unwrap();
+    let comparison = judged(&context("paper"), participants);
     page_of(&comparison, participants).unwrap()
 }
 
@@ -107,7 +124,7 @@ fn two(scale: f64) -> [Participant; 2] {
 fn says_what_was_compared() {
     let page = page(&two(1.0 + 3e-5));
     for wanted in [
-        "All limits hold",
+        "<p class=\"headline\">Pass</p>",
         "<h1 id=\"scene-name\">paper</h1>",
         "native-reduced \u{2194} rapier-shared-law",
         "3.0\u{b7}10\u{207b}\u{2075}",
@@ -124,7 +141,7 @@ fn says_what_was_compared() {
 
 #[test]
 fn banner_follows_the_verdict() {
-    assert!(page(&two(1.001)).contains("limits exceeded"));
+    assert!(page(&two(1.001)).contains("<p class=\"headline\">Differs</p>"));
     let mut broken = two(1.0);
     broken[1].status = Status::Diverged {
         time_s: 0.25,
@@ -158,7 +175,7 @@ fn a_diverged_engine_feeds_no_headline() {
         time_s: 0.25,
         quantity: "wheel angle".to_owned(),
     };
-    let mut comparison = compare(&context("paper"), &broken, TABLE).unwrap();
+    let mut comparison = judged(&context("paper"), &broken);
     let mut figures = comparison.engines[0].figures.clone();
     figures[0].efficiency = Some(-3.5e12);
     for statistics in figures[0].quantities.values_mut() {
@@ -221,7 +238,7 @@ fn nothing_breaks_out() {
     let participants = [participants.to_vec(), vec![lost, other]].concat();
     let mut context = context(HOSTILE);
     context.description = HOSTILE.to_owned();
-    let comparison = compare(&context, &participants, TABLE).unwrap();
+    let comparison = judged(&context, &participants);
     let page = page_of(&comparison, &participants).unwrap();
     assert!(!page.contains("<script>alert"), "a script got in");
     assert!(!page.contains("<img"), "an element got in");
@@ -262,7 +279,7 @@ fn the_same_input_gives_the_same_bytes() {
 #[test]
 fn comparison_and_participants_must_belong_together() {
     let participants = two(1.0);
-    let comparison = compare(&context("paper"), &participants, TABLE).unwrap();
+    let comparison = judged(&context("paper"), &participants);
     let error = page_of(&comparison, &participants[..1]).unwrap_err();
     assert!(matches!(error, ReportError::UnknownEngine(name) if name == "rapier-shared-law"));
 }

@@ -3,7 +3,7 @@
 //! ```text
 //!                ┌─ keys, and what follows from them ─> what changed
 //!  two scenes ───┼─ design::run of each ─────────────> figures, each with its uncertainty
-//!                └─ one engine on its ladder, each ──> time series, their means and peaks with uncertainty
+//!                └─ refinement study of one engine, each ──> time series, their means and peaks with uncertainty
 //! ```
 //!
 //! A difference that is no larger than both uncertainties together is none that was shown, and is told as such.
@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use pinwheel_compare::{
-    Comparison, Context, Evidence, Participant, Rules, Scales, Status, WindowKind, compare_with,
+    Comparison, Context, Evidence, Participant, Rules, Scales, Status, WindowKind, compare,
 };
 use pinwheel_engines::Engine;
 use pinwheel_gearbox::{Gearbox, GearboxError};
@@ -20,7 +20,7 @@ use pinwheel_scene::{CheckedScene, Derived};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::comparison::{Effort, climb, context};
+use crate::comparison::{Effort, context, refine};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 use crate::{Control, Progress, StudyError, design, single};
@@ -134,7 +134,7 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyErr
         designs.push(design::run(input.gearboxes[k], true, control)?);
         let at = Progress::new(k, 2, &names[k]);
         let context = context(&gearbox.scene);
-        let (participant, evidence) = climb(
+        let (participant, evidence) = refine(
             input.engine,
             gearbox,
             &context,
@@ -160,14 +160,14 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyErr
         ..Rules::default()
     };
     let context = shared(scenes);
-    let comparison = compare_with(&context, &participants, &rules)?;
+    let comparison = compare(&context, &participants, &rules)?;
     // Gears with other numbers of pins have other channels: each one's figures are of its own.
     let alone = |k: usize| {
         let rules = Rules {
             evidence: &evidence[k..=k],
             ..rules
         };
-        compare_with(&context, &participants[k..=k], &rules)
+        compare(&context, &participants[k..=k], &rules)
     };
     let alone = [alone(0)?, alone(1)?];
     let designs: [design::Outcome; 2] = designs

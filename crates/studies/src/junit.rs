@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use pinwheel_compare::{Comparison, Status, Verdict};
+use pinwheel_compare::{Assessment, Comparison, Status, Verdict};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
 use crate::baseline::{self, CaseCheck, Check};
@@ -103,7 +103,7 @@ pub fn of_comparison(comparison: &Comparison) -> Vec<Suite> {
         let cases = pair.entries.iter().map(|entry| Case {
             name: format!("{} ({})", entry.quantity, entry.window.word()),
             time_s: None,
-            ended: ended(&entry.verdict),
+            ended: ended(&entry.result),
         });
         suites.push(Suite {
             name: format!("{scene}: {} and {}", pair.a, pair.b),
@@ -113,34 +113,24 @@ pub fn of_comparison(comparison: &Comparison) -> Vec<Suite> {
     suites
 }
 
-/// A verdict's word, with what it rests on.
-fn ended(verdict: &Verdict) -> Ended {
-    let word = verdict.word();
-    match verdict {
-        Verdict::Differ { at_least } => Ended::Failed(format!("{word} by at least {at_least:.2e}")),
-        Verdict::Exceeded => Ended::Failed("a limit is exceeded".to_owned()),
-        Verdict::NotResolved {
-            reason,
-            remedy,
-            stated: false,
-            ..
-        } => Ended::Failed(format!("{word}: {reason}; {remedy}")),
-        Verdict::NotResolved { reason, .. } | Verdict::NotJudged { reason } => {
-            Ended::Skipped(format!("{word}: {reason}"))
+/// A verdict's word, with what it rests on. What asks for something is a failure.
+fn ended(found: &Assessment) -> Ended {
+    let word = found.verdict.word();
+    let number = |value: Option<f64>| value.map_or("unknown".to_owned(), |v| format!("{v:.2e}"));
+    match found.verdict {
+        Verdict::Inconclusive if found.actionable => {
+            Ended::Failed(format!("{word}: {}; {}", found.reason, found.remedy))
         }
-        Verdict::ModelDifference {
-            low,
-            high,
-            within: Some(false),
-            ..
-        } => Ended::Failed(format!(
-            "{low:.2e} to {high:.2e}, beyond what the model's author states"
+        Verdict::Inconclusive | Verdict::NotCompared => {
+            Ended::Skipped(format!("{word}: {}", found.reason))
+        }
+        Verdict::Differ if found.actionable => Ended::Failed(format!(
+            "{word}: {} against a {} of {}",
+            number(found.difference),
+            found.against.word(),
+            number(found.bound)
         )),
-        Verdict::Agree { .. }
-        | Verdict::Within
-        | Verdict::ModelDifference { .. }
-        | Verdict::NotDistinguishable { .. }
-        | Verdict::ModelError { .. } => Ended::Passed,
+        Verdict::Differ | Verdict::Agree => Ended::Passed,
     }
 }
 

@@ -103,7 +103,7 @@ fn compare(gearbox: &Gearbox, slow: &'static Slow, longest: Duration) -> Compari
 
 /// Three runs of 1, 1/2 and 1/4: 1.75 times the finest, and none twice.
 #[test]
-fn a_ladder_that_fits_takes_each_run_once() {
+fn a_study_that_fits_takes_each_run_once() {
     let gearbox = gear();
     let step_s = gearbox.scene.solver.step_s;
     let slow: &Slow = Box::leak(Box::new(Slow::new(Track::SharedLaw, 1e-3)));
@@ -114,12 +114,12 @@ fn a_ladder_that_fits_takes_each_run_once() {
     // Samples stay on steps: the coarser ones are a little finer than 2 and 4.
     assert!((1.75..1.9).contains(&cost), "{steps:?}");
     assert!(steps[0] > 3.0 * step_s && steps[1] == step_s, "{steps:?}");
-    assert!(found.engines[0].ladder.as_ref().unwrap().cost.unwrap() < 1.9);
+    assert!(found.engines[0].refinement.as_ref().unwrap().cost.unwrap() < 1.9);
 }
 
 /// Its coarsest run becomes the finest where the others would take longer than there is.
 #[test]
-fn a_ladder_that_does_not_fit_begins_coarser() {
+fn a_study_that_does_not_fit_begins_coarser() {
     let gearbox = gear();
     let solver = &gearbox.scene.solver;
     // The run at the scene's step would take 100 s.
@@ -132,7 +132,7 @@ fn a_ladder_that_does_not_fit_begins_coarser() {
         "{steps:?}"
     );
     assert_eq!(found.engines[0].status, Status::Finished);
-    assert!(found.engines[0].ladder.is_some());
+    assert!(found.engines[0].refinement.is_some());
     let asked: f64 = steps.iter().map(|step| 100.0 * solver.step_s / step).sum();
     assert!(asked < 60.0, "{asked} s: {steps:?}");
 }
@@ -154,5 +154,5 @@ fn hard_a_run_without_end_is_given_up() {
         panic!("{:?}", found.engines[0].status);
     };
     assert!(reason.contains("--longest"), "{reason}");
-    assert_eq!(found.outcome.exit_status(), 0);
+    assert_eq!(found.counts.exit_status(), 0);
 }

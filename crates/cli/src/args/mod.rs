@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::error::ErrorKind;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, FromArgMatches as _, Parser, Subcommand};
 use pinwheel::gearbox::Gearbox;
 use pinwheel::scene::{Override, Scene};
 use pinwheel::studies::output::file_name;
@@ -224,14 +224,28 @@ pub(crate) struct OpenArgs {
     pub(crate) print: bool,
 }
 
-/// What can be typed, for completions and manuals.
+/// How the program ends, in the words of every `--help`, README, docs/ci.md and docs/verdicts.md.
+pub(crate) const STATUS: &str = "\
+Exit status: 0 nothing to act on, 1 engines differ, 4 something is inconclusive
+that a setting of yours would settle, 2 wrong input, 3 an engine is missing,
+diverged or failed, 130 interrupted.";
+
+/// What can be typed.
 pub(crate) fn definition() -> clap::Command {
-    <Program as clap::CommandFactory>::command()
+    fn with_status(command: clap::Command) -> clap::Command {
+        let examples = command.get_after_help().map(ToString::to_string);
+        let examples = examples.map_or_else(String::new, |text| format!("{}\n\n", text.trim_end()));
+        command
+            .mut_subcommands(with_status)
+            .after_help(format!("{examples}{STATUS}"))
+    }
+    with_status(<Program as clap::CommandFactory>::command())
 }
 
 /// The command to carry out; `None` when help or version was asked for and shown.
 pub(crate) fn parse() -> Result<Option<Command>, Failure> {
-    match Program::try_parse() {
+    let matches = definition().try_get_matches();
+    match matches.and_then(|matches| Program::from_arg_matches(&matches)) {
         Ok(program) => Ok(Some(program.command)),
         Err(error) => match error.kind() {
             ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
@@ -395,6 +409,18 @@ mod tests {
             command.get_subcommands().for_each(look);
         }
         look(&definition());
+    }
+
+    #[test]
+    fn documents_explain_the_status_in_the_same_words() {
+        let sentence = STATUS.replace('\n', " ");
+        for text in [
+            include_str!("../../../../README.md"),
+            include_str!("../../../../docs/ci.md"),
+            include_str!("../../../../docs/verdicts.md"),
+        ] {
+            assert!(text.contains(&sentence));
+        }
     }
 
     #[test]

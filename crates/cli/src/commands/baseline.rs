@@ -5,7 +5,7 @@ use pinwheel::studies::baseline::{self, Acceptance, Baseline, FILE, Options, Ver
 use pinwheel::studies::{Provenance, junit};
 
 use crate::args::{self, Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
-use crate::failure::{EXCEEDED, Failure};
+use crate::failure::{DIFFER, Failure};
 use crate::folder::Folder;
 use crate::progress::watched;
 use crate::{interrupt, screen};
@@ -82,7 +82,7 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
         junit::write(path, "pinwheel baseline", &junit::of_baseline(name, &found))?;
     }
     Ok(if found.verdict == Verdict::Worse {
-        EXCEEDED
+        DIFFER
     } else {
         0
     })

@@ -10,7 +10,7 @@ use pinwheel::studies::calibration::{self, chosen, power};
 use pinwheel::studies::comparison::Effort;
 
 use crate::args::{self, CalibrateArgs};
-use crate::failure::{EXCEEDED, Failure};
+use crate::failure::{DIFFER, Failure};
 use crate::folder::Folder;
 use crate::progress::watched;
 use crate::screen;
@@ -64,5 +64,5 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<u8, Failure> {
         "{text}\ncases: {}",
         out.join("summary.json").display()
     ))?;
-    Ok(if good { 0 } else { EXCEEDED })
+    Ok(if good { 0 } else { DIFFER })
 }

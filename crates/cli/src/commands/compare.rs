@@ -50,7 +50,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         screen::complain(&broken);
         return Ok(ENGINE);
     }
-    Ok(found.comparison.outcome.exit_status())
+    Ok(found.comparison.counts.exit_status())
 }
 
 /// Two designs by one engine.

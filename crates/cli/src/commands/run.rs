@@ -5,7 +5,7 @@ use pinwheel::studies::single;
 use pinwheel::studies::{Provenance, choice};
 
 use crate::args::{self, RunArgs};
-use crate::failure::{ENGINE, EXCEEDED, Failure};
+use crate::failure::{ENGINE, Failure, INCONCLUSIVE};
 use crate::folder::Folder;
 use crate::progress::watched;
 use crate::screen;
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
     screen::show(&pages::single::text(&found, &courses.to_string()))?;
     if let Some(unresolved) = found.unresolved(&gearbox) {
         screen::complain(&unresolved);
-        return Ok(EXCEEDED);
+        return Ok(INCONCLUSIVE);
     }
     Ok(0)
 }

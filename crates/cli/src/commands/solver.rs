@@ -7,7 +7,7 @@ use pinwheel::pages;
 use pinwheel::studies::{Provenance, conformance, junit};
 
 use crate::args::{self, OutArgs, SceneArgs, SolverAction, SolverArgs};
-use crate::failure::{EXCEEDED, Failure};
+use crate::failure::{DIFFER, Failure};
 use crate::folder::Folder;
 use crate::progress::watched;
 use crate::screen;
@@ -69,7 +69,7 @@ fn check(file: &Path, junit: Option<&Path>, out: &OutArgs) -> Result<u8, Failure
     if let Some(path) = junit {
         junit::write(path, "pinwheel solver check", &[found.suite()])?;
     }
-    Ok(if found.passed() { 0 } else { EXCEEDED })
+    Ok(if found.passed() { 0 } else { DIFFER })
 }
 
 fn job(scene: &SceneArgs, folder: &Path) -> Result<u8, Failure> {

@@ -6,7 +6,7 @@ use pinwheel::studies::stability::{Atlas, Method, Options, SERVED};
 use pinwheel::studies::{Provenance, StudyError};
 
 use crate::args::{self, StabilityArgs, quoted};
-use crate::failure::{EXCEEDED, Failure, STOPPED};
+use crate::failure::{DIFFER, Failure, STOPPED};
 use crate::folder::Folder;
 use crate::progress::watched;
 use crate::{interrupt, screen};
@@ -64,5 +64,5 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
         unserved.join(", "),
         100.0 * SERVED
     ));
-    Ok(EXCEEDED)
+    Ok(DIFFER)
 }

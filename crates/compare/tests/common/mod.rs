@@ -53,7 +53,6 @@ pub(crate) fn context() -> Context {
         duration_s: 0.6,
         load_n_m: Some(22.0),
         input_speed_rad_s: Some(52.34),
-        guarded: Some("paper".to_owned()),
         scales: Scales {
             force_n: Some(100.0),
             torque_n_m: Some(22.0),

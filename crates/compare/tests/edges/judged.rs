@@ -1,31 +1,13 @@
-//! Whose excuse, row, window and value it is that judges.
+//! Whose reason, window and value it is that judges.
 
 use crate::common::{context, courses, participant};
-use crate::ladders::rungs;
+use crate::refinement::levels;
 use crate::{FORCE, entry, native, other};
-use pinwheel_compare::limits::{Friction, Limit};
 use pinwheel_compare::{
     Context, Divergence, Evidence, Metric, Rules, Scales, StatedLimit, Track, Verdict, WindowKind,
-    compare_with,
+    compare,
 };
 use pinwheel_courses::Courses;
-
-fn row(window: WindowKind, limit: f64) -> Limit {
-    Limit {
-        track: "*",
-        engine: "other",
-        step_at_most_s: None,
-        against: "native*",
-        against_step_at_most_s: None,
-        friction: Friction::Any,
-        window,
-        quantity: "*_force_n",
-        metric: Metric::RelativeL2,
-        limit,
-        measured: None,
-        reason: "Test.",
-    }
-}
 
 fn unknown(name: &str) -> Evidence {
     Evidence::unknown(name, "nobody knows", "ask")
@@ -45,35 +27,32 @@ fn spoiled(value: f64) -> Courses {
     found
 }
 
-/// Another engine's excuse excuses nobody else.
+/// That another engine can bring nothing sharper says nothing of this one.
 #[test]
-fn regress_an_excuse_is_its_engines_own() {
+fn regress_a_reason_is_its_engines_own() {
     let at = |evidence: [Evidence; 2]| {
         let rules = Rules {
             evidence: &evidence,
             ..Rules::default()
         };
-        let free = Context {
-            guarded: None,
-            ..context()
-        };
         let pair = [native(), other(Track::SharedLaw, 1.0)];
-        let found = compare_with(&free, &pair, &rules).unwrap();
-        let verdict = entry(&found, WindowKind::Steady).verdict.clone();
-        let Verdict::NotResolved {
-            participant,
-            stated,
-            ..
-        } = verdict
-        else {
-            panic!("{verdict:?}");
-        };
-        (participant, stated, found.outcome.exit_status())
+        let found = compare(&context(), &pair, &rules).unwrap();
+        let result = entry(&found, WindowKind::Steady).result.clone();
+        assert_eq!(result.verdict, Verdict::Inconclusive);
+        let name = result.participant.unwrap();
+        (name, result.actionable, found.counts.exit_status())
     };
-    let (name, stated, status) = at([unknown("native"), unknown("other").excused("it is old")]);
-    assert_eq!((name.as_str(), stated, status), ("native", false, 1));
-    let (name, stated, _) = at([unknown("native").excused("it is new"), unknown("other")]);
-    assert_eq!((name.as_str(), stated), ("native", true));
+    let told = |name: &str, actionable, status| (name.to_owned(), actionable, status);
+    let found = at([
+        unknown("native"),
+        unknown("other").finally("old", "it is old"),
+    ]);
+    assert_eq!(found, told("native", true, 4));
+    let found = at([
+        unknown("native").finally("new", "it is new"),
+        unknown("other"),
+    ]);
+    assert_eq!(found, told("native", false, 0));
 }
 
 /// A limit stated for one window of measured data says nothing of the other, and holds up to its very value.
@@ -93,56 +72,22 @@ fn regress_stated_limits_hold_in_their_window() {
             ..Rules::default()
         };
         let pair = [native(), other(Track::Measured, 0.99)];
-        compare_with(&context(), &pair, &rules).unwrap()
+        compare(&context(), &pair, &rules).unwrap()
     };
     let found = at(0.1);
-    assert_eq!(entry(&found, WindowKind::Steady).verdict, Verdict::Within);
-    let transient = entry(&found, WindowKind::Transient);
-    assert!(transient.checks.is_empty(), "{transient:?}");
-    let check = &entry(&found, WindowKind::Steady).checks[0];
-    let value = check.value.unwrap();
-    assert_eq!(check.share(), value / 0.1);
+    let result = &entry(&found, WindowKind::Steady).result;
+    assert_eq!(result.verdict, Verdict::Agree);
+    let transient = &entry(&found, WindowKind::Transient).result;
+    assert_eq!(transient.verdict, Verdict::NotCompared, "{transient:?}");
+    let value = result.difference.unwrap();
+    assert_eq!(result.share(), value / 0.1);
     assert_eq!(
-        entry(&at(value), WindowKind::Steady).verdict,
-        Verdict::Within
+        entry(&at(value), WindowKind::Steady).result.verdict,
+        Verdict::Agree
     );
     let below = at(value.next_down());
-    assert_eq!(entry(&below, WindowKind::Steady).verdict, Verdict::Exceeded);
-}
-
-/// A row of the table is about its window alone.
-#[test]
-fn regress_rows_of_the_table_hold_in_their_window() {
-    let rules = Rules {
-        limits: &[row(WindowKind::Transient, 1e-9)],
-        ..Rules::default()
-    };
-    let pair = [native(), other(Track::SharedLaw, 0.99)];
-    let found = compare_with(&context(), &pair, &rules).unwrap();
-    assert_eq!(
-        entry(&found, WindowKind::Transient).verdict,
-        Verdict::Exceeded
-    );
-    assert!(entry(&found, WindowKind::Steady).checks.is_empty());
-}
-
-/// Where the table speaks, an unknown uncertainty takes nothing from it; where it is silent, the same is not resolved.
-#[test]
-fn regress_the_table_speaks_where_ladders_are_silent() {
-    let evidence = [unknown("native"), unknown("other")];
-    let rules = Rules {
-        limits: &[row(WindowKind::Steady, 0.1)],
-        evidence: &evidence,
-        ..Rules::default()
-    };
-    let pair = [native(), other(Track::SharedLaw, 0.99)];
-    let found = compare_with(&context(), &pair, &rules).unwrap();
-    assert_eq!(entry(&found, WindowKind::Steady).verdict, Verdict::Within);
-    let transient = &entry(&found, WindowKind::Transient).verdict;
-    assert!(
-        matches!(transient, Verdict::NotResolved { .. }),
-        "{transient:?}"
-    );
+    let below = &entry(&below, WindowKind::Steady).result;
+    assert_eq!(below.verdict, Verdict::Differ);
 }
 
 /// A mean that balances the load does so whatever is known of it; one that does not is not resolved where its
@@ -161,23 +106,20 @@ fn regress_an_unknown_mean_is_not_held_against_the_load() {
         let evidence = [unknown("native")];
         let rules = Rules {
             evidence: &evidence,
-            limits: pinwheel_compare::limits::TABLE,
             ..Rules::default()
         };
         let one = [participant("native", Track::Native, turned)];
-        let found = compare_with(&context(), &one, &rules).unwrap();
-        found.engines[0].judged[0].verdict.clone()
+        let found = compare(&context(), &one, &rules).unwrap();
+        found.engines[0].judged[0].result.verdict
     };
-    assert_eq!(at(1.0), Verdict::Within);
-    let off = at(1.01);
-    assert!(matches!(off, Verdict::NotResolved { .. }), "{off:?}");
+    assert_eq!(at(1.0), Verdict::Agree);
+    assert_eq!(at(1.01), Verdict::Inconclusive);
 }
 
 /// Beyond the horizon means and RMS are judged, and no sample is held against a sample.
 #[test]
 fn regress_beyond_the_horizon_figures_are_judged() {
     let parted = Context {
-        guarded: None,
         divergence: Some(Divergence {
             horizon_s: Some(0.1),
             largest_share: 1.0,
@@ -193,16 +135,16 @@ fn regress_beyond_the_horizon_figures_are_judged() {
             ..Rules::default()
         };
         let pair = [native(), other(track, 1.0)];
-        let found = compare_with(&parted, &pair, &rules).unwrap();
-        let judged = &entry(&found, WindowKind::Steady).judgements;
+        let found = compare(&parted, &pair, &rules).unwrap();
+        let judged = &entry(&found, WindowKind::Steady).assessments;
         assert!(!judged.is_empty(), "{track:?}");
         assert!(
-            judged.iter().all(|j| !j.metric.is_pointwise()),
+            judged.iter().all(|j| !j.metric.unwrap().is_pointwise()),
             "{judged:?}"
         );
-        // Means count there; of a model of which nothing is stated nothing does.
-        let counted = judged.iter().any(|j| j.counts);
-        assert_eq!(counted, track == Track::SharedLaw, "{judged:?}");
+        // Means are held against uncertainties there; a model of which nothing is stated against nothing.
+        let compared = judged.iter().any(|j| j.verdict != Verdict::NotCompared);
+        assert_eq!(compared, track == Track::SharedLaw, "{judged:?}");
     }
     // What a model states of means is judged on both sides of the horizon, what it states of samples before it alone; in the
     // place of what is not stated stands a distance without a statement.
@@ -211,15 +153,17 @@ fn regress_beyond_the_horizon_figures_are_judged() {
         let evidence = [unknown("native"), unknown(name)];
         let rules = Rules {
             evidence: &evidence,
-            limits: &[],
             ..Rules::default()
         };
-        let found = compare_with(scene, &[native(), own], &rules).unwrap();
+        let found = compare(scene, &[native(), own], &rules).unwrap();
         let mut entries = found.pairs[0].entries.iter();
         let entry = entries.find(|e| e.quantity == quantity && e.window == WindowKind::Steady);
-        let judged = &entry.unwrap().judgements;
+        let judged = &entry.unwrap().assessments;
         assert_eq!(judged.len(), 1, "{judged:?}");
-        (judged[0].metric, !judged[0].reason.is_empty())
+        (
+            judged[0].metric.unwrap(),
+            judged[0].verdict != Verdict::NotCompared,
+        )
     };
     let (bed, torque) = ("mujoco-own-contact", "input_torque_n_m");
     assert_eq!(first(&context(), bed, torque), (Metric::Mean, true));
@@ -233,9 +177,10 @@ fn regress_beyond_the_horizon_figures_are_judged() {
 
 /// What is not a number is no agreement, and the engine that gave it is named.
 #[test]
-fn hard_what_is_not_finite_is_not_resolved() {
+fn hard_what_is_not_finite_is_inconclusive() {
     for (a, b, who) in [(f64::NAN, 1.0, "native"), (1.0, f64::INFINITY, "other")] {
-        let evidence = [unknown("native"), unknown("other")].map(|e| e.excused("no ladder"));
+        let evidence =
+            [unknown("native"), unknown("other")].map(|e| e.finally("peers", "no study"));
         let rules = Rules {
             evidence: &evidence,
             ..Rules::default()
@@ -244,41 +189,30 @@ fn hard_what_is_not_finite_is_not_resolved() {
             participant("native", Track::Native, spoiled(a)),
             participant("other", Track::SharedLaw, spoiled(b)),
         ];
-        let found = compare_with(&context(), &pair, &rules).unwrap();
+        let found = compare(&context(), &pair, &rules).unwrap();
         let steady = entry(&found, WindowKind::Steady);
-        let told = steady.judgements.iter().filter(|j| j.distance.is_none());
+        let told = steady.assessments.iter().filter(|j| j.difference.is_none());
         let told: Vec<_> = told.collect();
         assert!(
-            !told.is_empty() && told.iter().all(|j| j.counts),
+            !told.is_empty() && told.iter().all(|j| j.decides),
             "{told:?}"
         );
-        let Verdict::NotResolved {
-            participant,
-            reason,
-            ..
-        } = &told[0].verdict
-        else {
-            panic!("{:?}", told[0].verdict);
-        };
-        assert_eq!(participant, who);
-        assert!(reason.contains("not finite"), "{reason}");
-        assert!(!matches!(
-            steady.verdict,
-            Verdict::Agree { .. } | Verdict::Within
-        ));
+        assert_eq!(told[0].verdict, Verdict::Inconclusive);
+        assert_eq!(told[0].participant.as_deref(), Some(who));
+        assert!(told[0].reason.contains("not finite"), "{:?}", told[0]);
+        assert_ne!(steady.result.verdict, Verdict::Agree);
     }
 }
 
 /// Two engines that show nothing but zeros, and so do their coarser runs, agree: there is nothing to be uncertain of.
 #[test]
 fn zeros_agree() {
-    let evidence = ["native", "other"].map(|name| rungs(name, [courses(0.0), courses(0.0)]));
+    let evidence = ["native", "other"].map(|name| levels(name, [courses(0.0), courses(0.0)]));
     let rules = Rules {
         evidence: &evidence,
         ..Rules::default()
     };
     let free = Context {
-        guarded: None,
         scales: Scales::default(),
         ..context()
     };
@@ -286,32 +220,7 @@ fn zeros_agree() {
         participant("native", Track::Native, courses(0.0)),
         other(Track::SharedLaw, 0.0),
     ];
-    let found = compare_with(&free, &pair, &rules).unwrap();
-    let verdict = &entry(&found, WindowKind::Steady).verdict;
-    assert!(matches!(verdict, Verdict::Agree { .. }), "{verdict:?}");
-}
-
-/// A row that is for other scenes says for which.
-#[test]
-fn a_row_for_other_scenes_says_so() {
-    let at = |friction_coefficient: f64, friction: Friction| {
-        let rules = Rules {
-            limits: &[Limit {
-                friction,
-                ..row(WindowKind::Steady, 0.1)
-            }],
-            ..Rules::default()
-        };
-        let scene = Context {
-            friction_coefficient,
-            ..context()
-        };
-        let pair = [native(), other(Track::SharedLaw, 0.99)];
-        let found = compare_with(&scene, &pair, &rules).unwrap();
-        format!("{:?}", entry(&found, WindowKind::Steady).verdict)
-    };
-    let with = at(0.0, Friction::With);
-    assert!(with.contains("scenes with friction"), "{with}");
-    let without = at(0.1, Friction::Without);
-    assert!(without.contains("scenes without friction"), "{without}");
+    let found = compare(&free, &pair, &rules).unwrap();
+    let result = &entry(&found, WindowKind::Steady).result;
+    assert_eq!(result.verdict, Verdict::Agree, "{result:?}");
 }

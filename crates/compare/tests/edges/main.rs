@@ -3,7 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod judged;
-mod ladders;
+mod refinement;
 mod verdicts;
 
 use common::{courses, participant};

@@ -1,8 +1,10 @@
 //! What distances and uncertainties amount to.
 
-use pinwheel_compare::Verdict;
 use pinwheel_compare::uncertainty::{Basis, Estimate};
-use pinwheel_compare::verdict::{self, Counts, Outcome, Side};
+use pinwheel_compare::verdict::{self, Allowed, Counts, Side};
+use pinwheel_compare::{Assessment, Metric, Verdict};
+
+const L2: Metric = Metric::RelativeL2;
 
 /// Between U and 2 U two engines agree to 2 U where an order was not confirmed, and differ where both were.
 #[test]
@@ -13,38 +15,43 @@ fn an_unconfirmed_size_is_a_bound_at_twice_itself() {
             ..Estimate::stated(1e-3)
         };
         let [a, b] = ["a", "b"].map(|name| Side::known(name, estimate));
-        verdict::pair(distance, &a, &b, 0.01)
+        verdict::pair(L2, distance, [&a, &b], 0.01)
     };
     for basis in [
         Basis::Unconfirmed,
-        Basis::TwoRungs,
+        Basis::TwoLevels,
         Basis::Tolerance,
         Basis::Series,
     ] {
-        assert_eq!(at(basis, 3e-3), Verdict::Agree { to: 4e-3 }, "{basis:?}");
+        let found = at(basis, 3e-3);
+        assert_eq!((found.verdict, found.bound), (Verdict::Agree, Some(4e-3)));
     }
     for basis in [Basis::Observed, Basis::Rounding, Basis::Stated] {
         let differ = at(basis, 3e-3);
-        assert!(matches!(differ, Verdict::Differ { at_least } if (at_least - 1e-3).abs() < 1e-12));
-        assert_eq!(at(basis, 2e-3), Verdict::Agree { to: 2e-3 }, "{basis:?}");
+        assert_eq!(
+            (differ.verdict, differ.bound),
+            (Verdict::Differ, Some(2e-3))
+        );
+        let agree = at(basis, 2e-3);
+        assert_eq!((agree.verdict, agree.bound), (Verdict::Agree, Some(2e-3)));
     }
 }
 
 /// Above the resolution agreement says nothing, whatever confirms U, and a difference is told by confirmed orders alone.
 #[test]
-fn what_is_blunt_is_not_resolved() {
+fn what_is_blunt_is_inconclusive() {
     let at = |basis: Basis, distance: f64| {
         let estimate = Estimate {
             basis,
             ..Estimate::stated(1e-3)
         };
         let [a, b] = ["a", "b"].map(|name| Side::known(name, estimate));
-        verdict::pair(distance, &a, &b, 1e-3)
+        verdict::pair(L2, distance, [&a, &b], 1e-3)
     };
-    let blunt = |found: Verdict| matches!(found, Verdict::NotResolved { .. });
+    let blunt = |found: Assessment| found.verdict == Verdict::Inconclusive;
     assert!(blunt(at(Basis::Observed, 1e-3)) && blunt(at(Basis::Unconfirmed, 1e-3)));
     assert!(blunt(at(Basis::Unconfirmed, 9e-3)));
-    assert!(matches!(at(Basis::Observed, 9e-3), Verdict::Differ { .. }));
+    assert_eq!(at(Basis::Observed, 9e-3).verdict, Verdict::Differ);
 }
 
 /// How much finer a run must be: by the order, never coarser, and no number where none would do.
@@ -71,44 +78,28 @@ fn what_a_target_asks_of_a_run() {
     assert_eq!(rounding.refinement_for(1e-4), None);
 }
 
-/// What counts amount to: the gravest decides, and nothing judged is not the same as nothing to judge.
+/// The gravest decides, and what leaves nothing to act on sets no status.
 #[test]
 fn counts_amount_to_the_gravest() {
-    let nothing = Counts::default();
-    assert_eq!(nothing.outcome(), Outcome::Nothing);
-    let stated = Counts {
-        stated: 1,
-        ..nothing
+    let add = |counts: Counts, verdict: Verdict, actionable: bool| {
+        let mut counts = counts;
+        counts.add(&Assessment {
+            verdict,
+            actionable,
+            ..Assessment::not_compared("")
+        });
+        counts
     };
-    assert_eq!(stated.outcome(), Outcome::Stated);
-    for passed in [
-        Counts { agree: 1, ..stated },
-        Counts {
-            within: 1,
-            ..stated
-        },
-        Counts { model: 1, ..stated },
-    ] {
-        assert_eq!(passed.outcome(), Outcome::Passed);
-        let open = Counts {
-            not_resolved: 1,
-            ..passed
-        };
-        assert_eq!(open.outcome(), Outcome::NotResolved);
-        for found in [
-            Counts { differ: 1, ..open },
-            Counts {
-                exceeded: 1,
-                ..open
-            },
-            Counts {
-                model_beyond: 1,
-                ..open
-            },
-        ] {
-            assert_eq!(found.outcome(), Outcome::Finding);
-        }
-    }
+    let nothing = add(Counts::default(), Verdict::NotCompared, false);
+    assert_eq!((nothing.exit_status(), nothing.compared()), (0, 0));
+    let agree = add(nothing, Verdict::Agree, false);
+    let model_error = add(agree, Verdict::Differ, false);
+    let recording = add(model_error, Verdict::Inconclusive, false);
+    assert_eq!((recording.exit_status(), recording.compared()), (0, 3));
+    let open = add(recording, Verdict::Inconclusive, true);
+    assert_eq!(open.exit_status(), 4);
+    let differ = add(open, Verdict::Differ, true);
+    assert_eq!((differ.exit_status(), differ.differ), (1, 2));
 }
 
 /// The blunter side is named, with what it must be refined by: to what the other leaves of the resolution, or half of it.
@@ -120,16 +111,9 @@ fn the_blunter_side_is_to_be_refined() {
             ..Estimate::stated(u)
         };
         let [a, b] = [("a", 5e-3), ("b", of_b)].map(|(name, u)| Side::known(name, of(u)));
-        let told = |v: Verdict| match v {
-            Verdict::NotResolved {
-                participant,
-                remedy,
-                ..
-            } => (participant, remedy),
-            other => panic!("{other:?}"),
-        };
-        let found = told(verdict::pair(1e-3, &a, &b, 2e-3));
-        assert_eq!(found, told(verdict::pair(1e-3, &b, &a, 2e-3)));
+        let told = |found: Assessment| (found.participant.unwrap(), found.remedy);
+        let found = told(verdict::pair(L2, 1e-3, [&a, &b], 2e-3));
+        assert_eq!(found, told(verdict::pair(L2, 1e-3, [&b, &a], 2e-3)));
         assert_eq!(found.0, "a");
         found.1
     };
@@ -137,18 +121,23 @@ fn the_blunter_side_is_to_be_refined() {
     assert_eq!(at(1.9e-3), "refine a 5 times");
 }
 
-/// A model's difference counts as a finding where it is beyond what is stated, and only there.
+/// Models differ where they are beyond what is stated, and only there; without a tolerance the interval is the result.
 #[test]
-fn models_beyond_what_they_state_are_counted() {
-    for (within, beyond) in [(Some(true), 0), (None, 0), (Some(false), 1)] {
-        let mut counts = Counts::default();
-        counts.add(&Verdict::ModelDifference {
-            low: 0.0,
-            high: 1.0,
-            predicted: 0.0,
-            tolerance: None,
-            within,
+fn models_beyond_what_they_state_differ() {
+    let at = |tolerance: Option<f64>| {
+        let [a, b] = ["a", "b"].map(|name| Side::known(name, Estimate::stated(1e-3)));
+        let allowed = tolerance.map(|tolerance| Allowed {
+            predicted: 0.01,
+            tolerance,
+            reason: "Test.",
         });
-        assert_eq!((counts.model, counts.model_beyond), (1, beyond));
-    }
+        verdict::model(L2, 0.02, [&a, &b], 0.01, allowed.ok_or("nothing is stated"))
+    };
+    let agree = at(Some(0.0085));
+    assert_eq!((agree.verdict, agree.bound), (Verdict::Agree, Some(0.0105)));
+    let differ = at(Some(0.0075));
+    assert_eq!((differ.verdict, differ.actionable), (Verdict::Differ, true));
+    let [low, high] = at(None).interval().unwrap();
+    assert_eq!(at(None).verdict, Verdict::NotCompared);
+    assert!((low - 0.018).abs() < 1e-15 && (high - 0.022).abs() < 1e-15);
 }

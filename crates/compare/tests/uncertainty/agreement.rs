@@ -4,7 +4,7 @@ use crate::common::{Random, courses, participant};
 use crate::{FORCE, anywhere, compared, engine, entry, native, off};
 use pinwheel_compare::uncertainty::{Basis, Method, Source};
 use pinwheel_compare::{
-    Context, Evidence, Ladder, Metric, Outcome, Rung, Scales, Track, Verdict, compare, limits,
+    Context, Evidence, Level, Metric, RefinementStudy, Rules, Scales, Track, Verdict, compare,
 };
 use pinwheel_courses::Courses;
 
@@ -20,10 +20,10 @@ fn one_law_agrees_to_the_sum_of_both_uncertainties() {
     );
     let found = compared(&anywhere(), vec![native(1e-4), peer]);
     let entry = entry(&found, FORCE);
-    let judgement = &entry.judgements[0];
+    let judgement = &entry.assessments[0];
     assert_eq!(
-        (judgement.metric, judgement.counts),
-        (Metric::RelativeL2, true)
+        (judgement.metric, judgement.decides),
+        (Some(Metric::RelativeL2), true)
     );
     let (u_a, u_b) = (judgement.u_a.unwrap(), judgement.u_b.unwrap());
     // Fs times the error's own norm: about 1.25 sqrt(1.5) times its size.
@@ -32,14 +32,13 @@ fn one_law_agrees_to_the_sum_of_both_uncertainties() {
         (1.2e-5..2e-5).contains(&u_b),
         "the other one is sharper: {u_b}"
     );
-    assert_eq!(entry.verdict, Verdict::Agree { to: u_a + u_b });
-    assert!(judgement.distance.unwrap() < u_a);
-    assert_eq!(
-        (found.outcome, found.passed, found.outcome.exit_status()),
-        (Outcome::Passed, true, 0)
-    );
+    let result = (entry.result.verdict, entry.result.bound);
+    assert_eq!(result, (Verdict::Agree, Some(u_a + u_b)));
+    assert!(judgement.difference.unwrap() < u_a);
+    assert_eq!((found.passed, found.counts.exit_status()), (true, 0));
     // Every quantity and window has been resolved; the uncertainties stand with each engine.
-    assert_eq!(found.counts.agree, found.pairs[0].entries.len());
+    let alone = found.engines.iter().map(|e| e.judged.len()).sum::<usize>();
+    assert_eq!(found.counts.agree, found.pairs[0].entries.len() + alone);
     let own = &found.engines[0].uncertainty;
     assert_eq!(own.len(), found.windows.len() * found.quantities.len());
     assert_eq!(own[0].l2.estimate().unwrap().basis, Basis::Observed);
@@ -58,15 +57,12 @@ fn crossval_a_fault_of_a_thousandth_is_a_finding() {
         &[2.0, 4.0],
     );
     let found = compared(&anywhere(), vec![native(1e-5), fault]);
-    let Verdict::Differ { at_least } = entry(&found, FORCE).verdict else {
-        panic!("{:?}", entry(&found, FORCE).verdict);
-    };
+    let result = &entry(&found, FORCE).result;
+    assert_eq!(result.verdict, Verdict::Differ);
+    let at_least = result.difference.unwrap() - result.bound.unwrap();
     assert!((0.9e-3..1e-3).contains(&at_least), "{at_least}");
-    assert_eq!(
-        (found.outcome, found.outcome.exit_status()),
-        (Outcome::Finding, 1)
-    );
-    // A ladder as coarse as the fault cannot tell, and says to what it agrees.
+    assert_eq!(found.counts.exit_status(), 1);
+    // A study as coarse as the fault cannot tell, and says to what it agrees.
     let blunt = engine(
         "peer",
         Track::SharedLaw,
@@ -76,27 +72,29 @@ fn crossval_a_fault_of_a_thousandth_is_a_finding() {
         &[2.0, 4.0],
     );
     let found = compared(&anywhere(), vec![native(1e-5), blunt]);
-    assert!(matches!(entry(&found, FORCE).verdict, Verdict::Agree { to } if to > 1e-3));
+    let result = &entry(&found, FORCE).result;
+    assert_eq!(result.verdict, Verdict::Agree);
+    assert!(result.bound.unwrap() > 1e-3);
 }
 
 /// The false alarm: two adaptive runs at a tolerance of 1e-6 are 5e-4 apart, "454954 times the limit".
 #[test]
 fn regress_adaptive_runs_agree_to_their_tolerance() {
     let adaptive = |name: &str, errors: [f64; 3]| {
-        let rung = |refinement: f64, error: f64| Rung {
+        let level = |refinement: f64, error: f64| Level {
             refinement,
             run: Ok(off(&courses(1.0), error)),
             wall_s: 1.0,
         };
-        let ladder = Ladder {
+        let study = RefinementStudy {
             method: Method::Tolerance { smooth: true },
             finest: 1e-6,
-            coarser: vec![rung(100.0, errors[2]), rung(10.0, errors[1])],
+            coarser: vec![level(100.0, errors[2]), level(10.0, errors[1])],
         };
         let course = off(&courses(1.0), errors[0]);
         (
             participant(name, Track::Native, course),
-            Evidence::ladder(name, ladder),
+            Evidence::refinement(name, study),
         )
     };
     let list = || {
@@ -107,14 +105,11 @@ fn regress_adaptive_runs_agree_to_their_tolerance() {
     };
     let found = compared(&anywhere(), list());
     let entry = entry(&found, FORCE);
-    let distance = entry.judgements[0].distance.unwrap();
+    let distance = entry.assessments[0].difference.unwrap();
     assert!((4e-4..7e-4).contains(&distance), "{distance}");
-    assert!(
-        matches!(entry.verdict, Verdict::Agree { to } if to < 5e-3),
-        "{:?}",
-        entry.verdict
-    );
-    assert_eq!(found.outcome.exit_status(), 0);
+    assert_eq!(entry.result.verdict, Verdict::Agree);
+    assert!(entry.result.bound.unwrap() < 5e-3, "{:?}", entry.result);
+    assert_eq!(found.counts.exit_status(), 0);
     let basis = found.engines[0].uncertainty[0].l2.estimate().unwrap().basis;
     assert_eq!(basis, Basis::Tolerance);
 }
@@ -122,7 +117,7 @@ fn regress_adaptive_runs_agree_to_their_tolerance() {
 /// The empty pass: two native runs 101 % apart at a coarse step, "13 of 13 within".
 #[test]
 fn regress_coarse_runs_far_apart_are_never_within() {
-    // Runs that bounce where none should: each rung another waveform, none near another.
+    // Runs that bounce where none should: each level another waveform, none near another.
     let wild = |seed: u64| {
         let mut random = Random::new(seed);
         let base = courses(1.0);
@@ -135,24 +130,24 @@ fn regress_coarse_runs_far_apart_are_never_within() {
         }
         courses
     };
-    for rungs in [1, 2, 3] {
+    for levels in [1, 2, 3] {
         let coarse = |name: &str, seed: u64| {
-            let rung = |k: u64| Rung {
+            let level = |k: u64| Level {
                 refinement: 2f64.powf(k as f64),
                 run: Ok(wild(seed + k)),
                 wall_s: 1.0,
             };
-            let ladder = Ladder {
+            let study = RefinementStudy {
                 method: Method::Step {
                     order: 2.0,
                     limit: Some(1.0),
                 },
                 finest: 4e-5,
-                coarser: (1..=rungs).map(rung).collect(),
+                coarser: (1..=levels).map(level).collect(),
             };
             (
                 participant(name, Track::Native, wild(seed)),
-                Evidence::ladder(name, ladder),
+                Evidence::refinement(name, study),
             )
         };
         let found = compared(
@@ -160,25 +155,25 @@ fn regress_coarse_runs_far_apart_are_never_within() {
             vec![coarse("native-reduced", 10), coarse("native-lagrange", 20)],
         );
         for entry in &found.pairs[0].entries {
-            assert!(
-                matches!(entry.verdict, Verdict::NotResolved { .. }),
-                "{rungs}: {entry:?}"
-            );
+            let verdict = entry.result.verdict;
+            assert_eq!(verdict, Verdict::Inconclusive, "{levels}: {entry:?}");
         }
-        assert_eq!(found.outcome.exit_status(), 1);
-        assert_eq!((found.counts.agree, found.counts.within), (0, 0), "{rungs}");
-        assert_eq!(found.matrices[0].cells[0].verdict.word(), "not resolved");
+        assert_eq!(found.counts.exit_status(), 4);
+        let of_pairs = found.pairs[0].entries.iter().map(|e| e.result.verdict);
+        assert!(of_pairs.eq(found.pairs[0].entries.iter().map(|_| Verdict::Inconclusive)));
+        let cell = &found.matrices[0].cells[0].result;
+        assert_eq!(cell.verdict.word(), "inconclusive");
     }
-    // By limits alone nothing is judged of a gear that nobody measured, which is no pass.
+    // Without any uncertainty nothing is compared.
     let pair = [
         participant("native", Track::Native, wild(1)),
         participant("native-b", Track::Native, wild(2)),
     ];
-    let found = compare(&anywhere(), &pair, limits::TABLE).unwrap();
+    let found = compare(&anywhere(), &pair, &Rules::default()).unwrap();
     let judged = found.pairs[0]
         .entries
         .iter()
-        .any(|e| e.verdict.outcome() != Outcome::Nothing);
+        .any(|e| e.result.verdict != Verdict::NotCompared);
     assert!(!judged);
 }
 
@@ -198,9 +193,9 @@ fn regress_a_fault_under_friction_is_seen() {
         &[2.0, 4.0],
     );
     let found = compared(&rough, vec![native(1e-4), fault]);
-    assert!(
-        matches!(entry(&found, FORCE).verdict, Verdict::Differ { at_least } if at_least > 0.045)
-    );
+    let result = &entry(&found, FORCE).result;
+    assert_eq!(result.verdict, Verdict::Differ);
+    assert!(result.difference.unwrap() - result.bound.unwrap() > 0.045);
 }
 
 #[test]
@@ -214,15 +209,17 @@ fn rounding_alone_agrees() {
         2.0,
         &[2.0],
     );
-    // Rungs that differ by rounding in no order at all.
-    if let Source::Ladder(ladder) = &mut ladder_a.source {
-        for (k, rung) in ladder.coarser.iter_mut().enumerate() {
-            rung.run = Ok(courses(1.0 + 3e-15 * (2.0 - k as f64)));
+    // Levels that differ by rounding in no order at all.
+    if let Source::Refinement(study) = &mut ladder_a.source {
+        for (k, level) in study.coarser.iter_mut().enumerate() {
+            level.run = Ok(courses(1.0 + 3e-15 * (2.0 - k as f64)));
         }
     }
     a.courses = courses(1.0);
     let found = compared(&anywhere(), vec![(a, ladder_a), (b, ladder_b)]);
-    assert!(matches!(entry(&found, FORCE).verdict, Verdict::Agree { to } if to < 1e-11));
+    let result = &entry(&found, FORCE).result;
+    assert_eq!(result.verdict, Verdict::Agree);
+    assert!(result.bound.unwrap() < 1e-11);
     assert_eq!(
         found.engines[0].uncertainty[0].l2.estimate().unwrap().basis,
         Basis::Rounding
@@ -263,9 +260,9 @@ fn similar_gears_have_the_same_verdicts() {
         ];
         for (participant, evidence) in &mut list {
             participant.courses = small(&participant.courses, grow);
-            if let Source::Ladder(ladder) = &mut evidence.source {
-                for rung in &mut ladder.coarser {
-                    rung.run = rung.run.clone().map(|courses| small(&courses, grow));
+            if let Source::Refinement(study) = &mut evidence.source {
+                for level in &mut study.coarser {
+                    level.run = level.run.clone().map(|courses| small(&courses, grow));
                 }
             }
         }
@@ -282,12 +279,12 @@ fn similar_gears_have_the_same_verdicts() {
         let words: Vec<String> = found.pairs[0]
             .entries
             .iter()
-            .map(|e| e.verdict.word().to_owned())
+            .map(|e| e.result.verdict.word().to_owned())
             .collect();
         (
             words,
             found.counts,
-            found.engines[0].judged[0].verdict.clone(),
+            found.engines[0].judged[0].result.verdict,
         )
     };
     for peer in [1.0, 1.01, 1e-14] {

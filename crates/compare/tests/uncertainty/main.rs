@@ -1,18 +1,18 @@
-//! Whole comparisons by numerical uncertainty, on ladders whose errors are known.
+//! Whole comparisons by numerical uncertainty, on studies whose errors are known.
 
 mod agreement;
 #[path = "../common/mod.rs"]
 mod common;
 mod evidence;
+mod inconclusive;
 mod models;
 mod series;
-mod unresolved;
 
 use common::{context, courses, participant};
 use pinwheel_compare::comparison::{Comparison, PairEntry};
 use pinwheel_compare::uncertainty::Method;
 use pinwheel_compare::{
-    Context, Evidence, Ladder, Participant, Rules, Rung, Track, WindowKind, compare_with,
+    Context, Evidence, Level, Participant, RefinementStudy, Rules, Track, WindowKind, compare,
 };
 use pinwheel_courses::Courses;
 
@@ -22,13 +22,10 @@ const TORQUE: &str = "input_torque_n_m";
 
 /// The gear nobody calibrated.
 fn anywhere() -> Context {
-    Context {
-        guarded: None,
-        ..context()
-    }
+    context()
 }
 
-/// `base` with an error of relative size `error` in every channel: a wave of its own, the same for every rung.
+/// `base` with an error of relative size `error` in every channel: a wave of its own, the same for every level.
 fn off(base: &Courses, error: f64) -> Courses {
     let mut courses = Courses::new(base.time_s().to_vec()).unwrap();
     for (k, channel) in base.channels().iter().enumerate() {
@@ -45,7 +42,7 @@ fn off(base: &Courses, error: f64) -> Courses {
     courses
 }
 
-/// An engine whose error at H times its step is `error * H^order`, and its ladder at the refinements.
+/// An engine whose error at H times its step is `error * H^order`, and its study at the refinements.
 fn engine(
     name: &str,
     on: Track,
@@ -55,19 +52,19 @@ fn engine(
     refinements: &[f64],
 ) -> (Participant, Evidence) {
     let at = |h: f64| off(base, error * h.powf(order));
-    let rung = |&refinement: &f64| Rung {
+    let level = |&refinement: &f64| Level {
         refinement,
         run: Ok(at(refinement)),
         wall_s: 1.0,
     };
-    let ladder = Ladder {
+    let study = RefinementStudy {
         method: Method::Step { order, limit: None },
         finest: 1e-5,
-        coarser: refinements.iter().map(rung).collect(),
+        coarser: refinements.iter().map(level).collect(),
     };
     let mut participant = participant(name, on, at(1.0));
     participant.cost.steps = 60_000;
-    (participant, Evidence::ladder(name, ladder))
+    (participant, Evidence::refinement(name, study))
 }
 
 fn compared(context: &Context, list: Vec<(Participant, Evidence)>) -> Comparison {
@@ -76,7 +73,7 @@ fn compared(context: &Context, list: Vec<(Participant, Evidence)>) -> Comparison
         evidence: &evidence,
         ..Rules::default()
     };
-    compare_with(context, &participants, &rules).unwrap()
+    compare(context, &participants, &rules).unwrap()
 }
 
 fn entry<'a>(comparison: &'a Comparison, quantity: &str) -> &'a PairEntry {

@@ -5,8 +5,8 @@ use crate::{FORCE, TORQUE, anywhere, compared, engine, entry, native};
 use pinwheel_compare::comparison::Comparison;
 use pinwheel_compare::model::TOLERANCES;
 use pinwheel_compare::{
-    Context, DataUncertainty, Energy, Metric, Outcome, Rules, StatedLimit, Track, Verdict,
-    WindowKind, compare, compare_with, limits,
+    Context, DataUncertainty, Energy, Metric, Rules, StatedLimit, Track, Verdict, WindowKind,
+    compare,
 };
 use pinwheel_courses::Courses;
 
@@ -43,61 +43,35 @@ fn own_contact_is_an_interval_against_a_prediction() {
     };
     // The law creates 0.95 % of the power: the conservative bed needs as much more torque.
     let found = run(1.0095, Some(0.0095), 1e-5);
-    let of_torque = |found: &Comparison| entry(found, TORQUE).judgements[0].clone();
-    let Verdict::ModelDifference {
-        low,
-        high,
-        predicted,
-        tolerance,
-        within,
-    } = of_torque(&found).verdict
-    else {
-        panic!("{:?}", of_torque(&found));
-    };
+    let of_torque = |found: &Comparison| entry(found, TORQUE).assessments[0].clone();
+    let torque = of_torque(&found);
     assert_eq!(
-        (predicted, tolerance, within),
-        (-0.0095, Some(5e-3), Some(true))
+        (torque.verdict, torque.predicted, torque.tolerance),
+        (Verdict::Agree, -0.0095, Some(5e-3))
     );
+    let [low, high] = torque.interval().unwrap();
     // Where something is stated, nothing else is judged beside it.
-    let stated = |found: &Verdict| matches!(found, Verdict::ModelDifference { tolerance, .. } if tolerance.is_some());
-    let judged = &entry(&found, TORQUE).judgements;
-    assert!(judged.iter().all(|j| stated(&j.verdict)), "{judged:?}");
+    let judged = &entry(&found, TORQUE).assessments;
+    assert!(judged.iter().all(|j| j.tolerance.is_some()), "{judged:?}");
     let difference = -0.0095 / 1.0095;
     assert!(
         low < difference && difference < high && high - low < 1e-4,
         "{low} {high}"
     );
     // The same difference where none is predicted is beyond what a bed states.
-    let conservative = of_torque(&run(1.0095, Some(0.0), 1e-5)).verdict;
-    assert!(
-        matches!(
-            conservative,
-            Verdict::ModelDifference {
-                within: Some(false),
-                ..
-            }
-        ),
-        "{conservative:?}"
-    );
-    assert_eq!(run(1.0095, Some(0.0), 1e-5).outcome, Outcome::Finding);
+    let conservative = run(1.0095, Some(0.0), 1e-5);
+    assert_eq!(of_torque(&conservative).verdict, Verdict::Differ);
+    assert_eq!(conservative.counts.exit_status(), 1);
     // In the wrong direction too.
     let wrong = of_torque(&run(0.9905, Some(0.0095), 1e-5)).verdict;
-    assert!(matches!(
-        wrong,
-        Verdict::ModelDifference {
-            within: Some(false),
-            ..
-        }
-    ));
-    // Without an account there is no prediction, so nothing to be within of.
-    let unknown = of_torque(&run(1.0095, None, 1e-5)).verdict;
-    assert!(matches!(
-        unknown,
-        Verdict::ModelDifference { within: None, .. }
-    ));
-    // A blunt ladder does not pass by being blunt.
+    assert_eq!(wrong, Verdict::Differ);
+    // Without an account there is no prediction, so nothing to hold it against: the interval is left.
+    let unknown = of_torque(&run(1.0095, None, 1e-5));
+    assert_eq!(unknown.verdict, Verdict::NotCompared);
+    assert!(unknown.interval().is_some());
+    // A blunt study does not pass by being blunt.
     let blunt = of_torque(&run(1.0095, Some(0.0095), 3e-2)).verdict;
-    assert!(matches!(blunt, Verdict::NotResolved { .. }), "{blunt:?}");
+    assert_eq!(blunt, Verdict::Inconclusive);
     for row in TOLERANCES {
         assert!(row.tolerance >= 0.0 && row.reason.ends_with('.'), "{row:?}");
     }
@@ -137,35 +111,24 @@ fn the_matrix_shows_the_figure_that_was_judged() {
     let metrics = entry(&found, FORCE).metrics.as_ref().unwrap();
     assert!(metrics.relative_l2.unwrap() > 0.4);
     let cell = found.matrices[0].cell(0, 1).unwrap();
-    assert_eq!(cell.verdict.word(), "model difference");
-    assert_eq!(cell.worst_metric, Some(Metric::Mean));
-    assert!(cell.worst.unwrap() < 0.05, "{cell:?}");
-    // By the table as well.
-    let rules = Rules::default();
-    let pair = [
-        participant("native", Track::Native, base),
-        participant("rapier-own-contact-colliders", Track::OwnContact, waves),
-    ];
-    let found = compare_with(&context(), &pair, &rules).unwrap();
-    let cell = found.matrices[0].cell(0, 1).unwrap();
-    assert_eq!(
-        (cell.verdict.word(), cell.worst_metric),
-        ("within", Some(Metric::Mean))
+    assert_eq!(cell.result.verdict, Verdict::Agree);
+    assert_eq!(cell.result.metric, Some(Metric::Mean));
+    assert!(cell.result.difference.unwrap() < 0.05 && cell.force.unwrap() > 0.4);
+    // Pairs that differ show what does.
+    let far = engine(
+        "rapier-own-contact-colliders",
+        Track::OwnContact,
+        &courses(1.3),
+        1e-5,
+        2.0,
+        &[2.0, 4.0],
     );
-    assert!(cell.worst.unwrap() < 0.05 && cell.force.unwrap() > 0.4);
-    // Exceeded pairs show what exceeded.
-    let far = [
-        pair[0].clone(),
-        participant(
-            "rapier-own-contact-colliders",
-            Track::OwnContact,
-            courses(1.3),
-        ),
-    ];
-    let found = compare_with(&context(), &far, &rules).unwrap();
+    let (mut native, evidence) = crate::native(1e-5);
+    native.cost.energy = vec![account(0.0)];
+    let found = compared(&anywhere(), vec![(native, evidence), far]);
     let cell = found.matrices[0].cell(0, 1).unwrap();
-    assert_eq!(cell.verdict, Verdict::Exceeded);
-    assert!((cell.worst.unwrap() - 0.3 / 1.3).abs() < 1e-6);
+    assert_eq!(cell.result.verdict, Verdict::Differ);
+    assert!((cell.result.difference.unwrap().abs() - 0.3 / 1.3).abs() < 1e-4);
 }
 
 #[test]
@@ -178,7 +141,7 @@ fn measured_data_get_a_budget() {
             data,
             ..Rules::default()
         };
-        compare_with(&anywhere(), &[native, rig], &rules).unwrap()
+        compare(&anywhere(), &[native, rig], &rules).unwrap()
     };
     let stated = DataUncertainty {
         engine: "rig".to_owned(),
@@ -187,7 +150,7 @@ fn measured_data_get_a_budget() {
         input: 0.003,
     };
     let found = run(1.009, std::slice::from_ref(&stated));
-    let judgement = &entry(&found, FORCE).judgements[0];
+    let judgement = &entry(&found, FORCE).assessments[0];
     let budget = judgement.budget.unwrap();
     assert!((budget.validation() - 0.005).abs() < 1e-5, "{budget:?}");
     // Each side's own: the simulation's numerics, the rig's statement.
@@ -196,30 +159,28 @@ fn measured_data_get_a_budget() {
         judgement.u_a.is_some_and(|u| u > 1e-4 && u < 2e-4),
         "{judgement:?}"
     );
-    assert!(
-        matches!(entry(&found, FORCE).verdict, Verdict::NotDistinguishable { level } if (level - 0.01).abs() < 1e-5)
-    );
-    assert!(
-        matches!(entry(&found, TORQUE).verdict, Verdict::NotJudged { .. }),
-        "nothing stated of it"
-    );
+    let result = &entry(&found, FORCE).result;
+    assert_eq!(result.verdict, Verdict::Agree);
+    assert!((result.bound.unwrap() - 0.01).abs() < 1e-5);
+    let nothing = entry(&found, TORQUE).result.verdict;
+    assert_eq!(nothing, Verdict::NotCompared, "nothing stated of it");
     let found = run(1.02, std::slice::from_ref(&stated));
-    let Verdict::ModelError { low, high } = entry(&found, FORCE).verdict else {
-        panic!();
-    };
+    assert_eq!(entry(&found, FORCE).result.verdict, Verdict::Differ);
+    let [low, high] = entry(&found, FORCE).result.interval().unwrap();
     assert!((high - low - 0.02).abs() < 1e-4 && low > 0.009);
     // The simulation's mean is the smaller one: E = S - D < 0, in either order.
     let mean = entry(&found, FORCE)
-        .judgements
+        .assessments
         .iter()
-        .find(|j| j.metric == Metric::Mean)
+        .find(|j| j.metric == Some(Metric::Mean))
         .unwrap();
     assert!(
-        (mean.distance.unwrap() + 0.02 / 1.02).abs() < 1e-3,
+        (mean.difference.unwrap() + 0.02 / 1.02).abs() < 1e-3,
         "{mean:?}"
     );
     assert_eq!(
-        found.counts.model, 2,
+        (found.counts.differ, found.counts.exit_status()),
+        (2, 0),
         "steady and transient; a model error is a result, not a failure"
     );
     let (simulation, evidence) = native(1e-4);
@@ -229,11 +190,11 @@ fn measured_data_get_a_budget() {
         data: &[stated],
         ..Rules::default()
     };
-    let found = compare_with(&anywhere(), &[rig, simulation], &rules).unwrap();
-    let mut judged = entry(&found, FORCE).judgements.iter();
-    let mean = judged.find(|j| j.metric == Metric::Mean).unwrap();
+    let found = compare(&anywhere(), &[rig, simulation], &rules).unwrap();
+    let mut judged = entry(&found, FORCE).assessments.iter();
+    let mean = judged.find(|j| j.metric == Some(Metric::Mean)).unwrap();
     assert!(
-        (mean.distance.unwrap() + 0.02 / 1.02).abs() < 1e-3,
+        (mean.difference.unwrap() + 0.02 / 1.02).abs() < 1e-3,
         "{mean:?}"
     );
     assert_eq!(mean.u_a, Some(0.004));
@@ -258,10 +219,10 @@ fn bad_input_a_stated_limit_that_matches_nothing() {
             stated: &stated,
             ..Rules::default()
         };
-        compare_with(&anywhere(), &pair, &rules)
+        compare(&anywhere(), &pair, &rules)
     };
     assert_eq!(
-        run("*_force_n", WindowKind::Steady).unwrap().counts.within,
+        run("*_force_n", WindowKind::Steady).unwrap().counts.agree,
         2
     );
     let error = run("*_torqe_n_m", WindowKind::Steady)
@@ -278,7 +239,7 @@ fn bad_input_a_stated_limit_that_matches_nothing() {
 #[test]
 fn undefined_efficiencies_have_a_reason() {
     let of = |context: &Context| {
-        let found = compare(context, &[native(0.0).0], limits::TABLE).unwrap();
+        let found = compare(context, &[native(0.0).0], &Rules::default()).unwrap();
         let figures = found.engines[0].figures[0].clone();
         (
             figures.efficiency,
@@ -325,7 +286,7 @@ fn undefined_efficiencies_have_a_reason() {
     // With an account the energy that the law creates is taken out.
     let mut run = native(0.0).0;
     run.cost.energy = vec![account(0.0095)];
-    let found = compare(&context(), &[run], limits::TABLE).unwrap();
+    let found = compare(&context(), &[run], &Rules::default()).unwrap();
     let figures = &found.engines[0].figures[0];
     let share = figures.efficiency_accounted.unwrap() / figures.efficiency.unwrap();
     assert!((share - 1.0 / 1.0095).abs() < 1e-12);

@@ -3,7 +3,7 @@
 use crate::common::{Random, courses, participant};
 use crate::{FORCE, anywhere, compared, engine, entry, native};
 use pinwheel_compare::uncertainty::{Method, Norm, Source};
-use pinwheel_compare::{Evidence, Ladder, Rules, Rung, Track, Verdict, compare_with};
+use pinwheel_compare::{Evidence, Level, RefinementStudy, Rules, Track, Verdict, compare};
 use pinwheel_courses::Courses;
 
 /// Extrapolated series are nearer to the truth, by an order of magnitude, and say so.
@@ -19,14 +19,14 @@ fn crossval_extrapolation_sharpens() {
     );
     let found = compared(&anywhere(), vec![native(1e-4), peer]);
     let entry = entry(&found, FORCE);
-    let plain = entry.judgements[0].combined().unwrap();
+    let plain = entry.assessments[0].combined().unwrap();
     let sharp = entry.extrapolated.as_ref().unwrap();
     assert!(
         sharp.combined().unwrap() < plain / 10.0,
         "{sharp:?} {plain}"
     );
-    assert!(sharp.distance.unwrap() < entry.judgements[0].distance.unwrap() / 100.0);
-    assert!(matches!(sharp.verdict, Verdict::Agree { .. }));
+    assert!(sharp.difference.unwrap() < entry.assessments[0].difference.unwrap() / 100.0);
+    assert_eq!(sharp.verdict, Verdict::Agree);
     // A fault below U is seen there; it does not count for the verdict, and stands beside it.
     let fault = engine(
         "peer",
@@ -38,13 +38,13 @@ fn crossval_extrapolation_sharpens() {
     );
     let found = compared(&anywhere(), vec![native(3e-4), fault]);
     let entry = self::entry(&found, FORCE);
-    assert!(matches!(entry.verdict, Verdict::Agree { .. }));
-    assert!(
-        matches!(entry.extrapolated.as_ref().unwrap().verdict, Verdict::Differ { at_least } if at_least > 5e-5)
-    );
+    assert_eq!(entry.result.verdict, Verdict::Agree);
+    let sharp = entry.extrapolated.as_ref().unwrap();
+    assert_eq!(sharp.verdict, Verdict::Differ);
+    assert!(sharp.difference.unwrap() - sharp.bound.unwrap() > 5e-5);
 }
 
-/// Every norm and figure: u is at least the true error in 95 of 100 cases, and not blunt. The errors of the rungs have
+/// Every norm and figure: u is at least the true error in 95 of 100 cases, and not blunt. The errors of the levels have
 /// shapes of their own beside the common one.
 #[test]
 fn crossval_series_and_figures_are_covered() {
@@ -81,26 +81,26 @@ fn crossval_series_and_figures_are_covered() {
             courses
         };
         let finest = at(1.0);
-        let rungs = [2.0, 4.0].map(|refinement| Rung {
+        let levels = [2.0, 4.0].map(|refinement| Level {
             refinement,
             run: Ok(at(refinement)),
             wall_s: 1.0,
         });
-        let ladder = Ladder {
+        let study = RefinementStudy {
             method: Method::Step { order, limit: None },
             finest: 1e-5,
-            coarser: rungs.to_vec(),
+            coarser: levels.to_vec(),
         };
         let list = [
             participant("a", Track::Native, finest),
             participant("truth", Track::Native, truth.clone()),
         ];
         let evidence = [
-            Evidence::ladder("a", ladder),
+            Evidence::refinement("a", study),
             Evidence {
                 engine: "truth".to_owned(),
                 source: Source::Exact(0.0),
-                excuse: None,
+                is_final: None,
                 floor: 0.0,
             },
         ];
@@ -108,7 +108,7 @@ fn crossval_series_and_figures_are_covered() {
             evidence: &evidence,
             ..Rules::default()
         };
-        let found = compare_with(&anywhere(), &list, &rules).unwrap();
+        let found = compare(&anywhere(), &list, &rules).unwrap();
         for (entry, own) in found.pairs[0]
             .entries
             .iter()

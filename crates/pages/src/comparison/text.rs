@@ -1,10 +1,10 @@
 //! What `pinwheel compare` says on stdout: figures of every engine, verdicts of every pair.
 
-use pinwheel_compare::comparison::EngineSummary;
+use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::quantities::INPUT_TORQUE;
-use pinwheel_compare::{Comparison, Outcome, Track, Verdict, WindowKind};
-use pinwheel_report::statement;
+use pinwheel_compare::{Comparison, Counts, Track, Verdict, WindowKind};
 use pinwheel_report::terminal::{BAD, Cell, GOOD, QUIET, TITLE, lines, paragraph, styled};
+use pinwheel_report::words;
 use pinwheel_scene::Scene;
 
 /// The whole text, without the place of the page.
@@ -12,17 +12,6 @@ use pinwheel_scene::Scene;
 pub fn text(scene: &Scene, comparison: &Comparison) -> String {
     let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::title(scene))));
     text.push_str(&lines(&engines(comparison)));
-    if let Some(window) = shown_window(comparison) {
-        text.push_str(&styled(
-            QUIET,
-            &paragraph(&format!(
-                "Mean driver torque and largest external and internal sleeve force in the {} window; load: the output \
-                 torque's balance with it.",
-                window.word()
-            )),
-        ));
-        text.push('\n');
-    }
     for engine in &comparison.engines {
         if let Some(reason) = engine.status.reason() {
             text.push_str(&paragraph(&format!("{}: {reason}", engine.name)));
@@ -41,72 +30,35 @@ pub fn text(scene: &Scene, comparison: &Comparison) -> String {
             text.push_str(&format!("{}\n", paragraph(&format!("{name}: {note}"))));
         }
     }
-    let judged = pairs(comparison);
-    if judged.len() > 1 {
+    let pairs = pairs(comparison);
+    if pairs.len() > 1 {
         text.push('\n');
-        text.push_str(&lines(&judged));
+        text.push_str(&lines(&pairs));
     }
     for remark in comparison.windows.iter().filter_map(|w| w.remark()) {
-        text.push_str(&format!("\n{}", paragraph(&remark)));
+        text.push_str(&format!("{}\n", paragraph(&remark)));
     }
     for absent in &comparison.absent_windows {
-        text.push_str(&format!(
-            "\n{}",
-            paragraph(&format!(
-                "No {} window: {}.",
-                absent.kind.word(),
-                absent.reason
-            ))
-        ));
+        let words = format!("No {} window: {}.", absent.kind.word(), absent.reason);
+        text.push_str(&format!("{}\n", paragraph(&words)));
     }
-    let unresolved = statement::unresolved(comparison).into_iter();
-    let unresolved = unresolved.map(|found| format!("not resolved: {}: {}", found.who, found.why));
-    for line in sharpened(comparison)
-        .into_iter()
-        .chain(budgets(comparison))
-        .chain(unresolved)
-    {
-        text.push_str(&format!("\n{}", paragraph(&line)));
+    let inconclusive = words::inconclusive(comparison).into_iter();
+    let inconclusive = inconclusive.map(|(who, why)| format!("inconclusive: {who}: {why}"));
+    for line in budgets(comparison).into_iter().chain(inconclusive) {
+        text.push_str(&format!("{}\n", paragraph(&line)));
     }
     format!("{text}\n{}", total(comparison))
 }
 
 /// The last line: what all verdicts amount to.
 fn total(comparison: &Comparison) -> String {
-    let counts = comparison.counts;
-    let mut parts = Vec::new();
-    let mut say = |n: usize, words: &str| {
-        if n > 0 {
-            parts.push(format!("{n} {words}"));
-        }
+    let words::Summary { headline, counts } = words::summary(comparison);
+    let style = match (comparison.counts.exit_status(), comparison.passed) {
+        (0, true) => GOOD,
+        (0, false) => QUIET,
+        _ => BAD,
     };
-    say(counts.differ, "differ");
-    say(counts.exceeded, "exceed a limit");
-    say(counts.model_beyond, "beyond a model's tolerance");
-    say(counts.not_resolved, "not resolved");
-    say(counts.agree, "agree");
-    say(counts.within, "within limits");
-    say(counts.model - counts.model_beyond, "of models");
-    say(counts.stated, "not resolved for a stated reason");
-    let parts = parts.join(", ");
-    let (style, verdict) = match comparison.outcome {
-        Outcome::Finding if counts.differ + counts.model_beyond == 0 => {
-            (BAD, format!("LIMIT EXCEEDED: {parts}"))
-        }
-        Outcome::Finding => (BAD, format!("ENGINES DIFFER: {parts}")),
-        Outcome::NotResolved => (BAD, format!("NOT RESOLVED: {parts}")),
-        Outcome::Passed => (GOOD, format!("every statement holds: {parts}")),
-        Outcome::Stated => (QUIET, parts),
-        Outcome::Nothing => {
-            let nothing = "nothing judged: no limit and no uncertainty applies";
-            (QUIET, nothing.to_owned())
-        }
-    };
-    let quiet = match counts.not_judged {
-        0 => String::new(),
-        n => format!(" ({n} not judged, see the page)"),
-    };
-    styled(style, &paragraph(&format!("{verdict}{quiet}")))
+    styled(style, &paragraph(&format!("{headline}  {counts}")))
 }
 
 /// The window figures are shown for: the steady one, or the whole run.
@@ -161,9 +113,7 @@ fn engines(comparison: &Comparison) -> Vec<Vec<Cell>> {
         }
         match engine.status.reason() {
             Some(_) => row.push(not_finished(engine)),
-            None => row.push(own_verdict(
-                engine.judged.iter().map(|entry| &entry.verdict),
-            )),
+            None => row.push(own_verdict(engine)),
         }
         rows.push(row);
     }
@@ -178,17 +128,22 @@ fn not_finished(engine: &EngineSummary) -> Cell {
     }
 }
 
-/// Of what was judged of an engine alone, the worst.
-fn own_verdict<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Cell {
-    let mut word = Cell::text("");
-    for verdict in verdicts {
-        match verdict.outcome() {
-            Outcome::Finding => return Cell::text("exceeded").styled(BAD),
-            Outcome::Passed => word = Cell::text("within").styled(GOOD),
-            Outcome::NotResolved | Outcome::Stated | Outcome::Nothing => {}
-        }
-    }
-    word
+/// The verdict on an engine alone, its balance with the load.
+fn own_verdict(engine: &EngineSummary) -> Cell {
+    let verdicts = engine.judged.iter().map(|entry| entry.result.verdict);
+    let compared = verdicts.filter(|verdict| *verdict != Verdict::NotCompared);
+    compared
+        .last()
+        .map_or(Cell::text(""), |verdict| marked(verdict.word(), verdict))
+}
+
+/// Text in the style of a verdict.
+fn marked(text: &str, verdict: Verdict) -> Cell {
+    Cell::text(text).styled(match verdict {
+        Verdict::Agree => GOOD,
+        Verdict::Differ => BAD,
+        Verdict::Inconclusive | Verdict::NotCompared => QUIET,
+    })
 }
 
 /// How far measured data are from each engine, quantity by quantity.
@@ -218,8 +173,8 @@ fn measured(comparison: &Comparison) -> Vec<Vec<Cell>> {
             rows.push(vec![
                 Cell::text(format!(
                     "{} / {}",
-                    statement::short(&pair.a),
-                    statement::short(&pair.b)
+                    words::short(&pair.a),
+                    words::short(&pair.b)
                 )),
                 Cell::text(format!(
                     "{}, {}",
@@ -229,43 +184,88 @@ fn measured(comparison: &Comparison) -> Vec<Vec<Cell>> {
                 percent(metrics.relative_l2),
                 percent(metrics.mean_difference),
                 percent(metrics.peak_difference),
-                Cell::text(statement::entry(entry, |value| format!("{value:.0e}"))),
+                Cell::text(words::verdict(&entry.result, brief_number)),
             ]);
         }
     }
     rows
 }
 
-/// One row for each pair: the gravest statement on it, and where it was made.
+/// Pairs that are listed one by one, those that differ before those with something to act on.
+const LISTED: usize = 5;
+
+/// What pairs share, how often their verdicts are which, and the gravest one; then pairs with something to act on.
 fn pairs(comparison: &Comparison) -> Vec<Vec<Cell>> {
     let title = |text: &str| Cell::text(text).styled(TITLE);
-    let mut rows = vec![vec![title("pair"), title("at worst"), title("of")]];
-    for pair in &comparison.pairs {
-        let worst = statement::gravest(pair);
-        // What engines and recordings cannot say is told once, below.
-        let Some(worst) = worst.filter(|w| w.verdict.outcome() != Outcome::Stated) else {
+    let heading = |text: &str| Cell::figure(text).styled(TITLE);
+    let mut rows = vec![vec![
+        title("pairs that share"),
+        heading("agree"),
+        heading("differ"),
+        heading("inconcl."),
+        title("at worst"),
+    ]];
+    for (track, shares) in [
+        (Track::Native, "equations"),
+        (Track::SharedLaw, "contact law"),
+        (Track::OwnContact, "nothing"),
+        (Track::Measured, "measured data"),
+    ] {
+        let of_track = || comparison.pairs.iter().filter(|pair| pair.track == track);
+        let mut counts = Counts::default();
+        let entries = of_track().flat_map(|pair| &pair.entries);
+        entries.for_each(|entry| counts.add(&entry.result));
+        if of_track().next().is_none() {
             continue;
+        }
+        let known = of_track().filter_map(|pair| Some((pair, words::gravest(pair)?)));
+        // What no setting would settle says less than what agrees.
+        let rank = |entry: &PairEntry| match entry.result.rank() {
+            2 => 0,
+            rank => rank,
         };
-        let style = match worst.verdict.outcome() {
-            Outcome::Finding | Outcome::NotResolved => BAD,
-            Outcome::Passed => GOOD,
-            Outcome::Stated | Outcome::Nothing => QUIET,
-        };
+        let worst = known.max_by(|a, b| {
+            let graver = rank(a.1).cmp(&rank(b.1));
+            graver.then(a.1.result.share().total_cmp(&b.1.result.share()))
+        });
+        let said = worst.map_or(Cell::text(""), |(pair, entry)| {
+            let said = words::verdict(&entry.result, brief_number);
+            marked(&format!("{}: {said}", name(pair)), entry.result.verdict)
+        });
         rows.push(vec![
-            Cell::text(format!(
-                "{} / {}",
-                statement::short(&pair.a),
-                statement::short(&pair.b)
-            )),
-            Cell::text(statement::entry(worst, |value| format!("{value:.0e}"))).styled(style),
-            Cell::text(format!(
-                "{}, {}",
-                brief(&worst.quantity),
-                worst.window.word()
-            )),
+            Cell::text(shares),
+            Cell::figure(counts.agree.to_string()),
+            Cell::figure(counts.differ.to_string()),
+            Cell::figure(counts.inconclusive.to_string()),
+            said,
         ]);
     }
+    let acted_on = |pair: &&Pair| words::gravest(pair).is_some_and(|e| e.result.actionable);
+    let mut open: Vec<&Pair> = comparison.pairs.iter().filter(acted_on).collect();
+    open.sort_by_key(|pair| std::cmp::Reverse(words::gravest(pair).map(|e| e.result.rank())));
+    for pair in open.iter().take(LISTED) {
+        if let Some(entry) = words::gravest(pair) {
+            let place = format!("{}, {}", brief(&entry.quantity), entry.window.word());
+            let said = words::verdict(&entry.result, brief_number);
+            let empty = || Cell::figure("");
+            rows.push(vec![
+                Cell::text(name(pair)),
+                empty(),
+                empty(),
+                empty(),
+                marked(&format!("{said}; {place}"), entry.result.verdict),
+            ]);
+        }
+    }
     rows
+}
+
+fn name(pair: &Pair) -> String {
+    format!("{} / {}", words::short(&pair.a), words::short(&pair.b))
+}
+
+fn brief_number(value: f64) -> String {
+    format!("{value:.0e}")
 }
 
 /// `external_sleeve_force_n` as `external sleeve force`.
@@ -278,26 +278,6 @@ fn brief(quantity: &str) -> String {
         .replace('_', " ")
 }
 
-/// What taking off the leading error term makes of pairs whose orders were confirmed: the sharpest and the bluntest.
-fn sharpened(comparison: &Comparison) -> Option<String> {
-    let mut sharper: Vec<(f64, f64)> = Vec::new();
-    for entry in comparison.pairs.iter().flat_map(|pair| &pair.entries) {
-        let plain = entry.judgements.iter().find(|j| j.counts);
-        let both = entry.extrapolated.as_ref().zip(plain);
-        let bounds = both.and_then(|(new, old)| Some((new.combined()?, old.combined()?)));
-        sharper.extend(bounds.filter(|(new, old)| new < old));
-    }
-    let all = sharper.len();
-    if all == 0 {
-        return None;
-    }
-    sharper.sort_by(|a, b| (a.0 / a.1).total_cmp(&(b.0 / b.1)));
-    let (new, old) = sharper[all / 2];
-    Some(format!(
-        "extrapolated (Richardson): {all} statements are sharper, in the median U = {new:.0e} instead of {old:.0e}"
-    ))
-}
-
 /// Signs of a bar.
 const BAR: usize = 20;
 
@@ -306,11 +286,9 @@ fn budgets(comparison: &Comparison) -> Vec<String> {
     let mut told = Vec::new();
     for pair in &comparison.pairs {
         for entry in &pair.entries {
-            let counting = entry.judgements.iter().find(|j| j.counts);
-            let Some((budget, shares)) = counting
-                .and_then(|j| j.budget)
-                .and_then(|budget| Some((budget, budget.shares()?)))
-            else {
+            let budget = entry.assessments.iter().find(|one| one.decides);
+            let budget = budget.and_then(|one| one.budget);
+            let Some((budget, shares)) = budget.and_then(|of| Some((of, of.shares()?))) else {
                 continue;
             };
             let signs = |share: f64| (share * BAR as f64).round() as usize;
@@ -322,8 +300,8 @@ fn budgets(comparison: &Comparison) -> Vec<String> {
             let [numerical, input, data] = shares.map(|share| 100.0 * share);
             told.push(format!(
                 "{} / {}, {}, {}: u_val = {:.1e} [{bar:BAR$}] numerics {numerical:.0} %, inputs {input:.0} %, data {data:.0} %",
-                statement::short(&pair.a),
-                statement::short(&pair.b),
+                words::short(&pair.a),
+                words::short(&pair.b),
                 brief(&entry.quantity),
                 entry.window.word(),
                 budget.validation()

@@ -1,11 +1,12 @@
 //! The top of the page: the verdict in one sentence, and the figures people come for.
 
-use pinwheel_compare::comparison::EngineSummary;
-use pinwheel_compare::{Comparison, Outcome, Quantity, Track, WindowKind, quantities};
+use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
+use pinwheel_compare::{
+    Assessment, Comparison, Metric, Quantity, Track, Verdict, WindowKind, quantities,
+};
 
 use super::{Mark, mark, pairs, quantity_label, window_label};
-use crate::statement::Unresolved;
-use crate::{format, statement};
+use crate::{format, words};
 
 /// The verdict.
 pub(super) struct Banner {
@@ -13,13 +14,13 @@ pub(super) struct Banner {
     pub(super) class: &'static str,
     pub(super) sign: &'static str,
     pub(super) headline: String,
-    /// How many statements of each kind there are.
-    pub(super) counts: Vec<(usize, &'static str)>,
+    /// How many verdicts of each kind there are.
+    pub(super) counts: String,
     pub(super) finished: usize,
     /// Engine and reason of each run that did not finish.
     pub(super) unfinished: Vec<(String, String)>,
-    /// Who keeps comparisons from being resolved, why and what would do; not what nothing would change.
-    pub(super) unresolved: Vec<Unresolved>,
+    /// Who leaves something to act on inconclusive, why, and what would do.
+    pub(super) inconclusive: Vec<(String, String)>,
 }
 
 /// One headline figure.
@@ -59,43 +60,43 @@ pub(super) fn differences(comparison: &Comparison) -> Vec<Difference> {
         let of_track = comparison.pairs.iter().enumerate();
         let of_track = of_track.filter(|(_, pair)| pair.track == track);
         let entries = of_track.flat_map(|(k, pair)| pair.entries.iter().map(move |e| (k, pair, e)));
-        let size = |(k, pair, entry)| {
-            let figure = statement::figure(entry)?;
-            let size = figure.value.map_or(f64::INFINITY, f64::abs);
-            Some((entry.verdict.outcome(), size, (k, pair, entry, figure)))
-        };
-        // What is not resolved for a stated reason says less than what is.
-        let rank = |outcome: Outcome| {
-            if outcome == Outcome::Stated {
+        // What is inconclusive with nothing to act on says less than what agrees.
+        let rank = |found: &Assessment| {
+            if found.rank() == 2 {
                 0
             } else {
-                1 + outcome as u8
+                1 + found.rank()
             }
         };
-        let most = entries.filter_map(size).max_by(|a, b| {
-            let graver = rank(a.0).cmp(&rank(b.0));
-            graver.then(a.1.total_cmp(&b.1))
-        });
-        if let Some((outcome, _, (k, pair, entry, figure))) = most {
+        let size = |(k, pair, entry): (usize, &'_ Pair, &'_ PairEntry)| {
+            entry.result.metric?;
+            let size = entry.result.difference.map_or(f64::INFINITY, f64::abs);
+            Some((rank(&entry.result), size, k, pair.clone(), entry.clone()))
+        };
+        let most = entries
+            .filter_map(size)
+            .max_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        if let Some((_, _, k, pair, entry)) = most {
+            let result = &entry.result;
             let quantity = quantity_label(comparison, &entry.quantity).to_lowercase();
             let difference = Difference {
                 track: title,
-                mark: mark(&entry.verdict),
-                figure: format::relative_or_none(figure.value.map(f64::abs)),
+                mark: mark(result),
+                figure: format::relative_or_none(result.difference.map(f64::abs)),
                 of: format!(
                     "{} of the {quantity}, {}",
-                    statement::metric(figure.metric),
+                    result.metric.map_or("", Metric::label),
                     entry.window.word()
                 ),
-                said: statement::entry(entry, format::relative),
+                said: words::verdict(result, format::relative),
                 who: format!(
                     "{} \u{2194} {}",
-                    statement::short(&pair.a),
-                    statement::short(&pair.b)
+                    words::short(&pair.a),
+                    words::short(&pair.b)
                 ),
                 target: pairs::pair_id(k),
             };
-            found.push((outcome == Outcome::Finding, difference));
+            found.push((result.verdict == Verdict::Differ, difference));
         }
     }
     found.sort_by_key(|(finding, _)| !finding);
@@ -107,86 +108,30 @@ pub(super) fn differences(comparison: &Comparison) -> Vec<Difference> {
 
 pub(super) fn banner(comparison: &Comparison) -> Banner {
     let counts = comparison.counts;
-    let limits = |n: usize| {
-        if n == 1 {
-            "1 limit".to_owned()
-        } else {
-            format!("{n} limits")
-        }
-    };
     // An engine that cannot run a scene says so beforehand; that is no finding.
-    let engines = || comparison.engines.iter();
-    let broken = engines().filter(|e| e.status.is_broken()).count();
-    let differing = counts.differ + counts.model_beyond;
-    let (class, sign, headline) = if differing > 0 {
-        let all = differing + counts.exceeded;
-        let verb = if all == 1 {
-            "statement differs"
-        } else {
-            "statements differ"
-        };
-        ("fail", "\u{2715}", format!("{all} {verb}"))
-    } else if counts.exceeded > 0 {
-        let checked = limits(counts.within + counts.exceeded);
-        (
-            "fail",
-            "\u{2715}",
-            format!("{} of {checked} exceeded", counts.exceeded),
-        )
-    } else if broken > 0 {
-        let (count, runs) = match broken {
-            1 => ("1".to_owned(), "engine"),
-            n => (n.to_string(), "engines"),
-        };
-        ("fail", "!", format!("{count} {runs} did not finish"))
-    } else if counts.not_resolved > 0 {
-        let n = counts.not_resolved;
-        let verb = if n == 1 {
-            "comparison is"
-        } else {
-            "comparisons are"
-        };
-        ("open", "\u{25cb}", format!("{n} {verb} not resolved"))
-    } else if counts.agree + counts.model > 0 {
-        ("pass", "\u{2713}", "Every statement holds".to_owned())
-    } else if !engines().any(|e| e.status.is_finished()) {
-        let headline = "No engine could run this scene".to_owned();
-        ("open", "\u{25cb}", headline)
-    } else if counts.stated > 0 && counts.within == 0 {
-        let headline = "Not resolved, for stated reasons".to_owned();
-        ("open", "\u{25cb}", headline)
-    } else if counts.within > 0 {
-        let all = if counts.within == 1 {
-            "The one limit holds"
-        } else {
-            "All limits hold"
-        };
-        ("pass", "\u{2713}", all.to_owned())
-    } else {
-        (
-            "open",
-            "\u{25cb}",
-            "Nothing was judged: no limit applies".to_owned(),
-        )
+    let broken = comparison
+        .engines
+        .iter()
+        .filter(|e| e.status.is_broken())
+        .count();
+    let summary = words::summary(comparison);
+    let (class, sign, headline) = match (counts.exit_status(), broken) {
+        (1, _) => ("fail", "\u{2715}", "Differs".to_owned()),
+        (_, 1) => ("fail", "!", "1 engine did not finish".to_owned()),
+        (_, 2..) => ("fail", "!", format!("{broken} engines did not finish")),
+        (4, _) => ("open", "\u{25cb}", "Not confirmed".to_owned()),
+        _ if comparison.passed => ("pass", "\u{2713}", "Pass".to_owned()),
+        _ if comparison.unfinished == comparison.engines.len() => {
+            let headline = "No engine could run this scene";
+            ("open", "\u{25cb}", headline.to_owned())
+        }
+        _ => ("open", "\u{25cb}", "Nothing compared".to_owned()),
     };
     Banner {
         class,
         sign,
         headline,
-        counts: [
-            (counts.differ, "differ"),
-            (counts.exceeded, "exceeded"),
-            (counts.model_beyond, "beyond a model's tolerance"),
-            (counts.not_resolved, "not resolved"),
-            (counts.agree, "agree"),
-            (counts.model - counts.model_beyond, "model differences"),
-            (counts.within, "within"),
-            (counts.stated, "not resolved for a stated reason"),
-            (counts.not_judged, "not judged"),
-        ]
-        .into_iter()
-        .filter(|(count, _)| *count > 0)
-        .collect(),
+        counts: summary.counts,
         finished: comparison
             .engines
             .iter()
@@ -197,10 +142,7 @@ pub(super) fn banner(comparison: &Comparison) -> Banner {
             .iter()
             .filter_map(|e| Some((e.name.clone(), e.status.reason()?)))
             .collect(),
-        unresolved: statement::unresolved(comparison)
-            .into_iter()
-            .filter(|found| !found.stated)
-            .collect(),
+        inconclusive: words::inconclusive(comparison),
     }
 }
 
@@ -382,7 +324,7 @@ fn spread(values: &[f64]) -> String {
         0 | 1 => "one engine".to_owned(),
         n if scale == 0.0 => format!("{n} engines agree"),
         n => format!(
-            "{n} engines within {}",
+            "{n} engines, spread {}",
             format::relative((high - low) / scale)
         ),
     }
@@ -402,7 +344,7 @@ mod tests {
     #[test]
     fn spreads() {
         assert_eq!(spread(&[2.0]), "one engine");
-        assert_eq!(spread(&[100.0, 99.0]), "2 engines within 1.0\u{202f}%");
+        assert_eq!(spread(&[100.0, 99.0]), "2 engines, spread 1.0\u{202f}%");
         assert_eq!(spread(&[0.0, 0.0]), "2 engines agree");
     }
 }

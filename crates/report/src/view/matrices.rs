@@ -1,11 +1,11 @@
 //! The pairwise matrices: numbers on a ground whose depth is their magnitude.
 
 use pinwheel_compare::comparison::{Cell, Matrix};
-use pinwheel_compare::{Comparison, Track, WindowKind};
+use pinwheel_compare::{Comparison, Metric, Track, WindowKind};
 
 use super::pairs::pair_id;
 use super::{Mark, mark, quantity_label, window_label};
-use crate::{format, statement};
+use crate::format;
 
 /// Decades of the colour scale: from rounding to unrelated.
 const DECADES: f64 = 12.0;
@@ -70,10 +70,11 @@ fn view(comparison: &Comparison, matrix: &Matrix) -> MatrixView {
 }
 
 fn cell_view(comparison: &Comparison, matrix: &Matrix, cell: &Cell) -> CellView {
-    let mark = mark(&cell.verdict);
-    let text = format::relative_or_none(cell.worst.map(f64::abs));
-    let mut of = cell.worst_metric.map_or("", statement::metric).to_owned();
-    if let Some(name) = &cell.worst_quantity {
+    let result = &cell.result;
+    let mark = mark(result);
+    let metric = result.metric.map_or("", Metric::label);
+    let mut of = metric.to_owned();
+    if let Some(name) = &cell.quantity {
         let label = quantity_label(comparison, name).to_lowercase();
         of = format!("{of} of the {label}");
     }
@@ -86,14 +87,13 @@ fn cell_view(comparison: &Comparison, matrix: &Matrix, cell: &Cell) -> CellView 
             "{} and {}, {window}, {}, {of}",
             matrix.engines[cell.column], matrix.engines[cell.row], mark.word
         ),
-        text,
-        // A recording's and a limit's figure have none.
-        u: match (cell.worst_uncertainty, cell.worst_metric) {
-            (Some(u), _) => format!("\u{b1}\u{202f}{}", format::relative(u)),
-            (None, Some(metric)) => statement::metric(metric).to_owned(),
-            (None, None) => String::new(),
+        text: format::relative_or_none(result.difference.map(f64::abs)),
+        // A limit's figure has none.
+        u: match result.combined() {
+            Some(u) => format!("\u{b1}\u{202f}{}", format::relative(u)),
+            None => metric.to_owned(),
         },
-        heat: format!("{:.2}", cell.worst.map_or(0.0, heat)),
+        heat: format!("{:.2}", result.difference.map_or(0.0, |d| heat(d.abs()))),
         mark,
         target: pair_id(cell.pair),
     }

@@ -10,7 +10,7 @@ mod pairs;
 mod tracks;
 
 use askama::Template;
-use pinwheel_compare::{Comparison, Outcome, Track, Verdict, WindowKind};
+use pinwheel_compare::{Assessment, Comparison, Track, Verdict, WindowKind};
 
 use crate::assets::{ASSETS, Assets};
 use crate::chart_data::{ChartData, json_for_script};
@@ -187,23 +187,23 @@ struct Mark {
 }
 
 impl Mark {
-    /// Of what nothing is said.
+    /// Of what nothing is known.
     const NOTHING: Self = Self {
         class: "unjudged",
         sign: "\u{25cb}",
-        word: "not judged",
+        word: "not compared",
     };
 }
 
-fn mark(verdict: &Verdict) -> Mark {
-    let (class, sign) = match verdict.outcome() {
-        Outcome::Passed => ("within", "\u{2713}"),
-        Outcome::Finding => ("exceeded", "\u{2715}"),
-        Outcome::NotResolved | Outcome::Stated | Outcome::Nothing => ("unjudged", "\u{25cb}"),
+fn mark(found: &Assessment) -> Mark {
+    let (class, sign) = match found.verdict {
+        Verdict::Agree => ("within", "\u{2713}"),
+        Verdict::Differ => ("exceeded", "\u{2715}"),
+        Verdict::Inconclusive | Verdict::NotCompared => ("unjudged", "\u{25cb}"),
     };
     Mark {
         class,
         sign,
-        word: verdict.word(),
+        word: found.verdict.word(),
     }
 }

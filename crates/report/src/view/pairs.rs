@@ -2,15 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use pinwheel_compare::comparison::{EngineEntry, Judgement, PairEntry};
+use pinwheel_compare::comparison::{EngineEntry, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
-use pinwheel_compare::{Check, Comparison, Outcome, Quantity, Track, Verdict};
+use pinwheel_compare::{Against, Assessment, Comparison, Metric, Quantity, Track, Verdict};
 
 use serde::Serialize;
 
 use super::{Mark, mark, quantity_label};
 use crate::format::{self, NONE, relative, relative_or_none, significant};
-use crate::statement;
+use crate::words;
 
 /// One pair, or one engine against the load.
 pub(super) struct PairView {
@@ -29,11 +29,12 @@ pub(super) struct PairView {
     /// Quantities and windows without a verdict, by reason.
     pub(super) unjudged: Vec<(String, String)>,
     pub(super) metrics: Vec<MetricRow>,
-    outcome: Outcome,
+    /// As [`Assessment::rank`].
+    rank: u8,
     order: f64,
 }
 
-/// Pairs of one outcome.
+/// Pairs of one verdict.
 pub(super) struct PairGroup {
     /// What they have in common where they are too many to be listed at once.
     pub(super) folded: Option<String>,
@@ -53,7 +54,7 @@ pub(super) struct JudgedRow {
     pub(super) bar: Option<String>,
     pub(super) words: String,
     unresolved: Option<String>,
-    order: (Outcome, f64),
+    order: (u8, f64),
 }
 
 /// One quantity in one window.
@@ -96,26 +97,26 @@ pub(super) fn pair_id(pair: usize) -> String {
     format!("pair-{pair}")
 }
 
-/// Pairs of one outcome that are listed without a fold.
+/// Pairs of one verdict that are listed without a fold.
 const FEW: usize = 3;
 
-/// The track's pairs and what was judged of its engines alone, by outcome, the gravest first. What differs is listed; of the
+/// The track's pairs and what was judged of its engines alone, by verdict, the gravest first. What differs is listed; of the
 /// rest there are too many to be read, so that more than a few are folded.
 pub(super) fn of_track(comparison: &Comparison, track: Track) -> Vec<PairGroup> {
-    let mut groups: Vec<(Outcome, Vec<PairView>)> = Vec::new();
+    let mut groups: Vec<(u8, Vec<PairView>)> = Vec::new();
     for pair in listed(comparison, track) {
         match groups.last_mut() {
-            Some((outcome, pairs)) if *outcome == pair.outcome => pairs.push(pair),
-            _ => groups.push((pair.outcome, vec![pair])),
+            Some((rank, pairs)) if *rank == pair.rank => pairs.push(pair),
+            _ => groups.push((pair.rank, vec![pair])),
         }
     }
-    let group = |(outcome, pairs): (Outcome, Vec<PairView>)| {
-        let words = match outcome {
-            Outcome::Finding => None,
-            Outcome::NotResolved => Some("not resolved"),
-            Outcome::Passed => Some("that hold"),
-            Outcome::Stated => Some("not resolved for a stated reason"),
-            Outcome::Nothing => Some("not judged"),
+    let group = |(rank, pairs): (u8, Vec<PairView>)| {
+        let words = match rank {
+            0 => Some("not compared"),
+            1 => Some("that agree"),
+            2 => Some("inconclusive, with nothing to act on"),
+            3 => Some("inconclusive"),
+            _ => None,
         };
         let words = words.filter(|_| pairs.len() > FEW && track != Track::Measured);
         PairGroup {
@@ -131,24 +132,24 @@ fn listed(comparison: &Comparison, track: Track) -> Vec<PairView> {
     let mut found: Vec<PairView> = pairs
         .filter(|(_, pair)| pair.track == track)
         .map(|(k, pair)| {
-            let gravest = statement::gravest(pair);
+            let gravest = words::gravest(pair);
             let (mark, said, of) = match gravest {
                 Some(worst) => (
-                    mark(&worst.verdict),
-                    statement::entry(worst, relative),
+                    mark(&worst.result),
+                    words::verdict(&worst.result, relative),
                     place(comparison, &worst.quantity, worst.window.word()),
                 ),
-                None => (Mark::NOTHING, "not judged".to_owned(), String::new()),
+                None => (Mark::NOTHING, "not compared".to_owned(), String::new()),
             };
             let entries = || pair.entries.iter();
             let judged = sorted(entries().flat_map(|e| judged(comparison, e)).collect());
-            let outcome = gravest.map_or(Outcome::Nothing, |e| e.verdict.outcome());
-            let unjudged = entries().map(|e| (e.quantity.as_str(), e.window.word(), &e.verdict));
+            let rank = gravest.map_or(0, |e| e.result.rank());
+            let unjudged = entries().map(|e| (e.quantity.as_str(), e.window.word(), &e.result));
             PairView {
                 id: pair_id(k),
                 name: format!("{} \u{2194} {}", pair.a, pair.b),
-                open: outcome == Outcome::Finding || track == Track::Measured,
-                outcome,
+                open: rank == 4 || track == Track::Measured,
+                rank,
                 mark,
                 said,
                 of,
@@ -156,13 +157,13 @@ fn listed(comparison: &Comparison, track: Track) -> Vec<PairView> {
                 judged,
                 unjudged: not_judged(comparison, unjudged),
                 metrics: entries().map(|e| metric_row(comparison, e)).collect(),
-                order: gravest.map_or(-1.0, statement::gravity),
+                order: gravest.map_or(-1.0, |e| e.result.share()),
             }
         })
         .collect();
     let engines = comparison.engines.iter().filter(|e| e.track == track);
     found.extend(engines.filter_map(|engine| alone(comparison, &engine.name, &engine.judged)));
-    let graver = |a: &PairView, b: &PairView| b.outcome.cmp(&a.outcome);
+    let graver = |a: &PairView, b: &PairView| b.rank.cmp(&a.rank);
     found.sort_by(|a, b| graver(a, b).then(b.order.total_cmp(&a.order)));
     found
 }
@@ -180,22 +181,19 @@ fn reasons_of(judged: &[JudgedRow]) -> Vec<String> {
 
 /// What was judged of an engine without another one.
 fn alone(comparison: &Comparison, name: &str, entries: &[EngineEntry]) -> Option<PairView> {
-    let rows = entries.iter().flat_map(|entry| {
-        let of = (entry.quantity.as_str(), entry.window.word());
-        entry.checks.iter().map(move |c| check(comparison, of, c))
-    });
+    let compared = entries.iter().filter(|entry| entry.result.rank() > 0);
+    let rows = compared.map(|e| row(comparison, (&e.quantity, e.window.word()), &e.result));
     let judged = sorted(rows.collect());
     let worst = judged.first()?;
-    let exceeded = worst.order.0 == Outcome::Finding;
     Some(PairView {
         id: format!("alone-{name}"),
         name: format!("{name} \u{2194} load"),
         mark: worst.mark.clone(),
-        said: format!("{}, {}", worst.mark.word, worst.words),
+        said: worst.words.clone(),
         of: place(comparison, &entries.first()?.quantity, worst.window),
-        open: exceeded,
-        outcome: worst.order.0,
-        unresolved: Vec::new(),
+        open: worst.order.0 == 4,
+        rank: worst.order.0,
+        unresolved: reasons_of(&judged),
         unjudged: Vec::new(),
         metrics: Vec::new(),
         order: 1.0,
@@ -219,10 +217,11 @@ fn place(comparison: &Comparison, quantity: &str, window: &str) -> String {
 
 fn judged(comparison: &Comparison, entry: &PairEntry) -> Vec<JudgedRow> {
     let of = (entry.quantity.as_str(), entry.window.word());
-    let statements = entry.judgements.iter().filter(|j| j.counts);
-    let statements = statements.map(|j| judgement(comparison, of, j));
-    let checks = entry.checks.iter().map(|c| check(comparison, of, c));
-    statements.chain(checks).collect()
+    let deciding = entry
+        .assessments
+        .iter()
+        .filter(|one| one.decides && one.metric.is_some());
+    deciding.map(|one| row(comparison, of, one)).collect()
 }
 
 fn key(value: Option<f64>) -> String {
@@ -230,77 +229,54 @@ fn key(value: Option<f64>) -> String {
     value.map_or_else(String::new, |v| format!("{v:.6e}"))
 }
 
-fn judgement(comparison: &Comparison, of: (&str, &'static str), j: &Judgement) -> JudgedRow {
-    let u = |u: Option<f64>| relative_or_none(u);
-    let words = statement::verdict(&j.verdict, relative);
-    let unresolved =
-        statement::why(&j.verdict).map(|found| format!("{}: {}", found.who, found.why));
-    let combined = j.combined();
-    let against = match (&j.budget, combined) {
+fn row(comparison: &Comparison, of: (&str, &'static str), one: &Assessment) -> JudgedRow {
+    let against = match (&one.budget, one.against) {
         (Some(budget), _) => format!(
             "u of numerics {}, inputs {}, data {}",
             relative(budget.numerical),
             relative(budget.input),
             relative(budget.data)
         ),
-        (None, Some(sum)) => format!("U = {} + {} = {}", u(j.u_a), u(j.u_b), relative(sum)),
-        (None, None) => format!("U = {} + {}", u(j.u_a), u(j.u_b)),
+        (None, Against::Limit) => {
+            format!(
+                "limit {}",
+                one.bound.map_or_else(|| NONE.to_owned(), format::limit)
+            )
+        }
+        (None, _) => {
+            let sum = one.combined();
+            let sum = sum.map_or_else(String::new, |sum| format!(" = {}", relative(sum)));
+            let [a, b] = [one.u_a, one.u_b].map(relative_or_none);
+            format!("U = {a} + {b}{sum}")
+        }
     };
+    let share = one.share();
+    let bar = (one.against == Against::Limit).then(|| 100.0 * share);
     JudgedRow {
-        mark: mark(&j.verdict),
+        mark: mark(one),
         quantity: quantity_label(comparison, of.0).to_owned(),
         window: of.1,
-        metric: statement::metric(j.metric),
-        value: (relative_or_none(j.distance), key(j.distance)),
+        metric: one.metric.map_or("", Metric::label),
+        value: (relative_or_none(one.difference), key(one.difference)),
         against,
-        bar: None,
-        words,
-        unresolved,
-        order: (j.verdict.outcome(), combined.unwrap_or(f64::INFINITY)),
+        bar: bar.map(|bar| format!("{:.1}", bar.clamp(0.0, 100.0))),
+        words: words::verdict(one, relative),
+        unresolved: words::why(one).map(|(who, why)| format!("{who}: {why}")),
+        order: (one.rank(), share),
     }
 }
 
-fn check(comparison: &Comparison, of: (&str, &'static str), check: &Check) -> JudgedRow {
-    let share = check.share();
-    JudgedRow {
-        mark: mark(&check.verdict()),
-        quantity: quantity_label(comparison, of.0).to_owned(),
-        window: of.1,
-        metric: statement::metric(check.metric),
-        value: (
-            check
-                .value
-                .map_or_else(|| "not finite".to_owned(), relative),
-            key(check.value),
-        ),
-        against: format!("limit {}", format::limit(check.limit)),
-        bar: Some(format!("{:.1}", (100.0 * share).clamp(0.0, 100.0))),
-        words: format!("{} of its limit", share_label(share)),
-        unresolved: None,
-        order: (check.verdict().outcome(), share),
-    }
-}
-
-/// How much of a limit is used, without more digits than anyone reads.
-fn share_label(share: f64) -> String {
-    match share {
-        s if !s.is_finite() => "not finite".to_owned(),
-        s if s < 0.01 => "<\u{202f}1\u{202f}%".to_owned(),
-        s if s < 10.0 => format!("{:.0}\u{202f}%", 100.0 * s),
-        s => format!("{}\u{202f}\u{d7}", significant(s, 2)),
-    }
-}
-
-/// Why the limits of a track are what they are, each reason once.
+/// Why the limits and tolerances of a track are what they are, each reason once.
 pub(super) fn reasons(comparison: &Comparison, track: Track) -> Vec<String> {
     let pairs = comparison.pairs.iter().filter(|p| p.track == track);
-    let of_pairs = pairs.flat_map(|p| &p.entries).flat_map(|e| &e.checks);
+    let of_pairs = pairs.flat_map(|p| &p.entries).flat_map(|e| &e.assessments);
     let engines = comparison.engines.iter().filter(|e| e.track == track);
-    let alone = engines.flat_map(|e| &e.judged).flat_map(|e| &e.checks);
+    let alone = engines.flat_map(|e| &e.judged).map(|e| &e.result);
     let mut found: Vec<String> = Vec::new();
-    for check in of_pairs.chain(alone) {
-        if !found.contains(&check.reason) {
-            found.push(check.reason.clone());
+    let compared = |one: &&Assessment| matches!(one.verdict, Verdict::Agree | Verdict::Differ);
+    for one in of_pairs.chain(alone).filter(compared) {
+        if !one.reason.is_empty() && !found.contains(&one.reason) {
+            found.push(one.reason.clone());
         }
     }
     found
@@ -309,13 +285,11 @@ pub(super) fn reasons(comparison: &Comparison, track: Track) -> Vec<String> {
 /// Comparisons without a verdict, joined where the reason is one and the same.
 fn not_judged<'a>(
     comparison: &Comparison,
-    entries: impl Iterator<Item = (&'a str, &'a str, &'a Verdict)>,
+    entries: impl Iterator<Item = (&'a str, &'a str, &'a Assessment)>,
 ) -> Vec<(String, String)> {
     let mut found: Vec<(String, String)> = Vec::new();
-    for (quantity, window, verdict) in entries {
-        let Verdict::NotJudged { reason } = verdict else {
-            continue;
-        };
+    let without = entries.filter(|(.., found)| found.verdict == Verdict::NotCompared);
+    for (quantity, window, Assessment { reason, .. }) in without {
         let what = place(comparison, quantity, window);
         match found.iter_mut().find(|(_, known)| known == reason) {
             Some((list, _)) => list.push_str(&format!("; {what}")),

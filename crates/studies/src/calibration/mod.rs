@@ -16,7 +16,7 @@ use std::path::Path;
 use pinwheel_compare::uncertainty::Source;
 use pinwheel_compare::{
     Comparison, Context, Cost, Evidence, Metric, Participant, Rules, Status, Track, WindowKind,
-    compare_with,
+    compare,
 };
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Knob, known};
@@ -26,7 +26,7 @@ use serde::Serialize;
 
 use crate::StudyError;
 use crate::choice;
-use crate::comparison::{Effort, climb, context};
+use crate::comparison::{Effort, context, refine};
 use crate::control::{Control, Progress};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
@@ -216,15 +216,12 @@ pub fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> 
             source,
         };
         let gearbox = Gearbox::new(scene).map_err(of_scene)?;
-        let context = Context {
-            guarded: None,
-            ..context(scene)
-        };
+        let context = context(scene);
         for (n, name) in input.engines.iter().enumerate() {
             let at = Progress::new(k * input.engines.len() + n, total, &scene.name);
             control.check()?;
             let engine = choice::find(name, scene)?;
-            let (participant, evidence) = climb(
+            let (participant, evidence) = refine(
                 engine.as_ref(),
                 &gearbox,
                 &context,
@@ -256,7 +253,7 @@ impl Outcome {
     ) -> Result<(), StudyError> {
         let engine = participant.name.clone();
         let by = match &evidence.source {
-            Source::Ladder(_) => participant.cost.settings.as_str(),
+            Source::Refinement(_) => participant.cost.settings.as_str(),
             _ => "",
         };
         let by = if by.contains("dopri5") { "dopri5" } else { "" };
@@ -277,16 +274,16 @@ impl Outcome {
             };
             let sure = of_truth.entries.iter().find(same);
             let sure = sure.and_then(|e| e.metrics.as_ref());
-            for judgement in &entry.judgements {
-                let metric = judgement.metric;
+            for found in &entry.assessments {
+                let Some(metric) = found.metric else { continue };
                 let series = metric == Metric::RelativeL2;
                 let (Some(error), Some(of_truth)) = (
-                    judgement.distance.map(f64::abs),
+                    found.difference.map(f64::abs),
                     sure.and_then(|m| (metric.row().of)(m)),
                 ) else {
                     continue;
                 };
-                match judgement.u_a {
+                match found.u_a {
                     None if series => {
                         *self.not_resolved.entry(engine.clone()).or_default() += 1;
                     }
@@ -320,17 +317,16 @@ fn against(
     let exact = Evidence {
         engine: "truth".to_owned(),
         source: Source::Exact(0.0),
-        excuse: None,
+        is_final: None,
         floor: 0.0,
     };
     let evidence: Vec<Evidence> = evidence.into_iter().chain([exact]).collect();
     let rules = Rules {
-        limits: &[],
         evidence: &evidence,
         ..Rules::default()
     };
     let both = [participant, as_run("truth", truth)];
-    Ok(compare_with(context, &both, &rules)?)
+    Ok(compare(context, &both, &rules)?)
 }
 
 /// Time series as a native run.

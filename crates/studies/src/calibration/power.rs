@@ -6,14 +6,14 @@
 
 use pinwheel_compare::comparison::Pair;
 use pinwheel_compare::uncertainty::Source;
-use pinwheel_compare::{Context, Evidence, Participant, Rules, Verdict, compare_with};
+use pinwheel_compare::{Context, Evidence, Participant, Rules, Verdict, compare};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{CheckedScene, Scene};
 use serde::Serialize;
 
 use crate::StudyError;
 use crate::choice;
-use crate::comparison::{Effort, climb, context};
+use crate::comparison::{Effort, context, refine};
 use crate::control::{Control, Progress};
 use crate::output::OutputError;
 use crate::provenance::{Provenance, Summary};
@@ -194,20 +194,17 @@ pub fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> 
             scene: scene.name.clone(),
             source,
         })?;
-        let context = Context {
-            guarded: None,
-            ..context(scene)
-        };
+        let context = context(scene);
         let study = Study {
             input,
             context: &context,
             control,
         };
         let at = Progress::new(done, total, &scene.name);
-        let right = study.climb(&input.right, &gearbox, input.effort, at)?;
+        let right = study.refine(&input.right, &gearbox, input.effort, at)?;
         for name in &input.engines {
             let at = Progress::new(done, total, name);
-            let base = study.climb(name, &gearbox, input.effort, at)?;
+            let base = study.refine(name, &gearbox, input.effort, at)?;
             if !base.0.status.is_finished() {
                 let reason = base.0.status.reason().unwrap_or_default();
                 outcome
@@ -228,7 +225,7 @@ pub fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> 
                 done += 1;
                 let tell = |size: f64| -> Result<(bool, f64), StudyError> {
                     let faulty = kind.applied(&settled, size)?;
-                    let wrong = study.climb(name, &faulty, effort, at)?;
+                    let wrong = study.refine(name, &faulty, effort, at)?;
                     let (told, ratio) = study.judge(&right, &wrong)?;
                     Ok((told.is_some(), ratio))
                 };
@@ -301,7 +298,7 @@ struct Study<'a> {
 type Ran = (Participant, Evidence);
 
 impl Study<'_> {
-    fn climb(
+    fn refine(
         &self,
         name: &str,
         gearbox: &Gearbox,
@@ -309,7 +306,7 @@ impl Study<'_> {
         at: Progress<'_>,
     ) -> Result<Ran, StudyError> {
         let engine = choice::find(name, &gearbox.scene)?;
-        climb(
+        refine(
             engine.as_ref(),
             gearbox,
             self.context,
@@ -321,18 +318,18 @@ impl Study<'_> {
 
     /// The gear at the step that the right run was refined to, which wrong ones then take at once.
     fn settled(&self, gearbox: &Gearbox, evidence: &Evidence) -> (Gearbox, Effort) {
-        let Source::Ladder(ladder) = &evidence.source else {
+        let Source::Refinement(study) = &evidence.source else {
             return (gearbox.clone(), self.input.effort);
         };
         let method = matches!(
-            ladder.method,
+            study.method,
             pinwheel_compare::uncertainty::Method::Step { .. }
         );
         let settled = gearbox.with_solver(|solver| {
             if method {
-                solver.step_s = ladder.finest;
+                solver.step_s = study.finest;
             } else {
-                solver.tolerance = ladder.finest;
+                solver.tolerance = study.finest;
             }
         });
         match settled {
@@ -367,12 +364,11 @@ impl Study<'_> {
         }
         let evidence = [of_right, of_wrong];
         let rules = Rules {
-            limits: &[],
             evidence: &evidence,
             resolution: self.input.effort.resolution,
             ..Rules::default()
         };
-        let found = compare_with(self.context, &[right, wrong], &rules)?;
+        let found = compare(self.context, &[right, wrong], &rules)?;
         Ok(found.pairs.first().map_or((None, 0.0), told))
     }
 }
@@ -381,12 +377,12 @@ impl Study<'_> {
 fn told(pair: &Pair) -> (Option<String>, f64) {
     let (mut place, mut most) = (None, 0.0_f64);
     for entry in &pair.entries {
-        for judgement in entry.judgements.iter().filter(|j| j.counts) {
-            let (Some(distance), Some(bound)) = (judgement.distance, judgement.combined()) else {
+        for found in entry.assessments.iter().filter(|one| one.decides) {
+            let (Some(distance), Some(bound)) = (found.difference, found.combined()) else {
                 continue;
             };
             most = most.max(distance.abs() / bound);
-            if matches!(judgement.verdict, Verdict::Differ { .. }) {
+            if found.verdict == Verdict::Differ {
                 place = Some(format!("{}, {}", entry.quantity, entry.window.word()));
             }
         }

@@ -4,7 +4,7 @@
 
 pub mod foreign;
 mod inputs;
-mod ladder;
+mod refine;
 
 use std::path::Path;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction, TOLERANCES};
 use pinwheel_compare::{
     Comparison, Context, Divergence, Metric, Participant, Rules, Scales, Status, Track, WindowKind,
-    compare_with, limits,
+    compare,
 };
 use pinwheel_courses::columns;
 use pinwheel_engines::{Engine, external, recorded};
@@ -28,8 +28,8 @@ use crate::provenance::{Provenance, Summary};
 use crate::single::RunRecord;
 use crate::{StudyError, divergence};
 use foreign::Data;
-pub use ladder::Effort;
-pub(crate) use ladder::climb;
+pub use refine::Effort;
+pub(crate) use refine::refine;
 
 /// What is compared.
 #[derive(Clone, Copy)]
@@ -102,7 +102,7 @@ pub fn run_with(
     let (mut participants, mut evidence) = (Vec::new(), Vec::new());
     for (done, engine) in input.engines.iter().enumerate() {
         let at = Progress::new(done + 1, total, engine.name());
-        let (participant, shown) = ladder::climb(
+        let (participant, shown) = refine::refine(
             engine.as_ref(),
             input.gearbox,
             &context,
@@ -128,14 +128,13 @@ pub fn run_with(
     let tolerances: Vec<ModelTolerance> =
         (TOLERANCES.iter().copied()).chain(of_solvers()).collect();
     let rules = Rules {
-        limits: limits::TABLE,
         stated: &stated,
         evidence: &evidence,
         tolerances: &tolerances,
         data: &measured,
         resolution: effort.resolution,
     };
-    let comparison = compare_with(&context, &participants, &rules)?;
+    let comparison = compare(&context, &participants, &rules)?;
     Ok(Outcome {
         gearbox: input.gearbox.clone(),
         comparison,
@@ -285,12 +284,9 @@ fn take_part(
 }
 
 pub(crate) fn context(scene: &Scene) -> Context {
-    let guarded = guarded(scene);
     let scales = pinwheel_scene::Scales::of(scene);
-    // The table of limits was measured in windows of its own.
     let settles = scales
         .settling_s(scene.contact.damping_n_s_m)
-        .filter(|_| guarded.is_none())
         .map(|time| format!("{time:.1e}").parse().unwrap_or(time));
     Context {
         scene: scene.name.clone(),
@@ -304,35 +300,12 @@ pub(crate) fn context(scene: &Scene) -> Context {
             Start::Equilibrium => Some(0.0),
             _ => settles,
         },
-        guarded,
         scales: Scales {
             force_n: Some(scales.external_force_n),
             torque_n_m: Some(scales.wheel_torque_n_m),
         },
         ..Context::default()
     }
-}
-
-/// The preset that the scene is, but for its name, its duration and what it writes, if the table of limits was
-/// measured on it.
-fn guarded(scene: &Scene) -> Option<String> {
-    let same = |name: &&&str| {
-        let Ok(preset) = Scene::load(name, &[]) else {
-            return false;
-        };
-        let mut wanted = Scene {
-            name: scene.name.clone(),
-            description: scene.description.clone(),
-            output: scene.output.clone(),
-            uncertain: scene.uncertain.clone(),
-            ..preset.into_scene()
-        };
-        wanted.solver.duration_s = scene.solver.duration_s;
-        wanted.solver.sample_s = scene.solver.sample_s;
-        wanted == *scene
-    };
-    let found = limits::MEASURED_ON.iter().find(same);
-    found.map(|name| (*name).to_owned())
 }
 
 /// Longest step of the two runs that differ by a rounding, in radians of the contacts' oscillation: 5e-6 s for the

@@ -1,16 +1,16 @@
-//! Every engine on a ladder of settings: what its numbers are uncertain by, refined while time allows.
+//! The refinement study of every engine: what its numbers are uncertain by, refined while time allows.
 //!
 //! The finest run is the one that is shown and compared; two coarser ones (2 and 4 times the step, 10 and 100 times the
 //! tolerance; less for RODAS5P) say how far it may be off. Where a setting is free, and not stated by whoever asks, an engine whose
-//! uncertainty is too large is run finer: the finest run so far becomes a rung, so each refinement costs one run.
+//! uncertainty is too large is run finer: the finest run so far becomes a level, so each refinement costs one run.
 
 use std::time::Duration;
 
 use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION};
-use pinwheel_compare::uncertainty::{Basis, Method, Unresolved};
+use pinwheel_compare::uncertainty::{Basis, Final, Method, Unresolved};
 use pinwheel_compare::{
-    Context, Evidence, Ladder, Participant, RESOLUTION, Rules, Rung, Status, Track, Uncertainty,
-    compare_with,
+    Context, Evidence, Level, Participant, RESOLUTION, RefinementStudy, Rules, Status, Track,
+    Uncertainty, compare,
 };
 use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, Form, Native};
@@ -105,18 +105,18 @@ struct Engines<'a> {
     /// For the finest run as the scene has it.
     own: &'a dyn Engine,
     /// For all runs at settings given here, where the engine itself does not take them.
-    rungs: Option<Box<dyn Engine>>,
+    levels: Option<Box<dyn Engine>>,
     /// The gearbox with a named method.
     gearbox: Gearbox,
     knob: Knob,
     /// Step (s) or tolerance of the finest run.
     value: f64,
-    /// Why more may not be asked of it.
-    excuse: Option<&'static str>,
+    /// Whether its friction is not ours or explicit: at a prescribed step more may not be asked of it.
+    explicit_friction: bool,
     /// What its iterations leave, whatever its step.
     floor: f64,
     /// What all its runs may miss alike, as a share of the tolerance.
-    unseen: f64,
+    common_error: f64,
     /// What one run may take.
     most: Option<Duration>,
 }
@@ -124,9 +124,7 @@ struct Engines<'a> {
 /// Tolerance of RODAS5P where a comparison begins: ten times looser is as loose as it may be.
 const ROSENBROCK: f64 = 1e-6;
 
-const OF_ITS_OWN: &str = "its step and its contacts are its own";
 const EXPLICIT: &str = "its friction is not ours or explicit, and takes steps of about 2e-7 s";
-const RECORDED: &str = "a recording brings no ladder";
 
 impl<'a> Engines<'a> {
     /// `None` where no setting of the scene is the engine's.
@@ -135,13 +133,13 @@ impl<'a> Engines<'a> {
         let friction = scene.contact.friction_coefficient > 0.0;
         let foreign = |order: f64| Self {
             own,
-            rungs: None,
+            levels: None,
             gearbox: gearbox.clone(),
             knob: Knob::Step(order),
             value: scene.solver.step_s,
-            excuse: friction.then_some(EXPLICIT),
+            explicit_friction: friction,
             floor: 0.0,
-            unseen: UNSEEN,
+            common_error: UNSEEN,
             most: None,
         };
         let info = own.info();
@@ -159,7 +157,7 @@ impl<'a> Engines<'a> {
             pinwheel_engines::Knob::Tolerance => Self {
                 knob: Knob::Tolerance,
                 value: scene.solver.tolerance,
-                excuse: None,
+                explicit_friction: false,
                 ..foreign(refinement.order)
             },
         })
@@ -176,18 +174,18 @@ impl<'a> Engines<'a> {
         };
         Some(Self {
             own,
-            rungs: None,
+            levels: None,
             gearbox,
             knob,
             value,
-            excuse: None,
+            explicit_friction: false,
             floor: 0.0,
-            unseen: method.unseen,
+            common_error: method.unseen,
             most: None,
         })
     }
 
-    /// The resolved form plans and refines by itself: its rungs are runs of the reduced form by the method that its plan
+    /// The resolved form plans and refines by itself: its levels are runs of the reduced form by the method that its plan
     /// begins with, at coarser settings than the plan's.
     fn resolved(own: &'a dyn Engine, gearbox: &Gearbox) -> Option<Self> {
         let plan = auto::plan(&gearbox.scene, Native::resolved_promise(&gearbox.scene));
@@ -198,13 +196,13 @@ impl<'a> Engines<'a> {
         };
         Some(Self {
             own,
-            rungs: Some(Box::new(Native::REDUCED)),
+            levels: Some(Box::new(Native::REDUCED)),
             gearbox: plan.applied(gearbox).ok()?,
             knob,
             value,
-            excuse: None,
+            explicit_friction: false,
             floor: 0.0,
-            unseen: method(plan.integrator).map_or(0.0, |method| method.unseen),
+            common_error: method(plan.integrator).map_or(0.0, |method| method.unseen),
             most: None,
         })
     }
@@ -230,7 +228,7 @@ impl<'a> Engines<'a> {
         plans.iter().filter_map(way).collect()
     }
 
-    fn rubs(&self) -> bool {
+    fn has_friction(&self) -> bool {
         self.gearbox.scene.contact.friction_coefficient > 0.0
     }
 
@@ -238,7 +236,11 @@ impl<'a> Engines<'a> {
         match self.knob {
             Knob::Step(order) => Method::Step {
                 order,
-                limit: Some(if self.rubs() { FRICTION } else { CONTACTS }),
+                limit: Some(if self.has_friction() {
+                    FRICTION
+                } else {
+                    CONTACTS
+                }),
             },
             Knob::Tolerance => Method::Tolerance { smooth: false },
         }
@@ -254,12 +256,12 @@ impl<'a> Engines<'a> {
     /// Two coarser settings than `value`; fewer where a step would be longer than the samples are apart.
     fn coarser(&self, value: f64) -> Vec<f64> {
         let (Knob::Step(_), solver) = (&self.knob, &self.gearbox.scene.solver) else {
-            // The resolved form is dear, and its error small: its rungs are further apart.
+            // The resolved form is dear, and its error small: its levels are further apart.
             let smooth = matches!(solver_of(&self.gearbox), "dopri5" | "etd-adams");
             let factor = match solver_of(&self.gearbox) {
                 // Looser than 1e-5 it does not land on the friction's ramp.
                 "rodas5p" => 10_f64.sqrt(),
-                _ if self.rungs.is_some() && smooth => 100.0,
+                _ if self.levels.is_some() && smooth => 100.0,
                 _ => 10.0,
             };
             return vec![value * factor, value * factor * factor];
@@ -291,9 +293,9 @@ impl<'a> Engines<'a> {
         at: Progress<'_>,
         control: &Control<'_>,
     ) -> Result<Participant, StudyError> {
-        let engine = match &self.rungs {
+        let engine = match &self.levels {
             Some(_) if value == self.value => self.own,
-            Some(rungs) => rungs.as_ref(),
+            Some(levels) => levels.as_ref(),
             None => self.own,
         };
         let set = self.gearbox.with_solver(|solver| match self.knob {
@@ -302,21 +304,21 @@ impl<'a> Engines<'a> {
         });
         // The resolved form takes its settings from the scene as it is.
         let gearbox = match set {
-            Ok(gearbox) if self.rungs.is_none() || value != self.value => gearbox,
+            Ok(gearbox) if self.levels.is_none() || value != self.value => gearbox,
             _ => self.gearbox.clone(),
         };
         take_part(engine, &gearbox, self.most, at, control)
     }
 
-    /// What no run of its ladder shows, as a share of a quantity, where the finest has this setting.
+    /// What no run of its refinement study shows, as a share of a quantity, where the finest has this setting.
     fn left(&self, value: f64) -> f64 {
         match self.knob {
             Knob::Step(_) => self.floor,
-            Knob::Tolerance => self.floor.max(self.unseen * value),
+            Knob::Tolerance => self.floor.max(self.common_error * value),
         }
     }
 
-    /// What the ladder would take besides its coarsest run, which had this setting and took so long, s.
+    /// What the refinement study would take besides its coarsest run, which had this setting and took so long, s.
     fn rest(&self, coarsest: f64, wall_s: f64) -> f64 {
         let finer = [self.value].into_iter().chain(self.coarser(self.value));
         finer
@@ -358,8 +360,8 @@ impl At {
     }
 }
 
-/// Runs an engine on its ladder.
-pub(crate) fn climb(
+/// Runs an engine at several levels.
+pub(crate) fn refine(
     engine: &dyn Engine,
     gearbox: &Gearbox,
     context: &Context,
@@ -374,15 +376,19 @@ pub(crate) fn climb(
     let most = limited.then(|| effort.longest.max(LEAST).saturating_mul(WITHIN));
     let Some(mut engines) = ways.next() else {
         let participant = take_part(engine, gearbox, most, at, control)?;
-        let excuse = if participant.cost.recorded.is_some() {
-            RECORDED
+        let evidence = if participant.cost.recorded.is_some() {
+            recorded(name)
         } else {
-            OF_ITS_OWN
+            unknown(
+                name,
+                "engines with a step of their own",
+                "its step and its contacts are its own",
+            )
         };
-        return Ok((participant, unknown(name, excuse)));
+        return Ok((participant, evidence));
     };
     let longest = effort.longest.as_secs_f64();
-    let free = !effort.obey && engines.rungs.is_none();
+    let free = !effort.obey && engines.levels.is_none();
     engines.most = most;
     if free {
         engines.leave_room();
@@ -401,7 +407,7 @@ pub(crate) fn climb(
     let rest = coarsest.as_ref();
     let rest = rest.map_or(0.0, |(value, run)| engines.rest(*value, run.cost.wall_s));
     let (mut value, mut finest) = match coarsest.take_if(|_| spent + rest > longest) {
-        // It becomes the finest of a ladder that fits.
+        // It becomes the finest level of a study that fits.
         Some(coarsest) => coarsest,
         None => {
             let run = engines.run(engines.value, at, control)?;
@@ -417,7 +423,7 @@ pub(crate) fn climb(
         spent += finest.cost.wall_s;
     }
     if finest.cost.recorded.is_some() {
-        return Ok((finest, unknown(name, RECORDED)));
+        return Ok((finest, recorded(name)));
     }
     // A derived setting may be too coarse to get through at all.
     for _ in 0..3 {
@@ -433,9 +439,9 @@ pub(crate) fn climb(
         let nothing = Evidence::unknown(name, "its run did not finish", "see its reason");
         return Ok((finest, nothing));
     }
-    let mut rungs = Vec::new();
+    let mut levels = Vec::new();
     for value in engines.coarser(value) {
-        rungs.push(match coarsest.take_if(|run| run.0 == value) {
+        levels.push(match coarsest.take_if(|run| run.0 == value) {
             Some((_, run)) => At::of(value, run),
             None => {
                 let run = engines.run(value, at, control)?;
@@ -444,24 +450,31 @@ pub(crate) fn climb(
             }
         });
     }
-    if engines.rungs.is_some() && rungs.iter().any(|rung| rung.run.is_err()) {
+    if engines.levels.is_some() && levels.iter().any(|level| level.run.is_err()) {
         // The resolved form got through by refining, or by another method: coarser runs of the first one do not.
         let own = Evidence::unknown(
             name,
-            "coarser runs of its method do not get through, so its statements here have no ladder",
+            "coarser runs of its method do not get through",
             "see its notes for what it verified itself",
         );
+        let group = "runs that verified themselves";
         return Ok((
             finest,
-            own.excused("its own ladder verified it, see its notes"),
+            own.finally(group, "it verified itself, see its notes"),
         ));
     }
-    let mut excuse = engines.excuse.filter(|_| effort.obey).map(str::to_owned);
+    let mut is_final = (engines.explicit_friction && effort.obey).then(|| Final {
+        group: "engines with explicit friction at a prescribed step",
+        reason: EXPLICIT.to_owned(),
+    });
     loop {
-        let evidence = evidence(&engines, value, &rungs);
+        let evidence = evidence(&engines, value, &levels);
         let found = refinement(context, &finest, &evidence, TARGET * effort.resolution)?;
         let Some(needed) = found.factor.filter(|_| free) else {
-            return Ok((finest, excused(evidence, engines.rubs(), excuse, found)));
+            return Ok((
+                finest,
+                settled(evidence, engines.has_friction(), is_final, found),
+            ));
         };
         let (mut factor, least) = match engines.knob {
             Knob::Step(_) => (2_f64.powf(needed.log2().ceil()).clamp(2.0, MOST), 2.0),
@@ -483,15 +496,21 @@ pub(crate) fn climb(
         let Some(finer) = finer else {
             // Foreign engines do what they can in the time they have; ours must do.
             if finest.track != Track::Native {
-                excuse = Some(format!(
-                    "refined as far as {longest} s allow; the next run would take {next:.0} s (--longest)"
-                ));
+                is_final = Some(Final {
+                    group: "engines refined as far as their time allows",
+                    reason: format!(
+                        "refined as far as {longest} s allow; the next run would take {next:.0} s (--longest)"
+                    ),
+                });
             }
-            return Ok((finest, excused(evidence, engines.rubs(), excuse, found)));
+            return Ok((
+                finest,
+                settled(evidence, engines.has_friction(), is_final, found),
+            ));
         };
         let before = std::mem::replace(&mut finest, finer);
         let wall_s = before.cost.wall_s;
-        rungs.insert(
+        levels.insert(
             0,
             At {
                 value,
@@ -499,36 +518,40 @@ pub(crate) fn climb(
                 wall_s,
             },
         );
-        rungs.truncate(2);
+        levels.truncate(2);
         value /= factor;
     }
 }
 
-fn unknown(name: &str, excuse: &str) -> Evidence {
-    Evidence::unknown(
-        name,
-        excuse,
-        "compare it by the guard's table or by its means",
-    )
-    .excused("its numerical uncertainty cannot be had by refining")
+fn unknown(name: &str, group: &'static str, reason: &str) -> Evidence {
+    Evidence::unknown(name, reason, "compare it by its means")
+        .finally(group, "its numerical uncertainty cannot be had by refining")
 }
 
-fn evidence(engines: &Engines<'_>, value: f64, rungs: &[At]) -> Evidence {
-    if rungs.is_empty() {
+fn recorded(name: &str) -> Evidence {
+    unknown(
+        name,
+        "recordings",
+        "a recording cannot be run again at other settings",
+    )
+}
+
+fn evidence(engines: &Engines<'_>, value: f64, levels: &[At]) -> Evidence {
+    if levels.is_empty() {
         return Evidence::unknown(
             engines.own.name(),
             "its step is as long as its samples are apart, so no coarser run shows its error",
             "take a step of a quarter of solver.sample_s or less",
         );
     }
-    let coarser = rungs.iter().map(|at| Rung {
+    let coarser = levels.iter().map(|at| Level {
         refinement: at.value / value,
         run: at.run.clone(),
         wall_s: at.wall_s,
     });
-    Evidence::ladder(
+    Evidence::refinement(
         engines.own.name(),
-        Ladder {
+        RefinementStudy {
             method: engines.method(),
             finest: value,
             coarser: coarser.collect(),
@@ -537,26 +560,31 @@ fn evidence(engines: &Engines<'_>, value: f64, rungs: &[At]) -> Evidence {
     .with_floor(engines.left(value))
 }
 
-/// The evidence with its excuse. An engine that rubs, or did its best, and does not converge in one quantity is outside of the
-/// range in which its ladder shows errors: then it shows none. So is an engine with an excuse whose friction is
+/// The evidence, and why it is final. An engine with friction, or at its best, that does not converge in one quantity is outside
+/// of the range in which refinement shows errors: then it shows none. So is an engine at its best whose friction is
 /// still above the resolution anywhere: what it cannot follow shows in every quantity sooner or later.
-fn excused(evidence: Evidence, rubs: bool, excuse: Option<String>, found: Needed) -> Evidence {
+fn settled(
+    evidence: Evidence,
+    has_friction: bool,
+    is_final: Option<Final>,
+    found: Needed,
+) -> Evidence {
     let blunt = || Unresolved {
-        reason: "its steps do not follow the friction: it is not resolved in every quantity"
+        reason: "its steps do not follow the friction: they do not resolve every quantity"
             .to_owned(),
         remedy: "give it more time (--longest) or a smaller solver.step_s".to_owned(),
     };
     let stuck = found
         .stuck
-        .filter(|_| rubs || excuse.is_some())
-        .or_else(|| (rubs && excuse.is_some() && found.factor.is_some()).then(blunt));
+        .filter(|_| has_friction || is_final.is_some())
+        .or_else(|| (has_friction && is_final.is_some() && found.factor.is_some()).then(blunt));
     let source = match stuck {
         Some(stuck) => Evidence::unknown("", stuck.reason, stuck.remedy).source,
         None => evidence.source,
     };
     Evidence {
         source,
-        excuse,
+        is_final,
         ..evidence
     }
 }
@@ -579,7 +607,7 @@ fn refinement(
         evidence: std::slice::from_ref(evidence),
         ..Rules::default()
     };
-    let found = compare_with(context, std::slice::from_ref(participant), &rules)?;
+    let found = compare(context, std::slice::from_ref(participant), &rules)?;
     let pointwise = |kind| {
         let mut windows = found.windows.iter();
         windows.any(|w| w.kind == kind && context.is_pointwise(w.to_s))
@@ -588,17 +616,17 @@ fn refinement(
     let all = found.engines.iter().flat_map(|e| &e.uncertainty);
     for one in all.filter(|u| pointwise(u.window)) {
         match (&one.l2, one.relative_l2) {
-            (Uncertainty::Resolved(estimate), Some(share)) if share > target => {
+            (Uncertainty::Known(estimate), Some(share)) if share > target => {
                 // Runs that show no order may do so when they are finer; what is rounding stays.
-                let unseen = if estimate.basis == Basis::Spread {
+                let unknown = if estimate.basis == Basis::Spread {
                     MOST
                 } else {
                     1.0
                 };
                 let factor = estimate.refinement_for(estimate.u * target / share);
-                most = most.max(factor.unwrap_or(unseen));
+                most = most.max(factor.unwrap_or(unknown));
             }
-            (Uncertainty::NotResolved(missing), _) => {
+            (Uncertainty::Unknown(missing), _) => {
                 most = most.max(MOST);
                 stuck = stuck.or_else(|| {
                     let reason = format!(
@@ -629,12 +657,12 @@ mod tests {
     /// Engines end a step at every sample. Asked for a longer one they ran the same steps again, and three equal runs passed for
     /// three that agree to rounding.
     #[test]
-    fn regress_no_rung_is_longer_than_the_samples_are_apart() {
+    fn regress_no_level_is_longer_than_the_samples_are_apart() {
         let scene = preset("paper").expect("a preset");
         let scene = pinwheel_scene::Scene::from_toml(scene, "paper", &[]).expect("a scene");
         let gearbox = Gearbox::new(&scene).expect("a gear");
         assert_eq!(gearbox.scene.solver.sample_s, 1e-4);
-        let mut engines = Engines::native(&Native::REDUCED, gearbox).expect("a ladder");
+        let mut engines = Engines::native(&Native::REDUCED, gearbox).expect("a way to refine it");
         for (step, longer) in [
             (1e-4, &[][..]),
             (5e-5, &[1e-4]),

@@ -1,11 +1,11 @@
-//! What the runs of a ladder say of the finest.
+//! What the runs of a study say of the finest.
 
 use crate::common::{context, courses, participant};
 use crate::{entry, native, other};
 use pinwheel_compare::comparison::Comparison;
 use pinwheel_compare::uncertainty::{Basis, Method, order};
 use pinwheel_compare::{
-    Context, Divergence, Evidence, Ladder, Rules, Rung, Track, WindowKind, compare_with,
+    Context, Divergence, Evidence, Level, RefinementStudy, Rules, Track, WindowKind, compare,
 };
 use pinwheel_courses::Courses;
 
@@ -19,20 +19,20 @@ fn beside_exact(evidence: &[Evidence], own: Courses) -> Comparison {
         participant("native", Track::Native, own),
         other(Track::SharedLaw, 1.0),
     ];
-    compare_with(&context(), &pair, &rules).unwrap()
+    compare(&context(), &pair, &rules).unwrap()
 }
 
 /// The extrapolated verdict's distance and u of runs whose error is A h^2 + B h^3, with A = 1e-3, beside an exact engine.
 fn extrapolated(b: f64, floor: f64) -> (f64, f64) {
     let at = |h: f64| courses(1.0 + 1e-3 * h * h + b * h * h * h);
     let evidence = [
-        rungs("native", [at(2.0), at(4.0)]).with_floor(floor),
-        rungs("other", [courses(1.0), courses(1.0)]),
+        levels("native", [at(2.0), at(4.0)]).with_floor(floor),
+        levels("other", [courses(1.0), courses(1.0)]),
     ];
     let found = beside_exact(&evidence, at(1.0));
     let sharp = entry(&found, WindowKind::Steady).extrapolated.as_ref();
     let sharp = sharp.unwrap();
-    (sharp.distance.unwrap(), sharp.u_a.unwrap())
+    (sharp.difference.unwrap(), sharp.u_a.unwrap())
 }
 
 /// Of such an error Richardson's extrapolation leaves 4/3 B, and says 28/3 B: its next term is taken for one of the same order.
@@ -58,22 +58,22 @@ fn torque(values: &dyn Fn(usize) -> f64) -> Courses {
 }
 
 /// The evidence of a method of order 2 without kinks.
-pub(crate) fn rungs(name: &str, coarser: [Courses; 2]) -> Evidence {
+pub(crate) fn levels(name: &str, coarser: [Courses; 2]) -> Evidence {
     let [two, three] = coarser;
-    let rung = |refinement: f64, run: Courses| Rung {
+    let level = |refinement: f64, run: Courses| Level {
         refinement,
         run: Ok(run),
         wall_s: 1.0,
     };
-    let ladder = Ladder {
+    let study = RefinementStudy {
         method: Method::Step {
             order: 2.0,
             limit: None,
         },
         finest: 1e-5,
-        coarser: vec![rung(2.0, two), rung(4.0, three)],
+        coarser: vec![level(2.0, two), level(4.0, three)],
     };
-    Evidence::ladder(name, ladder)
+    Evidence::refinement(name, study)
 }
 
 /// Differences of the right size confirm an order only where they point the same way: a cosine of a half and more.
@@ -91,13 +91,13 @@ fn an_order_is_confirmed_by_differences_that_point_the_same_way() {
         let small = 1e-3;
         let two = move |_: usize| 1.0 + small;
         let three = move |k: usize| two(k) + 4.0 * small * (cosine + across * turn(k));
-        let evidence = [rungs("native", [torque(&two), torque(&three)])];
+        let evidence = [levels("native", [torque(&two), torque(&three)])];
         let rules = Rules {
             evidence: &evidence,
             ..Rules::default()
         };
         let one = [participant("native", Track::Native, torque(&|_| 1.0))];
-        let found = compare_with(&context(), &one, &rules).unwrap();
+        let found = compare(&context(), &one, &rules).unwrap();
         let steady = found.engines[0].uncertainty.iter();
         let mut steady = steady.filter(|u| u.window == WindowKind::Steady);
         let basis = steady.next().unwrap().l2.estimate().unwrap().basis;
@@ -115,13 +115,13 @@ fn an_order_is_confirmed_by_differences_that_point_the_same_way() {
     };
     let two = move |k: usize| 1.0 + 1e-3 * large(true)(k);
     let three = move |k: usize| two(k) + 4e-3 * large(false)(k);
-    let evidence = [rungs("native", [torque(&two), torque(&three)])];
+    let evidence = [levels("native", [torque(&two), torque(&three)])];
     let rules = Rules {
         evidence: &evidence,
         ..Rules::default()
     };
     let one = [participant("native", Track::Native, torque(&|_| 1.0))];
-    let found = compare_with(&context(), &one, &rules).unwrap();
+    let found = compare(&context(), &one, &rules).unwrap();
     let mut steady = found.engines[0].uncertainty.iter();
     let steady = steady.find(|u| u.window == WindowKind::Steady).unwrap();
     assert_eq!(
@@ -142,13 +142,13 @@ fn beyond_the_horizon_u_is_three_times_the_spread() {
         }),
         ..context()
     };
-    let evidence = [rungs("native", [torque(&|_| 1.001), torque(&|_| 0.998)])];
+    let evidence = [levels("native", [torque(&|_| 1.001), torque(&|_| 0.998)])];
     let rules = Rules {
         evidence: &evidence,
         ..Rules::default()
     };
     let one = [participant("native", Track::Native, torque(&|_| 1.0))];
-    let found = compare_with(&parted, &one, &rules).unwrap();
+    let found = compare(&parted, &one, &rules).unwrap();
     let mut steady = found.engines[0].uncertainty.iter();
     let steady = steady.find(|u| u.window == WindowKind::Steady).unwrap();
     let u = steady.mean.estimate().unwrap();
@@ -185,7 +185,7 @@ fn neither_kinks_nor_friction_confirm() {
 
 /// Differences and ratios that are no such thing are told, not computed with.
 #[test]
-fn a_ladder_that_makes_no_sense_says_so() {
+fn a_study_that_makes_no_sense_says_so() {
     let of = |ratio: f64, difference: f64| {
         let fine = order::Step {
             ratio: 2.0,
@@ -216,13 +216,13 @@ fn a_figure_confirms_by_its_own_sign() {
         let turn = |k: usize| if k.is_multiple_of(2) { 3.0 } else { -3.0 };
         let two = move |k: usize| 1.0 + 1e-3 * (first + turn(k));
         let three = move |k: usize| two(k) + 4e-3 * (sign + turn(k));
-        let evidence = [rungs("native", [torque(&two), torque(&three)])];
+        let evidence = [levels("native", [torque(&two), torque(&three)])];
         let rules = Rules {
             evidence: &evidence,
             ..Rules::default()
         };
         let one = [participant("native", Track::Native, torque(&|_| 1.0))];
-        let found = compare_with(&context(), &one, &rules).unwrap();
+        let found = compare(&context(), &one, &rules).unwrap();
         let mut all = found.engines[0].uncertainty.iter();
         let steady = all.find(|u| u.window == WindowKind::Steady).unwrap();
         assert_eq!(steady.l2.estimate().unwrap().basis, Basis::Observed);
@@ -240,11 +240,11 @@ fn nothing_is_extrapolated_without_one_leading_term() {
     let is_sharp = |shown: f64, limit: Option<f64>| {
         let method = Method::Step { order: 2.0, limit };
         let at = |h: f64| courses(1.0 + 1e-3 * h.powf(shown));
-        let ladder = |run: &dyn Fn(f64) -> Courses| Ladder {
+        let study = |run: &dyn Fn(f64) -> Courses| RefinementStudy {
             method,
             finest: 1e-5,
             coarser: [2.0, 4.0]
-                .map(|refinement| Rung {
+                .map(|refinement| Level {
                     refinement,
                     run: Ok(run(refinement)),
                     wall_s: 1.0,
@@ -252,8 +252,8 @@ fn nothing_is_extrapolated_without_one_leading_term() {
                 .to_vec(),
         };
         let evidence = [
-            Evidence::ladder("native", ladder(&at)),
-            Evidence::ladder("other", ladder(&|_| courses(1.0))),
+            Evidence::refinement("native", study(&at)),
+            Evidence::refinement("other", study(&|_| courses(1.0))),
         ];
         let found = beside_exact(&evidence, at(1.0));
         entry(&found, WindowKind::Steady).extrapolated.is_some()
@@ -282,9 +282,9 @@ fn orders_of_tolerances_and_of_no_differences() {
     }
 }
 
-/// A rung with one sample more is not on the grid.
+/// A level with one sample more is not on the grid.
 #[test]
-fn a_rung_with_more_samples_is_refused() {
+fn a_level_with_more_samples_is_refused() {
     let base = courses(1.0);
     let mut times = base.time_s().to_vec();
     times.push(0.601);
@@ -295,16 +295,16 @@ fn a_rung_with_more_samples_is_refused() {
         longer.push(channel.name.clone(), values).unwrap();
     }
     let evidence = [
-        rungs("native", [longer.clone(), longer]),
-        rungs("other", [courses(1.0), courses(1.0)]),
+        levels("native", [longer.clone(), longer]),
+        levels("other", [courses(1.0), courses(1.0)]),
     ];
     let rules = Rules {
         evidence: &evidence,
         ..Rules::default()
     };
     let pair = [native(), other(Track::SharedLaw, 1.0)];
-    let found = compare_with(&context(), &pair, &rules).unwrap();
-    let told = format!("{:?}", entry(&found, WindowKind::Steady).verdict);
+    let found = compare(&context(), &pair, &rules).unwrap();
+    let told = format!("{:?}", entry(&found, WindowKind::Steady).result);
     assert!(told.contains("other sample times"), "{told}");
 }
 
@@ -312,13 +312,13 @@ fn a_rung_with_more_samples_is_refused() {
 #[test]
 fn relative_sizes_are_of_the_quantity() {
     let with = |floor: f64| {
-        let evidence = rungs("native", [torque(&|_| 2.001), torque(&|_| 2.005)]);
+        let evidence = levels("native", [torque(&|_| 2.001), torque(&|_| 2.005)]);
         let rules = Rules {
             evidence: &[evidence.with_floor(floor)],
             ..Rules::default()
         };
         let one = [participant("native", Track::Native, torque(&|_| 2.0))];
-        let found = compare_with(&context(), &one, &rules).unwrap();
+        let found = compare(&context(), &one, &rules).unwrap();
         let mut all = found.engines[0].uncertainty.iter();
         let steady = all.find(|u| u.window == WindowKind::Steady).unwrap();
         steady.clone()

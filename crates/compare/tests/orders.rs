@@ -1,4 +1,4 @@
-//! The formulas of uncertainty on ladders whose error is known.
+//! The formulas of uncertainty on studies whose error is known.
 
 #![allow(clippy::print_stdout)] // the table of coverage
 
@@ -12,7 +12,7 @@ use proptest::prelude::*;
 const SMOOTH: fn(f64) -> Method = |order| Method::Step { order, limit: None };
 
 /// Differences of `f(H)` at the refinements, and the true error of the finest.
-fn ladder(refinements: &[f64], f: impl Fn(f64) -> f64) -> (Vec<Step>, f64, Option<f64>) {
+fn study(refinements: &[f64], f: impl Fn(f64) -> f64) -> (Vec<Step>, f64, Option<f64>) {
     let values: Vec<f64> = refinements.iter().map(|&h| f(h)).collect();
     let steps = refinements
         .windows(2)
@@ -31,7 +31,7 @@ fn published_order_of_three_grids() {
     // Roache's closed form for equal ratios, ln(e32/e21)/ln r, and the general equation for unequal ones.
     for order in [1.0, 2.0, 3.0, 4.0, 8.0] {
         for refinements in [[1.0, 2.0, 4.0], [1.0, 1.5, 4.0], [1.0, 10.0, 100.0]] {
-            let (steps, ..) = ladder(&refinements, |h| 7.0 + 1e-3 * h.powf(order));
+            let (steps, ..) = study(&refinements, |h| 7.0 + 1e-3 * h.powf(order));
             let found = observed_order(steps[0], steps[1]).unwrap();
             assert!((found - order).abs() < 1e-6, "{order}: {found}");
         }
@@ -58,7 +58,7 @@ fn published_order_of_three_grids() {
 fn published_grid_convergence_index() {
     // Exact order: u = 1.25 times the true error.
     for order in [1.0, 2.0, 4.0] {
-        let (steps, error, sign) = ladder(&[1.0, 2.0, 4.0], |h| 5.0 - 1e-3 * h.powf(order));
+        let (steps, error, sign) = study(&[1.0, 2.0, 4.0], |h| 5.0 - 1e-3 * h.powf(order));
         let found = estimate(&steps, sign, SMOOTH(order), 0.0).unwrap();
         assert_eq!(found.basis, Basis::Observed);
         assert!((found.u / error - 1.25).abs() < 1e-6, "{found:?} {error}");
@@ -70,10 +70,13 @@ fn published_grid_convergence_index() {
 }
 
 #[test]
-fn two_rungs_take_the_stated_order_threefold() {
-    let (steps, error, _) = ladder(&[1.0, 2.0], |h| 5.0 + 1e-3 * h * h);
+fn two_levels_take_the_stated_order_threefold() {
+    let (steps, error, _) = study(&[1.0, 2.0], |h| 5.0 + 1e-3 * h * h);
     let found = estimate(&steps, None, SMOOTH(2.0), 0.0).unwrap();
-    assert_eq!((found.basis, found.observed_order), (Basis::TwoRungs, None));
+    assert_eq!(
+        (found.basis, found.observed_order),
+        (Basis::TwoLevels, None)
+    );
     assert!((found.u / error - 3.0).abs() < 1e-9);
     // In a scene that is not smooth the order is taken as 1.
     let rough = Method::Step {
@@ -123,7 +126,7 @@ fn hard_kinks_limit_the_order_before_it_shows() {
 #[test]
 fn another_order_than_stated_costs_a_factor() {
     // A fourth-order method that shows order 2, and one of order 1 that shows 2.
-    let (steps, error, sign) = ladder(&[1.0, 2.0, 4.0], |h| 5.0 + 1e-3 * h * h);
+    let (steps, error, sign) = study(&[1.0, 2.0, 4.0], |h| 5.0 + 1e-3 * h * h);
     let slow = estimate(&steps, sign, SMOOTH(4.0), 0.0).unwrap();
     assert_eq!(slow.basis, Basis::Unconfirmed);
     assert!((slow.u / error - 3.0).abs() < 1e-6);
@@ -145,7 +148,7 @@ fn hard_accidental_super_convergence() {
 }
 
 #[test]
-fn hard_what_does_not_converge_is_not_resolved() {
+fn hard_what_does_not_converge_is_inconclusive() {
     let at = |fine: f64, coarse: f64, method| {
         let steps = [fine, coarse].map(|difference| Step {
             ratio: 2.0,
@@ -202,7 +205,7 @@ fn rounding_is_resolved() {
 
 #[test]
 fn opposite_differences_confirm_nothing() {
-    let (steps, ..) = ladder(&[1.0, 2.0, 4.0], |h| 5.0 + 1e-3 * h * h);
+    let (steps, ..) = study(&[1.0, 2.0, 4.0], |h| 5.0 + 1e-3 * h * h);
     let found = |cosine| estimate(&steps, Some(cosine), SMOOTH(2.0), 0.0).unwrap();
     assert_eq!(found(0.9).basis, Basis::Observed);
     assert_eq!(found(-0.9).basis, Basis::Unconfirmed);
@@ -222,7 +225,7 @@ fn tolerances_have_no_order_of_steps() {
             let k = [1.0, 10.0, 100.0].iter().position(|&x| x == h);
             k.map_or(0.0, |k| c[k])
         };
-        let (steps, error, sign) = ladder(&[1.0, 10.0, 100.0], |h| 1.0 + 1e-6 * factor(h) * h);
+        let (steps, error, sign) = study(&[1.0, 10.0, 100.0], |h| 1.0 + 1e-6 * factor(h) * h);
         let found = estimate(&steps, sign, Method::Tolerance { smooth: true }, 0.0).unwrap();
         assert_eq!((found.basis, found.safety), (Basis::Tolerance, Some(3.0)));
         honest += usize::from(found.u >= error);
@@ -279,7 +282,7 @@ fn coverage(honest: usize, mut ratios: Vec<f64>) -> f64 {
 fn crossval_uncertainty_covers_the_true_error() {
     let mut random = Random::new(7);
     let mut all = Vec::new();
-    for rungs in [&[1.0, 2.0, 4.0][..], &[1.0, 2.0], &[1.0, 3.0, 9.0, 27.0]] {
+    for levels in [&[1.0, 2.0, 4.0][..], &[1.0, 2.0], &[1.0, 3.0, 9.0, 27.0]] {
         for (order, stated) in [
             (1.0, 1.0),
             (2.0, 2.0),
@@ -294,19 +297,22 @@ fn crossval_uncertainty_covers_the_true_error() {
                 let next = random.between(-0.1, 0.1);
                 let f = |h: f64| {
                     // The limit H = 0 has no noise to take.
-                    let noise = rungs.iter().position(|&x| x == h).map_or(0.0, |k| noise[k]);
+                    let noise = levels
+                        .iter()
+                        .position(|&x| x == h)
+                        .map_or(0.0, |k| noise[k]);
                     1.0 + 1e-6 * h.powf(order) * (1.0 + noise + next * h / 27.0)
                 };
-                let (steps, error, sign) = ladder(rungs, f);
+                let (steps, error, sign) = study(levels, f);
                 // What is not resolved claims nothing.
                 if let Ok(found) = estimate(&steps, sign, SMOOTH(stated), 1e-15) {
                     honest += usize::from(found.u >= error);
                     ratios.push(found.u / error);
                 }
             }
-            // Two rungs cannot see that the order is not the stated one: that is what the third is for.
-            if rungs.len() > 2 || order >= stated {
-                print!("{rungs:?} order {order} of {stated}: ");
+            // Two levels cannot see that the order is not the stated one: that is what the third is for.
+            if levels.len() > 2 || order >= stated {
+                print!("{levels:?} order {order} of {stated}: ");
                 assert!(ratios.len() > 1800, "resolved {}", ratios.len());
                 if order <= stated {
                     all.push(coverage(honest, ratios));
@@ -322,7 +328,7 @@ fn crossval_uncertainty_covers_the_true_error() {
 }
 
 proptest! {
-    /// Whatever order a ladder without noise has, the estimate covers it, and scaling scales it.
+    /// Whatever order a study without noise has, the estimate covers it, and scaling scales it.
     #[test]
     fn bounds_hold_and_scale(order in 0.6..6.0f64, stated in 1.0..6.0f64, c in -9.0..0.0f64, r in 1.3..5.0f64) {
         let refinements = [1.0, r, r * r];

@@ -1,4 +1,4 @@
-//! Runs whose ladders do not settle: chaos, floors of iterations, bounces that coarser runs miss.
+//! Runs whose studies do not settle: chaos, floors of iterations, bounces that coarser runs miss.
 
 use crate::common::courses;
 use crate::{FORCE, anywhere, compared, engine, entry, native, off};
@@ -6,9 +6,9 @@ use pinwheel_compare::uncertainty::{Basis, Source};
 use pinwheel_compare::{Context, Divergence, Track, Verdict};
 use pinwheel_courses::Courses;
 
-/// A scene that amplifies roundings decides by itself how sharp its figures are: stated and no failure, and no pass.
+/// A scene that amplifies roundings decides by itself how sharp its figures are: inconclusive, and nothing to act on.
 #[test]
-fn hard_chaos_is_stated() {
+fn hard_chaos_leaves_nothing_to_act_on() {
     let chaotic = Context {
         divergence: Some(Divergence {
             horizon_s: Some(0.0),
@@ -29,15 +29,16 @@ fn hard_chaos_is_stated() {
     };
     let found = compared(&chaotic, vec![native(0.3), peer()]);
     assert!(
-        found.counts.stated > 0 && found.counts.not_resolved == 0,
+        found.counts.inconclusive > 0 && found.counts.inconclusive_actionable == 0,
         "{:?}",
         found.counts
     );
-    assert_eq!(found.outcome.exit_status(), 0);
+    assert_eq!(found.counts.exit_status(), 0);
     // The same before the horizon is a failure.
     let found = compared(&anywhere(), vec![native(0.3), peer()]);
     assert!(
-        found.counts.stated == 0 && found.counts.not_resolved > 0,
+        found.counts.inconclusive_actionable == found.counts.inconclusive
+            && found.counts.exit_status() == 4,
         "{:?}",
         found.counts
     );
@@ -55,17 +56,11 @@ fn regress_iterations_leave_a_floor() {
             vec![native(1e-12), (peer, evidence.with_floor(floor))],
         )
     };
-    assert!(matches!(
-        entry(&offset(0.0), FORCE).verdict,
-        Verdict::Differ { .. }
-    ));
-    assert!(matches!(
-        entry(&offset(1e-8), FORCE).verdict,
-        Verdict::Agree { .. }
-    ));
+    let at = |floor: f64| entry(&offset(floor), FORCE).result.verdict;
+    assert_eq!((at(0.0), at(1e-8)), (Verdict::Differ, Verdict::Agree));
 }
 
-/// A bounce that one run of the ladder has and another has not. Two rungs that both miss it cannot know.
+/// A bounce that one run of the study has and another has not. Two levels that both miss it cannot know.
 #[test]
 fn hard_a_bounce_that_coarser_runs_miss() {
     let bounce = |base: Courses| {
@@ -88,21 +83,24 @@ fn hard_a_bounce_that_coarser_runs_miss() {
         2.0,
         &[2.0, 4.0],
     );
-    let (mut seeing, mut ladder) = native(1e-6);
+    let (mut seeing, mut study) = native(1e-6);
     seeing.courses = bounce(seeing.courses);
     let found = compared(
         &anywhere(),
-        vec![exact.clone(), (seeing.clone(), ladder.clone())],
+        vec![exact.clone(), (seeing.clone(), study.clone())],
     );
-    assert!(
-        matches!(&entry(&found, FORCE).verdict, Verdict::NotResolved { participant, .. } if participant == "native"),
+    let result = &entry(&found, FORCE).result;
+    let named = (result.verdict, result.participant.as_deref());
+    assert_eq!(
+        named,
+        (Verdict::Inconclusive, Some("native")),
         "only the finest has it"
     );
-    if let Source::Ladder(ladder) = &mut ladder.source {
-        let fine = ladder.coarser[0].run.clone().unwrap();
-        ladder.coarser[0].run = Ok(bounce(fine));
+    if let Source::Refinement(study) = &mut study.source {
+        let fine = study.coarser[0].run.clone().unwrap();
+        study.coarser[0].run = Ok(bounce(fine));
     }
-    let found = compared(&anywhere(), vec![exact, (seeing, ladder)]);
+    let found = compared(&anywhere(), vec![exact, (seeing, study)]);
     // The coarsest misses it: super-convergence by accident, which costs sharpness and no more.
     let estimate = *found.engines[1]
         .uncertainty
@@ -113,8 +111,5 @@ fn hard_a_bounce_that_coarser_runs_miss() {
         .estimate()
         .unwrap();
     assert_eq!(estimate.basis, Basis::Unconfirmed);
-    assert!(!matches!(
-        entry(&found, FORCE).verdict,
-        Verdict::Differ { .. }
-    ));
+    assert_ne!(entry(&found, FORCE).result.verdict, Verdict::Differ);
 }

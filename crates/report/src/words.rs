@@ -1,0 +1,163 @@
+//! Verdicts in words, for pages and terminals alike.
+
+use pinwheel_compare::comparison::{Pair, PairEntry};
+use pinwheel_compare::{Against, Assessment, Comparison, Verdict};
+use pinwheel_engines::info;
+
+/// The entry of a pair that says most against it, and among equals the one that uses most of its bound. `None` where nothing
+/// is known of any.
+#[must_use]
+pub fn gravest(pair: &Pair) -> Option<&PairEntry> {
+    let known = |entry: &&PairEntry| entry.result.rank() > 0 || entry.result.interval().is_some();
+    pair.entries.iter().filter(known).reduce(|a, b| {
+        let worst = Assessment::worst([&a.result, &b.result]);
+        if worst == Some(&a.result) { a } else { b }
+    })
+}
+
+/// A verdict with its numbers, which `number` writes.
+#[must_use]
+pub fn verdict(found: &Assessment, number: fn(f64) -> String) -> String {
+    let word = found.verdict.word();
+    let known = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
+    if found.verdict == Verdict::Inconclusive {
+        return match found.combined() {
+            Some(sum) => format!("{word}, U = {}", number(sum)),
+            None => word.to_owned(),
+        };
+    }
+    let interval = found.interval().map(|[low, high]| {
+        let aim = if found.predicted == 0.0 {
+            String::new()
+        } else {
+            format!(", {} predicted", number(found.predicted))
+        };
+        format!("{} to {}{aim}", number(low), number(high))
+    });
+    match (found.verdict, found.against, interval) {
+        (Verdict::NotCompared, _, Some(interval)) => format!("{word}, models {interval}"),
+        (_, Against::ModelTolerance, Some(interval)) => {
+            match found.tolerance.filter(|t| *t > 0.0) {
+                Some(tolerance) => {
+                    format!("{word}, models {interval}, tolerance {}", number(tolerance))
+                }
+                None => format!("{word}, models {interval}"),
+            }
+        }
+        (Verdict::Agree, Against::NumericalError, _) => format!("{word} to {}", known(found.bound)),
+        (Verdict::Differ, Against::NumericalError, _) => {
+            let off = found
+                .difference
+                .zip(found.bound)
+                .map(|(d, bound)| d - bound);
+            format!("{word} by at least {}", known(off))
+        }
+        (Verdict::Agree, Against::Measurement, _) => {
+            format!("{word}, no model error above {}", known(found.bound))
+        }
+        (Verdict::Differ, Against::Measurement, Some(interval)) => {
+            format!("{word}, model error {interval}")
+        }
+        (Verdict::Agree | Verdict::Differ, Against::Limit, _) => match found.difference {
+            Some(_) => format!("{word}, {:.0} % of the limit", 100.0 * found.share()),
+            None => format!("{word}, not finite"),
+        },
+        _ => word.to_owned(),
+    }
+}
+
+/// What a whole comparison amounts to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Summary {
+    /// `PASS`, `DIFFERS`, `NOT CONFIRMED` or `NOTHING COMPARED`.
+    pub headline: &'static str,
+    /// `444 comparisons: 296 agree, 0 differ, 148 inconclusive (recordings)`.
+    pub counts: String,
+}
+
+/// The headline and the counts behind it.
+#[must_use]
+pub fn summary(comparison: &Comparison) -> Summary {
+    let counts = comparison.counts;
+    let headline = match counts.exit_status() {
+        1 => "DIFFERS",
+        4 => "NOT CONFIRMED",
+        _ if counts.agree + counts.differ > 0 => "PASS",
+        _ => "NOTHING COMPARED",
+    };
+    let groups = groups(comparison);
+    let mut inconclusive = groups.join(", ");
+    let open = counts.inconclusive_actionable;
+    if open > 0 {
+        let others = if groups.is_empty() { "" } else { "; others: " };
+        inconclusive = format!("{open} to act on{others}{inconclusive}");
+    }
+    if !inconclusive.is_empty() {
+        inconclusive = format!(" ({inconclusive})");
+    }
+    let off = counts.differ - counts.differ_actionable;
+    let measured = if off > 0 {
+        format!(" ({off} from measured data)")
+    } else {
+        String::new()
+    };
+    Summary {
+        headline,
+        counts: format!(
+            "{} comparisons: {} agree, {} differ{measured}, {} inconclusive{inconclusive}",
+            counts.compared(),
+            counts.agree,
+            counts.differ,
+            counts.inconclusive
+        ),
+    }
+}
+
+fn results(comparison: &Comparison) -> impl Iterator<Item = &Assessment> {
+    let pairs = comparison.pairs.iter().flat_map(|pair| &pair.entries);
+    let alone = comparison.engines.iter().flat_map(|engine| &engine.judged);
+    pairs.map(|e| &e.result).chain(alone.map(|e| &e.result))
+}
+
+/// What those are who leave something inconclusive with nothing to act on.
+fn groups(comparison: &Comparison) -> Vec<&'static str> {
+    let mut found: Vec<&str> = Vec::new();
+    for one in results(comparison).filter(|one| !one.group.is_empty()) {
+        if !found.contains(&one.group) {
+            found.push(one.group);
+        }
+    }
+    found
+}
+
+/// Each participant that leaves something to act on inconclusive, with its first reason and the remedy.
+#[must_use]
+pub fn inconclusive(comparison: &Comparison) -> Vec<(String, String)> {
+    let mut told: Vec<(String, String)> = Vec::new();
+    for found in results(comparison).filter(|one| one.actionable) {
+        let Some((who, why)) = why(found) else {
+            continue;
+        };
+        if !told.iter().any(|(known, _)| *known == who) {
+            told.push((who, why));
+        }
+    }
+    told
+}
+
+/// Who leaves it inconclusive and why, with the remedy where there is one.
+#[must_use]
+pub fn why(found: &Assessment) -> Option<(String, String)> {
+    let who = found.participant.clone()?;
+    let why = match found.remedy.as_str() {
+        "" => found.reason.clone(),
+        remedy => format!("{}; {remedy}", found.reason),
+    };
+    Some((who, why))
+}
+
+/// An engine's name where what it shares is said beside it.
+#[must_use]
+pub fn short(engine: &str) -> &str {
+    info(engine).map_or(engine, |info| info.short)
+}
