@@ -155,28 +155,28 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
         "the slider does not move by keys"
     );
     // A cell of a matrix, or a line of what differs most, opens its pair, and what it is folded in.
-    let open = "[...document.querySelectorAll('.pair')].filter((p) => p.open).length";
+    let open = "[...document.querySelectorAll('.item')].filter((p) => p.open).length";
     assert_eq!(browser.evaluate(open), json!(0), "what passed is folded");
-    browser.evaluate("document.querySelector('.heat a').focus()");
+    browser.evaluate("document.querySelector('[id^=track] td.map a').focus()");
     browser.key("Enter");
     assert_eq!(browser.evaluate(open), json!(1), "a cell opens its pair");
-    browser.evaluate("document.querySelector('.pair[open]').open = false");
-    click(browser, "document.querySelector('.differs a')");
+    browser.evaluate("document.querySelector('.item[open]').open = false");
+    click(browser, "document.querySelector('.answer table a')");
     assert_eq!(
         browser.evaluate(open),
         json!(1),
         "what differs most opens its pair"
     );
     // Sorted by what is clicked.
-    let first = "document.querySelector('.pair[open] tbody tr th').textContent";
+    let first = "document.querySelector('.item[open] tbody tr th').textContent";
     click(
         browser,
-        "document.querySelectorAll('.pair[open] button.sort')[1]",
+        "document.querySelectorAll('.item[open] button.sort')[1]",
     );
     let rising = text(browser, first);
     click(
         browser,
-        "document.querySelectorAll('.pair[open] button.sort')[1]",
+        "document.querySelectorAll('.item[open] button.sort')[1]",
     );
     assert_ne!(text(browser, first), rising, "a table does not sort");
     // Depth opens from the bar.
@@ -273,7 +273,7 @@ pub(crate) fn paper_is_spared(browser: &mut Chromium, page: &Path) {
     assert!((1..=4).contains(&sheets), "{sheets} sheets");
     browser.media("print");
     let seen = browser.evaluate(
-        "({ parts: ['.banner', '.tiles', '.differs', '.gearbox-view canvas', '#chart canvas', '.matrix', '#command'].filter((s) => !document.querySelector(s)?.checkVisibility()), \
+        "({ parts: ['.banner', '.tiles', '.answer table', '.gearbox-view canvas', '#chart canvas', '[id^=track] td.map', '#command'].filter((s) => !document.querySelector(s)?.checkVisibility()), \
             controls: ['.topbar', '#chart-controls', '.gearbox-controls'].filter((s) => document.querySelector(s)?.checkVisibility()), \
             ground: getComputedStyle(document.body).backgroundColor })",
     );

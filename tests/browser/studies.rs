@@ -146,9 +146,9 @@ fn browser_shows_measured_data() {
     browser.evaluate("new Promise((r) => setTimeout(r, 600))");
     let seen = browser.evaluate(
         "({
-          first: document.querySelector('.track h2').textContent,
-          unfolded: document.querySelector('.track .pair').open,
-          told: document.querySelector('.track').textContent.includes('0.00210 s were added to its times'),
+          first: document.querySelector('[id^=track] h2').textContent,
+          unfolded: document.querySelector('[id^=track] .item').open,
+          told: document.querySelector('[id^=track]').textContent.includes('0.00210 s were added to its times'),
           residual: document.querySelector('.plot-title').textContent,
           base: document.getElementById('base').selectedOptions[0].textContent,
           drawn: document.body.dataset.drawn,

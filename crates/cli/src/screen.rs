@@ -4,7 +4,7 @@
 use std::io::{ErrorKind, Write as _};
 use std::path::Path;
 
-use pinwheel::report::harmless::{address, harmless, shortened};
+use pinwheel::report::sanitize::{address, sanitize, shortened};
 use pinwheel::report::terminal::{BAD, styled};
 use pinwheel::studies::output::reason;
 
@@ -13,7 +13,7 @@ use crate::failure::Failure;
 /// Writes results to stdout, with a final newline.
 pub(crate) fn show(text: &str) -> Result<(), Failure> {
     let mut stdout = anstream::stdout().lock();
-    match writeln!(stdout, "{}", harmless(text.trim_end(), true)).and_then(|()| stdout.flush()) {
+    match writeln!(stdout, "{}", sanitize(text.trim_end(), true)).and_then(|()| stdout.flush()) {
         // The reader (head, less) has seen enough.
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         Err(error) => Err(Failure::input(format!(
@@ -30,7 +30,7 @@ pub(crate) fn show_with_page(text: &str, page: &Path) -> Result<(), Failure> {
         show(text)?;
     }
     let place = page.display().to_string();
-    let place = harmless(&place, false);
+    let place = sanitize(&place, false);
     let linked = supports_hyperlinks::on(supports_hyperlinks::Stream::Stdout);
     let line = match address(page).filter(|_| linked) {
         Some(address) => format!("\u{1b}]8;;{address}\u{1b}\\{place}\u{1b}]8;;\u{1b}\\"),
@@ -70,12 +70,12 @@ pub(crate) fn show_on_stderr(text: &str) {
     let _ = writeln!(
         anstream::stderr().lock(),
         "{}",
-        harmless(text.trim_end(), true)
+        sanitize(text.trim_end(), true)
     );
 }
 
 /// `error: ...` on one line.
 pub(crate) fn complain(message: &str) {
-    let message = harmless(&shortened(message), false);
+    let message = sanitize(&shortened(message), false);
     show_on_stderr(&format!("{}: {message}", styled(BAD, "error")));
 }

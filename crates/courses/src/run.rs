@@ -34,6 +34,18 @@ impl Track {
     }
 }
 
+impl Track {
+    /// What runs share with the native solver's: agreement says nothing about that.
+    #[must_use]
+    pub const fn shares(self) -> &'static str {
+        match self {
+            Self::Native => "equations",
+            Self::SharedLaw => "contact law",
+            Self::OwnContact | Self::Measured => "nothing",
+        }
+    }
+}
+
 impl std::fmt::Display for Track {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.pad(self.as_str())

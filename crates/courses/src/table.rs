@@ -61,6 +61,10 @@ pub struct Column {
     pub marks: Vec<Mark>,
     /// Shade of each cell's ground from 0 (none) to 1 (full).
     pub shades: Vec<Option<f64>>,
+    /// Anchors on the same page that say more of a cell.
+    pub links: Vec<Option<String>>,
+    /// Colour and dash of what a row is of, as charts draw it.
+    pub colours: Vec<Option<usize>>,
 }
 
 /// Values of one column.
@@ -202,6 +206,8 @@ impl Table {
             pick(&mut column.said, &keep);
             pick(&mut column.marks, &keep);
             pick(&mut column.shades, &keep);
+            pick(&mut column.links, &keep);
+            pick(&mut column.colours, &keep);
         }
         self
     }
@@ -382,6 +388,18 @@ impl<R> TableOf<R> {
     #[must_use]
     pub fn shaded(self, of: impl Fn(&R) -> Option<f64>) -> Self {
         self.last(|rows, column| column.shades = rows.iter().map(of).collect())
+    }
+
+    /// Where on the page more is said of cells of the last column.
+    #[must_use]
+    pub fn linked(self, of: impl Fn(&R) -> Option<String>) -> Self {
+        self.last(|rows, column| column.links = rows.iter().map(of).collect())
+    }
+
+    /// Colour and dash that charts have for cells of the last column.
+    #[must_use]
+    pub fn coloured(self, of: impl Fn(&R) -> Option<usize>) -> Self {
+        self.last(|rows, column| column.colours = rows.iter().map(of).collect())
     }
 
     fn last(mut self, change: impl FnOnce(&[R], &mut Column)) -> Self {

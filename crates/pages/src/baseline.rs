@@ -2,7 +2,7 @@
 
 use pinwheel_courses::table::{Mark, Shown, Table};
 use pinwheel_report::study::{self, Block, Section, Study, Tile, Tone};
-use pinwheel_report::terminal::{self, Cell, QUIET, TITLE, lines, styled};
+use pinwheel_report::terminal::{self, QUIET, TITLE, styled};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::baseline::{
     Acceptance, Baseline, CaseCheck, Check, CostCheck, Listed, Made, QuantityCheck, Verdict, limits,
@@ -28,11 +28,11 @@ pub fn page(
     let bad = |verdict: Verdict| verdict == Verdict::Worse;
     let passed = check.cases.iter().filter(|case| !bad(case.verdict)).count();
     let all = cases_table("Every scene by every solver", check.cases.iter());
-    let mut cases = section("cases", "All cases", vec![Block::Data(all)]);
+    let mut cases = Section::new("cases", "All cases", vec![Block::Data(all)]);
     if passed == check.cases.len() {
         cases = cases.folded(format!("{passed} cases, none worse"));
     }
-    let mut costs = section("costs", "Costs", costs_blocks(check));
+    let mut costs = Section::new("costs", "Costs", costs_blocks(check));
     let mut counts = check.cases.iter().flat_map(|case| &case.costs);
     if !counts.any(|cost| bad(cost.verdict)) {
         costs = costs.folded("Counts of the program's work, none worse");
@@ -57,19 +57,17 @@ pub fn page(
         }),
         tiles: tiles(check, &moved),
         sections: vec![
-            section("moved", "What moved", moved_blocks(&moved)),
+            Section::new("moved", "What moved", moved_blocks(&moved)),
             cases,
             costs,
-            section("limits", "Limits", vec![Block::Data(limits_table())])
+            Section::new("limits", "Limits", vec![Block::Data(limits_table())])
                 .folded("What a figure may move by, and why"),
-            section("history", "History", history_blocks(baseline, check))
+            Section::new("history", "History", history_blocks(baseline, check))
                 .folded("What was accepted, when and why"),
         ],
-        command: made.command.clone(),
-        versions: made.versions(),
-        machine: made.machine.rows(),
+        ..Study::default()
     };
-    Ok(study::render(&study)?)
+    crate::render(study, made)
 }
 
 /// What a terminal shows, without the place of the page: the cases that moved, and a sentence on all.
@@ -91,7 +89,7 @@ pub fn text(check: &Check) -> String {
         .collect();
     if !named.is_empty() {
         let list = format!("same to rounding: {}", named.join(", "));
-        text.push_str(&lines(&[vec![Cell::text(list).styled(QUIET)]]));
+        text.push_str(&format!("{}\n", styled(QUIET, &terminal::paragraph(&list))));
     }
     text.push_str(&sentence(check));
     text
@@ -111,18 +109,10 @@ pub fn list(listed: &[Listed]) -> String {
             made.build,
             made.vectors
         ));
-        let row = |a: &Acceptance| ["  ", &a.date, &a.reason].map(Cell::text).to_vec();
-        text.push_str(&lines(&one.accepted.iter().map(row).collect::<Vec<_>>()));
+        let row = |a: &Acceptance| [" ", &a.date, &a.reason].map(str::to_owned);
+        text.push_str(&terminal::list(one.accepted.iter().map(row)));
     }
     text
-}
-
-fn section(id: &str, title: &str, blocks: Vec<Block>) -> Section {
-    Section {
-        id: id.to_owned(),
-        title: title.to_owned(),
-        blocks,
-    }
 }
 
 /// Quantities beyond their rounding, by how much they moved.

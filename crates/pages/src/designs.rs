@@ -219,7 +219,7 @@ fn label(row: &Row) -> String {
 /// Unit and factor of both values: those that people use for the larger.
 fn scaled(row: &Row) -> (String, f64) {
     let sizes = row.values.iter().flatten().map(|v| v.abs());
-    format::humane(&row.unit, sizes.fold(0.0, f64::max))
+    format::readable_unit(&row.unit, sizes.fold(0.0, f64::max))
 }
 
 fn shown(row: &Row) -> [String; 2] {

@@ -11,7 +11,7 @@ pub fn text(listed: &[Listed]) -> String {
     listed.sort_by_key(|engine| engine.track);
     let table = Table::of("", listed)
         .text("", "engine", |engine| &engine.name)
-        .text("", "track", |engine| engine.track.as_str())
+        .text("", "shares", |engine| engine.track.shares())
         .text("", "what it is", |engine| {
             format!("{}: {}", engine.version, engine.summary)
         });

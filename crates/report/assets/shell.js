@@ -57,6 +57,21 @@ const PinwheelPage = (() => {
   document.addEventListener('click', (event) => { if (event.target.closest?.('a[href^="#"]')?.hash === location.hash) openTarget(); });
   openTarget();
 
+  // ---- Tables that are made when they are opened ----------------------------------------------
+  let later = null;
+  document.querySelectorAll('details.later').forEach((fold) => {
+    fold.hidden = false;
+    fold.addEventListener('toggle', async () => {
+      later = later || PinwheelPacked.unpack($('later-data').textContent).then((bytes) => JSON.parse(new TextDecoder().decode(bytes)));
+      const { caption, headings, rows } = (await later)[Number(fold.dataset.table)];
+      const head = headings.map((heading) => make('th', { scope: 'col' }, heading));
+      const body = rows.map(([first, ...rest]) => make('tr', {}, make('th', { scope: 'row' }, first), ...rest.map((text) => make('td', { class: 'num' }, text))));
+      const table = make('table', { class: 'data sortable' }, make('thead', {}, make('tr', { class: 'keys' }, ...head)), make('tbody', {}, ...body));
+      fold.append(make('div', { class: 'scroll', tabindex: '0', role: 'region', 'aria-label': caption }, table));
+      sortable(table);
+    }, { once: true });
+  });
+
   // ---- Copying the command --------------------------------------------------------------------
   const copy = $('copy');
   if (copy && navigator.clipboard) {

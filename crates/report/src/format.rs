@@ -151,7 +151,7 @@ pub fn bounded(value: f64, uncertainty: Option<f64>, scale: f64) -> (String, Str
 const ROUNDING: f64 = 1e-12;
 
 /// A unit that people use for values of that size, and the factor to it: micrometres, minutes of arc.
-pub fn humane(unit: &str, largest: f64) -> (String, f64) {
+pub fn readable_unit(unit: &str, largest: f64) -> (String, f64) {
     const ARCMIN: f64 = 60.0 * 180.0 / std::f64::consts::PI;
     let steps: &[(f64, &str, f64)] = match unit {
         "m" => &[(1e-3, "\u{b5}m", 1e6), (1.0, "mm", 1e3)],
@@ -303,11 +303,11 @@ mod tests {
 
     #[test]
     fn units_that_people_use() {
-        assert_eq!(humane("m", 6e-4), ("\u{b5}m".to_owned(), 1e6));
-        assert_eq!(humane("m", 0.05), ("mm".to_owned(), 1e3));
-        assert_eq!(humane("N m", 1e-9), ("N m".to_owned(), 1.0));
-        assert_eq!(humane("rad", 1e-3).0, "arcmin");
-        assert_eq!(humane("s", 0.0), ("s".to_owned(), 1.0));
+        assert_eq!(readable_unit("m", 6e-4), ("\u{b5}m".to_owned(), 1e6));
+        assert_eq!(readable_unit("m", 0.05), ("mm".to_owned(), 1e3));
+        assert_eq!(readable_unit("N m", 1e-9), ("N m".to_owned(), 1.0));
+        assert_eq!(readable_unit("rad", 1e-3).0, "arcmin");
+        assert_eq!(readable_unit("s", 0.0), ("s".to_owned(), 1.0));
     }
 
     #[test]

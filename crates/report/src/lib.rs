@@ -1,9 +1,9 @@
 //! The report: one self-contained HTML page.
 //!
 //! ```text
-//!  Comparison, courses ─> view (tiles, verdicts, tracks, matrices) ─┐
-//!  any study's tables  ─> study (cards, charts, tables) ──────────────┼─> shell ─> one HTML file, nothing outside it
-//!  angles, forces      ─> animation ──────────────────────────────────┘
+//!  Comparison, courses ─> comparison ─┐
+//!  any study's findings ─────────────>├─> study (tiles, tables, charts) ─> one HTML file, nothing outside it
+//!  angles, forces      ─> animation ──┘
 //! ```
 //!
 //! [`render`] fills in the page of a comparison, [`study::render`] that of any other study. A page opens without a network, reads without a script (every table
@@ -13,21 +13,19 @@ pub mod animation;
 mod assets;
 mod chart_data;
 pub mod colours;
+mod comparison;
 mod error;
 pub mod format;
-pub mod harmless;
 mod input;
 mod packed;
+pub mod sanitize;
 pub mod study;
 pub mod table;
 pub mod terminal;
-mod view;
 pub mod words;
 
 pub use error::ReportError;
 pub use input::{Fact, ReportInput};
-
-use askama::Template;
 
 /// Fills in the page.
 ///
@@ -37,5 +35,5 @@ use askama::Template;
 /// The comparison and the participants do not belong together, or (never in practice) the
 /// template or the charts' data cannot be written.
 pub fn render(input: &ReportInput<'_>) -> Result<String, ReportError> {
-    Ok(view::Page::of(input)?.render()?)
+    study::render(&comparison::study(input)?)
 }

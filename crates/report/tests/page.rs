@@ -125,7 +125,7 @@ fn says_what_was_compared() {
     let page = page(&two(1.0 + 3e-5));
     for wanted in [
         "<p class=\"headline\">Pass</p>",
-        "<h1 id=\"scene-name\">paper</h1>",
+        "<h1 id=\"study-title\">paper</h1>",
         "native-reduced \u{2194} rapier-shared-law",
         "3.0\u{b7}10\u{207b}\u{2075}",
         "28 bodies",
@@ -164,7 +164,7 @@ fn who_is_left_out_breaks_nothing() {
     out.courses = Courses::default();
     let page = page(&[one, other, out]);
     assert!(!page.contains("did not finish") && !page.contains("banner fail"));
-    assert!(page.contains("give it more time") && page.contains("troubles left-out"));
+    assert!(page.contains("give it more time") && page.contains("Left out: 1"));
 }
 
 /// What an engine gave before it diverged feeds no headline, whatever numbers it left.
@@ -243,7 +243,7 @@ fn nothing_breaks_out() {
     assert!(!page.contains("<script>alert"), "a script got in");
     assert!(!page.contains("<img"), "an element got in");
     let count = |text: &str| page.matches(text).count();
-    // Frame, data, packed metrics (base64, built as text by the page's script), plotting library, charts, unpacking, page.
+    // Frame, packed tables, data (base64, built as text by the page's script), plotting library, charts, unpacking, page.
     assert_eq!((count("<script"), count("</script>")), (7, 7));
     assert!(!page.contains("onerror=\""), "an attribute got in");
 }

@@ -1,5 +1,6 @@
 //! A study's page: blocks in order, everything escaped, charts' data beside their hosts.
 
+use pinwheel_courses::table::Table;
 use pinwheel_report::study::*;
 
 fn sample() -> Study {
@@ -39,19 +40,14 @@ fn sample() -> Study {
                     series: vec![curve("rk2", 2, 1e6), curve("</script>", 4, 1e14)],
                     note: "Lower left wins.".into(),
                 }]),
-                Block::Table(Table {
-                    caption: "Runs".into(),
-                    columns: vec![Column::text("Engine"), Column::number("Error (1)")],
-                    rows: vec![
-                        vec![
-                            "native".into(),
-                            Cell::number("1.2e-4", 1.2e-4)
-                                .marked(Mark::Good)
-                                .heated(0.4),
-                        ],
-                        vec!["peer".into()],
-                    ],
-                }),
+                Table::of("Runs", [("native", Some(1.2e-4)), ("peer", None)])
+                    .text("", "Engine", |row| row.0)
+                    .number("", "Error", |row| row.1)
+                    .unit("1")
+                    .marked(|row| Mark::of(row.1.is_some()))
+                    .shaded(|row| row.1.map(|_| 0.4))
+                    .done()
+                    .into(),
                 Block::Details {
                     summary: "More".into(),
                     blocks: vec![Block::Code("a < b".into()), Block::List(vec!["x".into()])],
@@ -60,7 +56,7 @@ fn sample() -> Study {
         }],
         command: "pinwheel bench paper".into(),
         versions: vec![("pinwheel".into(), "0.1.0".into())],
-        machine: vec![],
+        ..Study::default()
     }
 }
 

@@ -31,7 +31,7 @@ fn costs(study: &WorkPrecision, rankings: &[Ranking]) -> Section {
     let caption = format!("Cost of a force error of {}", limit(target));
     let mut table = Table::of(caption, study.series.iter().enumerate())
         .text("", "Engine and method", |(_, series)| series.label())
-        .text("", "Track", |(_, series)| series.track.as_str());
+        .text("", "Shares", |(_, series)| series.track.shares());
     for ranking in by_window {
         let label = format!("CPU, {}", ranking.window);
         table = figures::column(table, &label, figures::cpu, |(k, _)| entry(ranking, *k));

@@ -69,6 +69,7 @@ pub fn page(found: &Paper, made: &Provenance, cancel: &AtomicBool) -> Result<Str
         command: made.command.clone(),
         versions: made.versions(),
         machine: made.machine.rows(),
+        ..Study::default()
     };
     Ok(render(&study)?)
 }

@@ -2,7 +2,7 @@
 
 use pinwheel_compare::quantities;
 use pinwheel_courses::table::{Table, Values};
-use pinwheel_report::format::{count, humane, plain, seconds, significant};
+use pinwheel_report::format::{count, plain, readable_unit, seconds, significant};
 use pinwheel_report::study::{
     Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict,
 };
@@ -276,7 +276,7 @@ fn grid(plan: &Plan, records: &[RunRecord], table: &Table) -> Grid {
             .iter()
             .flatten()
             .fold(0.0, |a: f64, b| a.max(b.abs()));
-        let (unit, factor) = humane(&figure.unit, largest);
+        let (unit, factor) = readable_unit(&figure.unit, largest);
         let scaled = |value: &Option<f64>| value.map(|v| factor * v);
         let off = records
             .iter()
@@ -335,7 +335,7 @@ fn axis(axis: &Axis) -> GridAxis {
         };
     };
     let largest = numbers.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-    let (unit, factor) = humane(&unit, largest);
+    let (unit, factor) = readable_unit(&unit, largest);
     let numbers: Vec<f64> = numbers.iter().map(|v| factor * v).collect();
     GridAxis {
         label: named(&label, &unit),

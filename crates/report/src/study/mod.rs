@@ -44,12 +44,24 @@ pub struct Study {
     pub lead: String,
     /// The answer in one line, if the study has one.
     pub verdict: Option<Verdict>,
+    /// What stands between the answer and the figures.
+    pub top: Vec<Block>,
+    /// What the figures are of; may be empty.
+    pub tiles_title: String,
     /// The few figures that matter most.
     pub tiles: Vec<Tile>,
+    /// What stands below the figures.
+    pub below: Vec<Block>,
+    /// What stands beside all that, if there is something to look at.
+    pub aside: Option<Vec<Block>>,
     /// The study itself, in order; each has a link in the top bar.
     pub sections: Vec<Section>,
     /// The command that repeats this study.
     pub command: String,
+    /// What stands below the command and the versions.
+    pub appendix: Vec<Block>,
+    /// When it was made, for the foot of the page; `None` keeps the page the same byte for byte.
+    pub made: Option<String>,
     /// Versions of the program and its parts, e.g. (`pinwheel`, `0.1.0`).
     pub versions: Vec<(String, String)>,
     /// The machine, e.g. (`processor`, ...), (`operating system`, ...).
@@ -76,6 +88,8 @@ pub enum Tone {
     Bad,
     /// Nothing was to hold: a finding.
     Neutral,
+    /// Nothing was shown.
+    Open,
 }
 
 impl Tone {
@@ -190,11 +204,39 @@ pub enum Block {
         /// What it opens.
         blocks: Vec<Block>,
     },
+    /// One of a list, folded.
+    Item(Item),
+    /// A table that the page's script makes when its line is opened: nobody reads all of them.
+    Later {
+        /// The line.
+        summary: String,
+        /// What it opens.
+        table: Data,
+    },
     /// Text as a terminal or a file shows it.
     Code(String),
     /// Markup written by this program; placed as it is. Inline styles and scripts are allowed,
     /// anything from elsewhere is not.
     Html(String),
+}
+
+/// One of a list: its name, what it amounts to, and behind that all the rest.
+#[derive(Debug, Clone, Default)]
+pub struct Item {
+    /// Anchor.
+    pub id: String,
+    /// Name.
+    pub name: String,
+    /// How it is marked.
+    pub mark: Mark,
+    /// What it amounts to.
+    pub said: String,
+    /// What that is of.
+    pub beside: String,
+    /// Whether it is unfolded at first.
+    pub open: bool,
+    /// What it opens.
+    pub blocks: Vec<Block>,
 }
 
 impl Block {
@@ -229,6 +271,16 @@ impl Courses {
     pub fn of(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
         let data = ChartData::of(comparison, participants)?;
         Some(Self(data.with_colours_in_order(participants)))
+    }
+
+    /// Those of engines, each with the colour that it has on every page; `None` if nobody has any.
+    #[must_use]
+    pub fn of_engines(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
+        let mut data = ChartData::of(comparison, participants)?;
+        data.notes.push(
+            "Samples of recordings are marks. No engine is the truth: differences can be taken to any.".to_owned(),
+        );
+        Some(Self(data))
     }
 }
 

@@ -7,8 +7,9 @@ use super::{Block, Cell, Chart, Courses, Grid, Mark, Study, Table, Tile, Tone, V
 use crate::ReportError;
 use crate::assets::{ASSETS, Assets};
 use crate::chart_data::json_for_script;
-use crate::table;
+use crate::{packed, table};
 use pinwheel_courses::table::{Column, Table as Data};
+use serde::Serialize;
 
 /// The whole page.
 #[derive(Template)]
@@ -16,11 +17,17 @@ use pinwheel_courses::table::{Column, Table as Data};
 struct Page<'a> {
     study: &'a Study,
     banner: Option<Banner<'a>>,
+    top: String,
     tiles: &'a [Tile],
+    below: String,
+    aside: Option<String>,
+    appendix: String,
     sections: Vec<SectionHtml<'a>>,
     chart_json: Option<String>,
     /// Whether a block lets the reader choose axes.
     grids: bool,
+    /// Tables that are made when they are opened, packed.
+    later: Option<String>,
     /// Time series, and what draws them.
     courses_json: Option<String>,
     courses_js: &'static str,
@@ -31,7 +38,7 @@ struct Page<'a> {
 }
 
 #[derive(Template)]
-#[template(path = "parts/courses.html")]
+#[template(path = "study/courses.html")]
 struct CoursesHtml<'a> {
     chart_notes: &'a [String],
 }
@@ -60,6 +67,21 @@ struct TableHtml<'a> {
     rows: Vec<Vec<CellHtml>>,
 }
 
+/// What the page's scripts draw, in the order of its blocks.
+#[derive(Default)]
+struct Drawn<'a> {
+    charts: Vec<&'a Chart>,
+    later: Vec<Later<'a>>,
+}
+
+/// A table in words.
+#[derive(Serialize)]
+struct Later<'a> {
+    caption: &'a str,
+    headings: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
 struct CellHtml {
     numeric: bool,
     class: &'static str,
@@ -83,7 +105,7 @@ struct ChartHtml<'a> {
 }
 
 pub(super) fn render(study: &Study) -> Result<String, ReportError> {
-    let mut charts = Vec::new();
+    let mut drawn = Drawn::default();
     let sections = study
         .sections
         .iter()
@@ -95,17 +117,28 @@ pub(super) fn render(study: &Study) -> Result<String, ReportError> {
             Ok(SectionHtml {
                 id: &section.id,
                 title: &section.title,
-                body: blocks(inside, &mut charts)?,
+                body: blocks(inside, &mut drawn)?,
                 folded,
             })
         })
         .collect::<Result<Vec<_>, ReportError>>()?;
-    let json: Vec<ChartJson<'_>> = charts.into_iter().map(ChartJson::of).collect();
+    let top = blocks(&study.top, &mut drawn)?;
+    let below = blocks(&study.below, &mut drawn)?;
+    let aside = study.aside.as_ref().map(|list| blocks(list, &mut drawn));
+    let aside = aside.transpose()?;
+    let appendix = blocks(&study.appendix, &mut drawn)?;
+    let later = (!drawn.later.is_empty()).then(|| serde_json::to_string(&drawn.later));
+    let json: Vec<ChartJson<'_>> = drawn.charts.into_iter().map(ChartJson::of).collect();
     let page = Page {
         study,
         banner: study.verdict.as_ref().map(banner),
+        top,
         tiles: &study.tiles,
+        below,
+        aside,
+        appendix,
         sections,
+        later: later.transpose()?.map(|text| packed::text(&text)),
         chart_json: if json.is_empty() {
             None
         } else {
@@ -113,7 +146,7 @@ pub(super) fn render(study: &Study) -> Result<String, ReportError> {
         },
         grids: blocks_of(study).any(|block| matches!(block, Block::Grid(Grid { .. }))),
         courses_json: blocks_of(study).find_map(courses).transpose()?,
-        courses_js: include_str!("../../assets/report.js"),
+        courses_js: include_str!("../../assets/courses.js"),
         lead: inline(&study.lead),
         assets: ASSETS,
         page_js: include_str!("../../assets/study.js"),
@@ -127,6 +160,7 @@ fn banner(verdict: &Verdict) -> Banner<'_> {
         Tone::Good => ("pass", "\u{2713}"),
         Tone::Bad => ("fail", "\u{2715}"),
         Tone::Neutral => ("finding", "\u{2192}"),
+        Tone::Open => ("open", "\u{25cb}"),
     };
     Banner {
         class,
@@ -149,16 +183,16 @@ fn courses(block: &Block) -> Option<Result<String, serde_json::Error>> {
 }
 
 /// The blocks' markup; charts are collected for the page's script.
-fn blocks<'a>(blocks: &'a [Block], charts: &mut Vec<&'a Chart>) -> Result<String, ReportError> {
+fn blocks<'a>(blocks: &'a [Block], drawn: &mut Drawn<'a>) -> Result<String, ReportError> {
     let mut html = String::new();
     for block in blocks {
-        html.push_str(&one(block, charts)?);
+        html.push_str(&one(block, drawn)?);
         html.push('\n');
     }
     Ok(html)
 }
 
-fn one<'a>(block: &'a Block, charts: &mut Vec<&'a Chart>) -> Result<String, ReportError> {
+fn one<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> Result<String, ReportError> {
     Ok(match block {
         Block::Heading(text) => format!("<h3>{}</h3>", inline(text)),
         Block::Text(text) => format!("<p class=\"about\">{}</p>", inline(text)),
@@ -181,8 +215,8 @@ fn one<'a>(block: &'a Block, charts: &mut Vec<&'a Chart>) -> Result<String, Repo
         .render()?,
         Block::Data(table) => data(table).render()?,
         Block::Charts(list) => {
-            let first = charts.len();
-            charts.extend(list);
+            let first = drawn.charts.len();
+            drawn.charts.extend(list);
             ChartsHtml {
                 charts: list
                     .iter()
@@ -202,8 +236,33 @@ fn one<'a>(block: &'a Block, charts: &mut Vec<&'a Chart>) -> Result<String, Repo
         } => format!(
             "<details><summary>{}</summary><div class=\"inside\">{}</div></details>",
             inline(summary),
-            blocks(inner, charts)?
+            blocks(inner, drawn)?
         ),
+        Block::Item(item) => {
+            let (class, sign) = match item.mark {
+                Mark::Good => ("within", "\u{2713}"),
+                Mark::Bad => ("exceeded", "\u{2715}"),
+                Mark::None | Mark::Warn | Mark::Muted => ("unjudged", "\u{25cb}"),
+            };
+            format!(
+                "<details class=\"item {class}\" id=\"{}\"{}><summary><b>{}</b> <span class=\"badge {class}\">{sign} {}</span> \
+                 <span class=\"of\">{}</span></summary>{}</details>",
+                escape(&item.id),
+                if item.open { " open" } else { "" },
+                escape(&item.name),
+                escape(&item.said),
+                escape(&item.beside),
+                blocks(&item.blocks, drawn)?
+            )
+        }
+        Block::Later { summary, table } => {
+            let place = drawn.later.len();
+            drawn.later.push(later(table));
+            format!(
+                "<details class=\"later\" data-table=\"{place}\" hidden><summary>{}</summary></details>",
+                inline(summary)
+            )
+        }
         Block::Code(text) => {
             format!(
                 "<pre class=\"code\" tabindex=\"0\"><code>{}</code></pre>",
@@ -238,6 +297,15 @@ fn rows(table: &Table) -> Vec<Vec<CellHtml>> {
         .collect()
 }
 
+fn later(table: &Data) -> Later<'_> {
+    let words = |row| table::shown(table).map(move |column| table::words(column, row));
+    Later {
+        caption: &table.caption,
+        headings: table::shown(table).map(table::heading).collect(),
+        rows: (0..table.len()).map(|row| words(row).collect()).collect(),
+    }
+}
+
 fn data(table: &Data) -> TableHtml<'_> {
     let columns = table::shown(table);
     let cell_of = |column: &Column, row: usize| {
@@ -247,7 +315,15 @@ fn data(table: &Data) -> TableHtml<'_> {
             heat: column.shades.get(row).copied().flatten(),
             key: column.values.number(row),
         };
-        cell(&said, column.values.is_numeric())
+        let mut html = cell(&said, column.values.is_numeric());
+        if let Some(anchor) = column.links.get(row).cloned().flatten() {
+            html.body = format!("<a href=\"#{}\">{}</a>", escape(&anchor), html.body);
+        }
+        if let Some(colour) = column.colours.get(row).copied().flatten() {
+            let swatch = format!("<span class=\"swatch\" data-style=\"{colour}\"></span>");
+            html.body.insert_str(0, &swatch);
+        }
+        html
     };
     let row = |row| columns.clone().map(|column| cell_of(column, row)).collect();
     TableHtml {

@@ -48,7 +48,7 @@ pub fn shortened(message: &str) -> String {
 /// The text with all that would steer a terminal written out as `\u001b`, which JSON reads back; `laid_out` text
 /// keeps its line ends, tabs and colours.
 #[must_use]
-pub fn harmless(text: &str, laid_out: bool) -> String {
+pub fn sanitize(text: &str, laid_out: bool) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(c) = rest.chars().next() {
@@ -94,17 +94,17 @@ mod tests {
     #[test]
     fn nothing_steers_the_terminal() {
         let evil = "a\u{1b}]0;t\u{7}b\u{9b}2J\u{202e}c\r\nd\u{1b}[2Je";
-        let said = harmless(evil, false);
+        let said = sanitize(evil, false);
         assert_eq!(
             said,
             "a\\u001b]0;t\\u0007b\\u009b2J\\u202ec\\u000d\\u000ad\\u001b[2Je"
         );
         assert_eq!(
-            harmless("\u{1b}[1;31mred\u{1b}[0m\n\u{1b}[2J", true),
+            sanitize("\u{1b}[1;31mred\u{1b}[0m\n\u{1b}[2J", true),
             "\u{1b}[1;31mred\u{1b}[0m\n\\u001b[2J"
         );
         let json = serde_json::to_string("\u{9b}\u{1b}").unwrap();
-        let back: String = serde_json::from_str(&harmless(&json, true)).unwrap();
+        let back: String = serde_json::from_str(&sanitize(&json, true)).unwrap();
         assert_eq!(back, "\u{9b}\u{1b}");
     }
 

@@ -1,4 +1,4 @@
-// What the comparison's page does beyond every page: the courses of all engines, one quantity at a time.
+// Time series of several runs, one quantity at a time.
 'use strict';
 (() => {
   const { $, make, onRedraw } = PinwheelPage;
@@ -90,22 +90,6 @@
     }
     document.body.dataset.drawn = name;
   }
-
-  // ---- All metrics of a pair, when they are unfolded ----------------------------------------------
-  let metrics = null;
-  const spread = document.querySelectorAll('details.metrics');
-  spread.forEach((fold) => {
-    fold.hidden = false;
-    fold.addEventListener('toggle', async () => {
-      metrics = metrics || PinwheelPacked.unpack($('metrics-data').textContent).then((bytes) => JSON.parse(new TextDecoder().decode(bytes)));
-      const { columns, pairs } = await metrics;
-      const cell = (text) => make('td', { class: 'num' }, text);
-      const head = columns.map(([name, meaning]) => make('th', { scope: 'col', class: 'num', title: meaning }, name));
-      const rows = pairs[fold.dataset.name].map((row) => make('tr', {}, make('td', {}, row.window), make('th', { scope: 'row' }, row.quantity), ...row.cells.map(cell)));
-      const table = make('table', { class: 'data' }, make('thead', {}, make('tr', { class: 'keys' }, make('th', { scope: 'col' }, 'Window'), make('th', { scope: 'col' }, 'Quantity'), ...head)), make('tbody', {}, ...rows));
-      fold.append(make('div', { class: 'scroll', tabindex: '0', role: 'region', 'aria-label': `All metrics of ${fold.dataset.name}` }, table));
-    }, { once: true });
-  });
 
   // ---- What can be chosen -----------------------------------------------------------------------
   const press = (buttons, on) => buttons.forEach((b) => b.setAttribute('aria-pressed', String(on(b))));

@@ -1,0 +1,492 @@
+//! The page of a comparison: its study, from the blocks that every page is made of.
+
+mod answer;
+mod pairs;
+
+use pinwheel_compare::comparison::{EngineSummary, Figures};
+use pinwheel_compare::{
+    Assessment, Comparison, Metric, Quantity, Track, Verdict, WindowKind, quantities,
+};
+use pinwheel_courses::norms::Statistics;
+use pinwheel_courses::table::{Mark, Shown, Table, TableOf};
+
+use crate::study::{Block, Courses, Section, Study};
+use crate::{Fact, ReportError, ReportInput, animation, colours, format};
+
+/// The study of a comparison.
+///
+/// # Errors
+/// The comparison and the participants do not belong together, or the motion cannot be written.
+pub(crate) fn study(input: &ReportInput<'_>) -> Result<Study, ReportError> {
+    let comparison = input.comparison;
+    for engine in &comparison.engines {
+        if !input.participants.iter().any(|p| p.name == engine.name) {
+            return Err(ReportError::UnknownEngine(engine.name.clone()));
+        }
+    }
+    let page = Page::new(comparison);
+    let motion = input.animation.as_ref();
+    let motion = motion.map(|(view, begin)| animation::markup(std::slice::from_ref(view), *begin));
+    let mut sections = Vec::new();
+    if let Some(courses) = Courses::of_engines(comparison, input.participants) {
+        sections.push(Section::new(
+            "courses",
+            "Over time",
+            [Block::Courses(courses)],
+        ));
+    }
+    sections.extend(page.tracks());
+    sections.extend(page.energy());
+    sections.push(page.costs());
+    sections.push(model(input));
+    sections.push(page.engines());
+    let engines = comparison.engines.len();
+    let plural = if engines == 1 { "" } else { "s" };
+    let mut appendix = Vec::new();
+    if !input.scene_toml.is_empty() {
+        let scene = Block::Code(input.scene_toml.clone());
+        appendix.push(Block::folded("The scene, every key", [scene]));
+    }
+    Ok(Study {
+        title: comparison.context.scene.clone(),
+        eyebrow: format!("Comparison of {engines} engine{plural} on the scene"),
+        lead: comparison.context.description.clone(),
+        verdict: Some(answer::verdict(comparison)),
+        top: answer::inconclusive(comparison),
+        tiles_title: page.tiles_title(),
+        tiles: page.tiles(),
+        below: page.below(),
+        aside: motion.transpose()?.map(|markup| {
+            let title = Block::Heading("The gearbox in motion".to_owned());
+            vec![title, Block::Html(markup)]
+        }),
+        sections,
+        appendix,
+        command: input.command.clone(),
+        versions: input.versions.clone(),
+        machine: input.machine.clone(),
+        made: input.made.clone(),
+    })
+}
+
+/// What the parts of the page have in common.
+struct Page<'a> {
+    comparison: &'a Comparison,
+    /// Colour and dash of each engine.
+    styles: Vec<usize>,
+}
+
+impl<'a> Page<'a> {
+    fn new(comparison: &'a Comparison) -> Self {
+        let names: Vec<&str> = comparison.engines.iter().map(|e| e.name.as_str()).collect();
+        Self {
+            comparison,
+            styles: colours::styles(&names),
+        }
+    }
+
+    /// A table of rows that each belong to an engine, which the first column names.
+    fn of_engines<R>(
+        &self,
+        caption: &str,
+        rows: impl IntoIterator<Item = R>,
+        engine: impl Fn(&R) -> &'a EngineSummary,
+    ) -> TableOf<R> {
+        let style = |engine: &EngineSummary| {
+            let mut all = self.comparison.engines.iter().zip(&self.styles);
+            all.find(|(one, _)| one.name == engine.name)
+                .map(|(_, style)| *style)
+        };
+        Table::of(caption, rows)
+            .text("", "Engine", |row| &engine(row).name)
+            .coloured(|row| style(engine(row)))
+    }
+
+    /// A quantity in words; its name if the comparison does not list it.
+    fn quantity(&self, name: &'a str) -> &'a str {
+        let mut all = self.comparison.quantities.iter();
+        all.find(|q| q.name == name).map_or(name, |q| &q.label)
+    }
+
+    /// A quantity and a window, e.g. `driver torque, steady`.
+    fn place(&self, quantity: &'a str, window: WindowKind) -> String {
+        let label = self.quantity(quantity).to_lowercase();
+        format!("{label}, {}", window.word())
+    }
+
+    /// A window in words, e.g. `Steady, 0.3–0.6 s`.
+    fn window(&self, kind: WindowKind) -> String {
+        let word = match kind {
+            WindowKind::Steady => "Steady",
+            WindowKind::Transient => "Transient",
+            WindowKind::Whole => "Whole run",
+        };
+        let found = self.comparison.windows.iter().find(|w| w.kind == kind);
+        found.map_or_else(
+            || word.to_owned(),
+            |window| format!("{word}, {}", span(window.from_s, window.to_s)),
+        )
+    }
+
+    /// Sections in the order measured, shared law, own contact, native: who has measured asks for that, and native runs
+    /// stand in the tables of all others, so that only what they say among themselves is left for the end.
+    fn tracks(&self) -> Vec<Section> {
+        let finished = self.comparison.engines.iter();
+        let finished = finished.filter(|e| e.status.is_finished());
+        let mut names: Vec<Track> = finished.map(|e| e.track).collect();
+        names.sort_by_key(|&name| (name == Track::Native, name != Track::Measured, name));
+        names.dedup();
+        let alone = names.len() == 1;
+        let sections = names.iter().enumerate();
+        let sections = sections.map(|(k, &track)| self.track(track, k, alone));
+        sections.flatten().collect()
+    }
+
+    fn track(&self, track: Track, place: usize, alone: bool) -> Option<Section> {
+        let (title, about) = match track {
+            Track::Native => (
+                "Native",
+                "Pinwheel's own solver: its runs against each other, and each against the load.",
+            ),
+            Track::SharedLaw => (
+                "Shared law",
+                "Each engine supplies bodies, joints and time integration; all evaluate the same \
+                 contact law inside their steps. This checks the multibody side to many digits. It \
+                 cannot find an error in the law, which all sides share.",
+            ),
+            Track::OwnContact => (
+                "Own contact",
+                "Each engine detects and resolves contact itself. This checks geometry and law \
+                 independently, to a few per cent.",
+            ),
+            Track::Measured => (
+                "Measured",
+                "Data from elsewhere, another program's export or a test rig, by a map of its columns. \
+                 Model, parameters, units and sampling may differ. Only limits and uncertainties that the \
+                 map states are used.",
+            ),
+        };
+        let mut blocks = vec![Block::text(about)];
+        if track == Track::Measured {
+            let rigs = self.comparison.engines.iter().filter(|e| e.track == track);
+            let notes = rigs.flat_map(|e| e.cost.notes.iter().map(move |note| (&e.name, note)));
+            blocks.extend(notes.map(|(name, note)| Block::text(format!("{name}: {note}"))));
+        }
+        let explains = place == 0;
+        let pairs = self.pairs(track, explains);
+        // Native figures stand beside those of every other track; repeat them only if there is none.
+        let figures = if track == Track::Native && !alone {
+            Vec::new()
+        } else {
+            self.figures(track)
+        };
+        if pairs.is_empty() && figures.is_empty() {
+            return None;
+        }
+        blocks.extend(self.matrices(track, explains));
+        blocks.extend(pairs);
+        blocks.extend(figures);
+        Some(Section::new(format!("track-{}", place + 1), title, blocks))
+    }
+
+    /// Every engine of a track against every other, window by window.
+    fn matrices(&self, track: Track, explains: bool) -> Vec<Block> {
+        let all = self.comparison.matrices.iter();
+        let all: Vec<_> = all.filter(|matrix| matrix.track == track).collect();
+        let mut blocks = Vec::new();
+        if !all.is_empty() {
+            blocks.push(Block::Heading(
+                "Every engine against every other".to_owned(),
+            ));
+        }
+        if explains && !all.is_empty() {
+            blocks.push(Block::text(
+                "Each cell shows the figure that decides the pair's verdict: a relative difference, after \u{b1} the \
+                 numerical uncertainty of both together, or how it was measured. Darker is larger, from 10\u{207b}\u{b9}\u{b2} \
+                 to 1. Choose a cell for all that was compared.",
+            ));
+        }
+        for matrix in all {
+            let rows = matrix.engines.iter().enumerate();
+            let mut table =
+                Table::of(self.window(matrix.window), rows).text("", "Engine", |(_, name)| *name);
+            for (j, name) in matrix.engines.iter().enumerate() {
+                let result = |i: usize| matrix.cell(i, j).map(|cell| &cell.result);
+                let difference = |i: usize| Some(result(i)?.difference?.abs());
+                table = table
+                    .number("", name, |(i, _)| difference(*i))
+                    .said(|(i, _)| Some(result(*i).map_or_else(String::new, decisive)))
+                    .shaded(|(i, _)| difference(*i).map(shade))
+                    .marked(|(i, _)| result(*i).map_or(Mark::None, mark))
+                    .linked(|(i, _)| Some(pairs::id(matrix.cell(*i, j)?.pair)));
+            }
+            blocks.push(table.done().into());
+        }
+        blocks
+    }
+
+    /// Headline figures of every engine of a track, window by window.
+    fn figures(&self, track: Track) -> Vec<Block> {
+        let loads = self.comparison.quantities.iter().filter(|q| q.is_load());
+        let loads: Vec<&Quantity> = loads.collect();
+        let mut blocks = Vec::new();
+        for window in &self.comparison.windows {
+            let engines = self.comparison.engines.iter();
+            let engines = engines.filter(|e| e.track == track || e.track == Track::Native);
+            let rows = engines.filter_map(|e| Some((e, figures_of(e, window.kind)?)));
+            let rows: Vec<(&EngineSummary, &Figures)> = rows.collect();
+            if rows.is_empty() || loads.is_empty() {
+                continue;
+            }
+            let label = self.window(window.kind);
+            let mut table = self.of_engines(&label, rows.iter().copied(), |(engine, _)| engine);
+            for quantity in &loads {
+                for (name, of) in statistics(quantity) {
+                    table = table
+                        .number(
+                            "",
+                            &format!("{}, {name}", quantity.label),
+                            |(_, figures)| figures.quantities.get(&quantity.name).map(of),
+                        )
+                        .unit(&quantity.unit)
+                        .uncertain(|(engine, _)| uncertainty(engine, quantity, window.kind, name));
+                }
+            }
+            if rows.iter().any(|(_, figures)| figures.efficiency.is_some()) {
+                table = table
+                    .number("", "Efficiency", |(_, figures)| {
+                        figures.efficiency.map(|e| 100.0 * e)
+                    })
+                    .unit("%")
+                    .number("", "by losses", |(_, figures)| {
+                        figures.efficiency_accounted.map(|e| 100.0 * e)
+                    })
+                    .unit("%");
+            }
+            let table = table.done().into();
+            blocks.push(if blocks.is_empty() {
+                table
+            } else {
+                Block::folded(format!("Figures of each engine: {label}"), [table])
+            });
+        }
+        if !blocks.is_empty() {
+            blocks.insert(0, Block::Heading("Figures of each engine".to_owned()));
+        }
+        blocks
+    }
+
+    /// Where the energy of each run went.
+    fn energy(&self) -> Option<Section> {
+        let engines = self.comparison.engines.iter();
+        let rows = engines.flat_map(|e| e.cost.energy.iter().map(move |energy| (e, energy)));
+        let mut table = self
+            .of_engines("Energy of each engine", rows, |(engine, _)| engine)
+            .text("", "Window", |(_, e)| span(e.from_s, e.to_s));
+        // Tenths of a millijoule of tens of joules: below that a remainder is rounding.
+        let joules: [(&str, fn(&pinwheel_courses::EnergyAudit) -> f64); 7] = [
+            ("Driver", |e| e.driver_j),
+            ("Load", |e| e.load_j),
+            ("Kinetic", |e| e.kinetic_j),
+            ("Stored", |e| e.stored_j),
+            ("Damping", |e| e.damping_j),
+            ("Friction", |e| e.friction_j),
+            ("Remainder", |e| e.remainder_j),
+        ];
+        for (label, of) in joules {
+            table = table
+                .number("", label, |(_, e)| of(e))
+                .unit("J")
+                .shown(Shown::Decimals(4));
+        }
+        let table = table
+            .number("", "Share of work", |(_, e)| e.remainder_share)
+            .unit("%")
+            .shown(Shown::Percent)
+            .done();
+        let about = Block::text(
+            "Growth of kinetic and stored energy = work of driver and load \u{2212} losses + remainder. The remainder is what \
+             nothing accounts for: an integrator's error, or a contact law that creates energy because it has no potential.",
+        );
+        let there = !table.is_empty();
+        there.then(|| Section::new("energy", "Energy", [about, table.into()]).folded(""))
+    }
+
+    /// What every run cost.
+    fn costs(&self) -> Section {
+        let all = &self.comparison.engines;
+        // Measured data cost this machine nothing, and a recording's time was another machine's.
+        let own = |e: &&EngineSummary| e.track != Track::Measured;
+        let time = |e: &&EngineSummary, of: f64| Some(of).filter(|_| own(e));
+        let wall = |e: &&EngineSummary| Some(e.cost.wall_s).filter(|_| e.cost.recorded.is_none());
+        let longest = all.iter().filter_map(|e| wall(&e)).fold(0.0, f64::max);
+        let count = |e: &&EngineSummary, of: u64| Some(of).filter(|_| own(e));
+        let grouped = |n: u64| format::count(n);
+        let mut table = self
+            .of_engines("Costs of each engine", all, |e| e)
+            .text("", "Shares", |e| e.track.shares())
+            .text("", "Run", |e| match &e.cost.recorded {
+                Some(_) => "recorded",
+                None => e.status.word(),
+            })
+            .number("", "Wall time", |e| time(e, e.cost.wall_s))
+            .shown(Shown::Seconds)
+            .shaded(|e| wall(e).filter(|_| longest > 0.0).map(|s| 0.6 * s / longest))
+            .number("", "CPU time", |e| time(e, e.cost.cpu_s))
+            .shown(Shown::Seconds)
+            .whole("", "Right-hand sides", |e| count(e, e.cost.rhs_calls))
+            .said(|e| count(e, e.cost.rhs_calls).map(grouped))
+            .whole("", "Steps", |e| count(e, e.cost.steps))
+            .said(|e| count(e, e.cost.steps).map(grouped));
+        if all.iter().any(|e| e.cost.rejected_steps > 0) {
+            table = table
+                .whole("", "Rejected", |e| count(e, e.cost.rejected_steps))
+                .said(|e| count(e, e.cost.rejected_steps).map(grouped));
+        }
+        table = table
+            .number("", "Step", |e| time(e, e.cost.step_s))
+            .shown(Shown::Seconds)
+            .whole("", "Degrees of freedom", |e| {
+                count(e, e.cost.degrees_of_freedom as u64)
+            })
+            .whole("", "Bodies", |e| count(e, e.cost.bodies as u64));
+        if all.iter().any(|e| e.cost.joint_drift_m.is_some()) {
+            table = table
+                .number("", "Joint drift", |e| e.cost.joint_drift_m)
+                .shown(Shown::Metres);
+        }
+        let table = table.text("", "Settings and notes", |e| {
+            let notes = e.cost.recorded.iter().chain(&e.cost.notes);
+            let all: Vec<&str> = [&e.cost.settings]
+                .into_iter()
+                .chain(notes)
+                .map(String::as_str)
+                .collect();
+            all.join("; ").trim_start_matches("; ").to_owned()
+        });
+        let about = "Times are of this machine, but for those of recorded runs; counts are not.";
+        let blocks = [Block::text(about), table.done().into()];
+        Section::new("costs", "Costs", blocks).folded("")
+    }
+
+    /// The engines in words.
+    fn engines(&self) -> Section {
+        let table = self
+            .of_engines(
+                "The engines and how they differ",
+                &self.comparison.engines,
+                |e| e,
+            )
+            .text("", "Version", |e| &e.version)
+            .text("", "Shares", |e| e.track.shares())
+            .text("", "What it is", |e| &e.summary)
+            .text("", "How it differs", |e| &e.differences)
+            .text("", "Run", |e| {
+                let recorded = e.cost.recorded.clone();
+                e.status.reason().or(recorded).unwrap_or_default()
+            })
+            .marked(|e| Mark::bad(e.status.is_broken()))
+            .done();
+        let blocks = [Block::Data(table)];
+        Section::new("engines", "Engines", blocks).folded("how they differ")
+    }
+}
+
+/// What is modelled, left out and assumed.
+fn model(input: &ReportInput<'_>) -> Section {
+    let facts = |caption: &str, facts: &[Fact]| {
+        let table = Table::of(caption, facts)
+            .text("", "What", |fact| &fact.what)
+            .text("", "Why", |fact| &fact.why)
+            .done();
+        (!table.is_empty()).then_some(Block::Data(table))
+    };
+    let blocks = [
+        facts("What was modelled", &input.modelled),
+        facts("What was left out, and why", &input.left_out),
+        facts("Assumptions", &input.assumptions),
+    ];
+    let blocks: Vec<Block> = blocks.into_iter().flatten().collect();
+    Section::new("model", "Model", blocks).folded("")
+}
+
+/// How a verdict is marked: what is open stands back.
+fn mark(found: &Assessment) -> Mark {
+    match found.verdict {
+        Verdict::Agree => Mark::Good,
+        Verdict::Differ => Mark::Bad,
+        Verdict::Inconclusive if found.actionable => Mark::Warn,
+        Verdict::Inconclusive | Verdict::NotCompared => Mark::Muted,
+    }
+}
+
+/// The figure that decides, with its uncertainty, or else with how it was measured.
+fn decisive(found: &Assessment) -> String {
+    let figure = format::relative_or_none(found.difference.map(f64::abs));
+    match found.combined() {
+        Some(u) => format!("{figure} \u{b1}\u{202f}{}", format::relative(u)),
+        None => format!("{figure} {}", found.metric.map_or("", Metric::label)),
+    }
+}
+
+/// Where a relative difference stands between 10^-12 (0), which is rounding, and 1 (1), where nothing is alike.
+fn shade(relative: f64) -> f64 {
+    const DECADES: f64 = 12.0;
+    if relative > 0.0 {
+        (1.0 + relative.log10() / DECADES).clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
+}
+
+/// Figures of an engine in a window.
+fn figures_of(engine: &EngineSummary, window: WindowKind) -> Option<&Figures> {
+    engine
+        .figures
+        .iter()
+        .find(|figures| figures.window == window)
+}
+
+/// What is shown of a quantity: a name and how it is taken.
+fn statistics(quantity: &Quantity) -> &'static [(&'static str, fn(&Statistics) -> f64)] {
+    if quantity.name == quantities::OUTPUT_TORQUE {
+        &[("mean", |s| s.mean)]
+    } else if quantity.is_torque() {
+        &[("mean", |s| s.mean), ("min", |s| s.min), ("max", |s| s.max)]
+    } else {
+        &[("max", |s| s.max), ("mean", |s| s.mean), ("rms", |s| s.rms)]
+    }
+}
+
+/// How far a statistic of an engine may be off, in the quantity's unit.
+fn uncertainty(
+    engine: &EngineSummary,
+    quantity: &Quantity,
+    window: WindowKind,
+    statistic: &str,
+) -> Option<f64> {
+    let mut all = engine.uncertainty.iter();
+    let known = all.find(|u| u.window == window && u.quantity == quantity.name)?;
+    match statistic {
+        "mean" => known.mean.u(),
+        "rms" => known.rms.u(),
+        "max" if !quantity.is_torque() => known.peak.u(),
+        _ => None,
+    }
+}
+
+fn span(from_s: f64, to_s: f64) -> String {
+    let [from, to] = [from_s, to_s].map(format::plain);
+    format!("{from}\u{2013}{to}\u{202f}s")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shades_are_logarithmic() {
+        assert_eq!([0.0, 1.0, 3.0, f64::NAN].map(shade), [0.0, 1.0, 1.0, 0.0]);
+        assert!((shade(1e-6) - 0.5).abs() < 1e-12);
+    }
+}
