@@ -253,6 +253,18 @@ impl Table {
     }
 }
 
+impl Column {
+    /// Numbers for files; what is not finite is missing.
+    pub fn numbers(name: impl Into<String>, values: &[f64]) -> Self {
+        let number = |value: &f64| Some(*value).filter(|value| value.is_finite());
+        Self {
+            name: name.into(),
+            values: Values::Number(values.iter().map(number).collect()),
+            ..Self::default()
+        }
+    }
+}
+
 impl Values {
     /// Number of values.
     #[must_use]

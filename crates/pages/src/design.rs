@@ -8,7 +8,7 @@ use pinwheel_report::terminal::{self, TITLE, list, styled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::design::{Figure, Harmonic, Joint, Outcome, Sharing};
+use pinwheel_studies::design::{DesignFigure, DesignResult, Harmonic, Joint, Sharing};
 
 use crate::PageError;
 
@@ -29,7 +29,7 @@ pub(crate) const HEADLINES: [&str; 6] = [
 ///
 /// # Errors
 /// The page cannot be made.
-pub fn page(found: &Outcome, made: &Provenance) -> Result<String, PageError> {
+pub fn page(found: &DesignResult, made: &Provenance) -> Result<String, PageError> {
     let scene = &found.scene;
     let mut sections = vec![
         all_figures(found),
@@ -63,7 +63,7 @@ pub fn page(found: &Outcome, made: &Provenance) -> Result<String, PageError> {
 
 /// What a terminal shows.
 #[must_use]
-pub fn text(found: &Outcome) -> String {
+pub fn text(found: &DesignResult) -> String {
     let table = figures("", &found.figures, |one| how(found, one));
     format!(
         "{}\n{}",
@@ -124,7 +124,7 @@ pub(crate) fn with_uncertainty(value: Option<f64>, uncertainty: Option<f64>) -> 
 }
 
 /// How a figure is counted, its spread over the mesh, and what only this gear's outcome knows.
-fn how(found: &Outcome, one: &Figure) -> String {
+fn how(found: &DesignResult, one: &DesignFigure) -> String {
     let mut parts = vec![counted(one)];
     match one.key {
         "lost_motion_run_arcmin" => parts.push(format!(
@@ -160,11 +160,11 @@ fn touching(sharing: &Sharing) -> String {
     )
 }
 
-fn tiles(found: &Outcome) -> Vec<Tile> {
-    let wanted = |one: &&Figure| HEADLINES.contains(&one.key);
+fn tiles(found: &DesignResult) -> Vec<Tile> {
+    let wanted = |one: &&DesignFigure| HEADLINES.contains(&one.key);
     // The uncertainty stands in the unit's small type.
     let bound = |u: Option<f64>| u.map(|u| format!("\u{b1} {} ", significant(u, 1)));
-    let tile = |one: &Figure| {
+    let tile = |one: &DesignFigure| {
         let value = one.value.map_or_else(|| NONE.to_owned(), figure);
         let bound = bound(one.uncertainty).unwrap_or_default();
         Tile::new(one.what, value, how(found, one)).unit(format!("{bound}{}", one.unit))
@@ -173,7 +173,11 @@ fn tiles(found: &Outcome) -> Vec<Tile> {
 }
 
 /// Figures with their uncertainty; `how`: how one is counted.
-fn figures(caption: &str, figures: &[Figure], how: impl Fn(&Figure) -> String) -> Table {
+fn figures(
+    caption: &str,
+    figures: &[DesignFigure],
+    how: impl Fn(&DesignFigure) -> String,
+) -> Table {
     Table::of(caption, figures)
         .text("", "Figure", |one| one.what)
         .number("", "Value", |one| one.value)
@@ -183,7 +187,7 @@ fn figures(caption: &str, figures: &[Figure], how: impl Fn(&Figure) -> String) -
         .done()
 }
 
-fn all_figures(found: &Outcome) -> Section {
+fn all_figures(found: &DesignResult) -> Section {
     let caption = "For a data sheet; after \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own \
                    verification";
     let all = figures(caption, &found.figures, |one| how(found, one));
@@ -191,7 +195,7 @@ fn all_figures(found: &Outcome) -> Section {
 }
 
 /// How a figure is counted, and its spread over the mesh.
-fn counted(one: &Figure) -> String {
+fn counted(one: &DesignFigure) -> String {
     let mean = one
         .mean_over_the_mesh
         .filter(|mean| one.value != Some(*mean));
@@ -251,7 +255,7 @@ fn chart(title: &str, x: &str, y: &str, series: Vec<Series>, note: &str) -> Char
 }
 
 /// Designs of one chart with their names, which may be empty for one alone.
-pub(crate) type Drawn<'a> = [(&'a str, &'a Outcome)];
+pub(crate) type Drawn<'a> = [(&'a str, &'a DesignResult)];
 
 /// A line of a design: of several designs with the design's name and colour; what else it is, its dash tells.
 fn of_design(
@@ -303,7 +307,7 @@ pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
     )
 }
 
-fn torsion(found: &Outcome) -> Section {
+fn torsion(found: &DesignResult) -> Section {
     let mut text = "The input is locked and the load is taken from one direction to the other. Lost motion is the twist between +3 and -3 % of \
                     the rated torque, the largest of all poses over the mesh; stiffness the slope between 50 and 100 %."
         .to_owned();
@@ -369,7 +373,7 @@ fn degrees(angles_rad: &[f64]) -> Vec<f64> {
     angles_rad.iter().map(|angle| angle.to_degrees()).collect()
 }
 
-fn transmission(found: &Outcome) -> Section {
+fn transmission(found: &DesignResult) -> Section {
     let rows = found.transmission.iter().zip(LOADS);
     let rows = rows.flat_map(|(of, load)| of.harmonics.iter().take(6).map(move |h| (load, h)));
     let orders = Table::of("Largest orders of the transmission error", rows)
@@ -423,7 +427,7 @@ pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
     stages.map(of).collect()
 }
 
-fn sharing(found: &Outcome) -> Section {
+fn sharing(found: &DesignResult) -> Section {
     let rows = found.sharing.iter().zip(&found.pressure);
     let contacts = Table::of(
         "Contacts under the rated load",
@@ -493,7 +497,7 @@ pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
 }
 
 /// Harmonics of the part that only loads the bearing.
-fn bearing_orders(found: &Outcome) -> Chart {
+fn bearing_orders(found: &DesignResult) -> Chart {
     let harmonics = found
         .bearings
         .first()
@@ -519,7 +523,7 @@ fn bearing_orders(found: &Outcome) -> Chart {
     }
 }
 
-fn bearings(found: &Outcome) -> Section {
+fn bearings(found: &DesignResult) -> Section {
     Section::new(
         "bearings",
         "Bearing of the eccentric",
@@ -534,7 +538,7 @@ fn bearings(found: &Outcome) -> Section {
     )
 }
 
-fn efficiency(found: &Outcome) -> Section {
+fn efficiency(found: &DesignResult) -> Section {
     let efficiency = Table::of("Efficiency over speed and torque", &found.efficiency)
         .number("", "Input", |run| {
             run.input_speed_rad_s.abs() * 30.0 / std::f64::consts::PI
@@ -573,7 +577,7 @@ fn efficiency(found: &Outcome) -> Section {
     )
 }
 
-fn dimensions(found: &Outcome) -> Section {
+fn dimensions(found: &DesignResult) -> Section {
     let lines = found.dimensions.lines(&found.scene);
     let sizes = Table::of(
         "Sizes, walls and gaps",

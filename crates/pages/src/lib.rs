@@ -23,7 +23,7 @@ pub mod calibration;
 pub mod comparison;
 pub mod conformance;
 pub mod design;
-pub mod designs;
+pub mod design_diff;
 pub mod engines;
 mod error;
 pub mod explain;

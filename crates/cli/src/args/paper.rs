@@ -9,7 +9,7 @@ use super::OutArgs;
 #[derive(Debug, Args)]
 #[command(after_help = include_str!("../../help/paper.txt").trim_ascii_end())]
 pub(crate) struct PaperArgs {
-    /// Figures to draw, separated by commas: 5 to 18, spectra [default: all, and the claims].
+    /// Figures to draw, separated by commas: 5 to 18, spectra, damping [default: all].
     #[arg(long, value_name = "5,6,..", value_delimiter = ',', value_parser = named)]
     pub(crate) figures: Vec<String>,
     /// Engine that stands in Adams' place in Fig. 10 [default: the first that finds contacts itself

@@ -4,7 +4,7 @@ use pinwheel::gearbox::Gearbox;
 use pinwheel::pages;
 use pinwheel::scene::CheckedScene;
 use pinwheel::studies::comparison::{self, Effort, Input, foreign};
-use pinwheel::studies::{Provenance, choice, designs, junit};
+use pinwheel::studies::{Provenance, choice, design_diff, junit};
 
 use crate::args::{self, CompareArgs};
 use crate::failure::{ENGINE, Failure};
@@ -65,17 +65,17 @@ fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failu
         .map(|gearbox| gearbox.scene.name.as_str())
         .join("-and-");
     let folder = Folder::prepare(&args.out.folder(&names, "compare"), args.out.force)?;
-    let input = designs::Input {
+    let input = design_diff::Input {
         gearboxes,
         specs,
         engine: engine.as_ref(),
         efforts: [a?, b?],
     };
-    let found = watched("compare", |control| designs::run(&input, control))?;
+    let found = watched("compare", |control| design_diff::run(&input, control))?;
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
-    let page = pages::designs::page(&found, &made, interrupt::flag())?;
-    folder.show(&page, &pages::designs::text(&found))?;
+    let page = pages::design_diff::page(&found, &made, interrupt::flag())?;
+    folder.show(&page, &pages::design_diff::text(&found))?;
     if let Some((name, reason)) = found.broken() {
         screen::complain(&format!(
             "{name} {reason}; try a smaller solver.step_s or another solver.integrator"

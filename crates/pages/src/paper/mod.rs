@@ -2,23 +2,17 @@
 
 use std::sync::atomic::AtomicBool;
 
+use pinwheel_courses::table::{Mark, Shown, Table};
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_report::animation::markup as animate;
-use pinwheel_report::format::significant;
-use pinwheel_report::study::{
-    self, Axis, Block, Cell, Chart, Column, Section, Series, Study, Style, Table, Tile, Tone,
-    render,
-};
+use pinwheel_report::study::{self, Axis, Block, Chart, Section, Series, Study, Style, Tile, Tone};
 use pinwheel_scene::Scene;
-use pinwheel_studies::paper::claims::Verdict;
-use pinwheel_studies::paper::{Figure, Paper, Plot};
-
 use pinwheel_studies::Provenance;
+use pinwheel_studies::paper::{ClaimVerdict, Cost, PaperFigure, PaperResult, Plot};
 
 use crate::{PageError, animation};
 
 mod text;
-mod words;
 
 pub use text::text;
 
@@ -26,7 +20,11 @@ pub use text::text;
 ///
 /// # Errors
 /// Stopped, or the page cannot be made.
-pub fn page(found: &Paper, made: &Provenance, cancel: &AtomicBool) -> Result<String, PageError> {
+pub fn page(
+    found: &PaperResult,
+    made: &Provenance,
+    cancel: &AtomicBool,
+) -> Result<String, PageError> {
     let verdicts = || {
         let figures = found
             .figures
@@ -35,12 +33,12 @@ pub fn page(found: &Paper, made: &Provenance, cancel: &AtomicBool) -> Result<Str
             .map(|f| f.verdict);
         figures.chain(found.claims.iter().map(|c| c.verdict))
     };
-    let count = |wanted: Verdict| verdicts().filter(|v| *v == wanted).count();
+    let count = |wanted: ClaimVerdict| verdicts().filter(|v| *v == wanted).count();
     let all = verdicts().count();
     let (holds, sometimes, not) = (
-        count(Verdict::Holds),
-        count(Verdict::Conditional),
-        count(Verdict::DoesNotHold),
+        count(ClaimVerdict::Holds),
+        count(ClaimVerdict::Conditional),
+        count(ClaimVerdict::DoesNotHold),
     );
     let mut sections = vec![overview(found)];
     if !found.claims.is_empty() {
@@ -66,16 +64,13 @@ pub fn page(found: &Paper, made: &Provenance, cancel: &AtomicBool) -> Result<Str
         }),
         tiles: tiles(found),
         sections,
-        command: made.command.clone(),
-        versions: made.versions(),
-        machine: made.machine.rows(),
         ..Study::default()
     };
-    Ok(render(&study)?)
+    crate::render(study, made)
 }
 
 /// One number of a figure, if it is there.
-fn number(found: &Paper, figure: &str, name: &str) -> Option<f64> {
+fn number(found: &PaperResult, figure: &str, name: &str) -> Option<f64> {
     let figure = found.figures.iter().find(|f| f.id == figure)?;
     figure
         .numbers
@@ -84,17 +79,10 @@ fn number(found: &Paper, figure: &str, name: &str) -> Option<f64> {
         .map(|n| n.value)
 }
 
-fn tiles(found: &Paper) -> Vec<Tile> {
+fn tiles(found: &PaperResult) -> Vec<Tile> {
     let mut tiles = Vec::new();
     let mut add = |label: &str, value: Option<String>, unit: &str, detail: &str| {
-        if let Some(value) = value {
-            tiles.push(Tile {
-                label: label.into(),
-                value,
-                unit: unit.into(),
-                detail: detail.into(),
-            });
-        }
+        tiles.extend(value.map(|value| Tile::new(label, value, detail).unit(unit)));
     };
     let per_cent = |v: f64| format!("{:+.0}", 100.0 * v);
     add(
@@ -148,106 +136,45 @@ fn motion(cancel: &AtomicBool) -> Result<Vec<Section>, PageError> {
     if views.is_empty() {
         return Ok(Vec::new());
     }
-    let markup = animate(&views, TURN.0)?;
-    Ok(vec![Section {
-        id: "motion".into(),
-        title: "Motion".into(),
-        blocks: vec![
-            Block::Text(
-                "One turn of the input, from 0.24 to 0.36 s, as our solver computes it: with backlash fewer external sleeves carry the \
-                 same load, each with a higher force."
-                    .into(),
-            ),
-            Block::Html(markup),
-        ],
-    }])
+    let blocks = [
+        Block::text(
+            "One turn of the input, from 0.24 to 0.36 s, as our solver computes it: with backlash fewer external sleeves carry the \
+             same load, each with a higher force.",
+        ),
+        Block::Html(animate(&views, TURN.0)?),
+    ];
+    Ok(vec![Section::new("motion", "Motion", blocks)])
 }
 
-fn overview(found: &Paper) -> Section {
-    let rows = found
-        .figures
-        .iter()
-        .map(|figure| {
-            vec![
-                Cell::text(&figure.name),
-                Cell::text(words::figure(figure.verdict)).marked(words::mark(figure.verdict)),
-                Cell::text(&figure.says),
-                Cell::text(&figure.found),
-            ]
-        })
-        .collect();
-    Section {
-        id: "figures".into(),
-        title: "Overview".into(),
-        blocks: vec![Block::Table(Table {
-            caption: "What the paper's figures say, and what ours show".into(),
-            columns: ["Figure", "By our runs", "The paper says", "By which number"]
-                .map(Column::text)
-                .to_vec(),
-            rows,
-        })],
-    }
+fn overview(found: &PaperResult) -> Section {
+    let caption = "What the paper's figures say, and what ours show";
+    let table = Table::of(caption, &found.figures)
+        .text("", "Figure", |figure| &figure.name)
+        .text("", "By our runs", |figure| figure.verdict.words())
+        .marked(|figure| mark(figure.verdict))
+        .text("", "The paper says", |figure| &figure.says)
+        .text("", "By which number", |figure| &figure.found);
+    Section::new("figures", "Overview", [table.done().into()])
 }
 
-fn section(figure: &Figure) -> Section {
-    let numbers = figure
-        .numbers
-        .iter()
-        .map(|n| {
-            vec![
-                Cell::text(n.name.replace('_', " ")),
-                Cell::number(significant(n.value, 5), n.value),
-                Cell::text(&n.unit),
-            ]
-        })
-        .collect();
-    Section {
-        id: figure.id.clone(),
-        title: figure.name.clone(),
-        blocks: vec![Block::Details {
-            summary: format!("{}: {}", figure.title, words::figure(figure.verdict)),
-            blocks: vec![
-                Block::Html(said(figure)),
-                Block::Charts(figure.plots.iter().map(chart).collect()),
-                Block::Details {
-                    summary: "Numbers".into(),
-                    blocks: vec![Block::Table(Table {
-                        caption: format!("Numbers of {}", figure.name),
-                        columns: vec![
-                            Column::text("Number"),
-                            Column::number("Value"),
-                            Column::text("Unit"),
-                        ],
-                        rows: numbers,
-                    })],
-                },
-            ],
-        }],
-    }
-}
-
-/// What the paper says, the verdict, the number, the reason.
-fn said(figure: &Figure) -> String {
-    let (class, sign) = match words::good(figure.verdict) {
-        Some(true) => ("within", "\u{2713}"),
-        Some(false) => ("exceeded", "\u{2715}"),
-        None => ("unjudged", "!"),
-    };
-    format!(
-        "<dl class=\"facts\"><dt>The paper says</dt><dd>{}</dd><dt>Ours <span class=\"badge {class}\">{sign} {}</span></dt><dd>{}</dd>\
-         <dt>Why</dt><dd>{}</dd></dl>",
-        escape(&figure.says),
-        words::figure(figure.verdict),
-        escape(&figure.found),
-        escape(&figure.why)
-    )
-}
-
-/// Text as markup.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
+fn section(figure: &PaperFigure) -> Section {
+    let numbers = Table::of(format!("Numbers of {}", figure.name), &figure.numbers)
+        .text("", "Number", |n| n.name.replace('_', " "))
+        .number("", "Value", |n| n.value)
+        .text("", "Unit", |n| &n.unit);
+    let blocks = [
+        Block::text(format!("The paper says: {}", figure.says)),
+        Block::text(format!(
+            "Ours, {}: {}",
+            figure.verdict.words(),
+            figure.found
+        )),
+        Block::text(format!("Why: {}", figure.why)),
+        Block::Charts(figure.plots.iter().map(chart).collect()),
+        Block::folded("Numbers", [numbers.done().into()]),
+    ];
+    let summary = format!("{}: {}", figure.title, figure.verdict.words());
+    Section::new(&figure.id, &figure.name, blocks).folded(summary)
 }
 
 fn chart(plot: &Plot) -> Chart {
@@ -280,101 +207,57 @@ fn chart(plot: &Plot) -> Chart {
     }
 }
 
-fn claims(found: &Paper) -> Section {
-    let judged = found.claims.iter().map(|judged| {
-        vec![
-            Cell::text(&judged.claim.claim),
-            Cell::text(words::claim(judged.verdict)).marked(words::mark(judged.verdict)),
-            Cell::text(&judged.figure),
-        ]
-    });
-    let reasons = found.claims.iter().map(|judged| {
-        vec![
-            Cell::text(&judged.claim.claim),
-            Cell::text(&judged.claim.remark),
-            Cell::text(&judged.claim.judged_by),
-            Cell::text(&judged.claim.place),
-        ]
-    });
-    let table = |caption: &str, columns: &[&str], rows: Vec<Vec<Cell>>| {
-        Block::Table(Table {
-            caption: caption.into(),
-            columns: columns.iter().copied().map(Column::text).collect(),
-            rows,
-        })
-    };
-    let reasons = table(
-        "Why, by which computation, and where in the paper",
-        &["Claim", "Why", "Judged by", "Where"],
-        reasons.collect(),
-    );
-    Section {
-        id: "claims".into(),
-        title: "Claims".into(),
-        blocks: vec![
-            table(
-                "What the paper says in words, each judged by a computation of its own",
-                &["Claim", "Verdict", "Our figure"],
-                judged.collect(),
-            ),
-            Block::Details {
-                summary: "Why, by which computation, and where in the paper".into(),
-                blocks: vec![reasons],
-            },
-        ],
-    }
+fn claims(found: &PaperResult) -> Section {
+    let caption = "What the paper says in words, each judged by the numbers of a figure";
+    let judged = Table::of(caption, &found.claims)
+        .text("", "Claim", |judged| &judged.claim.claim)
+        .text("", "Verdict", |judged| judged.verdict.words())
+        .marked(|judged| mark(judged.verdict))
+        .text("", "Our figure", |judged| &judged.figure);
+    let caption = "Why, by which computation, and where in the paper";
+    let reasons = Table::of(caption, &found.claims)
+        .text("", "Claim", |judged| &judged.claim.claim)
+        .text("", "Why", |judged| &judged.claim.remark)
+        .text("", "Judged by", |judged| &judged.claim.judged_by)
+        .text("", "Where", |judged| &judged.claim.place);
+    let blocks = [
+        judged.done().into(),
+        Block::folded(caption, [reasons.done().into()]),
+    ];
+    Section::new("claims", "Claims", blocks)
 }
 
-fn costs(found: &Paper) -> Section {
-    let mut rows: Vec<Vec<Cell>> = found
-        .costs
-        .iter()
-        .map(|cost| {
-            let paper = match cost.paper_s {
-                Some(s) => Cell::number(format!("{:.0} min", s / 60.0), s),
-                None => Cell::text("-"),
-            };
-            let ratio = match cost.paper_s {
-                Some(s) => Cell::number(format!("{:.0}", s / cost.ours_s), s / cost.ours_s),
-                None => Cell::text("-"),
-            };
-            vec![
-                Cell::text(&cost.what),
-                paper,
-                Cell::number(format!("{:.2} s", cost.ours_s), cost.ours_s),
-                ratio,
-            ]
-        })
-        .collect();
-    rows.push(vec![
-        Cell::text(format!("this whole study, {} runs", found.runs)),
-        Cell::text("-"),
-        Cell::number(format!("{:.0} s", found.wall_s), found.wall_s),
-        Cell::text("-"),
-    ]);
-    Section {
-        id: "cost".into(),
-        title: "Cost".into(),
-        blocks: vec![Block::Details {
-            summary: "time of a run, beside the paper's".into(),
-            blocks: vec![
-            Block::Text(
-                "Wall time of 0.6 s of the gearbox, 60 000 steps of 1e-5 s by Heun's method, on one core. The paper's machine is not \
-                 named, so the ratio compares program and machine together. The paper scans all points for every sleeve; only points \
-                 near the ideal mesh can touch, so their number need not cost time. Adams took over an hour."
-                    .into(),
-            ),
-            Block::Table(Table {
-                caption: "Cost of a run".into(),
-                columns: vec![
-                    Column::text("Analysis"),
-                    Column::number("The paper"),
-                    Column::number("Ours"),
-                    Column::number("Ratio"),
-                ],
-                rows,
-            }),
-        ],
-        }],
+fn costs(found: &PaperResult) -> Section {
+    let whole = Cost {
+        what: format!("this whole study, {} runs", found.runs),
+        paper_s: None,
+        ours_s: found.wall_s,
+    };
+    let table = Table::of("Cost of a run", found.costs.iter().chain([&whole]))
+        .text("", "Analysis", |cost| &cost.what)
+        .number("", "The paper", |cost| cost.paper_s)
+        .shown(Shown::Seconds)
+        .number("", "Ours", |cost| cost.ours_s)
+        .shown(Shown::Seconds)
+        .number("", "Ratio", |cost| cost.paper_s.map(|s| s / cost.ours_s))
+        .shown(Shown::Decimals(0));
+    let blocks = [
+        Block::text(
+            "Wall time of 0.6 s of the gearbox, 60 000 steps of 1e-5 s by Heun's method, on one core. The paper's machine is not \
+             named, so the ratio compares program and machine together. The paper scans all points for every sleeve; only points \
+             near the ideal mesh can touch, so their number need not cost time. Adams took over an hour.",
+        ),
+        table.done().into(),
+    ];
+    Section::new("cost", "Cost", blocks).folded("time of a run, beside the paper's")
+}
+
+/// How a verdict is marked.
+fn mark(verdict: ClaimVerdict) -> Mark {
+    match verdict {
+        ClaimVerdict::Holds => Mark::Good,
+        ClaimVerdict::DoesNotHold => Mark::Bad,
+        ClaimVerdict::Conditional => Mark::Warn,
+        ClaimVerdict::Meaningless => Mark::Muted,
     }
 }

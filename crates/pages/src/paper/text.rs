@@ -1,38 +1,27 @@
 //! The study of the paper on a terminal.
 
-use pinwheel_report::terminal::{BAD, Cell, GOOD, TITLE, lines, styled};
-use pinwheel_studies::paper::Paper;
+use pinwheel_courses::table::Table;
+use pinwheel_report::terminal::{TITLE, styled, table};
+use pinwheel_studies::paper::PaperResult;
 
-use super::words;
+use super::mark;
 
 /// The verdicts, without the place of the page.
 #[must_use]
-pub fn text(found: &Paper) -> String {
-    let marked = |verdict, word: &str| {
-        let cell = Cell::text(word);
-        match words::good(verdict) {
-            Some(true) => cell.styled(GOOD),
-            Some(false) => cell.styled(BAD),
-            None => cell,
-        }
-    };
-    let figures = found.figures.iter().map(|figure| {
-        let verdict = marked(figure.verdict, words::figure(figure.verdict));
-        vec![Cell::text(&figure.name), verdict, Cell::text(&figure.title)]
-    });
-    let claims = found.claims.iter().map(|judged| {
-        let verdict = marked(judged.verdict, words::claim(judged.verdict));
-        vec![
-            Cell::text("claim"),
-            verdict,
-            Cell::text(&judged.claim.claim),
-        ]
-    });
-    let rows: Vec<Vec<Cell>> = figures.chain(claims).collect();
+pub fn text(found: &PaperResult) -> String {
+    let figures = found.figures.iter();
+    let figures = figures.map(|figure| (figure.name.as_str(), figure.verdict, &figure.title));
+    let claims = found.claims.iter();
+    let claims = claims.map(|judged| ("claim", judged.verdict, &judged.claim.claim));
+    let list = Table::of("", figures.chain(claims))
+        .text("", "Figure", |row| row.0)
+        .text("", "By our runs", |row| row.1.words())
+        .marked(|row| mark(row.1))
+        .text("", "What", |row| row.2);
     format!(
         "{}\n{}\n{} runs in {:.0} s",
         styled(TITLE, "the paper, computed again"),
-        lines(&rows),
+        table(&list.done()),
         found.runs,
         found.wall_s
     )

@@ -4,11 +4,12 @@ use std::f64::consts::TAU;
 
 use pinwheel_courses::columns;
 use pinwheel_engines::Native;
-use pinwheel_gearbox::{Gearbox, GearboxError};
-use pinwheel_scene::{LoadChange, Scales};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::{LoadChange, Scales, Scene, Start};
 use serde::Serialize;
 
 use super::{ARCMIN, LOST};
+use crate::control::compile;
 use crate::{Control, StudyError, single};
 
 /// Periods of the slowest mode from no load to the rated one: slow enough that the gear follows.
@@ -52,11 +53,6 @@ pub(super) fn run(
     rated: f64,
     control: &Control<'_>,
 ) -> Result<Cycle, StudyError> {
-    let name = &gearbox.scene.name;
-    let of_scene = |source: GearboxError| StudyError::Scene {
-        scene: name.clone(),
-        source,
-    };
     let ramp = SLOW * TAU / Scales::of(&gearbox.scene).modes_rad_s[0];
     let rest = REST * ramp;
     let to = |time_s: f64, output_torque_n_m: f64, ramps: f64| LoadChange {
@@ -64,26 +60,22 @@ pub(super) fn run(
         output_torque_n_m,
         ramp_s: ramps * ramp,
     };
-    let changed = gearbox.scene.changed(|scene| {
-        scene.drive.input_speed_rad_s = 0.0;
-        scene.drive.output_torque_n_m = 0.0;
-        scene.drive.load_ramp_s = 0.0;
-        scene.drive.start = pinwheel_scene::Start::Kinematic;
-        scene.drive.load_changes = vec![
-            to(rest, rated, 1.0),
-            to(2.0 * rest + ramp, -rated, 2.0),
-            to(3.0 * rest + 3.0 * ramp, rated, 2.0),
-        ];
-        scene.solver.duration_s = 4.0 * rest + 5.0 * ramp;
-        scene.solver.sample_s = scene.solver.duration_s / (6.0 * SAMPLES);
-        scene.solver.step_s = scene.solver.step_s.min(scene.solver.sample_s);
-        scene.solver.integrator = "auto".to_owned();
-        scene.output.channels.clear();
-    });
-    let slow = changed.map_err(GearboxError::from);
-    let slow = slow
-        .and_then(|scene| Gearbox::new(&scene))
-        .map_err(of_scene)?;
+    let mut scene = Scene::clone(&gearbox.scene);
+    scene.drive.input_speed_rad_s = 0.0;
+    scene.drive.output_torque_n_m = 0.0;
+    scene.drive.load_ramp_s = 0.0;
+    scene.drive.start = Start::Kinematic;
+    scene.drive.load_changes = vec![
+        to(rest, rated, 1.0),
+        to(2.0 * rest + ramp, -rated, 2.0),
+        to(3.0 * rest + 3.0 * ramp, rated, 2.0),
+    ];
+    scene.solver.duration_s = 4.0 * rest + 5.0 * ramp;
+    scene.solver.sample_s = scene.solver.duration_s / (6.0 * SAMPLES);
+    scene.solver.step_s = scene.solver.step_s.min(scene.solver.sample_s);
+    scene.solver.integrator = "auto".to_owned();
+    scene.output.channels.clear();
+    let slow = compile(&scene)?;
     let found = single::run(&slow, &Native::REDUCED, false, control)?;
     let courses = &found.run.courses;
     let time_s = courses.time_s().to_vec();

@@ -6,6 +6,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use pinwheel_courses::table::Table;
 use pinwheel_scene::{CheckedScene, Outline};
 use serde::Serialize;
 
@@ -50,17 +51,17 @@ impl Drawing {
     /// Writes `disc_<number>.dxf` and `disc_<number>.csv`.
     pub(super) fn write(&self, dir: &Path, number: usize) -> Result<(), OutputError> {
         write_text(&dir.join(format!("disc_{number}.dxf")), &self.dxf())?;
+        let edge = self.outline.edge_m.iter().map(|at| ("edge", at, None));
+        let holes = self.outline.holes_m.iter();
+        let holes = holes.map(|(at, radius)| ("hole", at, Some(*radius)));
+        let table = Table::of("", edge.chain(holes))
+            .text("part", "", |part| part.0)
+            .number("x_m", "", |part| part.1[0])
+            .number("y_m", "", |part| part.1[1])
+            .number("radius_m", "", |part| part.2)
+            .done();
         write_with(dir, &format!("disc_{number}.csv"), |sink| {
-            let mut table = csv::Writer::from_writer(sink);
-            table.write_record(["part", "x_m", "y_m", "radius_m"])?;
-            for [x, y] in &self.outline.edge_m {
-                table.write_record(["edge", &x.to_string(), &y.to_string(), ""])?;
-            }
-            for ([x, y], radius) in &self.outline.holes_m {
-                let [x, y, radius] = [x, y, radius].map(f64::to_string);
-                table.write_record(["hole", &x, &y, &radius])?;
-            }
-            table.flush().map_err(csv::Error::from)
+            table.write_csv(sink)
         })
     }
 

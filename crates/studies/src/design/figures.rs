@@ -11,9 +11,81 @@ use super::{ARCMIN, Cycle, Operating, Spread};
 /// What balances leave of a figure: angles are found to 2e-15 rad, forces to 1e-10.
 const ROUNDING: f64 = 1e-9;
 
+/// What a figure is: defined once for the table, the page, files and the comparison of two designs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Definition {
+    key: &'static str,
+    what: &'static str,
+    unit: &'static str,
+    how: &'static str,
+}
+
+/// Definitions: key, what it is, unit, how it is counted.
+macro_rules! definitions {
+    ($($name:ident = $key:literal, $what:literal, $unit:literal, $how:literal;)*) => {
+        $(pub(super) const $name: Definition =
+            Definition { key: $key, what: $what, unit: $unit, how: $how };)*
+    };
+}
+
+definitions! {
+    LOST_MOTION = "lost_motion_arcmin", "lost motion", "arcmin",
+        "largest over the mesh, between +3 and -3 % of the rated torque";
+    STIFFNESS = "torsional_stiffness_n_m_per_arcmin", "torsional stiffness", "N m/arcmin",
+        "between 50 and 100 % of the rated torque, mean";
+    ERROR_RATED = "transmission_error_rated_arcmin", "transmission error, rated load", "arcmin",
+        "peak to peak";
+    ERROR_NO_LOAD = "transmission_error_no_load_arcmin", "transmission error, no load", "arcmin",
+        "peak to peak, at a ten-thousandth of the load";
+    EXTERNAL_FORCE = "external_force_n", "largest pin force, external", "N",
+        "largest of a pose";
+    INTERNAL_FORCE = "internal_force_n", "largest pin force, internal", "N",
+        "largest of a pose";
+    EXTERNAL_TOUCHING = "external_touching", "external pins that carry", "",
+        "touch a wheel, on average";
+    INTERNAL_TOUCHING = "internal_touching", "internal pins that carry", "",
+        "touch a wheel, on average";
+    EXTERNAL_PRESSURE = "external_pressure_mpa", "largest pressure, external", "MPa",
+        "line contact over the face width, edges left out";
+    INTERNAL_PRESSURE = "internal_pressure_mpa", "largest pressure, internal", "MPa",
+        "likewise";
+    PRESSURE_SLIDING = "pressure_sliding_mpa_m_s", "largest pressure times sliding", "MPa m/s",
+        "on pins that do not turn";
+    BEARING_FORCE = "eccentric_bearing_force_n", "eccentric bearing, largest force", "N",
+        "of the contacts on wheel 0";
+
+    LOST_MOTION_RUN = "lost_motion_run_arcmin", "lost motion by a run", "arcmin",
+        "of a slow loop of the load, the mean of both branches";
+    LOOP_WIDTH = "hysteresis_width_arcmin", "width of the loop at no load", "arcmin",
+        "what friction holds back, and what swings";
+    EFFICIENCY = "efficiency_rated_percent", "efficiency, rated", "%",
+        "by what contacts lose";
+
+    JOINT_BACKLASH = "joint_backlash_arcmin", "free play", "arcmin",
+        "between both directions at a ten-thousandth of the rated torque, mean; without play what the first contacts give way";
+    JOINT_STIFFNESS = "joint_stiffness_n_m_per_rad", "torsional stiffness", "N m/rad",
+        "of the mean twist, between 50 and 100 % of the rated torque";
+    JOINT_DEAD_BAND = "joint_dead_band_arcmin", "dead band of that stiffness alone", "arcmin",
+        "for a model of one spring; above the free play, as the first pins give way more";
+    JOINT_DAMPING = "joint_damping_n_m_s_per_rad", "damping beside the stiffness", "N m s/rad",
+        "of the contacts about the rated load";
+    JOINT_FRICTION = "joint_friction_n_m", "friction, constant", "N m",
+        "at the output, fitted to what runs lose";
+    JOINT_FRICTION_OF_LOAD = "joint_friction_of_load_n_m", "friction, of the rated load", "N m",
+        "likewise; in proportion to the load";
+    JOINT_VISCOUS = "joint_viscous_n_m_s_per_rad", "friction, viscous", "N m s/rad",
+        "likewise; in proportion to the output's speed";
+    JOINT_INPUT_INERTIA = "joint_input_inertia_kg_m2", "inertia at the input", "kg m^2",
+        "input shaft, and the wheels' masses on its eccentrics";
+    JOINT_OUTPUT_INERTIA = "joint_output_inertia_kg_m2", "inertia at the output", "kg m^2",
+        "output with its pins, and the wheels, which turn with it";
+    JOINT_REFLECTED_INERTIA = "joint_reflected_inertia_kg_m2", "both, seen from the output", "kg m^2",
+        "the input's times the ratio squared, and the output's";
+}
+
 /// One figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Figure {
+pub struct DesignFigure {
     /// Its name for programs, with the unit.
     pub key: &'static str,
     /// What it is.
@@ -82,33 +154,38 @@ impl Balances {
     }
 
     /// The figures of statics.
-    pub(super) fn figures(&self) -> Vec<Figure> {
+    pub(super) fn figures(&self) -> Vec<DesignFigure> {
         halves(|every, of| self.summed(every, of).figures())
     }
 }
 
-impl Figure {
-    /// A figure that is one for the whole mesh.
-    pub(super) fn new(
-        key: &'static str,
-        what: &'static str,
-        unit: &'static str,
-        value: Option<f64>,
-        uncertainty: Option<f64>,
-        how: &'static str,
-    ) -> Self {
-        Self {
-            key,
-            what,
-            unit,
+impl Definition {
+    /// The figure of a value that may be off by `uncertainty`.
+    pub(super) fn is(
+        self,
+        value: impl Into<Option<f64>>,
+        uncertainty: impl Into<Option<f64>>,
+    ) -> DesignFigure {
+        let value = value.into();
+        DesignFigure {
+            key: self.key,
+            what: self.what,
+            unit: self.unit,
             value,
-            uncertainty: value.and(uncertainty),
+            uncertainty: value.and(uncertainty.into()),
             over_the_mesh: None,
             mean_over_the_mesh: None,
-            how,
+            how: self.how,
         }
     }
 
+    /// The figure of a value that balances give.
+    fn balanced(self, value: f64) -> DesignFigure {
+        self.is(value, ROUNDING * value.abs())
+    }
+}
+
+impl DesignFigure {
     /// With what it is over the mesh.
     pub(super) fn over(self, spread: &Spread) -> Self {
         Self {
@@ -120,7 +197,7 @@ impl Figure {
 }
 
 /// Figures of every so many poses from one on: those of all, as uncertain as those of either half differ from them.
-pub(super) fn halves(of: impl Fn(usize, usize) -> Vec<Figure>) -> Vec<Figure> {
+pub(super) fn halves(of: impl Fn(usize, usize) -> Vec<DesignFigure>) -> Vec<DesignFigure> {
     let mut figures = of(1, 0);
     for half in [0, 1] {
         for (figure, other) in figures.iter_mut().zip(of(2, half)) {
@@ -132,146 +209,45 @@ pub(super) fn halves(of: impl Fn(usize, usize) -> Vec<Figure>) -> Vec<Figure> {
 }
 
 impl Summed {
-    fn figures(&self) -> Vec<Figure> {
-        let of = |key, what, unit, value: f64, how| {
-            let rounding = ROUNDING * value.abs();
-            Figure::new(key, what, unit, Some(value), Some(rounding), how)
-        };
+    fn figures(&self) -> Vec<DesignFigure> {
         let [external, internal] = &self.sharing;
         let [loaded, unloaded] = self.error;
         let pressed = |k: usize| 1e-6 * self.pressure[k].largest_pa;
         let slid = |k: usize| 1e-6 * self.pressure[k].pressure_sliding_w_m2;
-        let touch = "touch a wheel, on average";
+        let largest = |what: Definition, spread: &Spread| what.balanced(spread.max).over(spread);
         let mut figures = vec![
-            of(
-                "lost_motion_arcmin",
-                "lost motion",
-                "arcmin",
-                self.lost.max,
-                "largest over the mesh, between +3 and -3 % of the rated torque",
-            )
-            .over(&self.lost),
-            of(
-                "torsional_stiffness_n_m_per_arcmin",
-                "torsional stiffness",
-                "N m/arcmin",
-                self.stiffness.mean,
-                "between 50 and 100 % of the rated torque, mean",
-            )
-            .over(&self.stiffness),
-            of(
-                "transmission_error_rated_arcmin",
-                "transmission error, rated load",
-                "arcmin",
-                loaded,
-                "peak to peak",
-            ),
-            of(
-                "transmission_error_no_load_arcmin",
-                "transmission error, no load",
-                "arcmin",
-                unloaded,
-                "peak to peak, at a ten-thousandth of the load",
-            ),
-            of(
-                "external_force_n",
-                "largest pin force, external",
-                "N",
-                external.largest_force_n.max,
-                "largest of a pose",
-            )
-            .over(&external.largest_force_n),
-            of(
-                "internal_force_n",
-                "largest pin force, internal",
-                "N",
-                internal.largest_force_n.max,
-                "largest of a pose",
-            )
-            .over(&internal.largest_force_n),
-            of(
-                "external_touching",
-                "external pins that carry",
-                "",
-                external.touching.mean,
-                touch,
-            ),
-            of(
-                "internal_touching",
-                "internal pins that carry",
-                "",
-                internal.touching.mean,
-                touch,
-            ),
-            of(
-                "external_pressure_mpa",
-                "largest pressure, external",
-                "MPa",
-                pressed(0),
-                "line contact over the face width, edges left out",
-            ),
-            of(
-                "internal_pressure_mpa",
-                "largest pressure, internal",
-                "MPa",
-                pressed(1),
-                "likewise",
-            ),
-            of(
-                "pressure_sliding_mpa_m_s",
-                "largest pressure times sliding",
-                "MPa m/s",
-                slid(0).max(slid(1)),
-                "on pins that do not turn",
-            ),
+            largest(LOST_MOTION, &self.lost),
+            STIFFNESS
+                .balanced(self.stiffness.mean)
+                .over(&self.stiffness),
+            ERROR_RATED.balanced(loaded),
+            ERROR_NO_LOAD.balanced(unloaded),
+            largest(EXTERNAL_FORCE, &external.largest_force_n),
+            largest(INTERNAL_FORCE, &internal.largest_force_n),
+            EXTERNAL_TOUCHING.balanced(external.touching.mean),
+            INTERNAL_TOUCHING.balanced(internal.touching.mean),
+            EXTERNAL_PRESSURE.balanced(pressed(0)),
+            INTERNAL_PRESSURE.balanced(pressed(1)),
+            PRESSURE_SLIDING.balanced(slid(0).max(slid(1))),
         ];
-        if let Some(bearing) = self.bearings.first() {
-            figures.push(
-                of(
-                    "eccentric_bearing_force_n",
-                    "eccentric bearing, largest force",
-                    "N",
-                    bearing.force_n.max,
-                    "of the contacts on wheel 0",
-                )
-                .over(&bearing.force_n),
-            );
-        }
+        let bearing = self.bearings.first();
+        figures.extend(bearing.map(|bearing| largest(BEARING_FORCE, &bearing.force_n)));
         figures
     }
 }
 
 /// The figures of runs.
-pub(super) fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<Figure> {
-    let figure = Figure::new;
+pub(super) fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<DesignFigure> {
     let mut figures = Vec::new();
     if let Some(cycle) = cycle {
-        figures.push(figure(
-            "lost_motion_run_arcmin",
-            "lost motion by a run",
-            "arcmin",
-            cycle.lost_motion_arcmin,
-            cycle.lost_motion_uncertainty_arcmin,
-            "of a slow loop of the load, the mean of both branches",
-        ));
-        figures.push(figure(
-            "hysteresis_width_arcmin",
-            "width of the loop at no load",
-            "arcmin",
-            cycle.width_arcmin,
-            cycle.width_uncertainty_arcmin,
-            "what friction holds back, and what swings",
-        ));
+        let lost = cycle.lost_motion_arcmin;
+        figures.push(LOST_MOTION_RUN.is(lost, cycle.lost_motion_uncertainty_arcmin));
+        figures.push(LOOP_WIDTH.is(cycle.width_arcmin, cycle.width_uncertainty_arcmin));
     }
     if let Some(rated) = efficiency.last() {
-        figures.push(figure(
-            "efficiency_rated_percent",
-            "efficiency, rated",
-            "%",
-            rated.efficiency.map(|e| 100.0 * e.of_losses),
-            rated.uncertainty.map(|u| 100.0 * u),
-            "by what contacts lose",
-        ));
+        let percent = |share: f64| 100.0 * share;
+        let value = rated.efficiency.map(|e| percent(e.of_losses));
+        figures.push(EFFICIENCY.is(value, rated.uncertainty.map(percent)));
     }
     figures
 }

@@ -19,12 +19,17 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use askama::Template;
 use nalgebra::{DMatrix, DVector};
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use serde::Serialize;
 
-use super::figures::{Figure, halves};
+use super::figures::{
+    Definition, DesignFigure, JOINT_BACKLASH, JOINT_DAMPING, JOINT_DEAD_BAND, JOINT_FRICTION,
+    JOINT_FRICTION_OF_LOAD, JOINT_INPUT_INERTIA, JOINT_OUTPUT_INERTIA, JOINT_REFLECTED_INERTIA,
+    JOINT_STIFFNESS, JOINT_VISCOUS, halves,
+};
 use super::{ARCMIN, Operating, Spread};
 use crate::output::{OutputError, file_name, write_text};
 
@@ -71,7 +76,7 @@ pub struct Joint {
     /// About the output's axis, kg m^2.
     pub output_inertia_kg_m2: f64,
     /// All of it with its uncertainty and its spread over the mesh.
-    pub figures: Vec<Figure>,
+    pub figures: Vec<DesignFigure>,
     /// Torque of the curve that the springs follow, N m.
     pub torque_n_m: Vec<f64>,
     /// Twist there, mean over the mesh and both directions, rad.
@@ -151,32 +156,17 @@ impl Joint {
         Ok(joint)
     }
 
-    fn of_masses(&self) -> [Figure; 3] {
-        let reflected =
-            self.output_inertia_kg_m2 + self.ratio * self.ratio * self.input_inertia_kg_m2;
+    fn of_masses(&self) -> [DesignFigure; 3] {
+        let (input, output) = (self.input_inertia_kg_m2, self.output_inertia_kg_m2);
         [
+            (JOINT_INPUT_INERTIA, input),
+            (JOINT_OUTPUT_INERTIA, output),
             (
-                "joint_input_inertia_kg_m2",
-                "inertia at the input",
-                self.input_inertia_kg_m2,
-                "input shaft, and the wheels' masses on its eccentrics",
-            ),
-            (
-                "joint_output_inertia_kg_m2",
-                "inertia at the output",
-                self.output_inertia_kg_m2,
-                "output with its pins, and the wheels, which turn with it",
-            ),
-            (
-                "joint_reflected_inertia_kg_m2",
-                "both, seen from the output",
-                reflected,
-                "the input's times the ratio squared, and the output's",
+                JOINT_REFLECTED_INERTIA,
+                output + self.ratio * self.ratio * input,
             ),
         ]
-        .map(|(key, what, value, how)| {
-            Figure::new(key, what, "kg m^2", Some(value), Some(0.0), how)
-        })
+        .map(|(what, value)| what.is(value, 0.0))
     }
 
     /// Friction in motion under the rated load, N m.
@@ -230,124 +220,63 @@ impl Joint {
     /// MuJoCo: input and output as joints, between them fixed tendons as springs with dead bands.
     ///
     /// Source: MuJoCo XML reference, `tendon/fixed`: two values of `springlength` are a dead band; `frictionloss` of joints.
-    #[must_use]
-    pub fn mjcf(&self) -> String {
-        let (name, step) = (&self.name, self.step_s());
-        let damping = self.damping_n_m_s_per_rad.unwrap_or(0.0);
-        let body = |end: &str, inertia: f64, mass: f64, joint: &str, what: &str| {
-            format!(
-                "    <body name=\"{name}-{end}\">\n      \
-                 <!-- {what} The moment about z counts. -->\n      \
-                 <inertial pos=\"0 0 0\" mass=\"{mass}\" diaginertia=\"{inertia} {inertia} {inertia}\"/>\n      \
-                 <joint name=\"{name}-{end}\" type=\"hinge\" axis=\"0 0 1\"{joint}/>\n    </body>\n"
-            )
+    ///
+    /// # Errors
+    /// None that is known: the text is made in memory.
+    pub fn mjcf(&self) -> Result<String, askama::Error> {
+        let step = self.step_s();
+        let file = Mujoco {
+            joint: self,
+            step: format!("{step:.0e}"),
+            friction_time: format!("{:.1e}", 4.0 * step),
+            damping: self.damping_n_m_s_per_rad.unwrap_or(0.0),
+            coefficient: -1.0 / self.ratio,
         };
-        let rubs = format!(
-            " damping=\"{}\" frictionloss=\"{}\" solreffriction=\"{:.1e} 1\"",
-            self.viscous(),
-            self.coulomb(),
-            4.0 * step
-        );
-        let mut tendons = String::new();
-        for (k, spring) in self.springs.iter().enumerate() {
-            let damping = if k == 0 { damping } else { 0.0 };
-            let _ = write!(
-                tendons,
-                "    <fixed name=\"{name}-twist-{k}\" springlength=\"{0} {1}\" stiffness=\"{2}\" damping=\"{damping}\">\n      \
-                 <joint joint=\"{name}-output\" coef=\"1\"/>\n      \
-                 <joint joint=\"{name}-input\" coef=\"{3}\"/>\n    </fixed>\n",
-                -spring.dead_band_rad,
-                spring.dead_band_rad,
-                spring.stiffness_n_m_per_rad,
-                -1.0 / self.ratio
-            );
-        }
-        format!(
-            "<mujoco model=\"{name}\">\n  <!--\n{}    A longer step will do where the output carries much more inertia.\n  -->\n  \
-             <compiler angle=\"radian\"/>\n  <option timestep=\"{step:.0e}\" integrator=\"implicitfast\"/>\n  <worldbody>\n{}{}  \
-             </worldbody>\n  <tendon>\n{tendons}  </tendon>\n  <actuator>\n    \
-             <motor name=\"{name}-motor\" joint=\"{name}-input\"/>\n  </actuator>\n</mujoco>\n",
-            self.remarks(),
-            body(
-                "input",
-                self.input_inertia_kg_m2,
-                self.masses_kg[0],
-                "",
-                "Add the motor's rotor."
-            ),
-            body(
-                "output",
-                self.output_inertia_kg_m2,
-                self.masses_kg[1],
-                &rubs,
-                "The robot's link goes in here."
-            ),
-        )
-    }
-
-    /// URDF, with Drake's tags: a rigid gear. Stiffness and play have no place in it but the comment.
-    ///
-    /// Sources: ROS wiki, urdf/XML/joint and urdf/XML/Transmission; Drake, multibody/parsing, `drake:gear_ratio`,
-    /// `drake:rotor_inertia`.
-    #[must_use]
-    pub fn urdf(&self) -> String {
-        let (name, ratio) = (&self.name, self.ratio);
-        let inertia = self.output_inertia_kg_m2;
-        format!(
-            "<?xml version=\"1.0\"?>\n<robot name=\"{name}\" xmlns:drake=\"http://drake.mit.edu\">\n  <!--\n{}    \
-             URDF holds no stiffness and no play: the gear below is rigid. Drake has no Coulomb friction and leaves it out.\n  -->\n  \
-             <link name=\"{name}-housing\"/>\n  <link name=\"{name}-output\">\n    <inertial>\n      <mass value=\"{}\"/>\n      \
-             <inertia ixx=\"{inertia}\" iyy=\"{inertia}\" izz=\"{inertia}\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>\n    </inertial>\n  </link>\n  \
-             <joint name=\"{name}-joint\" type=\"continuous\">\n    <parent link=\"{name}-housing\"/>\n    \
-             <child link=\"{name}-output\"/>\n    <axis xyz=\"0 0 1\"/>\n    \
-             <dynamics damping=\"{}\" friction=\"{}\"/>\n  </joint>\n  <transmission name=\"{name}-gear\">\n    \
-             <type>transmission_interface/SimpleTransmission</type>\n    <joint name=\"{name}-joint\">\n      \
-             <hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface>\n    </joint>\n    \
-             <actuator name=\"{name}-motor\">\n      <mechanicalReduction>{ratio}</mechanicalReduction>\n      \
-             <drake:gear_ratio value=\"{ratio}\"/>\n      <drake:rotor_inertia value=\"{}\"/>\n    </actuator>\n  \
-             </transmission>\n</robot>\n",
-            self.remarks(),
-            self.masses_kg[1],
-            self.viscous(),
-            self.coulomb(),
-            self.input_inertia_kg_m2,
-        )
-    }
-
-    /// SDFormat with Drake's tags: the same rigid gear.
-    ///
-    /// Sources: SDFormat 1.8, `joint/axis`; Drake, multibody/parsing, `//model/joint/drake:gear_ratio`, `drake:rotor_inertia`.
-    #[must_use]
-    pub fn sdf(&self) -> String {
-        let name = &self.name;
-        let inertia = self.output_inertia_kg_m2;
-        format!(
-            "<?xml version=\"1.0\"?>\n<sdf version=\"1.8\" xmlns:drake=\"drake.mit.edu\">\n  <model name=\"{name}\">\n    <!--\n{}    \
-             The gear below is rigid: stiffness and play stand in this comment alone. Drake leaves Coulomb friction out.\n    -->\n    \
-             <link name=\"{name}-housing\"/>\n    <link name=\"{name}-output\">\n      <inertial>\n        <mass>{}</mass>\n        \
-             <inertia><ixx>{inertia}</ixx><iyy>{inertia}</iyy><izz>{inertia}</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia>\n      \
-             </inertial>\n    </link>\n    <joint name=\"{name}-joint\" type=\"revolute\">\n      \
-             <parent>{name}-housing</parent>\n      <child>{name}-output</child>\n      <axis>\n        <xyz>0 0 1</xyz>\n        \
-             <dynamics><damping>{}</damping><friction>{}</friction></dynamics>\n        \
-             <limit><effort>{}</effort></limit>\n      </axis>\n      \
-             <drake:rotor_inertia>{}</drake:rotor_inertia>\n      <drake:gear_ratio>{}</drake:gear_ratio>\n    </joint>\n  \
-             </model>\n</sdf>\n",
-            self.remarks(),
-            self.masses_kg[1],
-            self.viscous(),
-            self.coulomb(),
-            self.rated_n_m,
-            self.input_inertia_kg_m2,
-            self.ratio,
-        )
+        file.render()
     }
 
     /// Writes `joint_mujoco.xml`, `joint.urdf` and `joint.sdf`.
     pub(super) fn write(&self, dir: &Path) -> Result<(), OutputError> {
-        write_text(&dir.join("joint_mujoco.xml"), &self.mjcf())?;
-        write_text(&dir.join("joint.urdf"), &self.urdf())?;
-        write_text(&dir.join("joint.sdf"), &self.sdf())
+        for (name, text) in [
+            ("joint_mujoco.xml", self.mjcf()),
+            ("joint.urdf", Urdf { joint: self }.render()),
+            ("joint.sdf", Sdf { joint: self }.render()),
+        ] {
+            let path = dir.join(name);
+            let text = text.map_err(|error| OutputError::new(&path, &error))?;
+            write_text(&path, &format!("{text}\n"))?;
+        }
+        Ok(())
     }
+}
+
+#[derive(Template)]
+#[template(path = "joint_mujoco.xml", escape = "none")]
+struct Mujoco<'a> {
+    joint: &'a Joint,
+    step: String,
+    friction_time: String,
+    damping: f64,
+    coefficient: f64,
+}
+
+/// URDF, with Drake's tags: a rigid gear. Stiffness and play have no place in it but the comment.
+///
+/// Sources: ROS wiki, urdf/XML/joint and urdf/XML/Transmission; Drake, multibody/parsing, `drake:gear_ratio`,
+/// `drake:rotor_inertia`.
+#[derive(Template)]
+#[template(path = "joint.urdf", escape = "none")]
+struct Urdf<'a> {
+    joint: &'a Joint,
+}
+
+/// SDFormat with Drake's tags: the same rigid gear.
+///
+/// Sources: SDFormat 1.8, `joint/axis`; Drake, multibody/parsing, `//model/joint/drake:gear_ratio`, `drake:rotor_inertia`.
+#[derive(Template)]
+#[template(path = "joint.sdf", escape = "none")]
+struct Sdf<'a> {
+    joint: &'a Joint,
 }
 
 impl Pose {
@@ -415,7 +344,7 @@ fn springs(twists: &[f64], rated: f64) -> Vec<Spring> {
 }
 
 /// The figures of balances, of these poses.
-fn of_balances(poses: &[&Pose], rated: f64) -> Vec<Figure> {
+fn of_balances(poses: &[&Pose], rated: f64) -> Vec<DesignFigure> {
     let twists = mean_twists(poses);
     let at = |share: f64| LEVELS.iter().position(|level| *level == share);
     let spread = |of: &dyn Fn(&Pose) -> f64| Spread::of(poses.iter().map(|pose| of(pose)));
@@ -428,46 +357,15 @@ fn of_balances(poses: &[&Pose], rated: f64) -> Vec<Figure> {
     let line = twists[full] - rated / stiff(&twists);
     let dampings: Option<Vec<f64>> = poses.iter().map(|pose| pose.damping).collect();
     let damping = dampings.map(Spread::of);
-    let figure = |key, what, unit, value: Option<f64>, spread: Option<&Spread>, how| {
-        let figure = Figure::new(key, what, unit, value, Some(0.0), how);
-        match spread {
-            Some(spread) => figure.over(spread),
-            None => figure,
-        }
-    };
+    let mut damped = JOINT_DAMPING.is(damping.as_ref().map(|spread| spread.mean), 0.0);
+    if let Some(spread) = &damping {
+        damped = damped.over(spread);
+    }
     vec![
-        figure(
-            "joint_backlash_arcmin",
-            "free play",
-            "arcmin",
-            Some(play.mean),
-            Some(&play),
-            "between both directions at a ten-thousandth of the rated torque, mean; without play what the first contacts give way",
-        ),
-        figure(
-            "joint_stiffness_n_m_per_rad",
-            "torsional stiffness",
-            "N m/rad",
-            Some(stiff(&twists)),
-            Some(&stiffness),
-            "of the mean twist, between 50 and 100 % of the rated torque",
-        ),
-        figure(
-            "joint_dead_band_arcmin",
-            "dead band of that stiffness alone",
-            "arcmin",
-            Some(2.0 * ARCMIN * line.max(0.0)),
-            None,
-            "for a model of one spring; above the free play, as the first pins give way more",
-        ),
-        figure(
-            "joint_damping_n_m_s_per_rad",
-            "damping beside the stiffness",
-            "N m s/rad",
-            damping.as_ref().map(|spread| spread.mean),
-            damping.as_ref(),
-            "of the contacts about the rated load",
-        ),
+        JOINT_BACKLASH.is(play.mean, 0.0).over(&play),
+        JOINT_STIFFNESS.is(stiff(&twists), 0.0).over(&stiffness),
+        JOINT_DEAD_BAND.is(2.0 * ARCMIN * line.max(0.0), 0.0),
+        damped,
     ]
 }
 
@@ -511,36 +409,15 @@ fn friction(runs: &[Operating], rated: f64, ratio: f64) -> Option<(Friction, [f6
     None
 }
 
-fn of_friction(found: Option<(Friction, [f64; 3])>) -> [Figure; 3] {
-    let part = |k: usize, of: fn(&Friction) -> f64, key, what, unit, how| {
-        let value = found.as_ref().map(|(friction, _)| of(friction));
-        Figure::new(key, what, unit, value, found.map(|(_, off)| off[k]), how)
+fn of_friction(found: Option<(Friction, [f64; 3])>) -> [DesignFigure; 3] {
+    let (friction, off) = found.unzip();
+    let part = |k: usize, what: Definition, of: fn(Friction) -> f64| {
+        what.is(friction.map(of), off.map(|off| off[k]))
     };
     [
-        part(
-            0,
-            |f| f.constant_n_m,
-            "joint_friction_n_m",
-            "friction, constant",
-            "N m",
-            "at the output, fitted to what runs lose",
-        ),
-        part(
-            1,
-            |f| f.of_rated_load_n_m,
-            "joint_friction_of_load_n_m",
-            "friction, of the rated load",
-            "N m",
-            "likewise; in proportion to the load",
-        ),
-        part(
-            2,
-            |f| f.viscous_n_m_s_per_rad,
-            "joint_viscous_n_m_s_per_rad",
-            "friction, viscous",
-            "N m s/rad",
-            "likewise; in proportion to the output's speed",
-        ),
+        part(0, JOINT_FRICTION, |f| f.constant_n_m),
+        part(1, JOINT_FRICTION_OF_LOAD, |f| f.of_rated_load_n_m),
+        part(2, JOINT_VISCOUS, |f| f.viscous_n_m_s_per_rad),
     ]
 }
 

@@ -28,19 +28,21 @@ mod orders;
 use std::f64::consts::PI;
 use std::path::Path;
 
+use pinwheel_courses::table::{Column, Table};
 use pinwheel_engines::Native;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError};
-use pinwheel_scene::{CheckedScene, Derived, derived, load_course};
+use pinwheel_scene::{CheckedScene, Derived, Scene, derived, load_course};
 use serde::Serialize;
 
+use crate::control::{compile, of_scene};
 use crate::output::{OutputError, write_with};
 use crate::provenance::{Provenance, Summary};
 use crate::{Control, Progress, StudyError, single};
 
 pub use cycle::Cycle;
 pub use drawing::{CHORD_M, Drawing};
-pub use figures::Figure;
+pub use figures::DesignFigure;
 pub use joint::{Friction, Joint, Spring};
 pub use mesh::{Bearing, Pair, Pressure, Sharing, Stage};
 pub use orders::{ForceHarmonic, Harmonic};
@@ -138,14 +140,14 @@ pub struct Operating {
 
 /// Everything found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Outcome {
+pub struct DesignResult {
     /// The scene.
     #[serde(skip)]
     pub scene: CheckedScene,
     /// Largest load of the scene, N m.
     pub rated_torque_n_m: f64,
     /// What a data sheet gives, each figure with its uncertainty.
-    pub figures: Vec<Figure>,
+    pub figures: Vec<DesignFigure>,
     /// What follows from the dimensions.
     pub dimensions: Derived,
     /// Lost motion and stiffness.
@@ -174,17 +176,18 @@ pub struct Outcome {
 ///
 /// # Errors
 /// Cancelled; no load or more of it than the teeth carry; a scene that cannot be modelled.
-pub fn run(gearbox: &Gearbox, runs: bool, control: &Control<'_>) -> Result<Outcome, StudyError> {
+pub fn run(
+    gearbox: &Gearbox,
+    runs: bool,
+    control: &Control<'_>,
+) -> Result<DesignResult, StudyError> {
     let mut found = figures_of(gearbox, runs, control)?;
     let period = Poses::of(&gearbox.scene.gear).period;
     let joint = Statics::new(gearbox).and_then(|mut statics| {
         let rated = (found.rated_torque_n_m, period);
         Joint::identify(&mut statics, gearbox, rated, &found.efficiency)
     });
-    found.joint = Some(joint.map_err(|source| StudyError::Scene {
-        scene: gearbox.scene.name.clone(),
-        source,
-    })?);
+    found.joint = Some(joint.map_err(|source| of_scene(&gearbox.scene, source))?);
     Ok(found)
 }
 
@@ -196,7 +199,7 @@ pub(crate) fn figures_of(
     gearbox: &Gearbox,
     runs: bool,
     control: &Control<'_>,
-) -> Result<Outcome, StudyError> {
+) -> Result<DesignResult, StudyError> {
     let scene = &gearbox.scene;
     let rated = load_course::largest(&scene.drive);
     if rated <= 0.0 {
@@ -205,10 +208,7 @@ pub(crate) fn figures_of(
             scene.name
         )));
     }
-    let of_scene = |source: GearboxError| StudyError::Scene {
-        scene: scene.name.clone(),
-        source,
-    };
+    let of_scene = |source| of_scene(scene, source);
     let total = 3 + if runs {
         1 + SPEEDS.len() * TORQUES.len()
     } else {
@@ -282,7 +282,7 @@ pub(crate) fn figures_of(
     for bearing in &mut bearings {
         bearing.radial_harmonics = orders::of_force(&bearing.radial_n, &poses);
     }
-    Ok(Outcome {
+    Ok(DesignResult {
         scene: scene.clone(),
         rated_torque_n_m: rated,
         figures,
@@ -371,20 +371,14 @@ fn operating(
     control: &Control<'_>,
 ) -> Result<Operating, StudyError> {
     let rated = &gearbox.scene;
-    let scene = rated.changed(|scene| {
-        scene.drive.input_speed_rad_s *= speed;
-        scene.drive.output_torque_n_m = torque.copysign(rated.drive.output_torque_n_m);
-        scene.drive.load_changes.clear();
-        scene.solver.duration_s /= speed;
-        scene.solver.sample_s /= speed;
-        scene.solver.integrator = "auto".to_owned();
-    });
-    let scene = scene.map_err(GearboxError::from);
-    let gearbox = scene.and_then(|scene| Gearbox::new(&scene));
-    let gearbox = gearbox.map_err(|source| StudyError::Scene {
-        scene: rated.name.clone(),
-        source,
-    })?;
+    let mut scene = Scene::clone(rated);
+    scene.drive.input_speed_rad_s *= speed;
+    scene.drive.output_torque_n_m = torque.copysign(rated.drive.output_torque_n_m);
+    scene.drive.load_changes.clear();
+    scene.solver.duration_s /= speed;
+    scene.solver.sample_s /= speed;
+    scene.solver.integrator = "auto".to_owned();
+    let gearbox = compile(&scene)?;
     let found = single::run(&gearbox, &Native::REDUCED, false, control)?;
     let account = found.run.stats.energy.last();
     let efficiency = account
@@ -402,41 +396,38 @@ fn operating(
     })
 }
 
-impl Outcome {
+impl DesignResult {
     /// Writes `summary.json`, `torsion.csv`, `period.csv`, of runs `hysteresis.csv`, and the joint into the folder `dir`.
     ///
     /// # Errors
     /// A file cannot be written.
     pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
         Summary::new(made, self).write(dir)?;
-        let torsion = [&self.torsion.torque_n_m, &self.torsion.twist_arcmin];
-        table(
-            dir,
-            "torsion.csv",
-            &["torque_n_m", "twist_arcmin"],
-            &torsion,
-        )?;
-        let mut names = vec![
-            "input_angle_rad".to_owned(),
-            "transmission_error_arcmin".to_owned(),
-            "transmission_error_unloaded_arcmin".to_owned(),
+        let torsion = [
+            Column::numbers("torque_n_m", &self.torsion.torque_n_m),
+            Column::numbers("twist_arcmin", &self.torsion.twist_arcmin),
         ];
-        let mut columns = vec![
-            &self.input_angle_rad,
-            &self.transmission[0].error_arcmin,
-            &self.transmission[1].error_arcmin,
+        table(dir, "torsion.csv", torsion.into())?;
+        let [rated, unloaded] = &self.transmission;
+        let mut period = vec![
+            Column::numbers("input_angle_rad", &self.input_angle_rad),
+            Column::numbers("transmission_error_arcmin", &rated.error_arcmin),
+            Column::numbers("transmission_error_unloaded_arcmin", &unloaded.error_arcmin),
         ];
         for (k, bearing) in self.bearings.iter().enumerate() {
-            names.push(format!("eccentric_bearing_radial_force_n_{k}"));
-            names.push(format!("eccentric_bearing_tangential_force_n_{k}"));
-            columns.extend([&bearing.radial_n, &bearing.tangential_n]);
+            let [radial, tangential] = ["radial", "tangential"]
+                .map(|part| format!("eccentric_bearing_{part}_force_n_{k}"));
+            period.push(Column::numbers(radial, &bearing.radial_n));
+            period.push(Column::numbers(tangential, &bearing.tangential_n));
         }
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        table(dir, "period.csv", &names, &columns)?;
+        table(dir, "period.csv", period)?;
         if let Some(cycle) = &self.cycle {
-            let names = ["time_s", "torque_n_m", "output_angle_arcmin"];
-            let columns = [&cycle.time_s, &cycle.torque_n_m, &cycle.angle_arcmin];
-            table(dir, "hysteresis.csv", &names, &columns)?;
+            let columns = [
+                Column::numbers("time_s", &cycle.time_s),
+                Column::numbers("torque_n_m", &cycle.torque_n_m),
+                Column::numbers("output_angle_arcmin", &cycle.angle_arcmin),
+            ];
+            table(dir, "hysteresis.csv", columns.into())?;
         }
         if let Some(joint) = &self.joint {
             joint.write(dir)?;
@@ -448,14 +439,8 @@ impl Outcome {
     }
 }
 
-fn table(dir: &Path, name: &str, names: &[&str], columns: &[&Vec<f64>]) -> Result<(), OutputError> {
-    write_with(dir, name, |sink| {
-        let mut table = csv::Writer::from_writer(sink);
-        table.write_record(names)?;
-        let rows = columns.first().map_or(0, |column| column.len());
-        for row in 0..rows {
-            table.write_record(columns.iter().map(|column| column[row].to_string()))?;
-        }
-        table.flush().map_err(csv::Error::from)
-    })
+fn table(dir: &Path, name: &str, columns: Vec<Column>) -> Result<(), OutputError> {
+    let caption = String::new();
+    let table = Table { caption, columns };
+    write_with(dir, name, |sink| table.write_csv(sink))
 }

@@ -1,9 +1,9 @@
 //! Harmonics of what repeats with the mesh.
 
-use realfft::RealFftPlanner;
 use serde::Serialize;
 
 use super::mesh::Poses;
+use crate::fourier::moduli;
 
 /// Harmonics that are kept.
 const KEPT: usize = 12;
@@ -49,23 +49,16 @@ pub(super) fn of_force(force_n: &[f64], poses: &Poses) -> Vec<ForceHarmonic> {
 
 /// The largest harmonics of a course over one period, largest first.
 pub(super) fn largest(course: &[f64], poses: &Poses) -> Vec<Harmonic> {
-    let mut samples = course.to_vec();
-    let transform = RealFftPlanner::new().plan_fft_forward(samples.len());
-    let mut spectrum = transform.make_output_vec();
-    // It fails on lengths only, and both come from it.
-    if transform.process(&mut samples, &mut spectrum).is_err() {
-        return Vec::new();
-    }
     let scale = 2.0 / course.len() as f64;
     let [external, internal] = poses.meshes;
-    let mut found: Vec<Harmonic> = spectrum
-        .iter()
+    let mut found: Vec<Harmonic> = moduli(course.to_vec())
+        .into_iter()
         .enumerate()
         .skip(1)
         .map(|(k, value)| Harmonic {
             input_order: k as f64 * poses.per_turn,
             output_order: k as f64 * poses.per_turn * poses.ratio,
-            amplitude_arcmin: scale * value.norm(),
+            amplitude_arcmin: scale * value,
             of: match (k.is_multiple_of(external), k.is_multiple_of(internal)) {
                 (true, true) => "both meshes",
                 (true, false) => "external mesh",

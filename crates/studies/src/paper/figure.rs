@@ -1,11 +1,12 @@
 //! A figure of the paper as data: what it says, our curves, our numbers, the verdict.
 
-use super::claims::Verdict;
 use serde::Serialize;
+
+use super::statements::ClaimVerdict;
 
 /// One figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Figure {
+pub struct PaperFigure {
     /// `fig-07`; of what the paper has no figure for, a word.
     pub id: String,
     /// `Fig. 7`, or a word.
@@ -21,7 +22,7 @@ pub struct Figure {
     /// The numbers of `found`, for programs.
     pub numbers: Vec<Number>,
     /// Whether ours show what the paper says.
-    pub verdict: Verdict,
+    pub verdict: ClaimVerdict,
     /// The curves.
     pub plots: Vec<Plot>,
 }
@@ -38,7 +39,7 @@ pub struct Number {
 }
 
 /// Curves on one pair of axes, the paper's.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Plot {
     /// `fig-07a`: name of its data file.
     pub key: String,
@@ -57,6 +58,25 @@ pub struct Plot {
     pub curves: Vec<Curve>,
     /// What is to be seen.
     pub note: String,
+}
+
+impl Plot {
+    /// Curves over time; `[key, title, y_label]`.
+    pub(super) fn over_time(
+        [key, title, y_label]: [&str; 3],
+        x: Vec<f64>,
+        curves: Vec<Curve>,
+    ) -> Self {
+        Self {
+            key: key.to_owned(),
+            title: title.to_owned(),
+            x_label: "Time (s)".to_owned(),
+            y_label: y_label.to_owned(),
+            x,
+            curves,
+            ..Self::default()
+        }
+    }
 }
 
 /// One curve.
@@ -80,6 +100,33 @@ impl Curve {
             y: y.into(),
         }
     }
+
+    /// Single points.
+    pub(super) fn points(label: impl Into<String>, y: impl Into<Vec<f64>>) -> Self {
+        Self {
+            points: true,
+            ..Self::line(label, y)
+        }
+    }
+}
+
+/// What runs give for a figure: everything but what is said about it.
+#[derive(Debug, Default)]
+pub(super) struct Measured {
+    /// The figure's.
+    pub(super) id: &'static str,
+    pub(super) numbers: Vec<Number>,
+    /// Parts of the sentences that are no numbers.
+    pub(super) words: Vec<(&'static str, String)>,
+    pub(super) plots: Vec<Plot>,
+}
+
+impl Measured {
+    /// A number by its name; not a number if there is none.
+    pub(super) fn number(&self, name: &str) -> f64 {
+        let found = self.numbers.iter().find(|number| number.name == name);
+        found.map_or(f64::NAN, |number| number.value)
+    }
 }
 
 /// A number.
@@ -91,11 +138,10 @@ pub(super) fn number(name: impl Into<String>, value: f64, unit: &str) -> Number 
     }
 }
 
-/// Holds always, sometimes, or not.
-pub(super) fn verdict(always: bool, sometimes: bool) -> Verdict {
-    match (always, sometimes) {
-        (true, _) => Verdict::Holds,
-        (false, true) => Verdict::Conditional,
-        (false, false) => Verdict::DoesNotHold,
-    }
+/// Numbers of one kind: `what_name` for every name.
+pub(super) fn numbers(what: &str, names: &[&str], values: &[f64], unit: &str) -> Vec<Number> {
+    let named = names.iter().zip(values);
+    named
+        .map(|(name, value)| number(format!("{what}_{name}"), *value, unit))
+        .collect()
 }

@@ -1,7 +1,6 @@
 //! The paper, figure by figure: our curves in its axes, what it says they show, whether ours do.
 
 mod backlash;
-pub mod claims;
 mod contact;
 mod damping;
 mod figure;
@@ -10,31 +9,31 @@ mod points;
 mod read;
 mod runs;
 mod spectrum;
-mod stand_in;
+mod statements;
 mod torque;
 mod write;
 
 use std::time::Instant;
 
-use claims::Judgement;
-use pinwheel_gearbox::native::NativeError;
 use serde::Serialize;
 
-pub use figure::{Curve, Figure, Number, Plot};
-pub use peer::Peer;
-pub use stand_in::peer;
+pub use figure::{Curve, Number, PaperFigure, Plot};
+pub use peer::{Peer, peer};
+pub use statements::{Claim, ClaimVerdict, JudgedClaim};
 
 use crate::StudyError;
 use crate::control::{Control, Progress};
+use figure::{Measured, number};
 use runs::{Model, Runs};
+use statements::Statements;
 
 /// The whole study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Paper {
-    /// Figures in the paper's order, then the spectra.
-    pub figures: Vec<Figure>,
-    /// Its claims with our figures.
-    pub claims: Vec<Judgement>,
+pub struct PaperResult {
+    /// Figures in the paper's order, then what it has no figure for.
+    pub figures: Vec<PaperFigure>,
+    /// Its claims, each judged by the numbers of a figure that is among them.
+    pub claims: Vec<JudgedClaim>,
     /// What runs cost.
     pub costs: Vec<Cost>,
     /// Distinct runs behind the figures.
@@ -55,8 +54,9 @@ pub struct Cost {
 }
 
 /// Names of the figures, as [`Options::figures`] takes them; those of one group are computed together.
-pub const NAMES: [&str; 15] = [
+pub const NAMES: [&str; 16] = [
     "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16", "17", "18", "spectra",
+    "damping",
 ];
 
 /// A figure by its name, as `9`, `09` or `fig-9`.
@@ -78,25 +78,25 @@ pub fn named(word: &str) -> Result<String, String> {
 /// What to compute.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// Some of [`NAMES`]; none: all, with the claims.
+    /// Some of [`NAMES`]; none: all.
     pub figures: Vec<String>,
     /// What stands in Adams' place in Fig. 10.
     pub peer: Option<Peer>,
 }
 
-type Make = fn(&Runs<'_>, &Options) -> Result<Vec<Figure>, StudyError>;
+type Make = fn(&Runs<'_>, &Options) -> Result<Vec<Measured>, StudyError>;
 
-/// The figures in groups that share their runs.
-const GROUPS: [(&[&str], &str, Make); 8] = [
+/// The figures in groups that share their runs, in the paper's order.
+const GROUPS: [(&[&str], &str, Make); 9] = [
     (&["5", "6"], "Figs. 5 and 6", |runs, _| {
         contact::one_contact(runs)
     }),
     (&["7", "8"], "Figs. 7 and 8", |runs, _| {
         damping::figures(runs)
     }),
-    (&["9"], "Fig. 9", |runs, _| Ok(vec![points::figure(runs)?])),
+    (&["9"], "Fig. 9", |runs, _| points::figure(runs)),
     (&["10"], "Fig. 10", |runs, options| {
-        Ok(vec![peer::figure(runs, options.peer.as_ref())?])
+        peer::figure(runs, options.peer.as_ref())
     }),
     (&["11", "12", "13"], "Figs. 11 to 13", |runs, _| {
         backlash::figures(runs)
@@ -107,40 +107,35 @@ const GROUPS: [(&[&str], &str, Make); 8] = [
     (&["17", "18"], "Figs. 17 and 18", |runs, _| {
         contact::with_backlash(runs)
     }),
-    (&["spectra"], "spectra", |runs, _| {
-        Ok(vec![spectrum::figure(runs)?])
+    (&["spectra"], "spectra", |runs, _| spectrum::figure(runs)),
+    (&["damping"], "dampings above 8 N s/m", |runs, _| {
+        damping::above(runs)
     }),
 ];
 
-/// Computes the figures and judges the claims.
+/// Computes the figures and judges the claims that rest on them.
 ///
 /// # Errors
 /// Cancelled, or a run failed that had to end.
-pub fn run(options: &Options, control: &Control<'_>) -> Result<Paper, StudyError> {
+pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, StudyError> {
     let start = Instant::now();
+    let said = Statements::read().map_err(|error| StudyError::Reference {
+        scene: "the list of claims".to_owned(),
+        reason: format!("cannot be read: {error}"),
+    })?;
     let wanted =
         |name: &str| options.figures.is_empty() || options.figures.iter().any(|f| f == name);
     let groups: Vec<_> = GROUPS
         .iter()
         .filter(|(names, ..)| names.iter().any(|n| wanted(n)))
         .collect();
-    let list = if options.figures.is_empty() {
-        claims::claims().map_err(|error| StudyError::Reference {
-            scene: "the list of claims".to_owned(),
-            reason: format!("cannot be read: {error}"),
-        })?
-    } else {
-        Vec::new()
-    };
-    let total = 1 + groups.len() + list.len();
-    let mut done = 0;
-    let mut begin = |piece: &str| {
-        (control.progress)(Progress::new(done, total, piece));
-        done += 1;
-    };
     let runs = Runs::new(*control);
-    begin("cost of a run");
-    let mut costs = costs(&runs)?;
+    let step = |done: usize, piece: &str| -> Result<(), StudyError> {
+        (control.progress)(Progress::new(done, 1 + groups.len(), piece));
+        Ok(control.check()?)
+    };
+    step(0, "cost of a run")?;
+    let (mut costs, cost) = costs(&runs)?;
     if let Some(peer) = &options.peer
         && let Some(wall_s) = peer.wall_s
     {
@@ -150,54 +145,62 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<Paper, StudyError
             ours_s: wall_s,
         });
     }
-    let mut figures = Vec::new();
-    for (names, piece, make) in groups {
-        begin(piece);
-        let made = make(&runs, options)?;
-        figures.extend(
-            made.into_iter()
-                .zip(*names)
-                .filter(|(_, name)| wanted(name))
-                .map(|(figure, _)| figure),
+    let mut measured = vec![cost];
+    for (k, (names, piece, make)) in groups.iter().enumerate() {
+        step(k + 1, piece)?;
+        let made = make(&runs, options)?.into_iter().zip(*names);
+        measured.extend(
+            made.filter(|(_, name)| wanted(name))
+                .map(|(found, _)| found),
         );
     }
-    let mut judged = Vec::new();
-    let go = || !control.cancel.load(std::sync::atomic::Ordering::Relaxed);
-    for claim in &list {
-        begin(&format!("claim {}", claim.id));
-        match claims::judge_while(claim, &go) {
-            Ok(found) => judged.extend(found),
-            Err(NativeError::Stopped) => return Err(StudyError::Cancelled),
-            Err(error) => {
-                return Err(StudyError::Reference {
-                    scene: claim.id.clone(),
-                    reason: error.to_string(),
-                });
-            }
-        }
-    }
-    Ok(Paper {
-        figures,
-        claims: judged,
+    let claims = said.claim.iter().filter_map(|claim| {
+        let found = measured.iter().find(|found| found.id == claim.figure)?;
+        Some(claim.claim(found))
+    });
+    let claims = claims.collect();
+    let figures = measured.into_iter().filter_map(|found| {
+        let figure = said.figure.iter().find(|figure| figure.id == found.id)?;
+        Some(figure.figure(found))
+    });
+    Ok(PaperResult {
+        figures: figures.collect(),
+        claims,
         costs,
         runs: runs.count(),
         wall_s: start.elapsed().as_secs_f64(),
     })
 }
 
-/// The paper's runs in its own method, and ours.
-fn costs(runs: &Runs<'_>) -> Result<Vec<Cost>, StudyError> {
-    let cost = |what: &str, paper_s: Option<f64>, model: Model| -> Result<Cost, StudyError> {
+/// The paper's runs in its own method, and ours; and what they take as numbers of a claim.
+fn costs(runs: &Runs<'_>) -> Result<(Vec<Cost>, Measured), StudyError> {
+    let mut costs = Vec::new();
+    let mut found = Measured {
+        id: "cost",
+        ..Measured::default()
+    };
+    for (what, name, paper_s, model) in [
+        (
+            "600 points on a wheel",
+            "wall_600_points",
+            Some(240.0),
+            Model::Points(600),
+        ),
+        (
+            "4000 points on a wheel",
+            "wall_4000_points",
+            Some(1500.0),
+            Model::Points(4000),
+        ),
+        ("exact profile", "wall_exact", None, Model::Ours),
+    ] {
         let run = runs.get(model, |s| "rk2".clone_into(&mut s.solver.integrator))?;
-        Ok(Cost {
+        found.numbers.push(number(name, run.wall_s, "s"));
+        costs.push(Cost {
             what: what.to_owned(),
             paper_s,
             ours_s: run.wall_s,
-        })
-    };
-    Ok(vec![
-        cost("600 points on a wheel", Some(240.0), Model::Points(600))?,
-        cost("4000 points on a wheel", Some(1500.0), Model::Points(4000))?,
-        cost("exact profile", None, Model::Ours)?,
-    ])
+        });
+    }
+    Ok((costs, found))
 }

@@ -1,12 +1,17 @@
 //! Fig. 10: another engine in Adams' place, and what could make spikes.
 
 use pinwheel_courses::Courses;
+use pinwheel_courses::norms::rows_at;
+use pinwheel_engines::{Engine, Track, by_name, known, recorded};
+use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Detection, Scene};
 
-use super::figure::{Curve, Figure, Plot, number, verdict};
-use super::read::{DRAWN, EXTERNAL, INTERNAL, STEADY, all, largest, part, quantile, times};
+use super::figure::{Curve, Measured, Plot, number};
+use super::read::{DRAWN, EXTERNAL, INTERNAL, STEADY, all, largest, part, peak, times};
 use super::runs::{Model, Runs};
 use crate::StudyError;
+use crate::choice::find_or_recorded;
+use crate::control::{Control, Progress, compile};
 
 /// Courses of an engine that detects and resolves contact itself, on the paper's scene and sample times.
 #[derive(Debug, Clone)]
@@ -25,25 +30,89 @@ pub struct Peer {
     pub wall_s: Option<f64>,
 }
 
+/// The engine named, live or else recorded; or of the preferred ones the first that is recorded or in this build.
+/// `None` if there is none at all.
+///
+/// Recordings go first where none is named: the Python engines take minutes for what this page shows of them.
+///
+/// # Errors
+/// Cancelled; an engine that there is not, that has no contacts of its own, or that does not finish.
+pub fn peer(named: Option<&str>, control: &Control<'_>) -> Result<Option<Peer>, StudyError> {
+    let scene = Scene::load("paper", &[])?;
+    let gearbox = compile(&scene)?;
+    if let Some(name) = named {
+        let engine = find_or_recorded(name, &scene)?;
+        if engine.track() != Track::OwnContact {
+            return Err(StudyError::Input(format!(
+                "--against {name}: takes its contact forces from our law; name an own-contact engine of `pinwheel engines`"
+            )));
+        }
+        return run(engine.as_ref(), &gearbox, String::new(), control).map(Some);
+    }
+    let mut missing = Vec::new();
+    let mut fit: Vec<_> = known().filter(|info| info.stands_in.is_some()).collect();
+    fit.sort_by_key(|info| info.stands_in);
+    for name in fit.into_iter().map(|info| info.name) {
+        let recording = recorded::instead(
+            name,
+            &scene,
+            "it takes minutes; name it with --against to run it",
+        );
+        let engine = recording.or_else(|| by_name(name, &scene));
+        match engine.filter(|engine| engine.supports(&scene).is_ok()) {
+            Some(engine) => {
+                let note = if missing.is_empty() {
+                    String::new()
+                } else {
+                    format!("Neither built in nor recorded: {}.", missing.join(", "))
+                };
+                return run(engine.as_ref(), &gearbox, note, control).map(Some);
+            }
+            None => missing.push(name),
+        }
+    }
+    Ok(None)
+}
+
+fn run(
+    engine: &dyn Engine,
+    gearbox: &Gearbox,
+    note: String,
+    control: &Control<'_>,
+) -> Result<Peer, StudyError> {
+    let at = control.piece(Progress::new(0, 1, engine.name()));
+    let run = engine.run_compiled(gearbox, &at)?.whole();
+    let run = run.map_err(|ending| StudyError::Ended {
+        engine: engine.name().to_owned(),
+        ending,
+    })?;
+    let version = engine.version();
+    Ok(Peer {
+        name: format!("{} {version}", engine.name()),
+        live: !version.contains("recorded"),
+        differences: engine.info().differences.to_owned(),
+        note,
+        courses: run.courses,
+        wall_s: Some(run.stats.wall_s),
+    })
+}
+
 /// A course's largest value over the level that 1 % of its loaded samples exceed: near 1 for a smooth course,
 /// 2 or more with spikes.
 fn spikes(values: &[f64]) -> f64 {
-    let loaded: Vec<f64> = values.iter().copied().filter(|f| *f > 1.0).collect();
-    largest(&loaded) / quantile(&loaded, 0.99).max(f64::MIN_POSITIVE)
+    let mut loaded: Vec<f64> = values.iter().copied().filter(|f| *f > 1.0).collect();
+    loaded.sort_by(f64::total_cmp);
+    let level = loaded.get((0.99 * loaded.len() as f64) as usize);
+    largest(&loaded) / level.map_or(f64::MIN_POSITIVE, |level| *level)
 }
 
 /// A course at the times `x`; not a number where it has no sample (recordings are thinned).
 fn on_grid(courses: &Courses, name: &str, x: &[f64]) -> Vec<f64> {
     let values = courses.channel(name).unwrap_or(&[]);
-    let at = |t: &f64| {
-        let k = courses.time_s().partition_point(|s| *s < t - 1e-9);
-        let here = courses
-            .time_s()
-            .get(k)
-            .is_some_and(|s| (s - t).abs() < 1e-8);
-        values.get(k).copied().filter(|_| here).unwrap_or(f64::NAN)
-    };
-    x.iter().map(at).collect()
+    let at = |row: Option<usize>| row.and_then(|row| values.get(row)).copied();
+    rows_at(x, courses.time_s())
+        .map(|row| at(row).unwrap_or(f64::NAN))
+        .collect()
 }
 
 /// A change to a scene, with its name.
@@ -77,111 +146,82 @@ fn suspects() -> [Suspect; 5] {
     ]
 }
 
-pub(super) fn figure(runs: &Runs<'_>, peer: Option<&Peer>) -> Result<Figure, StudyError> {
+pub(super) fn figure(runs: &Runs<'_>, peer: Option<&Peer>) -> Result<Vec<Measured>, StudyError> {
     let ours = runs.get(Model::Ours, |_| {})?;
     let published = runs.get(Model::Points(4000), |_| {})?;
-    let peaks = |courses: &Courses| [EXTERNAL, INTERNAL].map(|g| largest(&all(courses, g, STEADY)));
+    let within =
+        |courses: &Courses, window| [EXTERNAL, INTERNAL].map(|group| peak(courses, group, window));
     let spiky = |courses: &Courses| [EXTERNAL, INTERNAL].map(|g| spikes(&all(courses, g, STEADY)));
-    let own = peaks(&ours.courses);
-    let mut numbers = vec![
-        number("external_peak_ours", own[0], "N"),
-        number("internal_peak_ours", own[1], "N"),
-    ];
-    let mut words = Vec::new();
+    let mut found = Measured {
+        id: "fig-10",
+        ..Measured::default()
+    };
+    let mut add = |name: &str, [external, internal]: [f64; 2]| {
+        for (kind, value) in [("external", external), ("internal", internal)] {
+            let name = format!("{kind}_peak{name}");
+            found.numbers.push(number(name, value, "N"));
+        }
+    };
+    add("_ours", within(&ours.courses, STEADY));
+    add("_later", within(&ours.courses, (0.1, 0.6)));
+    add("_first", within(&ours.courses, (0.0, 0.05)));
+    let mut tried = Vec::new();
     for (name, change) in suspects() {
         let seen = runs.get(Model::Ours, |s| {
             change(s);
             s.solver.step_s = 5e-6; // for the stiffest of them
         });
-        match seen {
+        tried.push(match seen {
             Ok(run) => {
-                let [e, i] = peaks(&run.courses);
+                let [e, i] = within(&run.courses, STEADY);
                 let [se, si] = spiky(&run.courses);
-                numbers.push(number(format!("external_peak, {name}"), e, "N"));
-                numbers.push(number(format!("internal_peak, {name}"), i, "N"));
-                words.push(format!(
-                    "{name}: {e:.0} and {i:.0} N (spikes {se:.2}, {si:.2})"
-                ));
+                add(&format!(", {name}"), [e, i]);
+                format!("{name}: {e:.0} and {i:.0} N (spikes {se:.2}, {si:.2})")
             }
-            Err(StudyError::Reference { reason, .. }) => words.push(format!("{name}: {reason}")),
+            Err(StudyError::Reference { reason, .. }) => format!("{name}: {reason}"),
             Err(other) => return Err(other),
-        }
+        });
     }
-    let mut found = format!(
-        "Ours: at most {:.1} N external and {:.1} N internal. ",
-        own[0], own[1]
-    );
-    let mut shown = false;
-    let mut why = String::new();
     if let Some(peer) = peer {
-        let other = peaks(&peer.courses);
+        let [e, i] = within(&peer.courses, STEADY);
         let [se, si] = spiky(&peer.courses);
-        shown = se > 1.5 || si > 1.5;
-        numbers.push(number("external_peak_other", other[0], "N"));
-        numbers.push(number("internal_peak_other", other[1], "N"));
-        numbers.push(number("external_spikes_other", se, ""));
-        numbers.push(number("internal_spikes_other", si, ""));
-        found.push_str(&format!(
-            "{} ({}) in Adams' place: {:.1} N and {:.1} N; its largest values are {se:.2} and {si:.2} times what 1 % of the samples exceed, so {}. ",
+        add("_other", [e, i]);
+        found.numbers.extend([
+            number("external_spikes_other", se, ""),
+            number("internal_spikes_other", si, ""),
+            number("spikes_other", se.max(si), ""),
+        ]);
+        let other = format!(
+            "{} ({}) in Adams' place: {e:.1} N and {i:.1} N; its largest values are {se:.2} and {si:.2} times what 1 % of the samples \
+             exceed. ",
             peer.name,
-            if peer.live { "computed now" } else { "recorded" },
-            other[0],
-            other[1],
-            if shown { "it has spikes" } else { "it has none" }
-        ));
-        why.push_str(&format!("{} {} ", peer.differences, peer.note));
+            if peer.live {
+                "computed now"
+            } else {
+                "recorded"
+            },
+        );
+        let differences = format!("{} {} ", peer.differences, peer.note);
+        found.words = vec![("other", other), ("differences", differences)];
     }
-    found.push_str(&format!(
-        "Tried in our own solver, external and internal peaks: {}.",
-        words.join("; ")
-    ));
-    why.push_str(
-        "A smooth wheel has no spikes under either law, nor has a faceted one as soft as this (its corners are impacts, but soft ones). A faceted wheel \
-         with a stiffer contact has: each corner is then an impact of the size of Adams' peaks. They are what a tessellated surface makes of a \
-         contact, not the gearbox.",
-    );
-    let plot = |key: &str, title: &str, name: &str| {
+    found.words.push(("tried", tried.join("; ")));
+    for (key, kind, group) in [
+        ("fig-10a", "internal", INTERNAL),
+        ("fig-10b", "external", EXTERNAL),
+    ] {
+        let channel = format!("{group}_0");
+        let x = times(&ours.courses, DRAWN);
+        let line =
+            |label: &str, courses: &Courses| Curve::line(label, part(courses, &channel, DRAWN));
         let mut curves = vec![
-            Curve::line("ours, exact profile", part(&ours.courses, name, DRAWN)),
-            Curve::line("ours, 4000 points", part(&published.courses, name, DRAWN)),
+            line("ours, exact profile", &ours.courses),
+            line("ours, 4000 points", &published.courses),
         ];
-        if let Some(peer) = peer {
-            let x = times(&ours.courses, DRAWN);
-            curves.push(Curve::line(
-                peer.name.clone(),
-                on_grid(&peer.courses, name, &x),
-            ));
-        }
-        Plot {
-            key: key.into(),
-            title: title.into(),
-            x_label: "Time (s)".into(),
-            y_label: "Force (N)".into(),
-            y_log: false,
-            x: times(&ours.courses, DRAWN),
-            curves,
-            note: String::new(),
-        }
-    };
-    let close = |k: usize| {
-        numbers
-            .iter()
-            .find(|n| n.name == ["external_peak_other", "internal_peak_other"][k])
-            .map_or(f64::NAN, |n| n.value / own[k])
-    };
-    let similar = (0..2).all(|k| (0.6..1.6).contains(&close(k)));
-    Ok(Figure {
-        id: "fig-10".into(),
-        name: "Fig. 10".into(),
-        title: "Another engine in Adams' place".into(),
-        says: "Both programs give similar forces, below 200 N in the Fortran model; Adams has peaks of 500 N at external and 400 N at internal sleeves.".into(),
-        found,
-        why,
-        numbers,
-        verdict: verdict(similar && shown, similar || shown),
-        plots: vec![
-            plot("fig-10a", "Force on internal sleeve 0", &format!("{INTERNAL}_0")),
-            plot("fig-10b", "Force on external sleeve 0", &format!("{EXTERNAL}_0")),
-        ],
-    })
+        curves
+            .extend(peer.map(|peer| Curve::line(&peer.name, on_grid(&peer.courses, &channel, &x))));
+        let title = format!("Force on {kind} sleeve 0");
+        let words = [key, &title, "Force (N)"];
+        found.plots.push(Plot::over_time(words, x, curves));
+    }
+    Ok(vec![found])
 }

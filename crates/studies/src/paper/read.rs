@@ -1,6 +1,7 @@
 //! What is read off courses.
 
-use pinwheel_courses::{Courses, columns};
+pub(super) use pinwheel_courses::norms::{mean, range};
+use pinwheel_courses::{Courses, columns, norms};
 
 /// The contract's columns.
 pub(super) const INPUT: &str = columns::INPUT_TORQUE;
@@ -44,38 +45,14 @@ pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(0.0, f64::max)
 }
 
-/// Largest less smallest; 0 without any.
-pub(super) fn range(values: &[f64]) -> f64 {
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if high >= low { high - low } else { 0.0 }
-}
-
-/// Arithmetic mean; 0 without any.
-pub(super) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
+/// The largest force of a group within a window; 0 without any.
+pub(super) fn peak(courses: &Courses, group: &str, window: (f64, f64)) -> f64 {
+    largest(&all(courses, group, window))
 }
 
 /// RMS of `a - b` over the RMS of `b`.
 pub(super) fn off(a: &[f64], b: &[f64]) -> f64 {
-    let error: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
-    let size: f64 = b.iter().map(|b| b * b).sum();
-    if error == 0.0 {
-        0.0
-    } else {
-        (error / size).sqrt()
-    }
-}
-
-/// The value that a share of the values lies below; 0 without any.
-pub(super) fn quantile(values: &[f64], share: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let place = (share * sorted.len() as f64) as usize;
-    sorted
-        .get(place.min(sorted.len().saturating_sub(1)))
-        .copied()
-        .unwrap_or(0.0)
+    norms::relative_l2(&a.into(), &b.into(), 0.0)
 }
 
 /// RMS of a course less its own mean over `half` samples to both sides: how much it oscillates faster than that.
@@ -103,7 +80,6 @@ mod tests {
         assert!((roughness(&wave, 10) - 20.0 / 21.0 * 2.0_f64.sqrt()).abs() < 0.02);
         assert!(roughness(&[3.0; 50], 5) < 1e-12);
         assert!((range(&wave) - 4.0).abs() < 0.2 && range(&[]) == 0.0);
-        assert_eq!(quantile(&[3.0, 1.0, 2.0, 4.0], 0.5), 3.0);
         assert!((off(&[1.1, 2.2], &[1.0, 2.0]) - 0.1).abs() < 1e-12);
     }
 }

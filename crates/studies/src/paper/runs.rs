@@ -8,8 +8,13 @@ use std::time::Instant;
 use pinwheel_courses::Courses;
 use pinwheel_scene::{Detection, Scene};
 
+use super::figure::{Curve, Plot};
+use super::read::{part, times};
 use crate::StudyError;
 use crate::control::{Control, complete};
+
+/// Backlashes drawn, m. Of those in the paper's figures only the largest is named.
+pub(super) const BACKLASHES: [f64; 3] = [0.0, 3e-4, 6e-4];
 
 /// How contacts are found and the equations solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,8 +92,50 @@ impl<'a> Runs<'a> {
         Ok(run)
     }
 
+    /// One run for each value of what `change` sets; `label` names its curve.
+    pub(super) fn cases(
+        &self,
+        model: Model,
+        values: &[f64],
+        label: impl Fn(f64) -> String,
+        change: impl Fn(&mut Scene, f64),
+    ) -> Result<Cases, StudyError> {
+        let run = |&value: &f64| Ok((label(value), self.get(model, |s| change(s, value))?));
+        values.iter().map(run).collect::<Result<_, _>>().map(Cases)
+    }
+
+    /// One run for each of [`BACKLASHES`].
+    pub(super) fn backlashes(&self, model: Model) -> Result<Cases, StudyError> {
+        self.cases(model, &BACKLASHES, backlash, |s, d| s.gear.backlash_m = d)
+    }
+
     /// How many there are.
     pub(super) fn count(&self) -> usize {
         self.known.borrow().len()
+    }
+}
+
+/// `d = 0.3 mm`.
+pub(super) fn backlash(backlash_m: f64) -> String {
+    format!("d = {} mm", (backlash_m * 1e6).round() / 1e3)
+}
+
+/// Runs that one plot shows, each with the name of its curve; all on the same sample times.
+pub(super) struct Cases(pub(super) Vec<(String, Rc<Run>)>);
+
+impl Cases {
+    /// A number of every run.
+    pub(super) fn each(&self, of: impl Fn(&Courses) -> f64) -> Vec<f64> {
+        self.0.iter().map(|(_, run)| of(&run.courses)).collect()
+    }
+
+    /// A channel of every run within a window; `[key, title, y_label]`.
+    pub(super) fn plot(&self, words: [&str; 3], channel: &str, window: (f64, f64)) -> Plot {
+        let x = self.0.first().map(|(_, run)| times(&run.courses, window));
+        let curve = |(label, run): &(String, Rc<Run>)| {
+            Curve::line(label, part(&run.courses, channel, window))
+        };
+        let curves = self.0.iter().map(curve).collect();
+        Plot::over_time(words, x.unwrap_or_default(), curves)
     }
 }

@@ -2,23 +2,24 @@
 
 use std::path::Path;
 
+use pinwheel_courses::table::{Column, Table};
 use serde::Serialize;
 
-use super::{Options, Paper, Plot};
+use super::{Options, PaperResult, Plot};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 
 /// Payload of `summary.json`.
 #[derive(Serialize)]
-struct Found<'a> {
+struct PaperSummary<'a> {
     /// What stood in Adams' place.
     against: Option<&'a str>,
     #[serde(flatten)]
-    paper: &'a Paper,
+    paper: &'a PaperResult,
 }
 
-impl Paper {
-    /// Writes `summary.json` and the curves of every plot, `KEY/courses.csv`, into the folder `dir`.
+impl PaperResult {
+    /// Writes `summary.json`, `claims.md` and the curves of every plot, `KEY/courses.csv`, into the folder `dir`.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -30,19 +31,39 @@ impl Paper {
     ) -> Result<(), OutputError> {
         for plot in self.figures.iter().flat_map(|figure| &figure.plots) {
             let place = output::folder(dir, &plot.key)?;
-            output::write_with(&place, "courses.csv", |sink| csv(plot, sink))?;
+            output::write_with(&place, "courses.csv", |sink| table(plot).write_csv(sink))?;
         }
-        let found = Found {
+        let found = PaperSummary {
             against: options.peer.as_ref().map(|peer| peer.name.as_str()),
             paper: self,
         };
+        output::write_text(&dir.join("claims.md"), &self.claims_table())?;
         Summary::new(made, found).write(dir)
+    }
+
+    /// The claims as a table in Markdown, one line each after its head: `docs/claims.md` has it.
+    #[must_use]
+    pub fn claims_table(&self) -> String {
+        let mut text = String::from(
+            "| claim | where | our figure | verdict | remark |\n|---|---|---|---|---|\n",
+        );
+        for judged in &self.claims {
+            let claim = &judged.claim;
+            let cells = [
+                claim.claim.as_str(),
+                &claim.place,
+                &judged.figure,
+                judged.verdict.words(),
+                &claim.remark,
+            ];
+            text.push_str(&format!("| {} |\n", cells.join(" | ")));
+        }
+        text
     }
 }
 
-/// A plot's curves as CSV: the first column is the horizontal axis, empty where a curve has no value.
-fn csv(plot: &Plot, sink: impl std::io::Write) -> Result<(), csv::Error> {
-    let mut writer = csv::Writer::from_writer(sink);
+/// A plot's curves: the first column is the horizontal axis, cells are empty where a curve has no value.
+fn table(plot: &Plot) -> Table {
     let first = match plot.x_label.as_str() {
         "Time (s)" => "time_s",
         label => label,
@@ -50,16 +71,13 @@ fn csv(plot: &Plot, sink: impl std::io::Write) -> Result<(), csv::Error> {
     let others = plot
         .curves
         .iter()
-        .map(|curve| format!("{}: {}", plot.y_label, curve.label));
-    writer.write_record(std::iter::once(first.to_owned()).chain(others))?;
-    for (k, x) in plot.x.iter().enumerate() {
-        let values = plot.curves.iter().map(|curve| {
-            let value = curve.y.get(k).filter(|y| y.is_finite());
-            value.map_or_else(String::new, f64::to_string)
-        });
-        writer.write_record(std::iter::once(x.to_string()).chain(values))?;
+        .map(|curve| Column::numbers(format!("{}: {}", plot.y_label, curve.label), &curve.y));
+    Table {
+        caption: plot.title.clone(),
+        columns: std::iter::once(Column::numbers(first, &plot.x))
+            .chain(others)
+            .collect(),
     }
-    writer.flush().map_err(csv::Error::from)
 }
 
 #[cfg(test)]
@@ -84,7 +102,7 @@ mod tests {
             note: String::new(),
         };
         let mut text = Vec::new();
-        csv(&plot, &mut text).unwrap();
+        table(&plot).write_csv(&mut text).unwrap();
         assert_eq!(
             String::from_utf8(text).unwrap(),
             "time_s,\"Force (N): d = 0, exact\"\n0,1.5\n0.5,\n"

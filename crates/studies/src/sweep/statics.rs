@@ -10,14 +10,14 @@ use pinwheel_engines::{
 use pinwheel_gearbox::Gearbox;
 
 use crate::StudyError;
-use crate::design::{self, Outcome};
+use crate::design::{self, DesignResult};
 
 /// Its name in sweeps.
 pub const STATICS: &str = "statics";
 
 /// Columns of the results, and what they are of: over the poses of one period of the mesh, under the rated load unless the
 /// name says otherwise.
-pub(super) const FIGURES: [(&str, fn(&Outcome) -> f64); 11] = [
+pub(super) const FIGURES: [(&str, fn(&DesignResult) -> f64); 11] = [
     ("lost_motion_arcmin", |o| o.torsion.lost_motion_arcmin.mean),
     ("largest_lost_motion_arcmin", |o| {
         o.torsion.lost_motion_arcmin.max

@@ -15,12 +15,13 @@ use pinwheel_compare::{
     Comparison, Context, Evidence, Participant, Rules, Scales, Status, WindowKind, compare,
 };
 use pinwheel_engines::Engine;
-use pinwheel_gearbox::{Gearbox, GearboxError};
-use pinwheel_scene::{CheckedScene, Derived};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::{CheckedScene, Derived, Source};
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::comparison::{Effort, context, refine};
+use crate::control::of_scene;
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 use crate::{Control, Progress, StudyError, design, single};
@@ -40,7 +41,7 @@ pub struct Input<'a> {
 
 /// A key whose value differs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Change {
+pub struct KeyDiff {
     /// Full name, with its unit.
     pub key: String,
     /// Its values; `None` where a scene has none.
@@ -67,7 +68,7 @@ pub enum Judged {
 
 /// A figure of both designs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub struct FigureDiff {
     /// Its name for programs; of time series, quantity and statistic.
     pub key: String,
     /// What it is.
@@ -84,21 +85,21 @@ pub struct Row {
 
 /// Both designs and what differs.
 #[derive(Debug, Clone)]
-pub struct Outcome {
+pub struct DesignDiff {
     /// Their names, never the same.
     pub names: [String; 2],
     /// What `design` finds of each.
-    pub designs: [design::Outcome; 2],
+    pub designs: [design::DesignResult; 2],
     /// Who ran them.
     pub engine: String,
     /// Keys that differ, but for name, description and what is recorded.
-    pub changed: Vec<Change>,
+    pub changed: Vec<KeyDiff>,
     /// What follows from the dimensions and the load, exactly.
-    pub derived: Vec<Row>,
+    pub derived: Vec<FigureDiff>,
     /// The figures of `design`.
-    pub figures: Vec<Row>,
+    pub figures: Vec<FigureDiff>,
     /// Means and peaks of the time series, by window.
-    pub courses: Vec<(WindowKind, Vec<Row>)>,
+    pub courses: Vec<(WindowKind, Vec<FigureDiff>)>,
     /// The time series and their uncertainties.
     pub comparison: Comparison,
     /// The runs behind it.
@@ -107,14 +108,14 @@ pub struct Outcome {
 
 /// Payload of `summary.json`.
 #[derive(Serialize)]
-struct Found<'a> {
+struct DiffSummary<'a> {
     designs: &'a [String; 2],
     engine: &'a str,
     identical: bool,
-    changed: &'a [Change],
-    derived: &'a [Row],
-    figures: &'a [Row],
-    courses: BTreeMap<&'static str, &'a [Row]>,
+    changed: &'a [KeyDiff],
+    derived: &'a [FigureDiff],
+    figures: &'a [FigureDiff],
+    courses: BTreeMap<&'static str, &'a [FigureDiff]>,
     scenes: [&'a CheckedScene; 2],
 }
 
@@ -122,7 +123,7 @@ struct Found<'a> {
 ///
 /// # Errors
 /// Cancelled; a design without a load; a scene that cannot be modelled or that the engine cannot run.
-pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyError> {
+pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, StudyError> {
     let scenes = input.gearboxes.map(|gearbox| &gearbox.scene);
     let names = names(scenes, input.specs);
     for gearbox in input.gearboxes {
@@ -170,10 +171,10 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyErr
         compare(&context, &participants[k..=k], &rules)
     };
     let alone = [alone(0)?, alone(1)?];
-    let designs: [design::Outcome; 2] = designs
+    let designs: [design::DesignResult; 2] = designs
         .try_into()
         .map_err(|_| StudyError::Input("two designs are compared".to_owned()))?;
-    Ok(Outcome {
+    Ok(DesignDiff {
         engine: input.engine.name().to_owned(),
         changed: changed(scenes)?,
         derived: derived(scenes, [&designs[0].dimensions, &designs[1].dimensions]),
@@ -214,10 +215,7 @@ fn on_one_grid(gearboxes: [&Gearbox; 2]) -> Result<[Gearbox; 2], StudyError> {
             solver.sample_s = sample_s;
             solver.step_s = solver.step_s.min(sample_s);
         });
-        moved.map_err(|source| StudyError::Scene {
-            scene: gearbox.scene.name.clone(),
-            source: GearboxError::from(source),
-        })
+        moved.map_err(|source| of_scene(&gearbox.scene, source.into()))
     });
     Ok([a?, b?])
 }
@@ -247,85 +245,73 @@ fn shared(scenes: [&CheckedScene; 2]) -> Context {
 }
 
 /// Keys that differ. Names and descriptions always may, and what is recorded changes no result.
-fn changed(scenes: [&CheckedScene; 2]) -> Result<Vec<Change>, StudyError> {
-    fn flat(value: Value, at: String, into: &mut Vec<(String, Value)>) {
+fn changed(scenes: [&CheckedScene; 2]) -> Result<Vec<KeyDiff>, StudyError> {
+    fn flat(value: Value, at: String, put: &mut impl FnMut(String, Value)) {
         match value {
             Value::Object(keys) => {
                 for (key, value) in keys {
                     let dot = if at.is_empty() { "" } else { "." };
-                    flat(value, format!("{at}{dot}{key}"), into);
+                    flat(value, format!("{at}{dot}{key}"), put);
                 }
             }
-            value => into.push((at, value)),
+            value => put(at, value),
         }
     }
-    let mut keys = [Vec::new(), Vec::new()];
-    for (scene, keys) in scenes.iter().zip(&mut keys) {
+    let mut keys: BTreeMap<String, [Option<Value>; 2]> = BTreeMap::new();
+    for (k, scene) in scenes.into_iter().enumerate() {
         let value = serde_json::to_value(scene)
             .map_err(|error| StudyError::Input(format!("{}: {error}", scene.name)))?;
-        flat(value, String::new(), keys);
+        flat(value, String::new(), &mut |key, value| {
+            keys.entry(key).or_default()[k] = Some(value);
+        });
     }
-    let [a, b] = &keys;
-    let of = |keys: &[(String, Value)], key: &str| {
-        let found = keys.iter().find(|(name, _)| name == key);
-        found.map(|(_, value)| value.clone())
+    let by_formula = |scene: &&CheckedScene, key: &str| {
+        let mut origins = scene.origins().into_iter();
+        origins.any(|origin| origin.key == key && matches!(origin.source, Source::Formula(_)))
     };
-    let follows = |key: &str| {
-        scenes.iter().all(|scene| {
-            let mut origins = scene.origins().into_iter();
-            origins.any(|origin| {
-                let formula = matches!(origin.source, pinwheel_scene::Source::Formula(_));
-                origin.key == key && formula
-            })
-        })
+    let counts = |key: &str| !matches!(key, "name" | "description") && !key.starts_with("output.");
+    let changed = keys.into_iter();
+    let changed = changed.filter(|(key, [a, b])| a != b && counts(key));
+    let change = |(key, values): (String, _)| KeyDiff {
+        follows: scenes.iter().all(|scene| by_formula(scene, &key)),
+        key,
+        values,
     };
-    let only_b = b.iter().filter(|(key, _)| of(a, key).is_none());
-    let all = a.iter().chain(only_b).map(|(key, _)| key);
-    let counts = |key: &&String| {
-        !matches!(key.as_str(), "name" | "description") && !key.starts_with("output.")
-    };
-    let changes = all.filter(counts).map(|key| Change {
-        key: key.clone(),
-        values: [of(a, key), of(b, key)],
-        follows: follows(key),
-    });
-    Ok(changes
-        .filter(|change| change.values[0] != change.values[1])
-        .collect())
+    Ok(changed.map(change).collect())
 }
 
-fn derived(scenes: [&CheckedScene; 2], of: [&Derived; 2]) -> Vec<Row> {
+fn derived(scenes: [&CheckedScene; 2], of: [&Derived; 2]) -> Vec<FigureDiff> {
     let [a, b] = [0, 1].map(|k| of[k].lines(scenes[k]));
     let exact = [Some(0.0); 2];
     a.iter()
         .zip(&b)
         .map(|(a, b)| {
             let values = [Some(a.value), Some(b.value)];
-            Row::new(a.what, a.what, a.unit, values, exact)
+            FigureDiff::new(a.what, a.what, a.unit, values, exact)
         })
         .collect()
 }
 
-fn figures(designs: &[design::Outcome; 2]) -> Vec<Row> {
+fn figures(designs: &[design::DesignResult; 2]) -> Vec<FigureDiff> {
     let [a, b] = [0, 1].map(|k| &designs[k].figures);
     let other = |key: &str| b.iter().find(|figure| figure.key == key);
     let both = a.iter().filter_map(|one| Some((one, other(one.key)?)));
     both.map(|(a, b)| {
         let uncertainty = [a.uncertainty, b.uncertainty];
-        Row::new(a.key, a.what, a.unit, [a.value, b.value], uncertainty)
+        FigureDiff::new(a.key, a.what, a.unit, [a.value, b.value], uncertainty)
     })
     .collect()
 }
 
 /// Mean and peak of every quantity, window by window.
-fn courses(alone: &[Comparison; 2]) -> Vec<(WindowKind, Vec<Row>)> {
+fn courses(alone: &[Comparison; 2]) -> Vec<(WindowKind, Vec<FigureDiff>)> {
     let windows = alone[0].windows.iter().map(|window| window.kind);
     windows
         .map(|window| (window, statistics(alone, window)))
         .collect()
 }
 
-fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<Row> {
+fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<FigureDiff> {
     let mut rows = Vec::new();
     let only_b = alone[1].quantities.iter();
     let only_b = only_b.filter(|q| alone[0].quantities.iter().all(|other| other.name != q.name));
@@ -343,7 +329,7 @@ fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<Row> {
             continue;
         }
         let mut row = |word: &str, values, uncertainty| {
-            rows.push(Row::new(
+            rows.push(FigureDiff::new(
                 &format!("{} {word}", quantity.name),
                 &format!("{}, {word}", quantity.label),
                 &quantity.unit,
@@ -365,7 +351,7 @@ fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<Row> {
     rows
 }
 
-impl Row {
+impl FigureDiff {
     fn new(
         key: &str,
         what: &str,
@@ -404,7 +390,7 @@ impl Row {
     }
 }
 
-impl Outcome {
+impl DesignDiff {
     /// Whether both scenes are the same but for their names.
     #[must_use]
     pub fn identical(&self) -> bool {
@@ -440,7 +426,7 @@ impl Outcome {
                 .map_err(|error| OutputError::new(&file, &error))?;
         }
         let courses = self.courses.iter();
-        let found = Found {
+        let found = DiffSummary {
             designs: &self.names,
             engine: &self.engine,
             identical: self.identical(),

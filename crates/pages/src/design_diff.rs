@@ -11,7 +11,7 @@ use pinwheel_report::study::{Block, Courses, Section, Study, Tile, Tone, Verdict
 use pinwheel_report::terminal::{self, TITLE, paragraph, styled};
 use pinwheel_scene::keys::key;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::designs::{Change, Judged, Outcome, Row};
+use pinwheel_studies::design_diff::{DesignDiff, FigureDiff, Judged, KeyDiff};
 use serde_json::Value;
 
 use crate::design::{self, HEADLINES, figure, with_uncertainty};
@@ -24,7 +24,11 @@ const MANY: usize = 12;
 ///
 /// # Errors
 /// Stopped, or the page cannot be made.
-pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<String, PageError> {
+pub fn page(
+    found: &DesignDiff,
+    made: &Provenance,
+    cancel: &AtomicBool,
+) -> Result<String, PageError> {
     let [a, b] = &found.names;
     let mut sections = vec![scene(found), figures(found)];
     sections.extend(over_time(found));
@@ -48,7 +52,7 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
 
 /// What a terminal shows.
 #[must_use]
-pub fn text(found: &Outcome) -> String {
+pub fn text(found: &DesignDiff) -> String {
     let [a, b] = &found.names;
     let mut text = format!("{}\n", styled(TITLE, &format!("{a} and {b}")));
     let stated = || found.changed.iter().filter(|change| !change.follows);
@@ -95,7 +99,7 @@ pub fn text(found: &Outcome) -> String {
 }
 
 /// Of the time series these are shown where there is little room.
-fn is_headline(row: &Row) -> bool {
+fn is_headline(row: &FigureDiff) -> bool {
     const SERIES: [&str; 3] = [
         "input_torque_n_m mean",
         "external_sleeve_force_n peak",
@@ -104,7 +108,7 @@ fn is_headline(row: &Row) -> bool {
     SERIES.contains(&row.key.as_str())
 }
 
-fn verdict(found: &Outcome) -> Verdict {
+fn verdict(found: &DesignDiff) -> Verdict {
     let steady = found.courses.first().map(|(_, rows)| rows.as_slice());
     let all = || found.figures.iter().chain(steady.unwrap_or_default());
     let count = |judged: Judged| all().filter(|row| row.judged == judged).count();
@@ -154,18 +158,18 @@ fn verdict(found: &Outcome) -> Verdict {
 }
 
 /// The headline figures that differ most, largest change first.
-fn most(found: &Outcome) -> Vec<&Row> {
+fn most(found: &DesignDiff) -> Vec<&FigureDiff> {
     const MOST: usize = 3;
-    let differs = |row: &&Row| row.judged == Judged::Differ && row.change().is_some();
-    let headline = |row: &&Row| HEADLINES.contains(&row.key.as_str());
-    let mut rows: Vec<&Row> = found
+    let differs = |row: &&FigureDiff| row.judged == Judged::Differ && row.change().is_some();
+    let headline = |row: &&FigureDiff| HEADLINES.contains(&row.key.as_str());
+    let mut rows: Vec<&FigureDiff> = found
         .figures
         .iter()
         .filter(headline)
         .filter(differs)
         .collect();
     // By the factor, whichever way.
-    let factor = |row: &Row| {
+    let factor = |row: &FigureDiff| {
         row.change()
             .map_or(0.0, |share| (1.0 + share).abs().ln().abs())
     };
@@ -175,7 +179,7 @@ fn most(found: &Outcome) -> Vec<&Row> {
 }
 
 /// `torsional stiffness × 43.5`.
-fn moved(row: &Row) -> String {
+fn moved(row: &FigureDiff) -> String {
     format!("{} {}", row.what, change(row))
 }
 
@@ -195,7 +199,7 @@ fn value(value: Option<&Value>) -> String {
     }
 }
 
-fn change(row: &Row) -> String {
+fn change(row: &FigureDiff) -> String {
     match row.change() {
         _ if row.judged == Judged::Same => "0".to_owned(),
         Some(share) if share >= 9.0 => format!("\u{d7} {}", significant(1.0 + share, 3)),
@@ -209,7 +213,7 @@ fn change(row: &Row) -> String {
 }
 
 /// What the row is of, with the unit that is shown.
-fn label(row: &Row) -> String {
+fn label(row: &FigureDiff) -> String {
     match scaled(row).0.as_str() {
         "" => row.what.clone(),
         unit => format!("{} ({unit})", row.what),
@@ -217,12 +221,12 @@ fn label(row: &Row) -> String {
 }
 
 /// Unit and factor of both values: those that people use for the larger.
-fn scaled(row: &Row) -> (String, f64) {
+fn scaled(row: &FigureDiff) -> (String, f64) {
     let sizes = row.values.iter().flatten().map(|v| v.abs());
     format::readable_unit(&row.unit, sizes.fold(0.0, f64::max))
 }
 
-fn shown(row: &Row) -> [String; 2] {
+fn shown(row: &FigureDiff) -> [String; 2] {
     let (_, factor) = scaled(row);
     [0, 1].map(|k| {
         let scale = |v: Option<f64>| v.map(|v| factor * v);
@@ -230,9 +234,9 @@ fn shown(row: &Row) -> [String; 2] {
     })
 }
 
-fn tiles(found: &Outcome) -> Vec<Tile> {
-    let wanted = |row: &&Row| HEADLINES.contains(&row.key.as_str());
-    let tile = |row: &Row| {
+fn tiles(found: &DesignDiff) -> Vec<Tile> {
+    let wanted = |row: &&FigureDiff| HEADLINES.contains(&row.key.as_str());
+    let tile = |row: &FigureDiff| {
         let [a, b] = row
             .values
             .map(|v| v.map_or_else(|| NONE.to_owned(), figure));
@@ -248,7 +252,7 @@ fn tiles(found: &Outcome) -> Vec<Tile> {
 }
 
 /// In words, and how it is marked.
-fn judged(row: &Row) -> (&'static str, Mark) {
+fn judged(row: &FigureDiff) -> (&'static str, Mark) {
     match row.judged {
         Judged::Same => ("the same", Mark::Muted),
         Judged::BelowUncertainty => ("below the uncertainty: no difference shown", Mark::Muted),
@@ -260,10 +264,10 @@ fn judged(row: &Row) -> (&'static str, Mark) {
 
 /// Figures of both designs and their change.
 fn both<'a>(
-    found: &Outcome,
+    found: &DesignDiff,
     caption: &str,
-    rows: impl Iterator<Item = &'a Row>,
-) -> TableOf<&'a Row> {
+    rows: impl Iterator<Item = &'a FigureDiff>,
+) -> TableOf<&'a FigureDiff> {
     let [a, b] = &found.names;
     Table::of(caption, rows)
         .text("", "Figure", |row| label(row))
@@ -276,7 +280,11 @@ fn both<'a>(
 }
 
 /// The same with how the change was judged.
-fn table<'a>(found: &Outcome, caption: &str, rows: impl Iterator<Item = &'a Row>) -> Block {
+fn table<'a>(
+    found: &DesignDiff,
+    caption: &str,
+    rows: impl Iterator<Item = &'a FigureDiff>,
+) -> Block {
     let table = both(found, caption, rows)
         .text("", "Judged", |row| judged(row).0)
         .marked(|row| judged(row).1);
@@ -285,10 +293,10 @@ fn table<'a>(found: &Outcome, caption: &str, rows: impl Iterator<Item = &'a Row>
 
 /// Keys with the values of both scenes.
 fn keys<'a>(
-    found: &Outcome,
+    found: &DesignDiff,
     caption: &str,
-    changes: impl Iterator<Item = &'a Change>,
-) -> TableOf<&'a Change> {
+    changes: impl Iterator<Item = &'a KeyDiff>,
+) -> TableOf<&'a KeyDiff> {
     let [a, b] = &found.names;
     Table::of(caption, changes)
         .text("", "Key", |change| format!("`{}`", change.key))
@@ -296,7 +304,7 @@ fn keys<'a>(
         .text("", b, |change| value(change.values[1].as_ref()))
 }
 
-fn scene(found: &Outcome) -> Section {
+fn scene(found: &DesignDiff) -> Section {
     let keys = |caption: &str, follows: bool| {
         let of = found.changed.iter().filter(|c| c.follows == follows);
         let table = keys(found, caption, of)
@@ -338,7 +346,7 @@ fn scene(found: &Outcome) -> Section {
     Section::new("scene", "What changed", blocks)
 }
 
-fn figures(found: &Outcome) -> Section {
+fn figures(found: &DesignDiff) -> Section {
     Section::new("figures", "Figures", [
             Block::Text(
                 "After \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own verification. A difference below \
@@ -349,9 +357,9 @@ fn figures(found: &Outcome) -> Section {
         ])
 }
 
-fn over_time(found: &Outcome) -> Option<Section> {
+fn over_time(found: &DesignDiff) -> Option<Section> {
     let courses = Courses::of(&found.comparison, &found.participants)?;
-    let of_window = |window: &WindowKind, rows: &[Row]| {
+    let of_window = |window: &WindowKind, rows: &[FigureDiff]| {
         let caption = format!("Means and peaks, {} window", window.word());
         table(found, &caption, rows.iter())
     };
@@ -368,7 +376,7 @@ fn over_time(found: &Outcome) -> Option<Section> {
     Some(Section::new("courses", "Over time", blocks))
 }
 
-fn curves(found: &Outcome) -> Section {
+fn curves(found: &DesignDiff) -> Section {
     let [a, b] = &found.names;
     let designs = [
         (a.as_str(), &found.designs[0]),
@@ -382,7 +390,7 @@ fn curves(found: &Outcome) -> Section {
 }
 
 /// Both in motion, over the time that both run.
-fn motion(found: &Outcome, cancel: &AtomicBool) -> Result<Option<Section>, PageError> {
+fn motion(found: &DesignDiff, cancel: &AtomicBool) -> Result<Option<Section>, PageError> {
     let scenes = [0, 1].map(|k| &found.designs[k].scene);
     let [a, b] = scenes.map(|scene| animation::sampled(scene));
     let (step, duration) = (a.0.min(b.0), a.1.min(b.1));

@@ -1,0 +1,255 @@
+//! What the paper says, and what becomes of it: the statements of `reference/published/paper.toml` around the numbers of the
+//! figures.
+//!
+//! Each number is computed once, for a figure; figures and claims are rows of that file, judged from these numbers by the
+//! conditions that stand there and by nothing else.
+
+use serde::{Deserialize, Serialize};
+
+use super::figure::{Measured, PaperFigure};
+
+/// What a statement of the paper is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClaimVerdict {
+    /// Our figures say the same.
+    Holds,
+    /// True under a condition the paper does not make; the remark names it.
+    Conditional,
+    /// Our figures say otherwise.
+    DoesNotHold,
+    /// The claim has no meaning that could be computed.
+    Meaningless,
+}
+
+impl ClaimVerdict {
+    /// As a table says it.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Conditional => "holds under a condition",
+            Self::DoesNotHold => "does not hold",
+            Self::Meaningless => "has no meaning",
+        }
+    }
+}
+
+/// One claim as listed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Claim {
+    /// Key.
+    pub id: String,
+    /// What the paper says.
+    pub claim: String,
+    /// Where.
+    pub place: String,
+    /// How it is judged.
+    pub judged_by: String,
+    /// Why the verdict is what it is.
+    pub remark: String,
+}
+
+/// A claim with our figure.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JudgedClaim {
+    /// The claim.
+    pub claim: Claim,
+    /// Our figure, in words with units.
+    pub figure: String,
+    /// The numbers in that figure, in its order.
+    pub numbers: Vec<f64>,
+    /// The verdict.
+    pub verdict: ClaimVerdict,
+}
+
+/// The file, as it is written.
+#[derive(Debug, Deserialize)]
+pub(super) struct Statements {
+    /// Of figures.
+    pub(super) figure: Vec<Statement>,
+    /// In words.
+    pub(super) claim: Vec<Statement>,
+}
+
+/// One row of the file.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct Statement {
+    /// Key; of a figure that of its numbers.
+    pub(super) id: String,
+    /// Where.
+    place: String,
+    /// What a figure draws.
+    title: String,
+    /// The figure whose numbers judge a claim.
+    pub(super) figure: String,
+    /// What the paper says.
+    says: String,
+    /// What ours say: a sentence with the names of numbers in braces.
+    found: String,
+    /// Why, likewise.
+    why: String,
+    /// How a claim is judged, in words.
+    judged_by: String,
+    holds_if: Vec<Condition>,
+    partly_if: Vec<Condition>,
+    partly_if_any: Vec<Condition>,
+    /// Of what is not computed.
+    verdict: Option<ClaimVerdict>,
+}
+
+/// A number, or its ratio to another, within bounds.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Condition {
+    number: String,
+    over: Option<String>,
+    above: Option<f64>,
+    below: Option<f64>,
+}
+
+impl Condition {
+    /// False where a number is missing.
+    fn holds(&self, of: &Measured) -> bool {
+        let over = self.over.as_ref().map_or(1.0, |name| of.number(name));
+        let value = of.number(&self.number) / over;
+        value > self.above.unwrap_or(f64::NEG_INFINITY)
+            && value < self.below.unwrap_or(f64::INFINITY)
+    }
+}
+
+impl Statements {
+    /// The embedded file.
+    ///
+    /// # Errors
+    /// It cannot be read; a test makes sure that it can.
+    pub(super) fn read() -> Result<Self, toml::de::Error> {
+        toml::from_str(include_str!(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../reference/published/paper.toml"
+        )))
+    }
+}
+
+impl Statement {
+    fn verdict(&self, of: &Measured) -> ClaimVerdict {
+        let all = |list: &[Condition]| !list.is_empty() && list.iter().all(|one| one.holds(of));
+        let sometimes =
+            || all(&self.partly_if) || self.partly_if_any.iter().any(|one| one.holds(of));
+        match self.verdict {
+            Some(verdict) => verdict,
+            None if all(&self.holds_if) => ClaimVerdict::Holds,
+            None if sometimes() => ClaimVerdict::Conditional,
+            None => ClaimVerdict::DoesNotHold,
+        }
+    }
+
+    /// The figure of these numbers and curves.
+    pub(super) fn figure(&self, of: Measured) -> PaperFigure {
+        PaperFigure {
+            id: self.id.clone(),
+            name: self.place.clone(),
+            title: self.title.clone(),
+            says: self.says.clone(),
+            found: filled(&self.found, &of).0,
+            why: filled(&self.why, &of).0,
+            verdict: self.verdict(&of),
+            numbers: of.numbers,
+            plots: of.plots,
+        }
+    }
+
+    /// The claim, judged by these numbers.
+    pub(super) fn claim(&self, of: &Measured) -> JudgedClaim {
+        let (figure, numbers) = filled(&self.found, of);
+        JudgedClaim {
+            claim: Claim {
+                id: self.id.clone(),
+                claim: self.says.clone(),
+                place: self.place.clone(),
+                judged_by: self.judged_by.clone(),
+                remark: self.why.clone(),
+            },
+            figure,
+            numbers,
+            verdict: self.verdict(of),
+        }
+    }
+}
+
+/// A sentence with its numbers and words filled in; and the numbers, in their order.
+fn filled(text: &str, of: &Measured) -> (String, Vec<f64>) {
+    let (mut sentence, mut numbers) = (String::new(), Vec::new());
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once('{') {
+        let (name, tail) = after.split_once('}').unwrap_or((after, ""));
+        sentence.push_str(before);
+        if let Some((name, format)) = name.rsplit_once(':') {
+            numbers.push(of.number(name));
+            sentence.push_str(&formatted(of.number(name), format));
+        } else if let Some((_, word)) = of.words.iter().find(|(known, _)| *known == name) {
+            sentence.push_str(word);
+        }
+        rest = tail;
+    }
+    sentence.push_str(rest);
+    (sentence, numbers)
+}
+
+/// A number as Rust's `format!` writes it by `.2`, `+.2` or `.2e`; with `%` at the end times 100.
+fn formatted(value: f64, format: &str) -> String {
+    let digits = format.trim_matches(|c: char| !c.is_ascii_digit());
+    let digits: usize = digits.parse().unwrap_or_default();
+    let value = if format.ends_with('%') {
+        100.0 * value
+    } else {
+        value
+    };
+    if format.starts_with('+') {
+        format!("{value:+.digits$}")
+    } else if format.ends_with('e') {
+        format!("{value:.digits$e}")
+    } else {
+        format!("{value:.digits$}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::figure::number;
+    use super::*;
+
+    #[test]
+    fn sentences_and_verdicts() {
+        let of = Measured {
+            numbers: vec![number("a, b", 0.1234, ""), number("c", -2.0, "N")],
+            words: vec![("who", "Ours".to_owned())],
+            ..Measured::default()
+        };
+        let (text, numbers) = filled("{who}: {a, b:+.1%} %, {c:.1e}; {a, b:.2}.", &of);
+        assert_eq!(text, "Ours: +12.3 %, -2.0e0; 0.12.");
+        assert_eq!(numbers, [0.1234, -2.0, 0.1234]);
+        let judged = |rules: &str| {
+            let statement: Statement = toml::from_str(rules).unwrap();
+            statement.verdict(&of)
+        };
+        let holds = "holds_if = [{ number = 'c', over = 'a, b', below = -16.0 }, { number = 'c', above = -3 }]";
+        assert_eq!(judged(holds), ClaimVerdict::Holds);
+        let partly = "holds_if = [{ number = 'none', above = 0 }]\npartly_if_any = [{ number = 'c', below = 0 }]";
+        assert_eq!(judged(partly), ClaimVerdict::Conditional);
+        assert_eq!(judged("partly_if = []"), ClaimVerdict::DoesNotHold);
+        assert_eq!(judged("verdict = 'meaningless'"), ClaimVerdict::Meaningless);
+    }
+
+    /// A name that is misspelt would make a condition false in silence: see `published_` tests for those of all figures.
+    #[test]
+    fn the_file_can_be_read() {
+        let all = Statements::read().unwrap();
+        for claim in &all.claim {
+            let known = all.figure.iter().any(|figure| figure.id == claim.figure);
+            assert!(known || claim.figure == "cost", "{}", claim.id);
+            assert!(!claim.judged_by.is_empty() && !claim.why.is_empty());
+        }
+    }
+}
