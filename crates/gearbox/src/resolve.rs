@@ -25,9 +25,9 @@ pub use uncertainty::{Rung, Uncertainty, Verdict};
 use std::rc::Rc;
 
 use pinwheel_courses::Ending;
-use pinwheel_mbs::integrators::method;
+use pinwheel_mbs::integrators::{Family, method};
 
-use crate::auto::{self, COARSER_ROSENBROCK, EXPONENTIAL, Plan};
+use crate::auto::{self, COARSER_ROSENBROCK, Plan};
 use crate::native::{self, NativeError, NativeRun};
 use crate::pace::Limits;
 use crate::{Distance, Gearbox};
@@ -329,21 +329,21 @@ struct Ladder {
 
 impl Ladder {
     fn of(plan: &Plan, rubs: bool) -> Self {
-        match (plan.adaptive(), plan.integrator) {
+        match (plan.adaptive(), plan.family()) {
             // Second order: the error of the run is proportional to the tolerance, its cost to the inverse root.
-            (true, "imex2-adaptive") => Self {
+            (true, Some(Family::SplitImplicit)) => Self {
                 first: 4.0,
                 order: 1.0,
                 cost: 0.5,
                 factors: (4.0, 64.0),
             },
-            (true, "rodas5p") => Self {
+            (true, Some(Family::Rosenbrock)) => Self {
                 first: COARSER_ROSENBROCK,
                 order: 0.9,
                 cost: 0.2,
                 factors: (10.0, 100.0),
             },
-            (true, EXPONENTIAL) => Self {
+            (true, Some(Family::Exponential)) => Self {
                 first: 10.0,
                 order: 0.9,
                 cost: 0.3,

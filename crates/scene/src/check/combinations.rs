@@ -1,5 +1,7 @@
 //! Values that are each right and do not go together.
 
+use pinwheel_mbs::integrators::{Family, method};
+
 use crate::FrictionLaw;
 use pinwheel_files::quoted;
 
@@ -60,7 +62,9 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
             "give a larger speed",
         ));
     }
-    if scene.solver.integrator.starts_with("imex") && contact.friction_coefficient > 0.0 {
+    let split = method(&scene.solver.integrator)
+        .is_some_and(|method| method.family == Family::SplitImplicit);
+    if split && contact.friction_coefficient > 0.0 {
         let name = quoted(&scene.solver.integrator);
         return Err(Fault::new(
             &["solver.integrator", "contact.friction_law"],

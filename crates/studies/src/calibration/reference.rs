@@ -2,6 +2,7 @@
 
 use pinwheel_courses::Courses;
 use pinwheel_gearbox::{Frequencies, Gearbox, native};
+use pinwheel_mbs::integrators::method;
 use pinwheel_scene::{Detection, FrictionLaw, Scene};
 
 /// Method and setting (tolerance, or radians of the contacts' oscillation a step).
@@ -33,7 +34,7 @@ pub fn run(scene: &Scene, (integrator, setting): Setting) -> Option<Courses> {
     let mut scene = scene.clone();
     let solver = &mut scene.solver;
     integrator.clone_into(&mut solver.integrator);
-    if ["dopri5", "dop853", "imex2-adaptive"].contains(&integrator) {
+    if method(integrator).is_some_and(|method| method.adaptive) {
         solver.tolerance = setting;
     } else {
         solver.step_s = setting * radian;

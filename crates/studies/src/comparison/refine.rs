@@ -16,7 +16,7 @@ use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, Form, Native};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, Plan};
-use pinwheel_mbs::integrators::{UNSEEN, method};
+use pinwheel_mbs::integrators::{Family, UNSEEN, method};
 use pinwheel_scene::{CheckedScene, Override, preset};
 
 use super::take_part;
@@ -216,11 +216,11 @@ impl<'a> Engines<'a> {
         let mut plans = auto::chain(&gearbox.scene, auto::PROMISE);
         if let Some((_, others)) = plans.split_first_mut() {
             // Where friction was too stiff for one method, explicit steps get through and chatter.
-            others.sort_by_key(|plan| matches!(plan.integrator, "dopri5" | "rk4"));
+            others.sort_by_key(|plan| plan.family() == Some(Family::Explicit));
         }
         let way = |plan: &Plan| {
             let mut way = Self::native(own, plan.applied(gearbox).ok()?)?;
-            if plan.integrator == "rodas5p" {
+            if plan.family() == Some(Family::Rosenbrock) {
                 way.value = way.value.min(ROSENBROCK);
             }
             Some(way)
@@ -257,11 +257,11 @@ impl<'a> Engines<'a> {
     fn coarser(&self, value: f64) -> Vec<f64> {
         let (Knob::Step(_), solver) = (&self.knob, &self.gearbox.scene.solver) else {
             // The resolved form is dear, and its error small: its levels are further apart.
-            let smooth = matches!(solver_of(&self.gearbox), "dopri5" | "etd-adams");
-            let factor = match solver_of(&self.gearbox) {
+            let family = method(solver_of(&self.gearbox)).map(|method| method.family);
+            let factor = match family {
                 // Looser than 1e-5 it does not land on the friction's ramp.
-                "rodas5p" => 10_f64.sqrt(),
-                _ if self.levels.is_some() && smooth => 100.0,
+                Some(Family::Rosenbrock) => 10_f64.sqrt(),
+                Some(Family::Explicit | Family::Exponential) if self.levels.is_some() => 100.0,
                 _ => 10.0,
             };
             return vec![value * factor, value * factor * factor];

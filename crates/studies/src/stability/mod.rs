@@ -17,6 +17,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use pinwheel_courses::norms::{Distance, Level};
 use pinwheel_engines::{Knob, by_name};
 use pinwheel_gearbox::{Gearbox, auto};
+use pinwheel_mbs::integrators;
 use pinwheel_scene::{Formulation, PRESETS, Scales, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -98,11 +99,9 @@ impl Default for Options {
             solver: None,
             formulation,
             integrator: integrator.to_owned(),
-            tolerance: match integrator {
-                "dopri5" | "etd-adams" | "rodas5p" => Some(1e-6),
-                "imex2-adaptive" => Some(1e-3),
-                _ => None,
-            },
+            tolerance: integrators::method(integrator)
+                .filter(|method| method.adaptive)
+                .map(|method| method.usual_tolerance),
         };
         let (reduced, lagrange) = (Formulation::Reduced, Formulation::Lagrange);
         let names = PRESETS.iter().map(|preset| preset.name);

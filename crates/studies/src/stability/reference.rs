@@ -1,6 +1,7 @@
 //! The converged run of a scene, and how well it is converged.
 
 use pinwheel_courses::Courses;
+use pinwheel_mbs::integrators;
 use pinwheel_scene::{Detection, Formulation, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -44,7 +45,7 @@ pub(super) fn run(
     };
     integrator.clone_into(&mut scene.solver.integrator);
     let mut at = |setting: f64| {
-        if integrator == "dopri5" {
+        if integrators::method(integrator).is_some_and(|method| method.adaptive) {
             scene.solver.tolerance = setting;
         } else {
             scene.solver.step_s = setting;
