@@ -47,7 +47,7 @@ impl Phase {
 
 /// What the next calls depend on besides the gear.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Held {
+struct Prescribed {
     phase: Phase,
     /// By value reference.
     values: Vec<f64>,
@@ -63,14 +63,14 @@ struct Held {
 #[derive(Serialize, Deserialize)]
 struct Saved {
     guid: String,
-    held: Held,
+    prescribed: Prescribed,
     gear: Option<Vec<u8>>,
 }
 
 /// A unit.
 pub struct Instance {
     model: Arc<Model>,
-    held: Held,
+    prescribed: Prescribed,
     gear: Option<CoSimulation>,
     /// What was observed at the time reached.
     seen: Option<(Shafts, Vec<f64>)>,
@@ -82,7 +82,7 @@ impl Instance {
     pub fn new(model: Arc<Model>) -> Self {
         let values: Vec<f64> = model.variables().iter().map(|v| v.start).collect();
         Self {
-            held: Held {
+            prescribed: Prescribed {
                 phase: Phase::Instantiated,
                 slopes: vec![0.0; values.len()],
                 begun: values.clone(),
@@ -97,13 +97,13 @@ impl Instance {
     }
 
     fn in_phase(&self, call: &str, phases: &[Phase]) -> Result<(), Refusal> {
-        if phases.contains(&self.held.phase) {
+        if phases.contains(&self.prescribed.phase) {
             return Ok(());
         }
         let wanted: Vec<&str> = phases.iter().map(|phase| phase.words()).collect();
         refused(format!(
             "{call} came {}; it may come {}",
-            self.held.phase.words(),
+            self.prescribed.phase.words(),
             wanted.join(" or ")
         ))
     }
@@ -129,7 +129,7 @@ impl Instance {
                 "fmi2SetupExperiment: a tolerance must be above 0 and below 0.1, not {tolerance:?}"
             ));
         }
-        (self.held.tolerance, self.held.start_s) = (tolerance, start_s);
+        (self.prescribed.tolerance, self.prescribed.start_s) = (tolerance, start_s);
         Ok(())
     }
 
@@ -139,9 +139,9 @@ impl Instance {
     /// A wrong moment, or values that make no gear.
     pub fn enter_initialization(&mut self) -> Result<(), Refusal> {
         self.in_phase("fmi2EnterInitializationMode", &[Phase::Instantiated])?;
-        self.held.phase = Phase::Initialising;
+        self.prescribed.phase = Phase::Initialising;
         self.begin()
-            .inspect_err(|_| self.held.phase = Phase::Instantiated)
+            .inspect_err(|_| self.prescribed.phase = Phase::Instantiated)
     }
 
     /// `fmi2ExitInitializationMode`.
@@ -151,7 +151,7 @@ impl Instance {
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
         self.in_phase("fmi2ExitInitializationMode", &[Phase::Initialising])?;
         self.begin()?;
-        self.held.phase = Phase::Stepping;
+        self.prescribed.phase = Phase::Stepping;
         Ok(())
     }
 
@@ -161,7 +161,7 @@ impl Instance {
     /// A wrong moment.
     pub fn terminate(&mut self) -> Result<(), Refusal> {
         self.in_phase("fmi2Terminate", &[Phase::Stepping, Phase::Failed])?;
-        self.held.phase = Phase::Terminated;
+        self.prescribed.phase = Phase::Terminated;
         Ok(())
     }
 
@@ -173,11 +173,11 @@ impl Instance {
     /// The gear at its start, unless it is there.
     fn begin(&mut self) -> Result<(), Refusal> {
         if self.gear.is_none() {
-            let values = &self.held.values;
-            let mut gear = self.model.begin(values, self.held.tolerance)?;
+            let values = &self.prescribed.values;
+            let mut gear = self.model.begin(values, self.prescribed.tolerance)?;
             let holders = self.model.holders(values);
-            gear.hold(holders.map(|k| (values[k], 0.0)));
-            self.held.begun.clone_from(values);
+            gear.prescribe(holders.map(|k| (values[k], 0.0)));
+            self.prescribed.begun.clone_from(values);
             (self.gear, self.seen) = (Some(gear), None);
         }
         Ok(())
@@ -235,8 +235,8 @@ impl Instance {
         } else {
             self.in_phase(&format!("{call} of the parameter {name}"), &early)?;
         }
-        self.held.values[place] = value;
-        if self.held.phase != Phase::Stepping {
+        self.prescribed.values[place] = value;
+        if self.prescribed.phase != Phase::Stepping {
             self.gear = None;
         }
         Ok(())
@@ -264,7 +264,7 @@ impl Instance {
             ));
         }
         self.in_phase(CALL, &[Phase::Initialising, Phase::Stepping])?;
-        self.held.slopes[place] = value;
+        self.prescribed.slopes[place] = value;
         Ok(())
     }
 
@@ -279,7 +279,7 @@ impl Instance {
         }
         let what = variable.what;
         if !variable.is_output() {
-            return Ok(self.held.values[place]);
+            return Ok(self.prescribed.values[place]);
         }
         let known = [Phase::Initialising, Phase::Stepping, Phase::Terminated];
         self.in_phase(&format!("fmi2GetReal of {}", variable.name), &known)?;
@@ -312,7 +312,7 @@ impl Instance {
         if !variable.is_boolean() {
             return refused(format!("fmi2GetBoolean: {} is a Real", variable.name));
         }
-        Ok(self.held.values[place] != 0.0)
+        Ok(self.prescribed.values[place] != 0.0)
     }
 
     /// `fmi2DoStep`.
@@ -330,18 +330,18 @@ impl Instance {
                 "fmi2DoStep: a step of {step_s} s from {from_s} s is none"
             ));
         }
-        let now = self.held.start_s + gear.time_s();
+        let now = self.prescribed.start_s + gear.time_s();
         if !((from_s - now).abs() <= 1e-6 * step_s + 1e-12 * now.abs()) {
             return refused(format!(
                 "fmi2DoStep: the time is {now} s, not {from_s} s; an earlier state goes back"
             ));
         }
-        let holders = self.model.holders(&self.held.values);
-        gear.hold(holders.map(|k| (self.held.values[k], self.held.slopes[k])));
-        self.held.slopes.fill(0.0);
+        let holders = self.model.holders(&self.prescribed.values);
+        gear.prescribe(holders.map(|k| (self.prescribed.values[k], self.prescribed.slopes[k])));
+        self.prescribed.slopes.fill(0.0);
         self.seen = None;
-        gear.advance(to - self.held.start_s).map_err(|what| {
-            self.held.phase = Phase::Failed;
+        gear.advance(to - self.prescribed.start_s).map_err(|what| {
+            self.prescribed.phase = Phase::Failed;
             Refusal(format!("fmi2DoStep: {what}"))
         })
     }
@@ -359,7 +359,7 @@ impl Instance {
     /// The time reached, s.
     #[must_use]
     pub fn time_s(&self) -> f64 {
-        self.held.start_s + self.gear.as_ref().map_or(0.0, CoSimulation::time_s)
+        self.prescribed.start_s + self.gear.as_ref().map_or(0.0, CoSimulation::time_s)
     }
 
     /// `fmi2GetFMUstate`: everything, to the bit.
@@ -369,7 +369,7 @@ impl Instance {
     pub fn save(&mut self) -> Result<Vec<u8>, Refusal> {
         let saved = Saved {
             guid: self.model.guid().to_owned(),
-            held: self.held.clone(),
+            prescribed: self.prescribed.clone(),
             gear: self.gear.as_mut().map(CoSimulation::save),
         };
         let mut bytes = postcard::to_allocvec(&saved)
@@ -384,10 +384,10 @@ impl Instance {
     /// Bytes of something else; nothing has changed then.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), Refusal> {
         let saved = self.read(bytes)?;
-        let held = saved.held;
+        let prescribed = saved.prescribed;
         // By bits: outputs hold no number.
-        let begun = self.held.begun.iter().zip(&held.begun);
-        let same = self.held.tolerance == held.tolerance
+        let begun = self.prescribed.begun.iter().zip(&prescribed.begun);
+        let same = self.prescribed.tolerance == prescribed.tolerance
             && begun.fold(true, |same, (a, b)| same && a.to_bits() == b.to_bits());
         match (&saved.gear, &mut self.gear) {
             (None, gear) => *gear = None,
@@ -397,14 +397,14 @@ impl Instance {
                 }
             }
             (Some(state), gear) => {
-                let mut begun = self.model.begin(&held.begun, held.tolerance)?;
+                let mut begun = self.model.begin(&prescribed.begun, prescribed.tolerance)?;
                 if !begun.restore(state) {
                     return refused("the state is none of this unit");
                 }
                 *gear = Some(begun);
             }
         }
-        (self.held, self.seen) = (held, None);
+        (self.prescribed, self.seen) = (prescribed, None);
         Ok(())
     }
 
@@ -416,7 +416,11 @@ impl Instance {
         let saved = whole.and_then(|(state, _)| postcard::from_bytes::<Saved>(state).ok());
         let count = self.model.variables().len();
         let of_this = |saved: &Saved| {
-            let lengths = [&saved.held.values, &saved.held.slopes, &saved.held.begun];
+            let lengths = [
+                &saved.prescribed.values,
+                &saved.prescribed.slopes,
+                &saved.prescribed.begun,
+            ];
             saved.guid == self.model.guid() && lengths.iter().all(|list| list.len() == count)
         };
         match saved {

@@ -9,7 +9,7 @@
 //! ```
 //! The library reads the scene when it is instantiated, so that no compiler is needed where a unit is made or used.
 
-pub mod border;
+pub mod ffi;
 mod instance;
 mod model;
 mod package;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use pinwheel_gearbox::cosimulation::{CoSimulation, Held, Setup};
+use pinwheel_gearbox::cosimulation::{CoSimulation, Prescribed, Setup};
 use pinwheel_gearbox::{Gearbox, Recorder};
 use pinwheel_scene::channels::{FAMILIES, fits};
 use pinwheel_scene::keys::Kind;
@@ -279,10 +279,14 @@ impl Model {
             Gearbox::new(&scene).map_err(|error| error.to_string())?
         };
         let own = changed(What::Tolerance).map(|(_, value)| *value).next();
-        let held = |flag, yes, no| if self.flag(values, flag) { yes } else { no };
+        let prescribed = |flag, yes, no| if self.flag(values, flag) { yes } else { no };
         let setup = Setup {
-            input: held(Flag::DriveByTorque, Held::ByTorque, Held::BySpeed),
-            output: held(Flag::LoadBySpeed, Held::BySpeed, Held::ByTorque),
+            input: prescribed(
+                Flag::DriveByTorque,
+                Prescribed::ByTorque,
+                Prescribed::BySpeed,
+            ),
+            output: prescribed(Flag::LoadBySpeed, Prescribed::BySpeed, Prescribed::ByTorque),
             speeds_rad_s: [
                 self.input(values, Input::DriveSpeed),
                 self.input(values, Input::LoadSpeed),

@@ -7,7 +7,7 @@ use pinwheel_mbs::integrators::{Family, method};
 
 use crate::energy::EnergyAccount;
 use crate::frequencies::Frequencies;
-use crate::pace::Limits;
+use crate::run_limits::Limits;
 use crate::scene::{Detection, Formulation, FrictionLaw, Scene};
 use crate::{Gearbox, GearboxError};
 
@@ -215,7 +215,7 @@ impl<'a> Planner<'a> {
         }
     }
 
-    fn rubs(&self) -> bool {
+    fn has_friction(&self) -> bool {
         self.scene.contact.friction_coefficient > 0.0
     }
 
@@ -226,7 +226,7 @@ impl<'a> Planner<'a> {
 
     /// Friction that falls with speed is no convex problem.
     fn may_be_implicit(&self) -> bool {
-        self.rubs() && self.scene.contact.friction_law == FrictionLaw::Regularised
+        self.has_friction() && self.scene.contact.friction_law == FrictionLaw::Regularised
     }
 
     fn first(&self) -> Plan {
@@ -244,7 +244,7 @@ impl<'a> Planner<'a> {
                 self.fixed("rk4", reason)
             };
         }
-        if !self.rubs() {
+        if !self.has_friction() {
             return if self.scene.solver.formulation == Formulation::Reduced {
                 self.exponential()
             } else {
@@ -306,7 +306,7 @@ impl<'a> Planner<'a> {
     }
 
     fn explicit(&self, reason: &str) -> Plan {
-        let share = if self.rubs() { RUBBING } else { SMOOTH };
+        let share = if self.has_friction() { RUBBING } else { SMOOTH };
         self.plan("dopri5", share * self.twist(), reason)
     }
 

@@ -11,7 +11,7 @@
 //! The usual gear (speed in, torque out) takes the same forces as a run. Where the input is free or the output is not, moments
 //! are summed over all bodies and slopes are differences: more evaluations, the same motion.
 
-use pinwheel_mbs::integrators::{Legs, StepCounts, StepSettings, Stepper};
+use pinwheel_mbs::integrators::{Segments, StepCounts, StepSettings, Stepper};
 use pinwheel_mbs::sliding::Contact;
 use pinwheel_mbs::{Ask, BodyState, Driver, Forces, Formulation, Motion, Reduced, Sums, Wrench};
 use serde::{Deserialize, Serialize};
@@ -27,7 +27,7 @@ use crate::{Gearbox, GearboxError, Layout, Recorder, guard};
 
 /// What a shaft is held by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Held {
+pub enum Prescribed {
     /// Its speed, rad/s.
     BySpeed,
     /// A torque, N m.
@@ -57,9 +57,9 @@ impl Straight {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setup {
     /// The input shaft.
-    pub input: Held,
+    pub input: Prescribed,
     /// The output shaft.
-    pub output: Held,
+    pub output: Prescribed,
     /// Speeds of the shafts at t = 0, rad/s; that of the output counts where it is prescribed.
     pub speeds_rad_s: [f64; 2],
     /// Torque on the output beside the scene's load at t = 0, N m.
@@ -75,8 +75,8 @@ impl Setup {
     #[must_use]
     pub fn of(drive: &Drive) -> Self {
         Self {
-            input: Held::BySpeed,
-            output: Held::ByTorque,
+            input: Prescribed::BySpeed,
+            output: Prescribed::ByTorque,
             speeds_rad_s: [drive.input_speed_rad_s, 0.0],
             torque_n_m: 0.0,
             scene_load: true,
@@ -86,7 +86,7 @@ impl Setup {
 }
 
 /// The forces of the gear and the torques that are held.
-struct HeldForces {
+struct PrescribedForces {
     gear: GearForces,
     input: Straight,
     output: Straight,
@@ -94,14 +94,14 @@ struct HeldForces {
     usual: bool,
 }
 
-impl HeldForces {
+impl PrescribedForces {
     fn add(&self, time: f64, loads: &mut [Wrench]) {
         loads[Layout::INPUT].moment += self.input.at(time);
         loads[Layout::OUTPUT].moment += self.output.at(time);
     }
 }
 
-impl Forces for HeldForces {
+impl Forces for PrescribedForces {
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
         self.gear.apply(time, bodies, loads);
         self.add(time, loads);
@@ -139,8 +139,8 @@ impl Forces for HeldForces {
         self.add(time, loads);
     }
 
-    fn enter_leg(&mut self, from: f64) {
-        self.gear.enter_leg(from);
+    fn restart_at(&mut self, from: f64) {
+        self.gear.restart_at(from);
     }
 
     fn normal_force(&self, index: usize, listed: f64, rate: f64) -> f64 {
@@ -169,12 +169,12 @@ pub struct CoSimulation {
     settings: StepSettings,
     longest_step_s: f64,
     breaks: Vec<f64>,
-    system: Reduced<HeldForces>,
-    stepper: Legs<Reduced<HeldForces>>,
+    system: Reduced<PrescribedForces>,
+    stepper: Segments<Reduced<PrescribedForces>>,
     field: Box<dyn ContactField>,
     recorder: Recorder,
     /// What holds the input and the output.
-    held: [Straight; 2],
+    prescribed: [Straight; 2],
     /// Prescribed motions, in the order of the mechanism's drivers: input, output.
     motions: Vec<Motion>,
     time: f64,
@@ -186,9 +186,9 @@ pub struct CoSimulation {
 struct State {
     time: f64,
     y: Vec<f64>,
-    held: [Straight; 2],
+    prescribed: [Straight; 2],
     motions: Vec<Motion>,
-    leg_s: f64,
+    segment_s: f64,
     stepper: Vec<u8>,
 }
 
@@ -222,8 +222,8 @@ impl CoSimulation {
         mechanism.drivers.clear();
         let mut motions = Vec::new();
         let shafts = [(setup.input, Layout::INPUT), (setup.output, Layout::OUTPUT)];
-        for (held, child) in shafts {
-            if held == Held::BySpeed {
+        for (prescribed, child) in shafts {
+            if prescribed == Prescribed::BySpeed {
                 let begin = mechanism.bodies[child].start;
                 let motion = Motion {
                     from_s: 0.0,
@@ -239,11 +239,11 @@ impl CoSimulation {
                 });
             }
         }
-        let forces = HeldForces {
+        let forces = PrescribedForces {
             gear: GearForces::new(&loaded)?,
             input: Straight::default(),
             output: Straight::default(),
-            usual: (setup.input, setup.output) == (Held::BySpeed, Held::ByTorque),
+            usual: (setup.input, setup.output) == (Prescribed::BySpeed, Prescribed::ByTorque),
         };
         let system = reduced(&gearbox, mechanism, forces)?;
         let solver = &gearbox.scene.solver;
@@ -256,21 +256,21 @@ impl CoSimulation {
         );
         let breaks = load_course::breaks(&loaded.scene.drive);
         let y = system.initial();
-        let stepper = Legs::start(&integrator, settings, 0.0, &y, &breaks)
+        let stepper = Segments::start(&integrator, settings, 0.0, &y, &breaks)
             .ok_or_else(|| GearboxError::UnknownIntegrator(integrator.clone()))?
             .with_longest(longest_step_s);
-        let held = [
+        let prescribed = [
             Straight {
                 value: match setup.input {
-                    Held::BySpeed => setup.speeds_rad_s[0],
-                    Held::ByTorque => 0.0,
+                    Prescribed::BySpeed => setup.speeds_rad_s[0],
+                    Prescribed::ByTorque => 0.0,
                 },
                 ..Straight::default()
             },
             Straight {
                 value: match setup.output {
-                    Held::BySpeed => setup.speeds_rad_s[1],
-                    Held::ByTorque => 0.0,
+                    Prescribed::BySpeed => setup.speeds_rad_s[1],
+                    Prescribed::ByTorque => 0.0,
                 },
                 ..Straight::default()
             },
@@ -286,7 +286,7 @@ impl CoSimulation {
             breaks,
             system,
             stepper,
-            held,
+            prescribed,
             motions,
             time: 0.0,
             y,
@@ -313,53 +313,53 @@ impl CoSimulation {
 
     /// From now on the input and the output are held by these values (rad/s or N m, as the setup says) and their changes a
     /// second.
-    pub fn hold(&mut self, held: [(f64, f64); 2]) {
+    pub fn prescribe(&mut self, prescribed: [(f64, f64); 2]) {
         let t = self.time;
         let goes_on =
             |now: &Straight, (value, slope): (f64, f64)| now.slope == slope && now.at(t) == value;
         if self
-            .held
+            .prescribed
             .iter()
-            .zip(held)
+            .zip(prescribed)
             .all(|(now, next)| goes_on(now, next))
         {
             return;
         }
-        self.held = held.map(|(value, slope)| Straight {
+        self.prescribed = prescribed.map(|(value, slope)| Straight {
             value,
             slope,
             from_s: t,
         });
         let sides = [self.setup.input, self.setup.output];
         let mut driver = 0;
-        for (side, held) in sides.into_iter().zip(self.held) {
-            if side == Held::BySpeed {
+        for (side, prescribed) in sides.into_iter().zip(self.prescribed) {
+            if side == Prescribed::BySpeed {
                 let (angle, ..) = self.motions[driver].at(t);
                 self.motions[driver] = Motion {
                     from_s: t,
                     angle,
-                    rate: held.value,
-                    acceleration: held.slope,
+                    rate: prescribed.value,
+                    acceleration: prescribed.slope,
                 };
                 driver += 1;
             }
         }
-        self.apply_held();
+        self.apply_prescribed();
         self.restart();
     }
 
     /// Tells the system what holds the shafts.
-    fn apply_held(&mut self) {
+    fn apply_prescribed(&mut self) {
         for (driver, motion) in self.motions.iter().enumerate() {
             self.system.set_motion(driver, *motion);
         }
-        let torque = |side: Held, held: Straight| match side {
-            Held::BySpeed => Straight::default(),
-            Held::ByTorque => held,
+        let torque = |side: Prescribed, prescribed: Straight| match side {
+            Prescribed::BySpeed => Straight::default(),
+            Prescribed::ByTorque => prescribed,
         };
         let (input, output) = (
-            torque(self.setup.input, self.held[0]),
-            torque(self.setup.output, self.held[1]),
+            torque(self.setup.input, self.prescribed[0]),
+            torque(self.setup.output, self.prescribed[1]),
         );
         let forces = self.system.forces_mut();
         (forces.input, forces.output) = (input, output);
@@ -370,13 +370,13 @@ impl CoSimulation {
         use pinwheel_mbs::OdeSystem as _;
         let speed = self.gearbox.scene.drive.input_speed_rad_s;
         let now = match self.setup.input {
-            Held::BySpeed => self.held[0].value,
-            Held::ByTorque => speed,
+            Prescribed::BySpeed => self.prescribed[0].value,
+            Prescribed::ByTorque => speed,
         };
         // Contacts come and go as fast as the input turns.
         let share = (speed / now).abs().min(1.0);
         let share = if share > 0.0 { share } else { 1.0 };
-        let begun = Legs::start(
+        let begun = Segments::start(
             &self.integrator,
             self.settings,
             self.time,
@@ -387,7 +387,7 @@ impl CoSimulation {
         if let Some(begun) = begun {
             self.stepper = begun.with_longest(self.longest_step_s * share);
         }
-        self.system.enter_leg(self.time);
+        self.system.restart_at(self.time);
     }
 
     /// Goes on to time `to`, s.
@@ -395,7 +395,7 @@ impl CoSimulation {
     /// # Errors
     /// When and why no step can follow, or which quantity ran away.
     pub fn advance(&mut self, to: f64) -> Result<(), String> {
-        self.stepper.aim(to);
+        self.stepper.set_stop_time(to);
         while self.stepper.time() < to - 1e-9 * self.settings.step {
             let step = self.stepper.step(&mut self.system);
             step.map_err(|error| error.to_string())?;
@@ -414,13 +414,13 @@ impl CoSimulation {
         let mut torques = seen.driver_torques.iter().copied();
         let mut driver = || torques.next().unwrap_or(f64::NAN);
         let input = match self.setup.input {
-            Held::BySpeed => driver(),
-            Held::ByTorque => self.held[0].at(t),
+            Prescribed::BySpeed => driver(),
+            Prescribed::ByTorque => self.prescribed[0].at(t),
         };
         // Beside the torque that is held and the scene's.
         let output = match self.setup.output {
-            Held::BySpeed => driver(),
-            Held::ByTorque => 0.0,
+            Prescribed::BySpeed => driver(),
+            Prescribed::ByTorque => 0.0,
         };
         self.recorder.record_observed(&seen, input);
         if self.recorder.wants_channels() {
@@ -451,9 +451,9 @@ impl CoSimulation {
         let state = State {
             time: self.time,
             y: self.y.clone(),
-            held: self.held,
+            prescribed: self.prescribed,
             motions: self.motions.clone(),
-            leg_s: self.system.forces_mut().gear.leg_s(),
+            segment_s: self.system.forces_mut().gear.segment_s(),
             stepper: self.stepper.save(),
         };
         postcard::to_allocvec(&state).unwrap_or_default()
@@ -470,9 +470,9 @@ impl CoSimulation {
             return false;
         }
         (self.time, self.y) = (state.time, state.y);
-        (self.held, self.motions) = (state.held, state.motions);
-        self.apply_held();
-        self.system.enter_leg(state.leg_s);
+        (self.prescribed, self.motions) = (state.prescribed, state.motions);
+        self.apply_prescribed();
+        self.system.restart_at(state.segment_s);
         true
     }
 }
@@ -489,9 +489,9 @@ fn start(gearbox: &Gearbox, setup: &Setup) -> Result<Vec<BodyState>, GearboxErro
     let before = gearbox.load_torque(0.0);
     let load = match (setup.output, setup.scene_load) {
         // What holds the output's speed holds the scene's load at first.
-        (Held::BySpeed, _) => before,
-        (Held::ByTorque, true) => before + setup.torque_n_m,
-        (Held::ByTorque, false) => setup.torque_n_m,
+        (Prescribed::BySpeed, _) => before,
+        (Prescribed::ByTorque, true) => before + setup.torque_n_m,
+        (Prescribed::ByTorque, false) => setup.torque_n_m,
     };
     let speed = setup.speeds_rad_s[0];
     let mut states = if load == before && speed == drive.input_speed_rad_s {
@@ -504,7 +504,7 @@ fn start(gearbox: &Gearbox, setup: &Setup) -> Result<Vec<BodyState>, GearboxErro
         })?;
         Gearbox::new(&other)?.initial_states()
     };
-    if setup.output == Held::BySpeed {
+    if setup.output == Prescribed::BySpeed {
         states[Layout::OUTPUT].rate = setup.speeds_rad_s[1];
     }
     Ok(states)
@@ -563,11 +563,11 @@ mod tests {
             let mut unit = CoSimulation::new(&gear, Setup::of(&gear.scene.drive)).unwrap();
             unit.advance(0.01).unwrap();
             let steps = unit.counts().steps;
-            unit.hold([(SPEED, 0.0), (0.0, 0.0)]);
+            unit.prescribe([(SPEED, 0.0), (0.0, 0.0)]);
             assert_eq!(unit.counts().steps, steps, "nothing has changed");
             let mut row = Vec::new();
             assert_eq!(unit.observe(&mut row).load_torque_n_m, 22.0);
-            unit.hold([(SPEED, 0.0), (18.0, 0.0)]);
+            unit.prescribe([(SPEED, 0.0), (18.0, 0.0)]);
             assert_eq!(unit.counts().steps, 0, "the method begins anew");
             assert_eq!(unit.observe(&mut row).load_torque_n_m, 40.0);
             unit.advance(0.02).unwrap();
@@ -626,7 +626,7 @@ mod tests {
         };
         let bodies = gear.initial_states();
         let by_time = |slope: f64, usual: bool| {
-            let mut forces = HeldForces {
+            let mut forces = PrescribedForces {
                 gear: GearForces::new(&gear).unwrap(),
                 input: Straight::default(),
                 output: Straight {
@@ -665,14 +665,14 @@ mod tests {
         let three = gearbox(&["gear.wheels=3"], &[]);
         let mut usual = CoSimulation::new(&two, Setup::of(&two.scene.drive)).unwrap();
         let both = Setup {
-            output: Held::BySpeed,
+            output: Prescribed::BySpeed,
             speeds_rad_s: [SPEED, -SPEED / 15.0],
             ..Setup::of(&three.scene.drive)
         };
-        let mut held = CoSimulation::new(&three, both).unwrap();
-        assert_eq!(usual.y.len(), held.y.len());
-        let (of_usual, of_held) = (usual.save(), held.save());
-        assert!(!usual.restore(&of_held) && !held.restore(&of_usual));
-        assert_eq!((usual.save(), held.save()), (of_usual, of_held));
+        let mut prescribed = CoSimulation::new(&three, both).unwrap();
+        assert_eq!(usual.y.len(), prescribed.y.len());
+        let (of_usual, of_held) = (usual.save(), prescribed.save());
+        assert!(!usual.restore(&of_held) && !prescribed.restore(&of_usual));
+        assert_eq!((usual.save(), prescribed.save()), (of_usual, of_held));
     }
 }

@@ -35,9 +35,9 @@ type Four = [f64; 4];
 /// Works and energies at the samples of a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EnergyAccount {
-    /// Works up to the leg under way, J.
+    /// Works up to the segment under way, J.
     before_leg: Four,
-    leg: Leg,
+    segment: Segment,
     marks: Vec<Mark>,
 }
 
@@ -76,10 +76,10 @@ impl EnergyAccount {
         (1..parts as u64).map(move |k| from + (to - from) * k as f64 / parts)
     }
 
-    /// The next entry is the first of a leg, at the time of the last one.
-    pub(crate) fn enter_leg(&mut self) {
-        self.before_leg = add(self.before_leg, self.leg.work());
-        self.leg = Leg::default();
+    /// The next entry is the first of a segment, at the time of the last one.
+    pub(crate) fn restart_at(&mut self) {
+        self.before_leg = add(self.before_leg, self.segment.work());
+        self.segment = Segment::default();
     }
 
     /// Adds an entry between samples. `load`: N m on the output shaft; `contacts`: of the state seen.
@@ -107,10 +107,10 @@ impl EnergyAccount {
 
     /// Marks the last entry.
     fn mark(&mut self, time: f64, energies: [f64; 2]) {
-        self.leg.mark(self.marks.len());
+        self.segment.mark(self.marks.len());
         self.marks.push(Mark {
             time,
-            works: add(self.before_leg, self.leg.work()),
+            works: add(self.before_leg, self.segment.work()),
             energies,
         });
     }
@@ -118,7 +118,7 @@ impl EnergyAccount {
     /// Adds an entry, and settles the works up to the last samples, whose last intervals it makes more accurate.
     #[inline]
     fn enter(&mut self, time: f64, powers: Four) {
-        for entry in self.leg.add(time, powers) {
+        for entry in self.segment.add(time, powers) {
             if let Some(mark) = entry.mark {
                 self.marks[mark].works = add(self.before_leg, entry.work);
             }
@@ -185,20 +185,20 @@ fn between(a: &Mark, b: &Mark) -> EnergyAudit {
     }
 }
 
-/// One time of a leg.
+/// One time of a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Entry {
     time: f64,
     powers: Four,
-    /// From the leg's start, J; of the last entry as far as its power is known.
+    /// From the segment's start, J; of the last entry as far as its power is known.
     work: Four,
     /// The sample it is.
     mark: Option<usize>,
 }
 
-/// The last entries of a leg, as many as one interval's cubic needs; what lies before is in their works.
+/// The last entries of a segment, as many as one interval's cubic needs; what lies before is in their works.
 #[derive(Debug, Clone, PartialEq, Default)]
-struct Leg {
+struct Segment {
     /// Entries kept, the oldest first.
     len: usize,
     /// Whether there were more.
@@ -206,7 +206,7 @@ struct Leg {
     entries: [Entry; 4],
 }
 
-impl Leg {
+impl Segment {
     /// Returns the entries up to which the work has become another.
     #[inline]
     fn add(&mut self, time: f64, powers: Four) -> &[Entry] {
@@ -224,7 +224,7 @@ impl Leg {
             self.len += 1;
         }
         // The cubic of an interval inside reaches one entry farther on each side: the last but one interval is
-        // settled now, and with the fourth entry of a leg all before it.
+        // settled now, and with the fourth entry of a segment all before it.
         let first = if self.cut { 2 } else { 1 };
         let even = is_even(&self.entries[..self.len]);
         for k in first..self.len {
@@ -310,14 +310,14 @@ mod tests {
 
     /// An account fed with one power, samples at the entries asked for.
     fn account(
-        legs: &[(&[f64], &dyn Fn(f64) -> f64)],
+        segments: &[(&[f64], &dyn Fn(f64) -> f64)],
         sampled: impl Fn(usize) -> bool,
     ) -> EnergyAccount {
         let mut account = EnergyAccount::default();
         let mut entry = 0;
-        for (n, (times, power)) in legs.iter().enumerate() {
+        for (n, (times, power)) in segments.iter().enumerate() {
             if n > 0 {
-                account.enter_leg();
+                account.restart_at();
             }
             for &t in *times {
                 account.enter(t, [power(t); 4]);
@@ -395,10 +395,10 @@ mod tests {
     #[test]
     fn no_interval_reaches_over_a_jump() {
         let (before, after) = ([0.0, 0.1, 0.2, 0.3], [0.3, 0.35, 0.45, 0.5, 0.7]);
-        let legs: [(&[f64], &dyn Fn(f64) -> f64); 2] =
+        let segments: [(&[f64], &dyn Fn(f64) -> f64); 2] =
             [(&before, &|t| t * t * t), (&after, &|t| 5.0 - t)];
-        // The sample at the jump is the first entry of the second leg.
-        let found = account(&legs, |k| k != 3);
+        // The sample at the jump is the first entry of the second segment.
+        let found = account(&segments, |k| k != 3);
         let whole = work(&found, 0.0, 0.7);
         let exact = 0.3_f64.powi(4) / 4.0 + 5.0 * 0.4 - 0.5 * (0.49 - 0.09);
         assert!((whole - exact).abs() < 1e-15, "{whole} {exact}");

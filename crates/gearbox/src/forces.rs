@@ -15,7 +15,7 @@ pub(crate) struct GearForces {
     contact: Contacts,
     drive: Drive,
     field: Box<dyn ContactField>,
-    /// The load of this leg.
+    /// The load of this segment.
     load: LoadPiece,
     /// Touching pairs of the last listing.
     pairs: Vec<PairContact>,
@@ -35,8 +35,8 @@ impl GearForces {
         })
     }
 
-    /// Where the present leg begins, s: what [`enter_leg`](Forces::enter_leg) was told, or an earlier time of the same leg.
-    pub(crate) fn leg_s(&self) -> f64 {
+    /// Where the present segment begins, s: what [`restart_at`](Forces::restart_at) was told, or an earlier time of the same segment.
+    pub(crate) fn segment_s(&self) -> f64 {
         self.load.from_s
     }
 }
@@ -113,7 +113,7 @@ impl Forces for GearForces {
         });
     }
 
-    fn enter_leg(&mut self, from: f64) {
+    fn restart_at(&mut self, from: f64) {
         self.load = load_course::piece_at(&self.drive, from);
     }
 
@@ -196,7 +196,7 @@ mod tests {
         }
     }
 
-    /// The load is that of the leg, and so is how it rises and falls.
+    /// The load is that of the segment, and so is how it rises and falls.
     #[test]
     fn loads_follow_their_leg() {
         let gearbox = gearbox(&[
@@ -218,7 +218,7 @@ mod tests {
         };
         assert!((torque(&mut forces, 0.005) - 10.0).abs() < 1e-12);
         assert!((torque(&mut forces, 0.03) - 20.0).abs() < 1e-12);
-        assert_eq!(forces.leg_s(), 0.0);
+        assert_eq!(forces.segment_s(), 0.0);
         let structure = Structure::SecondOrder {
             is_leaf: vec![false; 3],
         };
@@ -234,10 +234,10 @@ mod tests {
             "{rising:?} {risen:?}"
         );
         assert_eq!(rising[1..], risen[1..]);
-        forces.enter_leg(0.03);
+        forces.restart_at(0.03);
         assert!((torque(&mut forces, 0.03) - 20.0).abs() < 1e-12);
         assert!((torque(&mut forces, 0.05) - 5.0).abs() < 1e-12);
-        assert_eq!(forces.leg_s(), 0.03);
+        assert_eq!(forces.segment_s(), 0.03);
         let (falling, fallen) = (slopes(&mut forces, 0.031), slopes(&mut forces, 0.05));
         assert!(
             (falling[0] - fallen[0] + 1500.0).abs() < 1e-6,

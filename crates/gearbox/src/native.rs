@@ -1,17 +1,17 @@
 //! The native run: a scene's equations, integrated and recorded.
 
 use pinwheel_courses::{Courses, CoursesError, Ending};
-use pinwheel_mbs::integrators::{Legs, StepCounts, StepError, StepSettings, Stepper};
+use pinwheel_mbs::integrators::{Segments, StepCounts, StepError, StepSettings, Stepper};
 use pinwheel_mbs::{Forces, Formulation, Lagrange, Mechanism, Observation, Reduced, Stabilisation};
 
 use crate::balance::Balance;
 use crate::channels::{LawPairs, Seen};
 use crate::contacts::{ContactEnergy, ContactField};
-use crate::due::Due;
 use crate::energy::EnergyAccount;
+use crate::events::Event;
 use crate::forces::GearForces;
 use crate::load_course;
-use crate::pace::{Limits, Pace};
+use crate::run_limits::{Limits, Pace};
 use crate::scene;
 use crate::{Gearbox, GearboxError, Recorder, auto, guard};
 
@@ -152,7 +152,7 @@ fn integrate<F: Formulation>(
     let mut y = system.initial();
     let integrator = solver.integrator.clone();
     let breaks = load_course::breaks(&gearbox.scene.drive);
-    let mut stepper = Legs::start(&integrator, settings, 0.0, &y, &breaks)
+    let mut stepper = Segments::start(&integrator, settings, 0.0, &y, &breaks)
         .ok_or(GearboxError::UnknownIntegrator(integrator))?
         .with_longest(limits.longest_step_s);
     let mut load = load_course::piece_at(&gearbox.scene.drive, 0.0);
@@ -167,7 +167,7 @@ fn integrate<F: Formulation>(
     let mut before = 0.0;
     let mut list = Vec::new();
     'samples: for t in times {
-        Due::list(&mut list, before, t, &breaks, solver.step_s);
+        Event::list(&mut list, before, t, &breaks, solver.step_s);
         for &due in &list {
             match reach(
                 &mut stepper,
@@ -186,22 +186,22 @@ fn integrate<F: Formulation>(
                 }
             }
             stepper.interpolate(&mut system, due.time(), &mut y);
-            if let Due::Entry(time) | Due::Break(time, _) = due {
-                let seen = system.glance(time, &y);
+            if let Event::Entry(time) | Event::Break(time, _) = due {
+                let seen = system.observe_reduced(time, &y);
                 let contacts = contact_energy(&seen, field.as_mut());
                 energy.add(load.torque(time), &seen, &contacts);
             }
-            if let Due::Break(_, from) = due {
+            if let Event::Break(_, from) = due {
                 stepper.enter(&mut system);
                 load = load_course::piece_at(&gearbox.scene.drive, from);
-                energy.enter_leg();
+                energy.restart_at();
             }
         }
         joint_drift_m = joint_drift_m.max(system.joint_error(t, &y));
         let seen = if recorder.wants_channels() {
             system.observe(t, &y)
         } else {
-            system.glance(t, &y)
+            system.observe_reduced(t, &y)
         };
         if let Err(quantity) = guard::check(gearbox, seen.bodies) {
             fault = Some((t, quantity));
@@ -259,7 +259,7 @@ enum Stop {
 
 /// Steps until `t` is reached.
 fn reach<F: Formulation>(
-    stepper: &mut Legs<F>,
+    stepper: &mut Segments<F>,
     system: &mut F,
     t: f64,
     gearbox: &Gearbox,
@@ -267,7 +267,7 @@ fn reach<F: Formulation>(
     pace: &mut Pace,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), Stop> {
-    stepper.aim(t);
+    stepper.set_stop_time(t);
     while stepper.time() < t - 1e-9 * gearbox.scene.solver.step_s {
         if pace.is_due() {
             let (time, counts) = (stepper.time(), stepper.counts());

@@ -29,7 +29,7 @@ use pinwheel_mbs::integrators::{Family, method};
 
 use crate::auto::{self, COARSER_ROSENBROCK, Plan};
 use crate::native::{self, NativeError, NativeRun};
-use crate::pace::Limits;
+use crate::run_limits::Limits;
 use crate::{Distance, Gearbox};
 
 /// Safety of an estimate.
@@ -328,7 +328,7 @@ struct Ladder {
 }
 
 impl Ladder {
-    fn of(plan: &Plan, rubs: bool) -> Self {
+    fn of(plan: &Plan, has_friction: bool) -> Self {
         match (plan.adaptive(), plan.family()) {
             // Second order: the error of the run is proportional to the tolerance, its cost to the inverse root.
             (true, Some(Family::SplitImplicit)) => Self {
@@ -351,7 +351,7 @@ impl Ladder {
             },
             // Where friction sets the steps, tolerances change them little, and the error no more: measured on
             // `paper-friction` between 1e-7 and 1e-9, 5 in the driver's torque.
-            (true, _) if rubs => Self {
+            (true, _) if has_friction => Self {
                 first: 10.0,
                 order: 0.45,
                 cost: 0.2,
@@ -409,6 +409,7 @@ impl Ladder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::auto::EXPONENTIAL;
     use crate::scene::Scene;
 
     fn of(forces: f64, driver_torque: f64) -> Distance {
@@ -479,9 +480,11 @@ mod tests {
     fn ladders_know_friction() {
         let mut scene = Scene::paper();
         scene.contact.friction_coefficient = 0.1;
-        let orders = |rubs: bool| -> Vec<f64> {
+        let orders = |has_friction: bool| -> Vec<f64> {
             let plans = auto::chain(&scene, auto::PROMISE);
-            let orders = plans.iter().map(|plan| Ladder::of(plan, rubs).order);
+            let orders = plans
+                .iter()
+                .map(|plan| Ladder::of(plan, has_friction).order);
             orders.collect()
         };
         // rodas5p, imex2-adaptive, dopri5, rk4, imex2.

@@ -19,8 +19,8 @@
 //! # Ok::<(), pinwheel_law::LawError>(())
 //! ```
 
-pub mod border;
 mod evaluator;
+pub mod ffi;
 pub mod job;
 mod law;
 

@@ -119,9 +119,9 @@ pub trait Forces {
         self.apply(time, bodies, loads);
     }
 
-    /// From now on the loads are those of the leg which begins at `from` (s), at its end too, until the next call;
-    /// see [`OdeSystem::enter_leg`](crate::OdeSystem::enter_leg). By default there are no legs.
-    fn enter_leg(&mut self, _from: f64) {}
+    /// From now on the loads are those of the segment which begins at `from` (s), at its end too, until the next call;
+    /// see [`OdeSystem::restart_at`](crate::OdeSystem::restart_at). By default there are no segments.
+    fn restart_at(&mut self, _from: f64) {}
 
     /// Normal force (N) of contact `index` of the last list if it closed at `rate` (m/s, along its
     /// normal, first body against second) at the same positions. `listed`: the force in the list.

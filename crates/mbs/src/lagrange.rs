@@ -23,7 +23,7 @@ use crate::pinned::PinnedContacts;
 use crate::saddle::{Dependent, SaddlePoint, redundant};
 use crate::state::{BodyState, ContactEnergy, Wrench};
 use crate::tree::{Arms, Forest, turned};
-use turning::{Settled, Turning};
+use turning::{Projected, Turning};
 
 /// What keeps the joints together besides the accelerations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,7 +73,7 @@ pub struct Lagrange<F> {
     arms: Vec<Arms>,
     /// Which of the arms turn, and with whom.
     turning: Vec<Turning>,
-    settled: Settled,
+    projected: Projected,
     reactions: Vec<[f64; 2]>,
     torques: Vec<f64>,
     /// How contacts depend on the free rates, where friction may be treated implicitly.
@@ -107,7 +107,7 @@ impl<F: Forces> Lagrange<F> {
             loads: vec![Wrench::default(); n],
             arms: mechanism.revolutes.iter().map(turning::at_rest).collect(),
             turning: Turning::of(&mechanism),
-            settled: Settled::new(6 * n),
+            projected: Projected::new(6 * n),
             reactions: vec![[0.0; 2]; mechanism.revolutes.len()],
             torques: vec![0.0; mechanism.drivers.len()],
             contacts: None,
@@ -149,7 +149,7 @@ impl<F: Forces> Lagrange<F> {
 
     /// All bodies as y has them.
     fn unpack(&mut self, y: &[f64]) {
-        self.settled.valid = false;
+        self.projected.valid = false;
         let (q, v) = y.split_at(3 * self.bodies.len());
         let (q, v) = (q.as_chunks::<3>().0, v.as_chunks::<3>().0);
         for (body, (q, v)) in zip(&mut self.bodies, zip(q, v)) {
@@ -157,9 +157,9 @@ impl<F: Forces> Lagrange<F> {
         }
     }
 
-    /// As far as the forest does not say where they are: what [`project`](Self::project) begins with.
+    /// As far as the forest does not say where they are: what [`satisfy_constraints`](Self::satisfy_constraints) begins with.
     fn unpack_free(&mut self, y: &[f64]) {
-        self.settled.valid = false;
+        self.projected.valid = false;
         let (q, v) = y.split_at(3 * self.bodies.len());
         let (q, v) = (q.as_chunks::<3>().0, v.as_chunks::<3>().0);
         for (body, (q, v)) in zip(&mut self.bodies, zip(q, v)) {
@@ -187,7 +187,7 @@ impl<F: Forces> Lagrange<F> {
 
     /// Arms as they will stand after every body has turned on at its own rate for `time`.
     fn turn_arms(&mut self, time: f64) {
-        self.settled.valid = false;
+        self.projected.valid = false;
         for (arms, joint) in self.arms.iter_mut().zip(&self.mechanism.revolutes) {
             let on = |point: [f64; 2], rate: f64| turned(point, rate * time);
             let parent_rate = joint.parent.map_or(0.0, |p| self.bodies[p].rate);
@@ -279,7 +279,7 @@ impl<F: Forces> Lagrange<F> {
     }
 
     /// Puts the bodies onto the constraints at time `t`.
-    fn project(&mut self, t: f64) {
+    fn satisfy_constraints(&mut self, t: f64) {
         for driver in &self.mechanism.drivers {
             let (angle, rate, _) = driver.motion.at(t);
             let parent = driver
@@ -387,12 +387,12 @@ impl<F: Forces> Lagrange<F> {
 
     /// Bodies and arms at (t, y), unless they stand there.
     fn prepare(&mut self, t: f64, y: &[f64]) {
-        if self.settled.is(t, y) {
+        if self.projected.is(t, y) {
             return;
         }
         if self.stabilisation == Stabilisation::Projection {
             self.unpack_free(y);
-            self.project(t);
+            self.satisfy_constraints(t);
         } else {
             self.unpack(y);
             self.rotate_arms();
@@ -448,17 +448,17 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
         }
     }
 
-    fn settle(&mut self, t: f64, y: &mut [f64]) {
+    fn project(&mut self, t: f64, y: &mut [f64]) {
         if self.stabilisation == Stabilisation::Projection {
             self.unpack_free(y);
-            self.project(t);
+            self.satisfy_constraints(t);
             self.pack(y);
-            self.settled.set(t, y);
+            self.projected.set(t, y);
         }
     }
 
-    fn enter_leg(&mut self, from: f64) {
-        self.forces.enter_leg(from);
+    fn restart_at(&mut self, from: f64) {
+        self.forces.restart_at(from);
     }
 }
 
@@ -513,7 +513,7 @@ impl<F: Forces> Formulation for Lagrange<F> {
     }
 
     fn joint_error(&mut self, t: f64, y: &[f64]) -> f64 {
-        let known = self.settled.is(t, y);
+        let known = self.projected.is(t, y);
         if !known {
             self.unpack(y);
             self.rotate_arms();

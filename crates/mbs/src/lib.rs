@@ -4,7 +4,7 @@
 //! ```text
 //!                        ┌─> Lagrange  all coordinates, multipliers (saddle point) ─┐
 //!  Mechanism + Forces ───┤                                                          ├─> OdeSystem ─> integrators
-//!                        └─> Reduced   centre-pinned bodies eliminated exactly ─────┘   f, Jacobian    steps, legs
+//!                        └─> Reduced   centre-pinned bodies eliminated exactly ─────┘   f, Jacobian    steps, segments
 //! ```
 //!
 //! A [`Mechanism`] is data. [`Lagrange`] and [`Reduced`] turn it into an [`OdeSystem`] under

@@ -53,13 +53,13 @@ pub trait OdeSystem {
     /// Puts an accepted state back onto the invariants the system keeps; by default there are none.
     ///
     /// f must not change by it: who evaluates f of a state sees it on the invariants already.
-    fn settle(&mut self, _t: f64, _y: &mut [f64]) {}
+    fn project(&mut self, _t: f64, _y: &mut [f64]) {}
 
-    /// From now on f is that of the leg which begins at `from` (s), wherever it is asked for, until the next call.
+    /// From now on f is that of the segment which begins at `from` (s), wherever it is asked for, until the next call.
     ///
-    /// At a time where f jumps it has two values: the leg that ends there has the one, the leg that begins there
+    /// At a time where f jumps it has two values: the segment that ends there has the one, the segment that begins there
     /// the other. By default f has no jumps.
-    fn enter_leg(&mut self, _from: f64) {}
+    fn restart_at(&mut self, _from: f64) {}
 }
 
 /// Errors that count as 1 in each kind of component, for methods that choose their steps. A stiff
@@ -107,7 +107,7 @@ pub trait Formulation: OdeSystem {
 
     /// The same for who does not look at the places and velocities of bodies that others carry: they need not be those of
     /// this time.
-    fn glance(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
+    fn observe_reduced(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
         self.observe(t, y)
     }
 

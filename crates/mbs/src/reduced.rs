@@ -478,9 +478,9 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         known
     }
 
-    fn enter_leg(&mut self, from: f64) {
+    fn restart_at(&mut self, from: f64) {
         self.evaluated.valid = false;
-        self.forces.enter_leg(from);
+        self.forces.restart_at(from);
     }
 }
 
@@ -506,7 +506,7 @@ impl<F: Forces> Formulation for Reduced<F> {
         }
     }
 
-    fn glance(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
+    fn observe_reduced(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
         self.evaluate_whole(t, y);
         self.see(t)
     }

@@ -85,7 +85,7 @@ fn run(
     times: &[f64],
 ) -> (Vec<[f64; 4]>, StepCounts) {
     let states = times.iter().map(|&t| {
-        stepper.aim(t);
+        stepper.set_stop_time(t);
         while stepper.time() < t {
             stepper.step(system).unwrap();
         }

@@ -1,7 +1,7 @@
 //! Every method of the registry passes the same tests.
 
 use pinwheel_mbs::OdeSystem;
-use pinwheel_mbs::integrators::{Legs, METHODS, StepError, StepSettings, Stepper, start};
+use pinwheel_mbs::integrators::{METHODS, Segments, StepError, StepSettings, Stepper, start};
 
 mod bounds;
 use bounds::holds;
@@ -222,7 +222,7 @@ impl OdeSystem for Noted {
         scale.fill(self.unit);
     }
 
-    fn settle(&mut self, t: f64, _: &mut [f64]) {
+    fn project(&mut self, t: f64, _: &mut [f64]) {
         self.settled.push(t);
     }
 }
@@ -351,11 +351,15 @@ fn a_saved_run_goes_on_exactly() {
     for method in METHODS {
         let run = || stepper(method.name, 0.02, 1e-6);
         goes_on(method.name, run(), run());
-        let legs = || {
+        let segments = || {
             let breaks = [0.013, 0.301, 1e9];
-            Box::new(Legs::start(method.name, settings, 0.0, &exact(0.0), &breaks).unwrap())
+            Box::new(Segments::start(method.name, settings, 0.0, &exact(0.0), &breaks).unwrap())
         };
-        goes_on(&format!("{} in legs", method.name), legs(), legs());
+        goes_on(
+            &format!("{} in segments", method.name),
+            segments(),
+            segments(),
+        );
     }
 }
 

@@ -89,12 +89,12 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
 /// Whether anything in this scene depends on a key: of laws, friction and detection only what they read.
 fn is_used(scene: &Scene, key: &str) -> bool {
     let contact = &scene.contact;
-    let rubs = contact.friction_coefficient > 0.0;
+    let has_friction = contact.friction_coefficient > 0.0;
     let own = |law: &&LawInfo| law.keys.contains(&key);
     match key {
-        "contact.friction_ramp_m_s" | "contact.friction_law" => rubs,
+        "contact.friction_ramp_m_s" | "contact.friction_law" => has_friction,
         "contact.friction_dynamic_coefficient" | "contact.friction_dynamic_speed_m_s" => {
-            rubs && contact.friction_law == FrictionLaw::Adams
+            has_friction && contact.friction_law == FrictionLaw::Adams
         }
         "contact.wheel_points" | "contact.hole_points" => contact.detection == Detection::Points,
         "solver.stabilisation" => scene.solver.formulation == Formulation::Lagrange,

@@ -146,10 +146,10 @@ fn run(scene: &Scene) -> Result<Result<NativeRun, Ending>, Box<dyn Error>> {
 
 fn switched(scene: &Scene, damping: f64, switch: Switch) -> Scene {
     let mut scene = scene.clone();
-    let rubs = matches!(switch, Switch::Friction | Switch::EverythingWithFriction);
+    let has_friction = matches!(switch, Switch::Friction | Switch::EverythingWithFriction);
     let all = matches!(switch, Switch::Everything | Switch::EverythingWithFriction);
     scene.contact.damping_n_s_m = damping;
-    if rubs {
+    if has_friction {
         scene.contact.friction_coefficient = FRICTION;
     }
     if all || matches!(switch, Switch::Points | Switch::PointsAndStep) {
@@ -166,7 +166,7 @@ fn switched(scene: &Scene, damping: f64, switch: Switch) -> Scene {
         scene.contact.damping_n_s_m *= 1.0 - 1e3 * scene.gear.external_sleeve_radius_m;
     }
     let published = all
-        || rubs
+        || has_friction
         || matches!(
             switch,
             Switch::Step | Switch::PointsAndStep | Switch::Millimetres

@@ -80,9 +80,13 @@ pub fn horizon(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Horizon, StudyError> {
     let scene = &gearbox.scene;
-    let rubs = scene.contact.friction_coefficient > 0.0;
+    let has_friction = scene.contact.friction_coefficient > 0.0;
     let convex = scene.contact.friction_law == FrictionLaw::Regularised;
-    let method = if rubs && convex { "imex2" } else { "rk4" };
+    let method = if has_friction && convex {
+        "imex2"
+    } else {
+        "rk4"
+    };
     let refused = |fault: Fault| of_scene(scene, fault.into());
     let step_s = step_rad / Frequencies::of(scene).contact_rad_s;
     let still = gearbox

@@ -132,7 +132,7 @@ impl<S: OdeSystem, M: Method> Stepper<S> for M {
             return;
         }
         self.inside(system, t, y);
-        system.settle(t, y);
+        system.project(t, y);
     }
 
     fn counts(&self) -> StepCounts {

@@ -162,7 +162,7 @@ impl Method for Dop853 {
                 std::mem::swap(&mut self.y, &mut self.next);
                 let factor = SAFETY * error.max(1e-12).powf(-EXPONENT);
                 self.clock.accept(factor.clamp(SHRINK, limit));
-                system.settle(self.clock.time, &mut self.y);
+                system.project(self.clock.time, &mut self.y);
                 (self.fresh, self.extended) = (false, false);
                 return Ok(());
             }

@@ -235,7 +235,7 @@ impl Method for Dopri5 {
                 self.last_error = floor.max(1e-4);
                 std::mem::swap(&mut self.y, &mut self.next);
                 self.k.swap(0, STAGES - 1);
-                system.settle(self.clock.time, &mut self.y);
+                system.project(self.clock.time, &mut self.y);
                 return Ok(());
             }
             // 0 where the error is infinite.

@@ -89,7 +89,7 @@ impl Method for FixedStep {
             self.clock.counts.evaluations += 1;
         }
         set_sum(&mut self.scratch, &self.y, h, self.tableau.b, &self.stages);
-        system.settle(end, &mut self.scratch);
+        system.project(end, &mut self.scratch);
         let finite = self.scratch.iter().fold(true, |all, x| all & x.is_finite());
         if !finite {
             return Err(StepError::NotFinite { time: end });

@@ -125,7 +125,7 @@ impl Method for ImexFixed {
         if !self.next.y.iter().chain(known).all(|x| x.is_finite()) {
             return Err(StepError::NotFinite { time: end });
         }
-        system.settle(end, &mut self.next.y);
+        system.project(end, &mut self.next.y);
         std::mem::swap(&mut self.before, &mut self.now);
         std::mem::swap(&mut self.now, &mut self.next);
         self.clock.advance();

@@ -71,7 +71,7 @@ impl ImexAdaptive {
     fn accept<S: OdeSystem>(&mut self, system: &mut S, factor: f64) {
         self.time_before = self.clock.time;
         self.clock.accept(factor);
-        system.settle(self.clock.time, &mut self.next.y);
+        system.project(self.clock.time, &mut self.next.y);
         std::mem::swap(&mut self.before, &mut self.now);
         std::mem::swap(&mut self.now, &mut self.next);
     }

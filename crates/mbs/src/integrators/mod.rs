@@ -3,7 +3,7 @@
 //!
 //! All methods hand out the state at any time inside the last step, so that samples never cut
 //! steps: a run takes the same steps whatever is recorded. Multistep methods, whose steps cost no more than a sample, end
-//! steps at samples instead ([`Stepper::aim`]).
+//! steps at samples instead ([`Stepper::set_stop_time`]).
 //!
 //! Any y' = f(t, y) can be integrated. Here y' = -y, to 1e-8 a step:
 //!
@@ -44,10 +44,10 @@ mod explicit;
 mod heun;
 mod imex;
 mod imex_adaptive;
-mod legs;
 mod rk4;
 mod rodas5p;
 mod rodas5p_coefficients;
+mod segments;
 mod weighted;
 
 pub use dop853::Dop853;
@@ -56,8 +56,8 @@ pub use etd_adams::EtdAdams;
 pub use explicit::{FixedStep, Tableau};
 pub use imex::ImexFixed;
 pub use imex_adaptive::ImexAdaptive;
-pub use legs::Legs;
 pub use rodas5p::Rodas5p;
+pub use segments::Segments;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -120,7 +120,7 @@ pub trait Stepper<S: OdeSystem>: Send {
     fn shorten(&mut self, _longest: f64) {}
     /// The state at `time` (s) will be asked for next. Methods whose step takes a single evaluation end one there: the sample
     /// needs an evaluation anyway, and both share it. All others go on as they would.
-    fn aim(&mut self, _time: f64) {}
+    fn set_stop_time(&mut self, _time: f64) {}
     /// Writes the state at `t`, which lies inside the last accepted step.
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]);
     /// Counts so far.

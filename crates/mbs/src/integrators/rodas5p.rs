@@ -196,7 +196,7 @@ impl Method for Rodas5p {
                 std::mem::swap(&mut self.before, &mut self.y);
                 std::mem::swap(&mut self.y, &mut self.argument);
                 self.clock.accept(factor.clamp(SHRINK, limit));
-                system.settle(self.clock.time, &mut self.y);
+                system.project(self.clock.time, &mut self.y);
                 self.extended = false;
                 return Ok(());
             }

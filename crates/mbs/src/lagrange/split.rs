@@ -79,7 +79,7 @@ impl<F: Forces> Lagrange<F> {
         self.saddle.constraints().fill(Vector3::zeros());
         self.saddle.set_loads(&self.friction);
         self.saddle.solve();
-        self.settled.valid = false;
+        self.projected.valid = false;
         for (k, i) in i[3 * n..].chunks_exact_mut(3).enumerate() {
             i.copy_from_slice(self.saddle.bodies()[k].as_slice());
             let body = &mut self.bodies[k];

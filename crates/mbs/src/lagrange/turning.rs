@@ -99,13 +99,13 @@ impl Turning {
 
 /// The state that was put onto the constraints last, if bodies and arms still stand there.
 #[derive(Debug, Clone)]
-pub(super) struct Settled {
+pub(super) struct Projected {
     pub(super) valid: bool,
     time: f64,
     y: Vec<f64>,
 }
 
-impl Settled {
+impl Projected {
     pub(super) fn new(dimension: usize) -> Self {
         Self {
             valid: false,

@@ -266,19 +266,19 @@ impl Pinned {
     /// The leaves' solutions, where those of their parents are known.
     #[inline]
     pub(super) fn finish(&self, bodies: &mut [Vector3<f64>], constraints: &mut [Vector3<f64>]) {
-        let mut settle = |leaf: &Leaf, bodies: &mut [Vector3<f64>], carried: [f64; 2]| {
+        let mut finish_leaf = |leaf: &Leaf, bodies: &mut [Vector3<f64>], carried: [f64; 2]| {
             let (joint, load) = (&mut constraints[leaf.constraint], &mut bodies[leaf.body]);
             let a = [joint.x - carried[0], joint.y - carried[1]];
             *joint = Vector3::new(load.x - leaf.mass * a[0], load.y - leaf.mass * a[1], 0.0);
             *load = Vector3::new(a[0], a[1], load.z * leaf.over_moment);
         };
         for leaf in &self.leaves[..self.on_ground] {
-            settle(leaf, bodies, [0.0; 2]);
+            finish_leaf(leaf, bodies, [0.0; 2]);
         }
         for (body, own) in &self.carriers {
             let a = bodies[*body];
             for leaf in &self.leaves[own.clone()] {
-                settle(leaf, bodies, leaf.of_parent(&a));
+                finish_leaf(leaf, bodies, leaf.of_parent(&a));
             }
         }
     }

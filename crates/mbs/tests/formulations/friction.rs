@@ -162,7 +162,7 @@ fn implicit_friction_is_that_of_the_speeds_at_the_contacts() {
             let (x, y) = (bodies[body].x - HUB[0], bodies[body].y - HUB[1]);
             (bodies[body].vx, bodies[body].vy) = (-hub * y, hub * x);
         }
-        let (mut rubs, mut pushes) = ([0.0; 4], [0.0; 4]);
+        let (mut has_friction, mut pushes) = ([0.0; 4], [0.0; 4]);
         for contact in Rubbing::of(&m, 10.0).contacts() {
             let [nx, ny] = contact.normal;
             let [first, second] = contact.bodies;
@@ -184,7 +184,7 @@ fn implicit_friction_is_that_of_the_speeds_at_the_contacts() {
             let normal = contact.normal_force + change;
             let friction = contact.coefficient * normal * slip / contact.ramp;
             for (moments, fx, fy) in [
-                (&mut rubs, ny * friction, -nx * friction),
+                (&mut has_friction, ny * friction, -nx * friction),
                 (&mut pushes, -nx * change, -ny * change),
             ] {
                 for (body, sign) in [(first, 1.0), (second, -1.0)] {
@@ -200,9 +200,9 @@ fn implicit_friction_is_that_of_the_speeds_at_the_contacts() {
         let mut inertia = [0.5, 0.1, 0.2, 0.3];
         inertia[0] += 1.0 * (0.36 + 0.04) + 3.0 * (0.09 + 0.16);
         for (k, &body) in free.iter().enumerate() {
-            let rubbed = implicit[n + k] - rubs[body] / inertia[body];
+            let rubbed = implicit[n + k] - has_friction[body] / inertia[body];
             let pushed = explicit[n + k] - without[n + k] - pushes[body] / inertia[body];
-            for (what, off) in [("rubs", rubbed), ("pushes", pushed)] {
+            for (what, off) in [("has_friction", rubbed), ("pushes", pushed)] {
                 holds("stage", &format!("{what} {body}"), off.abs(), ..1e-12);
             }
         }

@@ -131,7 +131,7 @@ fn loops_are_closed_from_a_distance() {
         *y += 0.01 * (1.0 + k as f64).sin();
     }
     let t = 0.05;
-    system.settle(t, &mut y);
+    system.project(t, &mut y);
     let angle = up + 2.0 * t;
     let (s, c) = angle.sin_cos();
     let expected = [

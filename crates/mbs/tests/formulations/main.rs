@@ -408,7 +408,7 @@ fn a_settled_state_is_evaluated_as_any_other() {
     let m = carousel(true);
     let fresh = || Lagrange::new(m.clone(), weight(&m), Stabilisation::Projection).unwrap();
     let mut y = fresh().initial();
-    fresh().settle(0.2, &mut y);
+    fresh().project(0.2, &mut y);
     let mut z = y.clone();
     z[5] += 0.3;
     let slopes = |system: &mut Lagrange<Weight>, t: f64, y: &[f64]| {
@@ -418,7 +418,7 @@ fn a_settled_state_is_evaluated_as_any_other() {
     };
     let expected = slopes(&mut fresh(), 0.2, &y);
     let mut system = fresh();
-    system.settle(0.2, &mut y.clone());
+    system.project(0.2, &mut y.clone());
     assert_eq!(system.joint_error(0.2, &y), fresh().joint_error(0.2, &y));
     assert_eq!(slopes(&mut system, 0.2, &y), expected);
     // Another state, then another time, then again.
@@ -429,7 +429,7 @@ fn a_settled_state_is_evaluated_as_any_other() {
         );
     }
     let (mut e, mut i) = (y.clone(), y.clone());
-    system.settle(0.2, &mut y.clone());
+    system.project(0.2, &mut y.clone());
     system.split_stage(0.2, 1e-3, &mut y.clone(), &mut e, &mut i);
     assert_eq!(slopes(&mut system, 0.2, &y), expected);
     // A joint that is apart is seen, and nothing stays of it, where the body rests by right, either.
@@ -463,7 +463,7 @@ fn free_bodies_are_projected_nowhere() {
         }
         let (mut slopes, seen) = (vec![0.0; y.len()], system.observe(0.0, &y).bodies[4]);
         system.derivative(0.0, &y, &mut slopes);
-        system.settle(0.0, &mut y);
+        system.project(0.0, &mut y);
         (
             slopes[12..15].to_vec(),
             slopes[27..].to_vec(),
@@ -540,9 +540,9 @@ fn kinetic_energy_is_half_of_mass_times_square() {
     assert_relative_eq!(found, expected, max_relative = 1e-15);
 }
 
-/// A force to the side and down on every body, and a moment that is that of the leg.
+/// A force to the side and down on every body, and a moment that is that of the segment.
 struct Wind {
-    leg: f64,
+    segment: f64,
 }
 
 impl Forces for Wind {
@@ -550,17 +550,17 @@ impl Forces for Wind {
         for (load, body) in loads.iter_mut().zip(bodies) {
             load.fx += 3.0;
             load.fy -= 7.0;
-            load.moment += self.leg - 2.0 * body.angle;
+            load.moment += self.segment - 2.0 * body.angle;
         }
     }
 
-    fn enter_leg(&mut self, from: f64) {
-        self.leg = from;
+    fn restart_at(&mut self, from: f64) {
+        self.segment = from;
     }
 }
 
 /// Two driven hubs with bodies of their own, neither in the origin: positions, speeds and what the drivers do are the same in both
-/// forms, and leg by leg.
+/// forms, and segment by segment.
 #[test]
 fn two_drivers_do_the_same_in_both_forms() {
     let motion = Motion {
@@ -605,12 +605,12 @@ fn two_drivers_do_the_same_in_both_forms() {
         child: 3,
         motion,
     });
-    let mut reduced = Reduced::new(mechanism.clone(), Wind { leg: 0.0 }, &[]).unwrap();
+    let mut reduced = Reduced::new(mechanism.clone(), Wind { segment: 0.0 }, &[]).unwrap();
     let stabilisation = Stabilisation::Projection;
-    let mut lagrange = Lagrange::new(mechanism, Wind { leg: 0.0 }, stabilisation).unwrap();
-    for leg in [0.0, 5.0] {
-        reduced.enter_leg(leg);
-        lagrange.enter_leg(leg);
+    let mut lagrange = Lagrange::new(mechanism, Wind { segment: 0.0 }, stabilisation).unwrap();
+    for segment in [0.0, 5.0] {
+        reduced.restart_at(segment);
+        lagrange.restart_at(segment);
         let (one, other) = (run(&mut reduced, 1e-3, 0.2), run(&mut lagrange, 1e-3, 0.2));
         let (one, other) = (reduced.observe(0.2, &one), lagrange.observe(0.2, &other));
         for (a, b) in one.bodies.iter().zip(other.bodies) {

@@ -230,8 +230,8 @@ fn solver(rng: &mut Rng, scene: &mut Scene) {
     } else {
         0.0
     };
-    let rubs = scene.contact.friction_coefficient > 0.0;
-    let share = if rubs { RUBBING } else { 1.0 };
+    let has_friction = scene.contact.friction_coefficient > 0.0;
+    let share = if has_friction { RUBBING } else { 1.0 };
     let duration = share * rng.between(OSCILLATIONS.0, OSCILLATIONS.1) * period
         + (2.0 * flight).min(30.0 * period);
     let (kind, when, what) = (rng.share(), rng.between(0.3, 0.7), rng.between(-1.0, 2.0));

@@ -12,14 +12,14 @@ pub type Setting = (&'static str, f64);
 #[must_use]
 pub fn settings(scene: &Scene, by: &str) -> [Setting; 2] {
     let contact = &scene.contact;
-    let rubs = contact.friction_coefficient > 0.0;
-    let convex = rubs && contact.friction_law == FrictionLaw::Regularised;
+    let has_friction = contact.friction_coefficient > 0.0;
+    let convex = has_friction && contact.friction_law == FrictionLaw::Regularised;
     let found = Frequencies::of(scene);
     let stiff = found.friction_1_s > 100.0 * found.contact_rad_s;
     match contact.detection {
         Detection::Points if convex => [("imex2", 0.004), ("imex2", 0.0015)],
         Detection::Points => [("rk4", 0.004), ("rk4", 0.0015)],
-        Detection::Exact if !rubs => [("dop853", 1e-11), ("dopri5", 1e-12)],
+        Detection::Exact if !has_friction => [("dop853", 1e-11), ("dopri5", 1e-12)],
         Detection::Exact if !convex => [("dop853", 1e-9), ("dopri5", 1e-11)],
         Detection::Exact if by == "dopri5" => [("imex2-adaptive", 1e-5), ("dopri5", 1e-11)],
         Detection::Exact if stiff => [("imex2", 0.001), ("imex2-adaptive", 2e-6)],

@@ -5,7 +5,7 @@ use pinwheel_mbs::{ContactEnergy, Wrench};
 use pulp::Simd;
 
 use super::columns::Sleeves;
-use super::walk::{Group, Sink, Wheel};
+use super::pair_loop::{Group, Sink, Wheel};
 
 /// Adds forces (Eq. 20, 21) to the sleeves' columns and to the wheels' loads, and with `ENERGY` what they store and
 /// dissipate.

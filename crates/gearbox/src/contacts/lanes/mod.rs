@@ -5,13 +5,13 @@
 //! stays as the oracle (tests: equal to 1e-13 relative). The vector instructions are chosen when the
 //! program runs, by what the processor has.
 
+mod active_pairs;
 mod columns;
-mod levers;
-mod listing;
+mod joint_space;
 mod loads;
+mod pair_loop;
 mod shapes;
 mod slopes;
-mod walk;
 
 use pinwheel_contact::{Law, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
@@ -24,13 +24,13 @@ use super::pairs::Pairs;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
+use active_pairs::ActivePairs;
 use columns::Sleeves;
-use levers::Levers;
-use listing::Listing;
+use joint_space::JointSpace;
 use loads::Loads;
+use pair_loop::{Sink, pair_loop};
 use shapes::Shapes;
 use slopes::Slopes;
-use walk::{Sink, walk};
 
 /// The contact field with exact detection, in lanes.
 pub(super) struct LaneField {
@@ -39,7 +39,7 @@ pub(super) struct LaneField {
     friction: RegularisedCoulomb,
     pairs: LanePairs,
     /// Without friction.
-    levers: Option<Levers>,
+    joint_space: Option<JointSpace>,
     /// For single pairs, where lanes gain nothing.
     scalar: Pairs<Law, Exact>,
 }
@@ -53,13 +53,13 @@ struct LanePairs {
 }
 
 /// One walk, as the dispatcher wants it: what is inlined here is compiled once per instruction set.
-struct Walk<'a, K> {
+struct PairLoop<'a, K> {
     pairs: &'a mut LanePairs,
     bodies: &'a [BodyState],
     sink: K,
 }
 
-impl<K: Sink> pulp::WithSimd for Walk<'_, K> {
+impl<K: Sink> pulp::WithSimd for PairLoop<'_, K> {
     type Output = ();
 
     #[inline(always)]
@@ -71,14 +71,14 @@ impl<K: Sink> pulp::WithSimd for Walk<'_, K> {
             internal,
         } = self.pairs;
         let sleeves = [&mut *external, &mut *internal];
-        walk(simd, *layout, shapes, sleeves, self.bodies, &mut self.sink);
+        pair_loop(simd, *layout, shapes, sleeves, self.bodies, &mut self.sink);
         self.sink.finish([external, internal]);
     }
 }
 
 /// Angles and rates to moments, and with `LOADS` to loads.
-struct LeverWalk<'a, 'b, const LOADS: bool> {
-    levers: &'a mut Levers,
+struct JointSpaceLoop<'a, 'b, const LOADS: bool> {
+    joint_space: &'a mut JointSpace,
     shapes: &'a Shapes,
     law: Law,
     bodies: &'a [BodyState],
@@ -86,13 +86,13 @@ struct LeverWalk<'a, 'b, const LOADS: bool> {
     sums: &'a mut Sums<'b>,
 }
 
-impl<const LOADS: bool> pulp::WithSimd for LeverWalk<'_, '_, LOADS> {
+impl<const LOADS: bool> pulp::WithSimd for JointSpaceLoop<'_, '_, LOADS> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let (law, energy) = (&self.law, self.energy);
-        self.levers
+        self.joint_space
             .run::<S, LOADS>(simd, law, self.shapes, self.bodies, energy, self.sums);
     }
 }
@@ -109,7 +109,7 @@ impl LaneField {
                 coefficient,
                 ramp: contact.friction_ramp_m_s * factor(Fault::FrictionSign, -1.0),
             },
-            levers: (coefficient == 0.0).then(|| Levers::new(scene, geometry)),
+            joint_space: (coefficient == 0.0).then(|| JointSpace::new(scene, geometry)),
             pairs: LanePairs {
                 layout,
                 shapes: Shapes::new(scene, geometry),
@@ -120,9 +120,9 @@ impl LaneField {
         }
     }
 
-    fn walk(&mut self, bodies: &[BodyState], sink: impl Sink) {
+    fn pair_loop(&mut self, bodies: &[BodyState], sink: impl Sink) {
         let pairs = &mut self.pairs;
-        self.arch.dispatch(Walk {
+        self.arch.dispatch(PairLoop {
             pairs,
             bodies,
             sink,
@@ -144,20 +144,20 @@ impl LaneField {
             loads,
             energy: &mut energy,
         };
-        self.walk(bodies, sink);
+        self.pair_loop(bodies, sink);
         sums.energy = ENERGY.then_some(energy);
     }
 
     /// Moments, and loads if they are asked for, of bodies whose joints hold them. Nothing rubs.
-    fn sum_levers<const LOADS: bool>(
+    fn sum_in_joint_space<const LOADS: bool>(
         &mut self,
         bodies: &[BodyState],
         energy: bool,
         sums: &mut Sums<'_>,
     ) {
-        if let Some(levers) = &mut self.levers {
-            self.arch.dispatch(LeverWalk::<LOADS> {
-                levers,
+        if let Some(joint_space) = &mut self.joint_space {
+            self.arch.dispatch(JointSpaceLoop::<LOADS> {
+                joint_space,
                 shapes: &self.pairs.shapes,
                 law: self.law,
                 bodies,
@@ -184,10 +184,10 @@ impl LaneField {
         }
         if has_friction {
             if let Some(sink) = Slopes::<true>::new(law, friction, layout, bodies, slopes) {
-                self.walk(bodies, sink);
+                self.pair_loop(bodies, sink);
             }
         } else if let Some(sink) = Slopes::<false>::new(law, friction, layout, bodies, slopes) {
-            self.walk(bodies, sink);
+            self.pair_loop(bodies, sink);
         }
         true
     }
@@ -195,11 +195,11 @@ impl LaneField {
 
 impl ContactField for LaneField {
     fn evaluate(&mut self, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
-        if self.levers.is_some() && ask.pose != Pose::Any && sums.slopes.is_none() {
+        if self.joint_space.is_some() && ask.pose != Pose::Any && sums.slopes.is_none() {
             if sums.loads.is_some() {
-                self.sum_levers::<true>(bodies, ask.energy, sums);
+                self.sum_in_joint_space::<true>(bodies, ask.energy, sums);
             } else {
-                self.sum_levers::<false>(bodies, false, sums);
+                self.sum_in_joint_space::<false>(bodies, false, sums);
             }
             return true;
         }
@@ -217,12 +217,12 @@ impl ContactField for LaneField {
     }
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
-        let sink = Listing {
+        let sink = ActivePairs {
             law: self.law,
             friction: self.friction,
             visit,
         };
-        self.walk(bodies, sink);
+        self.pair_loop(bodies, sink);
     }
 
     fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {

@@ -19,7 +19,7 @@ use pinwheel_contact::{Lanes, Law, NormalLaw, Real, RegularisedCoulomb};
 use pinwheel_mbs::{Arrow, BodyState, Jacobian};
 use pulp::Simd;
 
-use super::walk::{Group, Sink, Wheel};
+use super::pair_loop::{Group, Sink, Wheel};
 use crate::Layout;
 
 /// Shares of stiffness and penetration, and the closing speed (m/s), by which the law's differences go to either side.

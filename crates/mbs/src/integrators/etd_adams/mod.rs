@@ -12,10 +12,10 @@
 //! so steps are as long as what is left of f allows: mostly the contacts that come and go. A step costs one evaluation, where
 //! an explicit Runge-Kutta method of order five takes six for a step a little longer.
 //!
-//! Every leg begins with Dormand-Prince, whose dense output gives the history; it takes over again where steps would become
+//! Every segment begins with Dormand-Prince, whose dense output gives the history; it takes over again where steps would become
 //! shorter than a sixth of its own, and where the system has no Jacobian it does all.
 //!
-//! Steps end at the times the caller asks for next ([`Stepper::aim`]): the step to a sample takes the evaluation that the
+//! Steps end at the times the caller asks for next ([`Stepper::set_stop_time`]): the step to a sample takes the evaluation that the
 //! sample takes anyway, so that both cost one. The sample is then the predicted state, unless it is too far off. Steps change
 //! by factors of two (and to whatever an uneven distance to the next sample asks for), so that all processors take the same.
 
@@ -246,7 +246,7 @@ pub struct EtdAdams {
     time: f64,
     y: Vec<f64>,
     /// The next time asked for, s; infinite: none.
-    aim: f64,
+    stop_time: f64,
     /// No step is longer, s.
     longest: f64,
     counts: StepCounts,
@@ -268,7 +268,7 @@ pub struct EtdAdams {
     /// Typical step of Dormand-Prince, s.
     explicit: f64,
     /// Whether its last step ended at a time asked for.
-    at_aim: bool,
+    at_stop: bool,
     /// Steps since the multistep method took over, and since the last look at the Jacobian.
     taken: u64,
     since_look: u64,
@@ -295,7 +295,7 @@ impl EtdAdams {
             tolerance,
             time: t,
             y: y.to_vec(),
-            aim: f64::INFINITY,
+            stop_time: f64::INFINITY,
             longest: f64::INFINITY,
             counts: StepCounts::default(),
             start: Dopri5::new(h, tolerance, t, y),
@@ -309,7 +309,7 @@ impl EtdAdams {
             h,
             wanted: f64::INFINITY,
             explicit: 0.0,
-            at_aim: false,
+            at_stop: false,
             taken: 0,
             since_look: 0,
             look_after: LOOK,
@@ -328,8 +328,8 @@ impl EtdAdams {
     }
 
     /// Steps from here to the next time asked for, none longer than `most`; 0 if none is asked for.
-    fn count_to_aim(&self, most: f64) -> f64 {
-        let distance = self.aim - self.time;
+    fn count_to_stop(&self, most: f64) -> f64 {
+        let distance = self.stop_time - self.time;
         if distance.is_finite() && distance > SAME * most {
             (distance / most - SAME).ceil().max(1.0)
         } else {
@@ -340,7 +340,7 @@ impl EtdAdams {
     /// Takes over from Dormand-Prince if its last steps reach back far enough and the system has a Jacobian.
     fn take_over<S: OdeSystem>(&mut self, system: &mut S) -> bool {
         // At a time asked for, or where the next one is far.
-        let begins = self.at_aim || self.aim - self.time > FAR * self.pieces[0].taken;
+        let begins = self.at_stop || self.stop_time - self.time > FAR * self.pieces[0].taken;
         if !self.is_due() || self.known_pieces < 2 || !begins {
             return false;
         }
@@ -385,9 +385,9 @@ impl EtdAdams {
             self.wait += self.begun;
             return false;
         }
-        let count = self.count_to_aim(most);
+        let count = self.count_to_stop(most);
         let h = if count > 0.0 {
-            (self.aim - self.time) / (count as u64).next_power_of_two() as f64
+            (self.stop_time - self.time) / (count as u64).next_power_of_two() as f64
         } else {
             short_step(most)
         };
@@ -419,7 +419,7 @@ impl EtdAdams {
 
     /// The step to take, s: the wanted one, or what divides the way to the next time asked for.
     fn fitting(&self, multistep: &Multistep) -> f64 {
-        let distance = self.aim - self.time;
+        let distance = self.stop_time - self.time;
         let is_next = (distance - self.h).abs() <= SAME * self.h;
         if is_next && self.wanted >= self.h && self.h <= self.longest {
             return self.h;
@@ -431,9 +431,9 @@ impl EtdAdams {
             self.wanted
         };
         let fit = |most: f64| {
-            let count = self.count_to_aim(most);
+            let count = self.count_to_stop(most);
             if count > 0.0 {
-                (self.aim - self.time) / count
+                (self.stop_time - self.time) / count
             } else {
                 most
             }
@@ -533,8 +533,8 @@ impl EtdAdams {
     fn attempt<S: OdeSystem>(&mut self, multistep: &mut Multistep, system: &mut S) -> Option<bool> {
         let (which, h) = (self.which, self.h);
         let order = ORDERS[which];
-        let lands = ((self.aim - self.time) / h - 1.0).abs() < 1e-3;
-        let end = if lands { self.aim } else { self.time + h };
+        let lands = ((self.stop_time - self.time) / h - 1.0).abs() < 1e-3;
+        let end = if lands { self.stop_time } else { self.time + h };
         let matrices = multistep.matrices(h);
         multistep.history.differ(order);
         let Multistep {
@@ -596,7 +596,7 @@ impl EtdAdams {
         self.time = end;
         self.taken += 1;
         self.counts.steps += 1;
-        system.settle(self.time, &mut self.y);
+        system.project(self.time, &mut self.y);
         self.which = usize::from(squares[1] < squares[0]);
         let error = squares[self.which];
         let gain = (4 << ORDERS[self.which]) as f64;
@@ -615,7 +615,7 @@ impl EtdAdams {
     fn explicit_step<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
         let stepper: &mut dyn Stepper<S> = &mut self.start;
         stepper.shorten(self.longest);
-        let distance = self.aim - self.time;
+        let distance = self.stop_time - self.time;
         let same = SAME * stepper.next_step();
         let waits = !self.refused && self.begun + 1 >= self.wait;
         if (waits || self.begun == 0) && distance > same {
@@ -624,7 +624,7 @@ impl EtdAdams {
         }
         stepper.step(system)?;
         self.time = stepper.time();
-        self.at_aim = (self.time - self.aim).abs() <= same;
+        self.at_stop = (self.time - self.stop_time).abs() <= same;
         self.y.copy_from_slice(stepper.state());
         self.begun += 1;
         self.pieces.rotate_right(1);
@@ -678,8 +678,8 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
         self.longest = longest;
     }
 
-    fn aim(&mut self, time: f64) {
-        self.aim = time;
+    fn set_stop_time(&mut self, time: f64) {
+        self.stop_time = time;
     }
 
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
@@ -694,7 +694,7 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
                     });
                 } else {
                     multistep.state_at(self.time, &self.y, self.h, t - self.time, y);
-                    system.settle(t, y);
+                    system.project(t, y);
                 }
             }
             _ => self.start.interpolate(system, t, y),

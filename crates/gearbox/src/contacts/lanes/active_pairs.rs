@@ -3,20 +3,20 @@
 use pinwheel_contact::{Law, NormalLaw, Real, RegularisedCoulomb};
 use pulp::Simd;
 
-use super::walk::{Group, Sink, Wheel};
+use super::pair_loop::{Group, Sink, Wheel};
 use crate::Sleeve;
 use crate::contacts::detection::Touch;
 use crate::contacts::field::PairContact;
 use crate::contacts::pairs::{Loaded, WheelFrame};
 
 /// Gives every touching pair, with rates and forces, to `visit`.
-pub(super) struct Listing<'a, 'v> {
+pub(super) struct ActivePairs<'a, 'v> {
     pub(super) law: Law,
     pub(super) friction: RegularisedCoulomb,
     pub(super) visit: &'a mut (dyn FnMut(&PairContact) + 'v),
 }
 
-impl Sink for Listing<'_, '_> {
+impl Sink for ActivePairs<'_, '_> {
     #[inline(always)]
     fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let touching = &group.touching;

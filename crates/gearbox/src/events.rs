@@ -1,7 +1,7 @@
 //! What is due between two samples of a native run: entries of the energy account, breaks of the load, the sample.
 //!
 //! A break that falls on a sample comes first, so that the sample sees the load that begins there. Where it falls
-//! between samples, the account needs an entry on both its sides, and the cubics of its legs need four each.
+//! between samples, the account needs an entry on both its sides, and the cubics of its segments need four each.
 
 use crate::energy::EnergyAccount;
 
@@ -12,16 +12,16 @@ const BESIDE_A_BREAK: u64 = 3;
 
 /// Something due.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Due {
+pub(crate) enum Event {
     /// An entry of the energy account, s.
     Entry(f64),
-    /// The end of a leg, s: an entry with the load that ends. The second time is the break as the scene gives it.
+    /// The end of a segment, s: an entry with the load that ends. The second time is the break as the scene gives it.
     Break(f64, f64),
     /// The sample, s.
     Sample(f64),
 }
 
-impl Due {
+impl Event {
     /// When, s.
     pub(crate) fn time(self) -> f64 {
         let (Self::Entry(time) | Self::Break(time, _) | Self::Sample(time)) = self;
@@ -77,13 +77,13 @@ mod tests {
     use super::*;
 
     fn words(from: f64, to: f64, breaks: &[f64]) -> String {
-        let word = |due: &Due| match due {
-            Due::Entry(_) => 'e',
-            Due::Break(..) => 'B',
-            Due::Sample(_) => 's',
+        let word = |due: &Event| match due {
+            Event::Entry(_) => 'e',
+            Event::Break(..) => 'B',
+            Event::Sample(_) => 's',
         };
-        let mut list = vec![Due::Sample(f64::NAN)];
-        Due::list(&mut list, from, to, breaks, 1e-5);
+        let mut list = vec![Event::Sample(f64::NAN)];
+        Event::list(&mut list, from, to, breaks, 1e-5);
         assert!(list.windows(2).all(|p| p[0].time() <= p[1].time()));
         list.iter().map(word).collect()
     }
@@ -105,8 +105,8 @@ mod tests {
     #[test]
     fn a_run_without_breaks_has_the_entries_it_always_had() {
         let mut due = Vec::new();
-        Due::list(&mut due, 1e-4, 3.5e-4, &[], 1e-5);
-        let times: Vec<f64> = due.into_iter().map(Due::time).collect();
+        Event::list(&mut due, 1e-4, 3.5e-4, &[], 1e-5);
+        let times: Vec<f64> = due.into_iter().map(Event::time).collect();
         let plain = EnergyAccount::between(1e-4, 3.5e-4, 1e-5, 1);
         assert_eq!(times, plain.chain([3.5e-4]).collect::<Vec<_>>());
     }

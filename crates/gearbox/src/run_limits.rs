@@ -38,19 +38,19 @@ pub(crate) struct Pace {
     last: f64,
     next_look: u64,
     integrator: String,
-    rubs: bool,
+    has_friction: bool,
 }
 
 impl Pace {
     /// At time 0 of a scene whose contacts rub or do not.
-    pub(crate) fn new(scene: &Scene, rubs: bool) -> Self {
+    pub(crate) fn new(scene: &Scene, has_friction: bool) -> Self {
         Self {
             steps: 0,
             end: scene.solver.duration_s,
             last: 0.0,
             next_look: SPAN,
             integrator: scene.solver.integrator.clone(),
-            rubs,
+            has_friction,
         }
     }
 
@@ -77,7 +77,7 @@ impl Pace {
         if left > MOST_STEPS {
             let implicit = method(&self.integrator)
                 .is_some_and(|method| method.family == Family::SplitImplicit);
-            let remedy = if self.rubs && !implicit {
+            let remedy = if self.has_friction && !implicit {
                 "set solver.integrator to \"imex2\" or \"auto\", which treat friction implicitly"
             } else {
                 "raise solver.tolerance, or name a method with a fixed step in solver.integrator"

@@ -58,7 +58,7 @@ const SIGNS: [f64; PADDING / 2] = {
 
 /// What does not change, and room for what does.
 #[derive(Debug, Clone)]
-pub(super) struct Levers {
+pub(super) struct JointSpace {
     layout: Layout,
     /// e e^{if} of every wheel, m.
     eccentrics: Vec<Complex>,
@@ -225,7 +225,7 @@ impl Column {
     }
 }
 
-impl Levers {
+impl JointSpace {
     pub(super) fn new(scene: &Scene, geometry: &Geometry) -> Self {
         let gear = &scene.gear;
         let layout = Layout::of(gear);

@@ -1,35 +1,35 @@
-//! A run in legs, between times at which f jumps or bends.
+//! A run in segments, between times at which f jumps or bends.
 //!
 //! A method of order p has its order where f has p derivatives. A step over a jump of f is of order 1 whatever the
 //! method; an adaptive one notices and creeps up to it, a fixed one does not. So no step passes such a time: the
-//! last step of a leg is shortened to end there, and the method starts anew, with its first step, its own derivative
-//! at the start and no memory of the leg before. Within a leg f is that leg's own at both ends
-//! ([`OdeSystem::enter_leg`]).
+//! last step of a segment is shortened to end there, and the method starts anew, with its first step, its own derivative
+//! at the start and no memory of the segment before. Within a segment f is that segment's own at both ends
+//! ([`OdeSystem::restart_at`]).
 
 use pinwheel_faults::{Fault, armed};
 
 use super::{StepCounts, StepError, StepSettings, Stepper, restored, saved, start};
 use crate::OdeSystem;
 
-/// Distance from a leg's end that counts as being there, in steps of the settings.
+/// Distance from a segment's end that counts as being there, in steps of the settings.
 const THERE: f64 = 1e-9;
 
-/// A method in the course of a run that is divided into legs.
-pub struct Legs<S: OdeSystem> {
+/// A method in the course of a run that is divided into segments.
+pub struct Segments<S: OdeSystem> {
     method: String,
     settings: StepSettings,
     stepper: Box<dyn Stepper<S>>,
-    /// Ends of legs that are still to come, the last first.
+    /// Ends of segments that are still to come, the last first.
     ends: Vec<f64>,
     /// What the steppers before did.
     past: StepCounts,
     /// No step of a method that chooses its steps is longer, s.
     longest: f64,
     /// The next time asked for, s.
-    aim: f64,
+    stop_time: f64,
 }
 
-impl<S: OdeSystem> Legs<S> {
+impl<S: OdeSystem> Segments<S> {
     /// Starts the method `name` at (t, y); `breaks` (s) increase, those up to `t` do not count. `None`: no such method.
     #[must_use]
     pub fn start(
@@ -47,7 +47,7 @@ impl<S: OdeSystem> Legs<S> {
             ends: coming.filter(|&end| end > t).collect(),
             past: StepCounts::default(),
             longest: f64::INFINITY,
-            aim: f64::INFINITY,
+            stop_time: f64::INFINITY,
         })
     }
 
@@ -59,19 +59,19 @@ impl<S: OdeSystem> Legs<S> {
         self
     }
 
-    /// End of this leg, s; infinite for the last.
+    /// End of this segment, s; infinite for the last.
     #[must_use]
     pub fn end(&self) -> f64 {
         self.ends.last().copied().unwrap_or(f64::INFINITY)
     }
 
-    /// True when the last step has reached the end of this leg.
+    /// True when the last step has reached the end of this segment.
     #[must_use]
     pub fn is_at_end(&self) -> bool {
         self.end() - self.stepper.time() <= THERE * self.settings.step
     }
 
-    /// Enters the next leg, at whose start the state is what it was. Before the end of a leg nothing happens.
+    /// Enters the next segment, at whose start the state is what it was. Before the end of a segment nothing happens.
     pub fn enter(&mut self, system: &mut S) {
         if !self.is_at_end() {
             return;
@@ -80,7 +80,7 @@ impl<S: OdeSystem> Legs<S> {
             if !armed(Fault::PassedBreak) {
                 self.restart(from, self.settings.step);
             }
-            system.enter_leg(from);
+            system.restart_at(from);
         }
     }
 
@@ -97,23 +97,23 @@ impl<S: OdeSystem> Legs<S> {
     }
 }
 
-impl<S: OdeSystem> Stepper<S> for Legs<S> {
-    /// As of the method; a step that begins at the end of a leg enters the next.
+impl<S: OdeSystem> Stepper<S> for Segments<S> {
+    /// As of the method; a step that begins at the end of a segment enters the next.
     fn step(&mut self, system: &mut S) -> Result<(), StepError> {
         if armed(Fault::PassedBreak) {
             return self.stepper.step(system);
         }
         self.enter(system);
         self.stepper.shorten(self.longest);
-        // The end of a leg is asked for, too.
-        let aim = self.aim.min(self.end());
-        self.stepper.aim(aim);
+        // The end of a segment is asked for, too.
+        let stop_time = self.stop_time.min(self.end());
+        self.stepper.set_stop_time(stop_time);
         let end = self.end();
         if end < f64::INFINITY {
             let (time, step) = (self.stepper.time(), self.stepper.next_step());
             if time + step > end + THERE * step {
                 self.restart(time, end - time);
-                self.stepper.aim(aim);
+                self.stepper.set_stop_time(stop_time);
             }
         }
         self.stepper.step(system)
@@ -131,8 +131,8 @@ impl<S: OdeSystem> Stepper<S> for Legs<S> {
         self.stepper.next_step()
     }
 
-    fn aim(&mut self, time: f64) {
-        self.aim = time;
+    fn set_stop_time(&mut self, time: f64) {
+        self.stop_time = time;
     }
 
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
@@ -150,17 +150,17 @@ impl<S: OdeSystem> Stepper<S> for Legs<S> {
     }
 
     fn save(&self) -> Vec<u8> {
-        saved(&(&self.ends, self.past, self.aim, self.stepper.save()))
+        saved(&(&self.ends, self.past, self.stop_time, self.stepper.save()))
     }
 
     fn restore(&mut self, bytes: &[u8]) -> bool {
         let all: Option<(Vec<f64>, StepCounts, f64, Vec<u8>)> = restored(bytes);
-        let Some((ends, past, aim, stepper)) = all else {
+        let Some((ends, past, stop_time, stepper)) = all else {
             return false;
         };
         let known = self.stepper.restore(&stepper);
         if known {
-            (self.ends, self.past, self.aim) = (ends, past, aim);
+            (self.ends, self.past, self.stop_time) = (ends, past, stop_time);
         }
         known
     }

@@ -1,7 +1,7 @@
-//! A right-hand side that jumps: in legs every method keeps its order, over the jump none does.
+//! A right-hand side that jumps: in segments every method keeps its order, over the jump none does.
 
 use pinwheel_mbs::OdeSystem;
-use pinwheel_mbs::integrators::{Legs, METHODS, MethodInfo, StepSettings, Stepper, start};
+use pinwheel_mbs::integrators::{METHODS, MethodInfo, Segments, StepSettings, Stepper, start};
 
 mod bounds;
 use bounds::holds;
@@ -12,12 +12,12 @@ const END: f64 = 2.0;
 
 /// y'' = p(t) - y with p = 0, then 1, then a ramp to -1.
 struct Pushed {
-    /// Start of the leg; `None`: p follows the time alone.
-    leg: Option<f64>,
+    /// Start of the segment; `None`: p follows the time alone.
+    segment: Option<f64>,
 }
 
-fn push(leg: f64, t: f64) -> f64 {
-    match leg {
+fn push(segment: f64, t: f64) -> f64 {
+    match segment {
         l if l < BREAKS[0] => 0.0,
         l if l < BREAKS[1] => 1.0,
         l if l < BREAKS[2] => 1.0 - 2.0 * (t - BREAKS[1]) / (BREAKS[2] - BREAKS[1]),
@@ -32,17 +32,17 @@ impl OdeSystem for Pushed {
 
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         dydt[0] = y[1];
-        dydt[1] = push(self.leg.unwrap_or(t), t) - y[0];
+        dydt[1] = push(self.segment.unwrap_or(t), t) - y[0];
     }
 
-    fn enter_leg(&mut self, from: f64) {
-        self.leg = Some(from);
+    fn restart_at(&mut self, from: f64) {
+        self.segment = Some(from);
     }
 }
 
 const START: [f64; 2] = [0.5, 0.0];
 
-/// The exact solution at `t`: on each leg the particular solution is p itself, linear in time.
+/// The exact solution at `t`: on each segment the particular solution is p itself, linear in time.
 fn exact(t: f64) -> [f64; 2] {
     let (mut y, mut from) = (START, 0.0);
     for to in BREAKS.into_iter().chain([f64::INFINITY]) {
@@ -65,13 +65,13 @@ fn off(y: &[f64], t: f64) -> f64 {
 }
 
 /// Largest error at any step's end and in its middle; the run and its number of evaluations.
-fn error(name: &str, step: f64, tolerance: f64, legs: bool) -> (f64, u64) {
+fn error(name: &str, step: f64, tolerance: f64, segments: bool) -> (f64, u64) {
     let settings = StepSettings { step, tolerance };
     let mut system = Pushed {
-        leg: legs.then_some(0.0),
+        segment: segments.then_some(0.0),
     };
-    let mut run: Box<dyn Stepper<Pushed>> = if legs {
-        Box::new(Legs::start(name, settings, 0.0, &START, &BREAKS).unwrap())
+    let mut run: Box<dyn Stepper<Pushed>> = if segments {
+        Box::new(Segments::start(name, settings, 0.0, &START, &BREAKS).unwrap())
     } else {
         start(name, settings, 0.0, &START).unwrap()
     };
@@ -80,7 +80,7 @@ fn error(name: &str, step: f64, tolerance: f64, legs: bool) -> (f64, u64) {
         let before = run.time();
         run.step(&mut system).unwrap();
         assert!(
-            !legs
+            !segments
                 || BREAKS
                     .iter()
                     .all(|b| !(before < b - 1e-9 && run.time() > b + 1e-9)),
@@ -96,8 +96,8 @@ fn error(name: &str, step: f64, tolerance: f64, legs: bool) -> (f64, u64) {
     (worst, run.counts().evaluations)
 }
 
-fn order(method: &MethodInfo, legs: bool) -> f64 {
-    let at = |step: f64| error(method.name, step, 1e-6, legs).0;
+fn order(method: &MethodInfo, segments: bool) -> f64 {
+    let at = |step: f64| error(method.name, step, 1e-6, segments).0;
     (at(0.02) / at(0.005)).log2() / 2.0
 }
 
@@ -106,13 +106,13 @@ fn hard_fixed_steps_keep_their_order_over_a_jump() {
     for method in METHODS.iter().filter(|m| !m.adaptive) {
         let (kept, lost) = (order(method, true), order(method, false));
         println!(
-            "{}: order {kept:.2} in legs, {lost:.2} without",
+            "{}: order {kept:.2} in segments, {lost:.2} without",
             method.name
         );
         let expected = f64::from(method.order);
         holds(
             method.name,
-            "order in legs",
+            "order in segments",
             kept,
             expected - 0.3..expected + 0.3,
         );
@@ -120,7 +120,7 @@ fn hard_fixed_steps_keep_their_order_over_a_jump() {
     }
 }
 
-/// In legs the tolerance is kept and costs what a smooth run costs. Without, the step control sees the jump and
+/// In segments the tolerance is kept and costs what a smooth run costs. Without, the step control sees the jump and
 /// creeps up to it: measured 2.3 (`dopri5`), 5.3 (`dop853`) and 2.7 times (`rodas5p`) the evaluations, and 21 to 69 times
 /// the error.
 #[test]
@@ -130,16 +130,16 @@ fn hard_adaptive_steps_keep_their_tolerance_over_a_jump() {
         let (kept, calls) = error(method.name, 0.01, tolerance, true);
         let (lost, more) = error(method.name, 0.01, tolerance, false);
         println!(
-            "{} at {tolerance:e}: {kept:.1e} in {calls} evaluations in legs, {lost:.1e} in {more} without",
+            "{} at {tolerance:e}: {kept:.1e} in {calls} evaluations in segments, {lost:.1e} in {more} without",
             method.name
         );
-        holds(method.name, "error in legs", kept, ..3.0 * tolerance);
+        holds(method.name, "error in segments", kept, ..3.0 * tolerance);
         if method.order >= 4 {
             holds(method.name, "error over the jump", lost, 10.0 * kept..);
             let dearer = more as f64 / calls as f64;
             holds(
                 method.name,
-                "calls over the jump per call in legs",
+                "calls over the jump per call in segments",
                 dearer,
                 1.5..,
             );
@@ -156,9 +156,9 @@ fn a_break_on_the_grid_shortens_nothing() {
         tolerance: 1e-6,
     };
     for method in METHODS.iter().filter(|m| !m.adaptive) {
-        let mut system = Pushed { leg: Some(0.0) };
+        let mut system = Pushed { segment: Some(0.0) };
         let breaks = [32.0 * step, 64.0 * step + 1e-14];
-        let mut run = Legs::start(method.name, settings, 0.0, &START, &breaks).unwrap();
+        let mut run = Segments::start(method.name, settings, 0.0, &START, &breaks).unwrap();
         for n in 1..=128 {
             run.step(&mut system).unwrap();
             let off = (run.time() - f64::from(n) * step).abs();
@@ -174,7 +174,7 @@ fn a_break_on_the_grid_shortens_nothing() {
     }
 }
 
-/// Legs without breaks are the method itself, bit by bit.
+/// Segments without breaks are the method itself, bit by bit.
 #[test]
 fn without_breaks_nothing_changes() {
     for method in METHODS {
@@ -182,15 +182,15 @@ fn without_breaks_nothing_changes() {
             step: 0.01,
             tolerance: 1e-7,
         };
-        let mut system = Pushed { leg: Some(0.0) };
+        let mut system = Pushed { segment: Some(0.0) };
         let mut plain: Box<dyn Stepper<Pushed>> =
             start(method.name, settings, 0.0, &START).unwrap();
-        let mut legs = Legs::start(method.name, settings, 0.0, &START, &[]).unwrap();
+        let mut segments = Segments::start(method.name, settings, 0.0, &START, &[]).unwrap();
         for _ in 0..50 {
             plain.step(&mut system).unwrap();
-            legs.step(&mut system).unwrap();
-            assert_eq!(plain.state(), legs.state(), "{}", method.name);
+            segments.step(&mut system).unwrap();
+            assert_eq!(plain.state(), segments.state(), "{}", method.name);
         }
-        assert_eq!(plain.counts(), legs.counts());
+        assert_eq!(plain.counts(), segments.counts());
     }
 }

@@ -129,7 +129,7 @@ pub(super) trait Sink {
 
 /// Visits every group with a touching pair: wheel by wheel, external sleeves before internal ones.
 #[inline(always)]
-pub(super) fn walk<S: Simd>(
+pub(super) fn pair_loop<S: Simd>(
     simd: S,
     layout: Layout,
     shapes: &Shapes,
