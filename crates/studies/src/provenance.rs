@@ -40,7 +40,7 @@ impl Provenance {
             version: VERSION,
             command: command.into(),
             machine: Machine::here(),
-            date: jiff::Timestamp::now().strftime("%Y-%m-%d").to_string(),
+            date: today(),
         }
     }
 
@@ -49,6 +49,12 @@ impl Provenance {
     pub fn versions(&self) -> Vec<(String, String)> {
         vec![("pinwheel".to_owned(), self.version.to_owned())]
     }
+}
+
+/// The day in UTC, `2026-01-31`.
+fn today() -> String {
+    let now = humantime::format_rfc3339_seconds(std::time::SystemTime::now());
+    now.to_string().chars().take(10).collect()
 }
 
 /// Version of Pinwheel.
