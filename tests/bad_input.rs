@@ -236,7 +236,7 @@ fn bad_input_a_million_sleeves() {
 }
 
 /// The refusal comes before anything is allocated: 300 MB of address space are enough for it, while
-/// one column of courses for each of a million sleeves would take 48 GB.
+/// one column of time series for each of a million sleeves would take 48 GB.
 #[cfg(target_os = "linux")]
 #[test]
 fn bad_input_a_million_sleeves_allocates_nothing() {

@@ -6,10 +6,10 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pinwheel_courses::Courses;
 use pinwheel_engines::{Cancelled, Control, Ending, Halt, by_name};
 use pinwheel_scene::{FrictionLaw, Scene, Start};
 use pinwheel_tests::runs::{self, attempt, channels, native, run, scene};
+use pinwheel_timeseries::TimeSeries;
 
 const SHARED: &str = "rapier-shared-law";
 const HOOK: &str = "rapier-own-contact-hook";
@@ -18,14 +18,20 @@ const COLLIDERS: &str = "rapier-own-contact-colliders";
 const TORQUES: [&str; 2] = ["input_torque_n_m", "output_torque_n_m"];
 const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];
 
-fn relative(courses: &Courses, reference: &Courses, quantity: &str, from_s: f64, to_s: f64) -> f64 {
-    runs::relative(courses, reference, &[quantity], (from_s, to_s))
+fn relative(
+    time_series: &TimeSeries,
+    reference: &TimeSeries,
+    quantity: &str,
+    from_s: f64,
+    to_s: f64,
+) -> f64 {
+    runs::relative(time_series, reference, &[quantity], (from_s, to_s))
 }
 
 /// Mean over the window and the channels.
-fn mean(courses: &Courses, quantity: &str, from_s: f64, to_s: f64) -> f64 {
-    let window = courses.window(from_s, to_s);
-    let channels = channels(courses, quantity);
+fn mean(time_series: &TimeSeries, quantity: &str, from_s: f64, to_s: f64) -> f64 {
+    let window = time_series.window(from_s, to_s);
+    let channels = channels(time_series, quantity);
     let sum: f64 = channels
         .iter()
         .map(|channel| channel[window.clone()].iter().sum::<f64>())
@@ -34,14 +40,14 @@ fn mean(courses: &Courses, quantity: &str, from_s: f64, to_s: f64) -> f64 {
 }
 
 fn assert_close(
-    courses: &Courses,
-    reference: &Courses,
+    time_series: &TimeSeries,
+    reference: &TimeSeries,
     quantities: &[&str],
     (from_s, to_s): (f64, f64),
     limit: f64,
 ) {
     for quantity in quantities {
-        let error = relative(courses, reference, quantity, from_s, to_s);
+        let error = relative(time_series, reference, quantity, from_s, to_s);
         println!("{quantity} {from_s}-{to_s} s: {error:.2e} (limit {limit:.1e})");
         assert!(
             error < limit,
@@ -50,9 +56,9 @@ fn assert_close(
     }
 }
 
-fn assert_mean(courses: &Courses, reference: &Courses, quantity: &str, limit: f64) {
+fn assert_mean(time_series: &TimeSeries, reference: &TimeSeries, quantity: &str, limit: f64) {
     let (got, wanted) = (
-        mean(courses, quantity, 0.3, 0.6),
+        mean(time_series, quantity, 0.3, 0.6),
         mean(reference, quantity, 0.3, 0.6),
     );
     let error = (got / wanted - 1.0).abs();
@@ -65,11 +71,11 @@ fn assert_mean(courses: &Courses, reference: &Courses, quantity: &str, limit: f6
 #[test]
 fn crossval_rapier_shared_law_steady() {
     let scene = scene("paper", &[]);
-    let courses = run(SHARED, &scene);
+    let time_series = run(SHARED, &scene);
     let reference = native(&scene, "rk4", 5e-6);
-    assert_close(&courses, &reference, &TORQUES, (0.3, 0.6), 1e-4);
-    assert_close(&courses, &reference, &FORCES, (0.3, 0.6), 1e-4);
-    let driver = mean(&courses, TORQUES[0], 0.3, 0.6);
+    assert_close(&time_series, &reference, &TORQUES, (0.3, 0.6), 1e-4);
+    assert_close(&time_series, &reference, &FORCES, (0.3, 0.6), 1e-4);
+    let driver = mean(&time_series, TORQUES[0], 0.3, 0.6);
     assert!(
         (driver / 1.4529 - 1.0).abs() < 1e-3,
         "mean driver torque {driver}"
@@ -92,7 +98,7 @@ fn crossval_rapier_shared_law_transient() {
 
     // Second order: a step twice as long errs four times as much.
     let coarse = run(SHARED, &at("4e-6"));
-    let error = |courses: &Courses| relative(courses, &reference, FORCES[0], 0.0, 0.05);
+    let error = |time_series: &TimeSeries| relative(time_series, &reference, FORCES[0], 0.0, 0.05);
     let ratio = error(&coarse) / error(&fine);
     println!("error ratio of steps 4e-6 and 2e-6: {ratio:.2}");
     assert!((3.8..4.2).contains(&ratio), "{ratio}");
@@ -112,10 +118,10 @@ fn crossval_rapier_shared_law_other_gears() {
             preset,
             &[("solver.duration_s", "0.03"), ("solver.step_s", "2e-6")],
         );
-        let courses = run(SHARED, &scene);
+        let time_series = run(SHARED, &scene);
         let reference = native(&scene, "rk4", 2e-6);
-        assert_close(&courses, &reference, &TORQUES, (0.0, 0.03), limit);
-        assert_close(&courses, &reference, &FORCES, (0.0, 0.03), limit);
+        assert_close(&time_series, &reference, &TORQUES, (0.0, 0.03), limit);
+        assert_close(&time_series, &reference, &FORCES, (0.0, 0.03), limit);
     }
 }
 
@@ -130,9 +136,9 @@ fn crossval_rapier_from_equilibrium() {
     let scene = scene("paper", &settings);
     let reference = native(&scene, "rk4", 5e-6);
     for engine in [SHARED, HOOK] {
-        let courses = run(engine, &scene);
-        assert_close(&courses, &reference, &TORQUES, (0.0, 0.05), 1e-4);
-        assert_close(&courses, &reference, &FORCES, (0.0, 0.05), 1e-4);
+        let time_series = run(engine, &scene);
+        assert_close(&time_series, &reference, &TORQUES, (0.0, 0.05), 1e-4);
+        assert_close(&time_series, &reference, &FORCES, (0.0, 0.05), 1e-4);
     }
 }
 
@@ -151,9 +157,9 @@ fn crossval_rapier_other_laws() {
         let scene = scene("paper", &settings);
         let reference = native(&scene, "rk4", 2e-6);
         for engine in [SHARED, HOOK] {
-            let courses = run(engine, &scene);
-            assert_close(&courses, &reference, &TORQUES, (0.0, 0.02), 2e-4);
-            assert_close(&courses, &reference, &FORCES, (0.0, 0.02), 2e-4);
+            let time_series = run(engine, &scene);
+            assert_close(&time_series, &reference, &TORQUES, (0.0, 0.02), 2e-4);
+            assert_close(&time_series, &reference, &FORCES, (0.0, 0.02), 2e-4);
         }
     }
 }
@@ -163,13 +169,13 @@ fn crossval_rapier_other_laws() {
 #[test]
 fn crossval_rapier_hook_without_friction() {
     let scene = scene("paper", &[("solver.duration_s", "0.35")]);
-    let courses = run(HOOK, &scene);
+    let time_series = run(HOOK, &scene);
     let reference = native(&scene, "rk4", 5e-6);
-    assert_close(&courses, &reference, &TORQUES, (0.3, 0.35), 2e-4);
-    assert_close(&courses, &reference, &FORCES, (0.3, 0.35), 2e-4);
+    assert_close(&time_series, &reference, &TORQUES, (0.3, 0.35), 2e-4);
+    assert_close(&time_series, &reference, &FORCES, (0.3, 0.35), 2e-4);
     let shared = run(SHARED, &scene);
-    assert_close(&courses, &shared, &TORQUES, (0.0, 0.35), 2e-4);
-    assert_close(&courses, &shared, &FORCES, (0.0, 0.35), 2e-4);
+    assert_close(&time_series, &shared, &TORQUES, (0.0, 0.35), 2e-4);
+    assert_close(&time_series, &shared, &FORCES, (0.0, 0.35), 2e-4);
 }
 
 /// Implicit Coulomb friction against a native run that resolves the scene's friction, within 2e-3.
@@ -182,12 +188,12 @@ fn crossval_rapier_hook_without_friction() {
 #[test]
 fn crossval_rapier_hook_with_friction() {
     let scene = scene("paper-friction", &[("solver.duration_s", "0.35")]);
-    let courses = run(HOOK, &scene);
+    let time_series = run(HOOK, &scene);
     let reference = native(&scene, "rk2", 2e-7);
-    assert_close(&courses, &reference, &TORQUES, (0.3, 0.35), 2e-3);
-    assert_close(&courses, &reference, &FORCES, (0.3, 0.35), 2e-3);
-    assert_close(&courses, &reference, &FORCES, (0.0, 0.05), 2e-3);
-    assert_close(&courses, &reference, &TORQUES, (0.0, 0.05), 5e-3);
+    assert_close(&time_series, &reference, &TORQUES, (0.3, 0.35), 2e-3);
+    assert_close(&time_series, &reference, &FORCES, (0.3, 0.35), 2e-3);
+    assert_close(&time_series, &reference, &FORCES, (0.0, 0.05), 2e-3);
+    assert_close(&time_series, &reference, &TORQUES, (0.0, 0.05), 5e-3);
     let fine = self::scene(
         "paper-friction",
         &[("solver.duration_s", "0.05"), ("solver.step_s", "2e-6")],
@@ -206,10 +212,10 @@ fn crossval_rapier_hook_with_light_sleeves() {
         ("contact.friction_coefficient", "0.1"),
     ];
     let scene = scene("eleven-pins", &settings);
-    let courses = run(HOOK, &scene);
+    let time_series = run(HOOK, &scene);
     let reference = native(&scene, "rk2", 2e-8);
-    assert_close(&courses, &reference, &FORCES, (0.0, 0.01), 2e-3);
-    assert_close(&courses, &reference, &TORQUES, (0.0, 0.01), 5e-3);
+    assert_close(&time_series, &reference, &FORCES, (0.0, 0.01), 2e-3);
+    assert_close(&time_series, &reference, &TORQUES, (0.0, 0.01), 5e-3);
 }
 
 /// rapier alone. Means only: torques within 1.5 % (measured 1.0 %), forces within 10 % (measured
@@ -218,15 +224,15 @@ fn crossval_rapier_hook_with_light_sleeves() {
 #[test]
 fn crossval_rapier_colliders_means() {
     let scene = scene("paper", &[]);
-    let courses = run(COLLIDERS, &scene);
+    let time_series = run(COLLIDERS, &scene);
     let reference = native(&scene, "rk4", 1e-5);
     for quantity in TORQUES {
-        assert_mean(&courses, &reference, quantity, 1.5e-2);
+        assert_mean(&time_series, &reference, quantity, 1.5e-2);
     }
     for quantity in FORCES {
-        assert_mean(&courses, &reference, quantity, 0.1);
+        assert_mean(&time_series, &reference, quantity, 0.1);
     }
-    let driver = mean(&courses, TORQUES[0], 0.3, 0.6);
+    let driver = mean(&time_series, TORQUES[0], 0.3, 0.6);
     assert!(
         (driver / (22.0 / 15.0) - 1.0).abs() < 3e-3,
         "mean driver torque {driver}"
@@ -239,13 +245,13 @@ fn crossval_rapier_colliders_means_of_other_gears() {
     for preset in ["eleven-pins", "backlash-0.6"] {
         println!("{preset}");
         let scene = scene(preset, &[]);
-        let courses = run(COLLIDERS, &scene);
+        let time_series = run(COLLIDERS, &scene);
         let reference = native(&scene, "rk4", 1e-5);
         for quantity in TORQUES {
-            assert_mean(&courses, &reference, quantity, 1.5e-2);
+            assert_mean(&time_series, &reference, quantity, 1.5e-2);
         }
         for quantity in FORCES {
-            assert_mean(&courses, &reference, quantity, 0.1);
+            assert_mean(&time_series, &reference, quantity, 0.1);
         }
     }
 }
@@ -277,7 +283,7 @@ fn crossval_rapier_divergence_is_an_error() {
                 println!("{engine}: t = {time_s} s, {quantity}");
                 assert!(time_s > 0.0 && time_s < 0.05);
                 assert!(!quantity.is_empty());
-                let kept = &run.courses;
+                let kept = &run.time_series;
                 assert!(kept.len() < 501 && !kept.is_empty());
                 assert!(kept.time_s().iter().all(|t| *t < time_s + 1e-12));
                 let finite = |values: &[f64]| values.iter().all(|x| x.is_finite());
@@ -361,10 +367,10 @@ fn channels_agree_or_are_missing() {
         let found = runs::whole(engine, &scene);
         let notes = found.stats.notes.join(" ");
         assert_eq!(notes.contains("does not know"), !pairs, "{engine}: {notes}");
-        let courses = &found.courses;
-        let missing = native.channels().len() - courses.channels().len();
+        let time_series = &found.time_series;
+        let missing = native.channels().len() - time_series.channels().len();
         assert_eq!(missing, if pairs { 0 } else { 2 * 24 * 10 + 2 }, "{engine}");
-        assert!(courses.channel("external_contact_ratio_1").is_some());
+        assert!(time_series.channel("external_contact_ratio_1").is_some());
         if !pairs {
             continue;
         }
@@ -379,7 +385,7 @@ fn channels_agree_or_are_missing() {
             ("wheel_0_external_stiffness_n_m15", 2e-5),
             ("wheel_0_internal_normal_force_n", 2e-4),
         ] {
-            let off = relative(courses, &native, quantity, 0.01, 0.05);
+            let off = relative(time_series, &native, quantity, 0.01, 0.05);
             println!("{engine} {quantity}: {off:.1e}");
             assert!(off < limit, "{engine} {quantity}: {off:e}");
         }
@@ -403,8 +409,8 @@ fn crossval_rapier_load_changes() {
         };
         let reference = native(&at("1e-5"), "dopri5", 1e-5);
         for engine in [SHARED, HOOK] {
-            let courses = run(engine, &at("2e-6"));
-            assert_close(&courses, &reference, &FORCES, (0.0, 0.012), limit);
+            let time_series = run(engine, &at("2e-6"));
+            assert_close(&time_series, &reference, &FORCES, (0.0, 0.012), limit);
         }
     }
 }
@@ -461,11 +467,11 @@ fn crossval_rapier_colliders_deviations() {
                 ("solver.sample_s", "1e-4"),
             ],
         );
-        let courses = run(COLLIDERS, &scene);
+        let time_series = run(COLLIDERS, &scene);
         let reference = native(&scene, "auto", 1e-5);
-        assert_mean(&courses, &reference, TORQUES[0], 0.015);
+        assert_mean(&time_series, &reference, TORQUES[0], 0.015);
         for quantity in FORCES {
-            assert_mean(&courses, &reference, quantity, 0.1);
+            assert_mean(&time_series, &reference, quantity, 0.1);
         }
     }
 }

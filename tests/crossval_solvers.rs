@@ -6,11 +6,11 @@
 
 use std::fs;
 
-use pinwheel_courses::Courses;
 use pinwheel_engines::{Ending, by_name};
 use pinwheel_scene::Scene;
 use pinwheel_tests::runs::{self, attempt, run, scene};
 use pinwheel_tests::{Outcome, names_in, pinwheel};
+use pinwheel_timeseries::TimeSeries;
 
 const SIMBODY: &str = "simbody-shared-law";
 const IDA: &str = "ida-shared-law";
@@ -33,9 +33,10 @@ fn simbody() -> bool {
 }
 
 /// Errors of forces and driver torque against the resolved native run.
-fn errors(engine: &str, scene: &Scene, window: (f64, f64), reference: &Courses) -> [f64; 2] {
+fn errors(engine: &str, scene: &Scene, window: (f64, f64), reference: &TimeSeries) -> [f64; 2] {
     let run = runs::whole(engine, scene);
-    let error = |quantities: &[&str]| runs::relative(&run.courses, reference, quantities, window);
+    let error =
+        |quantities: &[&str]| runs::relative(&run.time_series, reference, quantities, window);
     let errors = [error(&FORCES), error(&TORQUE)];
     let stats = run.stats;
     println!(
@@ -95,7 +96,7 @@ fn crossval_ida_paper() {
     paper(IDA, [2.4e-5; 2], [1e-5; 2], 2.5..12.0);
 }
 
-fn friction() -> (Scene, Courses) {
+fn friction() -> (Scene, TimeSeries) {
     let scene = scene("paper-friction", &[("solver.duration_s", "0.01")]);
     let resolved = run("native-resolved", &scene);
     (scene, resolved)
@@ -155,7 +156,7 @@ fn crossval_solvers_other_scenes() {
     }
 }
 
-/// The same run twice gives the same courses to the last bit.
+/// The same run twice gives the same time series to the last bit.
 #[test]
 fn crossval_solvers_repeat_to_the_bit() {
     let simbody = simbody();
@@ -234,7 +235,7 @@ fn crossval_solvers_recordings_are_of_these_programs() {
             continue;
         }
         let rows: Vec<usize> = (0..live.len()).collect();
-        let recorded = recording.courses.select(&rows);
+        let recorded = recording.time_series.select(&rows);
         for quantities in [&FORCES[..], &TORQUE] {
             let error = runs::relative(&live, &recorded, quantities, (0.0, 0.008));
             println!("{preset} {engine}: {error:.1e}");

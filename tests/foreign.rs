@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use pinwheel_courses::Courses;
 use pinwheel_tests::{Outcome, run_in};
+use pinwheel_timeseries::TimeSeries;
 use serde_json::Value;
 
 const COMPARE: [&str; 9] = [
@@ -20,9 +20,9 @@ const COMPARE: [&str; 9] = [
     "--force",
 ];
 
-/// Our own courses in another program's clothes: semicolons, decimal commas, milliseconds that begin
+/// Our own time series in another program's clothes: semicolons, decimal commas, milliseconds that begin
 /// elsewhere, newton millimetres of the other sign, degrees, components of forces in kN counted from 1.
-fn disguised(ours: &Courses, step: usize) -> String {
+fn disguised(ours: &TimeSeries, step: usize) -> String {
     let comma = |x: f64| x.to_string().replace('.', ",");
     let mut text = String::from("Export 7\nTIME;Motor;Angle");
     for k in 1..=16 {
@@ -66,8 +66,8 @@ output_angle_rad = { column = 3, unit = \"deg\" }
 \"external_sleeve_force_n_*\" = { magnitude_of = [\"FX_*\", \"FY_*\"], unit = \"kN\", first = 1 }
 ";
 
-/// A folder with our courses, their disguise and its map.
-fn folder(step: usize) -> (tempfile::TempDir, Courses) {
+/// A folder with our time series, their disguise and its map.
+fn folder(step: usize) -> (tempfile::TempDir, TimeSeries) {
     let dir = tempfile::tempdir().unwrap();
     let ran = run_in(
         dir.path(),
@@ -83,7 +83,7 @@ fn folder(step: usize) -> (tempfile::TempDir, Courses) {
         ],
     );
     assert_eq!(ran.code, Some(0), "{ran:?}");
-    let ours = Courses::load_csv(&dir.path().join("ours/courses.csv")).unwrap();
+    let ours = TimeSeries::load_csv(&dir.path().join("ours/courses.csv")).unwrap();
     std::fs::write(dir.path().join("rig.csv"), disguised(&ours, step)).unwrap();
     std::fs::write(dir.path().join("rig.toml"), MAP).unwrap();
     (dir, ours)
@@ -142,7 +142,7 @@ fn our_own_courses_come_back() {
     assert!(judged.is_empty());
     let verdicts = summary["pairs"][0]["entries"].as_array().unwrap();
     assert!(verdicts.iter().all(|e| e["verdict"] == "not-compared"));
-    let kept = Courses::load_csv(&dir.path().join("out/rig/courses.csv")).unwrap();
+    let kept = TimeSeries::load_csv(&dir.path().join("out/rig/courses.csv")).unwrap();
     assert_eq!((kept.len(), kept.channels().len()), (ours.len(), 18));
     let page = std::fs::read_to_string(dir.path().join("out/index.html")).unwrap();
     assert!(page.contains("Measured") && page.contains("rig"));

@@ -1,20 +1,20 @@
 //! Hard cases: methods that must survive them do, methods that cannot say so loudly.
 
-use pinwheel_courses::Courses;
 use pinwheel_engines::Ending;
 use pinwheel_scene::{Detection, PRESETS};
 use pinwheel_tests::runs::{self, attempt, scene, whole as run};
+use pinwheel_timeseries::TimeSeries;
 
 const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];
 
-fn forces_of(courses: &Courses) -> Vec<&[f64]> {
+fn forces_of(time_series: &TimeSeries) -> Vec<&[f64]> {
     FORCES
         .iter()
-        .flat_map(|quantity| runs::channels(courses, quantity))
+        .flat_map(|quantity| runs::channels(time_series, quantity))
         .collect()
 }
 
-fn relative(found: &Courses, reference: &Courses, names: &[&str]) -> f64 {
+fn relative(found: &TimeSeries, reference: &TimeSeries, names: &[&str]) -> f64 {
     runs::relative(found, reference, names, (0.0, f64::INFINITY))
 }
 
@@ -40,7 +40,7 @@ fn hard_presets_run_or_say_why() {
                         name != "hard-steel",
                         "Heun at 1e-5 s is far beyond its limit there"
                     );
-                    let forces = forces_of(&run.courses);
+                    let forces = forces_of(&run.time_series);
                     let largest = forces
                         .iter()
                         .flat_map(|f| f.iter())
@@ -55,7 +55,7 @@ fn hard_presets_run_or_say_why() {
                 Ending::Diverged { time_s, quantity } => {
                     println!("{name}, {engine}: diverged at {time_s} s: {quantity}");
                     assert_eq!(name, "hard-steel", "{engine}: {quantity}");
-                    assert!(time_s < 0.02 && run.courses.len() < 201);
+                    assert!(time_s < 0.02 && run.time_series.len() < 201);
                 }
                 Ending::Unsupported { reason } => {
                     println!("{name}, {engine}: {reason}");
@@ -83,8 +83,8 @@ fn hard_lagrange_form_does_not_drift_over_ten_seconds() {
     let drift = lagrange.stats.joint_drift_m.unwrap();
     let angle = ["output_angle_rad"];
     let (off, forces) = (
-        relative(&lagrange.courses, &reduced.courses, &angle),
-        relative(&lagrange.courses, &reduced.courses, &FORCES),
+        relative(&lagrange.time_series, &reduced.time_series, &angle),
+        relative(&lagrange.time_series, &reduced.time_series, &FORCES),
     );
     println!("drift {drift:.1e} m; angle {off:.1e}, forces {forces:.1e} relative");
     assert!(drift < 1e-12, "{drift:e}");
@@ -102,13 +102,13 @@ fn hard_friction_at_the_papers_step() {
             ("solver.integrator", integrator),
             ("solver.step_s", step),
         ];
-        run("native-reduced", &scene("paper-friction", &settings)).courses
+        run("native-reduced", &scene("paper-friction", &settings)).time_series
     };
     let reference = at("rk2", "1e-7");
     let error = |integrator: &str, step: &str| {
-        let courses = at(integrator, step);
-        let driver = relative(&courses, &reference, &["input_torque_n_m"]);
-        let forces = relative(&courses, &reference, &FORCES);
+        let time_series = at(integrator, step);
+        let driver = relative(&time_series, &reference, &["input_torque_n_m"]);
+        let forces = relative(&time_series, &reference, &FORCES);
         println!("{integrator} at {step} s: forces {forces:.2e}, driver torque {driver:.2e}");
         (forces, driver)
     };
@@ -137,8 +137,8 @@ fn hard_steel_by_an_adaptive_method() {
     let reference = at("rk4", "2e-7", "1e-6");
     let adaptive = at("dopri5", "1e-6", "1e-6");
     let heun = at("rk2", "2e-6", "1e-6");
-    let error = relative(&adaptive.courses, &reference.courses, &FORCES);
-    let explicit = relative(&heun.courses, &reference.courses, &FORCES);
+    let error = relative(&adaptive.time_series, &reference.time_series, &FORCES);
+    let explicit = relative(&heun.time_series, &reference.time_series, &FORCES);
     println!(
         "dopri5 {error:.1e} in {}; Heun at 2e-6 s {explicit:.1e} in {}",
         adaptive.stats.rhs_calls, heun.stats.rhs_calls
@@ -238,7 +238,7 @@ fn hard_presets_are_served_within_their_bounds() {
                 ("solver.step_s", step),
                 ("solver.tolerance", tolerance),
             ];
-            run("native-reduced", &scene(row.scene, &settings)).courses
+            run("native-reduced", &scene(row.scene, &settings)).time_series
         };
         let own = scene(row.scene, &[]);
         let (contact, tolerance) = (own.contact, own.solver.tolerance.to_string());
@@ -250,8 +250,8 @@ fn hard_presets_are_served_within_their_bounds() {
             at("dopri5", "1e-5", "1e-9")
         };
         let found = at(row.by, "1e-5", &tolerance);
-        let forces = |courses: &Courses| {
-            let groups = forces_of(courses);
+        let forces = |time_series: &TimeSeries| {
+            let groups = forces_of(time_series);
             let all = groups.iter().flat_map(|g| g.iter());
             all.fold(0.0, |most: f64, &force| most.max(force))
         };

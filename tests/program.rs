@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use pinwheel_courses::Courses;
 use pinwheel_scene::Scene;
 use pinwheel_tests::{Outcome, names_in, pinwheel, repository, run_in};
+use pinwheel_timeseries::TimeSeries;
 use serde_json::Value;
 
 /// A run short enough for tests: 5 ms, 51 samples.
@@ -83,11 +83,11 @@ fn program_run_writes_courses_and_their_record() {
     let out = dir.path().join("out/paper-run");
     assert_eq!(names_in(&out), ["courses.csv", "run.json"]);
 
-    let courses = Courses::load_csv(&out.join("courses.csv")).unwrap();
-    assert_eq!(courses.len(), 51);
-    assert_eq!(courses.channels()[0].name, "input_torque_n_m");
-    assert_eq!(courses.group("external_sleeve_force_n").len(), 16);
-    assert_eq!(courses.group("internal_sleeve_force_n").len(), 8);
+    let time_series = TimeSeries::load_csv(&out.join("courses.csv")).unwrap();
+    assert_eq!(time_series.len(), 51);
+    assert_eq!(time_series.channels()[0].name, "input_torque_n_m");
+    assert_eq!(time_series.group("external_sleeve_force_n").len(), 16);
+    assert_eq!(time_series.group("internal_sleeve_force_n").len(), 8);
 
     let record = json(out.join("run.json"));
     assert_eq!(record["engine"], "native-lagrange");
@@ -110,7 +110,7 @@ fn program_run_writes_courses_and_their_record() {
 }
 
 #[test]
-fn program_compare_writes_report_summary_and_courses() {
+fn program_compare_writes_report_summary_and_time_series() {
     let dir = tempfile::tempdir().unwrap();
     let args = [
         "compare",
@@ -187,8 +187,8 @@ fn program_diverged_run_ends_with_3_and_keeps_what_there_is() {
     assert_eq!(record["status"], "diverged");
     let diverged_at = record["diverged_at_s"].as_f64().unwrap();
     assert!(record["diverged_quantity"].as_str().unwrap().len() > 5);
-    let courses = Courses::load_csv(&out.join("courses.partial.csv")).unwrap();
-    assert!(!courses.is_empty() && courses.time_s().iter().all(|&t| t <= diverged_at));
+    let time_series = TimeSeries::load_csv(&out.join("courses.partial.csv")).unwrap();
+    assert!(!time_series.is_empty() && time_series.time_s().iter().all(|&t| t <= diverged_at));
 }
 
 #[test]

@@ -11,14 +11,14 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use pinwheel_courses::Courses;
-use pinwheel_courses::Ending;
 use pinwheel_gearbox::auto::PROMISE;
 use pinwheel_gearbox::resolve::{Budget, Uncertainty, run_resolved};
 use pinwheel_gearbox::{Distance, Gearbox};
 use pinwheel_scene::Scene;
 use pinwheel_studies::calibration::gears::gear;
 use pinwheel_studies::calibration::reference;
+use pinwheel_timeseries::Ending;
+use pinwheel_timeseries::TimeSeries;
 
 /// Gears of an ordinary test run.
 const GEARS: u64 = 300;
@@ -63,7 +63,7 @@ fn judge(scene: &Scene) -> Outcome {
     }
     let by = uncertainty.chosen().map_or("", |rung| &rung.integrator);
     let [first, second] = reference::settings(scene, by);
-    let off = |truth: &Courses| gearbox.distance(&run.courses, truth);
+    let off = |truth: &TimeSeries| gearbox.distance(&run.time_series, truth);
     let truth = reference::run(scene, first);
     if let Some(truth) = &truth
         && off(truth).worst() <= PROMISE

@@ -1,8 +1,8 @@
-//! Runs of engines, and the distance of their courses.
+//! Runs of engines, and the distance of their time series.
 
-use pinwheel_courses::Courses;
 use pinwheel_engines::{Control, Run, by_name};
 use pinwheel_scene::{Override, Scene};
+use pinwheel_timeseries::TimeSeries;
 
 /// The preset with keys overridden, as `--set` does it.
 ///
@@ -45,18 +45,18 @@ pub fn whole(engine: &str, scene: &Scene) -> Run {
     }
 }
 
-/// The courses of a run that must not fail.
+/// The time series of a run that must not fail.
 ///
 /// # Panics
 /// When it does.
 #[must_use]
-pub fn run(engine: &str, scene: &Scene) -> Courses {
-    whole(engine, scene).courses
+pub fn run(engine: &str, scene: &Scene) -> TimeSeries {
+    whole(engine, scene).time_series
 }
 
 /// A native run of the same scene with another method and step.
 #[must_use]
-pub fn native(scene: &Scene, integrator: &str, step_s: f64) -> Courses {
+pub fn native(scene: &Scene, integrator: &str, step_s: f64) -> TimeSeries {
     let mut scene = scene.clone();
     scene.solver.integrator = integrator.to_owned();
     scene.solver.step_s = step_s;
@@ -65,10 +65,10 @@ pub fn native(scene: &Scene, integrator: &str, step_s: f64) -> Courses {
 
 /// The channels of a quantity: a single one, or one per sleeve.
 #[must_use]
-pub fn channels<'a>(courses: &'a Courses, quantity: &str) -> Vec<&'a [f64]> {
-    let group = courses.group(quantity);
+pub fn channels<'a>(time_series: &'a TimeSeries, quantity: &str) -> Vec<&'a [f64]> {
+    let group = time_series.group(quantity);
     if group.is_empty() {
-        courses.channel(quantity).into_iter().collect()
+        time_series.channel(quantity).into_iter().collect()
     } else {
         group
     }
@@ -78,21 +78,28 @@ pub fn channels<'a>(courses: &'a Courses, quantity: &str) -> Vec<&'a [f64]> {
 /// the window, s, both ends included.
 ///
 /// # Panics
-/// When the courses lack samples of the window or channels of the reference, or there is nothing to compare: silence must not
+/// When the time series lack samples of the window or channels of the reference, or there is nothing to compare: silence must not
 /// look like agreement.
 #[must_use]
 pub fn relative(
-    courses: &Courses,
-    reference: &Courses,
+    time_series: &TimeSeries,
+    reference: &TimeSeries,
     quantities: &[&str],
     (from_s, to_s): (f64, f64),
 ) -> f64 {
     let window = reference.window(from_s, to_s);
     assert!(window.len() > 5, "window of {} samples", window.len());
-    assert!(courses.len() >= window.end, "{} samples", courses.len());
+    assert!(
+        time_series.len() >= window.end,
+        "{} samples",
+        time_series.len()
+    );
     let (mut difference, mut size) = (0.0, 0.0);
     for quantity in quantities {
-        let (ours, theirs) = (channels(courses, quantity), channels(reference, quantity));
+        let (ours, theirs) = (
+            channels(time_series, quantity),
+            channels(reference, quantity),
+        );
         assert!(!theirs.is_empty(), "no {quantity}");
         assert_eq!(ours.len(), theirs.len(), "{quantity}");
         for (a, b) in ours.iter().zip(&theirs) {

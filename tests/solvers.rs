@@ -6,8 +6,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use pinwheel_courses::{Courses, columns};
 use pinwheel_tests::{pinwheel, repository, run_in};
+use pinwheel_timeseries::{TimeSeries, columns};
 use tempfile::TempDir;
 
 /// The program's folder first on the path, as an installed program is.
@@ -125,11 +125,11 @@ fn crossval_julia_conforms() {
     conforms("julia", "julia");
 }
 
-fn courses(folder: &Path, words: &[&str]) -> Courses {
+fn time_series(folder: &Path, words: &[&str]) -> TimeSeries {
     let ran = run_in(folder, words);
     assert_eq!(ran.code, Some(0), "{words:?}\n{}", ran.stderr);
     let out = words.last().expect("--out is last");
-    Courses::load_csv(&folder.join(out).join("courses.csv")).expect("courses")
+    TimeSeries::load_csv(&folder.join(out).join("courses.csv")).expect("courses")
 }
 
 /// Heun on the angles in Fortran, the paper's language, and our `rk2`: the same method on the same equations by two codes.
@@ -146,13 +146,17 @@ fn crossval_fortran_heun_is_native_rk2() {
         "solver.integrator=rk2",
         "--unchecked",
     ];
-    let native = courses(
+    let native = time_series(
         folder.path(),
         &[&head[..], &set, &["--out", "native"]].concat(),
     );
     let solver = ["--solver", "mine/solver.toml", "--out", "fortran"];
-    let fortran = courses(folder.path(), &[&head[..4], &set, &solver].concat());
-    let channel = |courses: &Courses| courses.channel(columns::INPUT_TORQUE).map(<[f64]>::to_vec);
+    let fortran = time_series(folder.path(), &[&head[..4], &set, &solver].concat());
+    let channel = |time_series: &TimeSeries| {
+        time_series
+            .channel(columns::INPUT_TORQUE)
+            .map(<[f64]>::to_vec)
+    };
     let (a, b) = (
         channel(&native).expect("there"),
         channel(&fortran).expect("there"),

@@ -106,7 +106,7 @@ fn bad_input_to_stability_is_one_line() {
     }
 }
 
-/// A run whose step does not resolve its scene ends with status 4, with its courses; asked not to look, with 0.
+/// A run whose step does not resolve its scene ends with status 4, with its time series; asked not to look, with 0.
 #[test]
 fn hard_unresolved_run_ends_with_status_one() {
     let dir = tempfile::tempdir().unwrap();

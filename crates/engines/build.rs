@@ -1,4 +1,4 @@
-//! Embeds the Python package and the recorded courses; with `crossval`, finds the Python to embed.
+//! Embeds the Python package and the recorded time series; with `crossval`, finds the Python to embed.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

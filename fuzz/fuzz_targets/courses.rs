@@ -1,2 +1,2 @@
 #![no_main]
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| pinwheel_fuzz::targets::courses(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| pinwheel_fuzz::targets::time_series(bytes));

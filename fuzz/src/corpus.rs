@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use pinwheel_courses::Courses;
-use pinwheel_courses::save_courses;
 use pinwheel_scene::KEYS;
+use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::save_time_series;
 
 use crate::targets::PARTS;
 
@@ -151,7 +151,7 @@ pub fn baselines() -> Vec<Vec<u8>> {
     seeds
 }
 
-/// Recordings, of which the courses are cut short.
+/// Recordings, of which the time series are cut short.
 #[must_use]
 pub fn recordings() -> Vec<Vec<u8>> {
     let folder = "reference/recorded/paper";
@@ -162,23 +162,23 @@ pub fn recordings() -> Vec<Vec<u8>> {
     short.chain(files("fuzz/corpus/recording", "")).collect()
 }
 
-fn few_courses() -> Option<Courses> {
-    let mut courses = Courses::new(vec![0.0, 1e-4, 0.1 + 0.2]).ok()?;
-    courses
+fn few_time_series() -> Option<TimeSeries> {
+    let mut time_series = TimeSeries::new(vec![0.0, 1e-4, 0.1 + 0.2]).ok()?;
+    time_series
         .push("input_torque_n_m", vec![1.0 / 3.0, -1e-300, f64::MAX])
         .ok()?;
-    courses
+    time_series
         .push("external_sleeve_force_n_0", vec![1.0, 1.0, -0.0])
         .ok()?;
-    Some(courses)
+    Some(time_series)
 }
 
-/// Courses as CSV.
+/// Time series as CSV.
 #[must_use]
-pub fn courses() -> Vec<Vec<u8>> {
+pub fn time_series() -> Vec<Vec<u8>> {
     let mut written = Vec::new();
-    if let Some(courses) = few_courses() {
-        let _ = courses.write_csv(&mut written);
+    if let Some(time_series) = few_time_series() {
+        let _ = time_series.write_csv(&mut written);
     }
     let recorded = strings(files("reference/recorded/paper", ".csv"));
     let recorded = recorded
@@ -211,14 +211,14 @@ pub fn manifests() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Courses as Parquet.
+/// Time series as Parquet.
 #[must_use]
 pub fn parquet() -> Vec<Vec<u8>> {
-    let written = few_courses()
+    let written = few_time_series()
         .zip(tempfile::tempdir().ok())
-        .and_then(|(courses, dir)| {
+        .and_then(|(time_series, dir)| {
             let path = dir.path().join("c.parquet");
-            save_courses(&courses, &path).ok()?;
+            save_time_series(&time_series, &path).ok()?;
             std::fs::read(path).ok()
         });
     written

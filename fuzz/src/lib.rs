@@ -65,8 +65,8 @@ pub const TARGETS: &[Target] = &[
     },
     Target {
         name: "courses",
-        run: targets::courses,
-        seeds: corpus::courses,
+        run: targets::time_series,
+        seeds: corpus::time_series,
     },
     Target {
         name: "manifest",

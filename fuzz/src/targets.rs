@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use pinwheel_courses::Courses;
-use pinwheel_courses::foreign::{Map, read, resample};
 use pinwheel_engines::external::Manifest;
 use pinwheel_engines::recorded::Recording;
 use pinwheel_gearbox::native;
@@ -11,6 +9,8 @@ use pinwheel_gearbox::{Frequencies, Gearbox, explain};
 use pinwheel_scene::{CheckedScene, Override, Scales, Scene, names};
 use pinwheel_studies::baseline::Baseline;
 use pinwheel_studies::sweep::{Plan, Sweep};
+use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::foreign::{Map, read, resample};
 
 /// Stands between the parts of an input that is two files.
 pub const PARTS: &str = "\n%%%%\n";
@@ -140,7 +140,7 @@ pub fn first_steps(bytes: &[u8]) -> bool {
     });
     match run.and_then(|run| Ok(run.whole()?)) {
         Ok(run) => {
-            for channel in run.courses.channels() {
+            for channel in run.time_series.channels() {
                 finite(&channel.name, channel.values.iter().copied());
             }
             let shares = run.energy.total().and_then(|audit| audit.remainder_share);
@@ -181,15 +181,15 @@ pub fn foreign(bytes: &[u8]) -> bool {
             return false;
         }
     };
-    finite("time", found.courses.time_s().iter().copied());
-    for channel in found.courses.channels() {
+    finite("time", found.time_series.time_s().iter().copied());
+    for channel in found.time_series.channels() {
         finite(&channel.name, channel.values.iter().copied());
     }
     let times: Vec<f64> = (0..50).map(|k| f64::from(k) * 1e-4).collect();
-    match resample(&found.courses, &times, map.resample) {
+    match resample(&found.time_series, &times, map.resample) {
         Ok(on) => {
-            assert_eq!(on.courses.len(), times.len());
-            let values = on.courses.channels().iter().flat_map(|c| &c.values);
+            assert_eq!(on.time_series.len(), times.len());
+            let values = on.time_series.channels().iter().flat_map(|c| &c.values);
             // NaN says that the file says nothing at that time.
             assert!(values.clone().all(|value| !value.is_infinite()));
             true
@@ -257,7 +257,7 @@ pub fn baseline(bytes: &[u8]) -> bool {
     }
 }
 
-/// A recording: its description and its courses.
+/// A recording: its description and its time series.
 pub fn recording(bytes: &[u8]) -> bool {
     let Some((description, csv)) = parts(bytes) else {
         return false;
@@ -310,9 +310,9 @@ pub fn manifest(bytes: &[u8]) -> bool {
     }
 }
 
-/// Courses as CSV: what is read is written and read the same again.
-pub fn courses(bytes: &[u8]) -> bool {
-    let found = match Courses::read_csv(bytes) {
+/// Time series as CSV: what is read is written and read the same again.
+pub fn time_series(bytes: &[u8]) -> bool {
+    let found = match TimeSeries::read_csv(bytes) {
         Ok(found) => found,
         Err(error) => {
             told(&error);
@@ -322,7 +322,7 @@ pub fn courses(bytes: &[u8]) -> bool {
     let mut written = Vec::new();
     match found
         .write_csv(&mut written)
-        .map(|()| Courses::read_csv(written.as_slice()))
+        .map(|()| TimeSeries::read_csv(written.as_slice()))
     {
         Ok(Ok(again)) => assert!(alike(&found, &again), "read again"),
         Ok(Err(error)) => panic!("what was written is refused: {error}"),
@@ -331,9 +331,9 @@ pub fn courses(bytes: &[u8]) -> bool {
     true
 }
 
-/// Courses as Parquet.
+/// Time series as Parquet.
 pub fn parquet(bytes: &[u8]) -> bool {
-    match pinwheel_courses::read_courses(bytes::Bytes::copy_from_slice(bytes), 1 << 20) {
+    match pinwheel_timeseries::read_time_series(bytes::Bytes::copy_from_slice(bytes), 1 << 20) {
         Ok(found) => !found.is_empty(),
         Err(error) => {
             told(&error);
@@ -343,16 +343,16 @@ pub fn parquet(bytes: &[u8]) -> bool {
 }
 
 /// Equal, NaN being equal to itself.
-fn alike(a: &Courses, b: &Courses) -> bool {
-    let bits = |courses: &Courses| -> Vec<(String, Vec<u64>)> {
+fn alike(a: &TimeSeries, b: &TimeSeries) -> bool {
+    let bits = |time_series: &TimeSeries| -> Vec<(String, Vec<u64>)> {
         let bits = |values: &[f64]| {
             values
                 .iter()
                 .map(|v| if v.is_nan() { 0 } else { v.to_bits() })
                 .collect()
         };
-        let time = [("time_s".to_owned(), bits(courses.time_s()))];
-        let channels = courses.channels().iter();
+        let time = [("time_s".to_owned(), bits(time_series.time_s()))];
+        let channels = time_series.channels().iter();
         time.into_iter()
             .chain(channels.map(|c| (c.name.clone(), bits(&c.values))))
             .collect()

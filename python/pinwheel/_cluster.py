@@ -1,7 +1,7 @@
 """A sweep by the workers of a Dask cluster.
 
 The client plans, keeps the journal and writes the results; workers get batches of runs, each with its complete scene, and
-send records back. Courses, where they are kept, go from the worker to the journal's folder, which must be on a disk that
+send records back. Time series, where they are kept, go from the worker to the journal's folder, which must be on a disk that
 all machines share. Dask gives batches of a lost worker to others; nothing else is tried again.
 """
 
@@ -33,9 +33,9 @@ MOST = 256
 
 def run_batch(batch: bytes) -> tuple[float, list[str]]:
     """On a worker: makes the runs; wall time, s, and records."""
-    tasks, engines, courses = pickle.loads(batch)
+    tasks, engines, time_series = pickle.loads(batch)
     begun = time.perf_counter()
-    records = _core.perform(tasks, engines, courses)
+    records = _core.perform(tasks, engines, time_series)
     return time.perf_counter() - begun, records
 
 
@@ -48,7 +48,7 @@ def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch:
 
     total, pending = len(core), core.pending()
     pending.reverse()
-    courses = core.courses()
+    time_series = core.time_series()
     name = f"pinwheel-{uuid.uuid4().hex[:8]}"
     flying: dict[Future, list[int]] = {}
     size, count, done = batch or FIRST, 0, total - len(pending)
@@ -60,7 +60,7 @@ def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch:
                 share = max(1, len(pending) // (2 * threads)) if batch is None else size
                 places = [pending.pop() for _ in range(min(size, share, len(pending)))]
                 # One piece of bytes: Dask would look into lists for tasks of its own.
-                data = cloudpickle.dumps(([core.task(k) for k in places], list(engines), courses))
+                data = cloudpickle.dumps(([core.task(k) for k in places], list(engines), time_series))
                 future = client.submit(run_batch, data, key=f"{name}-{count}", pure=False, retries=0)
                 flying[future] = places
                 count += 1

@@ -52,7 +52,7 @@ class Comparison:
         self._core = core
         self.data: dict[str, Any] = json.loads(core.json())
         """The program's `summary.json`."""
-        self.runs: dict[str, Columns] = {name: Columns(columns) for name, columns in core.courses()}
+        self.runs: dict[str, Columns] = {name: Columns(columns) for name, columns in core.time_series()}
         """Time series of every engine that ran."""
         self.verdicts: tuple[Verdict, ...] = tuple(
             _verdict(pair, entry) for pair in self.data["pairs"] for entry in pair["entries"]

@@ -471,6 +471,6 @@ fn browser_shows_the_paper() {
     let wide = browser.evaluate("document.querySelector('.gearbox-view canvas').clientWidth");
     assert!(wide.as_u64().unwrap() < 250, "{wide} px wide");
     browser.media("");
-    let courses = std::fs::read_to_string(dir.path().join("p/fig-09a/courses.csv")).unwrap();
-    assert!(courses.starts_with("time_s,") && courses.lines().count() > 1000);
+    let time_series = std::fs::read_to_string(dir.path().join("p/fig-09a/courses.csv")).unwrap();
+    assert!(time_series.starts_with("time_s,") && time_series.lines().count() > 1000);
 }

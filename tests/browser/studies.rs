@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use pinwheel_courses::Courses;
 use pinwheel_tests::{repository, run_in};
+use pinwheel_timeseries::TimeSeries;
 
 use crate::chromium::{Chromium, Look};
 use crate::flawless;
@@ -115,7 +115,7 @@ fn browser_shows_measured_data() {
     std::fs::write(dir.path().join("rigged.toml"), scene).unwrap();
     let ran = run_in(dir.path(), ["run", "rigged.toml", "--out", "ours"]);
     assert_eq!(ran.code, Some(0), "{ran:?}");
-    let ours = Courses::load_csv(&dir.path().join("ours/courses.csv")).unwrap();
+    let ours = TimeSeries::load_csv(&dir.path().join("ours/courses.csv")).unwrap();
     let [torque, force] =
         ["input_torque_n_m", "external_sleeve_force_n_3"].map(|n| ours.channel(n).unwrap());
     let mut text = "t;torque;F_3\n".to_owned();

@@ -9,10 +9,10 @@ use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::quantities::derive;
 use pinwheel_compare::windows::{SETTLING_S, windows};
 use pinwheel_compare::{Metric, Track};
-use pinwheel_courses::Courses;
-use pinwheel_courses::norms::{View, rows_at};
 use pinwheel_engines::{Control, Engine, by_name, recorded};
 use pinwheel_scene::{CheckedScene, Scene};
+use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::norms::{View, rows_at};
 use table::{Limit, TABLE};
 
 /// One engine's run of a preset.
@@ -20,7 +20,7 @@ struct Ran {
     name: String,
     track: Track,
     step_s: f64,
-    courses: Courses,
+    time_series: TimeSeries,
 }
 
 fn ran(engine: &dyn Engine, scene: &CheckedScene) -> Ran {
@@ -29,7 +29,7 @@ fn ran(engine: &dyn Engine, scene: &CheckedScene) -> Ran {
         name: engine.name().to_owned(),
         track: engine.track(),
         step_s: run.stats.step_s,
-        courses: run.courses,
+        time_series: run.time_series,
     }
 }
 
@@ -85,18 +85,18 @@ fn limit(rows: &[&Limit], scene: &CheckedScene, a: &Ran, b: &Ran) -> Option<f64>
 /// Holds every pair of runs against the table, in windows of the table's own; how many figures each engine was judged by.
 fn hold(preset: &str, scene: &CheckedScene, runs: &[Ran]) -> Vec<usize> {
     let mut judged = vec![0; runs.len()];
-    let (parts, _) = windows(&runs[0].courses, SETTLING_S, &[]);
+    let (parts, _) = windows(&runs[0].time_series, SETTLING_S, &[]);
     for (n, b) in runs.iter().enumerate() {
         for (m, a) in runs[..n].iter().enumerate() {
             let Some(track) = track_of(a, b) else {
                 continue;
             };
             // A recording has fewer samples: both are compared at those.
-            let fewer = a.courses.len().min(b.courses.len());
-            let times = if a.courses.len() == fewer { a } else { b };
+            let fewer = a.time_series.len().min(b.time_series.len());
+            let times = if a.time_series.len() == fewer { a } else { b };
             let at = |run: &Ran| {
-                let rows = rows_at(times.courses.time_s(), run.courses.time_s());
-                run.courses
+                let rows = rows_at(times.time_series.time_s(), run.time_series.time_s());
+                run.time_series
                     .select(&rows.collect::<Option<Vec<_>>>().unwrap())
             };
             let (of_a, of_b) = (at(a), at(b));
@@ -105,7 +105,7 @@ fn hold(preset: &str, scene: &CheckedScene, runs: &[Ran]) -> Vec<usize> {
                 .flat_map(|w| derive([&of_a, &of_b]).into_iter().map(move |q| (w, q)))
             {
                 let samples = of_a.window(window.from_s, window.to_s);
-                let view = |courses| View::of(courses, &quantity.channels, samples.clone());
+                let view = |time_series| View::of(time_series, &quantity.channels, samples.clone());
                 let Some((x, y)) = view(&of_a).zip(view(&of_b)) else {
                     continue;
                 };

@@ -5,7 +5,7 @@
 
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::{Metric, WindowKind};
-use pinwheel_courses::columns;
+use pinwheel_timeseries::columns;
 
 /// One row of the table.
 #[derive(Debug, Clone, Copy)]

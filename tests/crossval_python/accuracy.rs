@@ -6,7 +6,7 @@ use super::*;
 fn assert_shared_law(
     what: &str,
     scene: &Scene,
-    reference: &Courses,
+    reference: &TimeSeries,
     explicit: f64,
     constrained: f64,
 ) {
@@ -104,7 +104,7 @@ fn crossval_python_friction() {
             .iter()
             .any(|note| note.contains("explicit"))
     );
-    assert_within(MUJOCO, worst(&attempt.courses, &reference, 0.0), 1e-3);
+    assert_within(MUJOCO, worst(&attempt.time_series, &reference, 0.0), 1e-3);
 }
 
 /// A load that jumps between two steps, live; through a backlash of 0.6 mm all contacts open and strike again. Measured
@@ -146,9 +146,9 @@ fn crossval_python_own_contact_live() {
 
 fn assert_own_means(scene: &Scene) {
     let reference = native(scene, "rk4", 1e-5);
-    let mean = |courses: &Courses, quantity: &str| {
-        let window = courses.window(0.004, 0.02);
-        let channels = channels(courses, quantity);
+    let mean = |time_series: &TimeSeries, quantity: &str| {
+        let window = time_series.window(0.004, 0.02);
+        let channels = channels(time_series, quantity);
         let sum: f64 = channels
             .iter()
             .map(|c| c[window.clone()].iter().sum::<f64>())
@@ -156,9 +156,9 @@ fn assert_own_means(scene: &Scene) {
         sum / (channels.len() * window.len()) as f64
     };
     for engine in [MUJOCO_OWN, EXUDYN_OWN] {
-        let courses = run(engine, scene);
+        let time_series = run(engine, scene);
         for (quantity, limit) in QUANTITIES.iter().zip(OWN_MEANS) {
-            let error = (mean(&courses, quantity) / mean(&reference, quantity) - 1.0).abs();
+            let error = (mean(&time_series, quantity) / mean(&reference, quantity) - 1.0).abs();
             assert_within(&format!("{engine} mean {quantity}"), error, limit);
         }
     }

@@ -19,7 +19,7 @@ fn crossval_python_guards() {
                 Ending::Diverged { time_s, quantity } => {
                     println!("{engine} {fault:?}: t = {time_s} s, {quantity}");
                     assert!(time_s > 0.0 && time_s <= 0.002, "{time_s}");
-                    let kept = &run.courses;
+                    let kept = &run.time_series;
                     assert!(!kept.is_empty() && kept.len() < before.len());
                     assert!(
                         kept.channels()
@@ -54,7 +54,7 @@ fn crossval_python_silent_blow_up_is_an_error() {
         match run.ending {
             Ending::Diverged { quantity, .. } => {
                 println!("{engine}: {quantity}");
-                assert!(!run.courses.is_empty());
+                assert!(!run.time_series.is_empty());
             }
             other => panic!("{engine} did not diverge: {other:?}"),
         }
@@ -137,7 +137,7 @@ fn crossval_python_reads_every_preset() {
         scene.solver.sample_s = 1e-5;
         let run = attempt(MUJOCO, &scene);
         match run.ending {
-            Ending::Finished => assert_eq!(run.courses.len(), 2, "{}", preset.name),
+            Ending::Finished => assert_eq!(run.time_series.len(), 2, "{}", preset.name),
             // Some hard presets are hard for that.
             Ending::Diverged { .. } => {}
             other => panic!("{}: {other}", preset.name),

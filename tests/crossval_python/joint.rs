@@ -53,12 +53,12 @@ fn crossval_joint_follows_the_gear() {
         let whole = gearbox(&rated);
         let found = design::run(&whole, whole.has_friction(), &Control::quiet()).unwrap();
         let joint = found.joint.unwrap();
-        let courses = run("native", &course);
+        let time_series = run("native", &course);
         let (gear, speed) = (gearbox(&course), rated.drive.input_speed_rad_s);
-        let output = courses.channel("output_angle_rad").unwrap();
+        let output = time_series.channel("output_angle_rad").unwrap();
         let mut table =
             "time_s,input_angle_rad,input_rate_rad_s,load_n_m,output_angle_rad\n".to_owned();
-        for (t, psi) in courses.time_s().iter().zip(output) {
+        for (t, psi) in time_series.time_s().iter().zip(output) {
             let torque = gear.load_torque(*t);
             writeln!(table, "{t},{},{speed},{torque},{psi}", speed * t).unwrap();
         }
@@ -77,7 +77,7 @@ fn crossval_joint_follows_the_gear() {
         let answer: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
         let angles = answer["output_angle_rad"].as_array().unwrap();
         let angles: Vec<f64> = angles.iter().map(|angle| angle.as_f64().unwrap()).collect();
-        let (time, turn) = (courses.time_s(), speed / joint.ratio);
+        let (time, turn) = (time_series.time_s(), speed / joint.ratio);
         let twists: Vec<f64> = output
             .iter()
             .zip(time)

@@ -14,10 +14,10 @@ mod package;
 mod program;
 mod recordings;
 
-use pinwheel_courses::Courses;
 use pinwheel_engines::{Cancelled, Control, Ending, Halt, Progress, by_name};
 use pinwheel_scene::Scene;
 use pinwheel_tests::runs::{self, attempt, channels, native, run, scene};
+use pinwheel_timeseries::TimeSeries;
 
 const MUJOCO: &str = "mujoco-shared-law";
 const EXPLICIT: &str = "exudyn-shared-law-explicit";
@@ -35,15 +35,15 @@ const QUANTITIES: [&str; 4] = [
 ];
 
 /// Error of one quantity from a time on.
-fn relative(courses: &Courses, reference: &Courses, quantity: &str, from_s: f64) -> f64 {
-    runs::relative(courses, reference, &[quantity], (from_s, f64::INFINITY))
+fn relative(time_series: &TimeSeries, reference: &TimeSeries, quantity: &str, from_s: f64) -> f64 {
+    runs::relative(time_series, reference, &[quantity], (from_s, f64::INFINITY))
 }
 
 /// The largest of the four quantities' errors.
-fn worst(courses: &Courses, reference: &Courses, from_s: f64) -> f64 {
+fn worst(time_series: &TimeSeries, reference: &TimeSeries, from_s: f64) -> f64 {
     QUANTITIES
         .iter()
-        .map(|quantity| relative(courses, reference, quantity, from_s))
+        .map(|quantity| relative(time_series, reference, quantity, from_s))
         .fold(0.0, f64::max)
 }
 
@@ -52,7 +52,7 @@ fn assert_within(what: &str, error: f64, limit: f64) {
     assert!(error < limit, "{what}: {error:e}, limit {limit:e}");
 }
 
-fn assert_same_bits(a: &Courses, b: &Courses, what: &str) {
+fn assert_same_bits(a: &TimeSeries, b: &TimeSeries, what: &str) {
     assert_eq!(a.len(), b.len());
     for (x, y) in a.channels().iter().zip(b.channels()) {
         let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();

@@ -74,9 +74,9 @@ fn crossval_python_own_gear_own_contact() {
         let scene = gear(text, 800.0, Start::Equilibrium);
         let reference = native(&scene, "rk4", scene.solver.step_s);
         for engine in [MUJOCO_OWN, EXUDYN_OWN] {
-            let courses = run(engine, &scene);
+            let time_series = run(engine, &scene);
             for (quantity, limit) in QUANTITIES.iter().zip([8e-2, 8e-3, 7e-2, 8e-3]) {
-                let error = relative(&courses, &reference, quantity, 0.0);
+                let error = relative(&time_series, &reference, quantity, 0.0);
                 assert_within(&format!("{} {engine} {quantity}", scene.name), error, limit);
             }
         }

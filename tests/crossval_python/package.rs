@@ -86,8 +86,9 @@ fn crossval_python_package_runs_alone() {
             .output()
             .unwrap();
         assert_fine(module, &run);
-        let courses = pinwheel_courses::Courses::load_csv(&dir.path().join("out.csv")).unwrap();
-        assert_eq!(courses.len(), 3);
+        let time_series =
+            pinwheel_timeseries::TimeSeries::load_csv(&dir.path().join("out.csv")).unwrap();
+        assert_eq!(time_series.len(), 3);
     }
     assert_eq!(
         pinwheel_tests::names_in(dir.path()),

@@ -27,7 +27,7 @@ fn crossval_python_live_runs_stay_on_their_recordings() {
         for quantity in QUANTITIES {
             let (ours, theirs) = (
                 channels(&live, quantity),
-                channels(&recording.courses, quantity),
+                channels(&recording.time_series, quantity),
             );
             let peak = theirs
                 .iter()

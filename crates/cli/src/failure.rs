@@ -1,7 +1,6 @@
 //! Why the program ends early: an exit status and one line with the remedy.
 
 use pinwheel::compare::CompareError;
-use pinwheel::courses::Ending;
 use pinwheel::pages::PageError;
 use pinwheel::scene::SceneError;
 use pinwheel::studies::StudyError;
@@ -10,6 +9,7 @@ use pinwheel::studies::choice::ChoiceError;
 use pinwheel::studies::folder::FolderError;
 use pinwheel::studies::output::OutputError;
 use pinwheel::studies::sweep::SweepError;
+use pinwheel::time_series::Ending;
 
 /// Ran, and engines differ, or something is worse than it may be.
 pub(crate) const DIFFER: u8 = 1;

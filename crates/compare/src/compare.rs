@@ -1,6 +1,6 @@
 //! The comparison itself: participants and rules in, verdicts out.
 
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
 use crate::comparison::{Comparison, EngineSummary};
 use crate::judge::{Judge, Negligible, Sides};
@@ -52,12 +52,12 @@ pub fn compare(
         .iter()
         .filter(|p| p.status.is_finished())
         .collect();
-    let nothing = Courses::default();
+    let nothing = TimeSeries::default();
     // The finest grid: recordings may hold a part of it.
     let finest = finished
         .iter()
         .rev()
-        .max_by_key(|p| p.courses.len())
+        .max_by_key(|p| p.time_series.len())
         .copied();
     if let Some(finest) = finest {
         for other in &finished {
@@ -65,11 +65,11 @@ pub fn compare(
         }
     }
     let (windows, absent_windows) = windows::windows(
-        finest.map_or(&nothing, |p| &p.courses),
+        finest.map_or(&nothing, |p| &p.time_series),
         context.settling_s.unwrap_or(SETTLING_S),
         &context.load_changes_s,
     );
-    let quantities = quantities::derive(finished.iter().map(|p| &p.courses));
+    let quantities = quantities::derive(finished.iter().map(|p| &p.time_series));
     matched(rules.stated, &finished, &windows, &quantities)?;
     let judge = Judge {
         rules,
@@ -125,7 +125,7 @@ fn matched(
         let has = |p: &Participant, q: &Quantity| {
             q.channels
                 .iter()
-                .any(|name| p.courses.channel(name).is_some())
+                .any(|name| p.time_series.channel(name).is_some())
         };
         // With someone else who has it too.
         let there = |q: &&Quantity| {

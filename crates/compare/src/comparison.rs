@@ -13,7 +13,7 @@ use crate::quantities::Quantity;
 use crate::uncertainty::{Evidence, Method, QuantityUncertainty, Source};
 use crate::verdict::{Assessment, Counts};
 use crate::windows::{AbsentWindow, Window, WindowKind};
-use pinwheel_courses::norms::Statistics;
+use pinwheel_timeseries::norms::Statistics;
 
 /// Everything that was compared, and how it turned out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -32,7 +32,7 @@ pub struct Comparison {
     pub windows: Vec<Window>,
     /// Windows that could not be, with the reason.
     pub absent_windows: Vec<AbsentWindow>,
-    /// Quantities found in the courses.
+    /// Quantities found in the time series.
     pub quantities: Vec<Quantity>,
     /// Every engine, finished or not, in the order given.
     pub engines: Vec<EngineSummary>,

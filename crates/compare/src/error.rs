@@ -4,7 +4,7 @@
 /// with its reason.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CompareError {
-    /// Two engines' sample times differ. Courses are never interpolated: that fakes errors of 1e-3.
+    /// Two engines' sample times differ. Time series are never interpolated: that fakes errors of 1e-3.
     #[error(
         "sample {row} of `{b}` is at {time_b} s, of `{a}` at {time_a} s: write both on one grid"
     )]

@@ -1,12 +1,12 @@
-//! The rule that courses are compared on one sample grid, and are never interpolated.
+//! The rule that time series are compared on one sample grid, and are never interpolated.
 //!
 //! A recorded course may hold fewer samples than a live one. Then both are compared at the samples
 //! of the recording, each of which must be one of the other's.
 
 use std::borrow::Cow;
 
-use pinwheel_courses::Courses;
-use pinwheel_courses::norms::rows_at;
+use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::norms::rows_at;
 
 use crate::CompareError;
 use crate::participant::Participant;
@@ -15,10 +15,10 @@ use crate::participant::Participant;
 /// small a part of its change over one sample.
 const SLACK: f64 = 1e-6;
 
-/// Two courses on the same samples.
-pub(crate) type Common<'a> = (Cow<'a, Courses>, Cow<'a, Courses>);
+/// Two time series on the same samples.
+pub(crate) type Common<'a> = (Cow<'a, TimeSeries>, Cow<'a, TimeSeries>);
 
-/// The courses of two runs on the samples that both have.
+/// The time series of two runs on the samples that both have.
 ///
 /// # Errors
 /// The sample times differ, and neither run is a recording whose samples the other one has.
@@ -26,7 +26,7 @@ pub(crate) fn common<'a>(
     a: &'a Participant,
     b: &'a Participant,
 ) -> Result<Common<'a>, CompareError> {
-    let (of_a, of_b) = (&a.courses, &b.courses);
+    let (of_a, of_b) = (&a.time_series, &b.time_series);
     let Err(error) = check(a, b) else {
         return Ok((Cow::Borrowed(of_a), Cow::Borrowed(of_b)));
     };
@@ -44,13 +44,13 @@ pub(crate) fn common<'a>(
 }
 
 /// Rows of `whole` at the times of `part`; `None` if one is missing.
-fn rows_of(part: &Courses, whole: &Courses) -> Option<Vec<usize>> {
+fn rows_of(part: &TimeSeries, whole: &TimeSeries) -> Option<Vec<usize>> {
     rows_at(part.time_s(), whole.time_s()).collect()
 }
 
 /// Checks that two runs have the same sample times.
 fn check(a: &Participant, b: &Participant) -> Result<(), CompareError> {
-    let (times_a, times_b) = (a.courses.time_s(), b.courses.time_s());
+    let (times_a, times_b) = (a.time_series.time_s(), b.time_series.time_s());
     let mut before = f64::NEG_INFINITY;
     for (row, (&time_a, &time_b)) in times_a.iter().zip(times_b).enumerate() {
         let spacing = if row == 0 {
@@ -82,8 +82,8 @@ fn check(a: &Participant, b: &Participant) -> Result<(), CompareError> {
     Ok(())
 }
 
-/// Whether two courses have the same sample times, but for a rounding.
-pub(crate) fn same(a: &Courses, b: &Courses) -> bool {
+/// Whether two time series have the same sample times, but for a rounding.
+pub(crate) fn same(a: &TimeSeries, b: &TimeSeries) -> bool {
     a.len() == b.len()
         && rows_of(a, b).is_some_and(|rows| rows.iter().enumerate().all(|(k, &row)| k == row))
 }

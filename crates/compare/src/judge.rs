@@ -45,7 +45,7 @@ impl Negligible {
             let loads = quantities.iter().filter(|q| wanted(q));
             loads
                 .flat_map(|q| &q.channels)
-                .flat_map(|name| finished.iter().filter_map(|p| p.courses.channel(name)))
+                .flat_map(|name| finished.iter().filter_map(|p| p.time_series.channel(name)))
                 .flatten()
                 .filter(|v| v.is_finite())
                 .fold(0.0_f64, |most, v| most.max(v.abs()))
@@ -413,7 +413,7 @@ fn side<'a>(
 /// A distance that has no value.
 fn not_finite(metric: Metric, a: &Participant, b: &Participant) -> Assessment {
     let spoiled = |p: &&&Participant| {
-        let channels = p.courses.channels();
+        let channels = p.time_series.channels();
         channels
             .iter()
             .any(|c| c.values.iter().any(|v| !v.is_finite()))

@@ -26,20 +26,20 @@
 //! ```
 //! use pinwheel_compare::uncertainty::Method;
 //! use pinwheel_compare::*;
-//! use pinwheel_courses::{Courses, CoursesError};
+//! use pinwheel_timeseries::{TimeSeries, TimeSeriesError};
 //!
-//! fn run(error: f64) -> Result<Courses, CoursesError> {
+//! fn run(error: f64) -> Result<TimeSeries, TimeSeriesError> {
 //!     let time: Vec<f64> = (0..=1000).map(|k| f64::from(k) * 1e-3).collect();
 //!     let x = time.iter().map(|t| (40.0 * t).sin() + error * (25.0 * t).cos()).collect();
-//!     let mut courses = Courses::new(time)?;
-//!     courses.push("angle_rad", x)?;
-//!     Ok(courses)
+//!     let mut time_series = TimeSeries::new(time)?;
+//!     time_series.push("angle_rad", x)?;
+//!     Ok(time_series)
 //! }
 //!
-//! fn engine(name: &str, error: f64, order: i32) -> Result<(Participant, Evidence), CoursesError> {
+//! fn engine(name: &str, error: f64, order: i32) -> Result<(Participant, Evidence), TimeSeriesError> {
 //!     let level = |refinement: f64| {
-//!         let courses = run(error * refinement.powi(order))?;
-//!         Ok::<_, CoursesError>(Level { refinement, run: Ok(courses), wall_s: 0.0 })
+//!         let time_series = run(error * refinement.powi(order))?;
+//!         Ok::<_, TimeSeriesError>(Level { refinement, run: Ok(time_series), wall_s: 0.0 })
 //!     };
 //!     let study = RefinementStudy {
 //!         method: Method::Step { order: order.into(), limit: None },
@@ -52,7 +52,7 @@
 //!         version: String::new(),
 //!         summary: String::new(),
 //!         differences: String::new(),
-//!         courses: run(error)?,
+//!         time_series: run(error)?,
 //!         cost: Cost::default(),
 //!         status: Status::Finished,
 //!     };

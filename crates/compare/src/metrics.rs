@@ -1,8 +1,8 @@
-//! How far two courses are apart.
+//! How far two time series are apart.
 //!
 //! For a pair (a, b) no engine is the truth, so every denominator is **the larger of the two**:
 //! relative L2 = RMS(a - b) / max(RMS a, RMS b), and so on. Swapping the engines changes nothing,
-//! scaling both changes nothing, and only two all-zero courses would divide 0 by 0: they agree, 0.
+//! scaling both changes nothing, and only two all-zero time series would divide 0 by 0: they agree, 0.
 //! Against the usual denominator, the RMS of one of them, the figure differs by no more than its
 //! own size: 1e-4 stays 1e-4 within 1e-8.
 
@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 
 use crate::sprague_geers::{self, SpragueGeers};
 use crate::uncertainty::Norm;
-use pinwheel_courses::norms::{self, View};
+use pinwheel_timeseries::norms::{self, View};
 
 /// What is held against a limit or an uncertainty. All are relative, free of direction and never negative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -215,7 +215,7 @@ pub struct PairMetrics {
     pub sprague_geers_c: Option<f64>,
 }
 
-/// The sample where two courses are furthest apart.
+/// The sample where two time series are furthest apart.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorstSample {
     /// Channel number within the quantity.
@@ -229,7 +229,7 @@ impl PairMetrics {
     ///
     /// ```
     /// use pinwheel_compare::metrics::PairMetrics;
-    /// use pinwheel_courses::norms::View;
+    /// use pinwheel_timeseries::norms::View;
     ///
     /// let (a, b) = ([1.0, 2.0, 3.0], [1.0, 2.0, 3.03]);
     /// let (a, b) = (View::new(vec![&a[..]]), View::new(vec![&b[..]]));

@@ -1,6 +1,6 @@
 //! Two engines side by side.
 
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
 use crate::comparison::{EngineSummary, Pair, PairEntry};
 use crate::grid::Common;
@@ -13,7 +13,7 @@ use crate::uncertainty::{Estimate, Extrapolated, QuantityUncertainty, Source};
 use crate::verdict::{self, Assessment, Side};
 use crate::windows::{FEWEST_SAMPLES, Window};
 use crate::{CompareError, grid};
-use pinwheel_courses::norms::View;
+use pinwheel_timeseries::norms::View;
 
 pub(crate) fn pair(
     sides: Sides<'_>,
@@ -62,7 +62,7 @@ fn pair_entry(
         quantity
             .channels
             .iter()
-            .filter(|name| p.courses.channel(name).is_some())
+            .filter(|name| p.time_series.channel(name).is_some())
             .count()
     };
     match (has(a), has(b)) {
@@ -91,10 +91,10 @@ fn pair_entry(
             quantity.name
         ));
     };
-    let uncertainty = |p: &Participant, common: &Courses| -> Option<QuantityUncertainty> {
+    let uncertainty = |p: &Participant, common: &TimeSeries| -> Option<QuantityUncertainty> {
         if *quantity != *whole {
             // A rig has some of the sleeves only: the uncertainty of those.
-            let samples = p.courses.window(window.from_s, window.to_s);
+            let samples = p.time_series.window(window.from_s, window.to_s);
             return uncertainty(p, quantity, window, covered(&[(p, common)], samples), judge);
         }
         let summary = engines.iter().find(|e| e.name == p.name)?;
@@ -130,17 +130,20 @@ fn extrapolated(
     judge: Judge<'_>,
 ) -> Option<Assessment> {
     let one_law = [Track::Native, Track::SharedLaw].contains(&track);
-    if !one_law || !judge.context.is_pointwise(window.to_s) || !grid::same(&a.courses, &b.courses) {
+    if !one_law
+        || !judge.context.is_pointwise(window.to_s)
+        || !grid::same(&a.time_series, &b.time_series)
+    {
         return None;
     }
-    let samples = a.courses.window(window.from_s, window.to_s);
+    let samples = a.time_series.window(window.from_s, window.to_s);
     let sharper = |p: &Participant, of: Option<&QuantityUncertainty>| {
         let evidence = judge.rules.evidence.iter().find(|e| e.engine == p.name)?;
         let Source::Refinement(study) = &evidence.source else {
             return None;
         };
         let floor = floor(p, evidence, judge.context);
-        study.extrapolated(&p.courses, quantity, samples.clone(), &of?.l2, floor)
+        study.extrapolated(&p.time_series, quantity, samples.clone(), &of?.l2, floor)
     };
     let (new_a, new_b) = (sharper(a, of_a), sharper(b, of_b));
     if new_a.is_none() && new_b.is_none() {
@@ -150,7 +153,7 @@ fn extrapolated(
         match new {
             Some(new) => Some(new.channels.clone()),
             None => {
-                let view = View::of(&p.courses, &quantity.channels, samples.clone())?;
+                let view = View::of(&p.time_series, &quantity.channels, samples.clone())?;
                 Some(view.channels().iter().map(|c| c.to_vec()).collect())
             }
         }
@@ -163,7 +166,7 @@ fn extrapolated(
     let metrics = PairMetrics::of(
         &View::new(one.iter().map(Vec::as_slice).collect()),
         &View::new(other.iter().map(Vec::as_slice).collect()),
-        a.courses.time_s().get(samples.clone())?,
+        a.time_series.time_s().get(samples.clone())?,
     )?;
     let scale = metrics.larger_rms?;
     let u = |new: &Option<Extrapolated>, of: Option<&QuantityUncertainty>| -> Option<Estimate> {

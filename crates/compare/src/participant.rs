@@ -1,7 +1,7 @@
 //! What goes into a comparison: runs of several engines on one scene, and what is known of the scene.
 
-use pinwheel_courses::Courses;
-pub use pinwheel_courses::{Ending as Status, EnergyAudit as Energy, RunStats as Cost, Track};
+use pinwheel_timeseries::TimeSeries;
+pub use pinwheel_timeseries::{Ending as Status, EnergyAudit as Energy, RunStats as Cost, Track};
 use serde::Serialize;
 
 /// One engine's run.
@@ -17,8 +17,8 @@ pub struct Participant {
     pub summary: String,
     /// How it differs from the native solver, in plain words.
     pub differences: String,
-    /// Its courses; shorter than the others', or empty, unless [`Status::Finished`].
-    pub courses: Courses,
+    /// Its time series; shorter than the others', or empty, unless [`Status::Finished`].
+    pub time_series: TimeSeries,
     /// What the run cost.
     pub cost: Cost,
     /// How the run ended.
@@ -26,7 +26,7 @@ pub struct Participant {
 }
 
 /// What a comparison needs to know of the scene. Only `scene` and `duration_s` are needed for
-/// courses that are no gearbox's: what is `None` is left out of figures and verdicts.
+/// time series that are no gearbox's: what is `None` is left out of figures and verdicts.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Context {
     /// Scene name.
@@ -73,7 +73,7 @@ impl Scales {
 /// How two runs of one solver come apart that differ by one rounding.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Divergence {
-    /// From here on the courses differ visibly, s, and only their statistics (mean, peak, RMS) can be compared;
+    /// From here on the time_series differ visibly, s, and only their statistics (mean, peak, RMS) can be compared;
     /// `None`: not within the run.
     pub horizon_s: Option<f64>,
     /// Largest difference, as a share of the largest force.
@@ -83,7 +83,7 @@ pub struct Divergence {
 }
 
 impl Context {
-    /// Whether courses can be compared sample by sample up to `to_s`.
+    /// Whether time series can be compared sample by sample up to `to_s`.
     #[must_use]
     pub fn is_pointwise(&self, to_s: f64) -> bool {
         let horizon = self.divergence.as_ref().and_then(|d| d.horizon_s);
@@ -101,7 +101,7 @@ impl Participant {
             version: String::new(),
             summary: String::new(),
             differences: String::new(),
-            courses: Courses::default(),
+            time_series: TimeSeries::default(),
             cost,
             status: Status::Finished,
         }

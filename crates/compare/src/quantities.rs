@@ -1,14 +1,14 @@
 //! Quantities: a channel, or a group of numbered channels that are compared jointly.
 
-use pinwheel_courses::{Courses, group_of};
+use pinwheel_timeseries::{TimeSeries, group_of};
 use serde::Serialize;
 
-/// Torque the driver exerts on the input shaft, where courses have it.
-pub use pinwheel_courses::columns::INPUT_TORQUE;
-/// Angle of the output shaft, where courses have it.
-pub use pinwheel_courses::columns::OUTPUT_ANGLE;
-/// Moment of the contact forces on the output shaft, where courses have it.
-pub use pinwheel_courses::columns::OUTPUT_TORQUE;
+/// Torque the driver exerts on the input shaft, where time series have it.
+pub use pinwheel_timeseries::columns::INPUT_TORQUE;
+/// Angle of the output shaft, where time series have it.
+pub use pinwheel_timeseries::columns::OUTPUT_ANGLE;
+/// Moment of the contact forces on the output shaft, where time series have it.
+pub use pinwheel_timeseries::columns::OUTPUT_TORQUE;
 
 /// One thing that is compared, e.g. `external_sleeve_force_n` with its 16 channels.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -97,13 +97,13 @@ pub fn label_and_unit(name: &str) -> (String, String) {
     (label, unit)
 }
 
-/// The quantities of all courses together, in the order of their first appearance; numbered
+/// The quantities of all time series together, in the order of their first appearance; numbered
 /// channels of one name form one quantity, ordered by number.
 #[must_use]
-pub fn derive<'a>(courses: impl IntoIterator<Item = &'a Courses>) -> Vec<Quantity> {
+pub fn derive<'a>(time_series: impl IntoIterator<Item = &'a TimeSeries>) -> Vec<Quantity> {
     type Members = Vec<(Option<usize>, String)>;
     let mut found: Vec<(Quantity, Members)> = Vec::new();
-    for channel in courses.into_iter().flat_map(Courses::channels) {
+    for channel in time_series.into_iter().flat_map(TimeSeries::channels) {
         let (name, number) = group_of(&channel.name);
         let place = found
             .iter()
@@ -160,11 +160,11 @@ mod tests {
 
     #[test]
     fn groups_are_joined_and_sorted() {
-        let mut first = Courses::new(vec![0.0]).unwrap();
+        let mut first = TimeSeries::new(vec![0.0]).unwrap();
         for name in ["torque_n_m", "force_n_10", "force_n_2"] {
             first.push(name, vec![0.0]).unwrap();
         }
-        let mut second = Courses::new(vec![0.0]).unwrap();
+        let mut second = TimeSeries::new(vec![0.0]).unwrap();
         for name in ["force_n_2", "force_n_0", "extra_w"] {
             second.push(name, vec![0.0]).unwrap();
         }

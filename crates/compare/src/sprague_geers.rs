@@ -9,7 +9,7 @@
 
 use serde::Serialize;
 
-use pinwheel_courses::norms::View;
+use pinwheel_timeseries::norms::View;
 
 /// The three errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -24,7 +24,7 @@ pub struct SpragueGeers {
 
 /// The errors of `course` measured on `base`, two views of one shape.
 ///
-/// Two all-zero courses agree: all errors are 0. `None` if only one is zero (M or P has no
+/// Two all-zero time series agree: all errors are 0. `None` if only one is zero (M or P has no
 /// value then), if the shapes differ, or if a value is not finite.
 #[must_use]
 pub fn sprague_geers(course: &View<'_>, base: &View<'_>) -> Option<SpragueGeers> {
@@ -43,7 +43,7 @@ pub fn sprague_geers(course: &View<'_>, base: &View<'_>) -> Option<SpragueGeers>
         return None;
     }
     let magnitude = rms_c / rms_m - 1.0;
-    // The angle between the two as vectors. acos loses half of the digits where the courses
+    // The angle between the two as vectors. acos loses half of the digits where the time series
     // almost agree, which is where we are; Kahan's form, 2 atan2(|u - v|, |u + v|) of the unit
     // vectors, keeps them all.
     let (mut apart, mut together) = (0.0, 0.0);

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use pinwheel_courses::norms::{Statistics, View};
-use pinwheel_courses::{Courses, efficiency as ratio, mean_powers};
+use pinwheel_timeseries::norms::{Statistics, View};
+use pinwheel_timeseries::{TimeSeries, efficiency as ratio, mean_powers};
 
 use crate::comparison::{EngineEntry, EngineSummary, Figures, RefinementSummary};
 use crate::judge::Judge;
@@ -47,9 +47,9 @@ pub(crate) fn uncertainty(
         QuantityUncertainty::everywhere(&quantity.name, window.kind, &what)
     };
     Some(match &evidence.source {
-        Source::Refinement(study) => match study.check(&participant.courses) {
+        Source::Refinement(study) => match study.check(&participant.time_series) {
             Ok(()) => study.assess(
-                &participant.courses,
+                &participant.time_series,
                 quantity,
                 window.kind,
                 samples,
@@ -71,7 +71,7 @@ pub(crate) fn uncertainty(
                 })
             }),
         Source::Exact(share) => {
-            let statistics = View::of(&participant.courses, &quantity.channels, samples)
+            let statistics = View::of(&participant.time_series, &quantity.channels, samples)
                 .and_then(|view| Statistics::of(&view));
             let of = |size: f64| Uncertainty::Known(Estimate::stated(share * size));
             let own = statistics?;
@@ -101,7 +101,7 @@ pub(crate) fn engine_summary(
     };
     for window in windows {
         let figures = figures(participant, context, window, quantities, judge);
-        let samples = participant.courses.window(window.from_s, window.to_s);
+        let samples = participant.time_series.window(window.from_s, window.to_s);
         let there = quantities
             .iter()
             .filter(|q| figures.quantities.contains_key(&q.name));
@@ -149,16 +149,16 @@ fn figures(
     quantities: &[Quantity],
     judge: Judge<'_>,
 ) -> Figures {
-    let courses = &participant.courses;
+    let time_series = &participant.time_series;
     let samples = covered(
-        &[(participant, courses)],
-        courses.window(window.from_s, window.to_s),
+        &[(participant, time_series)],
+        time_series.window(window.from_s, window.to_s),
     );
     let statistics: BTreeMap<String, Statistics> = quantities
         .iter()
         .filter_map(|quantity| {
             let quantity = &shared(quantity, &[participant]);
-            let view = View::of(courses, &quantity.channels, samples.clone())?;
+            let view = View::of(time_series, &quantity.channels, samples.clone())?;
             Some((quantity.name.clone(), Statistics::of(&view)?))
         })
         .collect();
@@ -199,7 +199,8 @@ fn efficiency(
         return Err(Some("a start-up stores and returns energy"));
     }
     let speed_in = context.input_speed_rad_s.ok_or(None)?;
-    let [power_in, power_out] = mean_powers(&participant.courses, samples, speed_in).ok_or(None)?;
+    let [power_in, power_out] =
+        mean_powers(&participant.time_series, samples, speed_in).ok_or(None)?;
     if speed_in == 0.0 {
         return Err(Some("the driver stands still"));
     }
@@ -218,7 +219,7 @@ pub(crate) fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quan
     let mut quantity = quantity.clone();
     if participants.iter().any(|p| p.track == Track::Measured) {
         quantity.channels.retain(|name| {
-            let has = |p: &&Participant| p.courses.channel(name).is_some();
+            let has = |p: &&Participant| p.time_series.channel(name).is_some();
             participants.iter().all(has)
         });
     }
@@ -227,12 +228,12 @@ pub(crate) fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quan
 
 /// The part of `samples` that all measured participants cover: theirs may be missing at both ends.
 pub(crate) fn covered(
-    participants: &[(&Participant, &Courses)],
+    participants: &[(&Participant, &TimeSeries)],
     mut samples: Range<usize>,
 ) -> Range<usize> {
-    let measured = |p: &&(&Participant, &Courses)| p.0.track == Track::Measured;
-    for (_, courses) in participants.iter().filter(measured) {
-        let channels = courses.channels();
+    let measured = |p: &&(&Participant, &TimeSeries)| p.0.track == Track::Measured;
+    for (_, time_series) in participants.iter().filter(measured) {
+        let channels = time_series.channels();
         let there = |k: usize| {
             let mut values = channels.iter().map(|channel| channel.values.get(k));
             values.all(|value| value.is_some_and(|v| !v.is_nan()))

@@ -3,7 +3,7 @@
 //! The start-up transient is a hard test of integration and a poor one of geometry, the steady
 //! part the other way round; one figure over both would hide either.
 
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 use serde::{Deserialize, Serialize};
 
 /// Time in which the paper gearbox's start-up transient decays, s (measured: about 0.25 s, with
@@ -81,19 +81,19 @@ pub struct AbsentWindow {
     pub reason: String,
 }
 
-/// The windows of a run with the sample times of `courses`, and those it is too short for.
+/// The windows of a run with the sample times of `time_series`, and those it is too short for.
 /// `settling_s`: time in which the start-up transient has decayed. `load_changes_s`: times at which the load
 /// changes or comes to the end of a change, increasing; after the last one within the run a transient decays in
 /// `settling_s` (of a start in equilibrium, where that is 0, [`SETTLING_S`]), and a steady window has at least a fifth of that
 /// after it.
 #[must_use]
 pub fn windows(
-    courses: &Courses,
+    time_series: &TimeSeries,
     settling_s: f64,
     load_changes_s: &[f64],
 ) -> (Vec<Window>, Vec<AbsentWindow>) {
     let (mut present, mut absent) = (Vec::new(), Vec::new());
-    let time_s = courses.time_s();
+    let time_s = time_series.time_s();
     let (start, end) = match (time_s.first(), time_s.last()) {
         (Some(&start), Some(&end)) => (start, end),
         _ => (0.0, 0.0),
@@ -106,7 +106,7 @@ pub fn windows(
     };
     let transient_s = TRANSIENT_S / SETTLING_S * decays_s;
     let mut offer = |kind: WindowKind, from_s: f64, to_s: f64| {
-        let samples = courses.window(from_s, to_s).len();
+        let samples = time_series.window(from_s, to_s).len();
         if samples < FEWEST_SAMPLES {
             let reason = format!("it would hold {samples} samples, fewer than {FEWEST_SAMPLES}");
             absent.push(AbsentWindow { kind, reason });
@@ -176,8 +176,8 @@ fn rounded(time_s: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn times(count: u32) -> Courses {
-        Courses::new((0..=count).map(|k| f64::from(k) * 1e-4).collect()).unwrap()
+    fn times(count: u32) -> TimeSeries {
+        TimeSeries::new((0..=count).map(|k| f64::from(k) * 1e-4).collect()).unwrap()
     }
 
     #[test]
@@ -261,7 +261,7 @@ mod tests {
     fn what_just_fits_is_a_window() {
         let late = |count: u32| {
             let times = (0..=count).map(|k| 1.0 + f64::from(k) * 1e-4);
-            Courses::new(times.collect()).unwrap()
+            TimeSeries::new(times.collect()).unwrap()
         };
         let places = |found: Vec<Window>| -> Vec<(WindowKind, f64, f64)> {
             let place = |w: Window| (w.kind, rounded(w.from_s), rounded(w.to_s));
@@ -296,7 +296,7 @@ mod tests {
         // Ten samples are enough, nine are not.
         let few = |count: u32| {
             let times = (0..count).map(|k| f64::from(k) * 5e-3);
-            windows(&Courses::new(times.collect()).unwrap(), SETTLING_S, &[]).0
+            windows(&TimeSeries::new(times.collect()).unwrap(), SETTLING_S, &[]).0
         };
         assert_eq!((few(10).len(), few(9).len()), (1, 0));
     }
@@ -304,7 +304,8 @@ mod tests {
     #[test]
     fn too_few_samples() {
         for time in [vec![], vec![0.0], vec![0.0, 0.3, 0.6]] {
-            let (present, absent) = windows(&Courses::new(time.clone()).unwrap(), SETTLING_S, &[]);
+            let (present, absent) =
+                windows(&TimeSeries::new(time.clone()).unwrap(), SETTLING_S, &[]);
             assert!(present.is_empty() && !absent.is_empty(), "{time:?}");
         }
     }

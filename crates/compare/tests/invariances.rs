@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::{context, courses, participant};
+use common::{context, participant, time_series};
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::{Rules, Track, compare};
-use pinwheel_courses::norms::{Statistics, View};
+use pinwheel_timeseries::norms::{Statistics, View};
 use proptest::prelude::*;
 
 /// Two groups of `channels` channels with `samples` values each.
@@ -96,7 +96,7 @@ proptest! {
         }
         let phase = metrics.sprague_geers.map_or(0.0, |s| s.phase);
         prop_assert!((0.0..=1.0).contains(&phase));
-        // Equal courses agree exactly.
+        // Equal time series agree exactly.
         let same = of(&a, &a);
         prop_assert_eq!(judged(&same), [0.0; 7]);
     }
@@ -126,8 +126,8 @@ proptest! {
 
     #[test]
     fn the_order_of_engines_changes_no_verdict(scale in 0.9999..1.0001f64) {
-        let native = participant("native", Track::Native, courses(1.0));
-        let rapier = participant("rapier", Track::SharedLaw, courses(scale));
+        let native = participant("native", Track::Native, time_series(1.0));
+        let rapier = participant("rapier", Track::SharedLaw, time_series(scale));
         let one = compare(&context(), &[native.clone(), rapier.clone()], &Rules::default()).unwrap();
         let other = compare(&context(), &[rapier, native], &Rules::default()).unwrap();
         prop_assert_eq!(one.counts, other.counts);

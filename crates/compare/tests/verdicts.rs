@@ -2,12 +2,12 @@
 
 mod common;
 
-use common::{context, courses, participant};
+use common::{context, participant, time_series};
 use pinwheel_compare::{
     CompareError, Comparison, Context, Metric, Participant, Rules, StatedLimit, Status, Track,
     Verdict, WindowKind, compare,
 };
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
 /// A limit stated for the forces of the measured participant.
 fn limit(limit: f64) -> StatedLimit {
@@ -22,15 +22,15 @@ fn limit(limit: f64) -> StatedLimit {
 }
 
 fn native() -> Participant {
-    participant("native", Track::Native, courses(1.0))
+    participant("native", Track::Native, time_series(1.0))
 }
 
 fn foreign(scale: f64) -> Participant {
-    participant("foreign", Track::SharedLaw, courses(scale))
+    participant("foreign", Track::SharedLaw, time_series(scale))
 }
 
 fn rig(scale: f64) -> Participant {
-    participant("rig", Track::Measured, courses(scale))
+    participant("rig", Track::Measured, time_series(scale))
 }
 
 fn held(participants: &[Participant], stated: &[StatedLimit]) -> Comparison {
@@ -68,8 +68,8 @@ fn limits_are_held_up_to_their_value() {
 
 #[test]
 fn not_finite_is_beyond_every_limit() {
-    let mut spoiled = Courses::new(courses(1.0).time_s().to_vec()).unwrap();
-    for channel in courses(1.0).channels() {
+    let mut spoiled = TimeSeries::new(time_series(1.0).time_s().to_vec()).unwrap();
+    for channel in time_series(1.0).channels() {
         let mut values = channel.values.clone();
         values[599] = f64::NAN;
         spoiled.push(channel.name.clone(), values).unwrap();
@@ -92,7 +92,7 @@ fn not_finite_is_beyond_every_limit() {
 #[test]
 fn forces_that_are_only_rounding_are_not_judged() {
     let pair = [
-        participant("native", Track::Native, courses(1e-13)),
+        participant("native", Track::Native, time_series(1e-13)),
         rig(-1e-13),
     ];
     assert_eq!(verdict(&pair, &[limit(0.1)]), Verdict::NotCompared);
@@ -135,7 +135,7 @@ fn efficiency() {
 
 #[test]
 fn tracks_are_never_mixed() {
-    let own = participant("own", Track::OwnContact, courses(0.9));
+    let own = participant("own", Track::OwnContact, time_series(0.9));
     let all = [native(), own, foreign(0.99)];
     let comparison = compare(&context(), &all, &Rules::default()).unwrap();
     let pairs: Vec<_> = comparison
@@ -177,7 +177,7 @@ fn tracks_are_never_mixed() {
 
 #[test]
 fn unfinished_runs_are_listed_not_judged() {
-    let mut broken = participant("broken", Track::Native, Courses::default());
+    let mut broken = participant("broken", Track::Native, TimeSeries::default());
     broken.status = Status::Diverged {
         time_s: 0.01,
         quantity: "wheel angle NaN".into(),
@@ -193,7 +193,7 @@ fn unfinished_runs_are_listed_not_judged() {
         comparison.engines[0].status.reason().unwrap(),
         "diverged at t = 0.010000 s: wheel angle NaN"
     );
-    let alone = [participant("x", Track::Native, Courses::default())].map(|mut p| {
+    let alone = [participant("x", Track::Native, TimeSeries::default())].map(|mut p| {
         p.status = Status::Failed {
             reason: "not installed".into(),
         };
@@ -208,7 +208,7 @@ fn unfinished_runs_are_listed_not_judged() {
 
 #[test]
 fn missing_channels_are_named() {
-    let mut few = Courses::new(courses(1.0).time_s().to_vec()).unwrap();
+    let mut few = TimeSeries::new(time_series(1.0).time_s().to_vec()).unwrap();
     few.push("external_sleeve_force_n_0", vec![1.0; 601])
         .unwrap();
     let pair = [native(), participant("few", Track::SharedLaw, few)];
@@ -227,8 +227,9 @@ fn missing_channels_are_named() {
 
 #[test]
 fn faults() {
-    let grid = |times: Vec<f64>| participant("other", Track::Native, Courses::new(times).unwrap());
-    let mut times = courses(1.0).time_s().to_vec();
+    let grid =
+        |times: Vec<f64>| participant("other", Track::Native, TimeSeries::new(times).unwrap());
+    let mut times = time_series(1.0).time_s().to_vec();
     times[17] += 1e-5;
     let error = compare(
         &context(),
@@ -266,9 +267,13 @@ fn faults() {
 
 #[test]
 fn a_recording_is_compared_at_its_own_samples() {
-    let whole = courses(1.0);
+    let whole = time_series(1.0);
     let rows: Vec<usize> = (0..whole.len()).step_by(3).collect();
-    let mut recording = participant("mujoco-x", Track::SharedLaw, courses(1.001).select(&rows));
+    let mut recording = participant(
+        "mujoco-x",
+        Track::SharedLaw,
+        time_series(1.001).select(&rows),
+    );
     let refused = compare(
         &context(),
         &[native(), recording.clone()],
@@ -309,12 +314,12 @@ fn a_recording_is_compared_at_its_own_samples() {
     );
     // A sample that the other has not is refused as ever.
     let shifted: Vec<f64> = recording
-        .courses
+        .time_series
         .time_s()
         .iter()
         .map(|t| t + 4e-4)
         .collect();
-    recording.courses = Courses::new(shifted).unwrap();
+    recording.time_series = TimeSeries::new(shifted).unwrap();
     assert!(compare(&context(), &[native(), recording], &Rules::default()).is_err());
 }
 
@@ -337,8 +342,8 @@ fn summary_is_plain_json() {
 /// Torques of the wrong sign do not balance the load, whatever their size.
 #[test]
 fn regress_the_load_balance_has_a_sign() {
-    let base = courses(1.0);
-    let mut flipped = Courses::new(base.time_s().to_vec()).unwrap();
+    let base = time_series(1.0);
+    let mut flipped = TimeSeries::new(base.time_s().to_vec()).unwrap();
     for channel in base.channels() {
         let sign = if channel.name == "output_torque_n_m" {
             -1.0
@@ -358,30 +363,38 @@ fn regress_the_load_balance_has_a_sign() {
 #[test]
 fn regress_the_slack_of_the_grid() {
     let moved = |by: f64| {
-        let mut times = courses(1.0).time_s().to_vec();
+        let mut times = time_series(1.0).time_s().to_vec();
         times[17] += by * 1e-3;
-        let other = participant("other", Track::Native, Courses::new(times).unwrap());
+        let other = participant("other", Track::Native, TimeSeries::new(times).unwrap());
         compare(&context(), &[native(), other], &Rules::default()).is_ok()
     };
     assert!(moved(0.5e-6) && moved(-0.5e-6));
     assert!(!moved(2e-6) && !moved(-2e-6));
     // The first time of a run that begins late: the slack is a share of the spacing, not of the time.
     let late = |by: f64| {
-        let times: Vec<f64> = courses(1.0).time_s().iter().map(|t| t + 100.0).collect();
+        let times: Vec<f64> = time_series(1.0)
+            .time_s()
+            .iter()
+            .map(|t| t + 100.0)
+            .collect();
         let mut other = times.clone();
         other[0] += by * 1e-3;
         let [a, b] = [("a", times), ("b", other)]
-            .map(|(name, t)| participant(name, Track::Native, Courses::new(t).unwrap()));
+            .map(|(name, t)| participant(name, Track::Native, TimeSeries::new(t).unwrap()));
         compare(&context(), &[a, b], &Rules::default()).is_ok()
     };
     assert!(late(0.5e-6) && !late(2e-6));
     // The same of a recording with every other sample.
     let sparse = |row: usize, by: f64| {
-        let times: Vec<f64> = courses(1.0).time_s().iter().map(|t| t + 100.0).collect();
+        let times: Vec<f64> = time_series(1.0)
+            .time_s()
+            .iter()
+            .map(|t| t + 100.0)
+            .collect();
         let mut other: Vec<f64> = times.iter().copied().step_by(2).collect();
         other[row] += by * 1e-3;
         let [a, mut b] = [("a", times), ("b", other)]
-            .map(|(name, t)| participant(name, Track::Native, Courses::new(t).unwrap()));
+            .map(|(name, t)| participant(name, Track::Native, TimeSeries::new(t).unwrap()));
         b.cost.recorded = Some("earlier".to_owned());
         compare(&context(), &[a, b], &Rules::default()).is_ok()
     };
@@ -395,7 +408,7 @@ fn regress_the_slack_of_the_grid() {
 fn regress_small_loads_are_judged() {
     let at = |size: f64| {
         let pair = [
-            participant("native", Track::Native, courses(size)),
+            participant("native", Track::Native, time_series(size)),
             rig(-size),
         ];
         verdict(&pair, &[limit(0.1)])
@@ -409,11 +422,11 @@ fn regress_small_loads_are_judged() {
 #[test]
 fn regress_a_gear_that_stands_still_is_not_compared() {
     let turned = |by: f64| {
-        let base = courses(1.0);
-        let mut courses = Courses::new(base.time_s().to_vec()).unwrap();
+        let base = time_series(1.0);
+        let mut time_series = TimeSeries::new(base.time_s().to_vec()).unwrap();
         let angle = base.time_s().iter().map(|t| by * t).collect();
-        courses.push("output_angle_rad", angle).unwrap();
-        courses
+        time_series.push("output_angle_rad", angle).unwrap();
+        time_series
     };
     let of = |by: f64| {
         let limit = StatedLimit {

@@ -1,12 +1,12 @@
 //! The one interface of all engines.
 
-pub use pinwheel_courses::{Ending, RunStats, Track};
+pub use pinwheel_timeseries::{Ending, RunStats, Track};
 
-use pinwheel_courses::Courses;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::resolve::Uncertainty;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Scene};
+use pinwheel_timeseries::TimeSeries;
 
 use crate::control::{Cancelled, Control};
 use crate::registry::EngineInfo;
@@ -15,12 +15,12 @@ use crate::registry::EngineInfo;
 #[derive(Debug, Clone)]
 pub struct Run {
     /// The contract's columns on the scene's sample times; of a run that ended before, those until then.
-    pub courses: Courses,
+    pub time_series: TimeSeries,
     /// How it ended.
     pub ending: Ending,
     /// Cost and settings.
     pub stats: RunStats,
-    /// The numerical uncertainty of the courses, where the engine verified them itself (`auto`, `native-resolved`).
+    /// The numerical uncertainty of the time series, where the engine verified them itself (`auto`, `native-resolved`).
     pub uncertainty: Option<Uncertainty>,
     /// Numbers that no time series holds, of what has none: names with units, and values.
     pub figures: Vec<(&'static str, f64)>,
@@ -29,9 +29,9 @@ pub struct Run {
 impl Run {
     /// A finished run of an engine that knows nothing of its uncertainty.
     #[must_use]
-    pub fn new(courses: Courses, stats: RunStats) -> Self {
+    pub fn new(time_series: TimeSeries, stats: RunStats) -> Self {
         Self {
-            courses,
+            time_series,
             ending: Ending::Finished,
             stats,
             uncertainty: None,
@@ -44,7 +44,7 @@ impl Run {
     pub fn ended(ending: Ending) -> Self {
         Self {
             ending,
-            ..Self::new(Courses::default(), RunStats::default())
+            ..Self::new(TimeSeries::default(), RunStats::default())
         }
     }
 
@@ -62,12 +62,12 @@ impl Run {
         self.ending.whole().map(|()| self)
     }
 
-    /// Adds a note if channels that the scene asks for are not among the courses.
+    /// Adds a note if channels that the scene asks for are not among the time series.
     fn note_missing_channels(&mut self, scene: &Scene) {
         let Ok(asked) = Channels::of(scene) else {
             return;
         };
-        let missing = asked.without(|name| self.courses.channel(name).is_some());
+        let missing = asked.without(|name| self.time_series.channel(name).is_some());
         if missing.is_empty() {
             return;
         }
@@ -162,7 +162,7 @@ impl<E: Engine + ?Sized> Engine for &E {
     }
 }
 
-/// A solver that turns a scene into courses.
+/// A solver that turns a scene into time series.
 ///
 /// One that keeps every body as it starts, recorded as all engines record:
 ///
@@ -196,15 +196,15 @@ impl<E: Engine + ?Sized> Engine for &E {
 ///                     return Err(Cancelled.into());
 ///                 }
 ///             }
-///             let courses = recorder.finish().map_err(Ending::failed)?;
-///             Ok(Run::new(courses, RunStats::default()))
+///             let time_series = recorder.finish().map_err(Ending::failed)?;
+///             Ok(Run::new(time_series, RunStats::default()))
 ///         }))
 ///     }
 /// }
 ///
 /// let scene = Scene::load("paper", &["solver.duration_s=0.001".parse()?])?;
 /// let run = Frozen.run(&scene, &Control::quiet())?;
-/// assert!(run.ending.is_finished() && run.courses.len() == 11);
+/// assert!(run.ending.is_finished() && run.time_series.len() == 11);
 /// let rough = Scene::load("paper-friction", &[])?;
 /// assert!(Frozen.supports(&rough).is_err());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -278,7 +278,7 @@ pub trait Engine: Send + Sync {
         let prepared = self.prepare(gearbox);
         let mut run = settled(prepared.and_then(|prepared| prepared.run(&control)))?;
         control.check()?;
-        if run.ending.is_finished() || !run.courses.is_empty() {
+        if run.ending.is_finished() || !run.time_series.is_empty() {
             if gearbox.has_friction() && self.info().explicit_friction {
                 let note = "Friction is explicit here, and its regularisation takes steps of about 2e-7 s to resolve.";
                 run.stats.notes.push(note.to_owned());

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!             prepare                    run
-//!  Gearbox ──────────> dyn Prepared ──────────> Run { courses, ending, stats, uncertainty }
+//!  Gearbox ──────────> dyn Prepared ──────────> Run { time_series, ending, stats, uncertainty }
 //!
 //!  ending: finished; diverged, with what there is until then; unsupported, absent, failed or timed out, with the reason
 //!
@@ -20,7 +20,7 @@
 //! let paper = Scene::load("paper", &["solver.duration_s=0.002".parse()?])?;
 //! let engine = by_name("native-lagrange", &paper).ok_or("no such engine")?;
 //! let run = engine.run(&paper, &Control::quiet())?;
-//! assert_eq!((run.courses.len(), run.stats.bodies), (21, 28));
+//! assert_eq!((run.time_series.len(), run.stats.bodies), (21, 28));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

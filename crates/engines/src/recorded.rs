@@ -1,14 +1,14 @@
-//! Recorded courses: what an engine gave for a scene, for builds and machines without it.
+//! Recorded time series: what an engine gave for a scene, for builds and machines without it.
 //!
 //! `reference/recorded/SCENE/ENGINE.toml` says what was recorded, how and when, `ENGINE.csv` beside
-//! it holds the courses, thinned and rounded: both are embedded in the program. A recording stands
+//! it holds the time series, thinned and rounded: both are embedded in the program. A recording stands
 //! in for a run of the very scene it was made of and of no other; it is never interpolated.
 
 use std::fmt::Write as _;
 
-use pinwheel_courses::Courses;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Scene, Solver};
+use pinwheel_timeseries::TimeSeries;
 use serde::{Deserialize, Serialize};
 
 use crate::control::{Cancelled, Control};
@@ -31,7 +31,7 @@ pub const RECORDED_SCENES: [&str; 6] = [
     "forty-pins",
 ];
 
-/// One engine's courses of one scene.
+/// One engine's time series of one scene.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recording {
@@ -45,15 +45,15 @@ pub struct Recording {
     pub command: String,
     /// The machine it was made on.
     pub machine: String,
-    /// Significant digits of the courses' largest values.
+    /// Significant digits of the time series' largest values.
     pub digits: usize,
     /// Cost and settings of the recorded run.
     pub stats: RunStats,
     /// The whole scene.
     pub scene: Scene,
-    /// The courses, at samples [`SAMPLE_S`] apart.
+    /// The time series, at samples [`SAMPLE_S`] apart.
     #[serde(skip)]
-    pub courses: Courses,
+    pub time_series: TimeSeries,
 }
 
 /// Why a recording is of no use.
@@ -67,9 +67,9 @@ pub enum RecordingError {
     /// The description cannot be written.
     #[error("the description of the recording cannot be written: {0}")]
     Unwritable(#[from] toml::ser::Error),
-    /// The courses are not as they should be.
-    #[error("the recorded courses are broken: {0}; record them anew with `pinwheel record`")]
-    Courses(#[from] pinwheel_courses::CoursesError),
+    /// The time series are not as they should be.
+    #[error("the recorded time series are broken: {0}; record them anew with `pinwheel record`")]
+    TimeSeries(#[from] pinwheel_timeseries::TimeSeriesError),
 }
 
 impl Recording {
@@ -78,7 +78,7 @@ impl Recording {
     pub fn new(engine: &dyn Engine, scene: &Scene, run: Run) -> Self {
         let digits = engine.info().digits;
         let every = (SAMPLE_S / scene.solver.sample_s).round().max(1.0) as usize;
-        let rows: Vec<usize> = (0..run.courses.len()).step_by(every).collect();
+        let rows: Vec<usize> = (0..run.time_series.len()).step_by(every).collect();
         Self {
             engine: engine.name().to_owned(),
             version: engine.version(),
@@ -88,11 +88,11 @@ impl Recording {
             digits,
             stats: run.stats,
             scene: scene.clone(),
-            courses: run.courses.select(&rows),
+            time_series: run.time_series.select(&rows),
         }
     }
 
-    /// Description and courses as text.
+    /// Description and time series as text.
     ///
     /// # Errors
     /// See [`RecordingError`].
@@ -106,20 +106,20 @@ impl Recording {
     /// See [`RecordingError`].
     pub fn read(description: &str, csv: &str) -> Result<Self, RecordingError> {
         let mut recording: Self = toml::from_str(description)?;
-        recording.courses = Courses::read_csv(csv.as_bytes())?;
+        recording.time_series = TimeSeries::read_csv(csv.as_bytes())?;
         Ok(recording)
     }
 
     /// Every quantity with as many decimals as its largest value has room for, and no more than needed.
     fn csv(&self) -> String {
-        let channels = self.courses.channels();
+        let channels = self.time_series.channels();
         let decimals: Vec<usize> = channels
             .iter()
             .map(|channel| {
-                let group = pinwheel_courses::group_of(&channel.name).0;
+                let group = pinwheel_timeseries::group_of(&channel.name).0;
                 let peak = channels
                     .iter()
-                    .filter(|other| pinwheel_courses::group_of(&other.name).0 == group)
+                    .filter(|other| pinwheel_timeseries::group_of(&other.name).0 == group)
                     .flat_map(|other| &other.values)
                     .fold(0.0_f64, |peak, value| peak.max(value.abs()));
                 let leading = if peak > 0.0 {
@@ -134,7 +134,7 @@ impl Recording {
         for channel in channels {
             let _ = write!(text, ",{}", channel.name);
         }
-        for (row, time_s) in self.courses.time_s().iter().enumerate() {
+        for (row, time_s) in self.time_series.time_s().iter().enumerate() {
             let _ = write!(text, "\n{}", trimmed(*time_s, 9));
             for (channel, &decimals) in channels.iter().zip(&decimals) {
                 let _ = write!(text, ",{}", trimmed(channel.values[row], decimals));
@@ -170,11 +170,11 @@ impl Recording {
     }
 
     /// The recorded samples that a run of `scene` would have.
-    fn at_samples_of(&self, scene: &Scene) -> Courses {
+    fn at_samples_of(&self, scene: &Scene) -> TimeSeries {
         let wanted = scene.solver.sample_times_s();
         let slack = 1e-6 * scene.solver.sample_s;
         let rows: Vec<usize> = self
-            .courses
+            .time_series
             .time_s()
             .iter()
             .enumerate()
@@ -184,7 +184,7 @@ impl Recording {
             })
             .map(|(row, _)| row)
             .collect();
-        self.courses.select(&rows)
+        self.time_series.select(&rows)
     }
 }
 
@@ -338,8 +338,9 @@ mod tests {
     use super::*;
 
     fn recording() -> Recording {
-        let mut courses = Courses::new(vec![0.0, 1e-3, 2e-3]).unwrap();
-        let mut push = |name: &str, values: [f64; 3]| courses.push(name, values.to_vec()).unwrap();
+        let mut time_series = TimeSeries::new(vec![0.0, 1e-3, 2e-3]).unwrap();
+        let mut push =
+            |name: &str, values: [f64; 3]| time_series.push(name, values.to_vec()).unwrap();
         push(
             "external_sleeve_force_n_0",
             [0.0, 123.456_789_012, -0.000_000_04],
@@ -354,7 +355,7 @@ mod tests {
             digits: 7,
             stats: RunStats::default(),
             scene: Scene::load("paper", &[]).unwrap().into_scene(),
-            courses,
+            time_series,
         }
     }
 
@@ -374,7 +375,7 @@ mod tests {
         let read = Recording::read(&description, &csv).unwrap();
         assert_eq!(read.scene, made.scene);
         assert_eq!(read.stats, made.stats);
-        assert_eq!(read.courses.len(), 3);
+        assert_eq!(read.time_series.len(), 3);
         assert!(Recording::read(&description.replace("engine", "motor"), &csv).is_err());
         assert!(Recording::read(&description, &csv.replace("1.5", "x")).is_err());
     }
@@ -412,7 +413,7 @@ mod tests {
             let recording = find(scene, engine).unwrap().unwrap();
             assert_eq!(recording.engine, engine);
             assert_eq!(recording.scene.name, scene);
-            assert!(recording.courses.len() > 100, "{scene} {engine}");
+            assert!(recording.time_series.len() > 100, "{scene} {engine}");
             assert!(may_be_missing(engine));
         }
     }

@@ -274,7 +274,7 @@ pub(crate) static MUJOCO_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
         edge is a bed of 4000 spheres or more (seven in a loaded contact) with linear springs, which together give \
         K \u{3b4}^1.5 for a locally circular edge and conserve energy where the paper's law does not: that is most \
         of the difference in the driver torque. Holes are tendons of limited length with a chord approximation of K \u{3b4}^1.5. There is no ramp S \
-        and no friction, and semi-implicit steps are some six a period of a wheel's vibration: steady courses are \
+        and no friction, and semi-implicit steps are some six a period of a wheel's vibration: steady time series are \
         comparable, the start-up transient is not.",
     ..EngineInfo::own(
         "mujoco-own-contact",
@@ -295,7 +295,7 @@ pub(crate) static EXUDYN_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
         edge is a polygon of 8000 spring segments or more, which conserve energy where the paper's law does not; holes are \
         hollow spheres with exponent 1.5, the law itself but for the ramp S. Damping of the external contacts acts \
         as a rotational damper on the wheels, because exudyn's own ignores how a body turns. There is no friction: \
-        steady courses are comparable, the start-up transient is not.",
+        steady time series are comparable, the start-up transient is not.",
     ..EngineInfo::own(
         "exudyn-own-contact",
         Track::OwnContact,

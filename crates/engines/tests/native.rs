@@ -28,19 +28,22 @@ fn hard_native_resolved_keeps_its_promise_at_any_step_of_the_scene() {
             .unwrap()
             .whole()
             .unwrap()
-            .courses;
+            .time_series;
         let mut runs = ["solver.step_s=1e-5", "solver.step_s=5e-5"].map(|step| {
             let gearbox = gearbox(preset, &[SHORT, step]);
             let run = resolved(&gearbox);
             let known = run.uncertainty.as_ref().unwrap();
             assert_eq!(known.promise, promise, "{preset}");
             assert!(known.is_resolved(), "{preset}: {}", known.sentence());
-            let off = gearbox.distance(&run.courses, &exact).worst();
+            let off = gearbox.distance(&run.time_series, &exact).worst();
             println!("{preset}, {step}: {off:.1e}, {}", known.sentence());
             assert!(off <= promise, "{preset}, {step}: {off:e}");
             run
         });
         let [fine, coarse] = &mut runs;
-        assert_eq!(fine.courses, coarse.courses, "{preset}: not of its step");
+        assert_eq!(
+            fine.time_series, coarse.time_series,
+            "{preset}: not of its step"
+        );
     }
 }

@@ -65,7 +65,7 @@ fn crossval_a_unit_in_fmpy_is_the_native_run() {
         return;
     }
     let folder = tempfile::tempdir().expect("folder");
-    let [unit, courses] = ["unit.fmu", "courses.csv"].map(|name| folder.path().join(name));
+    let [unit, time_series] = ["unit.fmu", "courses.csv"].map(|name| folder.path().join(name));
     for (scene, method, tolerance) in [
         ("paper", "etd-adams", 1e-9),
         ("paper-friction", "rodas5p", 1e-7),
@@ -91,13 +91,13 @@ fn crossval_a_unit_in_fmpy_is_the_native_run() {
             .expect("run")
             .whole()
             .expect("whole");
-        let file = fs::File::create(&courses).expect("file");
-        run.courses
+        let file = fs::File::create(&time_series).expect("file");
+        run.time_series
             .write_csv(BufWriter::new(file))
             .expect("courses");
         let measured = Command::new(&python)
             .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fmu.py"))
-            .args([&unit, &courses])
+            .args([&unit, &time_series])
             .output()
             .expect("Python starts");
         println!("{scene}\n{}", String::from_utf8_lossy(&measured.stdout));

@@ -64,7 +64,7 @@ fn against_run(scene: &str, sets: &[&str], step_s: f64) -> f64 {
     let sample = model.scene().solver.sample_s;
     let each = (sample / step_s).max(1.0).round() as usize;
     let every = (step_s / sample).max(1.0).round() as usize;
-    let count = run.courses.len().div_ceil(every);
+    let count = run.time_series.len().div_ceil(every);
     let mut own: Vec<Vec<f64>> = vec![Vec::new(); COMPARED.len()];
     for sample in 0..count {
         for (column, name) in own.iter_mut().zip(COMPARED) {
@@ -78,7 +78,7 @@ fn against_run(scene: &str, sets: &[&str], step_s: f64) -> f64 {
         }
     }
     let worst = COMPARED.iter().zip(&own).map(|(name, own)| {
-        let run = run.courses.channel(name).expect(name);
+        let run = run.time_series.channel(name).expect(name);
         let run: Vec<f64> = run.iter().step_by(every).copied().collect();
         let off = distance(own, &run);
         println!("{scene} {step_s} {name} {off:.2e}");

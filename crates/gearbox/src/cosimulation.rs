@@ -534,7 +534,7 @@ mod tests {
             .unwrap()
             .whole()
             .unwrap();
-        let channels = run.courses.channels().iter();
+        let channels = run.time_series.channels().iter();
         channels.map(|c| *c.values.last().unwrap()).collect()
     }
 

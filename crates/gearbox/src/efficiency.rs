@@ -1,6 +1,6 @@
 //! Efficiency with and without what the contact law itself creates.
 
-use pinwheel_courses::efficiency;
+use pinwheel_timeseries::efficiency;
 use serde::{Deserialize, Serialize};
 
 use crate::energy::EnergyAudit;
@@ -12,7 +12,7 @@ use crate::energy::EnergyAudit;
 /// that the gear has: `1 - lost/supplied`, with `supplied = delivered + lost`. Storage over the window is left out of both.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Efficiency {
-    /// Work delivered over work taken in, as the courses have it: with the energy that the law creates, the run's own error and
+    /// Work delivered over work taken in, as the time series have it: with the energy that the law creates, the run's own error and
     /// storage at the ends of the window.
     pub measured: f64,
     /// Work delivered over work delivered and lost: with all of that taken out. Never above 1 where contacts only lose.

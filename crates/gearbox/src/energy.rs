@@ -51,7 +51,7 @@ struct Mark {
     energies: [f64; 2],
 }
 
-pub use pinwheel_courses::EnergyAudit;
+pub use pinwheel_timeseries::EnergyAudit;
 
 impl EnergyAccount {
     /// An empty account with room for so many samples.

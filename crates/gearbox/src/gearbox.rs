@@ -1,8 +1,8 @@
 //! A compiled scene: geometry, bodies, joints and contacts.
 
-use pinwheel_courses::Courses;
-use pinwheel_courses::norms::{Distance, Least};
 use pinwheel_mbs::{Body, BodyState, Driver, ErrorScales, Mechanism, Motion, Revolute};
+use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::norms::{Distance, Least};
 
 use crate::Layout;
 use crate::contacts::{self, ContactField, Kernel};
@@ -133,7 +133,7 @@ impl Gearbox {
 
     /// How far `a` lies from the reference `b`, measured by what this gear calls small ([`Distance::between`]).
     #[must_use]
-    pub fn distance(&self, a: &Courses, b: &Courses) -> Distance {
+    pub fn distance(&self, a: &TimeSeries, b: &TimeSeries) -> Distance {
         Distance::between(a, b, self.least_loads())
     }
 

@@ -1,6 +1,6 @@
 //! Tells numbers that ran away from numbers.
 //!
-//! A penalty model that blows up often stays finite: wheels jump teeth and the courses look like
+//! A penalty model that blows up often stays finite: wheels jump teeth and the time series look like
 //! data. In a gearbox that works, every wheel follows its ideal mesh within its free play and
 //! some elastic twist, far below a pitch.
 

@@ -16,7 +16,7 @@
 //! let paper = Scene::load("paper", &["solver.duration_s=0.005".parse()?])?;
 //! let gearbox = Gearbox::new(&paper)?;
 //! let run = native::run(&gearbox, &mut |_time_s| false)?;
-//! assert_eq!(run.courses.len(), 51);
+//! assert_eq!(run.time_series.len(), 51);
 //!
 //! let (run, known) = run_resolved(&gearbox, 1e-3, Budget::default(), &mut |_| false)?;
 //! assert!(known.is_resolved() && run.counts.evaluations > 0, "{}", known.sentence());
@@ -54,5 +54,5 @@ pub use explain::{Explanation, Statement, explain};
 pub use frequencies::{Frequencies, friction_rate};
 pub use gearbox::Gearbox;
 pub use geometry::Geometry;
-pub use pinwheel_courses::norms::{Distance, Least};
+pub use pinwheel_timeseries::norms::{Distance, Least};
 pub use recorder::Recorder;

@@ -1,8 +1,8 @@
 //! The native run: a scene's equations, integrated and recorded.
 
-use pinwheel_courses::{Courses, CoursesError, Ending};
 use pinwheel_mbs::integrators::{Segments, StepCounts, StepError, StepSettings, Stepper};
 use pinwheel_mbs::{Forces, Formulation, Lagrange, Mechanism, Observation, Reduced, Stabilisation};
+use pinwheel_timeseries::{Ending, TimeSeries, TimeSeriesError};
 
 use crate::balance::Balance;
 use crate::channels::{LawPairs, Seen};
@@ -19,7 +19,7 @@ use crate::{Gearbox, GearboxError, Recorder, auto, guard};
 #[derive(Debug, Clone)]
 pub struct NativeRun {
     /// Samples so far.
-    pub courses: Courses,
+    pub time_series: TimeSeries,
     /// What the integrator did.
     pub counts: StepCounts,
     /// Newton steps of the implicit stages, samples inside steps included.
@@ -60,7 +60,7 @@ pub enum NativeError {
     Ended(#[from] Ending),
     /// Recording failed.
     #[error(transparent)]
-    Courses(#[from] CoursesError),
+    TimeSeries(#[from] TimeSeriesError),
 }
 
 /// Baumgarte's rate in units of 1/step: fast enough to matter, slow enough for explicit methods.
@@ -230,7 +230,7 @@ fn integrate<F: Formulation>(
         }
     }
     Ok(NativeRun {
-        courses: recorder.finish()?,
+        time_series: recorder.finish()?,
         counts: stepper.counts(),
         newton_steps: system.newton_steps(),
         degrees_of_freedom: system.degrees_of_freedom(),

@@ -1,7 +1,7 @@
-//! Turns states at sample times into the contract's courses. Every engine records through this.
+//! Turns states at sample times into the contract's time series. Every engine records through this.
 
-use pinwheel_courses::{Courses, columns};
 use pinwheel_mbs::{BodyState, Observation, Wrench};
+use pinwheel_timeseries::{TimeSeries, columns};
 
 use crate::Gearbox;
 use crate::channels::{Seen, Values};
@@ -200,7 +200,7 @@ impl Recorder {
     }
 
     /// True if the scene asks for channels: [`record_channels`](Self::record_channels) is then
-    /// due after every sample. Columns it cannot fill are left out of the courses.
+    /// due after every sample. Columns it cannot fill are left out of the time series.
     #[must_use]
     pub fn wants_channels(&self) -> bool {
         self.channels.is_some()
@@ -238,22 +238,22 @@ impl Recorder {
         self.time.is_empty()
     }
 
-    /// The courses recorded so far.
+    /// The time series recorded so far.
     ///
     /// # Errors
     /// Samples were not recorded in increasing time.
-    pub fn finish(mut self) -> Result<Courses, pinwheel_courses::CoursesError> {
+    pub fn finish(mut self) -> Result<TimeSeries, pinwheel_timeseries::TimeSeriesError> {
         self.flush();
         let samples = self.time.len();
-        let mut courses = Courses::new(self.time)?;
+        let mut time_series = TimeSeries::new(self.time)?;
         let names = contract(self.layout);
         for (name, values) in names.zip(self.columns) {
-            courses.push(name, values)?;
+            time_series.push(name, values)?;
         }
         for (name, values) in self.channels.into_iter().flat_map(|c| c.finish(samples)) {
-            courses.push(name, values)?;
+            time_series.push(name, values)?;
         }
-        Ok(courses)
+        Ok(time_series)
     }
 }
 
@@ -291,11 +291,14 @@ mod tests {
         recorder.record_observed(&seen, 2.0);
         assert_eq!((recorder.len(), recorder.is_empty()), (2, false));
         let mut row = Vec::new();
-        let courses = recorder.clone().finish().unwrap();
+        let time_series = recorder.clone().finish().unwrap();
         recorder.take_last(&mut row);
-        assert_eq!((recorder.len(), row.len()), (1, courses.channels().len()));
-        let most = courses.channel("external_sleeve_force_n_3").unwrap()[0].max(22.0);
-        for (channel, last) in courses.channels().iter().zip(row) {
+        assert_eq!(
+            (recorder.len(), row.len()),
+            (1, time_series.channels().len())
+        );
+        let most = time_series.channel("external_sleeve_force_n_3").unwrap()[0].max(22.0);
+        for (channel, last) in time_series.channels().iter().zip(row) {
             let [of_contacts, of_loads] = channel.values[..] else {
                 panic!("two samples")
             };
@@ -307,7 +310,7 @@ mod tests {
                 channel.name
             );
         }
-        assert!((courses.channel("output_torque_n_m").unwrap()[0] + 22.0).abs() < 1e-6);
+        assert!((time_series.channel("output_torque_n_m").unwrap()[0] + 22.0).abs() < 1e-6);
     }
 
     /// What the scene asks for beyond the contract is taken out, too, after its columns.

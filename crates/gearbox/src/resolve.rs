@@ -24,8 +24,8 @@ pub use uncertainty::{Rung, Uncertainty, Verdict};
 
 use std::rc::Rc;
 
-use pinwheel_courses::Ending;
 use pinwheel_mbs::integrators::{Family, method};
+use pinwheel_timeseries::Ending;
 
 use crate::auto::{self, COARSER_ROSENBROCK, Plan};
 use crate::native::{self, NativeError, NativeRun};
@@ -61,7 +61,7 @@ impl Default for Budget {
     }
 }
 
-/// Runs the scene until its courses are within `promise` (relative L2 of the forces and of the driver's torque), within
+/// Runs the scene until its time series are within `promise` (relative L2 of the forces and of the driver's torque), within
 /// the budget; returns the finest run and what is known of its error, or a diverged one if every method of ours diverges. The integrator, step and tolerance of the scene are
 /// not used. `watch` as in [`native::run`]; time starts anew with every rung.
 ///
@@ -159,7 +159,9 @@ impl Search<'_> {
                 Some(run) => {
                     let run = Rc::new(run);
                     let estimate = before.as_ref().map(|coarser| {
-                        let moved = self.gearbox.distance(&coarser.courses, &run.courses);
+                        let moved = self
+                            .gearbox
+                            .distance(&coarser.time_series, &run.time_series);
                         (
                             moved,
                             ladder
@@ -555,10 +557,10 @@ mod tests {
         assert_eq!((found.rungs.len(), found.left), (1, one));
         let samples = light.scene.solver.sample_times_s().len();
         let best = found.best.unwrap();
-        assert_eq!(best.run.courses.len(), samples / 2 + 1);
+        assert_eq!(best.run.time_series.len(), samples / 2 + 1);
         let best = all.best.unwrap();
         assert!(best.holds && best.rung == all.rungs.len() - 1);
-        assert_eq!(best.run.courses.len(), samples);
+        assert_eq!(best.run.time_series.len(), samples);
     }
 
     /// Refinement ends where tolerances do, and says that it was not the method.

@@ -43,7 +43,10 @@ fn equilibrium_start_has_no_transient() {
                 .unwrap()
                 .whole()
                 .unwrap();
-            run.courses.channel("input_torque_n_m").unwrap().to_vec()
+            run.time_series
+                .channel("input_torque_n_m")
+                .unwrap()
+                .to_vec()
         };
         let torque = course(Start::Equilibrium);
         let mean = torque[3000..].iter().sum::<f64>() / 3001.0;
@@ -140,9 +143,9 @@ fn slow_runs_tend_to_the_statics() {
             .whole()
             .unwrap();
         let mut statics = Statics::new(&gearbox).unwrap();
-        let output = run.courses.channel("output_angle_rad").unwrap();
+        let output = run.time_series.channel("output_angle_rad").unwrap();
         let off = |(t, x): (&f64, &f64)| (x - statics.solve(speed * t, 22.0).unwrap().output).abs();
-        run.courses
+        run.time_series
             .time_s()
             .iter()
             .zip(output)

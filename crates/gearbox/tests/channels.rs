@@ -1,10 +1,10 @@
 //! Channels beyond the contract's columns: what they say, that both formulations agree, what they cost.
 
-use pinwheel_courses::Courses;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::{self, NativeRun};
 use pinwheel_scene::Layout;
 use pinwheel_scene::{Override, Scales, Scene};
+use pinwheel_timeseries::TimeSeries;
 
 /// A run of a preset with channels; the last keys are overrides.
 fn run(preset: &str, duration_s: f64, channels: &[&str], sets: &[(&str, &str)]) -> NativeRun {
@@ -24,8 +24,8 @@ fn run(preset: &str, duration_s: f64, channels: &[&str], sets: &[(&str, &str)]) 
     .unwrap()
 }
 
-fn column<'a>(courses: &'a Courses, name: &str) -> &'a [f64] {
-    courses
+fn column<'a>(time_series: &'a TimeSeries, name: &str) -> &'a [f64] {
+    time_series
         .channel(name)
         .unwrap_or_else(|| panic!("no column {name}"))
 }
@@ -71,12 +71,15 @@ fn both_formulations_give_the_same_channels() {
         sets.push(("solver.formulation", "lagrange"));
         let lagrange = run(preset, duration, &["*"], &sets);
         assert_eq!(
-            reduced.courses.channels().len(),
-            lagrange.courses.channels().len()
+            reduced.time_series.channels().len(),
+            lagrange.time_series.channels().len()
         );
         let mut worst: (f64, &str) = (0.0, "");
-        for channel in reduced.courses.channels() {
-            let off = apart(&channel.values, column(&lagrange.courses, &channel.name));
+        for channel in reduced.time_series.channels() {
+            let off = apart(
+                &channel.values,
+                column(&lagrange.time_series, &channel.name),
+            );
             if !(off <= worst.0) {
                 worst = (off, &channel.name);
             }
@@ -106,7 +109,7 @@ fn channels_fit_together() {
     let (gear, contact) = (&scene.gear, &scene.contact);
     let modulus = contact.young_pa / (2.0 * (1.0 - contact.poisson.powi(2)));
     let (hole, pin) = (gear.hole_radius_m, gear.internal_sleeve_radius_m);
-    let of_hole = column(&run.courses, "wheel_0_internal_stiffness_n_m15_0")[0];
+    let of_hole = column(&run.time_series, "wheel_0_internal_stiffness_n_m15_0")[0];
     let hertz = of_hole / (hole * pin / (hole - pin)).sqrt()
         * (modulus / (std::f64::consts::PI * contact.line_length_m)).sqrt();
     let Layout {
@@ -114,7 +117,7 @@ fn channels_fit_together() {
         external_sleeves,
         internal_sleeves,
     } = gearbox.layout;
-    let c = &run.courses;
+    let c = &run.time_series;
     let near = |a: f64, b: f64, scale: f64, what: &str| {
         assert!((a - b).abs() <= 1e-12 * scale, "{what}: {a} {b}");
     };
@@ -237,7 +240,7 @@ fn velocity_is_the_rate_of_the_penetration() {
         ];
         let pair = ["wheel_1_external_*_3", "wheel_0_internal_*_2"];
         let run = run("backlash-0.6", 0.004, &pair, &sets);
-        let c = &run.courses;
+        let c = &run.time_series;
         for kind in ["wheel_1_external_{}_3", "wheel_0_internal_{}_2"] {
             let of = |q: &str| column(c, &kind.replace("{}", q));
             let (depth, rate) = (of("penetration_m"), of("normal_velocity_m_s"));
@@ -273,7 +276,7 @@ fn published_bearing_force_and_contact_ratio() {
     let run = run("paper", 0.24, &channels, &sets);
     let mean = |name: &str| {
         // Whole cycles of the external mesh, order 16 of the input's 8.33 Hz.
-        let values = &column(&run.courses, name)[1200..];
+        let values = &column(&run.time_series, name)[1200..];
         values.iter().sum::<f64>() / values.len() as f64
     };
     for wheel in 0..2 {
@@ -288,7 +291,7 @@ fn published_bearing_force_and_contact_ratio() {
     }
 }
 
-/// What is not asked for costs nothing, and what is changes no step: the same courses bit for bit from
+/// What is not asked for costs nothing, and what is changes no step: the same time series bit for bit from
 /// the same right-hand sides.
 #[test]
 fn asking_changes_no_step() {
@@ -304,8 +307,8 @@ fn asking_changes_no_step() {
         let plain = run("paper", 0.01, &[], sets);
         let asked = run("paper", 0.01, &["*"], sets);
         assert_eq!(plain.counts, asked.counts);
-        let contract = plain.courses.channels();
-        assert_eq!(contract, &asked.courses.channels()[..contract.len()]);
-        assert!(asked.courses.channels().len() > 500);
+        let contract = plain.time_series.channels();
+        assert_eq!(contract, &asked.time_series.channels()[..contract.len()]);
+        assert!(asked.time_series.channels().len() > 500);
     }
 }

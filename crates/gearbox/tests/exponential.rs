@@ -46,7 +46,8 @@ fn gears_are_resolved_in_fewer_passes() {
             let etd = by(preset, "etd-adams", tolerance, sets);
             let plain = by(preset, "dopri5", tolerance, sets);
             let off = distance(&etd, &exact) / distance(&plain, &exact);
-            let share = passes(&etd) as f64 / (passes(&plain) + exact.courses.len() as u64) as f64;
+            let share =
+                passes(&etd) as f64 / (passes(&plain) + exact.time_series.len() as u64) as f64;
             println!("{preset} {sets:?} {tolerance}: errors {off:.2}, passes {share:.2}");
             assert!(
                 off < 5.0,

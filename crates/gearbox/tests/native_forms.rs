@@ -1,9 +1,9 @@
 //! The native solver against itself: two formulations, halved steps, repeated runs.
 
-use pinwheel_courses::Ending;
 use pinwheel_gearbox::native::{NativeError, NativeRun, run};
 use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, explain};
 use pinwheel_scene::{Formulation, Scene, Stabilisation, Start};
+use pinwheel_timeseries::Ending;
 
 fn scene(duration_s: f64) -> Scene {
     let mut scene = Scene::paper();
@@ -22,8 +22,8 @@ fn solve(scene: &Scene) -> NativeRun {
 }
 
 fn forces(run: &NativeRun) -> Vec<&[f64]> {
-    let mut all = run.courses.group("external_sleeve_force_n");
-    all.extend(run.courses.group("internal_sleeve_force_n"));
+    let mut all = run.time_series.group("external_sleeve_force_n");
+    all.extend(run.time_series.group("internal_sleeve_force_n"));
     all
 }
 
@@ -60,9 +60,9 @@ fn gears() -> Vec<Scene> {
     vec![paper, eleven, single]
 }
 
-/// Issue: the same courses to 1e-9 relative over 0.05 s at the same step. Measured 1e-13 to 3e-12.
+/// Issue: the same time series to 1e-9 relative over 0.05 s at the same step. Measured 1e-13 to 3e-12.
 #[test]
-fn both_formulations_give_the_same_courses() {
+fn both_formulations_give_the_same_time_series() {
     for friction in [0.0, 0.1] {
         for mut scene in gears() {
             scene.contact.friction_coefficient = friction;
@@ -85,7 +85,8 @@ fn both_formulations_give_the_same_courses() {
                 "{} sleeves, mu {friction}: {off:e}",
                 scene.gear.external_sleeves
             );
-            let torque = |r: &NativeRun| r.courses.channel("input_torque_n_m").unwrap().to_vec();
+            let torque =
+                |r: &NativeRun| r.time_series.channel("input_torque_n_m").unwrap().to_vec();
             assert!(relative_l2(&[&torque(&lagrange)], &[&torque(&reduced)]) < 1e-9);
             assert!(lagrange.joint_drift_m < 1e-15);
         }
@@ -144,7 +145,7 @@ fn rk2_is_of_second_order_on_the_gearbox() {
 #[test]
 fn runs_repeat_bit_for_bit() {
     let scene = scene(0.02);
-    assert_eq!(solve(&scene).courses, solve(&scene).courses);
+    assert_eq!(solve(&scene).time_series, solve(&scene).time_series);
 }
 
 #[test]
@@ -155,7 +156,7 @@ fn sampling_does_not_change_the_run() {
     let dense = solve(&dense);
     assert_eq!(coarse.counts.steps, dense.counts.steps);
     let end = |r: &NativeRun| {
-        r.courses
+        r.time_series
             .channel("output_angle_rad")
             .unwrap()
             .last()
@@ -165,7 +166,7 @@ fn sampling_does_not_change_the_run() {
     assert_eq!(end(&coarse), end(&dense));
 }
 
-/// Steel at the paper's step blows up; the numbers must not pass for courses. The energy account shows it first
+/// Steel at the paper's step blows up; the numbers must not pass for time series. The energy account shows it first
 /// (3.4 ms), two samples before the wheels leave their mesh.
 #[test]
 fn divergence_is_an_ending_that_keeps_what_there_was() {
@@ -179,7 +180,7 @@ fn divergence_is_an_ending_that_keeps_what_there_was() {
                 *time_s < 0.05 && quantity.contains("energy"),
                 "{time_s} {quantity}"
             );
-            assert!(!partial.courses.is_empty() && partial.courses.len() < 1001);
+            assert!(!partial.time_series.is_empty() && partial.time_series.len() < 1001);
         }
         other => panic!("expected a divergence, got {other:?}"),
     }

@@ -20,7 +20,7 @@ fn scene(law: &str) -> Scene {
 
 fn steady(law: &str) -> (EnergyAudit, f64) {
     let run = run(&scene(law));
-    let torque = run.courses.channel("input_torque_n_m").unwrap();
+    let torque = run.time_series.channel("input_torque_n_m").unwrap();
     let mean = torque[3000..6000].iter().sum::<f64>() / 3000.0;
     (run.energy.audit(0.3, 0.6).unwrap(), mean)
 }

@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use pinwheel_courses::Ending;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, PROMISE};
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
 use pinwheel_gearbox::resolve::{Budget, Uncertainty, Verdict, remedy, run_resolved};
 use pinwheel_scene::{BodyMass, Override, Scene};
+use pinwheel_timeseries::Ending;
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     let sets: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
@@ -37,7 +37,7 @@ fn error(scene: &Scene, integrator: &str, tolerance: f64) -> (f64, Uncertainty) 
     let (run, uncertainty) = resolved(scene);
     let truth = named(scene, integrator, tolerance);
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-    let off = gearbox.distance(&run.courses, &truth.courses);
+    let off = gearbox.distance(&run.time_series, &truth.time_series);
     (off.worst(), uncertainty)
 }
 
@@ -143,8 +143,8 @@ fn regress_results_do_not_depend_on_the_size() {
         );
         let force = mass * length / (time * time);
         let (x, y) = (
-            one.courses.group("external_sleeve_force_n"),
-            other.courses.group("external_sleeve_force_n"),
+            one.time_series.group("external_sleeve_force_n"),
+            other.time_series.group("external_sleeve_force_n"),
         );
         let most = x
             .iter()
@@ -156,7 +156,7 @@ fn regress_results_do_not_depend_on_the_size() {
             }
         }
         for ratio in ["external_contact_ratio", "internal_contact_ratio"] {
-            let (x, y) = (one.courses.group(ratio), other.courses.group(ratio));
+            let (x, y) = (one.time_series.group(ratio), other.time_series.group(ratio));
             assert!(!x.is_empty() && x == y, "{preset}: as many press: {ratio}");
         }
     }
@@ -176,7 +176,7 @@ fn regress_small_forces_are_judged_too() {
             .unwrap()
             .whole()
             .unwrap()
-            .courses
+            .time_series
     };
     let (coarse, fine) = (run(5e-5), run(5e-6));
     let peak = fine.group("external_sleeve_force_n").concat();
@@ -210,7 +210,7 @@ fn bad_input_a_budget_too_small_is_told() {
         panic!("one run fits the budget");
     };
     // The coarsest run had only half of them.
-    assert_eq!(run.courses.time_s(), scene.solver.sample_times_s());
+    assert_eq!(run.time_series.time_s(), scene.solver.sample_times_s());
     let Verdict::NotResolved { reason, .. } = &uncertainty.verdict else {
         panic!("{}", uncertainty.sentence());
     };

@@ -11,7 +11,7 @@ fn columns(scene: &Scene, kernel: Kernel) -> Vec<Vec<f64>> {
         .unwrap()
         .whole()
         .unwrap();
-    let channels = run.courses.channels().iter();
+    let channels = run.time_series.channels().iter();
     channels.map(|channel| channel.values.clone()).collect()
 }
 

@@ -228,7 +228,7 @@ pub extern "C" fn pinwheel_law_step(law: *const PinwheelLaw) -> f64 {
     on(law, |_| f64::NAN, |law| Ok(law.scene().solver.step_s))
 }
 
-/// How many samples the courses hold; as many of their times as there is room for are written.
+/// How many samples the time series hold; as many of their times as there is room for are written.
 ///
 /// # Safety
 /// `times_s`: null where `room` is 0, else the place of `room` numbers.

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use pinwheel_courses::columns;
 use pinwheel_gearbox::{Gearbox, Recorder};
 use pinwheel_scene::{JOB_PROTOCOL, KEYS, keys::Kind, schema};
+use pinwheel_timeseries::columns;
 use serde_json::{Value, json};
 
 use crate::law::{Law, LawError};
 use crate::{JOB_FILE, STATE};
 
-/// The file a solver writes its courses to.
+/// The file a solver writes its time series to.
 pub const COURSES_FILE: &str = "courses.csv";
 /// The same in another format; a solver writes one of the two.
 pub const PARQUET_FILE: &str = "courses.parquet";
@@ -28,7 +28,7 @@ pub enum JobError {
     Io(#[from] std::io::Error),
 }
 
-/// Columns that the courses of a scene must have, in their order, the time first.
+/// Columns that the time series of a scene must have, in their order, the time first.
 #[must_use]
 pub fn required(gearbox: &Gearbox) -> Vec<String> {
     let time = std::iter::once(columns::TIME.to_owned());

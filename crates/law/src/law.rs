@@ -126,7 +126,7 @@ impl Law {
         &self.start
     }
 
-    /// The times at which courses hold a sample, s.
+    /// The times at which time series hold a sample, s.
     #[must_use]
     pub fn samples_s(&self) -> &[f64] {
         &self.samples

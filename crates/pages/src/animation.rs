@@ -1,4 +1,4 @@
-//! The gearbox in motion: the native solver's own courses, pair by pair.
+//! The gearbox in motion: the native solver's own time series, pair by pair.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -79,7 +79,7 @@ pub fn window(
     Ok(Animation::of(
         title,
         &gearbox.scene,
-        &run.courses,
+        &run.time_series,
         (from_s, to_s),
     ))
 }

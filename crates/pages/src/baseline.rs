@@ -1,12 +1,12 @@
 //! A check against a baseline: what moved, before and after, by how much it moved.
 
-use pinwheel_courses::table::{Mark, Shown, Table};
 use pinwheel_report::study::{self, Block, Section, Study, Tile, Tone};
 use pinwheel_report::terminal::{self, QUIET, TITLE, styled};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::baseline::{
     Acceptance, Baseline, CaseCheck, Check, CostCheck, Listed, Made, QuantityCheck, Verdict, limits,
 };
+use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use crate::PageError;
 

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use pinwheel_courses::table::{Mark, Shown, Table};
 use pinwheel_report::terminal::{self, BAD, GOOD, styled};
 use pinwheel_studies::calibration::{COVERAGE, Outcome, Row, SHARPNESS, power};
+use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 /// Coverage and sharpness, a row an engine.
 #[must_use]

@@ -1,10 +1,10 @@
 //! The page and the table of `pinwheel solver check`.
 
-use pinwheel_courses::table::{Mark, Table};
 use pinwheel_report::study::{Section, Study, Tone, Verdict};
 use pinwheel_report::terminal::{self, BAD, GOOD, TITLE, styled};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::conformance::{Outcome, State};
+use pinwheel_timeseries::table::{Mark, Table};
 
 use crate::PageError;
 

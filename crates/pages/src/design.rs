@@ -1,6 +1,5 @@
 //! A design's page and text: what it is like to the shafts, who carries the load, and what the contacts bear.
 
-use pinwheel_courses::table::{Shown, Table};
 use pinwheel_report::colours;
 use pinwheel_report::format::{self, NONE, significant};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Study, Style, Tile};
@@ -9,6 +8,7 @@ use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::design::{DesignFigure, DesignResult, Harmonic, Joint, Sharing};
+use pinwheel_timeseries::table::{Shown, Table};
 
 use crate::PageError;
 

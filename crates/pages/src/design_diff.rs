@@ -3,15 +3,15 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_compare::WindowKind;
-use pinwheel_courses::table::{Mark, Table, TableOf};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_report::animation::markup;
 use pinwheel_report::format::{self, NONE, significant};
-use pinwheel_report::study::{Block, Courses, Section, Study, Tile, Tone, Verdict};
+use pinwheel_report::study::{Block, Section, Study, Tile, TimeSeries, Tone, Verdict};
 use pinwheel_report::terminal::{self, TITLE, paragraph, styled};
 use pinwheel_scene::keys::key;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::design_diff::{DesignDiff, FigureDiff, Judged, KeyDiff};
+use pinwheel_timeseries::table::{Mark, Table, TableOf};
 use serde_json::Value;
 
 use crate::design::{self, HEADLINES, figure, with_uncertainty};
@@ -65,7 +65,7 @@ pub fn text(found: &DesignDiff) -> String {
         text.push_str(&format!("and {keys} from them\n"));
     }
     let derived = found.derived.iter().filter(|r| r.judged != Judged::Same);
-    let means = found.courses.first().map(|(_, rows)| rows.as_slice());
+    let means = found.time_series.first().map(|(_, rows)| rows.as_slice());
     let torque = means
         .unwrap_or_default()
         .iter()
@@ -109,7 +109,7 @@ fn is_headline(row: &FigureDiff) -> bool {
 }
 
 fn verdict(found: &DesignDiff) -> Verdict {
-    let steady = found.courses.first().map(|(_, rows)| rows.as_slice());
+    let steady = found.time_series.first().map(|(_, rows)| rows.as_slice());
     let all = || found.figures.iter().chain(steady.unwrap_or_default());
     let count = |judged: Judged| all().filter(|row| row.judged == judged).count();
     let (same, below) = (count(Judged::Same), count(Judged::BelowUncertainty));
@@ -358,16 +358,16 @@ fn figures(found: &DesignDiff) -> Section {
 }
 
 fn over_time(found: &DesignDiff) -> Option<Section> {
-    let courses = Courses::of(&found.comparison, &found.participants)?;
+    let time_series = TimeSeries::of(&found.comparison, &found.participants)?;
     let of_window = |window: &WindowKind, rows: &[FigureDiff]| {
         let caption = format!("Means and peaks, {} window", window.word());
         table(found, &caption, rows.iter())
     };
     let mut tables = found
-        .courses
+        .time_series
         .iter()
         .map(|(window, rows)| of_window(window, rows));
-    let mut blocks = vec![Block::Courses(courses)];
+    let mut blocks = vec![Block::TimeSeries(time_series)];
     blocks.extend(tables.next());
     let rest: Vec<Block> = tables.collect();
     if !rest.is_empty() {

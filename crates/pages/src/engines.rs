@@ -1,8 +1,8 @@
 //! The engines of a build, as a table.
 
-use pinwheel_courses::table::Table;
 use pinwheel_report::terminal::{self, paragraph};
 use pinwheel_studies::choice::Listed;
+use pinwheel_timeseries::table::Table;
 
 /// The engines by track, and what tracks mean.
 #[must_use]

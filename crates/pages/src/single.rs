@@ -1,10 +1,10 @@
 //! One run on a terminal.
 
-use pinwheel_courses::columns;
 use pinwheel_report::format::{self, NONE};
 use pinwheel_report::terminal::{TITLE, pairs, styled};
 use pinwheel_studies::results::{Figure, Results};
 use pinwheel_studies::single::Outcome;
+use pinwheel_timeseries::columns;
 
 /// A figure, `factor` times, with what it may be off by.
 fn known(figure: &Figure, factor: f64) -> String {
@@ -78,9 +78,9 @@ fn results(found: &Results) -> Vec<(&'static str, String)> {
     rows
 }
 
-/// Results, settings and cost of a run that finished; `courses`: where its samples are.
+/// Results, settings and cost of a run that finished; `time_series`: where its samples are.
 #[must_use]
-pub fn text(found: &Outcome, courses: &str) -> String {
+pub fn text(found: &Outcome, time_series: &str) -> String {
     let stats = &found.run.stats;
     // What one runs it for comes first.
     let mut rows = results(&found.results());
@@ -99,7 +99,7 @@ pub fn text(found: &Outcome, courses: &str) -> String {
             "samples",
             format!(
                 "{}, to {} s",
-                found.run.courses.len(),
+                found.run.time_series.len(),
                 found.scene.solver.duration_s
             ),
         ),
@@ -120,6 +120,6 @@ pub fn text(found: &Outcome, courses: &str) -> String {
         rows.push(("resolution", resolution.sentence()));
     }
     rows.extend(stats.notes.iter().map(|note| ("note", note.clone())));
-    rows.push(("courses", courses.to_owned()));
+    rows.push(("courses", time_series.to_owned()));
     format!("{}\n{}", styled(TITLE, &found.scene.name), pairs(rows))
 }

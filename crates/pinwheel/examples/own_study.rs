@@ -4,17 +4,17 @@
 
 use std::error::Error;
 
-use pinwheel::courses::norms::View;
+use pinwheel::time_series::norms::View;
 use pinwheel::{CheckedScene, StudyError};
 
 /// Mean torques of driver and load over the second half, N m.
 fn torques(scene: &CheckedScene) -> Result<[f64; 2], StudyError> {
     let found = pinwheel::run(scene, "native-reduced")?;
-    let courses = &found.run.courses;
+    let time_series = &found.run.time_series;
     let end = scene.solver.duration_s;
-    let steady = courses.window(0.5 * end, end);
+    let steady = time_series.window(0.5 * end, end);
     let mean = |name: &str| {
-        let values = courses.channel(name).unwrap_or(&[]);
+        let values = time_series.channel(name).unwrap_or(&[]);
         let values = values.get(steady.clone()).unwrap_or(&[]);
         View::new(vec![values]).mean().unwrap_or(f64::NAN)
     };

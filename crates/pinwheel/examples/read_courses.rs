@@ -5,7 +5,7 @@
 use std::error::Error;
 use std::f64::consts::TAU;
 
-use pinwheel::Courses;
+use pinwheel::TimeSeries;
 use pinwheel::compare::quantities::INPUT_TORQUE;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -13,28 +13,28 @@ fn main() -> Result<(), Box<dyn Error>> {
         "paper",
         &["solver.duration_s = 0.24", "drive.start = \"equilibrium\""],
     )?;
-    let file = std::env::temp_dir().join("pinwheel-courses.csv");
+    let file = std::env::temp_dir().join("pinwheel-timeseries.csv");
     pinwheel::run(&scene, "native")?
         .run
-        .courses
+        .time_series
         .save_csv(&file)?;
 
     // Any CSV with a column time_s; names end in their unit, numbered ones make a group.
-    let courses = Courses::load_csv(&file)?;
+    let time_series = TimeSeries::load_csv(&file)?;
     println!(
         "{}: {} samples of {} columns, {} external sleeves",
         file.display(),
-        courses.len(),
-        courses.channels().len(),
-        courses.group("external_sleeve_force_n").len()
+        time_series.len(),
+        time_series.channels().len(),
+        time_series.group("external_sleeve_force_n").len()
     );
 
     // Amplitude at multiples of the input's speed, over the last turn.
     let turn_s = TAU / scene.drive.input_speed_rad_s.abs();
     let end = scene.solver.duration_s;
-    let window = courses.window(end - turn_s, end);
-    let time = &courses.time_s()[window.clone()];
-    let torque = &courses.channel(INPUT_TORQUE).ok_or("no torque")?[window];
+    let window = time_series.window(end - turn_s, end);
+    let time = &time_series.time_s()[window.clone()];
+    let torque = &time_series.channel(INPUT_TORQUE).ok_or("no torque")?[window];
     let mut orders: Vec<(u32, f64)> = (1..=60)
         .map(|order| {
             let sum = time.iter().zip(torque).fold((0.0, 0.0), |sum, (t, value)| {

@@ -3,7 +3,7 @@
 
 use std::error::Error;
 
-use pinwheel::courses::norms::{Statistics, View};
+use pinwheel::time_series::norms::{Statistics, View};
 
 fn main() -> Result<(), Box<dyn Error>> {
     // A preset, or the path of a scene file, with keys set as on the command line.
@@ -12,14 +12,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let loose = paper.changed(|scene| scene.gear.backlash_m = 0.3e-3)?;
     for (name, scene) in [("no backlash", &paper), ("0.3 mm of backlash", &loose)] {
         let found = pinwheel::run(scene, "native")?;
-        let courses = &found.run.courses;
+        let time_series = &found.run.time_series;
         // The second half: the start has died down.
-        let steady = courses.window(0.025, 0.05);
-        let torque = courses.channel("input_torque_n_m").ok_or("no torque")?;
+        let steady = time_series.window(0.025, 0.05);
+        let torque = time_series.channel("input_torque_n_m").ok_or("no torque")?;
         let driver =
             Statistics::of(&View::new(vec![&torque[steady.clone()]])).ok_or("no samples")?;
         // One channel a sleeve: external_sleeve_force_n_1, _2, ...
-        let sleeves = courses.group("external_sleeve_force_n");
+        let sleeves = time_series.group("external_sleeve_force_n");
         let sleeves = View::new(
             sleeves
                 .into_iter()

@@ -2,19 +2,19 @@
 //!
 //! A cycloidal gearbox turns an eccentric input into a slow output: discs with lobes (here *wheels*) roll inside a ring
 //! of rollers (*external sleeves*), and rollers in the discs' holes (*internal sleeves*) carry the load to the output.
-//! A [`Scene`] says which gear, load, contact law and solver; an *engine* turns it into [`Courses`], time series of
+//! A [`Scene`] says which gear, load, contact law and solver; an *engine* turns it into [`TimeSeries`], time series of
 //! forces, torques and angles. All values are SI; names of keys and columns end in their unit.
 //!
 //! # Run a gear
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! use pinwheel::courses::norms::{Statistics, View};
+//! use pinwheel::time_series::norms::{Statistics, View};
 //!
 //! let paper = pinwheel::load("paper", &["solver.duration_s = 0.02"])?;
 //! let loose = paper.changed(|scene| scene.gear.backlash_m = 6e-4)?;
 //! let found = pinwheel::run(&loose, "native")?;
-//! let torque = found.run.courses.channel("input_torque_n_m").ok_or("no such column")?;
+//! let torque = found.run.time_series.channel("input_torque_n_m").ok_or("no such column")?;
 //! let driver = Statistics::of(&View::new(vec![torque])).ok_or("no samples")?;
 //! println!("driver torque {:.3} N m in the mean, {:.3} at most", driver.mean, driver.peak);
 //! # assert!((0.5..3.0).contains(&driver.mean), "{}", driver.mean);
@@ -47,7 +47,7 @@
 //! | keys, presets, checks | [`scene`] |
 //! | contact laws and the profile's geometry | [`contact`] |
 //! | the gearbox as bodies and contacts, statics, energy | [`gearbox`] |
-//! | columns, CSV, foreign data | [`courses`], [`studies::comparison::foreign`] |
+//! | columns, CSV, foreign data | [`time_series`], [`studies::comparison::foreign`] |
 //! | solvers behind one trait, and one of your own | [`engines`] |
 //! | metrics, limits and verdicts | [`mod@compare`] |
 //! | sweeps, baselines, cost of accuracy, stability, the paper's figures | [`studies`] |
@@ -59,7 +59,6 @@
 
 pub use pinwheel_compare as compare;
 pub use pinwheel_contact as contact;
-pub use pinwheel_courses as courses;
 pub use pinwheel_engines as engines;
 pub use pinwheel_fmu as fmu;
 pub use pinwheel_gearbox as gearbox;
@@ -68,11 +67,12 @@ pub use pinwheel_pages as pages;
 pub use pinwheel_report as report;
 pub use pinwheel_scene as scene;
 pub use pinwheel_studies as studies;
+pub use pinwheel_timeseries as time_series;
 
-pub use pinwheel_courses::Courses;
 pub use pinwheel_gearbox::Gearbox;
 pub use pinwheel_scene::{CheckedScene, Scene};
 pub use pinwheel_studies::{Control, Progress, Provenance, StudyError};
+pub use pinwheel_timeseries::TimeSeries;
 
 use pinwheel_scene::Override;
 use pinwheel_studies::{choice, comparison, single};
@@ -90,7 +90,7 @@ pub fn load(name: &str, set: &[&str]) -> Result<CheckedScene, StudyError> {
 ///
 /// A native run is made once more at twice its step: the outcome's
 /// [`resolution`](studies::single::Outcome::resolution) says whether the step resolves the scene. A run that diverges
-/// is an outcome too, with its courses until then.
+/// is an outcome too, with its time series until then.
 ///
 /// # Errors
 /// No such engine, or one that cannot run the scene or broke.

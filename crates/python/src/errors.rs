@@ -1,11 +1,11 @@
 //! Errors as the package's exceptions. Messages name keys as Python writes them, and never the program's options.
 
-use pinwheel::courses::Ending;
 use pinwheel::pages::PageError;
 use pinwheel::scene::{Location, SceneError};
 use pinwheel::studies::StudyError;
 use pinwheel::studies::choice::ChoiceError;
 use pinwheel::studies::sweep::SweepError;
+use pinwheel::time_series::Ending;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -133,7 +133,7 @@ pub(crate) fn study(py: Python<'_>, error: &StudyError) -> PyErr {
 pub(crate) fn sweep(py: Python<'_>, error: &SweepError) -> PyErr {
     match error {
         SweepError::Stopped { .. } => PyKeyboardInterrupt::new_err(error.to_string()),
-        SweepError::Io { .. } | SweepError::Output(_) | SweepError::Courses { .. } => {
+        SweepError::Io { .. } | SweepError::Output(_) | SweepError::TimeSeries { .. } => {
             PyOSError::new_err(error.to_string())
         }
         SweepError::Scene {

@@ -1,9 +1,8 @@
 //! `pinwheel._core`: what the Python package `pinwheel` (folder `python/`) is built on.
 //!
 //! Python holds what users see; here is what must be Rust: scenes are read and checked, engines run with the interpreter's
-//! lock released, studies give their data as JSON and their courses as bytes that numpy takes as they are.
+//! lock released, studies give their data as JSON and their time series as bytes that numpy takes as they are.
 
-mod courses;
 mod errors;
 mod guests;
 mod law;
@@ -12,6 +11,7 @@ mod scene;
 mod studies;
 mod supervise;
 mod sweep;
+mod time_series;
 
 use pyo3::prelude::*;
 
@@ -21,7 +21,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     pinwheel::engines::python::use_this_interpreter();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<scene::Core>()?;
-    module.add_class::<courses::Columns>()?;
+    module.add_class::<time_series::Columns>()?;
     module.add_class::<law::Law>()?;
     module.add_class::<run::Ran>()?;
     module.add_class::<studies::Compared>()?;

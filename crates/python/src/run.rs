@@ -1,17 +1,17 @@
 //! One scene on one engine.
 
-use pinwheel::courses::Ending;
 use pinwheel::engines::Engine;
 use pinwheel::studies::{StudyError, choice, single};
+use pinwheel::time_series::Ending;
 use pyo3::prelude::*;
 
-use crate::courses::Columns;
 use crate::errors;
 use crate::guests::Asked;
 use crate::scene::Core;
 use crate::supervise::supervised;
+use crate::time_series::Columns;
 
-/// A run, its courses apart.
+/// A run, its time series apart.
 #[pyclass(frozen, module = "pinwheel._core")]
 pub(crate) struct Ran {
     #[pyo3(get)]
@@ -42,7 +42,7 @@ impl Ran {
             stats: json(&found.run.stats)?,
             resolution: found.resolution.as_ref().map(json).transpose()?,
             uncertainty: found.run.uncertainty.as_ref().map(json).transpose()?,
-            columns: Py::new(py, Columns(found.run.courses))?,
+            columns: Py::new(py, Columns(found.run.time_series))?,
         })
     }
 }

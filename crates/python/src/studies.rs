@@ -9,11 +9,11 @@ use pinwheel::studies::{Provenance, bench as benches, choice, comparison, explai
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::courses::Columns;
 use crate::errors;
 use crate::guests::{self, Asked};
 use crate::scene::Core;
 use crate::supervise::supervised;
+use crate::time_series::Columns;
 
 /// How pages name what made them.
 pub(crate) fn made() -> Provenance {
@@ -31,10 +31,10 @@ impl Compared {
         serde_json::to_string(&self.0.comparison).map_err(|error| errors::json(&error))
     }
 
-    /// Name and courses of every participant that ran.
-    fn courses(&self, py: Python<'_>) -> PyResult<Vec<(String, Py<Columns>)>> {
+    /// Name and time series of every participant that ran.
+    fn time_series(&self, py: Python<'_>) -> PyResult<Vec<(String, Py<Columns>)>> {
         let each = self.0.participants.iter().map(|participant| {
-            let columns = Columns(participant.courses.clone());
+            let columns = Columns(participant.time_series.clone());
             Ok((participant.name.clone(), Py::new(py, columns)?))
         });
         each.collect()

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use pinwheel::courses::table::Values;
 use pinwheel::pages;
 use pinwheel::scene::Override;
 use pinwheel::studies::folder::{Folder, FolderError, Request};
 use pinwheel::studies::output::write_text;
 use pinwheel::studies::sweep::{
-    self as sweeps, Begin, Guests, Journal, KeepCourses, Plan, PlannedRun, RunRecord,
+    self as sweeps, Begin, Guests, Journal, KeepTimeSeries, Plan, PlannedRun, RunRecord,
 };
+use pinwheel::time_series::table::Values;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 
@@ -162,12 +162,12 @@ impl Sweep {
         ))
     }
 
-    /// Where workers write courses, and how; `None` where none are kept.
-    fn courses(&self) -> Option<(String, &'static str)> {
-        let how = match self.plan.sweep.courses {
-            KeepCourses::None => return None,
-            KeepCourses::Csv => "csv",
-            KeepCourses::Parquet => "parquet",
+    /// Where workers write time series, and how; `None` where none are kept.
+    fn time_series(&self) -> Option<(String, &'static str)> {
+        let how = match self.plan.sweep.time_series {
+            KeepTimeSeries::None => return None,
+            KeepTimeSeries::Csv => "csv",
+            KeepTimeSeries::Parquet => "parquet",
         };
         let journal = lock(&self.journal);
         let place = std::path::absolute(journal.as_ref()?.folder()).ok()?;
@@ -284,21 +284,21 @@ impl Sweep {
 /// A run for a worker: number, engine, complete scene as TOML, window.
 type Task = (usize, String, String, [f64; 2]);
 
-/// Makes runs that another process planned, and gives their records as JSON, without the scenes; `courses`: the folder that
+/// Makes runs that another process planned, and gives their records as JSON, without the scenes; `time_series`: the folder that
 /// they go to, and how.
 #[pyfunction]
 pub(crate) fn perform(
     py: Python<'_>,
     tasks: Vec<Task>,
     engines: Vec<Bound<'_, PyAny>>,
-    courses: Option<(PathBuf, String)>,
+    time_series: Option<(PathBuf, String)>,
 ) -> PyResult<Vec<String>> {
-    let keep = match courses.as_ref().map(|(_, how)| how.as_str()) {
-        None => KeepCourses::None,
-        Some("csv") => KeepCourses::Csv,
-        Some(_) => KeepCourses::Parquet,
+    let keep = match time_series.as_ref().map(|(_, how)| how.as_str()) {
+        None => KeepTimeSeries::None,
+        Some("csv") => KeepTimeSeries::Csv,
+        Some(_) => KeepTimeSeries::Parquet,
     };
-    let place = courses.map(|(folder, _)| folder).unwrap_or_default();
+    let place = time_series.map(|(folder, _)| folder).unwrap_or_default();
     let (_, own) = guests::split(Asked::each(&engines)?);
     let guests = Guests(own);
     let mut last = None;

@@ -1,4 +1,4 @@
-//! Writes a report on invented courses, to look at the page without running an engine:
+//! Writes a report on invented time series, to look at the page without running an engine:
 //! `cargo run -p pinwheel-report --example synthetic -- page.html`.
 //!
 //! Nothing in it was computed by a solver; the shapes only resemble a gearbox's.
@@ -7,29 +7,29 @@ use std::error::Error;
 
 use pinwheel_compare::uncertainty::Source;
 use pinwheel_compare::{Context, Cost, Evidence, Participant, Rules, Status, Track, compare};
-use pinwheel_courses::Courses;
 use pinwheel_report::{Fact, ReportInput, render};
+use pinwheel_timeseries::TimeSeries;
 
 const SAMPLES: u32 = 6001;
 
-/// Invented courses; `error` moves an engine away from the others, `samples` ends it early.
-fn courses(error: f64, seed: f64, samples: u32) -> Result<Courses, Box<dyn Error>> {
+/// Invented time series; `error` moves an engine away from the others, `samples` ends it early.
+fn time_series(error: f64, seed: f64, samples: u32) -> Result<TimeSeries, Box<dyn Error>> {
     let time: Vec<f64> = (0..samples).map(|k| f64::from(k) * 1e-4).collect();
     let of = |f: &dyn Fn(f64) -> f64| time.iter().map(|&t| f(t)).collect::<Vec<f64>>();
     let off = |t: f64, k: f64| {
         1.0 + error * ((523.0 * t + seed + k).sin() + 0.4 * (7000.0 * t + 2.0 * k).sin())
     };
     let start = |t: f64| (-t / 0.05).exp() * (7540.0 * t).sin();
-    let mut courses = Courses::new(time.clone())?;
+    let mut time_series = TimeSeries::new(time.clone())?;
     let driver = |t: f64| {
         (1.4529 + 0.014 * (837.8 * t).sin() + 0.005 * (447.0 * t).cos() + 0.9 * start(t))
             * off(t, 0.0)
     };
-    courses.push("input_torque_n_m", of(&driver))?;
+    time_series.push("input_torque_n_m", of(&driver))?;
     let output =
         |t: f64| -22.0 * (1.0 + 0.4 * start(t)) * (1.0 + 0.002 * error * (500.0 * t).sin());
-    courses.push("output_torque_n_m", of(&output))?;
-    courses.push(
+    time_series.push("output_torque_n_m", of(&output))?;
+    time_series.push(
         "output_angle_rad",
         of(&|t| -52.34 / 15.0 * t * (1.0 + 1e-3 * error)),
     )?;
@@ -44,10 +44,10 @@ fn courses(error: f64, seed: f64, samples: u32) -> Result<Courses, Box<dyn Error
                 let ring = 1.0 + 1.4 * start(t) + 0.03 * (7540.0 * t + phase).sin();
                 (peak * 0.97 * load * ring * off(t, f64::from(k))).max(0.0)
             };
-            courses.push(format!("{group}_{k}"), of(&force))?;
+            time_series.push(format!("{group}_{k}"), of(&force))?;
         }
     }
-    Ok(courses)
+    Ok(time_series)
 }
 
 fn participants() -> Result<Vec<Participant>, Box<dyn Error>> {
@@ -58,7 +58,7 @@ fn participants() -> Result<Vec<Participant>, Box<dyn Error>> {
             version: "0.1.0".to_owned(),
             summary: format!("Invented engine `{name}`"),
             differences: differences.to_owned(),
-            courses: courses(error, wall_s, SAMPLES)?,
+            time_series: time_series(error, wall_s, SAMPLES)?,
             cost: Cost {
                 wall_s,
                 cpu_s: wall_s * 0.98,
@@ -118,7 +118,7 @@ fn participants() -> Result<Vec<Participant>, Box<dyn Error>> {
         .notes
         .push("Stabilisation iterations 0.".to_owned());
     let mut broken = one("mujoco-shared-law", Track::SharedLaw, 0.02, 0.3, "")?;
-    broken.courses = courses(0.02, 1.0, 1200)?;
+    broken.time_series = time_series(0.02, 1.0, 1200)?;
     broken.status = Status::Diverged {
         time_s: 0.12,
         quantity: "wheel 1 angle is 1e12 rad".to_owned(),

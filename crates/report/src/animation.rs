@@ -1,4 +1,4 @@
-//! The gearbox in motion: an engine's courses, packed for the page's script.
+//! The gearbox in motion: an engine's time series, packed for the page's script.
 //!
 //! Angles travel as what parts them from the ideal mesh, forces pair by pair, packed: each to 1 in 16 000 of
 //! its channel's largest value. The script finds points and directions of contact on the same curve as the solver.
@@ -6,8 +6,8 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
-use pinwheel_courses::{Courses, columns};
 use pinwheel_scene::{Gear, Scene};
+use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Serialize;
 
 use crate::ReportError;
@@ -173,18 +173,18 @@ impl Animation {
     pub fn of(
         title: impl Into<String>,
         scene: &Scene,
-        courses: &Courses,
+        time_series: &TimeSeries,
         (from_s, to_s): (f64, f64),
     ) -> Option<Self> {
         let gear = &scene.gear;
-        let range = courses.window(from_s, to_s);
-        let time = courses.time_s().get(range.clone())?;
+        let range = time_series.window(from_s, to_s);
+        let time = time_series.time_s().get(range.clone())?;
         let (&start, &end) = (time.first()?, time.last()?);
         if time.len() < 2 {
             return None;
         }
         let part = |name: &str, scale: f64| -> Option<Vec<f64>> {
-            let values = courses.channel(name)?.get(range.clone())?;
+            let values = time_series.channel(name)?.get(range.clone())?;
             Some(values.iter().map(|v| v * scale).collect())
         };
         let mut columns = vec![
@@ -340,10 +340,11 @@ mod tests {
         scene
     }
 
-    fn courses() -> Courses {
-        let mut courses = Courses::new((0..11).map(|k| f64::from(k) * 1e-3).collect()).unwrap();
+    fn time_series() -> TimeSeries {
+        let mut time_series =
+            TimeSeries::new((0..11).map(|k| f64::from(k) * 1e-3).collect()).unwrap();
         let mut push = |name: &str, value: f64| {
-            courses
+            time_series
                 .push(name, (0..11).map(|k| value + f64::from(k)).collect())
                 .unwrap();
         };
@@ -364,12 +365,12 @@ mod tests {
         for n in 0..2 {
             push(&format!("wheel_0_internal_normal_force_n_{n}"), 5.0);
         }
-        courses
+        time_series
     }
 
     #[test]
     fn a_window_is_packed_channel_by_channel() {
-        let made = Animation::of("a <gear>", &scene(), &courses(), (0.002, 0.006)).unwrap();
+        let made = Animation::of("a <gear>", &scene(), &time_series(), (0.002, 0.006)).unwrap();
         assert_eq!(
             (made.view.count, made.view.channels),
             (5, channels(&scene().gear))
@@ -417,9 +418,9 @@ mod tests {
 
     #[test]
     fn without_the_channels_there_is_none() {
-        let bare = Courses::new(vec![0.0, 1.0]).unwrap();
+        let bare = TimeSeries::new(vec![0.0, 1.0]).unwrap();
         assert!(Animation::of("x", &scene(), &bare, (0.0, 1.0)).is_none());
-        assert!(Animation::of("x", &scene(), &courses(), (0.5, 1.0)).is_none());
+        assert!(Animation::of("x", &scene(), &time_series(), (0.5, 1.0)).is_none());
         assert_eq!(markup(&[], 0.0).unwrap(), "");
     }
 

@@ -1,4 +1,4 @@
-//! The courses as the page carries them: one engine's values and the others' differences to it, [packed](crate::packed).
+//! The time series as the page carries them: one engine's values and the others' differences to it, [packed](crate::packed).
 //!
 //! Differences are taken in 64 bits before they are rounded: of two engines that agree to 1e-9 the page still shows what
 //! parts them. What can be read is kept: values to five digits of the largest, differences to two digits or more of the
@@ -14,7 +14,7 @@ use serde::Serialize;
 use crate::colours;
 use crate::packed::{Rounding, Writer};
 
-/// Base64 characters the courses of one page may take; with the rest it stays below 2 MB.
+/// Base64 characters the time series of one page may take; with the rest it stays below 2 MB.
 const BUDGET: usize = 1_180_000;
 /// Channels of one group that are always worth drawing before the budget is broken.
 const FEW_CHANNELS: usize = 4;
@@ -108,13 +108,13 @@ struct Drawn<'a> {
 }
 
 impl ChartData {
-    /// Chooses engines, channels and samples and packs them; `None` if nobody has courses.
+    /// Chooses engines, channels and samples and packs them; `None` if nobody has time series.
     pub(crate) fn of(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
         let mut notes = Vec::new();
         let drawn = drawn(participants, &mut notes);
         let base = drawn.first()?.participant;
-        let time_s = base.courses.time_s();
-        let quantities = quantities::derive(drawn.iter().map(|d| &d.participant.courses));
+        let time_s = base.time_series.time_s();
+        let quantities = quantities::derive(drawn.iter().map(|d| &d.participant.time_series));
         let (plan, quantities) = fitting(&quantities, &drawn);
         plan.tell(&mut notes);
         let names: Vec<&str> = participants.iter().map(|p| p.name.as_str()).collect();
@@ -169,11 +169,11 @@ fn drawn<'a>(participants: &'a [Participant], notes: &mut Vec<String>) -> Vec<Dr
     let mut list: Vec<(usize, &Participant)> = participants
         .iter()
         .enumerate()
-        .filter(|(_, p)| !p.courses.is_empty())
+        .filter(|(_, p)| !p.time_series.is_empty())
         .collect();
     list.sort_by_key(|(place, p)| {
         let finished = p.status.is_finished();
-        let samples = usize::MAX - p.courses.len();
+        let samples = usize::MAX - p.time_series.len();
         let native = p.track == Track::Native;
         (!finished, samples, !native, *place)
     });
@@ -184,7 +184,7 @@ fn drawn<'a>(participants: &'a [Participant], notes: &mut Vec<String>) -> Vec<Dr
     list[1..].sort_by_key(|(place, _)| *place);
     let mut drawn = Vec::new();
     for (_, participant) in list {
-        match standing(participant.courses.time_s(), base.courses.time_s()) {
+        match standing(participant.time_series.time_s(), base.time_series.time_s()) {
             Some(places) => drawn.push(Drawn {
                 participant,
                 places,
@@ -211,7 +211,7 @@ fn standing(times: &[f64], whole: &[f64]) -> Option<Vec<usize>> {
     times.iter().map(place).collect()
 }
 
-/// How much of the courses is drawn.
+/// How much of the time series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Plan {
     /// Channels of a group at most.
@@ -374,7 +374,7 @@ fn quantity(quantity: &Quantity, drawn: &[Drawn<'_>], plan: Plan) -> ChartQuanti
     // What was measured is always there.
     let measured = |name: &String| {
         let rig = |d: &&Drawn<'_>| d.participant.track == Track::Measured;
-        let has = |d: &Drawn<'_>| d.participant.courses.channel(name).is_some();
+        let has = |d: &Drawn<'_>| d.participant.time_series.channel(name).is_some();
         drawn.iter().filter(rig).any(has)
     };
     let chosen = plan.chosen(quantity.channels.len());
@@ -398,19 +398,19 @@ fn quantity(quantity: &Quantity, drawn: &[Drawn<'_>], plan: Plan) -> ChartQuanti
 fn channel(name: &str, group: &str, drawn: &[Drawn<'_>], plan: Plan) -> Option<ChartChannel> {
     let all = drawn.first()?.places.len();
     let mut order: Vec<usize> = (0..drawn.len())
-        .filter(|&k| drawn[k].participant.courses.channel(name).is_some())
+        .filter(|&k| drawn[k].participant.time_series.channel(name).is_some())
         .collect();
     order.sort_by_key(|&k| all - drawn[k].places.len());
     let first = drawn.get(*order.first()?)?;
     let mut base = vec![f64::NAN; all];
-    let values = first.participant.courses.channel(name)?;
+    let values = first.participant.time_series.channel(name)?;
     for (place, value) in first.places.iter().zip(values) {
         base[*place] = *value;
     }
     // Differences to the first at an engine's own places.
     let having = order.into_iter().filter_map(|k| {
         let d = &drawn[k];
-        let values = d.participant.courses.channel(name)?;
+        let values = d.participant.time_series.channel(name)?;
         let off = |(value, &place): (&f64, &usize)| (place, value - base[place]);
         let differences: Vec<(usize, f64)> = values.iter().zip(&d.places).map(off).collect();
         Some((k, differences))
@@ -553,9 +553,9 @@ mod tests {
     }
 
     fn participant(name: &str, track: Track, time: &[f64], forces: Vec<Vec<f64>>) -> Participant {
-        let mut courses = pinwheel_courses::Courses::new(time.to_vec()).unwrap();
+        let mut time_series = pinwheel_timeseries::TimeSeries::new(time.to_vec()).unwrap();
         for (k, values) in forces.into_iter().enumerate() {
-            courses
+            time_series
                 .push(format!("external_sleeve_force_n_{k}"), values)
                 .unwrap();
         }
@@ -565,24 +565,24 @@ mod tests {
             version: String::new(),
             summary: String::new(),
             differences: String::new(),
-            courses,
+            time_series,
             cost: pinwheel_compare::Cost::default(),
             status: pinwheel_compare::Status::Finished,
         }
     }
 
     #[test]
-    fn courses_can_be_read_back() {
+    fn time_series_can_be_read_back() {
         let mut rig = engine("rig", Track::Measured, 1.02, 1);
-        let mut gapped = rig.courses.clone();
-        let late = pinwheel_courses::Courses::new(gapped.time_s().to_vec()).unwrap();
+        let mut gapped = rig.time_series.clone();
+        let late = pinwheel_timeseries::TimeSeries::new(gapped.time_s().to_vec()).unwrap();
         let whole = std::mem::replace(&mut gapped, late);
         for channel in whole.channels() {
             let mut values = channel.values.clone();
             values[..100].fill(f64::NAN);
             gapped.push(channel.name.clone(), values).unwrap();
         }
-        rig.courses = gapped;
+        rig.time_series = gapped;
         let mut recorded = engine("mujoco-own-contact", Track::OwnContact, 1.01, 10);
         recorded.cost.recorded = Some("recorded".to_owned());
         let participants = [
@@ -615,7 +615,7 @@ mod tests {
         assert_eq!(read.places(), [0usize; 0], "all samples are kept");
         let [base, rig, peer, marks] = [(); 4].map(|()| read.column());
         let name = "external_sleeve_force_n_1";
-        let wanted = participants[2].courses.channel(name).unwrap();
+        let wanted = participants[2].time_series.channel(name).unwrap();
         assert_eq!(
             (base.len(), rig.len(), marks.len(), peer.len()),
             (601, 601, 61, 601)

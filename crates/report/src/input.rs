@@ -1,4 +1,4 @@
-//! What a report is made from: a comparison, the courses behind it, and facts that only the caller
+//! What a report is made from: a comparison, the time series behind it, and facts that only the caller
 //! knows. Every string may hold any characters: all are escaped.
 
 use pinwheel_compare::{Comparison, Participant};
@@ -10,7 +10,7 @@ use crate::animation::Animation;
 pub struct ReportInput<'a> {
     /// The comparison.
     pub comparison: &'a Comparison,
-    /// The same participants the comparison was made from: their courses are drawn.
+    /// The same participants the comparison was made from: their time series are drawn.
     pub participants: &'a [Participant],
     /// The gearbox in motion, if there is one to show, and the time it begins at, s.
     pub animation: Option<(Animation, f64)>,

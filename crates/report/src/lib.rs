@@ -1,13 +1,13 @@
 //! The report: one self-contained HTML page.
 //!
 //! ```text
-//!  Comparison, courses ─> comparison ─┐
+//!  Comparison, time_series ─> comparison ─┐
 //!  any study's findings ─────────────>├─> study (tiles, tables, charts) ─> one HTML file, nothing outside it
 //!  angles, forces      ─> animation ──┘
 //! ```
 //!
 //! [`render`] fills in the page of a comparison, [`study::render`] that of any other study. A page opens without a network, reads without a script (every table
-//! is plain HTML), and draws its courses with an embedded plotting library.
+//! is plain HTML), and draws its time series with an embedded plotting library.
 
 pub mod animation;
 mod assets;

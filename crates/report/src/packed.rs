@@ -1,4 +1,4 @@
-//! Courses in few bytes: rounded to what can be read, predicted, deflated, base64.
+//! Time series in few bytes: rounded to what can be read, predicted, deflated, base64.
 //!
 //! A column is cut into blocks of [`BLOCK`] values. A block's values are whole numbers of a quantum, a power of two: of
 //! curves one for the whole column, of differences one for each block, so that a difference that decays by ten decades

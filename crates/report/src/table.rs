@@ -1,6 +1,6 @@
 //! What people see of a [`Table`]: headings and cells in words, for pages and terminals alike.
 
-use pinwheel_courses::table::{Column, Mark, Shown, Table, Values};
+use pinwheel_timeseries::table::{Column, Mark, Shown, Table, Values};
 
 use crate::format;
 

@@ -1,7 +1,7 @@
 //! Text for terminals: styles, and plain tables that fit their width, aligned by characters and styled after alignment.
 
 use anstyle::{AnsiColor, Style};
-use pinwheel_courses::table::{Column, Mark, Table};
+use pinwheel_timeseries::table::{Column, Mark, Table};
 
 use crate::table;
 

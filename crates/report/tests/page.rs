@@ -4,34 +4,34 @@ use pinwheel_compare::uncertainty::Source;
 use pinwheel_compare::{
     Comparison, Context, Cost, Evidence, Participant, Rules, Status, Track, compare,
 };
-use pinwheel_courses::Courses;
 use pinwheel_report::{Fact, ReportError, ReportInput, render};
+use pinwheel_timeseries::TimeSeries;
 
 /// What a hostile scene would try: to end an element, an attribute, a script.
 const HOSTILE: &str = "x</script><script>alert(1)</script><img src=x onerror=\"a\">'\"--><!--";
 
-fn courses(scale: f64, channels: usize, samples: u32) -> Courses {
+fn time_series(scale: f64, channels: usize, samples: u32) -> TimeSeries {
     let time: Vec<f64> = (0..samples).map(|k| f64::from(k) * 1e-3).collect();
-    let mut courses = Courses::new(time.clone()).unwrap();
+    let mut time_series = TimeSeries::new(time.clone()).unwrap();
     let wave = |k: usize| {
         let of = |t: &f64| scale * (2.0 + (90.0 * t + k as f64).sin());
         time.iter().map(of).collect::<Vec<f64>>()
     };
-    courses.push("input_torque_n_m", wave(0)).unwrap();
-    courses
+    time_series.push("input_torque_n_m", wave(0)).unwrap();
+    time_series
         .push("output_torque_n_m", vec![-22.0; time.len()])
         .unwrap();
     for k in 0..channels {
-        courses
+        time_series
             .push(format!("external_sleeve_force_n_{k}"), wave(k))
             .unwrap();
     }
-    courses
+    time_series
 }
 
-/// Courses that no prediction shortens.
-fn rough(channels: usize, samples: u32) -> Courses {
-    let mut rough = courses(1.0, 0, samples);
+/// Time series that no prediction shortens.
+fn rough(channels: usize, samples: u32) -> TimeSeries {
+    let mut rough = time_series(1.0, 0, samples);
     let mut state = 1u64;
     for k in 0..channels {
         let noise = (0..samples).map(|_| {
@@ -55,7 +55,7 @@ fn participant(name: &str, track: Track, scale: f64) -> Participant {
         version: "1.2.3".to_owned(),
         summary: "A summary.".to_owned(),
         differences: "A difference.".to_owned(),
-        courses: courses(scale, 3, 601),
+        time_series: time_series(scale, 3, 601),
         cost: Cost {
             wall_s: 1.5,
             steps: 60_000,
@@ -147,7 +147,7 @@ fn banner_follows_the_verdict() {
         time_s: 0.25,
         quantity: "wheel angle".to_owned(),
     };
-    broken[1].courses = courses(1.0, 3, 250);
+    broken[1].time_series = time_series(1.0, 3, 250);
     let page = page(&broken);
     assert!(page.contains("1 engine did not finish"));
     assert!(page.contains("diverged at t = 0.250000 s: wheel angle"));
@@ -161,7 +161,7 @@ fn who_is_left_out_breaks_nothing() {
     out.status = Status::Unsupported {
         reason: "give it more time".to_owned(),
     };
-    out.courses = Courses::default();
+    out.time_series = TimeSeries::default();
     let page = page(&[one, other, out]);
     assert!(!page.contains("did not finish") && !page.contains("banner fail"));
     assert!(page.contains("give it more time") && page.contains("Left out: 1"));
@@ -234,7 +234,7 @@ fn nothing_breaks_out() {
         reason: HOSTILE.to_owned(),
     };
     let mut other = participant("other", Track::OwnContact, 1.0);
-    other.courses.push(HOSTILE, vec![1.0; 601]).unwrap();
+    other.time_series.push(HOSTILE, vec![1.0; 601]).unwrap();
     let participants = [participants.to_vec(), vec![lost, other]].concat();
     let mut context = context(HOSTILE);
     context.description = HOSTILE.to_owned();
@@ -252,7 +252,7 @@ fn nothing_breaks_out() {
 fn many_sleeves_stay_below_two_megabytes() {
     let mut participants = two(1.0);
     for participant in &mut participants {
-        participant.courses = rough(200, 6001);
+        participant.time_series = rough(200, 6001);
     }
     let page = page(&participants);
     assert!(page.len() < 2_000_000, "{}", page.len());
@@ -265,7 +265,7 @@ fn nobody_finished() {
     lost.status = Status::Unsupported {
         reason: "no friction".to_owned(),
     };
-    lost.courses = Courses::default();
+    lost.time_series = TimeSeries::default();
     let page = page(&[lost]);
     assert!(page.contains("No engine could run this scene") && page.contains("no friction"));
     assert!(!page.contains("chart-data\">"));

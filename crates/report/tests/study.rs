@@ -1,7 +1,7 @@
 //! A study's page: blocks in order, everything escaped, charts' data beside their hosts.
 
-use pinwheel_courses::table::Table;
 use pinwheel_report::study::*;
+use pinwheel_timeseries::table::Table;
 
 fn sample() -> Study {
     let steps = [1e-4, 3e-5, 1e-5, 3e-6, 1e-6];

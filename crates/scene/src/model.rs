@@ -236,7 +236,7 @@ pub struct Solver {
     pub tolerance: f64,
     /// End time, s.
     pub duration_s: f64,
-    /// Courses hold 0, sample_s, 2 sample_s, ..., duration_s.
+    /// Time series hold 0, sample_s, 2 sample_s, ..., duration_s.
     pub sample_s: f64,
     /// Constraint stabilisation of the Lagrange form.
     pub stabilisation: Stabilisation,
@@ -297,7 +297,7 @@ impl Solver {
     pub fn sample_times_s(&self) -> Vec<f64> {
         let whole = (self.duration_s / self.sample_s * (1.0 + 1e-12)).floor() as usize;
         let mut times: Vec<f64> = (0..=whole).map(|k| k as f64 * self.sample_s).collect();
-        // The end belongs to the courses even when it is no multiple of the sampling step.
+        // The end belongs to the time series even when it is no multiple of the sampling step.
         match times.last_mut() {
             Some(last) if self.duration_s - *last > 1e-9 * self.sample_s => {
                 times.push(self.duration_s)

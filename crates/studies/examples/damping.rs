@@ -17,11 +17,11 @@
 
 use std::error::Error;
 
-use pinwheel_courses::norms::{Distance, Least, Level};
-use pinwheel_courses::{Courses, CoursesError, Ending, columns};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::{self, NativeRun};
 use pinwheel_scene::{CheckedScene, Detection, Scene};
+use pinwheel_timeseries::norms::{Distance, Least, Level};
+use pinwheel_timeseries::{Ending, TimeSeries, TimeSeriesError, columns};
 
 /// What is switched on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,11 +108,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     for damping in DAMPINGS {
         let converged = run(&switched(&scene, damping, Switch::Converged))??;
-        let converged = steady(&converged.courses)?;
+        let converged = steady(&converged.time_series)?;
         for switch in SWITCHES {
             match run(&switched(&scene, damping, switch))? {
                 Ok(found) => {
-                    let found = steady(&found.courses)?;
+                    let found = steady(&found.time_series)?;
                     let error = Distance::between(&found, &converged, Least::default()).forces;
                     println!(
                         "{damping:5} {:48} {error:.1e} {:.1e}",
@@ -180,17 +180,17 @@ fn switched(scene: &Scene, damping: f64, switch: Switch) -> Scene {
 }
 
 /// The second half of the run: what the start leaves is gone or nearly so.
-fn steady(courses: &Courses) -> Result<Courses, CoursesError> {
-    let from = courses.len() / 2;
-    let mut half = Courses::new(courses.time_s()[from..].to_vec())?;
-    for channel in courses.channels() {
+fn steady(time_series: &TimeSeries) -> Result<TimeSeries, TimeSeriesError> {
+    let from = time_series.len() / 2;
+    let mut half = TimeSeries::new(time_series.time_s()[from..].to_vec())?;
+    for channel in time_series.channels() {
         half.push(channel.name.clone(), channel.values[from..].to_vec())?;
     }
     Ok(half)
 }
 
-fn roughness(courses: &Courses) -> f64 {
-    let torque = courses.channel(columns::INPUT_TORQUE).unwrap_or(&[]);
+fn roughness(time_series: &TimeSeries) -> f64 {
+    let torque = time_series.channel(columns::INPUT_TORQUE).unwrap_or(&[]);
     let n = torque.len().max(2) as f64;
     let mean = torque.iter().sum::<f64>() / n;
     let change: f64 = torque
@@ -215,7 +215,7 @@ fn limit(
     switch: Switch,
     step: f64,
 ) -> Result<(f64, Option<String>), Box<dyn Error>> {
-    let base = Level::of(&run(&switched(scene, 8.0, Switch::Converged))??.courses);
+    let base = Level::of(&run(&switched(scene, 8.0, Switch::Converged))??.time_series);
     let fails = |damping: f64| -> Result<Option<String>, Box<dyn Error>> {
         let mut scene = switched(scene, damping, switch);
         "rk2".clone_into(&mut scene.solver.integrator);
@@ -223,7 +223,7 @@ fn limit(
         Ok(match run(&scene)? {
             Err(error) => Some(error.to_string()),
             Ok(run) => {
-                let ratio = Level::of(&run.courses).peak_force_n / base.peak_force_n;
+                let ratio = Level::of(&run.time_series).peak_force_n / base.peak_force_n;
                 (!(ratio < 2.0)).then(|| format!("forces {ratio:.1} times as high"))
             }
         })

@@ -10,12 +10,12 @@ use std::time::{Duration, Instant};
 use pinwheel_compare::quantities::derive;
 use pinwheel_compare::uncertainty::order::{CONTACTS, ORDER_MARGIN};
 use pinwheel_contact::laws::LAWS;
-use pinwheel_courses::norms::{View, relative_l2};
-use pinwheel_courses::{Courses, columns};
 use pinwheel_engines::external::Solver;
 use pinwheel_engines::{Cancelled, Ending, Engine, Knob, Native, Run, Track};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{CheckedScene, Override, Scene};
+use pinwheel_timeseries::norms::{View, relative_l2};
+use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Serialize;
 
 use crate::control::{Control, Progress};
@@ -297,22 +297,24 @@ impl Trials<'_> {
         Control::silent(self.control.cancel)
     }
 
-    fn native(&self, engine: Native, scene: &CheckedScene) -> Result<Courses, Miss> {
+    fn native(&self, engine: Native, scene: &CheckedScene) -> Result<TimeSeries, Miss> {
         match engine.run(scene, &self.quiet())?.whole() {
-            Ok(run) => Ok(run.courses),
+            Ok(run) => Ok(run.time_series),
             Err(ending) => skipped(format!("{} {ending}", engine.name())),
         }
     }
 
     fn runs(&self) -> Seen {
         let run = self.run(&self.scene)?;
-        let rows = run.courses.len();
+        let rows = run.time_series.len();
         Ok(format!("{rows} rows, {:.2} s CPU", run.stats.cpu_s))
     }
 
     fn zero_pose(&self) -> Seen {
-        let courses = self.run(&self.scene)?.courses;
-        let angle = courses.channel(columns::OUTPUT_ANGLE).unwrap_or_default();
+        let time_series = self.run(&self.scene)?.time_series;
+        let angle = time_series
+            .channel(columns::OUTPUT_ANGLE)
+            .unwrap_or_default();
         let first = angle.first().copied().unwrap_or(f64::NAN);
         if !(first.abs() < 1e-12) {
             return failed(format!("output_angle_rad is {first:e} at t = 0, not 0"));
@@ -324,7 +326,7 @@ impl Trials<'_> {
         let mut worst = (0.0, "");
         for channel in native.channels() {
             let (Some(own), Some(&wanted)) =
-                (courses.channel(&channel.name), channel.values.first())
+                (time_series.channel(&channel.name), channel.values.first())
             else {
                 continue;
             };
@@ -346,16 +348,18 @@ impl Trials<'_> {
     /// At rest under load, the balances of power and torque say what must come.
     fn signs(&self) -> Seen {
         let scene = self.changed(|scene| scene.drive.start = pinwheel_scene::Start::Equilibrium)?;
-        let courses = self.run(&scene)?.courses;
-        let half = courses.len() / 2;
+        let time_series = self.run(&scene)?.time_series;
+        let half = time_series.len() / 2;
         let mean = |name: &str| {
-            let values = &courses.channel(name).unwrap_or_default()[half..];
+            let values = &time_series.channel(name).unwrap_or_default()[half..];
             values.iter().sum::<f64>() / values.len().max(1) as f64
         };
         let load = scene.drive.output_torque_n_m;
         let (driver, output) = (mean(columns::INPUT_TORQUE), mean(columns::OUTPUT_TORQUE));
         let ideal = load / scene.gear.lobes() as f64;
-        let angle = courses.channel(columns::OUTPUT_ANGLE).unwrap_or_default();
+        let angle = time_series
+            .channel(columns::OUTPUT_ANGLE)
+            .unwrap_or_default();
         let turned = angle.last().copied().unwrap_or(f64::NAN);
         let wanted =
             -scene.drive.input_speed_rad_s * scene.solver.duration_s / scene.gear.lobes() as f64;
@@ -382,19 +386,19 @@ impl Trials<'_> {
         let run = self.run(&scene)?;
         Ok(format!(
             "{} rows, the last at {} s",
-            run.courses.len(),
+            run.time_series.len(),
             scene.solver.duration_s
         ))
     }
 
     fn determinism(&self) -> Seen {
         let (one, two) = (self.run(&self.scene)?, self.run(&self.scene)?);
-        if one.courses == two.courses {
+        if one.time_series == two.time_series {
             return Ok("equal".to_owned());
         }
         failed(format!(
             "they differ by {:.1e}",
-            distance(&one.courses, &two.courses)
+            distance(&one.time_series, &two.time_series)
         ))
     }
 
@@ -418,7 +422,7 @@ impl Trials<'_> {
             })?;
             runs.push(self.run(&scene)?);
         }
-        let apart = |k: usize| distance(&runs[k].courses, &runs[k + 1].courses);
+        let apart = |k: usize| distance(&runs[k].time_series, &runs[k + 1].time_series);
         let found = [apart(0), apart(1)];
         Ok((runs, found, factor))
     }
@@ -459,7 +463,7 @@ impl Trials<'_> {
         let Some(finest) = runs.last() else {
             return skipped("it has no finest run");
         };
-        let off = distance(&finest.courses, &truth);
+        let off = distance(&finest.time_series, &truth);
         // What one refinement still moves bounds what is left, but for an order seen wrong.
         let allowed = 3.0 * fine + 1e-6;
         let told = format!(
@@ -482,7 +486,7 @@ impl Trials<'_> {
             );
         }
         let (least, of) = match steps {
-            0 => (run.courses.len() as u64, "samples"),
+            0 => (run.time_series.len() as u64, "samples"),
             _ => (steps, "steps"),
         };
         let told = format!("{calls} calls, {least} {of}");
@@ -639,7 +643,7 @@ fn compile(scene: &CheckedScene) -> Result<Gearbox, StudyError> {
 }
 
 /// Relative L2 of every quantity but the output's angle, the largest of them.
-fn distance(a: &Courses, b: &Courses) -> f64 {
+fn distance(a: &TimeSeries, b: &TimeSeries) -> f64 {
     let quantities = derive([a, b]);
     let counted = quantities
         .iter()

@@ -146,7 +146,7 @@ pub(crate) fn run_compiled(
     native::run(gearbox, watch).map_err(|error| match error {
         NativeError::Stopped => StudyError::Cancelled,
         NativeError::Model(source) => of_scene(&gearbox.scene, source),
-        NativeError::Courses(source) => StudyError::Courses(source),
+        NativeError::TimeSeries(source) => StudyError::TimeSeries(source),
         NativeError::Ended(ending) => StudyError::Reference {
             scene: gearbox.scene.name.clone(),
             reason: ending.to_string(),

@@ -99,7 +99,7 @@ pub struct DesignDiff {
     /// The figures of `design`.
     pub figures: Vec<FigureDiff>,
     /// Means and peaks of the time series, by window.
-    pub courses: Vec<(WindowKind, Vec<FigureDiff>)>,
+    pub time_series: Vec<(WindowKind, Vec<FigureDiff>)>,
     /// The time series and their uncertainties.
     pub comparison: Comparison,
     /// The runs behind it.
@@ -115,7 +115,8 @@ struct DiffSummary<'a> {
     changed: &'a [KeyDiff],
     derived: &'a [FigureDiff],
     figures: &'a [FigureDiff],
-    courses: BTreeMap<&'static str, &'a [FigureDiff]>,
+    #[serde(rename = "courses")]
+    time_series: BTreeMap<&'static str, &'a [FigureDiff]>,
     scenes: [&'a CheckedScene; 2],
 }
 
@@ -179,7 +180,7 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
         changed: changed(scenes)?,
         derived: derived(scenes, [&designs[0].dimensions, &designs[1].dimensions]),
         figures: figures(&designs),
-        courses: courses(&alone),
+        time_series: time_series(&alone),
         names,
         designs,
         comparison,
@@ -304,7 +305,7 @@ fn figures(designs: &[design::DesignResult; 2]) -> Vec<FigureDiff> {
 }
 
 /// Mean and peak of every quantity, window by window.
-fn courses(alone: &[Comparison; 2]) -> Vec<(WindowKind, Vec<FigureDiff>)> {
+fn time_series(alone: &[Comparison; 2]) -> Vec<(WindowKind, Vec<FigureDiff>)> {
     let windows = alone[0].windows.iter().map(|window| window.kind);
     windows
         .map(|window| (window, statistics(alone, window)))
@@ -421,11 +422,11 @@ impl DesignDiff {
             design.write(&place, made)?;
             let file = place.join("courses.csv");
             participant
-                .courses
+                .time_series
                 .save_csv(&file)
                 .map_err(|error| OutputError::new(&file, &error))?;
         }
-        let courses = self.courses.iter();
+        let time_series = self.time_series.iter();
         let found = DiffSummary {
             designs: &self.names,
             engine: &self.engine,
@@ -433,7 +434,7 @@ impl DesignDiff {
             changed: &self.changed,
             derived: &self.derived,
             figures: &self.figures,
-            courses: courses
+            time_series: time_series
                 .map(|(window, rows)| (window.word(), rows.as_slice()))
                 .collect(),
             scenes: [&self.designs[0].scene, &self.designs[1].scene],

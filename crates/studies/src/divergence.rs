@@ -1,20 +1,20 @@
 //! How long two runs stay together that differ by one rounding.
 //!
 //! The moment of inertia of the wheels is moved to the next representable number. Where the
-//! difference of the sleeve forces then grows to a visible share, courses can no longer be compared
+//! difference of the sleeve forces then grows to a visible share, time series can no longer be compared
 //! point by point; beyond that horizon only statistics can.
 //!
 //! Both runs take the same fixed steps: a step control turns a rounding into another sequence of steps,
 //! and then measures its own tolerance.
 
-use pinwheel_courses::{Courses, columns};
 use pinwheel_gearbox::{Frequencies, Gearbox};
 use pinwheel_scene::{Fault, FrictionLaw, Scene};
+use pinwheel_timeseries::{TimeSeries, columns};
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 use crate::control::{of_scene, run_compiled};
-use pinwheel_courses::norms::Level;
+use pinwheel_timeseries::norms::Level;
 
 /// Share of the largest force that counts as visible.
 pub const VISIBLE: f64 = 1e-3;
@@ -49,14 +49,14 @@ impl Horizon {
         }
         match self.horizon_s {
             Some(t) => format!(
-                "A change in the last digit becomes visible after {t:.4} s: later, courses are compared by their statistics only."
+                "A change in the last digit becomes visible after {t:.4} s: later, time series are compared by their statistics only."
             ),
             None if self.largest_share == 0.0 => format!(
-                "A change in the last digit changes no force within {} s: courses are compared point by point.",
+                "A change in the last digit changes no force within {} s: time series are compared point by point.",
                 self.duration_s
             ),
             None => format!(
-                "A change in the last digit never grows beyond {:.1e} of the largest force within {} s: courses are compared point by point.",
+                "A change in the last digit never grows beyond {:.1e} of the largest force within {} s: time series are compared point by point.",
                 self.largest_share, self.duration_s
             ),
         }
@@ -118,7 +118,7 @@ pub fn horizon(
             found.refused = Some(format!("the run ends {failure}"));
             return Ok(found);
         }
-        both.push(run.courses);
+        both.push(run.time_series);
     }
     let size = Level::of(&both[0]).peak_force_n;
     if size < still.least_force_n() {
@@ -136,7 +136,7 @@ pub fn horizon(
     Ok(found)
 }
 
-fn shares(a: &Courses, b: &Courses, size: f64) -> Vec<f64> {
+fn shares(a: &TimeSeries, b: &TimeSeries, size: f64) -> Vec<f64> {
     let mut share = vec![0.0_f64; a.len().min(b.len())];
     for prefix in [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE] {
         for (x, y) in a.group(prefix).iter().zip(b.group(prefix)) {

@@ -28,8 +28,8 @@ pub enum StudyError {
     /// The run that checks another could not be made.
     #[error("the run cannot be repeated at twice its step: {0}")]
     Unrepeated(Box<StudyError>),
-    /// Courses that do not go together.
-    #[error("the courses cannot be compared: {0}")]
+    /// Time series that do not go together.
+    #[error("the time series cannot be compared: {0}")]
     Compare(#[from] pinwheel_compare::CompareError),
     /// A file of the results that cannot be written.
     #[error(transparent)]
@@ -55,7 +55,7 @@ pub enum StudyError {
     },
     /// Recording failed.
     #[error(transparent)]
-    Courses(#[from] pinwheel_courses::CoursesError),
+    TimeSeries(#[from] pinwheel_timeseries::TimeSeriesError),
 }
 
 impl From<Cancelled> for StudyError {

@@ -1,11 +1,11 @@
-//! Courses of engines that need Python or a compiler, kept for builds and machines without them.
+//! Time series of engines that need Python or a compiler, kept for builds and machines without them.
 
 use std::path::Path;
 
-use pinwheel_courses::Ending;
 use pinwheel_engines::recorded::{RECORDED_SCENES, Recording, may_be_missing, worth_keeping};
 use pinwheel_engines::{Engine, registry};
 use pinwheel_scene::{CheckedScene, Scene};
+use pinwheel_timeseries::Ending;
 
 use crate::StudyError;
 use crate::choice;
@@ -48,7 +48,7 @@ pub enum Recorded {
     Kept {
         /// Samples.
         samples: usize,
-        /// Bytes of description and courses.
+        /// Bytes of description and time series.
         bytes: usize,
     },
     /// Not worth keeping, or the engine cannot run the scene; why.
@@ -57,7 +57,7 @@ pub enum Recorded {
     Broken(String),
 }
 
-/// Runs `engine` on `scene` and keeps the courses, thinned and rounded, in `out/SCENE/ENGINE.toml` and `.csv`.
+/// Runs `engine` on `scene` and keeps the time series, thinned and rounded, in `out/SCENE/ENGINE.toml` and `.csv`.
 ///
 /// # Errors
 /// Cancelled, or a file that cannot be written.
@@ -96,11 +96,11 @@ pub fn record(
     let (description, csv) = recording
         .write()
         .map_err(|error| OutputError::new(&path, &error))?;
-    // The courses first: without a description they are not a recording.
+    // The time series first: without a description they are not a recording.
     replace(&path.with_extension("csv"), csv.as_bytes())?;
     replace(&path.with_extension("toml"), description.as_bytes())?;
     Ok(Recorded::Kept {
-        samples: recording.courses.len(),
+        samples: recording.time_series.len(),
         bytes: csv.len() + description.len(),
     })
 }

@@ -8,9 +8,9 @@
 //!
 //! A run by `auto` or by `native-resolved` brings its own verification ([`pinwheel_gearbox::resolve`]); this is for named methods.
 
-use pinwheel_courses::Courses;
 use pinwheel_gearbox::{Distance, Gearbox};
 use pinwheel_mbs::integrators::method;
+use pinwheel_timeseries::TimeSeries;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
@@ -71,7 +71,7 @@ impl Resolution {
     }
 }
 
-/// Repeats the native run of `gearbox` that gave `courses` in `evaluations` of the forces, seeing every other sample; `watch`
+/// Repeats the native run of `gearbox` that gave `time_series` in `evaluations` of the forces, seeing every other sample; `watch`
 /// receives the simulated time and returns true to stop; the error is told of the time from `from_s` on. For named methods: a run
 /// by `auto` brings its own verification.
 ///
@@ -79,7 +79,7 @@ impl Resolution {
 /// Cancelled, or a scene that cannot be modelled.
 pub fn check(
     gearbox: &Gearbox,
-    (courses, evaluations): (&Courses, u64),
+    (time_series, evaluations): (&TimeSeries, u64),
     from_s: f64,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Resolution, StudyError> {
@@ -94,8 +94,8 @@ pub fn check(
     if coarser.ending.is_finished() {
         return Ok(Resolution {
             other,
-            moved: Some(gearbox.distance(&coarser.courses, courses)),
-            error: error(gearbox, (&coarser.courses, courses), from_s),
+            moved: Some(gearbox.distance(&coarser.time_series, time_series)),
+            error: error(gearbox, (&coarser.time_series, time_series), from_s),
             most: MOST,
             failure: None,
             cost,
@@ -104,9 +104,9 @@ pub fn check(
     let (finer, other, cost) = again(2.0)?;
     let (moved, error) = if finer.ending.is_finished() {
         (
-            Some(gearbox.distance(courses, &finer.courses)),
+            Some(gearbox.distance(time_series, &finer.time_series)),
             // Twice what the finer run has left.
-            error(gearbox, (courses, &finer.courses), from_s).map(|e| e.times(2.0)),
+            error(gearbox, (time_series, &finer.time_series), from_s).map(|e| e.times(2.0)),
         )
     } else {
         (None, None)
@@ -125,13 +125,13 @@ pub fn check(
 /// 1998, ch. 5]. Tolerances are a factor of ten apart, which bounds it all the more.
 fn error(
     gearbox: &Gearbox,
-    (coarser, finer): (&Courses, &Courses),
+    (coarser, finer): (&TimeSeries, &TimeSeries),
     from_s: f64,
 ) -> Option<Distance> {
     const SAFETY: f64 = 1.25;
-    let [coarser, finer] = [coarser, finer].map(|courses| {
-        let rows: Vec<usize> = courses.window(from_s, f64::INFINITY).collect();
-        courses.select(&rows)
+    let [coarser, finer] = [coarser, finer].map(|time_series| {
+        let rows: Vec<usize> = time_series.window(from_s, f64::INFINITY).collect();
+        time_series.select(&rows)
     });
     // Of two samples and less nothing is learnt.
     let enough = coarser.len().min(finer.len()) > 2;

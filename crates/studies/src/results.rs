@@ -1,11 +1,11 @@
 //! What one runs a scene for: driver's torque, peaks of the forces and efficiency after the start-up, each with how far it may be
 //! off where that is known.
 
-use pinwheel_courses::norms::{Statistics, View};
-use pinwheel_courses::{Courses, columns};
 use pinwheel_engines::Run;
 use pinwheel_gearbox::{Distance, Efficiency};
 use pinwheel_scene::CheckedScene;
+use pinwheel_timeseries::norms::{Statistics, View};
+use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Serialize;
 
 /// A figure of a run.
@@ -80,7 +80,7 @@ impl Results {
             });
         };
         let torque = shares.map(|d| d.driver_torque);
-        if let Some(found) = statistics(&run.courses, columns::INPUT_TORQUE, from_s) {
+        if let Some(found) = statistics(&run.time_series, columns::INPUT_TORQUE, from_s) {
             let quantity = columns::INPUT_TORQUE;
             push(&format!("mean_{quantity}"), found.mean, found.rms, torque);
             push(&format!("min_{quantity}"), found.min, found.rms, torque);
@@ -88,7 +88,7 @@ impl Results {
         }
         let forces = shares.map(|d| d.forces);
         for group in [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE] {
-            if let Some(found) = statistics(&run.courses, group, from_s) {
+            if let Some(found) = statistics(&run.time_series, group, from_s) {
                 push(&format!("peak_{group}"), found.peak, found.peak, forces);
                 push(&format!("mean_{group}"), found.mean, found.rms, forces);
             }
@@ -118,11 +118,11 @@ impl Results {
 }
 
 /// Over all channels of a quantity, from `from_s` on.
-fn statistics(courses: &Courses, group: &str, from_s: f64) -> Option<Statistics> {
-    let window = courses.window(from_s, f64::INFINITY);
-    let mut channels = courses.group(group);
+fn statistics(time_series: &TimeSeries, group: &str, from_s: f64) -> Option<Statistics> {
+    let window = time_series.window(from_s, f64::INFINITY);
+    let mut channels = time_series.group(group);
     if channels.is_empty() {
-        channels = courses.channel(group).into_iter().collect();
+        channels = time_series.channel(group).into_iter().collect();
     }
     let inside = channels
         .into_iter()

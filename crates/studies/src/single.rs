@@ -1,13 +1,13 @@
-//! One scene on one engine: `run.json` and the courses; what was run, how it ended, what it cost, on which machine.
+//! One scene on one engine: `run.json` and the time series; what was run, how it ended, what it cost, on which machine.
 
 use std::path::Path;
 use std::time::Duration;
 
-use pinwheel_courses::{Courses, Ending};
 use pinwheel_engines::{Engine, Form, Halt, Run, RunStats, Track};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::resolve::{self, Uncertainty};
 use pinwheel_scene::{Assumption, CheckedScene, Formulation, Scene, assumptions};
+use pinwheel_timeseries::{Ending, TimeSeries};
 use serde::Serialize;
 
 use crate::StudyError;
@@ -17,7 +17,7 @@ use crate::provenance::{Machine, Provenance};
 use crate::resolution::{self, Resolution};
 use crate::results::{self, Known, Results};
 
-/// Everything about one run but its courses.
+/// Everything about one run but its time series.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct RunRecord<'a> {
     pub(crate) engine: &'a str,
@@ -29,7 +29,8 @@ pub(crate) struct RunRecord<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     diverged_quantity: Option<&'a str>,
     /// File with the samples, beside this one.
-    courses: &'static str,
+    #[serde(rename = "courses")]
+    time_series: &'static str,
     samples: usize,
     #[serde(flatten)]
     pub(crate) stats: &'a RunStats,
@@ -67,7 +68,7 @@ pub fn remedy(gearbox: &Gearbox, track: Track) -> String {
     }
 }
 
-/// File of the courses of a run that ended so.
+/// File of the time series of a run that ended so.
 #[must_use]
 pub fn file(ending: &Ending) -> &'static str {
     if ending.is_finished() {
@@ -103,7 +104,7 @@ pub struct Outcome {
     pub track: Track,
     /// The scene as run.
     pub scene: CheckedScene,
-    /// Courses, cost and ending; of a run that diverged, until then.
+    /// Time series, cost and ending; of a run that diverged, until then.
     pub run: Run,
     /// What the same run at twice the step shows, where that was looked at.
     pub resolution: Option<Resolution>,
@@ -165,7 +166,7 @@ fn check(
     let from_s = results::from_s(run, &gearbox.scene);
     match resolution::check(
         &formed,
-        (&run.courses, run.stats.rhs_calls),
+        (&run.time_series, run.stats.rhs_calls),
         from_s,
         &mut |t| at.reached(t),
     ) {
@@ -229,7 +230,7 @@ impl Outcome {
                 made,
             )
         };
-        record.write(dir, &self.run.courses)
+        record.write(dir, &self.run.time_series)
     }
 }
 
@@ -253,7 +254,7 @@ impl<'a> RunRecord<'a> {
             status: ending.word(),
             diverged_at_s,
             diverged_quantity,
-            courses: file(ending),
+            time_series: file(ending),
             samples: 0,
             stats,
             resolution: None,
@@ -266,11 +267,11 @@ impl<'a> RunRecord<'a> {
         }
     }
 
-    /// Writes it beside the courses into the folder `dir`.
-    pub(crate) fn write(mut self, dir: &Path, courses: &Courses) -> Result<(), OutputError> {
-        self.samples = courses.len();
-        let path = dir.join(self.courses);
-        courses
+    /// Writes it beside the time series into the folder `dir`.
+    pub(crate) fn write(mut self, dir: &Path, time_series: &TimeSeries) -> Result<(), OutputError> {
+        self.samples = time_series.len();
+        let path = dir.join(self.time_series);
+        time_series
             .save_csv(&path)
             .map_err(|error| OutputError::new(&path, &error))?;
         write_json(&dir.join("run.json"), &self)

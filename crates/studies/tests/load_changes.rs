@@ -1,11 +1,11 @@
 //! A load that changes during the run: methods keep their order and tolerance over it, and the energy account closes.
 
-use pinwheel_courses::Courses;
 use pinwheel_faults::{Armed, Fault};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::{self, NativeRun};
 use pinwheel_scene::load_course;
 use pinwheel_scene::{Override, Scene};
+use pinwheel_timeseries::TimeSeries;
 
 /// A jump between two steps, a ramp, a jump on a step and a sample; loads under which the teeth stay in contact, as every
 /// stroke after a flight multiplies the error of its time.
@@ -35,7 +35,7 @@ fn run(settings: &[(&str, &str)]) -> NativeRun {
 }
 
 /// Relative L2 distance of all sleeve forces.
-fn off(found: &Courses, reference: &Courses) -> f64 {
+fn off(found: &TimeSeries, reference: &TimeSeries) -> f64 {
     let (mut difference, mut size) = (0.0, 0.0);
     for kind in ["external_sleeve_force_n", "internal_sleeve_force_n"] {
         for (a, b) in found.group(kind).iter().zip(reference.group(kind)) {
@@ -48,12 +48,12 @@ fn off(found: &Courses, reference: &Courses) -> f64 {
     (difference / size).sqrt()
 }
 
-fn converged(settings: &[(&str, &str)]) -> Courses {
+fn converged(settings: &[(&str, &str)]) -> TimeSeries {
     let exact = [
         ("solver.integrator", "dopri5"),
         ("solver.tolerance", "1e-11"),
     ];
-    run(&[settings, &exact].concat()).courses
+    run(&[settings, &exact].concat()).time_series
 }
 
 fn error(integrator: &str, step: &str, tolerance: &str, formulation: &str) -> (f64, u64) {
@@ -65,7 +65,7 @@ fn error(integrator: &str, step: &str, tolerance: &str, formulation: &str) -> (f
     ];
     let found = run(&settings);
     (
-        off(&found.courses, &converged(&[])),
+        off(&found.time_series, &converged(&[])),
         found.counts.evaluations,
     )
 }
@@ -138,8 +138,8 @@ fn samples_do_not_move_the_run() {
     let at = |sample: &str| run(&[("solver.sample_s", sample)]);
     let (coarse, fine) = (at("1e-3"), at("1e-4"));
     assert_eq!(coarse.counts.steps, fine.counts.steps);
-    assert_eq!((coarse.courses.len(), fine.courses.len()), (9, 81));
-    let (a, b) = (coarse.courses.channels(), fine.courses.channels());
+    assert_eq!((coarse.time_series.len(), fine.time_series.len()), (9, 81));
+    let (a, b) = (coarse.time_series.channels(), fine.time_series.channels());
     for (a, b) in a.iter().zip(b) {
         let picked: Vec<f64> = b.values.iter().copied().step_by(10).collect();
         assert_eq!(a.values, picked, "{}", a.name);

@@ -2,12 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pinwheel_courses::norms::{Distance, Least};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::design::ForceHarmonic;
 use pinwheel_studies::stability::{Atlas, Failure, Options};
 use pinwheel_studies::{Control, Progress, StudyError, divergence, resolution};
+use pinwheel_timeseries::norms::{Distance, Least};
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     let sets: Vec<Override> = sets.iter().map(|s| s.parse().unwrap()).collect();
@@ -101,7 +101,7 @@ fn hard_unresolved_runs_are_told() {
             .unwrap();
         resolution::check(
             &gearbox,
-            (&run.courses, run.counts.evaluations),
+            (&run.time_series, run.counts.evaluations),
             0.0,
             &mut |_| false,
         )
@@ -197,7 +197,10 @@ fn joints_drift_unless_they_are_kept() {
         joint[0] > 1e-10 && joint[1] < joint[0] && joint[2] < 1e-15,
         "{joint:?}"
     );
-    assert!(Distance::between(&kept[2].courses, &reduced.courses, Least::default()).forces < 1e-9);
+    assert!(
+        Distance::between(&kept[2].time_series, &reduced.time_series, Least::default()).forces
+            < 1e-9
+    );
 }
 
 /// What `design` says of a modified profile: an equidistant modification dq leaves the wheel of a rigid gear 2 dq/(e zs) of play

@@ -3,13 +3,13 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pinwheel_courses::table::Column;
-use pinwheel_courses::{Courses, Ending};
 use pinwheel_studies::sweep::{
     Journal, Plan, RunRecord, Shard, Sweep, SweepError, execute, execute_some, gather, results,
     tolerances,
 };
 use pinwheel_studies::{Control, Progress};
+use pinwheel_timeseries::table::Column;
+use pinwheel_timeseries::{Ending, TimeSeries};
 
 const SWEEP: &str = "\
 scene = \"paper\"
@@ -66,7 +66,7 @@ fn the_same_numbers_whatever_the_threads() {
         let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
         assert_eq!(read("1.parquet"), read("3.parquet"));
         let file = std::fs::File::open(folder.path().join("1.parquet")).unwrap();
-        let table = pinwheel_courses::read_table(file).unwrap();
+        let table = pinwheel_timeseries::read_table(file).unwrap();
         let header: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
         assert_eq!(header.join(","), one.lines().next().unwrap());
     }
@@ -80,7 +80,7 @@ fn the_same_numbers_whatever_the_threads() {
 
 /// The figures are those of the run itself.
 #[test]
-fn figures_are_the_courses() {
+fn figures_are_the_time_series() {
     let text = format!("courses = \"csv\"\nwindow_s = [0.001, 0.003]\n{SWEEP}");
     let (plan, folder) = (plan(&text), tempfile::tempdir().unwrap());
     let journal = Journal::open(folder.path(), None, "a test").unwrap();
@@ -91,20 +91,21 @@ fn figures_are_the_courses() {
     let out = tempfile::tempdir().unwrap();
     for (k, record) in records.iter().enumerate() {
         journal
-            .copy(record, plan.sweep.courses, k + 1, out.path())
+            .copy(record, plan.sweep.time_series, k + 1, out.path())
             .unwrap();
-        let courses = Courses::load_csv(&out.path().join(format!("run-{:04}.csv", k + 1))).unwrap();
-        let window = courses.window(0.001, 0.003);
+        let time_series =
+            TimeSeries::load_csv(&out.path().join(format!("run-{:04}.csv", k + 1))).unwrap();
+        let window = time_series.window(0.001, 0.003);
         assert_eq!(window.len(), 21);
-        let forces = courses.group("external_sleeve_force_n");
+        let forces = time_series.group("external_sleeve_force_n");
         let peak = forces
             .iter()
             .flat_map(|f| &f[window.clone()])
             .fold(0.0, |a: f64, b| a.max(*b));
         assert_eq!(peaks[k], peak);
-        let torque = &courses.channel("input_torque_n_m").unwrap()[window];
+        let torque = &time_series.channel("input_torque_n_m").unwrap()[window];
         assert!((means[k] - torque.iter().sum::<f64>() / 21.0).abs() < 1e-14);
-        assert!(courses.channel("efficiency").is_some());
+        assert!(time_series.channel("efficiency").is_some());
     }
 }
 

@@ -1,4 +1,4 @@
-//! `pinwheel record`: courses of the Python engines, kept for builds and machines without them.
+//! `pinwheel record`: time series of the Python engines, kept for builds and machines without them.
 
 use pinwheel::studies::recording::{self, Recorded};
 

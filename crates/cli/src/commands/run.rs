@@ -21,17 +21,17 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
         single::run(&gearbox, engine.as_ref(), !args.unchecked, control)
     })?;
     found.write(folder.path(), &Provenance::here(args::typed()))?;
-    let courses = folder.publish()?.join(single::file(&found.run.ending));
-    let courses = courses.display();
+    let time_series = folder.publish()?.join(single::file(&found.run.ending));
+    let time_series = time_series.display();
 
     if let Some(diverged) = found.diverged() {
         let remedy = single::remedy(&gearbox, found.track);
         screen::complain(&format!(
-            "{diverged}; what there is until then is in {courses}; {remedy}"
+            "{diverged}; what there is until then is in {time_series}; {remedy}"
         ));
         return Ok(ENGINE);
     }
-    screen::show(&pages::single::text(&found, &courses.to_string()))?;
+    screen::show(&pages::single::text(&found, &time_series.to_string()))?;
     if let Some(unresolved) = found.unresolved(&gearbox) {
         screen::complain(&unresolved);
         return Ok(INCONCLUSIVE);

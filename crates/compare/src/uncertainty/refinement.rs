@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
 use super::order::{self, Basis, Estimate, Method, SAFETY_UNCONFIRMED, Step, Unresolved};
 use super::{QuantityUncertainty, Uncertainty};
 use crate::grid;
 use crate::quantities::Quantity;
 use crate::windows::WindowKind;
-use pinwheel_courses::norms::{Statistics, View, peak, rms};
+use pinwheel_timeseries::norms::{Statistics, View, peak, rms};
 
 /// The coarser runs beside a participant's own, which is the finest.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +28,7 @@ pub struct Level {
     /// Its step or tolerance over the finest run's, above 1.
     pub refinement: f64,
     /// Its time series at the finest run's sample times; or why there are none.
-    pub run: Result<Courses, String>,
+    pub run: Result<TimeSeries, String>,
     /// Its wall time, s.
     pub wall_s: f64,
 }
@@ -81,7 +81,7 @@ impl RefinementStudy {
     ///
     /// # Errors
     /// A level that failed, has other sample times, or is not coarser than the finest.
-    pub fn check(&self, finest: &Courses) -> Result<(), Unresolved> {
+    pub fn check(&self, finest: &TimeSeries) -> Result<(), Unresolved> {
         if self.coarser.is_empty() {
             return Err(Unresolved::new(
                 "one run alone shows nothing of its error",
@@ -110,7 +110,7 @@ impl RefinementStudy {
                         self.remedy(level.refinement),
                     ));
                 }
-                Ok(courses) if !grid::same(finest, courses) => {
+                Ok(time_series) if !grid::same(finest, time_series) => {
                     return Err(Unresolved::new(
                         format!(
                             "its run at {} times the setting has other sample times",
@@ -129,7 +129,7 @@ impl RefinementStudy {
     /// [`RefinementStudy::check`] must have passed.
     pub(crate) fn assess(
         &self,
-        finest: &Courses,
+        finest: &TimeSeries,
         quantity: &Quantity,
         window: WindowKind,
         samples: Range<usize>,
@@ -242,7 +242,7 @@ impl RefinementStudy {
     #[must_use]
     pub(crate) fn extrapolated(
         &self,
-        finest: &Courses,
+        finest: &TimeSeries,
         quantity: &Quantity,
         samples: Range<usize>,
         l2: &Uncertainty,
@@ -286,16 +286,16 @@ impl RefinementStudy {
     /// Refinement and view of every run, the finest first.
     fn views<'a>(
         &'a self,
-        finest: &'a Courses,
+        finest: &'a TimeSeries,
         quantity: &Quantity,
         samples: Range<usize>,
     ) -> Option<Vec<(f64, View<'a>)>> {
         let mut views = vec![(1.0, View::of(finest, &quantity.channels, samples.clone())?)];
         for level in self.levels() {
-            let courses = level.run.as_ref().ok()?;
+            let time_series = level.run.as_ref().ok()?;
             views.push((
                 level.refinement,
-                View::of(courses, &quantity.channels, samples.clone())?,
+                View::of(time_series, &quantity.channels, samples.clone())?,
             ));
         }
         Some(views)

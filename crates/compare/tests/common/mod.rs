@@ -1,18 +1,18 @@
-//! Small gearbox-like courses for the tests of this crate; each test file uses a part.
+//! Small gearbox-like time series for the tests of this crate; each test file uses a part.
 #![allow(dead_code)]
 
 use pinwheel_compare::{Context, Cost, Participant, Scales, Status, Track};
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
-/// A participant with these courses at a step of 1e-5 s.
-pub(crate) fn participant(name: &str, track: Track, courses: Courses) -> Participant {
+/// A participant with these time series at a step of 1e-5 s.
+pub(crate) fn participant(name: &str, track: Track, time_series: TimeSeries) -> Participant {
     Participant {
         name: name.to_owned(),
         track,
         version: "1.0".to_owned(),
         summary: String::new(),
         differences: String::new(),
-        courses,
+        time_series,
         cost: Cost {
             step_s: 1e-5,
             ..Cost::default()
@@ -22,28 +22,30 @@ pub(crate) fn participant(name: &str, track: Track, courses: Courses) -> Partici
 }
 
 /// 0.6 s in steps of 1e-3 s; every sleeve force and the driver torque are `scale` times as large.
-pub(crate) fn courses(scale: f64) -> Courses {
+pub(crate) fn time_series(scale: f64) -> TimeSeries {
     let time: Vec<f64> = (0..=600).map(|k| f64::from(k) * 1e-3).collect();
-    let mut courses = Courses::new(time.clone()).unwrap();
+    let mut time_series = TimeSeries::new(time.clone()).unwrap();
     let ripple = |t: f64, k: f64| scale * (60.0 + 40.0 * (140.0 * t + k).sin());
     let of = |f: &dyn Fn(f64) -> f64| time.iter().map(|&t| f(t)).collect::<Vec<_>>();
-    courses
+    time_series
         .push(
             "input_torque_n_m",
             of(&|t| scale * (1.45 + 0.02 * (838.0 * t).sin())),
         )
         .unwrap();
-    courses.push("output_torque_n_m", of(&|_| -22.0)).unwrap();
-    courses
+    time_series
+        .push("output_torque_n_m", of(&|_| -22.0))
+        .unwrap();
+    time_series
         .push("output_angle_rad", of(&|t| -52.34 / 15.0 * t))
         .unwrap();
     for k in 0..3 {
         let force = of(&|t| ripple(t, f64::from(k)));
-        courses
+        time_series
             .push(format!("external_sleeve_force_n_{k}"), force)
             .unwrap();
     }
-    courses
+    time_series
 }
 
 /// The paper's load and speed.

@@ -1,22 +1,22 @@
 //! Whose reason, window and value it is that judges.
 
-use crate::common::{context, courses, participant};
+use crate::common::{context, participant, time_series};
 use crate::refinement::levels;
 use crate::{FORCE, entry, native, other};
 use pinwheel_compare::{
     Context, Divergence, Evidence, Metric, Rules, Scales, StatedLimit, Track, Verdict, WindowKind,
     compare,
 };
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
 fn unknown(name: &str) -> Evidence {
     Evidence::unknown(name, "nobody knows", "ask")
 }
 
 /// The forces with one value replaced.
-fn spoiled(value: f64) -> Courses {
-    let base = courses(1.0);
-    let mut found = Courses::new(base.time_s().to_vec()).unwrap();
+fn spoiled(value: f64) -> TimeSeries {
+    let base = time_series(1.0);
+    let mut found = TimeSeries::new(base.time_s().to_vec()).unwrap();
     for channel in base.channels() {
         let mut values = channel.values.clone();
         if channel.name.starts_with(FORCE) {
@@ -95,8 +95,8 @@ fn regress_stated_limits_hold_in_their_window() {
 #[test]
 fn regress_an_unknown_mean_is_not_held_against_the_load() {
     let at = |scale: f64| {
-        let base = courses(1.0);
-        let mut turned = Courses::new(base.time_s().to_vec()).unwrap();
+        let base = time_series(1.0);
+        let mut turned = TimeSeries::new(base.time_s().to_vec()).unwrap();
         for channel in base.channels() {
             let output = channel.name == "output_torque_n_m";
             let factor = if output { scale } else { 1.0 };
@@ -149,7 +149,7 @@ fn regress_beyond_the_horizon_figures_are_judged() {
     // What a model states of means is judged on both sides of the horizon, what it states of samples before it alone; in the
     // place of what is not stated stands a distance without a statement.
     let first = |scene: &Context, name: &str, quantity: &str| {
-        let own = participant(name, Track::OwnContact, courses(1.0));
+        let own = participant(name, Track::OwnContact, time_series(1.0));
         let evidence = [unknown("native"), unknown(name)];
         let rules = Rules {
             evidence: &evidence,
@@ -207,7 +207,8 @@ fn hard_what_is_not_finite_is_inconclusive() {
 /// Two engines that show nothing but zeros, and so do their coarser runs, agree: there is nothing to be uncertain of.
 #[test]
 fn zeros_agree() {
-    let evidence = ["native", "other"].map(|name| levels(name, [courses(0.0), courses(0.0)]));
+    let evidence =
+        ["native", "other"].map(|name| levels(name, [time_series(0.0), time_series(0.0)]));
     let rules = Rules {
         evidence: &evidence,
         ..Rules::default()
@@ -217,7 +218,7 @@ fn zeros_agree() {
         ..context()
     };
     let pair = [
-        participant("native", Track::Native, courses(0.0)),
+        participant("native", Track::Native, time_series(0.0)),
         other(Track::SharedLaw, 0.0),
     ];
     let found = compare(&free, &pair, &rules).unwrap();

@@ -6,18 +6,18 @@ mod judged;
 mod refinement;
 mod verdicts;
 
-use common::{courses, participant};
+use common::{participant, time_series};
 use pinwheel_compare::comparison::{Comparison, PairEntry};
 use pinwheel_compare::{Participant, Track, WindowKind};
 
 const FORCE: &str = "external_sleeve_force_n";
 
 fn native() -> Participant {
-    participant("native", Track::Native, courses(1.0))
+    participant("native", Track::Native, time_series(1.0))
 }
 
 fn other(track: Track, scale: f64) -> Participant {
-    participant("other", track, courses(scale))
+    participant("other", track, time_series(scale))
 }
 
 fn entry(found: &Comparison, window: WindowKind) -> &PairEntry {

@@ -1,16 +1,16 @@
 //! What the runs of a study say of the finest.
 
-use crate::common::{context, courses, participant};
+use crate::common::{context, participant, time_series};
 use crate::{entry, native, other};
 use pinwheel_compare::comparison::Comparison;
 use pinwheel_compare::uncertainty::{Basis, Method, order};
 use pinwheel_compare::{
     Context, Divergence, Evidence, Level, RefinementStudy, Rules, Track, WindowKind, compare,
 };
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
-/// An engine that ran `own` beside one whose courses are exact.
-fn beside_exact(evidence: &[Evidence], own: Courses) -> Comparison {
+/// An engine that ran `own` beside one whose time series are exact.
+fn beside_exact(evidence: &[Evidence], own: TimeSeries) -> Comparison {
     let rules = Rules {
         evidence,
         ..Rules::default()
@@ -24,10 +24,10 @@ fn beside_exact(evidence: &[Evidence], own: Courses) -> Comparison {
 
 /// The extrapolated verdict's distance and u of runs whose error is A h^2 + B h^3, with A = 1e-3, beside an exact engine.
 fn extrapolated(b: f64, floor: f64) -> (f64, f64) {
-    let at = |h: f64| courses(1.0 + 1e-3 * h * h + b * h * h * h);
+    let at = |h: f64| time_series(1.0 + 1e-3 * h * h + b * h * h * h);
     let evidence = [
         levels("native", [at(2.0), at(4.0)]).with_floor(floor),
-        levels("other", [courses(1.0), courses(1.0)]),
+        levels("other", [time_series(1.0), time_series(1.0)]),
     ];
     let found = beside_exact(&evidence, at(1.0));
     let sharp = entry(&found, WindowKind::Steady).extrapolated.as_ref();
@@ -49,18 +49,18 @@ fn extrapolation_leaves_the_next_term() {
 }
 
 /// A run with these values as its only course.
-fn torque(values: &dyn Fn(usize) -> f64) -> Courses {
-    let time = courses(1.0).time_s().to_vec();
+fn torque(values: &dyn Fn(usize) -> f64) -> TimeSeries {
+    let time = time_series(1.0).time_s().to_vec();
     let values = (0..time.len()).map(values).collect();
-    let mut found = Courses::new(time).unwrap();
+    let mut found = TimeSeries::new(time).unwrap();
     found.push("input_torque_n_m", values).unwrap();
     found
 }
 
 /// The evidence of a method of order 2 without kinks.
-pub(crate) fn levels(name: &str, coarser: [Courses; 2]) -> Evidence {
+pub(crate) fn levels(name: &str, coarser: [TimeSeries; 2]) -> Evidence {
     let [two, three] = coarser;
-    let level = |refinement: f64, run: Courses| Level {
+    let level = |refinement: f64, run: TimeSeries| Level {
         refinement,
         run: Ok(run),
         wall_s: 1.0,
@@ -239,8 +239,8 @@ fn a_figure_confirms_by_its_own_sign() {
 fn nothing_is_extrapolated_without_one_leading_term() {
     let is_sharp = |shown: f64, limit: Option<f64>| {
         let method = Method::Step { order: 2.0, limit };
-        let at = |h: f64| courses(1.0 + 1e-3 * h.powf(shown));
-        let study = |run: &dyn Fn(f64) -> Courses| RefinementStudy {
+        let at = |h: f64| time_series(1.0 + 1e-3 * h.powf(shown));
+        let study = |run: &dyn Fn(f64) -> TimeSeries| RefinementStudy {
             method,
             finest: 1e-5,
             coarser: [2.0, 4.0]
@@ -253,7 +253,7 @@ fn nothing_is_extrapolated_without_one_leading_term() {
         };
         let evidence = [
             Evidence::refinement("native", study(&at)),
-            Evidence::refinement("other", study(&|_| courses(1.0))),
+            Evidence::refinement("other", study(&|_| time_series(1.0))),
         ];
         let found = beside_exact(&evidence, at(1.0));
         entry(&found, WindowKind::Steady).extrapolated.is_some()
@@ -285,10 +285,10 @@ fn orders_of_tolerances_and_of_no_differences() {
 /// A level with one sample more is not on the grid.
 #[test]
 fn a_level_with_more_samples_is_refused() {
-    let base = courses(1.0);
+    let base = time_series(1.0);
     let mut times = base.time_s().to_vec();
     times.push(0.601);
-    let mut longer = Courses::new(times).unwrap();
+    let mut longer = TimeSeries::new(times).unwrap();
     for channel in base.channels() {
         let mut values = channel.values.clone();
         values.push(0.0);
@@ -296,7 +296,7 @@ fn a_level_with_more_samples_is_refused() {
     }
     let evidence = [
         levels("native", [longer.clone(), longer]),
-        levels("other", [courses(1.0), courses(1.0)]),
+        levels("other", [time_series(1.0), time_series(1.0)]),
     ];
     let rules = Rules {
         evidence: &evidence,

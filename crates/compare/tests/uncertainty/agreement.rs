@@ -1,19 +1,19 @@
 //! What agreement and difference mean where numerical uncertainty is all there is.
 
-use crate::common::{Random, courses, participant};
+use crate::common::{Random, participant, time_series};
 use crate::{FORCE, anywhere, compared, engine, entry, native, off};
 use pinwheel_compare::uncertainty::{Basis, Method, Source};
 use pinwheel_compare::{
     Context, Evidence, Level, Metric, RefinementStudy, Rules, Scales, Track, Verdict, compare,
 };
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
 #[test]
 fn one_law_agrees_to_the_sum_of_both_uncertainties() {
     let peer = engine(
         "peer",
         Track::SharedLaw,
-        &courses(1.0),
+        &time_series(1.0),
         1e-5,
         4.0,
         &[2.0, 4.0],
@@ -51,7 +51,7 @@ fn crossval_a_fault_of_a_thousandth_is_a_finding() {
     let fault = engine(
         "peer",
         Track::SharedLaw,
-        &courses(1.001),
+        &time_series(1.001),
         1e-5,
         2.0,
         &[2.0, 4.0],
@@ -66,7 +66,7 @@ fn crossval_a_fault_of_a_thousandth_is_a_finding() {
     let blunt = engine(
         "peer",
         Track::SharedLaw,
-        &courses(1.001),
+        &time_series(1.001),
         6e-3,
         2.0,
         &[2.0, 4.0],
@@ -83,7 +83,7 @@ fn regress_adaptive_runs_agree_to_their_tolerance() {
     let adaptive = |name: &str, errors: [f64; 3]| {
         let level = |refinement: f64, error: f64| Level {
             refinement,
-            run: Ok(off(&courses(1.0), error)),
+            run: Ok(off(&time_series(1.0), error)),
             wall_s: 1.0,
         };
         let study = RefinementStudy {
@@ -91,7 +91,7 @@ fn regress_adaptive_runs_agree_to_their_tolerance() {
             finest: 1e-6,
             coarser: vec![level(100.0, errors[2]), level(10.0, errors[1])],
         };
-        let course = off(&courses(1.0), errors[0]);
+        let course = off(&time_series(1.0), errors[0]);
         (
             participant(name, Track::Native, course),
             Evidence::refinement(name, study),
@@ -120,15 +120,15 @@ fn regress_coarse_runs_far_apart_are_never_within() {
     // Runs that bounce where none should: each level another waveform, none near another.
     let wild = |seed: u64| {
         let mut random = Random::new(seed);
-        let base = courses(1.0);
-        let mut courses = Courses::new(base.time_s().to_vec()).unwrap();
+        let base = time_series(1.0);
+        let mut time_series = TimeSeries::new(base.time_s().to_vec()).unwrap();
         for channel in base.channels() {
             let values = channel.values.iter().map(|v| v * random.between(-1.0, 3.0));
-            courses
+            time_series
                 .push(channel.name.clone(), values.collect())
                 .unwrap();
         }
-        courses
+        time_series
     };
     for levels in [1, 2, 3] {
         let coarse = |name: &str, seed: u64| {
@@ -187,7 +187,7 @@ fn regress_a_fault_under_friction_is_seen() {
     let fault = engine(
         "native-lagrange",
         Track::Native,
-        &courses(1.05),
+        &time_series(1.05),
         1e-4,
         1.0,
         &[2.0, 4.0],
@@ -204,7 +204,7 @@ fn rounding_alone_agrees() {
     let (b, ladder_b) = engine(
         "native-b",
         Track::Native,
-        &courses(1.0 + 1e-14),
+        &time_series(1.0 + 1e-14),
         0.0,
         2.0,
         &[2.0],
@@ -212,10 +212,10 @@ fn rounding_alone_agrees() {
     // Levels that differ by rounding in no order at all.
     if let Source::Refinement(study) = &mut ladder_a.source {
         for (k, level) in study.coarser.iter_mut().enumerate() {
-            level.run = Ok(courses(1.0 + 3e-15 * (2.0 - k as f64)));
+            level.run = Ok(time_series(1.0 + 3e-15 * (2.0 - k as f64)));
         }
     }
-    a.courses = courses(1.0);
+    a.time_series = time_series(1.0);
     let found = compared(&anywhere(), vec![(a, ladder_a), (b, ladder_b)]);
     let result = &entry(&found, FORCE).result;
     assert_eq!(result.verdict, Verdict::Agree);
@@ -229,9 +229,9 @@ fn rounding_alone_agrees() {
 #[test]
 fn similar_gears_have_the_same_verdicts() {
     // Lengths and forces a thousandth: torques a millionth.
-    let small = |courses: &Courses, grow: f64| {
-        let mut scaled = Courses::new(courses.time_s().to_vec()).unwrap();
-        for channel in courses.channels() {
+    let small = |time_series: &TimeSeries, grow: f64| {
+        let mut scaled = TimeSeries::new(time_series.time_s().to_vec()).unwrap();
+        for channel in time_series.channels() {
             let factor = match &channel.name {
                 name if name.ends_with("_n_m") => grow * grow,
                 name if name.contains("_force_n") => grow,
@@ -252,17 +252,20 @@ fn similar_gears_have_the_same_verdicts() {
             engine(
                 "peer",
                 Track::SharedLaw,
-                &courses(peer_scale),
+                &time_series(peer_scale),
                 1e-4,
                 2.0,
                 &[2.0, 4.0],
             ),
         ];
         for (participant, evidence) in &mut list {
-            participant.courses = small(&participant.courses, grow);
+            participant.time_series = small(&participant.time_series, grow);
             if let Source::Refinement(study) = &mut evidence.source {
                 for level in &mut study.coarser {
-                    level.run = level.run.clone().map(|courses| small(&courses, grow));
+                    level.run = level
+                        .run
+                        .clone()
+                        .map(|time_series| small(&time_series, grow));
                 }
             }
         }

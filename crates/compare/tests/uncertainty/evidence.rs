@@ -1,16 +1,16 @@
 //! Who must show what.
 
-use crate::common::courses;
+use crate::common::time_series;
 use crate::{FORCE, anywhere, engine, entry, native};
 use pinwheel_compare::uncertainty::{Method, Source, Unresolved};
 use pinwheel_compare::{
     Assessment, CompareError, Evidence, Level, RefinementStudy, Rules, Track, Verdict, compare,
 };
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
 #[test]
 fn a_participant_without_evidence_is_named() {
-    let (bare, _) = engine("peer", Track::SharedLaw, &courses(1.0), 1e-5, 2.0, &[]);
+    let (bare, _) = engine("peer", Track::SharedLaw, &time_series(1.0), 1e-5, 2.0, &[]);
     let (own, study) = native(1e-5);
     let found = |peer: Option<Source>| {
         let mut evidence = vec![study.clone()];
@@ -40,7 +40,7 @@ fn a_participant_without_evidence_is_named() {
         remedy: "run it live".to_owned(),
     });
     assert!(named(&found(Some(unknown)).0, "recording says nothing"));
-    let ladder_of = |run: Result<Courses, String>, refinement: f64| {
+    let ladder_of = |run: Result<TimeSeries, String>, refinement: f64| {
         Source::Refinement(RefinementStudy {
             method: Method::Tolerance { smooth: true },
             finest: 1e-6,
@@ -55,16 +55,16 @@ fn a_participant_without_evidence_is_named() {
     assert!(named(&found(Some(failed)).0, "diverged at t = 0.01 s"));
     let few: Vec<usize> = (0..600).collect();
     assert!(named(
-        &found(Some(ladder_of(Ok(courses(1.0).select(&few)), 10.0))).0,
+        &found(Some(ladder_of(Ok(time_series(1.0).select(&few)), 10.0))).0,
         "sample times"
     ));
     assert!(named(
-        &found(Some(ladder_of(Ok(courses(1.0)), 1.0))).0,
+        &found(Some(ladder_of(Ok(time_series(1.0)), 1.0))).0,
         "refinement 1"
     ));
     assert!(named(
         &found(Some(ladder_of(
-            Ok(Courses::new(courses(1.0).time_s().to_vec()).unwrap()),
+            Ok(TimeSeries::new(time_series(1.0).time_s().to_vec()).unwrap()),
             2.0
         )))
         .0,
@@ -77,7 +77,7 @@ fn a_participant_without_evidence_is_named() {
         engine(
             "peer",
             Track::SharedLaw,
-            &courses(1.0),
+            &time_series(1.0),
             1e-5,
             2.0,
             &[2.0, 4.0],

@@ -1,10 +1,10 @@
 //! Runs whose studies do not settle: chaos, floors of iterations, bounces that coarser runs miss.
 
-use crate::common::courses;
+use crate::common::time_series;
 use crate::{FORCE, anywhere, compared, engine, entry, native, off};
 use pinwheel_compare::uncertainty::{Basis, Source};
 use pinwheel_compare::{Context, Divergence, Track, Verdict};
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
 /// A scene that amplifies roundings decides by itself how sharp its figures are: inconclusive, and nothing to act on.
 #[test]
@@ -21,7 +21,7 @@ fn hard_chaos_leaves_nothing_to_act_on() {
         engine(
             "native-lagrange",
             Track::Native,
-            &courses(1.0),
+            &time_series(1.0),
             0.3,
             2.0,
             &[2.0, 4.0],
@@ -48,7 +48,7 @@ fn hard_chaos_leaves_nothing_to_act_on() {
 #[test]
 fn regress_iterations_leave_a_floor() {
     let offset = |floor: f64| {
-        let base = off(&courses(1.0), 1e-9);
+        let base = off(&time_series(1.0), 1e-9);
         let steps = [2.0, 4.0];
         let (peer, evidence) = engine("implicit", Track::Native, &base, 1e-12, 2.0, &steps);
         compared(
@@ -63,28 +63,28 @@ fn regress_iterations_leave_a_floor() {
 /// A bounce that one run of the study has and another has not. Two levels that both miss it cannot know.
 #[test]
 fn hard_a_bounce_that_coarser_runs_miss() {
-    let bounce = |base: Courses| {
-        let mut courses = Courses::new(base.time_s().to_vec()).unwrap();
+    let bounce = |base: TimeSeries| {
+        let mut time_series = TimeSeries::new(base.time_s().to_vec()).unwrap();
         for channel in base.channels() {
             let mut values = channel.values.clone();
             if channel.name.starts_with(FORCE) {
                 values[450] = 0.0;
                 values[451] = 300.0;
             }
-            courses.push(channel.name.clone(), values).unwrap();
+            time_series.push(channel.name.clone(), values).unwrap();
         }
-        courses
+        time_series
     };
     let exact = engine(
         "exact",
         Track::Native,
-        &bounce(courses(1.0)),
+        &bounce(time_series(1.0)),
         1e-6,
         2.0,
         &[2.0, 4.0],
     );
     let (mut seeing, mut study) = native(1e-6);
-    seeing.courses = bounce(seeing.courses);
+    seeing.time_series = bounce(seeing.time_series);
     let found = compared(
         &anywhere(),
         vec![exact.clone(), (seeing.clone(), study.clone())],

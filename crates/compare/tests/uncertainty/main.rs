@@ -8,13 +8,13 @@ mod inconclusive;
 mod models;
 mod series;
 
-use common::{context, courses, participant};
+use common::{context, participant, time_series};
 use pinwheel_compare::comparison::{Comparison, PairEntry};
 use pinwheel_compare::uncertainty::Method;
 use pinwheel_compare::{
     Context, Evidence, Level, Participant, RefinementStudy, Rules, Track, WindowKind, compare,
 };
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
 const FORCE: &str = "external_sleeve_force_n";
 
@@ -26,8 +26,8 @@ fn anywhere() -> Context {
 }
 
 /// `base` with an error of relative size `error` in every channel: a wave of its own, the same for every level.
-fn off(base: &Courses, error: f64) -> Courses {
-    let mut courses = Courses::new(base.time_s().to_vec()).unwrap();
+fn off(base: &TimeSeries, error: f64) -> TimeSeries {
+    let mut time_series = TimeSeries::new(base.time_s().to_vec()).unwrap();
     for (k, channel) in base.channels().iter().enumerate() {
         let shape = |t: f64| 1.0 + error * (1.0 + (35.0 * t + k as f64).sin());
         let values = channel
@@ -35,18 +35,18 @@ fn off(base: &Courses, error: f64) -> Courses {
             .iter()
             .zip(base.time_s())
             .map(|(v, &t)| v * shape(t));
-        courses
+        time_series
             .push(channel.name.clone(), values.collect())
             .unwrap();
     }
-    courses
+    time_series
 }
 
 /// An engine whose error at H times its step is `error * H^order`, and its study at the refinements.
 fn engine(
     name: &str,
     on: Track,
-    base: &Courses,
+    base: &TimeSeries,
     error: f64,
     order: f64,
     refinements: &[f64],
@@ -86,7 +86,7 @@ fn native(error: f64) -> (Participant, Evidence) {
     engine(
         "native",
         Track::Native,
-        &courses(1.0),
+        &time_series(1.0),
         error,
         2.0,
         &[2.0, 4.0],

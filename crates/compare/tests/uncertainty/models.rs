@@ -1,6 +1,6 @@
 //! Other contact models and measurements: intervals against a prediction, budgets, stated limits.
 
-use crate::common::{context, courses, participant};
+use crate::common::{context, participant, time_series};
 use crate::{FORCE, TORQUE, anywhere, compared, engine, entry, native};
 use pinwheel_compare::comparison::Comparison;
 use pinwheel_compare::model::TOLERANCES;
@@ -8,7 +8,7 @@ use pinwheel_compare::{
     Context, DataUncertainty, Energy, Metric, Rules, StatedLimit, Track, Verdict, WindowKind,
     compare,
 };
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
 fn account(remainder_share: f64) -> Energy {
     Energy {
@@ -31,7 +31,7 @@ fn own_contact_is_an_interval_against_a_prediction() {
         let mut own = engine(
             "mujoco-own-contact",
             Track::OwnContact,
-            &courses(torque),
+            &time_series(torque),
             error,
             2.0,
             &[2.0, 4.0],
@@ -80,8 +80,8 @@ fn own_contact_is_an_interval_against_a_prediction() {
 #[test]
 fn the_matrix_shows_the_figure_that_was_judged() {
     // Wave forms 41 % apart, which nobody judges of colliders; their means are, and agree.
-    let base = courses(1.0);
-    let mut waves = Courses::new(base.time_s().to_vec()).unwrap();
+    let base = time_series(1.0);
+    let mut waves = TimeSeries::new(base.time_s().to_vec()).unwrap();
     for channel in base.channels() {
         let flipped = |v: &f64| {
             if channel.name.starts_with(FORCE) {
@@ -118,7 +118,7 @@ fn the_matrix_shows_the_figure_that_was_judged() {
     let far = engine(
         "rapier-own-contact-colliders",
         Track::OwnContact,
-        &courses(1.3),
+        &time_series(1.3),
         1e-5,
         2.0,
         &[2.0, 4.0],
@@ -135,7 +135,7 @@ fn the_matrix_shows_the_figure_that_was_judged() {
 fn measured_data_get_a_budget() {
     let run = |scale: f64, data: &[DataUncertainty]| {
         let (native, evidence) = native(1e-4);
-        let rig = participant("rig", Track::Measured, courses(scale));
+        let rig = participant("rig", Track::Measured, time_series(scale));
         let rules = Rules {
             evidence: &[evidence],
             data,
@@ -184,7 +184,7 @@ fn measured_data_get_a_budget() {
         "steady and transient; a model error is a result, not a failure"
     );
     let (simulation, evidence) = native(1e-4);
-    let rig = participant("rig", Track::Measured, courses(1.02));
+    let rig = participant("rig", Track::Measured, time_series(1.02));
     let rules = Rules {
         evidence: &[evidence],
         data: &[stated],
@@ -213,7 +213,7 @@ fn bad_input_a_stated_limit_that_matches_nothing() {
         }];
         let pair = [
             native(0.0).0,
-            participant("rig", Track::Measured, courses(1.0)),
+            participant("rig", Track::Measured, time_series(1.0)),
         ];
         let rules = Rules {
             stated: &stated,

@@ -1,10 +1,10 @@
 //! Series and figures: extrapolation, and what it covers.
 
-use crate::common::{Random, courses, participant};
+use crate::common::{Random, participant, time_series};
 use crate::{FORCE, anywhere, compared, engine, entry, native};
 use pinwheel_compare::uncertainty::{Method, Norm, Source};
 use pinwheel_compare::{Evidence, Level, RefinementStudy, Rules, Track, Verdict, compare};
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
 /// Extrapolated series are nearer to the truth, by an order of magnitude, and say so.
 #[test]
@@ -12,7 +12,7 @@ fn crossval_extrapolation_sharpens() {
     let peer = engine(
         "peer",
         Track::SharedLaw,
-        &courses(1.0),
+        &time_series(1.0),
         3e-4,
         2.0,
         &[2.0, 4.0],
@@ -31,7 +31,7 @@ fn crossval_extrapolation_sharpens() {
     let fault = engine(
         "peer",
         Track::SharedLaw,
-        &courses(1.0001),
+        &time_series(1.0001),
         3e-4,
         2.0,
         &[2.0, 4.0],
@@ -49,7 +49,7 @@ fn crossval_extrapolation_sharpens() {
 #[test]
 fn crossval_series_and_figures_are_covered() {
     let mut random = Random::new(11);
-    let truth = courses(1.0);
+    let truth = time_series(1.0);
     let norms = [Norm::L2, Norm::Linf, Norm::Mean, Norm::Peak, Norm::Rms];
     let (mut honest, mut cases, mut ratios) = ([0usize; 5], [0usize; 5], vec![Vec::new(); 5]);
     for _ in 0..60 {
@@ -62,7 +62,7 @@ fn crossval_series_and_figures_are_covered() {
         let (phase, rate) = (random.between(0.0, 6.0), random.between(20.0, 200.0));
         let mut at = |h: f64| {
             let (own, shift) = (random.between(-0.15, 0.15), random.between(0.0, 6.0));
-            let mut courses = Courses::new(truth.time_s().to_vec()).unwrap();
+            let mut time_series = TimeSeries::new(truth.time_s().to_vec()).unwrap();
             for (k, channel) in truth.channels().iter().enumerate() {
                 let scale = channel.values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
                 let error = |t: f64| {
@@ -74,11 +74,11 @@ fn crossval_series_and_figures_are_covered() {
                     .iter()
                     .zip(truth.time_s())
                     .map(|(v, &t)| v + error(t));
-                courses
+                time_series
                     .push(channel.name.clone(), values.collect())
                     .unwrap();
             }
-            courses
+            time_series
         };
         let finest = at(1.0);
         let levels = [2.0, 4.0].map(|refinement| Level {

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use pinwheel_courses::Track;
 use pinwheel_files::{Broken, FileError, read_text, require};
 use pinwheel_scene::channels::fits;
 use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
+use pinwheel_timeseries::Track;
 use serde::Deserialize;
 
 use crate::engine::{Knob, Refinement};

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  solver.toml ──read──> Solver (an Engine)
-//!  scene ──> job folder: scene.json ──command──> courses.csv, result.json, exit status ──checked──> Run
+//!  scene ──> job folder: scene.json ──command──> time_series.csv, result.json, exit status ──checked──> Run
 //! ```
 //! docs/solvers.md tells authors what they have to know. A manifest is a program that its user trusts, and is read only
 //! where the user names it. What the program writes is not trusted.
@@ -17,10 +17,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{OnceLock, PoisonError, RwLock};
 use std::time::Duration;
 
-use pinwheel_courses::Courses;
 use pinwheel_files::{FileError, Fnv};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_law::job;
+use pinwheel_timeseries::TimeSeries;
 
 use crate::control::{Cancelled, Control};
 use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, settled};
@@ -234,11 +234,11 @@ impl Solver {
         }
         let diverged = status.code() == Some(DIVERGED);
         let told = folder.told().map_err(failed)?;
-        let found = match folder.courses(gearbox, !diverged) {
+        let found = match folder.time_series(gearbox, !diverged) {
             Ok(found) => found,
             // A run may diverge before its first row.
             Err(_) if diverged => result::Found {
-                courses: Courses::default(),
+                time_series: TimeSeries::default(),
                 diverged: None,
                 notes: Vec::new(),
             },
@@ -246,10 +246,10 @@ impl Solver {
                 return Err(failed(format!("{what}{}", last_words(said.as_deref()))).into());
             }
         };
-        let mut run = Run::new(found.courses, self.stats(gearbox, folder, &ran, &told));
+        let mut run = Run::new(found.time_series, self.stats(gearbox, folder, &ran, &told));
         run.stats.notes.extend(found.notes);
         let stated = diverged.then(|| {
-            let time = run.courses.time_s().last().copied().unwrap_or(0.0);
+            let time = run.time_series.time_s().last().copied().unwrap_or(0.0);
             let time = ran.reached_s.map_or(time, |reached| reached.max(time));
             let end = gearbox.scene.solver.duration_s;
             (

@@ -4,9 +4,9 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-use pinwheel_courses::{Courses, columns};
 use pinwheel_gearbox::{Gearbox, guard};
 use pinwheel_law::{CALLS_FILE, job};
+use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Deserialize;
 
 /// Bytes of `result.json` and of the counts at most.
@@ -29,10 +29,10 @@ pub(super) struct Told {
     pub(super) notes: Vec<String>,
 }
 
-/// Courses, and why they end early if they do.
+/// Time series, and why they end early if they do.
 #[derive(Debug)]
 pub(super) struct Found {
-    pub(super) courses: Courses,
+    pub(super) time_series: TimeSeries,
     /// Time and quantity at which the numbers ran away.
     pub(super) diverged: Option<(f64, String)>,
     pub(super) notes: Vec<String>,
@@ -149,8 +149,8 @@ impl JobFolder {
         Some(sum)
     }
 
-    /// The courses, checked. `complete`: the solver says that it finished.
-    pub(super) fn courses(&self, gearbox: &Gearbox, complete: bool) -> Result<Found, String> {
+    /// The time series, checked. `complete`: the solver says that it finished.
+    pub(super) fn time_series(&self, gearbox: &Gearbox, complete: bool) -> Result<Found, String> {
         let samples = gearbox.scene.solver.sample_times_s();
         let required = job::required(gearbox);
         let channels = gearbox.channels.len();
@@ -173,7 +173,7 @@ impl JobFolder {
                 ));
             }
             (Some(file), None) => {
-                let read = Courses::read_csv(io::BufReader::new(file.take(most)));
+                let read = TimeSeries::read_csv(io::BufReader::new(file.take(most)));
                 (job::COURSES_FILE, read.map_err(|error| error.to_string()))
             }
             (None, Some(file)) => (job::PARQUET_FILE, parquet_of(file, samples.len())),
@@ -183,16 +183,16 @@ impl JobFolder {
     }
 }
 
-/// Courses of as many rows as there are samples, and one more to tell that there are too many.
+/// Time series of as many rows as there are samples, and one more to tell that there are too many.
 #[cfg(feature = "parquet")]
-fn parquet_of(file: File, samples: usize) -> Result<Courses, String> {
-    let read = pinwheel_courses::read_courses(file, samples + 1);
+fn parquet_of(file: File, samples: usize) -> Result<TimeSeries, String> {
+    let read = pinwheel_timeseries::read_time_series(file, samples + 1);
     // Python's writers compress unless they are told not to.
     read.map_err(|error| format!("{error}; write doubles, without compression"))
 }
 
 #[cfg(not(feature = "parquet"))]
-fn parquet_of(_: File, _: usize) -> Result<Courses, String> {
+fn parquet_of(_: File, _: usize) -> Result<TimeSeries, String> {
     let name = job::COURSES_FILE;
     Err(format!("this build reads no Parquet; write {name}"))
 }
@@ -203,7 +203,7 @@ const OFF: f64 = 1e-6;
 /// Columns, times, finiteness and signs.
 fn checked(
     gearbox: &Gearbox,
-    read: &Courses,
+    read: &TimeSeries,
     samples: &[f64],
     complete: bool,
 ) -> Result<Found, String> {
@@ -277,7 +277,7 @@ fn checked(
             "the first row is wrong already: {what}; all start from `start` of the bodies"
         ));
     }
-    let mut courses = Courses::new(samples[..rows].to_vec()).map_err(|e| e.to_string())?;
+    let mut time_series = TimeSeries::new(samples[..rows].to_vec()).map_err(|e| e.to_string())?;
     for channel in kept {
         let values = channel.values[..rows].to_vec();
         let force = channel.name.starts_with(columns::EXTERNAL_FORCE)
@@ -290,23 +290,23 @@ fn checked(
                 row + 1
             ));
         }
-        courses
+        time_series
             .push(channel.name.clone(), values)
             .map_err(|error| error.to_string())?;
     }
-    signs(gearbox, &courses)?;
+    signs(gearbox, &time_series)?;
     Ok(Found {
         diverged: diverged.map(|(row, what)| (samples[row], what)),
-        courses,
+        time_series,
         notes,
     })
 }
 
 /// Mean output torque against mean load, in the second half of what there is, where both are clear.
-fn signs(gearbox: &Gearbox, courses: &Courses) -> Result<(), String> {
-    let times = courses.time_s();
+fn signs(gearbox: &Gearbox, time_series: &TimeSeries) -> Result<(), String> {
+    let times = time_series.time_s();
     let half = times.len() / 2;
-    let Some(torque) = courses.channel(columns::OUTPUT_TORQUE) else {
+    let Some(torque) = time_series.channel(columns::OUTPUT_TORQUE) else {
         return Ok(());
     };
     let count = (times.len() - half).max(1) as f64;

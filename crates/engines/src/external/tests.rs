@@ -29,9 +29,10 @@ impl Script {
         let good = Native::REDUCED
             .run(&scene(), &Control::quiet())
             .expect("native");
-        good.courses.save_csv(&at("good.csv")).expect("written");
+        good.time_series.save_csv(&at("good.csv")).expect("written");
         #[cfg(feature = "parquet")]
-        pinwheel_courses::save_courses(&good.courses, &at("good.parquet")).expect("written");
+        pinwheel_timeseries::save_time_series(&good.time_series, &at("good.parquet"))
+            .expect("written");
         std::fs::write(at("solver.sh"), format!("#!/bin/sh\nset -u\n{body}\n")).expect("written");
         std::fs::set_permissions(at("solver.sh"), PermissionsExt::from_mode(0o755)).expect("set");
         let manifest = r#"
@@ -89,7 +90,7 @@ fn a_run_with_everything_it_may_tell() {
     let never = AtomicBool::new(false);
     let control = Control::new(&never, &progress);
     let run = script.solver.run(&scene(), &control).expect("it runs");
-    assert_eq!(run.courses.len(), 201);
+    assert_eq!(run.time_series.len(), 201);
     assert_eq!(
         (run.stats.steps, run.stats.rhs_calls, run.stats.bodies),
         (7, 14, 28)
@@ -189,7 +190,8 @@ fn hard_what_it_does_wrong_is_one_line() {
 #[test]
 fn hard_results_in_parquet() {
     let copy = "cp \"$2/good.parquet\" \"$1/courses.parquet\"";
-    let [binary, text] = [copy, COPY].map(|body| Script::new(body).run().expect("runs").courses);
+    let [binary, text] =
+        [copy, COPY].map(|body| Script::new(body).run().expect("runs").time_series);
     assert_eq!(binary, text);
     for (body, words) in [
         (
@@ -219,7 +221,7 @@ fn hard_a_divergence_keeps_what_there_is() {
     let script = Script::new("head -n 102 \"$2/good.csv\" > \"$1/courses.csv\"; exit 3");
     let run = script.solver.run(&scene(), &Control::quiet()).expect("ran");
     assert!(matches!(run.ending, Ending::Diverged { .. }));
-    assert_eq!(run.courses.len(), 101);
+    assert_eq!(run.time_series.len(), 101);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Python's results and errors in the words of [`Engine`](crate::Engine).
 
-use pinwheel_courses::{Courses, CoursesError};
+use pinwheel_timeseries::{TimeSeries, TimeSeriesError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
@@ -28,14 +28,14 @@ pub(super) fn run(result: &Bound<'_, PyAny>) -> PyResult<Run> {
         notes: stats.getattr("notes")?.extract()?,
         ..RunStats::default()
     };
-    Ok(match courses(&result.getattr("columns")?)? {
-        Ok(courses) => Run::new(courses, stats),
+    Ok(match time_series(&result.getattr("columns")?)? {
+        Ok(time_series) => Run::new(time_series, stats),
         Err(error) => Run::ended(Ending::failed(error)),
     })
 }
 
-/// Courses from a dict of numpy columns, `time_s` among them.
-fn courses(columns: &Bound<'_, PyAny>) -> PyResult<Result<Courses, CoursesError>> {
+/// TimeSeries from a dict of numpy columns, `time_s` among them.
+fn time_series(columns: &Bound<'_, PyAny>) -> PyResult<Result<TimeSeries, TimeSeriesError>> {
     let columns = columns.cast::<PyDict>()?;
     let (mut time_s, mut channels) = (Vec::new(), Vec::new());
     for (name, values) in columns {
@@ -55,11 +55,11 @@ fn courses(columns: &Bound<'_, PyAny>) -> PyResult<Result<Courses, CoursesError>
             channels.push((name, values));
         }
     }
-    Ok(Courses::new(time_s).and_then(|mut courses| {
+    Ok(TimeSeries::new(time_s).and_then(|mut time_series| {
         for (name, values) in channels {
-            courses.push(name, values)?;
+            time_series.push(name, values)?;
         }
-        Ok(courses)
+        Ok(time_series)
     }))
 }
 

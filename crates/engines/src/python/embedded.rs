@@ -65,7 +65,7 @@ fn load(environment: &Environment) -> Result<(), PythonError> {
                     .and_then(|version| version.extract())?;
                 if found != pin.version {
                     return Ok(Err(format!(
-                        "it has {} {found}, and recorded courses and limits belong to {}",
+                        "it has {} {found}, and recorded time series and limits belong to {}",
                         pin.package, pin.version
                     )));
                 }

@@ -55,7 +55,7 @@ pub(super) fn package(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
 }
 
 /// Whether an engine of a package can be had: an embedded interpreter gets what it lacks, another has it or not. Recorded
-/// courses and limits belong to one version, so another one does not count. Asked once: it takes a millisecond.
+/// time series and limits belong to one version, so another one does not count. Asked once: it takes a millisecond.
 pub(super) fn has(package: &str) -> bool {
     static FOUND: OnceLock<Vec<&'static str>> = OnceLock::new();
     if !is_here() {

@@ -98,7 +98,7 @@ pub(super) fn friction_refusal(scene: &Scene) -> Option<String> {
 /// Marches `contacts` over the grid. `stats` holds the settings and notes, the rest is filled in.
 ///
 /// # Errors
-/// A stop, or a failure if the samples do not make courses. A divergence keeps the courses until then.
+/// A stop, or a failure if the samples do not make time series. A divergence keeps the time series until then.
 pub(super) fn march(
     gearbox: &Gearbox,
     mut world: World,

@@ -113,7 +113,7 @@ impl Native {
         let (run, uncertainty) = outcome.map_err(|error| match error {
             NativeError::Stopped => Halt::from(Cancelled),
             NativeError::Model(error) => Ending::unsupported(error).into(),
-            NativeError::Courses(error) => Ending::failed(error).into(),
+            NativeError::TimeSeries(error) => Ending::failed(error).into(),
             NativeError::Ended(ending) => ending.into(),
         })?;
         let uncertainty = uncertainty.filter(|_| run.ending.is_finished());
@@ -144,7 +144,7 @@ impl Native {
         };
         Ok(Run {
             uncertainty,
-            ..Run::new(run.courses, stats).with_ending(run.ending)
+            ..Run::new(run.time_series, stats).with_ending(run.ending)
         })
     }
 }

@@ -44,7 +44,7 @@ pub struct Uncertainty {
     pub error: Option<Distance>,
     /// Whether the promise was kept.
     pub verdict: Verdict,
-    /// Index of the run whose courses are given.
+    /// Index of the run whose time series are given.
     pub chosen: usize,
     /// All runs, in order.
     pub rungs: Vec<Rung>,
@@ -57,7 +57,7 @@ impl Uncertainty {
         self.verdict == Verdict::Resolved
     }
 
-    /// The run whose courses are given.
+    /// The run whose time series are given.
     #[must_use]
     pub fn chosen(&self) -> Option<&Rung> {
         self.rungs.get(self.chosen)
@@ -173,7 +173,7 @@ mod tests {
         assert!(notes[1].contains("1 of 3 runs") && notes[1].contains("a wheel"));
     }
 
-    /// Figures that nearly hold want a little more; courses that mean nothing want another scene.
+    /// Figures that nearly hold want a little more; time series that mean nothing want another scene.
     #[test]
     fn remedies_suit_what_was_reached() {
         let of = |forces: f64| {

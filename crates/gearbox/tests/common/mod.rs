@@ -18,9 +18,9 @@ pub(crate) fn run(preset: &str, kernel: Kernel, sets: &[(&str, &str)]) -> Native
 /// Relative L2 distance of all sleeve forces together.
 pub(crate) fn distance(a: &NativeRun, b: &NativeRun) -> f64 {
     let (mut difference, mut size) = (0.0, 0.0);
-    for channel in b.courses.channels() {
+    for channel in b.time_series.channels() {
         if channel.name.contains("sleeve_force") {
-            let values = a.courses.channel(&channel.name).unwrap();
+            let values = a.time_series.channel(&channel.name).unwrap();
             for (a, b) in values.iter().zip(&channel.values) {
                 difference += (a - b) * (a - b);
                 size += b * b;

@@ -1,9 +1,9 @@
 //! Costs and errors in words, for the terminal and the page.
 
-use pinwheel_courses::Ending;
-use pinwheel_courses::table::{Mark, TableOf};
 use pinwheel_report::format::{seconds, significant};
 use pinwheel_studies::bench::{CostAt, Series, Stopped};
+use pinwheel_timeseries::Ending;
+use pinwheel_timeseries::table::{Mark, TableOf};
 
 /// A bound's sign, or nothing.
 fn sign(cost: CostAt) -> &'static str {

@@ -1,6 +1,5 @@
 //! The scene's sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
 
-use pinwheel_courses::table::{Mark, Shown, Table};
 use pinwheel_engines::Track;
 use pinwheel_report::colours;
 use pinwheel_report::format::{NONE, limit};
@@ -8,6 +7,7 @@ use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
 use pinwheel_studies::bench::{
     self, Advantage, Errors, Knob, Measure, Ranking, Solution, WorkPrecision,
 };
+use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use super::figures;
 

@@ -1,8 +1,8 @@
 //! A measurement on a terminal.
 
-use pinwheel_courses::table::{Mark, Table};
 use pinwheel_report::terminal::{self, TITLE, styled};
 use pinwheel_studies::bench::{self, CostAt, WorkPrecision};
+use pinwheel_timeseries::table::{Mark, Table};
 
 use super::figures;
 

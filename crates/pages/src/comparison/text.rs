@@ -131,9 +131,9 @@ fn not_finished(engine: &EngineSummary) -> Cell {
 /// The verdict on an engine alone, its balance with the load.
 fn own_verdict(engine: &EngineSummary) -> Cell {
     let verdicts = engine.judged.iter().map(|entry| entry.result.verdict);
-    let compared = verdicts.filter(|verdict| *verdict != Verdict::NotCompared);
+    let mut compared = verdicts.filter(|verdict| *verdict != Verdict::NotCompared);
     compared
-        .last()
+        .next_back()
         .map_or(Cell::text(""), |verdict| marked(verdict.word(), verdict))
 }
 

@@ -2,13 +2,13 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pinwheel_courses::table::{Mark, Shown, Table};
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_report::animation::markup as animate;
 use pinwheel_report::study::{self, Axis, Block, Chart, Section, Series, Study, Style, Tile, Tone};
 use pinwheel_scene::Scene;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::paper::{ClaimVerdict, Cost, PaperFigure, PaperResult, Plot};
+use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use crate::{PageError, animation};
 

@@ -1,8 +1,8 @@
 //! The study of the paper on a terminal.
 
-use pinwheel_courses::table::Table;
 use pinwheel_report::terminal::{TITLE, styled, table};
 use pinwheel_studies::paper::PaperResult;
+use pinwheel_timeseries::table::Table;
 
 use super::mark;
 

@@ -1,9 +1,9 @@
 //! The atlas as maps: a table of scenes and methods for every question, shaded and with its figure in every cell.
 
-use pinwheel_courses::table::{Mark, Table};
 use pinwheel_report::format;
 use pinwheel_report::study::{Block, Section};
 use pinwheel_studies::stability::{Atlas, Cell, Failure, SceneRow};
+use pinwheel_timeseries::table::{Mark, Table};
 
 /// Steps at the ends of the shading, s.
 const STEPS: [f64; 2] = [2e-7, 1e-3];

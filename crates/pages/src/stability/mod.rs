@@ -5,12 +5,12 @@ mod text;
 
 pub use text::text;
 
-use pinwheel_courses::table::{Mark, Shown, Table};
 use pinwheel_report::format;
 use pinwheel_report::study::{Block, Section, Study, Tile, Tone, Verdict};
 use pinwheel_scene::Formulation;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::stability::{Atlas, Cell, SERVED, SceneRow};
+use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use crate::PageError;
 

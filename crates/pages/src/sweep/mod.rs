@@ -1,13 +1,13 @@
 //! A sweep's page: figures over what was varied, and every run in a table.
 
 use pinwheel_compare::quantities;
-use pinwheel_courses::table::{Table, Values};
 use pinwheel_report::format::{count, plain, readable_unit, seconds, significant};
 use pinwheel_report::study::{
     Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict,
 };
 use pinwheel_studies::sweep::{Axis, Plan, RunRecord, Value};
 use pinwheel_studies::sweep::{STATICS, tolerances as found_of};
+use pinwheel_timeseries::table::{Table, Values};
 
 use pinwheel_studies::Provenance;
 

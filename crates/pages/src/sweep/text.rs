@@ -1,10 +1,10 @@
 //! A sweep on a terminal.
 
-use pinwheel_courses::Ending;
-use pinwheel_courses::table::Table;
 use pinwheel_report::format::significant;
 use pinwheel_report::terminal::{self, BAD, TITLE, pairs, styled};
 use pinwheel_studies::sweep::{self, Plan, RunRecord};
+use pinwheel_timeseries::Ending;
+use pinwheel_timeseries::table::Table;
 
 use super::{simulated_s, tolerances};
 

@@ -1,10 +1,10 @@
 //! What a sample says, on the page and on a terminal.
 
 use pinwheel_compare::quantities::label_and_unit;
-use pinwheel_courses::table::{Shown, Table, Values};
 use pinwheel_report::format::significant;
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Tone, Verdict};
 use pinwheel_studies::sweep::{FigureOfSample, Limit, Plan, Quantile, SampleResult, Yield};
+use pinwheel_timeseries::table::{Shown, Table, Values};
 
 /// Figures that are shown at most; summary.json has all.
 const MOST_FIGURES: usize = 20;

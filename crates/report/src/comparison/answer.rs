@@ -2,8 +2,8 @@
 
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::{Comparison, Metric, Quantity, Track, Verdict, WindowKind, quantities};
-use pinwheel_courses::norms::Statistics;
-use pinwheel_courses::table::Table;
+use pinwheel_timeseries::norms::Statistics;
+use pinwheel_timeseries::table::Table;
 
 use super::{Page, figures_of, mark, pairs, uncertainty};
 use crate::study::{self, Block, Tile, Tone};

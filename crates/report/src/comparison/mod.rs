@@ -7,10 +7,10 @@ use pinwheel_compare::comparison::{EngineSummary, Figures};
 use pinwheel_compare::{
     Assessment, Comparison, Metric, Quantity, Track, Verdict, WindowKind, quantities,
 };
-use pinwheel_courses::norms::Statistics;
-use pinwheel_courses::table::{Mark, Shown, Table, TableOf};
+use pinwheel_timeseries::norms::Statistics;
+use pinwheel_timeseries::table::{Mark, Shown, Table, TableOf};
 
-use crate::study::{Block, Courses, Section, Study};
+use crate::study::{Block, Section, Study, TimeSeries};
 use crate::{Fact, ReportError, ReportInput, animation, colours, format};
 
 /// The study of a comparison.
@@ -28,11 +28,11 @@ pub(crate) fn study(input: &ReportInput<'_>) -> Result<Study, ReportError> {
     let motion = input.animation.as_ref();
     let motion = motion.map(|(view, begin)| animation::markup(std::slice::from_ref(view), *begin));
     let mut sections = Vec::new();
-    if let Some(courses) = Courses::of_engines(comparison, input.participants) {
+    if let Some(time_series) = TimeSeries::of_engines(comparison, input.participants) {
         sections.push(Section::new(
             "courses",
             "Over time",
-            [Block::Courses(courses)],
+            [Block::TimeSeries(time_series)],
         ));
     }
     sections.extend(page.tracks());
@@ -284,7 +284,7 @@ impl<'a> Page<'a> {
             .of_engines("Energy of each engine", rows, |(engine, _)| engine)
             .text("", "Window", |(_, e)| span(e.from_s, e.to_s));
         // Tenths of a millijoule of tens of joules: below that a remainder is rounding.
-        let joules: [(&str, fn(&pinwheel_courses::EnergyAudit) -> f64); 7] = [
+        let joules: [(&str, fn(&pinwheel_timeseries::EnergyAudit) -> f64); 7] = [
             ("Driver", |e| e.driver_j),
             ("Load", |e| e.load_j),
             ("Kinetic", |e| e.kinetic_j),

@@ -3,7 +3,7 @@
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::{Against, Assessment, Metric, Quantity, Track, Verdict, WindowKind};
-use pinwheel_courses::table::{Mark, Shown, Table};
+use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use super::{Page, mark};
 use crate::format::{self, NONE, relative, relative_or_none, significant};

@@ -26,8 +26,8 @@ pub use chart::{Axis, Chart, Series, Style};
 pub use grid::{Grid, GridAxis, GridFigure};
 
 use pinwheel_compare::{Comparison, Participant};
-pub use pinwheel_courses::table::Mark;
-use pinwheel_courses::table::Table as Data;
+pub use pinwheel_timeseries::table::Mark;
+use pinwheel_timeseries::table::Table as Data;
 
 use crate::ReportError;
 use crate::chart_data::ChartData;
@@ -196,7 +196,7 @@ pub enum Block {
     /// Figures over parameters, with a choice of axes.
     Grid(Grid),
     /// Time series of several runs, one quantity at a time. One on a page at most.
-    Courses(Courses),
+    TimeSeries(TimeSeries),
     /// Blocks behind a line that opens them.
     Details {
         /// The line.
@@ -262,9 +262,9 @@ impl From<Data> for Block {
 
 /// Time series as a comparison's page draws them: values, and differences to any of the runs.
 #[derive(Debug, Clone)]
-pub struct Courses(ChartData);
+pub struct TimeSeries(ChartData);
 
-impl Courses {
+impl TimeSeries {
     /// Those of the participants of a comparison, which are no engines and have their colours in order; `None` if nobody has
     /// any.
     #[must_use]

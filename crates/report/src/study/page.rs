@@ -3,12 +3,12 @@
 use askama::Template;
 
 use super::chart::ChartJson;
-use super::{Block, Cell, Chart, Courses, Grid, Mark, Study, Table, Tile, Tone, Verdict};
+use super::{Block, Cell, Chart, Grid, Mark, Study, Table, Tile, TimeSeries, Tone, Verdict};
 use crate::ReportError;
 use crate::assets::{ASSETS, Assets};
 use crate::chart_data::json_for_script;
 use crate::{packed, table};
-use pinwheel_courses::table::{Column, Table as Data};
+use pinwheel_timeseries::table::{Column, Table as Data};
 use serde::Serialize;
 
 /// The whole page.
@@ -29,8 +29,8 @@ struct Page<'a> {
     /// Tables that are made when they are opened, packed.
     later: Option<String>,
     /// Time series, and what draws them.
-    courses_json: Option<String>,
-    courses_js: &'static str,
+    time_series_json: Option<String>,
+    time_series_js: &'static str,
     lead: String,
     assets: Assets,
     page_js: &'static str,
@@ -38,8 +38,8 @@ struct Page<'a> {
 }
 
 #[derive(Template)]
-#[template(path = "study/courses.html")]
-struct CoursesHtml<'a> {
+#[template(path = "study/time_series.html")]
+struct TimeSeriesHtml<'a> {
     chart_notes: &'a [String],
 }
 
@@ -145,8 +145,8 @@ pub(super) fn render(study: &Study) -> Result<String, ReportError> {
             Some(json_for_script(&json)?)
         },
         grids: blocks_of(study).any(|block| matches!(block, Block::Grid(Grid { .. }))),
-        courses_json: blocks_of(study).find_map(courses).transpose()?,
-        courses_js: include_str!("../../assets/courses.js"),
+        time_series_json: blocks_of(study).find_map(time_series).transpose()?,
+        time_series_js: include_str!("../../assets/time_series.js"),
         lead: inline(&study.lead),
         assets: ASSETS,
         page_js: include_str!("../../assets/study.js"),
@@ -175,9 +175,9 @@ fn blocks_of(study: &Study) -> impl Iterator<Item = &Block> {
     study.sections.iter().flat_map(|section| &section.blocks)
 }
 
-fn courses(block: &Block) -> Option<Result<String, serde_json::Error>> {
+fn time_series(block: &Block) -> Option<Result<String, serde_json::Error>> {
     match block {
-        Block::Courses(Courses(data)) => Some(json_for_script(data)),
+        Block::TimeSeries(TimeSeries(data)) => Some(json_for_script(data)),
         _ => None,
     }
 }
@@ -270,7 +270,7 @@ fn one<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> Result<String, ReportErro
             )
         }
         Block::Html(markup) => markup.clone(),
-        Block::Courses(Courses(data)) => CoursesHtml {
+        Block::TimeSeries(TimeSeries(data)) => TimeSeriesHtml {
             chart_notes: &data.notes,
         }
         .render()?,

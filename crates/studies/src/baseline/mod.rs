@@ -19,9 +19,9 @@ mod snapshot;
 use std::path::Path;
 
 use cases::Way;
-use pinwheel_courses::Ending;
 use pinwheel_engines::{Halt, by_name};
 use pinwheel_gearbox::contacts::Kernel;
+use pinwheel_timeseries::Ending;
 use serde::Serialize;
 
 use crate::StudyError;

@@ -57,7 +57,7 @@ pub(super) struct Job {
 fn run(job: &Job, cancel: &AtomicBool, counter: &mut Counter) -> Result<RunResult, StudyError> {
     let mut gearbox = control::compile(&job.scene)?;
     gearbox.kernel = job.kernel;
-    let (ending, courses, account, joint_drift_m, costs) = match &job.solver {
+    let (ending, time_series, account, joint_drift_m, costs) = match &job.solver {
         None => {
             let mut watch = |_| cancel.load(Ordering::Relaxed);
             let (run, instructions) = counter.count(|| control::run_compiled(&gearbox, &mut watch));
@@ -72,7 +72,7 @@ fn run(job: &Job, cancel: &AtomicBool, counter: &mut Counter) -> Result<RunResul
             let account = run.energy.total();
             (
                 run.ending,
-                run.courses,
+                run.time_series,
                 account,
                 Some(run.joint_drift_m),
                 costs,
@@ -89,7 +89,7 @@ fn run(job: &Job, cancel: &AtomicBool, counter: &mut Counter) -> Result<RunResul
             };
             (
                 run.ending,
-                run.courses,
+                run.time_series,
                 None,
                 run.stats.joint_drift_m,
                 costs,
@@ -100,8 +100,8 @@ fn run(job: &Job, cancel: &AtomicBool, counter: &mut Counter) -> Result<RunResul
         return Ok(Err(ending.to_string()));
     }
     Ok(Ok(Finished {
-        statistics: snapshot::statistics(&gearbox, &courses, account, joint_drift_m),
-        bits: snapshot::bits(&courses),
+        statistics: snapshot::statistics(&gearbox, &time_series, account, joint_drift_m),
+        bits: snapshot::bits(&time_series),
         costs,
     }))
 }

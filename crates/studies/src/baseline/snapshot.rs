@@ -6,11 +6,11 @@
 
 use std::collections::BTreeMap;
 
-use pinwheel_courses::norms::{self, View};
-use pinwheel_courses::{Courses, columns};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::energy::EnergyAudit;
 use pinwheel_scene::Layout;
+use pinwheel_timeseries::norms::{self, View};
+use pinwheel_timeseries::{TimeSeries, columns};
 use serde::{Deserialize, Serialize};
 
 /// What is watched of a run.
@@ -139,23 +139,23 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 /// the engine does not tell are missing.
 pub(super) fn statistics(
     gearbox: &Gearbox,
-    courses: &Courses,
+    time_series: &TimeSeries,
     account: Option<EnergyAudit>,
     joint_drift_m: Option<f64>,
 ) -> BTreeMap<Quantity, Statistics> {
-    let twist = twist(gearbox, courses);
-    let course = |name: &str| courses.channel(name).into_iter().collect::<Vec<_>>();
+    let twist = twist(gearbox, time_series);
+    let course = |name: &str| time_series.channel(name).into_iter().collect::<Vec<_>>();
     let followed = [
         (Quantity::DriverTorque, course(columns::INPUT_TORQUE)),
         (Quantity::OutputTorque, course(columns::OUTPUT_TORQUE)),
         (Quantity::OutputTwist, vec![twist.as_slice()]),
         (
             Quantity::ExternalForce,
-            courses.group(columns::EXTERNAL_FORCE),
+            time_series.group(columns::EXTERNAL_FORCE),
         ),
         (
             Quantity::InternalForce,
-            courses.group(columns::INTERNAL_FORCE),
+            time_series.group(columns::INTERNAL_FORCE),
         ),
     ];
     let followed = followed.into_iter();
@@ -177,18 +177,18 @@ pub(super) fn statistics(
     followed.chain(energy).chain(drift).collect()
 }
 
-fn twist(gearbox: &Gearbox, courses: &Courses) -> Vec<f64> {
+fn twist(gearbox: &Gearbox, time_series: &TimeSeries) -> Vec<f64> {
     let motion = gearbox.input_motion();
     let start = gearbox.kinematic_states()[Layout::OUTPUT].angle;
-    let angles = courses.channel(columns::OUTPUT_ANGLE).unwrap_or(&[]);
+    let angles = time_series.channel(columns::OUTPUT_ANGLE).unwrap_or(&[]);
     let ideal = |t: f64| start + gearbox.geometry.ideal_output_angle(motion.at(t).0);
-    let samples = courses.time_s().iter().zip(angles);
+    let samples = time_series.time_s().iter().zip(angles);
     samples.map(|(&t, angle)| angle - ideal(t)).collect()
 }
 
 /// A hash of every bit of every sample.
-pub(super) fn bits(courses: &Courses) -> u64 {
-    let channels = courses.channels().iter();
+pub(super) fn bits(time_series: &TimeSeries) -> u64 {
+    let channels = time_series.channels().iter();
     let values = channels.flat_map(|channel| &channel.values);
     pinwheel_files::fnv(values.flat_map(|value| value.to_bits().to_le_bytes()))
 }

@@ -234,7 +234,7 @@ pub fn run(
         .collect();
     let total = tasks.len() + 3;
     let mut done = 0;
-    let (reference, windows, least, courses) = reference::run(scene, control, &mut |piece| {
+    let (reference, windows, least, time_series) = reference::run(scene, control, &mut |piece| {
         (control.progress)(Progress::new(done, total, piece));
         done += 1;
     })?;
@@ -245,7 +245,7 @@ pub fn run(
         }
         let mut announce = |piece: &str| (control.progress)(Progress::new(done, total, piece));
         let truth = series::Truth {
-            courses: &courses,
+            time_series: &time_series,
             windows: &windows,
             least,
             error: reference.error(0).force_l2,

@@ -1,10 +1,10 @@
-//! How far a run lies from the reference, window by window: relative L2 and Linf of [`pinwheel_courses::norms`].
+//! How far a run lies from the reference, window by window: relative L2 and Linf of [`pinwheel_timeseries::norms`].
 
 use pinwheel_compare::windows::{SETTLING_S, windows};
-use pinwheel_courses::Courses;
-use pinwheel_courses::norms::{Least, View, relative_l2, relative_linf};
 use pinwheel_scene::load_course;
 use pinwheel_scene::{Scene, Start};
+use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::norms::{Least, View, relative_l2, relative_linf};
 use serde::Serialize;
 
 /// A part of the run.
@@ -32,19 +32,19 @@ pub struct Errors {
 }
 
 /// The whole run first, then its transient and its steady part, where it is long enough to have them.
-pub(super) fn spans(scene: &Scene, courses: &Courses) -> Vec<Span> {
+pub(super) fn spans(scene: &Scene, time_series: &TimeSeries) -> Vec<Span> {
     let settling = if scene.drive.start == Start::Equilibrium {
         0.0
     } else {
         SETTLING_S
     };
-    let end = courses.time_s().last().copied().unwrap_or(0.0);
+    let end = time_series.time_s().last().copied().unwrap_or(0.0);
     let mut spans = vec![Span {
         name: "whole".to_owned(),
         from_s: 0.0,
         to_s: end,
     }];
-    let (mut parts, _) = windows(courses, settling, &load_course::breaks(&scene.drive));
+    let (mut parts, _) = windows(time_series, settling, &load_course::breaks(&scene.drive));
     parts.retain(|window| window.to_s - window.from_s < end);
     parts.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
     spans.extend(parts.into_iter().map(|window| Span {
@@ -56,7 +56,7 @@ pub(super) fn spans(scene: &Scene, courses: &Courses) -> Vec<Span> {
 }
 
 /// Errors of `a` against `b` in a window. Both hold the same samples.
-pub(super) fn errors(a: &Courses, b: &Courses, span: &Span, least: Least) -> Errors {
+pub(super) fn errors(a: &TimeSeries, b: &TimeSeries, span: &Span, least: Least) -> Errors {
     let range = b.window(span.from_s, span.to_s);
     let forces = [a, b].map(|run| View::forces(run, range.clone()));
     let torque = [a, b].map(|run| View::driver_torque(run, range.clone()));
@@ -72,16 +72,16 @@ pub(super) fn errors(a: &Courses, b: &Courses, span: &Span, least: Least) -> Err
 mod tests {
     use super::*;
 
-    fn courses(force: [f64; 3]) -> Courses {
-        let mut courses = Courses::new(vec![0.0, 1.0, 2.0]).unwrap();
-        courses
+    fn time_series(force: [f64; 3]) -> TimeSeries {
+        let mut time_series = TimeSeries::new(vec![0.0, 1.0, 2.0]).unwrap();
+        time_series
             .push("external_sleeve_force_n_0", force.to_vec())
             .unwrap();
-        courses
+        time_series
             .push("internal_sleeve_force_n_0", vec![0.0; 3])
             .unwrap();
-        courses.push("input_torque_n_m", vec![1.0; 3]).unwrap();
-        courses
+        time_series.push("input_torque_n_m", vec![1.0; 3]).unwrap();
+        time_series
     }
 
     #[test]
@@ -91,12 +91,12 @@ mod tests {
             from_s,
             to_s,
         };
-        let (a, b) = (courses([3.0, 4.0, 1.0]), courses([3.0, 4.0, 0.0]));
+        let (a, b) = (time_series([3.0, 4.0, 1.0]), time_series([3.0, 4.0, 0.0]));
         let least = Least {
             force_n: 0.5,
             torque_n_m: 1e-3,
         };
-        let errors = |a: &Courses, b: &Courses, span: &Span| errors(a, b, span, least);
+        let errors = |a: &TimeSeries, b: &TimeSeries, span: &Span| errors(a, b, span, least);
         let near = |found: [f64; 2], by_hand: [f64; 2]| {
             let off = found.iter().zip(by_hand).map(|(a, b)| (a - b).abs());
             assert!(off.fold(0.0, f64::max) < 1e-15, "{found:?}");

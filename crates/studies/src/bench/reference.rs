@@ -9,9 +9,9 @@
 //! The distance between the two is the error of the worse of them, and thus an upper estimate for the
 //! reference. What the reference gains from a tolerance ten times (a step two times) coarser is given beside it.
 
-use pinwheel_courses::Courses;
-use pinwheel_courses::norms::Least;
 use pinwheel_scene::{Detection, Formulation, FrictionLaw, Scene};
+use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::norms::Least;
 use serde::Serialize;
 
 use super::Knob;
@@ -109,12 +109,12 @@ fn methods(scene: &Scene) -> Result<[MethodSetting; 2], StudyError> {
     ])
 }
 
-/// Runs both methods and the coarser one; returns the windows, the loads that count as none, and the courses too.
+/// Runs both methods and the coarser one; returns the windows, the loads that count as none, and the time series too.
 pub(super) fn run(
     scene: &Scene,
     control: &Control<'_>,
     announce: &mut dyn FnMut(&str),
-) -> Result<(Reference, Vec<Span>, Least, Courses), StudyError> {
+) -> Result<(Reference, Vec<Span>, Least, TimeSeries), StudyError> {
     let [first, second] = methods(scene)?;
     let mut solve = |plan: &MethodSetting, setting: f64| {
         announce(&format!("reference: {}, {setting:.2e}", plan.method));
@@ -125,17 +125,17 @@ pub(super) fn run(
             setting,
             rhs_calls: run.counts.evaluations,
         };
-        Ok::<_, StudyError>((solution, run.courses))
+        Ok::<_, StudyError>((solution, run.time_series))
     };
-    let (solution, courses) = solve(&first, first.setting)?;
+    let (solution, time_series) = solve(&first, first.setting)?;
     let (other, others) = solve(&second, second.setting)?;
     let (_, coarser) = solve(&first, first.coarser())?;
-    let spans = spans(scene, &courses);
+    let spans = spans(scene, &time_series);
     let least = compile(scene)?.least_loads();
-    let against = |run: &Courses| {
+    let against = |run: &TimeSeries| {
         let spans = spans.iter();
         spans
-            .map(|span| errors(run, &courses, span, least))
+            .map(|span| errors(run, &time_series, span, least))
             .collect()
     };
     let reference = Reference {
@@ -145,5 +145,5 @@ pub(super) fn run(
         to_coarser: against(&coarser),
         coarser_setting: first.coarser(),
     };
-    Ok((reference, spans, least, courses))
+    Ok((reference, spans, least, time_series))
 }

@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use pinwheel_courses::Courses;
-use pinwheel_courses::norms::Least;
 use pinwheel_engines::{Ending, Engine, Run, Track};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_mbs::integrators;
 use pinwheel_scene::Scene;
+use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::norms::Least;
 use serde::Serialize;
 
 use super::Options;
@@ -114,7 +114,7 @@ impl Series {
 
 /// What points are measured against.
 pub(super) struct Truth<'a> {
-    pub(super) courses: &'a Courses,
+    pub(super) time_series: &'a TimeSeries,
     pub(super) windows: &'a [Span],
     /// Loads that count as none.
     pub(super) least: Least,
@@ -271,11 +271,11 @@ fn point(
         steps: run.stats.steps,
         rejected_steps: run.stats.rejected_steps,
     };
-    let whole = run.ending.is_finished() && run.courses.len() == truth.courses.len();
+    let whole = run.ending.is_finished() && run.time_series.len() == truth.time_series.len();
     let errors = if whole {
         let windows = truth.windows.iter();
         windows
-            .map(|window| errors(&run.courses, truth.courses, window, truth.least))
+            .map(|window| errors(&run.time_series, truth.time_series, window, truth.least))
             .collect()
     } else {
         Vec::new()

@@ -1,7 +1,7 @@
 //! The points as one flat table: a row a setting, errors of all windows side by side.
 
-use pinwheel_courses::Ending;
-use pinwheel_courses::table::{Mark, Shown, Table};
+use pinwheel_timeseries::Ending;
+use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use super::{Cost, Errors, Knob, Point, Series, WorkPrecision};
 

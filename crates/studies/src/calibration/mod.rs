@@ -18,10 +18,10 @@ use pinwheel_compare::{
     Comparison, Context, Cost, Evidence, Metric, Participant, Rules, Status, Track, WindowKind,
     compare,
 };
-use pinwheel_courses::Courses;
 use pinwheel_engines::{Knob, known};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::CheckedScene;
+use pinwheel_timeseries::TimeSeries;
 use serde::Serialize;
 
 use crate::StudyError;
@@ -312,7 +312,7 @@ fn against(
     context: &Context,
     participant: Participant,
     evidence: Option<Evidence>,
-    truth: Courses,
+    truth: TimeSeries,
 ) -> Result<Comparison, StudyError> {
     let exact = Evidence {
         engine: "truth".to_owned(),
@@ -330,14 +330,14 @@ fn against(
 }
 
 /// Time series as a native run.
-fn as_run(name: &str, courses: Courses) -> Participant {
+fn as_run(name: &str, time_series: TimeSeries) -> Participant {
     Participant {
         name: name.to_owned(),
         track: Track::Native,
         version: String::new(),
         summary: String::new(),
         differences: String::new(),
-        courses,
+        time_series,
         cost: Cost::default(),
         status: Status::Finished,
     }

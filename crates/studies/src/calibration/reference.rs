@@ -1,9 +1,9 @@
 //! What a gear's runs are held against: two runs by methods and settings that nothing else here takes.
 
-use pinwheel_courses::Courses;
 use pinwheel_gearbox::{Frequencies, Gearbox, native};
 use pinwheel_mbs::integrators::method;
 use pinwheel_scene::{Detection, FrictionLaw, Scene};
+use pinwheel_timeseries::TimeSeries;
 
 /// Method and setting (tolerance, or radians of the contacts' oscillation a step).
 pub type Setting = (&'static str, f64);
@@ -29,7 +29,7 @@ pub fn settings(scene: &Scene, by: &str) -> [Setting; 2] {
 
 /// The scene's time series by such a setting; `None` where it does not get through.
 #[must_use]
-pub fn run(scene: &Scene, (integrator, setting): Setting) -> Option<Courses> {
+pub fn run(scene: &Scene, (integrator, setting): Setting) -> Option<TimeSeries> {
     let radian = 1.0 / Frequencies::of(scene).contact_rad_s;
     let mut scene = scene.clone();
     let solver = &mut scene.solver;
@@ -41,5 +41,5 @@ pub fn run(scene: &Scene, (integrator, setting): Setting) -> Option<Courses> {
     }
     let gearbox = Gearbox::new(&scene.check().ok()?).ok()?;
     let ran = native::run(&gearbox, &mut |_| false).ok()?;
-    Some(ran.whole().ok()?.courses)
+    Some(ran.whole().ok()?.time_series)
 }

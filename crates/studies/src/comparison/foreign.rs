@@ -7,12 +7,12 @@ use pinwheel_compare::limits::fits;
 use pinwheel_compare::{
     Cost, DataUncertainty, Metric, Participant, StatedLimit, Status, Track, WindowKind, quantities,
 };
-use pinwheel_courses::foreign::{self, ForeignError, Map, Offset, Resampled};
-use pinwheel_courses::{Courses, group_of};
 use pinwheel_files::read_text;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{Scene, did_you_mean};
+use pinwheel_timeseries::foreign::{self, ForeignError, Map, Offset, Resampled};
+use pinwheel_timeseries::{TimeSeries, group_of};
 
 use crate::StudyError;
 
@@ -128,7 +128,7 @@ pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyEr
     let contract = pinwheel_gearbox::Recorder::contract(&gearbox);
     let mut asked = false;
     for data in list {
-        for channel in data.foreign.courses.channels() {
+        for channel in data.foreign.time_series.channels() {
             let name = channel.name.as_str();
             if contract.iter().any(|known| known == name) {
                 continue;
@@ -226,7 +226,7 @@ impl Data {
                 &self.map.differences,
                 "Its map does not say how it differs from the scene.",
             ),
-            courses: found.courses,
+            time_series: found.time_series,
             cost,
             status: Status::Finished,
         };
@@ -239,12 +239,13 @@ impl Data {
     }
 
     /// The data at the times that the map says, and what is to be said of a shift that fits better.
-    fn placed(&self, others: &[Participant]) -> Result<(Courses, Option<String>), StudyError> {
-        let own = &self.foreign.courses;
+    fn placed(&self, others: &[Participant]) -> Result<(TimeSeries, Option<String>), StudyError> {
+        let own = &self.foreign.time_series;
         let offset = self.map.time.offset_s;
         let finished = others.iter().filter(|other| other.status.is_finished());
-        let run = finished.max_by_key(|other| (other.track == Track::Native, other.courses.len()));
-        let found = run.and_then(|run| Some((&run.name, foreign::shift(&run.courses, own)?)));
+        let run =
+            finished.max_by_key(|other| (other.track == Track::Native, other.time_series.len()));
+        let found = run.and_then(|run| Some((&run.name, foreign::shift(&run.time_series, own)?)));
         match (offset, found) {
             (Offset::Align, None) => Err(StudyError::Input(format!(
                 "{}: offset_s = \"align\" finds nothing to align by: no engine finished, or no column of the file changes \
@@ -255,7 +256,7 @@ impl Data {
                 let seconds = shift.seconds;
                 let times = own.time_s().iter().map(|t| t + seconds).collect();
                 let broken = |error: &dyn std::fmt::Display| StudyError::Input(error.to_string());
-                let mut moved = Courses::new(times).map_err(|e| broken(&e))?;
+                let mut moved = TimeSeries::new(times).map_err(|e| broken(&e))?;
                 for channel in own.channels() {
                     let values = channel.values.clone();
                     moved
@@ -273,7 +274,7 @@ impl Data {
     }
 
     /// What was done to the data, for the reader.
-    fn notes(&self, scene: &Scene, own: &Courses, found: &Resampled) -> Vec<String> {
+    fn notes(&self, scene: &Scene, own: &TimeSeries, found: &Resampled) -> Vec<String> {
         let mut notes = Vec::new();
         let (bad, rows) = (&self.foreign.bad, self.foreign.rows);
         if !bad.is_empty() {
@@ -336,7 +337,7 @@ impl Data {
         let gear = &scene.gear;
         let names: Vec<&str> = self
             .foreign
-            .courses
+            .time_series
             .channels()
             .iter()
             .map(|channel| channel.name.as_str())
@@ -370,7 +371,7 @@ impl Data {
     /// `inputs`: what the scene's uncertain values make of each quantity, as a share of its RMS.
     pub(super) fn uncertainties(
         &self,
-        measured: &Courses,
+        measured: &TimeSeries,
         inputs: &[(String, f64)],
     ) -> Vec<DataUncertainty> {
         let mut groups: Vec<(&str, f64, f64)> = Vec::new();

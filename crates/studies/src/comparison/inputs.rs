@@ -5,9 +5,9 @@
 //! hypercube (McKay, Beckman, Conover 1979), and what counts is the standard deviation of the series at every sample.
 
 use pinwheel_compare::quantities::derive;
-use pinwheel_courses::Courses;
-use pinwheel_courses::norms::View;
 use pinwheel_scene::CheckedScene;
+use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::norms::View;
 
 use crate::StudyError;
 use crate::control::{Control, Progress, complete};
@@ -48,18 +48,18 @@ pub(super) fn uncertainty(
                 ))
             })?;
         }
-        complete(&moved, control).map(|run| run.courses)
+        complete(&moved, control).map(|run| run.time_series)
     };
     let middle = run(&[])?;
     let runs = variants
         .iter()
         .map(|moves| run(moves))
-        .collect::<Result<Vec<Courses>, _>>()?;
+        .collect::<Result<Vec<TimeSeries>, _>>()?;
     let few = scene.uncertain.len() <= FEW;
     let found = derive([&middle]).into_iter().filter_map(|quantity| {
         let whole = 0..middle.len();
-        let view = |courses| {
-            let view = View::of(courses, &quantity.channels, whole.clone())?;
+        let view = |time_series| {
+            let view = View::of(time_series, &quantity.channels, whole.clone())?;
             Some(view.values().collect::<Vec<f64>>())
         };
         let size = square(&view(&middle)?);

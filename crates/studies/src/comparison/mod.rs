@@ -15,11 +15,11 @@ use pinwheel_compare::{
     Comparison, Context, Divergence, Metric, Participant, Rules, Scales, Status, Track, WindowKind,
     compare,
 };
-use pinwheel_courses::columns;
 use pinwheel_engines::{Engine, external, recorded};
 use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, Statement};
 use pinwheel_scene::load_course;
 use pinwheel_scene::{Assumption, Scene, Start, assumptions};
+use pinwheel_timeseries::columns;
 use serde::Serialize;
 
 use crate::control::{Control, Patience, Progress, WITHIN};
@@ -121,7 +121,7 @@ pub fn run_with(
     };
     for data in input.data {
         let (participant, limits) = data.take_part(scene, &participants)?;
-        measured.extend(data.uncertainties(&participant.courses, &inputs));
+        measured.extend(data.uncertainties(&participant.time_series, &inputs));
         participants.push(participant);
         stated.extend(limits);
     }
@@ -188,7 +188,7 @@ impl Outcome {
             if participant.track == Track::Measured {
                 // As they are compared.
                 participant
-                    .courses
+                    .time_series
                     .save_csv(&place.join("courses.csv"))
                     .map_err(|error| OutputError::new(&place, &error))?;
                 continue;
@@ -205,7 +205,7 @@ impl Outcome {
                 &participant.cost,
                 made,
             )
-            .write(&place, &participant.courses)?;
+            .write(&place, &participant.time_series)?;
         }
         let found = Found {
             comparison: &self.comparison,
@@ -224,7 +224,7 @@ fn has_joined(engine: &str) -> bool {
 }
 
 /// What the authors of solvers that joined state of their own contact models, once a run is steady: mean driver torque, and
-/// whole courses of everything else.
+/// whole time series of everything else.
 fn of_solvers() -> impl Iterator<Item = ModelTolerance> {
     let joined = external::joined().into_iter();
     joined.flat_map(|solver| {
@@ -276,7 +276,7 @@ fn take_part(
         version: engine.version(),
         summary: engine.info().summary.to_owned(),
         differences: engine.info().differences.to_owned(),
-        courses: run.courses,
+        time_series: run.time_series,
         cost: run.stats,
         status: run.ending,
     };

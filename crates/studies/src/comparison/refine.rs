@@ -12,12 +12,12 @@ use pinwheel_compare::{
     Context, Evidence, Level, Participant, RESOLUTION, RefinementStudy, Rules, Status, Track,
     Uncertainty, compare,
 };
-use pinwheel_courses::Courses;
 use pinwheel_engines::{Engine, Form, Native};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, Plan};
 use pinwheel_mbs::integrators::{Family, UNSEEN, method};
 use pinwheel_scene::{CheckedScene, Override, preset};
+use pinwheel_timeseries::TimeSeries;
 
 use super::take_part;
 use crate::StudyError;
@@ -343,7 +343,7 @@ fn solver_of(gearbox: &Gearbox) -> &str {
 /// A run at one setting.
 struct At {
     value: f64,
-    run: Result<Courses, String>,
+    run: Result<TimeSeries, String>,
     wall_s: f64,
 }
 
@@ -353,7 +353,7 @@ impl At {
             value,
             wall_s: ran.cost.wall_s,
             run: match ran.status.reason() {
-                None => Ok(ran.courses),
+                None => Ok(ran.time_series),
                 Some(reason) => Err(reason),
             },
         }
@@ -514,7 +514,7 @@ pub(crate) fn refine(
             0,
             At {
                 value,
-                run: Ok(before.courses),
+                run: Ok(before.time_series),
                 wall_s,
             },
         );

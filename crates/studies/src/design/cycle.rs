@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use pinwheel_courses::columns;
 use pinwheel_engines::Native;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{LoadChange, Scales, Scene, Start};
+use pinwheel_timeseries::columns;
 use serde::Serialize;
 
 use super::{ARCMIN, LOST};
@@ -77,9 +77,11 @@ pub(super) fn run(
     scene.output.channels.clear();
     let slow = compile(&scene)?;
     let found = single::run(&slow, &Native::REDUCED, false, control)?;
-    let courses = &found.run.courses;
-    let time_s = courses.time_s().to_vec();
-    let angle = courses.channel(columns::OUTPUT_ANGLE).unwrap_or_default();
+    let time_series = &found.run.time_series;
+    let time_s = time_series.time_s().to_vec();
+    let angle = time_series
+        .channel(columns::OUTPUT_ANGLE)
+        .unwrap_or_default();
     let torque_n_m: Vec<f64> = time_s.iter().map(|&t| slow.load_torque(t)).collect();
     let angle_arcmin: Vec<f64> = angle.iter().map(|angle| ARCMIN * angle).collect();
     let from = |t: f64| time_s.partition_point(|&at| at < t);

@@ -6,8 +6,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use pinwheel_courses::table::Table;
 use pinwheel_scene::{CheckedScene, Outline};
+use pinwheel_timeseries::table::Table;
 use serde::Serialize;
 
 use crate::StudyError;

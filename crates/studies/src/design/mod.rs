@@ -28,11 +28,11 @@ mod orders;
 use std::f64::consts::PI;
 use std::path::Path;
 
-use pinwheel_courses::table::{Column, Table};
 use pinwheel_engines::Native;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError};
 use pinwheel_scene::{CheckedScene, Derived, Scene, derived, load_course};
+use pinwheel_timeseries::table::{Column, Table};
 use serde::Serialize;
 
 use crate::control::{compile, of_scene};
@@ -248,11 +248,11 @@ pub(crate) fn figures_of(
         unloaded,
     };
     let summed = balances.summed(1, 0);
-    let courses = [
+    let time_series = [
         (&balances.loaded, rated),
         (&balances.unloaded, NO_LOAD * rated),
     ];
-    let transmission = courses.map(|(found, torque)| {
+    let transmission = time_series.map(|(found, torque)| {
         let error: Vec<f64> = found.iter().map(|pose| ARCMIN * pose.error_rad).collect();
         let spread = Spread::of(error.iter().copied());
         Transmission {

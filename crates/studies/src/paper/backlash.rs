@@ -51,7 +51,8 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let exact = runs.backlashes(Model::Ours)?;
     let fine = runs.backlashes(Model::Points(4000))?;
     let coarse = runs.backlashes(Model::Points(600))?;
-    let peaks = |cases: &Cases, group, window| cases.each(|courses| peak(courses, group, window));
+    let peaks =
+        |cases: &Cases, group, window| cases.each(|time_series| peak(time_series, group, window));
     let external = peaks(&exact, EXTERNAL, STEADY);
     let internal = peaks(&exact, INTERNAL, STEADY);
     let early = peaks(&exact, INTERNAL, DYING);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::rc::Rc;
 
-use pinwheel_courses::Courses;
+use pinwheel_timeseries::TimeSeries;
 
 use super::backlash::NAMES;
 use super::figure::{Curve, Measured, Plot, number, numbers};
@@ -43,8 +43,8 @@ fn run(runs: &Runs<'_>, model: Model, backlash: f64) -> Result<Rc<Run>, StudyErr
     })
 }
 
-fn course<'a>(courses: &'a Courses, name: &str, contact: &Contact) -> &'a [f64] {
-    courses
+fn course<'a>(time_series: &'a TimeSeries, name: &str, contact: &Contact) -> &'a [f64] {
+    time_series
         .channel(&format!("{name}_{}", contact.sleeve))
         .and_then(|values| values.get(contact.samples.clone()))
         .unwrap_or(&[])
@@ -52,11 +52,11 @@ fn course<'a>(courses: &'a Courses, name: &str, contact: &Contact) -> &'a [f64] 
 
 /// All contacts of wheel 0 that begin after `from` and have ended in the run. Gaps of a few samples, a sleeve
 /// bouncing at its start, do not end a contact.
-fn contacts(courses: &Courses, from: f64) -> Vec<Contact> {
-    let start = courses.time_s().partition_point(|t| *t < from);
+fn contacts(time_series: &TimeSeries, from: f64) -> Vec<Contact> {
+    let start = time_series.time_s().partition_point(|t| *t < from);
     let bridged = 40; // 2 ms
     let mut found = Vec::new();
-    for (sleeve, depth) in courses.group(PENETRATION).into_iter().enumerate() {
+    for (sleeve, depth) in time_series.group(PENETRATION).into_iter().enumerate() {
         let mut open: Option<Range<usize>> = None;
         for (k, delta) in depth.iter().enumerate() {
             if *delta > 0.0 {
@@ -82,10 +82,10 @@ fn contacts(courses: &Courses, from: f64) -> Vec<Contact> {
 }
 
 /// The longest of the contacts that begin nearest to the paper's: touches of a sample or two are left out.
-fn nearest(courses: &Courses, sleeve: Option<usize>) -> Option<Contact> {
-    let all = contacts(courses, 0.12);
+fn nearest(time_series: &TimeSeries, sleeve: Option<usize>) -> Option<Contact> {
+    let all = contacts(time_series, 0.12);
     let longest = all.iter().map(|c| c.samples.len()).max()?;
-    let begins = |c: &Contact| courses.time_s()[c.samples.start];
+    let begins = |c: &Contact| time_series.time_s()[c.samples.start];
     all.into_iter()
         .filter(|c| 2 * c.samples.len() > longest && sleeve.is_none_or(|s| s == c.sleeve))
         .min_by(|a, b| {
@@ -96,8 +96,8 @@ fn nearest(courses: &Courses, sleeve: Option<usize>) -> Option<Contact> {
 }
 
 /// Mean duration of the steady contacts, s.
-fn duration(courses: &Courses) -> f64 {
-    let all = contacts(courses, STEADY.0 - 0.1);
+fn duration(time_series: &TimeSeries) -> f64 {
+    let all = contacts(time_series, STEADY.0 - 0.1);
     let longest = all.iter().map(|c| c.samples.len()).max().unwrap_or(0);
     let whole: Vec<f64> = all
         .iter()
@@ -149,7 +149,7 @@ impl Touches {
         let mut list: Vec<(String, Rc<Run>, Contact)> = Vec::new();
         for (label, run) in runs {
             let sleeve = list.first().map(|first| first.2.sleeve);
-            let contact = nearest(&run.courses, sleeve).ok_or_else(missing)?;
+            let contact = nearest(&run.time_series, sleeve).ok_or_else(missing)?;
             list.push((label, run, contact));
         }
         let samples = || list.iter().map(|touch| &touch.2.samples);
@@ -162,13 +162,13 @@ impl Touches {
     }
 
     fn values(&self, k: usize, name: &str) -> &[f64] {
-        course(&self.list[k].1.courses, name, &self.list[k].2)
+        course(&self.list[k].1.time_series, name, &self.list[k].2)
     }
 
     /// Begin and end of a contact, s.
     fn times(&self, k: usize) -> [f64; 2] {
         let (_, run, contact) = &self.list[k];
-        let time = run.courses.time_s();
+        let time = run.time_series.time_s();
         [time[contact.samples.start], time[contact.samples.end]]
     }
 
@@ -178,10 +178,10 @@ impl Touches {
         let sleeve = contact.sleeve;
         let title = format!("{what}, wheel 0 with external sleeve {sleeve}");
         let curve = |(label, run, contact): &(String, Rc<Run>, Contact)| {
-            let values = course(&run.courses, name, contact);
+            let values = course(&run.time_series, name, contact);
             Curve::line(label, spread(values, &contact.samples, &self.shown))
         };
-        let x = run.courses.time_s()[self.shown.clone()].to_vec();
+        let x = run.time_series.time_s()[self.shown.clone()].to_vec();
         let curves = self.list.iter().map(curve).collect();
         Plot::over_time([key, &title, y_label], x, curves)
     }
@@ -266,11 +266,11 @@ pub(super) fn one_contact(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> 
 }
 
 /// Largest approach in the first half millisecond of the steady contacts, m/s.
-fn onset(courses: &Courses) -> f64 {
+fn onset(time_series: &TimeSeries) -> f64 {
     let first = 10;
-    let all = contacts(courses, STEADY.0).into_iter();
+    let all = contacts(time_series, STEADY.0).into_iter();
     let speeds = all.filter(|c| c.samples.len() > 200).map(|c| {
-        let speed = course(courses, NORMAL, &c);
+        let speed = course(time_series, NORMAL, &c);
         largest(&speed[..first.min(speed.len())])
     });
     speeds.fold(0.0, f64::max)
@@ -282,9 +282,9 @@ pub(super) fn with_backlash(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError
         ran.push((backlash(d), run(runs, Model::Ours, d)?));
     }
     let found = Touches::find(ran.into_iter())?;
-    let each = |of: fn(&Courses) -> f64| -> Vec<f64> {
+    let each = |of: fn(&TimeSeries) -> f64| -> Vec<f64> {
         let all = found.list.iter();
-        all.map(|touch| 1e3 * of(&touch.1.courses)).collect()
+        all.map(|touch| 1e3 * of(&touch.1.time_series)).collect()
     };
     let shift = 1e3 * (found.times(2)[0] - found.times(0)[0]);
     let mut seventeen = numbers("contact_lasts", &NAMES, &each(duration), "ms");

@@ -22,11 +22,11 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         s.contact.damping_n_s_m = damping;
     })?;
     let ranges = |what: &str, channel: &str| {
-        let values = cases.each(|courses| range(part(courses, channel, STEADY)));
+        let values = cases.each(|time_series| range(part(time_series, channel, STEADY)));
         numbers(what, &NAMES, &values, "N m")
     };
     let peaks = |what: &str, group: &str| {
-        let values = cases.each(|courses| peak(courses, group, STEADY));
+        let values = cases.each(|time_series| peak(time_series, group, STEADY));
         numbers(what, &NAMES, &values, "N")
     };
     let plot = |words: [&str; 3], channel: &str| cases.plot(words, channel, SHOWN);
@@ -86,7 +86,7 @@ pub(super) fn above(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
                 }
             });
             means.push(match run {
-                Ok(run) => mean(part(&run.courses, INPUT, (0.2, 0.4))),
+                Ok(run) => mean(part(&run.time_series, INPUT, (0.2, 0.4))),
                 Err(StudyError::Reference { .. }) => f64::NAN,
                 Err(other) => return Err(other),
             });

@@ -1,10 +1,10 @@
 //! Fig. 10: another engine in Adams' place, and what could make spikes.
 
-use pinwheel_courses::Courses;
-use pinwheel_courses::norms::rows_at;
 use pinwheel_engines::{Engine, Track, by_name, known, recorded};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Detection, Scene};
+use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::norms::rows_at;
 
 use super::figure::{Curve, Measured, Plot, number};
 use super::read::{DRAWN, EXTERNAL, INTERNAL, STEADY, all, largest, part, peak, times};
@@ -13,7 +13,7 @@ use crate::StudyError;
 use crate::choice::find_or_recorded;
 use crate::control::{Control, Progress, compile};
 
-/// Courses of an engine that detects and resolves contact itself, on the paper's scene and sample times.
+/// Time series of an engine that detects and resolves contact itself, on the paper's scene and sample times.
 #[derive(Debug, Clone)]
 pub struct Peer {
     /// Name, with its version.
@@ -24,8 +24,8 @@ pub struct Peer {
     pub differences: String,
     /// Why no nearer relative of Adams was taken, if so.
     pub note: String,
-    /// Its courses.
-    pub courses: Courses,
+    /// Its time series.
+    pub time_series: TimeSeries,
     /// Wall time, s, if known.
     pub wall_s: Option<f64>,
 }
@@ -92,7 +92,7 @@ fn run(
         live: !version.contains("recorded"),
         differences: engine.info().differences.to_owned(),
         note,
-        courses: run.courses,
+        time_series: run.time_series,
         wall_s: Some(run.stats.wall_s),
     })
 }
@@ -107,10 +107,10 @@ fn spikes(values: &[f64]) -> f64 {
 }
 
 /// A course at the times `x`; not a number where it has no sample (recordings are thinned).
-fn on_grid(courses: &Courses, name: &str, x: &[f64]) -> Vec<f64> {
-    let values = courses.channel(name).unwrap_or(&[]);
+fn on_grid(time_series: &TimeSeries, name: &str, x: &[f64]) -> Vec<f64> {
+    let values = time_series.channel(name).unwrap_or(&[]);
     let at = |row: Option<usize>| row.and_then(|row| values.get(row)).copied();
-    rows_at(x, courses.time_s())
+    rows_at(x, time_series.time_s())
         .map(|row| at(row).unwrap_or(f64::NAN))
         .collect()
 }
@@ -149,9 +149,12 @@ fn suspects() -> [Suspect; 5] {
 pub(super) fn figure(runs: &Runs<'_>, peer: Option<&Peer>) -> Result<Vec<Measured>, StudyError> {
     let ours = runs.get(Model::Ours, |_| {})?;
     let published = runs.get(Model::Points(4000), |_| {})?;
-    let within =
-        |courses: &Courses, window| [EXTERNAL, INTERNAL].map(|group| peak(courses, group, window));
-    let spiky = |courses: &Courses| [EXTERNAL, INTERNAL].map(|g| spikes(&all(courses, g, STEADY)));
+    let within = |time_series: &TimeSeries, window| {
+        [EXTERNAL, INTERNAL].map(|group| peak(time_series, group, window))
+    };
+    let spiky = |time_series: &TimeSeries| {
+        [EXTERNAL, INTERNAL].map(|g| spikes(&all(time_series, g, STEADY)))
+    };
     let mut found = Measured {
         id: "fig-10",
         ..Measured::default()
@@ -162,9 +165,9 @@ pub(super) fn figure(runs: &Runs<'_>, peer: Option<&Peer>) -> Result<Vec<Measure
             found.numbers.push(number(name, value, "N"));
         }
     };
-    add("_ours", within(&ours.courses, STEADY));
-    add("_later", within(&ours.courses, (0.1, 0.6)));
-    add("_first", within(&ours.courses, (0.0, 0.05)));
+    add("_ours", within(&ours.time_series, STEADY));
+    add("_later", within(&ours.time_series, (0.1, 0.6)));
+    add("_first", within(&ours.time_series, (0.0, 0.05)));
     let mut tried = Vec::new();
     for (name, change) in suspects() {
         let seen = runs.get(Model::Ours, |s| {
@@ -173,8 +176,8 @@ pub(super) fn figure(runs: &Runs<'_>, peer: Option<&Peer>) -> Result<Vec<Measure
         });
         tried.push(match seen {
             Ok(run) => {
-                let [e, i] = within(&run.courses, STEADY);
-                let [se, si] = spiky(&run.courses);
+                let [e, i] = within(&run.time_series, STEADY);
+                let [se, si] = spiky(&run.time_series);
                 add(&format!(", {name}"), [e, i]);
                 format!("{name}: {e:.0} and {i:.0} N (spikes {se:.2}, {si:.2})")
             }
@@ -183,8 +186,8 @@ pub(super) fn figure(runs: &Runs<'_>, peer: Option<&Peer>) -> Result<Vec<Measure
         });
     }
     if let Some(peer) = peer {
-        let [e, i] = within(&peer.courses, STEADY);
-        let [se, si] = spiky(&peer.courses);
+        let [e, i] = within(&peer.time_series, STEADY);
+        let [se, si] = spiky(&peer.time_series);
         add("_other", [e, i]);
         found.numbers.extend([
             number("external_spikes_other", se, ""),
@@ -210,15 +213,17 @@ pub(super) fn figure(runs: &Runs<'_>, peer: Option<&Peer>) -> Result<Vec<Measure
         ("fig-10b", "external", EXTERNAL),
     ] {
         let channel = format!("{group}_0");
-        let x = times(&ours.courses, DRAWN);
-        let line =
-            |label: &str, courses: &Courses| Curve::line(label, part(courses, &channel, DRAWN));
+        let x = times(&ours.time_series, DRAWN);
+        let line = |label: &str, time_series: &TimeSeries| {
+            Curve::line(label, part(time_series, &channel, DRAWN))
+        };
         let mut curves = vec![
-            line("ours, exact profile", &ours.courses),
-            line("ours, 4000 points", &published.courses),
+            line("ours, exact profile", &ours.time_series),
+            line("ours, 4000 points", &published.time_series),
         ];
-        curves
-            .extend(peer.map(|peer| Curve::line(&peer.name, on_grid(&peer.courses, &channel, &x))));
+        curves.extend(
+            peer.map(|peer| Curve::line(&peer.name, on_grid(&peer.time_series, &channel, &x))),
+        );
         let title = format!("Force on {kind} sleeve 0");
         let words = [key, &title, "Force (N)"];
         found.plots.push(Plot::over_time(words, x, curves));

@@ -15,12 +15,12 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let cases = models.into_iter().map(run);
     let cases = Cases(cases.collect::<Result<_, StudyError>>()?);
     let errors = |what: &str, group: &str| {
-        let exact = all(&exact.courses, group, STEADY);
-        let off = cases.each(|courses| off(&all(courses, group, STEADY), &exact));
+        let exact = all(&exact.time_series, group, STEADY);
+        let off = cases.each(|time_series| off(&all(time_series, group, STEADY), &exact));
         numbers(what, &["600_points", "4000_points"], &off, "")
     };
     let sleeves = [INTERNAL, EXTERNAL].map(|group| format!("{group}_0"));
-    let rough = cases.each(|courses| roughness(part(courses, &sleeves[0], STEADY), HALF));
+    let rough = cases.each(|time_series| roughness(part(time_series, &sleeves[0], STEADY), HALF));
     let names = ["600_points", "4000_points", "exact"];
     let internal = ["fig-09a", "Force on internal sleeve 0", "Force (N)"];
     let external = ["fig-09b", "Force on external sleeve 0", "Force (N)"];

@@ -1,7 +1,7 @@
-//! What is read off courses.
+//! What is read off time series.
 
-pub(super) use pinwheel_courses::norms::{mean, range};
-use pinwheel_courses::{Courses, columns, norms};
+pub(super) use pinwheel_timeseries::norms::{mean, range};
+use pinwheel_timeseries::{TimeSeries, columns, norms};
 
 /// The contract's columns.
 pub(super) const INPUT: &str = columns::INPUT_TORQUE;
@@ -17,23 +17,23 @@ pub(super) const DRAWN: (f64, f64) = (0.24, 0.36);
 pub(super) const DYING: (f64, f64) = (0.06, 0.15);
 
 /// The values of one channel within a window; none if there is no such channel.
-pub(super) fn part<'a>(courses: &'a Courses, name: &str, window: (f64, f64)) -> &'a [f64] {
-    let range = courses.window(window.0, window.1);
-    courses
+pub(super) fn part<'a>(time_series: &'a TimeSeries, name: &str, window: (f64, f64)) -> &'a [f64] {
+    let range = time_series.window(window.0, window.1);
+    time_series
         .channel(name)
         .and_then(|values| values.get(range))
         .unwrap_or(&[])
 }
 
 /// The sample times within a window.
-pub(super) fn times(courses: &Courses, window: (f64, f64)) -> Vec<f64> {
-    courses.time_s()[courses.window(window.0, window.1)].to_vec()
+pub(super) fn times(time_series: &TimeSeries, window: (f64, f64)) -> Vec<f64> {
+    time_series.time_s()[time_series.window(window.0, window.1)].to_vec()
 }
 
 /// All values of a group of channels within a window.
-pub(super) fn all(courses: &Courses, group: &str, window: (f64, f64)) -> Vec<f64> {
-    let range = courses.window(window.0, window.1);
-    let channels = courses.group(group);
+pub(super) fn all(time_series: &TimeSeries, group: &str, window: (f64, f64)) -> Vec<f64> {
+    let range = time_series.window(window.0, window.1);
+    let channels = time_series.group(group);
     let parts = channels
         .iter()
         .filter_map(|values| values.get(range.clone()));
@@ -46,8 +46,8 @@ pub(super) fn largest(values: &[f64]) -> f64 {
 }
 
 /// The largest force of a group within a window; 0 without any.
-pub(super) fn peak(courses: &Courses, group: &str, window: (f64, f64)) -> f64 {
-    largest(&all(courses, group, window))
+pub(super) fn peak(time_series: &TimeSeries, group: &str, window: (f64, f64)) -> f64 {
+    largest(&all(time_series, group, window))
 }
 
 /// RMS of `a - b` over the RMS of `b`.

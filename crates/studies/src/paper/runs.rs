@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::time::Instant;
 
-use pinwheel_courses::Courses;
 use pinwheel_scene::{Detection, Scene};
+use pinwheel_timeseries::TimeSeries;
 
 use super::figure::{Curve, Plot};
 use super::read::{part, times};
@@ -49,10 +49,10 @@ impl Model {
     }
 }
 
-/// Courses with what they cost.
+/// Time series with what they cost.
 #[derive(Debug)]
 pub(super) struct Run {
-    pub(super) courses: Courses,
+    pub(super) time_series: TimeSeries,
     pub(super) wall_s: f64,
 }
 
@@ -83,9 +83,9 @@ impl<'a> Runs<'a> {
             return Ok(Rc::clone(run));
         }
         let start = Instant::now();
-        let courses = complete(&scene, &self.control)?.courses;
+        let time_series = complete(&scene, &self.control)?.time_series;
         let run = Rc::new(Run {
-            courses,
+            time_series,
             wall_s: start.elapsed().as_secs_f64(),
         });
         self.known.borrow_mut().insert(key, Rc::clone(&run));
@@ -125,15 +125,18 @@ pub(super) struct Cases(pub(super) Vec<(String, Rc<Run>)>);
 
 impl Cases {
     /// A number of every run.
-    pub(super) fn each(&self, of: impl Fn(&Courses) -> f64) -> Vec<f64> {
-        self.0.iter().map(|(_, run)| of(&run.courses)).collect()
+    pub(super) fn each(&self, of: impl Fn(&TimeSeries) -> f64) -> Vec<f64> {
+        self.0.iter().map(|(_, run)| of(&run.time_series)).collect()
     }
 
     /// A channel of every run within a window; `[key, title, y_label]`.
     pub(super) fn plot(&self, words: [&str; 3], channel: &str, window: (f64, f64)) -> Plot {
-        let x = self.0.first().map(|(_, run)| times(&run.courses, window));
+        let x = self
+            .0
+            .first()
+            .map(|(_, run)| times(&run.time_series, window));
         let curve = |(label, run): &(String, Rc<Run>)| {
-            Curve::line(label, part(&run.courses, channel, window))
+            Curve::line(label, part(&run.time_series, channel, window))
         };
         let curves = self.0.iter().map(curve).collect();
         Plot::over_time(words, x.unwrap_or_default(), curves)

@@ -99,7 +99,7 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
                 s.solver.sample_s = turn / SAMPLES as f64;
                 s.solver.duration_s = turn * (TURNS.0 + TURNS.1) as f64;
             })?;
-            let values = part(&run.courses, channel, (0.0, f64::MAX));
+            let values = part(&run.time_series, channel, (0.0, f64::MAX));
             let from = TURNS.0 * SAMPLES;
             let bins = amplitudes(values.get(from..from + TURNS.1 * SAMPLES).unwrap_or(&[]));
             let at = |order: f64| bins.get(bin(order)).copied().unwrap_or(f64::NAN);

@@ -53,7 +53,7 @@ fn ripple(
             s.gear.backlash_m = d;
             s.drive.start = start;
         })?;
-        let ranges = cases.each(|courses| range(part(courses, channel, window)));
+        let ranges = cases.each(|time_series| range(part(time_series, channel, window)));
         found
             .numbers
             .extend(numbers(name, &["0", "0.6_mm"], &ranges, "N m"));
@@ -109,12 +109,12 @@ fn sixteen(runs: &Runs<'_>) -> Result<Measured, StudyError> {
             s.solver.sample_s = period / f64::from(samples);
             s.solver.duration_s = whole * period;
         })?;
-        let torque = part(&run.courses, OUTPUT, (0.0, LONG));
+        let torque = part(&run.time_series, OUTPUT, (0.0, LONG));
         let unlike = unlike_before(torque, samples as usize);
         found.numbers.push(number(name, unlike, ""));
         // Every third sample is enough for the page: 8 kHz.
         let thin = |values: &[f64]| values.iter().copied().step_by(3).collect::<Vec<_>>();
-        x = thin(&times(&run.courses, (0.0, LONG)));
+        x = thin(&times(&run.time_series, (0.0, LONG)));
         let label = format!("{}, {}", backlash(d), model.words());
         curves.push(Curve::line(label, thin(torque)));
     }

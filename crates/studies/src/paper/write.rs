@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use pinwheel_courses::table::{Column, Table};
+use pinwheel_timeseries::table::{Column, Table};
 use serde::Serialize;
 
 use super::{Options, PaperResult, Plot};
@@ -108,7 +108,7 @@ mod tests {
             "time_s,\"Force (N): d = 0, exact\"\n0,1.5\n0.5,\n"
         );
         assert_eq!(
-            pinwheel_courses::Courses::read_csv("time_s\n0\n".as_bytes())
+            pinwheel_timeseries::TimeSeries::read_csv("time_s\n0\n".as_bytes())
                 .map(|c| c.len())
                 .ok(),
             Some(1)

@@ -14,11 +14,11 @@ mod write;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use pinwheel_courses::norms::{Distance, Level};
 use pinwheel_engines::{Knob, by_name};
 use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_mbs::integrators;
 use pinwheel_scene::{Formulation, PRESETS, Scales, Scene};
+use pinwheel_timeseries::norms::{Distance, Level};
 use serde::{Deserialize, Serialize};
 
 pub use reference::Reference;
@@ -173,7 +173,7 @@ pub struct Cell {
     pub error: Option<Distance>,
     /// How that run failed, if it did.
     pub failure: Option<Failure>,
-    /// Sizes of its courses.
+    /// Sizes of its time series.
     pub level: Option<Level>,
     /// Energy that nothing accounts for, as a share of the larger work. Friction, damping and stored energy
     /// are accounted for; the paper's law itself creates about 0.01 in the steady state.
@@ -320,7 +320,7 @@ fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<SceneRow,
         refused: None,
         cells: Vec::new(),
     };
-    let (reference, courses) = match reference::run(&scene, control) {
+    let (reference, time_series) = match reference::run(&scene, control) {
         Ok(found) => found,
         Err(StudyError::Cancelled) => return Err(StudyError::Cancelled),
         Err(refused) => {
@@ -335,7 +335,7 @@ fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<SceneRow,
             scene.solver.integrator.clone_from(&method.integrator);
         }
         let judge = verdict::Judge {
-            reference: &courses,
+            reference: &time_series,
             level: reference.level,
             scales: Scales::of(&scene),
         };
@@ -381,8 +381,8 @@ fn cell(
     let run = at(options.step_s)?;
     cell.failure = judge.failure(&run);
     if run.ending.is_finished() {
-        cell.error = judge.error(&run.courses);
-        cell.level = Some(Level::of(&run.courses));
+        cell.error = judge.error(&run.time_series);
+        cell.level = Some(Level::of(&run.time_series));
         let whole = run.stats.energy.first();
         cell.energy_remainder_share = whole.and_then(|audit| audit.remainder_share);
         cell.joint_drift_m = run.stats.joint_drift_m.unwrap_or(0.0);

@@ -1,13 +1,13 @@
 //! The converged run of a scene, and how well it is converged.
 
-use pinwheel_courses::Courses;
 use pinwheel_mbs::integrators;
 use pinwheel_scene::{Detection, Formulation, Scene};
+use pinwheel_timeseries::TimeSeries;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 use crate::control::{Control, complete};
-use pinwheel_courses::norms::{Distance, Least, Level};
+use pinwheel_timeseries::norms::{Distance, Least, Level};
 
 /// How the converged run was made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,7 +18,7 @@ pub struct Reference {
     pub setting: f64,
     /// Distance to the same run with twice the step, or ten times the tolerance: what its errors are worth.
     pub own_error: Distance,
-    /// Sizes of its courses.
+    /// Sizes of its time series.
     pub level: Level,
 }
 
@@ -33,7 +33,7 @@ const TOLERANCE: f64 = 1e-8;
 pub(super) fn run(
     scene: &Scene,
     control: &Control<'_>,
-) -> Result<(Reference, Courses), StudyError> {
+) -> Result<(Reference, TimeSeries), StudyError> {
     let mut scene = scene.clone();
     scene.solver.formulation = Formulation::Reduced;
     let (integrator, fine, coarse) = if scene.contact.friction_coefficient > 0.0 {
@@ -56,8 +56,8 @@ pub(super) fn run(
     let reference = Reference {
         integrator: integrator.to_owned(),
         setting: fine,
-        own_error: Distance::between(&other.courses, &best.courses, Least::default()),
-        level: Level::of(&best.courses),
+        own_error: Distance::between(&other.time_series, &best.time_series, Least::default()),
+        level: Level::of(&best.time_series),
     };
-    Ok((reference, best.courses))
+    Ok((reference, best.time_series))
 }

@@ -1,11 +1,11 @@
 //! Whether a run gives the right picture, and how it fails if not.
 
-use pinwheel_courses::{Courses, Ending};
 use pinwheel_engines::Run;
 use pinwheel_scene::Scales;
+use pinwheel_timeseries::{Ending, TimeSeries};
 use serde::{Deserialize, Serialize};
 
-use pinwheel_courses::norms::{Distance, Least, Level};
+use pinwheel_timeseries::norms::{Distance, Least, Level};
 
 /// How a run fails. A blow-up is loud by itself; what ends with wrong numbers looks like data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -99,7 +99,7 @@ impl Failure {
 
 /// What runs are judged against.
 pub(super) struct Judge<'a> {
-    pub(super) reference: &'a Courses,
+    pub(super) reference: &'a TimeSeries,
     pub(super) level: Level,
     /// Sizes of the scene.
     pub(super) scales: Scales,
@@ -107,10 +107,10 @@ pub(super) struct Judge<'a> {
 
 impl Judge<'_> {
     /// Against the reference; `None` where that has no forces to speak of.
-    pub(super) fn error(&self, courses: &Courses) -> Option<Distance> {
+    pub(super) fn error(&self, time_series: &TimeSeries) -> Option<Distance> {
         let floor = FORCE_SHARE * self.scales.external_force_n;
         (self.level.peak_force_n > floor)
-            .then(|| Distance::between(courses, self.reference, Least::default()))
+            .then(|| Distance::between(time_series, self.reference, Least::default()))
     }
 
     /// `None`: the right picture.
@@ -134,7 +134,7 @@ impl Judge<'_> {
         if !(joint_m <= JOINT_SHARE * self.scales.penetration_m) {
             return Some(Failure::Drift { joint_m });
         }
-        let found = Level::of(&run.courses);
+        let found = Level::of(&run.time_series);
         let floor = FORCE_SHARE * self.scales.external_force_n;
         let peak = self.level.peak_force_n.max(floor);
         let peak_ratio = found.peak_force_n / peak;
@@ -147,7 +147,7 @@ impl Judge<'_> {
         if !(share <= MEAN_SHARE) {
             return Some(Failure::WrongMean { share });
         }
-        let error = self.error(&run.courses)?.forces;
+        let error = self.error(&run.time_series)?.forces;
         (!(error <= COURSE_ERROR)).then_some(Failure::WrongCourse { error })
     }
 }

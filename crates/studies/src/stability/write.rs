@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use pinwheel_courses::table::Table;
+use pinwheel_timeseries::table::Table;
 use serde::{Deserialize, Serialize};
 
 use super::{Atlas, Cell, Failure, Method, Options, SceneRow};

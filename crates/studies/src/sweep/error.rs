@@ -54,11 +54,11 @@ pub enum SweepError {
     Output(#[from] crate::output::OutputError),
     /// Results cannot be written.
     #[error("{}: {source}", path.display())]
-    Courses {
+    TimeSeries {
         /// The file.
         path: PathBuf,
         /// The reason.
-        source: pinwheel_courses::CoursesError,
+        source: pinwheel_timeseries::TimeSeriesError,
     },
     /// Runs that were to be gathered and are not there.
     #[error(

@@ -9,8 +9,8 @@ use pinwheel_gearbox::Gearbox;
 
 use crate::control::{Control, Progress};
 use crate::pool::{self, lock};
-use crate::sweep::file::KeepCourses;
-use crate::sweep::journal::{Journal, keep_courses};
+use crate::sweep::file::KeepTimeSeries;
+use crate::sweep::journal::{Journal, keep_time_series};
 use crate::sweep::record::{RunRecord, wanted};
 use crate::sweep::{Plan, PlannedRun, SweepError};
 
@@ -106,7 +106,7 @@ pub fn gather(plan: &Plan, journal: &Journal) -> Result<Vec<RunRecord>, SweepErr
     }
 }
 
-/// The record of a run, if the journal holds it with its courses.
+/// The record of a run, if the journal holds it with its time series.
 ///
 /// # Errors
 /// An engine that is gone.
@@ -116,7 +116,7 @@ pub fn find(
     journal: &Journal,
 ) -> Result<Option<RunRecord>, SweepError> {
     let (_, identity) = wanted_of(plan, planned)?;
-    Ok(journal.find(&identity, plan.sweep.courses))
+    Ok(journal.find(&identity, plan.sweep.time_series))
 }
 
 /// The complete scene of a run as TOML, and the [`RunRecord::identity`] that its record will have.
@@ -130,16 +130,16 @@ pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<(String, String), 
     Ok((scene, identity))
 }
 
-/// Makes a run, and keeps its courses in the folder `courses` as is asked for; `None` when cancelled. `scene`: its complete
+/// Makes a run, and keeps its time series in the folder `time_series` as is asked for; `None` when cancelled. `scene`: its complete
 /// scene as TOML; `last`: what the run before was computed with ([`Engine::run_after`]).
 ///
 /// # Errors
-/// Courses cannot be written.
+/// Time series cannot be written.
 pub fn perform(
     planned: &PlannedRun,
     engine: &dyn Engine,
     scene: &str,
-    (folder, keep): (&Path, KeepCourses),
+    (folder, keep): (&Path, KeepTimeSeries),
     last: &mut Option<Gearbox>,
     control: &Control<'_>,
 ) -> Result<Option<RunRecord>, SweepError> {
@@ -149,7 +149,7 @@ pub fn perform(
     let mut record = RunRecord::empty(planned, engine, scene, run.ending.clone()).with_cost(&run);
     if run.ending.is_finished() {
         record = record.with_figures(planned, &run);
-        keep_courses(folder, &record.identity(), &run.courses, keep)?;
+        keep_time_series(folder, &record.identity(), &run.time_series, keep)?;
     }
     Ok(Some(record))
 }
@@ -191,7 +191,7 @@ impl Shared<'_> {
         planned: &PlannedRun,
     ) -> Result<Option<RunRecord>, SweepError> {
         let duration = planned.scene.solver.duration_s;
-        let keep = self.plan.sweep.courses;
+        let keep = self.plan.sweep.time_series;
         let engine = self.plan.engine(planned)?;
         let scene = planned.scene.to_toml();
         let identity = wanted(planned, engine.as_ref(), &scene);

@@ -6,7 +6,7 @@
 //! engines = ["native"]
 //! window_s = [0.3, 0.6]           # what figures are taken of; the second half if left out
 //! measure = ["*_torque_n_m"]      # quantities whose figures are kept; all if left out
-//! courses = "none"                # keep every run's courses: "none" | "csv" | "parquet"
+//! courses = "none"                    # keep every run's time series: "none" | "csv" | "parquet"
 //! [set]                           # keys of every run
 //! solver.duration_s = 0.6
 //! [vary]                          # every key an axis; all combinations are run
@@ -33,10 +33,10 @@ use crate::sweep::axis::{self, Axis};
 use crate::sweep::sample::{self, Sample};
 use crate::sweep::specification::{self, Limit};
 
-/// Whether and how every run's courses are kept.
+/// Whether and how every run's time series are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum KeepCourses {
+pub enum KeepTimeSeries {
     /// Figures only.
     #[default]
     None,
@@ -69,8 +69,8 @@ pub struct Sweep {
     pub window_s: Option<[f64; 2]>,
     /// Patterns of quantities whose figures are kept (`*` for any characters).
     pub measure: Vec<String>,
-    /// Whether courses are kept.
-    pub courses: KeepCourses,
+    /// Whether time series are kept.
+    pub time_series: KeepTimeSeries,
     /// The file's text.
     pub text: String,
 }
@@ -92,8 +92,8 @@ struct Top {
     #[serde(default = "everything")]
     measure: Names,
     window_s: Option<Window>,
-    #[serde(default)]
-    courses: KeepCourses,
+    #[serde(default, rename = "courses")]
+    time_series: KeepTimeSeries,
     /// Tables whose keys are those of scenes and results: read one by one.
     #[serde(rename = "set")]
     _set: Option<IgnoredAny>,
@@ -180,7 +180,7 @@ impl Sweep {
         let file = path.display().to_string();
         let top: Top = read(text, &file, REMEDY)?;
         let document = Document::parse(text, &file, REMEDY)?;
-        if top.courses == KeepCourses::Parquet && cfg!(not(feature = "parquet")) {
+        if top.time_series == KeepTimeSeries::Parquet && cfg!(not(feature = "parquet")) {
             let remedy = "write courses = \"csv\", or build with --features parquet";
             return Err(FileError::new(&file, "this build writes no Parquet", remedy).into());
         }
@@ -227,7 +227,7 @@ impl Sweep {
             specification: limits.collect::<Result<_, _>>()?,
             window_s: top.window_s.map(|window| window.0),
             measure: top.measure.0,
-            courses: top.courses,
+            time_series: top.time_series,
             // Last: a mistyped key is named before a missing one.
             scene: scene_beside(path, &top.scene.ok_or_else(|| no_scene(&document))?),
             text: text.to_owned(),
@@ -383,8 +383,8 @@ mod tests {
         );
         assert_eq!(sweep.window_s, Some([0.1, 1.0]));
         assert_eq!(
-            (sweep.measure.as_slice(), sweep.courses),
-            (&["*_n_m".to_owned()][..], KeepCourses::Csv)
+            (sweep.measure.as_slice(), sweep.time_series),
+            (&["*_n_m".to_owned()][..], KeepTimeSeries::Csv)
         );
         assert_eq!(sweep.set.len(), 1);
         let plain = read("scene = \"paper\"").unwrap();

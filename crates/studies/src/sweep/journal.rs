@@ -5,12 +5,12 @@
 //!
 //! ```text
 //!  out.unfinished/              one process writes, by its lock
-//!    .pinwheel  run-*.json      records; run-*.csv or .parquet: courses
+//!    .pinwheel  run-*.json      records; run-*.csv or .parquet: time_series
 //!    shard-2-of-8/              a folder like it for each shard, so that many processes write at once
 //! ```
 //!
 //! Records are written where they stand and not waited for to be on the disk, which would cost as much as a short run. What a
-//! kill or a power cut leaves of one is no JSON, and so no record: that run is made again. Courses are written beside their
+//! kill or a power cut leaves of one is no JSON, and so no record: that run is made again. Time series are written beside their
 //! place, waited for and then renamed, as a record says that they are there.
 
 use std::collections::HashMap;
@@ -21,13 +21,13 @@ use std::str::FromStr;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use pinwheel_courses::Courses;
 use pinwheel_files::fnv;
+use pinwheel_timeseries::TimeSeries;
 
 use crate::folder::beside;
 use crate::ownership::{MARKER, Owner, unlisted};
 use crate::sweep::SweepError;
-use crate::sweep::file::KeepCourses;
+use crate::sweep::file::KeepTimeSeries;
 use crate::sweep::record::RunRecord;
 
 /// How files of runs begin.
@@ -97,7 +97,7 @@ pub struct Journal {
     _owners: Vec<Owner>,
     /// Folders of shards that are this journal's to remove.
     shards: Vec<PathBuf>,
-    /// Where each identity's record and courses stand.
+    /// Where each identity's record and time series stand.
     known: Mutex<HashMap<String, (RunRecord, PathBuf)>>,
 }
 
@@ -216,7 +216,7 @@ impl Journal {
         Ok(Mutex::new(known))
     }
 
-    /// Where courses go.
+    /// Where time series go.
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
@@ -279,16 +279,16 @@ impl Journal {
         self.shards.iter().chain([&self.folder])
     }
 
-    /// The record of an identity, if its courses are kept as wanted.
-    pub(crate) fn find(&self, identity: &str, courses: KeepCourses) -> Option<RunRecord> {
+    /// The record of an identity, if its time series are kept as wanted.
+    pub(crate) fn find(&self, identity: &str, time_series: KeepTimeSeries) -> Option<RunRecord> {
         let known = self.lock();
         let (record, path) = known.get(identity)?;
-        let file = extension(courses).map(|extension| path.with_extension(extension));
+        let file = extension(time_series).map(|extension| path.with_extension(extension));
         let there = !record.ending.is_finished() || file.is_none_or(|file| file.is_file());
         there.then(|| record.clone())
     }
 
-    /// Keeps the record of a run whose courses, where they are kept, are there already; of one that failed nothing.
+    /// Keeps the record of a run whose time series, where they are kept, are there already; of one that failed nothing.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -310,7 +310,7 @@ impl Journal {
     pub fn copy(
         &self,
         record: &RunRecord,
-        courses: KeepCourses,
+        time_series: KeepTimeSeries,
         number: usize,
         folder: &Path,
     ) -> Result<(), SweepError> {
@@ -323,7 +323,7 @@ impl Journal {
             return fs::write(&target, json(record)).map_err(at(&target));
         };
         linked(&path, &target)?;
-        if let Some(extension) = extension(courses) {
+        if let Some(extension) = extension(time_series) {
             let from = path.with_extension(extension);
             if from.is_file() {
                 linked(&from, &target.with_extension(extension))?;
@@ -399,12 +399,12 @@ fn place(folder: &Path, identity: &str, extension: &str) -> PathBuf {
     ))
 }
 
-/// Keeps the courses of a run in a journal's folder. Its record comes last: where it is, its courses are.
-pub(crate) fn keep_courses(
+/// Keeps the time series of a run in a journal's folder. Its record comes last: where it is, its time series are.
+pub(crate) fn keep_time_series(
     folder: &Path,
     identity: &str,
-    courses: &Courses,
-    how: KeepCourses,
+    time_series: &TimeSeries,
+    how: KeepTimeSeries,
 ) -> Result<(), SweepError> {
     let Some(extension) = extension(how) else {
         return Ok(());
@@ -412,15 +412,15 @@ pub(crate) fn keep_courses(
     let file = place(folder, identity, extension);
     whole(&file, |sink| {
         #[cfg(feature = "parquet")]
-        if how == KeepCourses::Parquet {
-            let written = pinwheel_courses::save_courses(courses, sink.path());
+        if how == KeepTimeSeries::Parquet {
+            let written = pinwheel_timeseries::save_time_series(time_series, sink.path());
             return written.map_err(|fault| SweepError::Io {
                 path: file.clone(),
                 source: io::Error::other(fault),
             });
         }
-        let written = courses.write_csv(sink.as_file_mut());
-        written.map_err(|source| SweepError::Courses {
+        let written = time_series.write_csv(sink.as_file_mut());
+        written.map_err(|source| SweepError::TimeSeries {
             path: file.clone(),
             source,
         })
@@ -444,10 +444,10 @@ fn whole(
     Ok(())
 }
 
-fn extension(courses: KeepCourses) -> Option<&'static str> {
-    match courses {
-        KeepCourses::None => None,
-        KeepCourses::Csv => Some("csv"),
-        KeepCourses::Parquet => Some("parquet"),
+fn extension(time_series: KeepTimeSeries) -> Option<&'static str> {
+    match time_series {
+        KeepTimeSeries::None => None,
+        KeepTimeSeries::Csv => Some("csv"),
+        KeepTimeSeries::Parquet => Some("parquet"),
     }
 }

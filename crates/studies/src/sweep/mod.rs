@@ -22,7 +22,7 @@ mod tolerance;
 pub use axis::{Axis, Value};
 pub use error::SweepError;
 pub use execute::{execute, execute_some, find, gather, perform, wanted_of};
-pub use file::{KeepCourses, Sweep};
+pub use file::{KeepTimeSeries, Sweep};
 pub use journal::{Begin, Journal, Shard};
 pub use output::write;
 pub use plan::{Guests, MOST_RUNS, Plan, PlannedRun};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use pinwheel_courses::table::Table;
+use pinwheel_timeseries::table::Table;
 use serde::Serialize;
 
 use super::{Journal, Limit, Plan, RunRecord, SampleResult, SweepError, costs, tolerances};
@@ -53,7 +53,7 @@ pub fn write(
     write_text(&dir.join("sweep.toml"), &plan.sweep.text)?;
     let runs = output::folder(dir, "runs")?;
     for (run, record) in plan.runs.iter().zip(records) {
-        journal.copy(record, plan.sweep.courses, run.number, &runs)?;
+        journal.copy(record, plan.sweep.time_series, run.number, &runs)?;
     }
     let sweep = &plan.sweep;
     let found = Payload {

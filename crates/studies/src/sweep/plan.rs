@@ -5,10 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_compare::limits::fits;
-use pinwheel_courses::{columns, group_of};
 use pinwheel_engines::{Engine, by_name};
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Draft, Override, Scene, SceneError, did_you_mean};
+use pinwheel_timeseries::{columns, group_of};
 
 use crate::sweep::axis::Value;
 use crate::sweep::spread::columns_of;

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use pinwheel_compare::quantities::derive;
-use pinwheel_courses::norms::{Statistics, View};
-use pinwheel_courses::{Courses, Ending, efficiency, mean_powers};
 use pinwheel_engines::{Engine, Run};
+use pinwheel_timeseries::norms::{Statistics, View};
+use pinwheel_timeseries::{Ending, TimeSeries, efficiency, mean_powers};
 use serde::{Deserialize, Serialize};
 
 use crate::sweep::PlannedRun;
@@ -40,7 +40,7 @@ pub struct RunRecord {
     pub ending: Ending,
     /// Figures by quantity; empty unless finished.
     pub figures: BTreeMap<String, Spread>,
-    /// Quantities in the order of the courses.
+    /// Quantities in the order of the time series.
     pub quantities: Vec<String>,
     /// Figures of balances, by their columns.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -128,16 +128,16 @@ impl RunRecord {
             }
         }
         // Balances have no time series, and nobody misses them.
-        if run.courses.is_empty() && !run.figures.is_empty() {
+        if run.time_series.is_empty() && !run.figures.is_empty() {
             return self;
         }
         let [from, to] = planned.window_s;
-        let samples = run.courses.window(from, to);
-        for quantity in derive([&run.courses]) {
-            let view = View::of(&run.courses, &quantity.channels, samples.clone());
+        let samples = run.time_series.window(from, to);
+        for quantity in derive([&run.time_series]) {
+            let view = View::of(&run.time_series, &quantity.channels, samples.clone());
             if let Some(of) = view.as_ref().and_then(Statistics::of) {
                 let half = samples.start + samples.len() / 2;
-                let late = View::of(&run.courses, &quantity.channels, half..samples.end);
+                let late = View::of(&run.time_series, &quantity.channels, half..samples.end);
                 let late = late.as_ref().and_then(View::mean);
                 let spread = Spread {
                     drift: late.map_or(0.0, |late| (late - of.mean).abs()),
@@ -161,7 +161,7 @@ impl RunRecord {
             let reason = "no share of energy: no work is done in the run's second half";
             self.undefined.push(reason.to_owned());
         }
-        match self.efficiency_of(planned, &run.courses) {
+        match self.efficiency_of(planned, &run.time_series) {
             // Powers of rounding have a ratio too.
             Ok(_) if share == Some(None) => self
                 .undefined
@@ -189,10 +189,14 @@ impl RunRecord {
     }
 
     /// mean T_out * mean speed out / (mean T_in * speed in), or why that is no efficiency.
-    fn efficiency_of(&self, planned: &PlannedRun, courses: &Courses) -> Result<f64, &'static str> {
+    fn efficiency_of(
+        &self,
+        planned: &PlannedRun,
+        time_series: &TimeSeries,
+    ) -> Result<f64, &'static str> {
         let [from, to] = planned.window_s;
         let speed = planned.scene.drive.input_speed_rad_s;
-        let [power_in, power_out] = mean_powers(courses, courses.window(from, to), speed)
+        let [power_in, power_out] = mean_powers(time_series, time_series.window(from, to), speed)
             .ok_or("a torque or the output's angle is missing")?;
         efficiency(power_in, power_out)
     }

@@ -1,8 +1,8 @@
 //! The table of a sweep: a row a run, a column a key or figure.
 
 use pinwheel_compare::limits::fits;
-use pinwheel_courses::Ending;
-use pinwheel_courses::table::{Mark, Table, Values};
+use pinwheel_timeseries::Ending;
+use pinwheel_timeseries::table::{Mark, Table, Values};
 
 use crate::sweep::axis::Value;
 use crate::sweep::record::RunRecord;

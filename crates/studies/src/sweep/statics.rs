@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use cpu_time::ThreadTime;
-use pinwheel_courses::Courses;
 use pinwheel_engines::{
     Cancelled, Control, Ending, Engine, EngineInfo, Halt, Prepared, Run, RunStats, Track,
 };
 use pinwheel_gearbox::Gearbox;
+use pinwheel_timeseries::TimeSeries;
 
 use crate::StudyError;
 use crate::design::{self, DesignResult};
@@ -83,7 +83,7 @@ impl Engine for Statics {
                 settings: "balances".to_owned(),
                 ..RunStats::default()
             };
-            let mut run = Run::new(Courses::default(), stats);
+            let mut run = Run::new(TimeSeries::default(), stats);
             run.figures = FIGURES.map(|(name, of)| (name, of(&found))).to_vec();
             Ok(run)
         }))

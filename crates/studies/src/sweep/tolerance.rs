@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::{Beta, Binomial, ContinuousCDF, DiscreteCDF};
 
-use pinwheel_courses::table::{Table, Values};
+use pinwheel_timeseries::table::{Table, Values};
 
 use super::results::keeps;
 use super::{Limit, Plan, Value};

@@ -1,14 +1,14 @@
 //! Time series as bytes that numpy takes as they are.
 
-use pinwheel::Courses;
-use pinwheel::courses::CoursesError;
+use pinwheel::TimeSeries;
+use pinwheel::time_series::TimeSeriesError;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 /// Columns of a run.
 #[pyclass(frozen, module = "pinwheel._core")]
-pub(crate) struct Columns(pub(crate) Courses);
+pub(crate) struct Columns(pub(crate) TimeSeries);
 
 #[pymethods]
 impl Columns {
@@ -19,15 +19,15 @@ impl Columns {
             let (all, _) = bytes.as_chunks::<8>();
             all.iter().map(|bytes| f64::from_ne_bytes(*bytes)).collect()
         };
-        let wrong = |error: CoursesError| PyValueError::new_err(error.to_string());
-        let mut courses = Courses::new(numbers(time)).map_err(wrong)?;
-        let samples = courses.len();
+        let wrong = |error: TimeSeriesError| PyValueError::new_err(error.to_string());
+        let mut time_series = TimeSeries::new(numbers(time)).map_err(wrong)?;
+        let samples = time_series.len();
         for (k, name) in names.into_iter().enumerate() {
             let column = values.get(8 * samples * k..8 * samples * (k + 1));
             let column = numbers(column.unwrap_or_default());
-            courses.push(name, column).map_err(wrong)?;
+            time_series.push(name, column).map_err(wrong)?;
         }
-        Ok(Self(courses))
+        Ok(Self(time_series))
     }
 
     /// Names of the columns after the time, each ending in its unit, and in a number where there are several.

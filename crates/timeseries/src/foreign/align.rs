@@ -5,7 +5,7 @@
 //! offsets of the sensors do not matter. A periodic signal fits as well one period on: then other shifts are named.
 
 use super::Offset;
-use crate::Courses;
+use crate::TimeSeries;
 
 /// Samples of the even grid at most.
 const MOST: usize = 4000;
@@ -71,8 +71,13 @@ fn tidy(value: f64, resolution: f64) -> String {
 
 /// The shift at which `record` fits `run` best; `None` if they share no channel that changes, or less than half.
 #[must_use]
-pub fn shift(run: &Courses, record: &Courses) -> Option<Shift> {
-    let ends = |courses: &Courses| Some((*courses.time_s().first()?, *courses.time_s().last()?));
+pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Option<Shift> {
+    let ends = |time_series: &TimeSeries| {
+        Some((
+            *time_series.time_s().first()?,
+            *time_series.time_s().last()?,
+        ))
+    };
     let ((run_from, run_to), (from, to)) = (ends(run)?, ends(record)?);
     let shorter = (run_to - run_from).min(to - from);
     let samples = run.time_s().len().min(record.time_s().len()).clamp(2, MOST);
@@ -80,12 +85,13 @@ pub fn shift(run: &Courses, record: &Courses) -> Option<Shift> {
     if !(shorter > 4.0 * step) {
         return None;
     }
-    let on_grid = |courses: &Courses, name: &str, (from, to): (f64, f64)| -> Option<Vec<f64>> {
-        let values = courses.channel(name)?;
-        let count = ((to - from) / step) as usize + 1;
-        let at = |k: usize| between(courses.time_s(), values, from + k as f64 * step);
-        Some((0..count).map(at).collect())
-    };
+    let on_grid =
+        |time_series: &TimeSeries, name: &str, (from, to): (f64, f64)| -> Option<Vec<f64>> {
+            let values = time_series.channel(name)?;
+            let count = ((to - from) / step) as usize + 1;
+            let at = |k: usize| between(time_series.time_s(), values, from + k as f64 * step);
+            Some((0..count).map(at).collect())
+        };
     let shared = record.channels().iter().filter_map(|channel| {
         let a = on_grid(run, &channel.name, (run_from, run_to))?;
         let b = on_grid(record, &channel.name, (from, to))?;
@@ -166,13 +172,13 @@ fn correlation(a: &[f64], b: &[f64], place: isize) -> Option<f64> {
 mod tests {
     use super::*;
 
-    fn courses(from: f64, to: f64, step: f64, of: impl Fn(f64) -> f64) -> Courses {
+    fn time_series(from: f64, to: f64, step: f64, of: impl Fn(f64) -> f64) -> TimeSeries {
         let count = ((to - from) / step).round() as usize + 1;
         let time: Vec<f64> = (0..count).map(|k| from + k as f64 * step).collect();
         let values = time.iter().map(|t| of(*t)).collect();
-        let mut courses = Courses::new(time).unwrap();
-        courses.push("input_torque_n_m", values).unwrap();
-        courses
+        let mut time_series = TimeSeries::new(time).unwrap();
+        time_series.push("input_torque_n_m", values).unwrap();
+        time_series
     }
 
     fn swing(t: f64) -> f64 {
@@ -181,10 +187,10 @@ mod tests {
 
     #[test]
     fn a_shift_is_found_whatever_gain_and_noise() {
-        let run = courses(0.0, 0.6, 1e-4, swing);
+        let run = time_series(0.0, 0.6, 1e-4, swing);
         // Its clock began 12.34 ms after the run's.
         let noise = |t: f64| 0.01 * (31_337.0 * t).sin();
-        let record = courses(0.02, 0.5, 5e-5, |t| {
+        let record = time_series(0.02, 0.5, 5e-5, |t| {
             3.0 + 1.02 * swing(t + 0.012_34) + noise(t)
         });
         let found = shift(&run, &record).unwrap();
@@ -196,12 +202,12 @@ mod tests {
 
     #[test]
     fn nothing_is_said_of_what_fits() {
-        let run = courses(0.0, 0.6, 1e-4, swing);
-        let found = shift(&run, &courses(0.05, 0.55, 1e-4, swing)).unwrap();
+        let run = time_series(0.0, 0.6, 1e-4, swing);
+        let found = shift(&run, &time_series(0.05, 0.55, 1e-4, swing)).unwrap();
         assert!(!found.matters(), "{found:?}");
         assert_eq!(found.rival, None);
-        assert_eq!(shift(&run, &courses(0.0, 0.6, 1e-4, |_| 2.0)), None);
-        let mut other = Courses::new(vec![0.0, 0.1, 0.2, 0.3]).unwrap();
+        assert_eq!(shift(&run, &time_series(0.0, 0.6, 1e-4, |_| 2.0)), None);
+        let mut other = TimeSeries::new(vec![0.0, 0.1, 0.2, 0.3]).unwrap();
         other.push("else_n", vec![0.0, 1.0, 0.0, 1.0]).unwrap();
         assert_eq!(shift(&run, &other), None);
     }
@@ -210,8 +216,8 @@ mod tests {
     fn what_repeats_has_rivals() {
         let wave = |t: f64| (100.0 * t).sin();
         let found = shift(
-            &courses(0.0, 0.6, 1e-4, wave),
-            &courses(0.0, 0.5, 1e-4, |t| wave(t + 0.01)),
+            &time_series(0.0, 0.6, 1e-4, wave),
+            &time_series(0.0, 0.5, 1e-4, |t| wave(t + 0.01)),
         );
         let found = found.unwrap();
         let rival = found.rival.unwrap();

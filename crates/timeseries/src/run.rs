@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::norms::View;
-use crate::{Courses, columns};
+use crate::{TimeSeries, columns};
 
 /// Which comparison an engine belongs to. Tracks are never mixed in one table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -147,19 +147,19 @@ pub fn efficiency(power_in: f64, power_out: f64) -> Result<f64, &'static str> {
 /// channel is missing.
 #[must_use]
 pub fn mean_powers(
-    courses: &Courses,
+    time_series: &TimeSeries,
     samples: std::ops::Range<usize>,
     speed_rad_s: f64,
 ) -> Option<[f64; 2]> {
-    let mean = |name: &str| View::of(courses, &[name], samples.clone())?.mean();
+    let mean = |name: &str| View::of(time_series, &[name], samples.clone())?.mean();
     let change = |values: &[f64]| {
         let part = values.get(samples.clone())?;
         Some(part.last()? - part.first()?)
     };
-    let turned = change(courses.channel(columns::OUTPUT_ANGLE)?)?;
+    let turned = change(time_series.channel(columns::OUTPUT_ANGLE)?)?;
     Some([
         mean(columns::INPUT_TORQUE)? * speed_rad_s,
-        mean(columns::OUTPUT_TORQUE)? * turned / change(courses.time_s())?,
+        mean(columns::OUTPUT_TORQUE)? * turned / change(time_series.time_s())?,
     ])
 }
 

@@ -1,4 +1,4 @@
-//! Courses from elsewhere: a CSV of Adams, RecurDyn or a test rig, by a map of its columns.
+//! Time series from elsewhere: a CSV of Adams, RecurDyn or a test rig, by a map of its columns.
 //!
 //! [`Map`] is the file that says which column is what, in which unit and from when; [`read`] gives
 //! the mapped columns on their own sample times with every row that could not be read named;
@@ -6,7 +6,7 @@
 //! what that costs.
 //!
 //! ```
-//! use pinwheel_courses::foreign::{Map, read};
+//! use pinwheel_timeseries::foreign::{Map, read};
 //!
 //! let map = r#"
 //! [file]
@@ -20,8 +20,8 @@
 //! let map = Map::from_toml(map, "rig.toml")?;
 //! let rows: String = (0..10).map(|k| format!("{k};-145{k}\n")).collect();
 //! let rig = read(format!("TIME;Motor torque\n{rows}").as_bytes(), &map)?;
-//! let torque = rig.courses.channel("input_torque_n_m").ok_or("no such channel")?;
-//! assert!((torque[1] - 1.451).abs() < 1e-12 && rig.courses.time_s()[1] == 1e-3);
+//! let torque = rig.time_series.channel("input_torque_n_m").ok_or("no such channel")?;
+//! assert!((torque[1] - 1.451).abs() < 1e-12 && rig.time_series.time_s()[1] == 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

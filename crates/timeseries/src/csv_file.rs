@@ -4,23 +4,23 @@ use std::io::{Read, Write};
 use std::path::Path;
 
 use crate::table::Table;
-use crate::{Courses, CoursesError};
+use crate::{TimeSeries, TimeSeriesError};
 
-impl Courses {
+impl TimeSeries {
     /// Writes `time_s` and all channels; numbers are printed so that they read back bit for bit.
     ///
     /// # Errors
     /// The writer's.
-    pub fn write_csv(&self, sink: impl Write) -> Result<(), CoursesError> {
+    pub fn write_csv(&self, sink: impl Write) -> Result<(), TimeSeriesError> {
         Table::from(self).write_csv(sink)
     }
 
-    /// Writes a CSV file; see [`Courses::write_csv`].
+    /// Writes a CSV file; see [`TimeSeries::write_csv`].
     ///
     /// # Errors
     /// The file cannot be made or written.
-    pub fn save_csv(&self, path: &Path) -> Result<(), CoursesError> {
-        let io = |source| CoursesError::Io {
+    pub fn save_csv(&self, path: &Path) -> Result<(), TimeSeriesError> {
+        let io = |source| TimeSeriesError::Io {
             path: path.to_path_buf(),
             source,
         };
@@ -28,12 +28,12 @@ impl Courses {
         self.write_csv(std::io::BufWriter::new(file))
     }
 
-    /// Reads what [`Courses::write_csv`] wrote, or any CSV with a `time_s` column.
+    /// Reads what [`TimeSeries::write_csv`] wrote, or any CSV with a `time_s` column.
     ///
     /// # Errors
     /// Malformed CSV, no time column, a cell that is no number (row and column are named),
     /// time that does not increase.
-    pub fn read_csv(source: impl Read) -> Result<Self, CoursesError> {
+    pub fn read_csv(source: impl Read) -> Result<Self, TimeSeriesError> {
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_reader(source);
@@ -41,11 +41,11 @@ impl Courses {
         let time_column = names
             .iter()
             .position(|n| n == "time_s")
-            .ok_or(CoursesError::NoTime)?;
+            .ok_or(TimeSeriesError::NoTime)?;
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
         for (row, record) in reader.records().enumerate() {
             for (column, text) in record?.iter().enumerate() {
-                let value = text.parse().map_err(|_| CoursesError::Cell {
+                let value = text.parse().map_err(|_| TimeSeriesError::Cell {
                     row: row + 1,
                     column: names[column].clone(),
                     text: text.to_owned(),
@@ -53,21 +53,21 @@ impl Courses {
                 columns[column].push(value);
             }
         }
-        let mut courses = Self::new(std::mem::take(&mut columns[time_column]))?;
+        let mut time_series = Self::new(std::mem::take(&mut columns[time_column]))?;
         for (column, name) in names.into_iter().enumerate() {
             if column != time_column {
-                courses.push(name, std::mem::take(&mut columns[column]))?;
+                time_series.push(name, std::mem::take(&mut columns[column]))?;
             }
         }
-        Ok(courses)
+        Ok(time_series)
     }
 
-    /// Reads a CSV file; see [`Courses::read_csv`].
+    /// Reads a CSV file; see [`TimeSeries::read_csv`].
     ///
     /// # Errors
     /// The file cannot be opened, or its content is faulty.
-    pub fn load_csv(path: &Path) -> Result<Self, CoursesError> {
-        let file = std::fs::File::open(path).map_err(|source| CoursesError::Io {
+    pub fn load_csv(path: &Path) -> Result<Self, TimeSeriesError> {
+        let file = std::fs::File::open(path).map_err(|source| TimeSeriesError::Io {
             path: path.to_path_buf(),
             source,
         })?;
@@ -81,25 +81,25 @@ mod tests {
 
     #[test]
     fn round_trip_is_exact() {
-        let mut courses = Courses::new(vec![0.0, 1e-4, 0.1 + 0.2]).unwrap();
-        courses
+        let mut time_series = TimeSeries::new(vec![0.0, 1e-4, 0.1 + 0.2]).unwrap();
+        time_series
             .push("a_n", vec![1.0 / 3.0, -1e-300, f64::MAX])
             .unwrap();
         let mut bytes = Vec::new();
-        courses.write_csv(&mut bytes).unwrap();
-        assert_eq!(Courses::read_csv(bytes.as_slice()).unwrap(), courses);
+        time_series.write_csv(&mut bytes).unwrap();
+        assert_eq!(TimeSeries::read_csv(bytes.as_slice()).unwrap(), time_series);
     }
 
     #[test]
     fn bad_cell_is_named() {
-        let error = Courses::read_csv("time_s,a_n\n0,1\n1,x\n".as_bytes()).unwrap_err();
+        let error = TimeSeries::read_csv("time_s,a_n\n0,1\n1,x\n".as_bytes()).unwrap_err();
         assert_eq!(
             error.to_string(),
             "row 2, column `a_n`: `x` is not a number"
         );
         assert!(matches!(
-            Courses::read_csv("t,a\n0,1\n".as_bytes()),
-            Err(CoursesError::NoTime)
+            TimeSeries::read_csv("t,a\n0,1\n".as_bytes()),
+            Err(TimeSeriesError::NoTime)
         ));
     }
 }

@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Courses, columns};
+use crate::{TimeSeries, columns};
 
 /// Sample times may differ by this part of their spacing: a rounding, which moves a course by as
 /// small a part of its change over one sample.
@@ -34,29 +34,29 @@ impl<'a> View<'a> {
         Self { channels }
     }
 
-    /// The channels `names` of `courses` over the samples `window`; `None` if one is missing or too short.
+    /// The channels `names` of `time_series` over the samples `window`; `None` if one is missing or too short.
     #[must_use]
     pub fn of(
-        courses: &'a Courses,
+        time_series: &'a TimeSeries,
         names: &[impl AsRef<str>],
         window: Range<usize>,
     ) -> Option<Self> {
-        let cut = |name: &str| courses.channel(name)?.get(window.clone());
+        let cut = |name: &str| time_series.channel(name)?.get(window.clone());
         let channels: Option<Vec<_>> = names.iter().map(|name| cut(name.as_ref())).collect();
         channels.map(Self::new)
     }
 
     /// All forces of sleeves over the samples `window`.
     #[must_use]
-    pub fn forces(courses: &'a Courses, window: Range<usize>) -> Self {
-        let groups = FORCES.iter().flat_map(|prefix| courses.group(prefix));
+    pub fn forces(time_series: &'a TimeSeries, window: Range<usize>) -> Self {
+        let groups = FORCES.iter().flat_map(|prefix| time_series.group(prefix));
         Self::new(groups.filter_map(|c| c.get(window.clone())).collect())
     }
 
     /// The driver's torque over the samples `window`; nothing where it is not there.
     #[must_use]
-    pub fn driver_torque(courses: &'a Courses, window: Range<usize>) -> Self {
-        Self::of(courses, &[columns::INPUT_TORQUE], window).unwrap_or(Self::new(Vec::new()))
+    pub fn driver_torque(time_series: &'a TimeSeries, window: Range<usize>) -> Self {
+        Self::of(time_series, &[columns::INPUT_TORQUE], window).unwrap_or(Self::new(Vec::new()))
     }
 
     /// The channels.
@@ -208,7 +208,7 @@ impl Distance {
     /// Of `a` from the reference `b`, over the samples that both have: where `a` is sampled less often its times are among
     /// those of `b`. See [`relative_l2`].
     #[must_use]
-    pub fn between(a: &Courses, b: &Courses, least: Least) -> Self {
+    pub fn between(a: &TimeSeries, b: &TimeSeries, least: Least) -> Self {
         let rows: Vec<usize> = rows_at(a.time_s(), b.time_s())
             .map_while(|row| row)
             .collect();
@@ -218,7 +218,7 @@ impl Distance {
         } else {
             Cow::Owned(b.select(&rows))
         };
-        let at = |view: for<'v> fn(&'v Courses, Range<usize>) -> View<'v>, least: f64| {
+        let at = |view: for<'v> fn(&'v TimeSeries, Range<usize>) -> View<'v>, least: f64| {
             relative_l2(&view(a, samples.clone()), &view(&b, samples.clone()), least)
         };
         Self {
@@ -269,11 +269,11 @@ pub struct Level {
 impl Level {
     /// Over the whole run; NaN for what is not there or not finite.
     #[must_use]
-    pub fn of(courses: &Courses) -> Self {
-        let whole = 0..courses.len();
-        let torque = View::driver_torque(courses, whole.clone());
+    pub fn of(time_series: &TimeSeries) -> Self {
+        let whole = 0..time_series.len();
+        let torque = View::driver_torque(time_series, whole.clone());
         Self {
-            peak_force_n: View::forces(courses, whole).peak().unwrap_or(f64::NAN),
+            peak_force_n: View::forces(time_series, whole).peak().unwrap_or(f64::NAN),
             mean_torque_n_m: torque.mean().unwrap_or(f64::NAN),
             rms_torque_n_m: torque.rms().unwrap_or(f64::NAN),
         }
@@ -459,14 +459,16 @@ mod tests {
     }
 
     /// A force and a torque that are linear in time.
-    fn courses(times: &[f64], force: f64, torque: f64) -> Courses {
-        let mut courses = Courses::new(times.to_vec()).unwrap();
+    fn time_series(times: &[f64], force: f64, torque: f64) -> TimeSeries {
+        let mut time_series = TimeSeries::new(times.to_vec()).unwrap();
         let values = |slope: f64| times.iter().map(|t| slope * t).collect();
-        courses.push(columns::INPUT_TORQUE, values(torque)).unwrap();
-        courses
+        time_series
+            .push(columns::INPUT_TORQUE, values(torque))
+            .unwrap();
+        time_series
             .push("external_sleeve_force_n_0", values(force))
             .unwrap();
-        courses
+        time_series
     }
 
     #[test]
@@ -476,14 +478,14 @@ mod tests {
             torque_n_m: 2e-3,
         };
         let times = [0.0, 3.0, 4.0];
-        let nothing = courses(&times, 0.0, 0.0);
-        let off = Distance::between(&courses(&times, 0.5, 2e-3), &nothing, least);
+        let nothing = time_series(&times, 0.0, 0.0);
+        let off = Distance::between(&time_series(&times, 0.5, 2e-3), &nothing, least);
         // sqrt((3^2 + 4^2)/3 samples)
         let expected = (25.0_f64 / 3.0).sqrt();
         for found in [off.forces, off.driver_torque] {
             assert!((found / expected - 1.0).abs() < 1e-12, "{off:?}");
         }
-        let something = courses(&times, 1.0, 1.0);
+        let something = time_series(&times, 1.0, 1.0);
         let against_nothing = Distance::between(&something, &nothing, Least::default());
         assert_eq!(
             (against_nothing.forces, against_nothing.worst()),
@@ -498,9 +500,10 @@ mod tests {
     /// What is sampled less often, or written with rounding, is compared at its own times.
     #[test]
     fn samples_are_compared_at_their_times() {
-        let fine = courses(&[0.0, 1.0, 2.0, 3.0, 4.0], 100.0, 10.0);
+        let fine = time_series(&[0.0, 1.0, 2.0, 3.0, 4.0], 100.0, 10.0);
         for coarse in [[0.0, 2.0, 4.0], [0.0, 2.0 + 1e-9, 4.0 - 1e-9]] {
-            let off = Distance::between(&courses(&coarse, 110.0, 10.0), &fine, Least::default());
+            let off =
+                Distance::between(&time_series(&coarse, 110.0, 10.0), &fine, Least::default());
             assert!((off.forces - 0.1).abs() < 1e-8, "{off:?}");
             assert!(off.driver_torque < 1e-8, "{off:?}");
         }

@@ -2,7 +2,7 @@
 //! number; further columns are channels that a scene asks for.
 //!
 //! ```
-//! use pinwheel_courses::columns;
+//! use pinwheel_timeseries::columns;
 //!
 //! let names: Vec<String> = columns::of_gearbox(2, 1).collect();
 //! assert_eq!(names[..2], ["input_torque_n_m", "output_torque_n_m"]);

@@ -4,7 +4,7 @@
 //! one without a label is not shown.
 //!
 //! ```
-//! use pinwheel_courses::table::{Mark, Shown, Table};
+//! use pinwheel_timeseries::table::{Mark, Shown, Table};
 //!
 //! let runs = [("native", Some(1.4529), 120), ("rapier", None, 60_000)];
 //! let table = Table::of("Driver torque", runs)
@@ -22,14 +22,14 @@
 //!     String::from_utf8_lossy(&csv),
 //!     "engine,mean_input_torque_n_m,steps\nnative,1.4529,120\nrapier,,60000\n"
 //! );
-//! # Ok::<(), pinwheel_courses::CoursesError>(())
+//! # Ok::<(), pinwheel_timeseries::TimeSeriesError>(())
 //! ```
 
 use std::io::Write;
 
 use serde::{Serialize, Serializer};
 
-use crate::{Courses, CoursesError};
+use crate::{TimeSeries, TimeSeriesError};
 
 /// Columns of the same length.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -242,7 +242,7 @@ impl Table {
     ///
     /// # Errors
     /// The writer's.
-    pub fn write_csv(&self, sink: impl Write) -> Result<(), CoursesError> {
+    pub fn write_csv(&self, sink: impl Write) -> Result<(), TimeSeriesError> {
         let mut writer = csv::Writer::from_writer(sink);
         writer.write_record(self.named().map(|column| &column.name))?;
         for row in 0..self.len() {
@@ -435,18 +435,18 @@ impl<R> TableOf<R> {
 }
 
 /// `time_s` and all channels.
-impl From<&Courses> for Table {
-    fn from(courses: &Courses) -> Self {
+impl From<&TimeSeries> for Table {
+    fn from(time_series: &TimeSeries) -> Self {
         let column = |name: &str, values: &[f64]| Column {
             name: name.to_owned(),
             values: Values::Number(values.iter().copied().map(Some).collect()),
             ..Column::default()
         };
-        let channels = courses.channels().iter();
+        let channels = time_series.channels().iter();
         let channels = channels.map(|channel| column(&channel.name, &channel.values));
         Self {
             caption: String::new(),
-            columns: std::iter::once(column("time_s", courses.time_s()))
+            columns: std::iter::once(column("time_s", time_series.time_s()))
                 .chain(channels)
                 .collect(),
         }

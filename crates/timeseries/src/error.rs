@@ -1,10 +1,10 @@
-//! What can be wrong with courses.
+//! What can be wrong with time series.
 
 use std::path::PathBuf;
 
-/// Faults of building, reading or writing [`Courses`](crate::Courses).
+/// Faults of building, reading or writing [`TimeSeries`](crate::TimeSeries).
 #[derive(Debug, thiserror::Error)]
-pub enum CoursesError {
+pub enum TimeSeriesError {
     /// A channel's length differs from the time column's.
     #[error("channel `{name}` has {got} values, the time column has {expected}")]
     Length {

@@ -1,4 +1,4 @@
-//! Courses: named channels over time, the one result type of every engine.
+//! Time series: named channels over time, the one result type of every engine.
 //!
 //! ```text
 //!  time_s | input_torque_n_m | output_torque_n_m | output_angle_rad | external_sleeve_force_n_0 .. | channels asked for
@@ -7,12 +7,12 @@
 //! ```
 //!
 //! ```
-//! use pinwheel_courses::{Courses, columns};
+//! use pinwheel_timeseries::{TimeSeries, columns};
 //!
-//! let mut courses = Courses::new(vec![0.0, 1e-4, 2e-4])?;
-//! courses.push(columns::INPUT_TORQUE, vec![1.44, 1.45, 1.46])?;
-//! assert_eq!(courses.channel("input_torque_n_m").map(|torque| torque[2]), Some(1.46));
-//! # Ok::<(), pinwheel_courses::CoursesError>(())
+//! let mut time_series = TimeSeries::new(vec![0.0, 1e-4, 2e-4])?;
+//! time_series.push(columns::INPUT_TORQUE, vec![1.44, 1.45, 1.46])?;
+//! assert_eq!(time_series.channel("input_torque_n_m").map(|torque| torque[2]), Some(1.46));
+//! # Ok::<(), pinwheel_timeseries::TimeSeriesError>(())
 //! ```
 //!
 //! Beside them: any other result as a [`Table`](table::Table); how a run ended, what it cost and where its energy went ([`Ending`], [`RunStats`], [`EnergyAudit`]), and
@@ -33,8 +33,10 @@ mod run;
 mod store;
 pub mod table;
 
-pub use error::CoursesError;
+pub use error::TimeSeriesError;
 #[cfg(feature = "parquet")]
-pub use parquet_file::{ParquetFault, load_courses, read_courses, read_table, save_courses};
+pub use parquet_file::{
+    ParquetFault, load_time_series, read_table, read_time_series, save_time_series,
+};
 pub use run::{Ending, EnergyAudit, RunStats, Track, efficiency, mean_powers};
-pub use store::{Channel, Courses, group_of};
+pub use store::{Channel, TimeSeries, group_of};

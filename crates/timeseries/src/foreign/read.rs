@@ -6,7 +6,7 @@ use std::io::{BufRead as _, BufReader, Read};
 use super::error::{BadRow, ForeignError, short};
 use super::map::{BadRows, ColumnRef, FileFormat, Map};
 use super::units;
-use crate::Courses;
+use crate::TimeSeries;
 
 /// Bad rows kept with their reason; the others are counted as one.
 const MOST_NAMED: usize = 1000;
@@ -23,7 +23,7 @@ const LARGEST: f64 = 1e100;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foreign {
     /// The mapped columns on the file's own times, in our units.
-    pub courses: Courses,
+    pub time_series: TimeSeries,
     /// Rows that were left out.
     pub bad: Vec<BadRow>,
     /// Rows of data in the file.
@@ -128,11 +128,15 @@ pub fn read(source: impl Read, map: &Map) -> Result<Foreign, ForeignError> {
         });
     }
     bad.truncate(MOST_NAMED);
-    let mut courses = Courses::new(times).map_err(io)?;
+    let mut time_series = TimeSeries::new(times).map_err(io)?;
     for (wanted, column) in wanted.into_iter().zip(values) {
-        courses.push(wanted.name, column).map_err(io)?;
+        time_series.push(wanted.name, column).map_err(io)?;
     }
-    Ok(Foreign { courses, bad, rows })
+    Ok(Foreign {
+        time_series,
+        bad,
+        rows,
+    })
 }
 
 fn io(error: impl std::fmt::Display) -> ForeignError {

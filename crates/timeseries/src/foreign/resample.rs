@@ -9,17 +9,17 @@ use std::ops::Range;
 
 use super::error::ForeignError;
 use super::map::{Method, Resampling};
-use crate::Courses;
+use crate::TimeSeries;
 use crate::norms::relative_l2;
 
 /// A time counts as the file's own within this share of its spacing: a rounding.
 const SAME: f64 = 1e-6;
 
-/// Foreign courses on the times of a run.
+/// Foreign time series on the times of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resampled {
     /// All times of the run; NaN where the file says nothing.
-    pub courses: Courses,
+    pub time_series: TimeSeries,
     /// What the file covers of the run, s.
     pub covers_s: [f64; 2],
     /// Times of the run that were the file's own.
@@ -38,7 +38,7 @@ pub struct Resampled {
 /// # Errors
 /// The two have no time in common.
 pub fn resample(
-    foreign: &Courses,
+    foreign: &TimeSeries,
     times_s: &[f64],
     how: Resampling,
 ) -> Result<Resampled, ForeignError> {
@@ -75,8 +75,8 @@ pub fn resample(
             Place::Between(..) => interpolated += 1,
         }
     }
-    let fail = |error: crate::CoursesError| ForeignError::Io(error.to_string());
-    let mut courses = Courses::new(times_s.to_vec()).map_err(fail)?;
+    let fail = |error: crate::TimeSeriesError| ForeignError::Io(error.to_string());
+    let mut time_series = TimeSeries::new(times_s.to_vec()).map_err(fail)?;
     let mut restores: Option<(f64, String)> = None;
     for channel in foreign.channels() {
         let values = &channel.values[stretch.clone()];
@@ -90,10 +90,12 @@ pub fn resample(
         {
             restores = Some((error, channel.name.clone()));
         }
-        courses.push(channel.name.clone(), column).map_err(fail)?;
+        time_series
+            .push(channel.name.clone(), column)
+            .map_err(fail)?;
     }
     Ok(Resampled {
-        courses,
+        time_series,
         covers_s: [times_s[covered.start], times_s[covered.end - 1]],
         own,
         interpolated,
@@ -208,15 +210,15 @@ mod tests {
         longest_gap: 4.0,
     };
 
-    fn wave(times: &[f64]) -> Courses {
-        let mut courses = Courses::new(times.to_vec()).unwrap();
-        courses
+    fn wave(times: &[f64]) -> TimeSeries {
+        let mut time_series = TimeSeries::new(times.to_vec()).unwrap();
+        time_series
             .push(
                 "a_n",
                 times.iter().map(|t| 5.0 + (40.0 * t).sin()).collect(),
             )
             .unwrap();
-        courses
+        time_series
     }
 
     fn even(count: usize, step: f64, from: f64) -> Vec<f64> {
@@ -228,7 +230,7 @@ mod tests {
         let times = even(101, 1e-3, 0.0);
         let found = resample(&wave(&times), &times, CUBIC).unwrap();
         assert_eq!(
-            (found.courses, found.own, found.interpolated),
+            (found.time_series, found.own, found.interpolated),
             (wave(&times), 101, 0)
         );
         assert!(found.restores.is_none() && found.gaps_s.is_empty());
@@ -247,7 +249,8 @@ mod tests {
             )
             .unwrap();
             assert!(found.interpolated > 150);
-            let [made, exact] = [&found.courses, &exact].map(|c| c.channels()[0].values.as_slice());
+            let [made, exact] =
+                [&found.time_series, &exact].map(|c| c.channels()[0].values.as_slice());
             let made = relative_l2(&made.into(), &exact.into(), 0.0);
             let told = found.restores.unwrap().0;
             assert!(made < told && told < most, "{method:?}: {made:e} {told:e}");
@@ -261,7 +264,7 @@ mod tests {
         assert!(
             (found.covers_s[0] - 0.02).abs() < 1e-12 && (found.covers_s[1] - 0.07).abs() < 1e-12
         );
-        let values = &found.courses.channels()[0].values;
+        let values = &found.time_series.channels()[0].values;
         assert!(values[..20].iter().chain(&values[71..]).all(|v| v.is_nan()));
         assert!(values[20..71].iter().all(|v| v.is_finite()));
         let apart = resample(&wave(&even(51, 1e-3, 3.0)), &times, CUBIC).unwrap_err();

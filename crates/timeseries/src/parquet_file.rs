@@ -17,7 +17,7 @@ use parquet::record::Field;
 use parquet::schema::types::{Type, TypePtr};
 
 use crate::table::{Column, Table, Values};
-use crate::{Courses, CoursesError};
+use crate::{TimeSeries, TimeSeriesError};
 
 /// Faults of Parquet files.
 #[derive(Debug, thiserror::Error)]
@@ -36,9 +36,9 @@ pub enum ParquetFault {
     /// It was one, and the library does not get through what it became.
     #[error("Parquet: the file is damaged; write it anew")]
     Damaged,
-    /// It is one, but not of courses.
+    /// It is one, but not of time series.
     #[error(transparent)]
-    Courses(#[from] CoursesError),
+    TimeSeries(#[from] TimeSeriesError),
     /// It cannot be opened or made.
     #[error(transparent)]
     Io(#[from] std::io::Error),
@@ -165,12 +165,12 @@ fn table_of(
     Ok(table)
 }
 
-/// Writes courses as a Parquet file: `time_s` and all channels.
+/// Writes time series as a Parquet file: `time_s` and all channels.
 ///
 /// # Errors
 /// The file cannot be made or written.
-pub fn save_courses(courses: &Courses, path: &Path) -> Result<(), ParquetFault> {
-    Table::from(courses).write_parquet(std::fs::File::create(path)?)
+pub fn save_time_series(time_series: &TimeSeries, path: &Path) -> Result<(), ParquetFault> {
+    Table::from(time_series).write_parquet(std::fs::File::create(path)?)
 }
 
 /// Reads what [`save_courses`] wrote, or any Parquet file of doubles with a `time_s` column; empty
@@ -178,18 +178,18 @@ pub fn save_courses(courses: &Courses, path: &Path) -> Result<(), ParquetFault> 
 ///
 /// # Errors
 /// The file cannot be opened, is no Parquet file, has no time or time that does not increase.
-pub fn load_courses(path: &Path) -> Result<Courses, ParquetFault> {
-    read_courses(std::fs::File::open(path)?, usize::MAX)
+pub fn load_time_series(path: &Path) -> Result<TimeSeries, ParquetFault> {
+    read_time_series(std::fs::File::open(path)?, usize::MAX)
 }
 
 /// The same from an open file, or from memory, of at most `most` rows. Columns that are no doubles are passed over.
 ///
 /// # Errors
 /// See [`load_courses`]; more rows.
-pub fn read_courses(
+pub fn read_time_series(
     source: impl ChunkReader + 'static,
     most: usize,
-) -> Result<Courses, ParquetFault> {
+) -> Result<TimeSeries, ParquetFault> {
     let (mut time, mut channels) = (None, Vec::new());
     let double = |field: &Type| {
         field.is_primitive()
@@ -208,11 +208,11 @@ pub fn read_courses(
             }
         }
     }
-    let mut courses = Courses::new(time.ok_or(CoursesError::NoTime)?)?;
+    let mut time_series = TimeSeries::new(time.ok_or(TimeSeriesError::NoTime)?)?;
     for (name, values) in channels {
-        courses.push(name, values)?;
+        time_series.push(name, values)?;
     }
-    Ok(courses)
+    Ok(time_series)
 }
 
 #[cfg(test)]
@@ -221,22 +221,25 @@ mod tests {
 
     #[test]
     fn round_trip_is_exact() {
-        let mut courses = Courses::new(vec![0.0, 1e-4, 0.1 + 0.2]).unwrap();
-        courses
+        let mut time_series = TimeSeries::new(vec![0.0, 1e-4, 0.1 + 0.2]).unwrap();
+        time_series
             .push("a_n", vec![1.0 / 3.0, -1e-300, f64::MAX])
             .unwrap();
-        courses.push("gear.b_m", vec![1.0, 1.0, -0.0]).unwrap();
+        time_series.push("gear.b_m", vec![1.0, 1.0, -0.0]).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("courses.parquet");
-        save_courses(&courses, &path).unwrap();
-        assert_eq!(load_courses(&path).unwrap(), courses);
-        let short = read_courses(std::fs::File::open(&path).unwrap(), 2);
+        save_time_series(&time_series, &path).unwrap();
+        assert_eq!(load_time_series(&path).unwrap(), time_series);
+        let short = read_time_series(std::fs::File::open(&path).unwrap(), 2);
         assert!(matches!(
             short,
             Err(ParquetFault::Long { rows: 3, most: 2 })
         ));
         std::fs::write(&path, "time_s\n0\n").unwrap();
-        assert!(matches!(load_courses(&path), Err(ParquetFault::Parquet(_))));
+        assert!(matches!(
+            load_time_series(&path),
+            Err(ParquetFault::Parquet(_))
+        ));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use crate::CoursesError;
+use crate::TimeSeriesError;
 
 /// One named column.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,25 +16,25 @@ pub struct Channel {
 
 /// Channels over a common, strictly increasing time.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Courses {
+pub struct TimeSeries {
     time_s: Vec<f64>,
     channels: Vec<Channel>,
     index: HashMap<String, usize>,
 }
 
-impl Courses {
-    /// Courses without channels over the times `time_s` (s, strictly increasing).
+impl TimeSeries {
+    /// TimeSeries without channels over the times `time_s` (s, strictly increasing).
     ///
     /// # Errors
-    /// [`CoursesError::Time`] names the first row that does not increase.
-    pub fn new(time_s: Vec<f64>) -> Result<Self, CoursesError> {
+    /// [`TimeSeriesError::Time`] names the first row that does not increase.
+    pub fn new(time_s: Vec<f64>) -> Result<Self, TimeSeriesError> {
         for (row, pair) in time_s.windows(2).enumerate() {
             // Written so that a NaN on either side is caught as well.
             if !matches!(
                 pair[0].partial_cmp(&pair[1]),
                 Some(std::cmp::Ordering::Less)
             ) {
-                return Err(CoursesError::Time {
+                return Err(TimeSeriesError::Time {
                     row: row + 2,
                     before: pair[0],
                     after: pair[1],
@@ -52,17 +52,21 @@ impl Courses {
     ///
     /// # Errors
     /// The length differs from the time column's, or the name is taken.
-    pub fn push(&mut self, name: impl Into<String>, values: Vec<f64>) -> Result<(), CoursesError> {
+    pub fn push(
+        &mut self,
+        name: impl Into<String>,
+        values: Vec<f64>,
+    ) -> Result<(), TimeSeriesError> {
         let name = name.into();
         if values.len() != self.time_s.len() {
-            return Err(CoursesError::Length {
+            return Err(TimeSeriesError::Length {
                 name,
                 got: values.len(),
                 expected: self.time_s.len(),
             });
         }
         if self.index.contains_key(&name) {
-            return Err(CoursesError::Duplicate(name));
+            return Err(TimeSeriesError::Duplicate(name));
         }
         self.index.insert(name.clone(), self.channels.len());
         self.channels.push(Channel { name, values });
@@ -87,7 +91,7 @@ impl Courses {
         self.time_s.is_empty()
     }
 
-    /// The courses of some samples only; rows that do not exist, or do not come after their predecessor, are left out.
+    /// The time series of some samples only; rows that do not exist, or do not come after their predecessor, are left out.
     #[must_use]
     pub fn select(&self, rows: &[usize]) -> Self {
         let mut kept: Vec<usize> = Vec::with_capacity(rows.len());
@@ -162,25 +166,25 @@ mod tests {
 
     #[test]
     fn window_takes_both_ends() {
-        let courses = Courses::new((0..=10).map(|k| f64::from(k) * 0.1).collect()).unwrap();
-        assert_eq!(courses.window(0.3, 0.6), 3..7);
-        assert_eq!(courses.window(2.0, 3.0), 11..11);
-        assert_eq!(courses.window(0.3, f64::INFINITY), 3..11);
+        let time_series = TimeSeries::new((0..=10).map(|k| f64::from(k) * 0.1).collect()).unwrap();
+        assert_eq!(time_series.window(0.3, 0.6), 3..7);
+        assert_eq!(time_series.window(2.0, 3.0), 11..11);
+        assert_eq!(time_series.window(0.3, f64::INFINITY), 3..11);
     }
 
     #[test]
     fn faults_are_named() {
         assert!(matches!(
-            Courses::new(vec![0.0, 1.0, 1.0]),
-            Err(CoursesError::Time { row: 3, .. })
+            TimeSeries::new(vec![0.0, 1.0, 1.0]),
+            Err(TimeSeriesError::Time { row: 3, .. })
         ));
-        assert!(Courses::new(vec![0.0, f64::NAN]).is_err());
-        let mut courses = Courses::new(vec![0.0, 1.0]).unwrap();
-        assert!(courses.push("a_n", vec![1.0]).is_err());
-        courses.push("a_n", vec![1.0, 2.0]).unwrap();
+        assert!(TimeSeries::new(vec![0.0, f64::NAN]).is_err());
+        let mut time_series = TimeSeries::new(vec![0.0, 1.0]).unwrap();
+        assert!(time_series.push("a_n", vec![1.0]).is_err());
+        time_series.push("a_n", vec![1.0, 2.0]).unwrap();
         assert!(matches!(
-            courses.push("a_n", vec![1.0, 2.0]),
-            Err(CoursesError::Duplicate(_))
+            time_series.push("a_n", vec![1.0, 2.0]),
+            Err(TimeSeriesError::Duplicate(_))
         ));
     }
 
@@ -191,9 +195,9 @@ mod tests {
             ("external_sleeve_force_n", Some(12))
         );
         assert_eq!(group_of("input_torque_n_m"), ("input_torque_n_m", None));
-        let mut courses = Courses::new(vec![0.0]).unwrap();
-        courses.push("f_n_0", vec![1.0]).unwrap();
-        courses.push("f_n_1", vec![2.0]).unwrap();
-        assert_eq!(courses.group("f_n"), vec![&[1.0][..], &[2.0][..]]);
+        let mut time_series = TimeSeries::new(vec![0.0]).unwrap();
+        time_series.push("f_n_0", vec![1.0]).unwrap();
+        time_series.push("f_n_1", vec![2.0]).unwrap();
+        assert_eq!(time_series.group("f_n"), vec![&[1.0][..], &[2.0][..]]);
     }
 }
