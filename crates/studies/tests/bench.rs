@@ -127,7 +127,7 @@ fn csv_and_json_can_be_read_back() {
     );
     let value = serde_json::to_value(&study).unwrap();
     assert_eq!(
-        value["series"][0]["points"][0]["outcome"]["status"],
+        value["series"][0]["points"][0]["outcome"]["state"],
         "finished"
     );
     assert_eq!(value["windows"][0]["name"], "whole");
