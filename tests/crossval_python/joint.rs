@@ -64,7 +64,7 @@ fn crossval_joint_follows_the_gear() {
         }
         let dir = tempfile::tempdir().unwrap();
         let [model, csv] = ["joint_mujoco.xml", "courses.csv"].map(|name| dir.path().join(name));
-        std::fs::write(&model, joint.mjcf().unwrap()).unwrap();
+        std::fs::write(&model, joint.mjcf()).unwrap();
         std::fs::write(&csv, table).unwrap();
         let run = Command::new(&environment.python)
             .arg(repository("python/references/mujoco_joint.py"))

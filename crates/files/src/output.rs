@@ -68,6 +68,23 @@ pub fn file_name(name: &str) -> String {
     text
 }
 
+/// Text as markup, for elements and attributes of HTML and XML.
+#[must_use]
+pub fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            _ => escaped.push(c),
+        }
+    }
+    escaped
+}
+
 /// Writes pretty JSON with a final newline.
 ///
 /// # Errors

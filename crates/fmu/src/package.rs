@@ -4,7 +4,7 @@ use std::io::{Cursor, Write as _};
 use std::path::Path;
 use std::sync::Arc;
 
-use askama::Template;
+use pinwheel_files::output::escape;
 use pinwheel_gearbox::Gearbox;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
@@ -102,18 +102,23 @@ impl Unit {
         UNITS.iter().find(|unit| bare.ends_with(unit.ending))
     }
 
-    /// The attributes of its `BaseUnit`.
-    fn attributes(&self) -> String {
-        let names = ["kg", "m", "s", "rad"];
-        let powers = names.iter().zip(self.base.unwrap_or_default());
-        let mut text: String = powers
+    /// As the description defines it.
+    fn definition(&self) -> String {
+        let Some(base) = self.base else {
+            return format!("    <Unit name=\"{}\"/>\n", self.name);
+        };
+        let powers = ["kg", "m", "s", "rad"].into_iter().zip(base);
+        let mut attributes: String = powers
             .filter(|(_, power)| *power != 0)
             .map(|(name, power)| format!(" {name}=\"{power}\""))
             .collect();
         if self.factor != 1.0 {
-            text += &format!(" factor=\"{:e}\"", self.factor);
+            attributes += &format!(" factor=\"{:e}\"", self.factor);
         }
-        text
+        format!(
+            "    <Unit name=\"{}\"><BaseUnit{attributes}/></Unit>\n",
+            self.name
+        )
     }
 }
 
@@ -148,31 +153,40 @@ impl<'a> Row<'a> {
             start,
         }
     }
-}
 
-#[derive(Template)]
-#[template(path = "modelDescription.xml")]
-struct Description<'a> {
-    name: &'a str,
-    identifier: &'a str,
-    about: &'a str,
-    guid: &'a str,
-    version: &'static str,
-    stop_s: String,
-    step_s: String,
-    units: Vec<&'static Unit>,
-    rows: &'a [Row<'a>],
-    outputs: Vec<usize>,
-}
+    /// As the description has it.
+    fn variable(&self) -> String {
+        let Self {
+            reference,
+            of,
+            causality,
+            variability,
+            unit,
+            start,
+        } = self;
+        let kind = if of.is_boolean() { "Boolean" } else { "Real" };
+        let unit = unit.map_or_else(String::new, |unit| format!(" unit=\"{unit}\""));
+        let start = start
+            .as_ref()
+            .map_or_else(String::new, |start| format!(" start=\"{start}\""));
+        format!(
+            "    <ScalarVariable name=\"{}\" valueReference=\"{reference}\" causality=\"{causality}\" variability=\"{variability}\" \
+             description=\"{}\"><{kind}{unit}{start}/></ScalarVariable>\n",
+            escape(&of.name),
+            escape(&of.about)
+        )
+    }
 
-#[derive(Template)]
-#[template(path = "documentation.html")]
-struct Documentation<'a> {
-    name: &'a str,
-    about: &'a str,
-    version: &'static str,
-    method: &'a str,
-    rows: &'a [Row<'a>],
+    /// As a reader has it.
+    fn documentation(&self) -> String {
+        let [name, about] = [&*self.of.name, &*self.of.about].map(escape);
+        format!(
+            "<tr><td>{name}</td><td>{}</td><td>{}</td><td>{}</td><td>{about}</td></tr>\n",
+            self.causality,
+            self.unit.unwrap_or_default(),
+            self.start.as_deref().unwrap_or_default()
+        )
+    }
 }
 
 /// A unit, ready to be written.
@@ -265,29 +279,35 @@ impl Package {
         let rows: Vec<Row<'_>> = all.map(|(k, variable)| Row::new(k, variable)).collect();
         let used = |unit: &&Unit| rows.iter().any(|row| row.unit == Some(unit.name));
         let version = env!("CARGO_PKG_VERSION");
-        let description = Description {
-            name: &scene.name,
-            identifier: &self.identifier,
-            about: &scene.description,
-            guid: self.model.guid(),
-            version,
-            stop_s: format!("{:e}", scene.solver.duration_s),
-            step_s: format!("{:e}", scene.solver.sample_s),
-            units: UNITS.iter().filter(used).collect(),
-            outputs: rows
+        let (name, about) = (escape(&scene.name), escape(&scene.description));
+        let outputs = rows.iter().filter(|row| row.of.is_output());
+        let outputs =
+            outputs.map(|row| format!("      <Unknown index=\"{}\"/>\n", row.reference + 1));
+        let description = format!(
+            include_str!("../templates/modelDescription.xml"),
+            name = name,
+            identifier = self.identifier,
+            about = about,
+            guid = self.model.guid(),
+            version = version,
+            stop_s = format_args!("{:e}", scene.solver.duration_s),
+            step_s = format_args!("{:e}", scene.solver.sample_s),
+            units = UNITS
                 .iter()
-                .filter(|row| row.of.is_output())
-                .map(|row| row.reference + 1)
-                .collect(),
-            rows: &rows,
-        };
-        let documentation = Documentation {
-            name: &scene.name,
-            about: &scene.description,
-            version,
-            method: &self.method,
-            rows: &rows,
-        };
+                .filter(used)
+                .map(Unit::definition)
+                .collect::<String>(),
+            variables = rows.iter().map(Row::variable).collect::<String>(),
+            outputs = outputs.collect::<String>(),
+        );
+        let documentation = format!(
+            include_str!("../templates/documentation.html"),
+            name = name,
+            about = about,
+            version = version,
+            method = escape(&self.method),
+            rows = rows.iter().map(Row::documentation).collect::<String>(),
+        );
         let words = |error: &dyn std::fmt::Display| error.to_string();
         let library = format!(
             "binaries/{}/{}{}",
@@ -295,8 +315,6 @@ impl Package {
             self.identifier,
             std::env::consts::DLL_SUFFIX
         );
-        let description = description.render().map_err(|error| words(&error))?;
-        let documentation = documentation.render().map_err(|error| words(&error))?;
         let files: [(&str, u32, &[u8]); 4] = [
             ("modelDescription.xml", 0o644, description.as_bytes()),
             (&library, 0o755, &self.library),
@@ -365,7 +383,7 @@ mod tests {
             assert_eq!(Unit::of(name).map(|unit| unit.name), unit, "{name}");
         }
         let arcmin = UNITS.iter().find(|unit| unit.name == "arcmin");
-        assert!(arcmin.is_some_and(|unit| unit.attributes().contains("factor=\"2.908")));
+        assert!(arcmin.is_some_and(|unit| unit.definition().contains("factor=\"2.908")));
     }
 
     #[test]

@@ -28,7 +28,7 @@ pub fn page(
     let bad = |verdict: Verdict| verdict == Verdict::Worse;
     let passed = check.cases.iter().filter(|case| !bad(case.verdict)).count();
     let all = cases_table("Every scene by every solver", check.cases.iter());
-    let mut cases = Section::new("cases", "All cases", vec![Block::Data(all)]);
+    let mut cases = Section::new("cases", "All cases", vec![Block::Table(all)]);
     if passed == check.cases.len() {
         cases = cases.folded(format!("{passed} cases, none worse"));
     }
@@ -60,7 +60,7 @@ pub fn page(
             Section::new("moved", "What moved", moved_blocks(&moved)),
             cases,
             costs,
-            Section::new("limits", "Limits", vec![Block::Data(limits_table())])
+            Section::new("limits", "Limits", vec![Block::Table(limits_table())])
                 .folded("What a figure may move by, and why"),
             Section::new("history", "History", history_blocks(baseline, check))
                 .folded("What was accepted, when and why"),
@@ -288,7 +288,7 @@ fn moved_blocks(moved: &[Moved<'_>]) -> Vec<Block> {
         .done();
     let text = "Change, rounding and errors are shares of the quantity's size; errors are against the converged run, which \
                 was recorded with the accepted ones.";
-    vec![Block::Text(text.to_owned()), Block::Data(table)]
+    vec![Block::Text(text.to_owned()), Block::Table(table)]
 }
 
 fn costs_blocks(check: &Check) -> Vec<Block> {
@@ -312,7 +312,7 @@ fn costs_blocks(check: &Check) -> Vec<Block> {
         .done();
     let mut blocks = vec![match table.is_empty() {
         true => Block::Text("No count differs from the accepted one.".to_owned()),
-        false => Block::Data(table),
+        false => Block::Table(table),
     }];
     if !check.after.no_instructions.is_empty() {
         blocks.push(Block::Text(format!(
@@ -347,6 +347,6 @@ fn history_blocks(baseline: &Baseline, check: &Check) -> Vec<Block> {
             made("Before", &check.before),
             made("After", &check.after),
         ]),
-        Block::Data(table),
+        Block::Table(table),
     ]
 }

@@ -312,7 +312,7 @@ fn scene(found: &DesignDiff) -> Section {
                 key(&change.key).map_or("", |key| key.about)
             })
             .done();
-        (!table.is_empty()).then_some(Block::Data(table))
+        (!table.is_empty()).then_some(Block::Table(table))
     };
     let stated = keys("Keys that differ", false);
     let many = found.changed.iter().filter(|c| !c.follows).count();

@@ -4,8 +4,8 @@
 //! its channel's largest value. The script finds points and directions of contact on the same curve as the solver.
 
 use std::f64::consts::{PI, TAU};
-use std::fmt::Write as _;
 
+use pinwheel_files::output::escape;
 use pinwheel_scene::{Gear, Scene};
 use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Serialize;
@@ -258,75 +258,37 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
         views: views.iter().map(|v| &v.view).collect(),
         begin: begin.min(first.view.count - 1),
     };
-    let mut html = format!(
-        "<style>{}</style>\n<div class=\"gearboxes\"><div class=\"gearbox-views\">\n",
-        include_str!("../assets/animation.css")
-    );
-    for Animation { title, view, .. } in views {
-        let title = escape(title);
-        let _ = writeln!(
-            html,
-            "<figure class=\"gearbox-view\"><canvas tabindex=\"0\" role=\"img\" aria-label=\"{title}: {} wheels with {} lobes between {} external and {} internal sleeves, arrows for the contact forces. Space plays and pauses, arrow keys step.\"></canvas>\
-             <figcaption>{title}</figcaption><dl class=\"gearbox-read\">\
-             <dt>Input</dt><dd></dd><dt>Output</dt><dd></dd><dt>Input torque</dt><dd></dd><dt>Output torque</dt><dd></dd>\
-             <dt>Ext. peak</dt><dd></dd><dt>Int. peak</dt><dd></dd><dt>Loaded ext.</dt><dd></dd></dl></figure>",
-            view.gear.wheels,
-            view.gear.zk - 1,
-            view.gear.zk,
-            view.gear.zi
-        );
-    }
-    html.push_str(
-        "</div>\n<noscript><p class=\"notice\">The moving gearbox needs a script.</p></noscript>\
-         <div class=\"gearbox-time\" hidden><canvas aria-hidden=\"true\"></canvas><input type=\"range\" min=\"0\" max=\"1\" step=\"1\" value=\"0\" aria-label=\"Time\"></div>\
-         <div class=\"gearbox-controls\" hidden><button type=\"button\" class=\"play\" aria-pressed=\"false\">\u{25b6} Play</button><span class=\"at\"></span>\
-         <label class=\"control\"><span class=\"control-label\">Speed</span><select>",
-    );
-    for (value, label) in [
-        ("0.002", "1/500"),
-        ("0.005", "1/200"),
-        ("0.02", "1/50"),
-        ("0.05", "1/20"),
-        ("0.2", "1/5"),
-        ("1", "real time"),
-    ] {
-        let chosen = if value == "0.02" { " selected" } else { "" };
-        let _ = write!(html, "<option value=\"{value}\"{chosen}>{label}</option>");
-    }
-    html.push_str("</select></label><div class=\"gearbox-chips\" role=\"group\" aria-label=\"What is drawn\"><button type=\"button\" aria-pressed=\"true\">Forces</button>");
-    for i in 0..first.view.gear.wheels {
-        let _ = write!(
-            html,
-            "<button type=\"button\" data-wheel=\"{i}\" aria-pressed=\"true\"><i style=\"--dot:var(--wheel-{});--rim:var(--wheel-{}-edge)\"></i>Wheel {i}</button>",
-            i % 4,
-            i % 4
-        );
-    }
-    let full = crate::format::significant(first.view.full, 3);
-    let deviations = if views.iter().any(|v| v.deviates) {
-        " and its errors; parts stand where theirs put them, to scale"
-    } else {
-        ""
-    };
-    let _ = write!(
-        html,
-        "</div></div><div class=\"gearbox-key\"><span>0</span><span class=\"ramp\"></span><span>{full}\u{202f}N, a full arrow. Strip: largest force of a pair over time, \
-         <span style=\"color:var(--accent)\">external</span> and <span style=\"color:var(--force-middle-ink)\">internal</span>. Point at a sleeve for its force{deviations}.</span></div>\n\
-         <script type=\"application/json\">{}</script></div>\n<script>{}{}{}</script>",
-        json_for_script(&block)?,
-        include_str!("../assets/gearbox.js"),
-        include_str!("../assets/gearbox-picture.js"),
-        include_str!("../assets/animation.js")
-    );
-    Ok(html)
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
-        .replace('\'', "&#39;")
+    let drawn = views.iter().map(|Animation { title, view, .. }| {
+        format!(
+            include_str!("../templates/gearbox.html"),
+            title = escape(title),
+            wheels = view.gear.wheels,
+            lobes = view.gear.zk - 1,
+            external = view.gear.zk,
+            internal = view.gear.zi
+        )
+    });
+    let wheels = (0..first.view.gear.wheels).map(|i| {
+        let colour = i % 4;
+        format!(
+            "<button type=\"button\" data-wheel=\"{i}\" aria-pressed=\"true\"><i style=\"--dot:var(--wheel-{colour});--rim:var(--wheel-{colour}-edge)\"></i>Wheel {i}</button>"
+        )
+    });
+    Ok(format!(
+        include_str!("../templates/gearboxes.html"),
+        css = include_str!("../assets/animation.css"),
+        views = drawn.collect::<String>(),
+        wheels = wheels.collect::<String>(),
+        full = crate::format::significant(first.view.full, 3),
+        deviations = match views.iter().any(|v| v.deviates) {
+            true => " and its errors; parts stand where theirs put them, to scale",
+            false => "",
+        },
+        data = json_for_script(&block)?,
+        gearbox = include_str!("../assets/gearbox.js"),
+        picture = include_str!("../assets/gearbox-picture.js"),
+        animation = include_str!("../assets/animation.js")
+    ))
 }
 
 #[cfg(test)]

@@ -3,9 +3,6 @@
 /// Faults of [`render`](crate::render).
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// The template failed.
-    #[error("the page cannot be filled in: {0}")]
-    Template(#[from] askama::Error),
     /// The data for the charts cannot be written.
     #[error("the charts' data cannot be written: {0}")]
     Data(#[from] serde_json::Error),

@@ -8,11 +8,6 @@ pub fn figure(value: f64) -> String {
     significant(value, 5)
 }
 
-/// A figure that may not exist.
-pub fn figure_or_none(value: Option<f64>) -> String {
-    value.map_or_else(|| NONE.to_owned(), figure)
-}
-
 /// `digits` significant digits; powers of ten outside 1e-3 .. 1e6.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
@@ -51,7 +46,7 @@ pub fn limit(value: f64) -> String {
     if value >= 1e-3 {
         return format!(
             "{}\u{202f}%",
-            minus(&format!("{:.10}", 100.0 * value).trim_zeros())
+            minus(trim_zeros(&format!("{:.10}", 100.0 * value)))
         );
     }
     let text = format!("{value:e}");
@@ -75,13 +70,7 @@ pub fn seconds(value: f64) -> String {
         v if v < 120.0 => (value, "s"),
         _ => (value / 60.0, "min"),
     };
-    let text = significant(scaled, 3);
-    let text = if text.contains('.') {
-        text.trim_zeros()
-    } else {
-        text
-    };
-    format!("{text}\u{202f}{unit}")
+    format!("{}\u{202f}{unit}", trim_zeros(&significant(scaled, 3)))
 }
 
 /// A length of any size, e.g. `1.2 nm`.
@@ -179,14 +168,11 @@ pub fn count(value: u64) -> String {
     text
 }
 
-trait TrimZeros {
-    /// Without zeros at the end of the decimals.
-    fn trim_zeros(&self) -> String;
-}
-
-impl TrimZeros for str {
-    fn trim_zeros(&self) -> String {
-        self.trim_end_matches('0').trim_end_matches('.').to_owned()
+/// Without zeros at the end of the decimals.
+pub fn trim_zeros(text: &str) -> &str {
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => text,
     }
 }
 

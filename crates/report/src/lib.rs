@@ -10,7 +10,6 @@
 //! is plain HTML), and draws its time series with an embedded plotting library.
 
 pub mod animation;
-mod assets;
 mod chart_data;
 pub mod colours;
 mod comparison;
@@ -32,8 +31,7 @@ pub use input::{Fact, ReportInput};
 /// The page depends on the input alone: the same input gives the same bytes.
 ///
 /// # Errors
-/// The comparison and the participants do not belong together, or (never in practice) the
-/// template or the charts' data cannot be written.
+/// The comparison and the participants do not belong together, or (never in practice) the charts' data cannot be written.
 pub fn render(input: &ReportInput<'_>) -> Result<String, ReportError> {
     study::render(&comparison::study(input)?)
 }

@@ -26,38 +26,12 @@ pub fn plain(text: &str) -> String {
     anstream::adapter::strip_str(text).to_string()
 }
 
-/// One cell.
-#[derive(Debug, Clone, Default)]
-pub struct Cell {
+/// One cell; figures stand on the right.
+#[derive(Debug, Clone)]
+struct Cell {
     text: String,
     style: Style,
     right: bool,
-}
-
-impl Cell {
-    /// Text, left-aligned.
-    pub fn text(text: impl Into<String>) -> Self {
-        Self {
-            text: text.into(),
-            ..Self::default()
-        }
-    }
-
-    /// A figure, right-aligned.
-    pub fn figure(text: impl Into<String>) -> Self {
-        Self {
-            text: text.into(),
-            right: true,
-            ..Self::default()
-        }
-    }
-
-    /// In a style.
-    #[must_use]
-    pub fn styled(mut self, style: Style) -> Self {
-        self.style = style;
-        self
-    }
 }
 
 /// Characters of a line where nobody's screen says otherwise.
@@ -77,14 +51,12 @@ pub fn width() -> usize {
 
 /// Rows of cells as lines that fit the terminal, two spaces between columns; shorter rows are allowed. Text that finds no
 /// room goes on below its beginning.
-#[must_use]
-pub fn lines(rows: &[Vec<Cell>]) -> String {
+fn lines(rows: &[Vec<Cell>]) -> String {
     lines_within(rows, width())
 }
 
 /// [`lines`] of at most `room` characters.
-#[must_use]
-pub fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
+fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let of = |column: usize| rows.iter().filter_map(move |row| row.get(column));
     let longest = |column: usize| of(column).map(|c| c.text.chars().count()).max();
@@ -157,24 +129,25 @@ pub fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
 /// A table with its headings; marks are styles.
 #[must_use]
 pub fn table(table: &Table) -> String {
-    let aligned = |column: &Column, text: String| Cell {
+    let aligned = |column: &Column, text: String, style| Cell {
         // What a page sets as code stands by itself here.
         text: text.replace('\u{202f}', " ").replace('`', ""),
-        style: Style::new(),
+        style,
         right: column.values.is_numeric(),
     };
     let head = table::shown(table);
-    let head = head.map(|column| aligned(column, table::heading(column)).styled(TITLE));
+    let head = head.map(|column| aligned(column, table::heading(column), TITLE));
     let mut rows = vec![head.collect::<Vec<_>>()];
     rows.extend((0..table.len()).map(|row| {
         let cell = |column| {
-            aligned(column, table::words(column, row)).styled(match table::mark(column, row) {
+            let style = match table::mark(column, row) {
                 Mark::None => Style::new(),
                 Mark::Good => GOOD,
                 Mark::Bad => BAD,
                 Mark::Warn => TITLE,
                 Mark::Muted => QUIET,
-            })
+            };
+            aligned(column, table::words(column, row), style)
         };
         table::shown(table).map(cell).collect()
     }));
@@ -193,7 +166,12 @@ pub fn pairs<L: Into<String>, T: Into<String>>(rows: impl IntoIterator<Item = (L
 /// Rows of words in columns, without headings.
 #[must_use]
 pub fn list<const N: usize>(rows: impl IntoIterator<Item = [String; N]>) -> String {
-    let rows = rows.into_iter().map(|row| row.map(Cell::text).to_vec());
+    let cell = |text| Cell {
+        text,
+        style: Style::new(),
+        right: false,
+    };
+    let rows = rows.into_iter().map(|row| row.map(cell).to_vec());
     lines(&rows.collect::<Vec<_>>())
 }
 
@@ -245,6 +223,14 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
 mod tests {
     use super::*;
 
+    fn cell(text: &str, right: bool) -> Cell {
+        Cell {
+            text: text.to_owned(),
+            style: Style::new(),
+            right,
+        }
+    }
+
     #[test]
     fn plain_text_has_no_escapes() {
         assert_eq!(plain(&styled(BAD, "worse")), "worse");
@@ -254,8 +240,8 @@ mod tests {
     #[test]
     fn columns_line_up() {
         let rows = [
-            vec![Cell::text("engine"), Cell::figure("N m")],
-            vec![Cell::text("a"), Cell::figure("1.4529")],
+            vec![cell("engine", false), cell("N m", true)],
+            vec![cell("a", false), cell("1.4529", true)],
         ];
         assert_eq!(lines(&rows), "engine     N m\na       1.4529\n");
     }
@@ -263,8 +249,8 @@ mod tests {
     #[test]
     fn long_text_goes_on_below_its_beginning() {
         let rows = [vec![
-            Cell::text("key"),
-            Cell::text("word ".repeat(50).trim_end()),
+            cell("key", false),
+            cell("word ".repeat(50).trim_end(), false),
         ]];
         let text = lines_within(&rows, 80);
         assert!(text.lines().count() > 1);
@@ -281,10 +267,10 @@ mod tests {
     fn tables_fit_their_room() {
         let row = |name: &str, note: &str| {
             vec![
-                Cell::text(name),
-                Cell::figure("-1.4529e-12"),
-                Cell::figure("100.36"),
-                Cell::text(note),
+                cell(name, false),
+                cell("-1.4529e-12", true),
+                cell("100.36", true),
+                cell(note, false),
             ]
         };
         let rows = [

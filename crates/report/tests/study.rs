@@ -64,7 +64,7 @@ fn sample() -> Study {
 fn a_page_holds_its_blocks_escaped_and_in_order() {
     let page = render(&sample()).unwrap();
     for part in [
-        "<h1 id=\"study-title\">paper &#60;&#38;&#62;</h1>",
+        "<h1 id=\"study-title\">paper &lt;&amp;&gt;</h1>",
         "by <code>factor</code> &lt; 50",
         "<code>forces</code>",
         "data-chart=\"0\"",

@@ -1,17 +1,20 @@
 //! What `pinwheel compare` says on stdout: figures of every engine, verdicts of every pair.
 
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
+use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::quantities::INPUT_TORQUE;
 use pinwheel_compare::{Comparison, Counts, Track, Verdict, WindowKind};
-use pinwheel_report::terminal::{BAD, Cell, GOOD, QUIET, TITLE, lines, paragraph, styled};
+use pinwheel_report::terminal::{self, BAD, GOOD, QUIET, TITLE, paragraph, styled};
 use pinwheel_report::words;
 use pinwheel_scene::Scene;
+use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
+use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 /// The whole text, without the place of the page.
 #[must_use]
 pub fn text(scene: &Scene, comparison: &Comparison) -> String {
     let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::title(scene))));
-    text.push_str(&lines(&engines(comparison)));
+    text.push_str(&terminal::table(&engines(comparison)));
     for engine in &comparison.engines {
         if let Some(reason) = engine.status.reason() {
             text.push_str(&paragraph(&format!("{}: {reason}", engine.name)));
@@ -19,9 +22,9 @@ pub fn text(scene: &Scene, comparison: &Comparison) -> String {
         }
     }
     let measured = measured(comparison);
-    if measured.len() > 1 {
+    if !measured.is_empty() {
         text.push('\n');
-        text.push_str(&lines(&measured));
+        text.push_str(&terminal::table(&measured));
         let rigs = comparison
             .engines
             .iter()
@@ -31,9 +34,9 @@ pub fn text(scene: &Scene, comparison: &Comparison) -> String {
         }
     }
     let pairs = pairs(comparison);
-    if pairs.len() > 1 {
+    if !pairs.is_empty() {
         text.push('\n');
-        text.push_str(&lines(&pairs));
+        text.push_str(&terminal::table(&pairs));
     }
     for remark in comparison.windows.iter().filter_map(|w| w.remark()) {
         text.push_str(&format!("{}\n", paragraph(&remark)));
@@ -68,143 +71,97 @@ fn shown_window(comparison: &Comparison) -> Option<WindowKind> {
         .find(|kind| comparison.windows.iter().any(|window| window.kind == *kind))
 }
 
-fn engines(comparison: &Comparison) -> Vec<Vec<Cell>> {
+/// What a row says of an engine or a pair, and how that is marked.
+type Said = (String, Mark);
+
+fn engines(comparison: &Comparison) -> Table {
     let window = shown_window(comparison);
-    let title = |text: &str| Cell::text(text).styled(TITLE);
-    let heading = |text: &str| Cell::figure(text).styled(TITLE);
-    let mut rows = vec![vec![
-        title("engine"),
-        heading("torque N m"),
-        heading("ext N"),
-        heading("int N"),
-        heading("wall s"),
-        title("load"),
-    ]];
-    for engine in &comparison.engines {
-        let mut row = vec![Cell::text(&engine.name)];
-        let figures = engine
-            .figures
-            .iter()
-            .find(|figures| Some(figures.window) == window);
-        let figure = |quantity: &str, peak: bool| {
-            let value = figures
-                .and_then(|figures| figures.quantities.get(quantity))
-                .map(|statistics| {
-                    if peak {
-                        statistics.peak
-                    } else {
-                        statistics.mean
-                    }
-                });
-            Cell::figure(value.map_or_else(
-                || "-".to_owned(),
-                |value| format!("{value:.*}", if peak { 1 } else { 4 }),
-            ))
+    let statistics = |engine: &EngineSummary, quantity: &str| {
+        let mut all = engine.figures.iter();
+        let figures = all.find(|figures| Some(figures.window) == window)?;
+        figures.quantities.get(quantity).copied()
+    };
+    let peak = |engine: &EngineSummary, quantity| Some(statistics(engine, quantity)?.peak);
+    let recorded = |engine: &EngineSummary| engine.cost.recorded.is_some();
+    Table::of("", &comparison.engines)
+        .text("", "engine", |engine| &engine.name)
+        .number("", "torque N m", |engine| {
+            Some(statistics(engine, INPUT_TORQUE)?.mean)
+        })
+        .shown(Shown::Decimals(4))
+        .number("", "ext N", |engine| peak(engine, EXTERNAL_FORCE))
+        .shown(Shown::Decimals(1))
+        .number("", "int N", |engine| peak(engine, INTERNAL_FORCE))
+        .shown(Shown::Decimals(1))
+        .number("", "wall s", |engine| {
+            Some(engine.cost.wall_s).filter(|wall| *wall > 0.0)
+        })
+        .shown(Shown::Decimals(2))
+        .said(|engine| recorded(engine).then(|| "recorded".to_owned()))
+        .text("", "load", |engine| own_verdict(engine).0)
+        .marked(|engine| own_verdict(engine).1)
+        .done()
+}
+
+/// The verdict on an engine alone, its balance with the load; of one without figures why in a word, as the reason stands below
+/// the table.
+fn own_verdict(engine: &EngineSummary) -> Said {
+    if engine.status.reason().is_some() {
+        return match engine.status.is_broken() {
+            true => (engine.status.word().to_owned(), Mark::Bad),
+            false => ("left out".to_owned(), Mark::Muted),
         };
-        row.push(figure(INPUT_TORQUE, false));
-        row.push(figure("external_sleeve_force_n", true));
-        row.push(figure("internal_sleeve_force_n", true));
-        if engine.cost.recorded.is_some() {
-            row.push(Cell::figure("recorded"));
-        } else if engine.cost.wall_s > 0.0 {
-            row.push(Cell::figure(format!("{:.2}", engine.cost.wall_s)));
-        } else {
-            row.push(Cell::figure("-"));
-        }
-        match engine.status.reason() {
-            Some(_) => row.push(not_finished(engine)),
-            None => row.push(own_verdict(engine)),
-        }
-        rows.push(row);
     }
-    rows
-}
-
-/// Why an engine has no figures, in a word; the reason stands below the table.
-fn not_finished(engine: &EngineSummary) -> Cell {
-    match engine.status.is_broken() {
-        true => Cell::text(engine.status.word()).styled(BAD),
-        false => Cell::text("left out").styled(QUIET),
-    }
-}
-
-/// The verdict on an engine alone, its balance with the load.
-fn own_verdict(engine: &EngineSummary) -> Cell {
     let verdicts = engine.judged.iter().map(|entry| entry.result.verdict);
     let mut compared = verdicts.filter(|verdict| *verdict != Verdict::NotCompared);
-    compared
-        .next_back()
-        .map_or(Cell::text(""), |verdict| marked(verdict.word(), verdict))
-}
-
-/// Text in the style of a verdict.
-fn marked(text: &str, verdict: Verdict) -> Cell {
-    Cell::text(text).styled(match verdict {
-        Verdict::Agree => GOOD,
-        Verdict::Differ => BAD,
-        Verdict::Inconclusive | Verdict::NotCompared => QUIET,
+    let last = compared.next_back();
+    last.map_or_else(Said::default, |verdict| {
+        (verdict.word().to_owned(), mark(verdict))
     })
 }
 
+fn mark(verdict: Verdict) -> Mark {
+    match verdict {
+        Verdict::Agree => Mark::Good,
+        Verdict::Differ => Mark::Bad,
+        Verdict::Inconclusive | Verdict::NotCompared => Mark::Muted,
+    }
+}
+
 /// How far measured data are from each engine, quantity by quantity.
-fn measured(comparison: &Comparison) -> Vec<Vec<Cell>> {
-    let title = |text: &str| Cell::text(text).styled(TITLE);
-    let heading = |text: &str| Cell::figure(text).styled(TITLE);
-    let mut rows = vec![vec![
-        title("measured"),
-        title("quantity"),
-        heading("L2"),
-        heading("mean"),
-        heading("peak"),
-        title("verdict"),
-    ]];
-    let percent = |value: Option<f64>| {
-        Cell::figure(value.map_or_else(|| "-".to_owned(), |v| format!("{:.2} %", 100.0 * v)))
-    };
+fn measured(comparison: &Comparison) -> Table {
     let pairs = comparison
         .pairs
         .iter()
         .filter(|p| p.track == Track::Measured);
-    for pair in pairs {
-        for entry in &pair.entries {
-            let Some(metrics) = &entry.metrics else {
-                continue;
-            };
-            rows.push(vec![
-                Cell::text(format!(
-                    "{} / {}",
-                    words::short(&pair.a),
-                    words::short(&pair.b)
-                )),
-                Cell::text(format!(
-                    "{}, {}",
-                    brief(&entry.quantity),
-                    entry.window.word()
-                )),
-                percent(metrics.relative_l2),
-                percent(metrics.mean_difference),
-                percent(metrics.peak_difference),
-                Cell::text(words::verdict(&entry.result, brief_number)),
-            ]);
-        }
+    let entries = pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)));
+    let rows = entries.filter_map(|(pair, entry)| Some((pair, entry, entry.metrics.as_ref()?)));
+    const SHARES: [(&str, fn(&PairMetrics) -> Option<f64>); 3] = [
+        ("L2", |metrics| metrics.relative_l2),
+        ("mean", |metrics| metrics.mean_difference),
+        ("peak", |metrics| metrics.peak_difference),
+    ];
+    let mut table = Table::of("", rows)
+        .text("", "measured", |(pair, ..)| name(pair))
+        .text("", "quantity", |(_, entry, _)| place(entry));
+    for (label, of) in SHARES {
+        table = table
+            .number("", label, |(.., metrics)| of(metrics))
+            .unit("%")
+            .shown(Shown::Percent);
     }
-    rows
+    let said = |entry: &PairEntry| words::verdict(&entry.result, brief_number);
+    table
+        .text("", "verdict", |(_, entry, _)| said(entry))
+        .done()
 }
 
 /// Pairs that are listed one by one, those that differ before those with something to act on.
 const LISTED: usize = 5;
 
 /// What pairs share, how often their verdicts are which, and the gravest one; then pairs with something to act on.
-fn pairs(comparison: &Comparison) -> Vec<Vec<Cell>> {
-    let title = |text: &str| Cell::text(text).styled(TITLE);
-    let heading = |text: &str| Cell::figure(text).styled(TITLE);
-    let mut rows = vec![vec![
-        title("pairs that share"),
-        heading("agree"),
-        heading("differ"),
-        heading("inconcl."),
-        title("at worst"),
-    ]];
+fn pairs(comparison: &Comparison) -> Table {
+    let mut rows: Vec<(String, Option<Counts>, Said)> = Vec::new();
     for (track, shares) in [
         (Track::Native, "equations"),
         (Track::SharedLaw, "contact law"),
@@ -228,36 +185,39 @@ fn pairs(comparison: &Comparison) -> Vec<Vec<Cell>> {
             let graver = rank(a.1).cmp(&rank(b.1));
             graver.then(a.1.result.share().total_cmp(&b.1.result.share()))
         });
-        let said = worst.map_or(Cell::text(""), |(pair, entry)| {
+        let said = worst.map_or_else(Said::default, |(pair, entry)| {
             let said = words::verdict(&entry.result, brief_number);
-            marked(&format!("{}: {said}", name(pair)), entry.result.verdict)
+            (
+                format!("{}: {said}", name(pair)),
+                mark(entry.result.verdict),
+            )
         });
-        rows.push(vec![
-            Cell::text(shares),
-            Cell::figure(counts.agree.to_string()),
-            Cell::figure(counts.differ.to_string()),
-            Cell::figure(counts.inconclusive.to_string()),
-            said,
-        ]);
+        rows.push((shares.to_owned(), Some(counts), said));
     }
-    let acted_on = |pair: &&Pair| words::gravest(pair).is_some_and(|e| e.result.actionable);
-    let mut open: Vec<&Pair> = comparison.pairs.iter().filter(acted_on).collect();
-    open.sort_by_key(|pair| std::cmp::Reverse(words::gravest(pair).map(|e| e.result.rank())));
-    for pair in open.iter().take(LISTED) {
-        if let Some(entry) = words::gravest(pair) {
-            let place = format!("{}, {}", brief(&entry.quantity), entry.window.word());
-            let said = words::verdict(&entry.result, brief_number);
-            let empty = || Cell::figure("");
-            rows.push(vec![
-                Cell::text(name(pair)),
-                empty(),
-                empty(),
-                empty(),
-                marked(&format!("{said}; {place}"), entry.result.verdict),
-            ]);
-        }
+    let known = comparison.pairs.iter();
+    let known = known.filter_map(|pair| Some((pair, words::gravest(pair)?)));
+    let mut open: Vec<(&Pair, &PairEntry)> = known.filter(|(_, e)| e.result.actionable).collect();
+    open.sort_by_key(|(_, entry)| std::cmp::Reverse(entry.result.rank()));
+    for (pair, entry) in open.into_iter().take(LISTED) {
+        let said = words::verdict(&entry.result, brief_number);
+        let said = format!("{said}; {}", place(entry));
+        rows.push((name(pair), None, (said, mark(entry.result.verdict))));
     }
-    rows
+    Table::of("", &rows)
+        .text("", "pairs that share", |(shares, ..)| shares)
+        .whole("", "agree", |(_, counts, _)| Some(counts.as_ref()?.agree))
+        .whole("", "differ", |(_, counts, _)| Some(counts.as_ref()?.differ))
+        .whole("", "inconcl.", |(_, counts, _)| {
+            Some(counts.as_ref()?.inconclusive)
+        })
+        .text("", "at worst", |(.., (said, _))| said)
+        .marked(|(.., (_, mark))| *mark)
+        .done()
+}
+
+/// A quantity and a window.
+fn place(entry: &PairEntry) -> String {
+    format!("{}, {}", brief(&entry.quantity), entry.window.word())
 }
 
 fn name(pair: &Pair) -> String {
@@ -299,11 +259,9 @@ fn budgets(comparison: &Comparison) -> Vec<String> {
                 .collect();
             let [numerical, input, data] = shares.map(|share| 100.0 * share);
             told.push(format!(
-                "{} / {}, {}, {}: u_val = {:.1e} [{bar:BAR$}] numerics {numerical:.0} %, inputs {input:.0} %, data {data:.0} %",
-                words::short(&pair.a),
-                words::short(&pair.b),
-                brief(&entry.quantity),
-                entry.window.word(),
+                "{}, {}: u_val = {:.1e} [{bar:BAR$}] numerics {numerical:.0} %, inputs {input:.0} %, data {data:.0} %",
+                name(pair),
+                place(entry),
                 budget.validation()
             ));
         }

@@ -398,7 +398,7 @@ fn runs(plan: &Plan, table: &Table) -> Vec<Block> {
             shown.len()
         )));
     }
-    blocks.push(Block::Data(shown));
+    blocks.push(Block::Table(shown));
     if !reasons.is_empty() {
         blocks.push(Block::folded(
             "Remarks on runs: how they ended, and which figures to read with care",

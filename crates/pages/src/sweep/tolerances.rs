@@ -137,7 +137,7 @@ fn limits(limits: &[Limit], of: &Yield) -> Block {
         .number("", "Runs that keep it", |(_, share)| 100.0 * **share)
         .unit("%")
         .shown(Shown::Decimals(1));
-    Block::Data(table.done())
+    Block::Table(table.done())
 }
 
 fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
@@ -174,7 +174,7 @@ fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
         })
         .unit("%")
         .shown(Shown::Decimals(0));
-    [Block::Data(spread.done()), Block::Data(keys.done())]
+    [Block::Table(spread.done()), Block::Table(keys.done())]
 }
 
 /// How the first figures are distributed, with their limits.

@@ -213,7 +213,7 @@ impl Page<'_> {
             .iter()
             .map(|d| d.told.clone());
         let remarks = windows.chain(remarks).chain(divergence).map(Block::Text);
-        let most = (!most.is_empty()).then_some(Block::Data(most));
+        let most = (!most.is_empty()).then_some(Block::Table(most));
         most.into_iter().chain(remarks).collect()
     }
 }

@@ -56,10 +56,13 @@ pub(crate) fn study(input: &ReportInput<'_>) -> Result<Study, ReportError> {
         tiles_title: page.tiles_title(),
         tiles: page.tiles(),
         below: page.below(),
-        aside: motion.transpose()?.map(|markup| {
-            let title = Block::Heading("The gearbox in motion".to_owned());
-            vec![title, Block::Html(markup)]
-        }),
+        aside: match motion.transpose()? {
+            Some(markup) => vec![
+                Block::Heading("The gearbox in motion".to_owned()),
+                Block::Html(markup),
+            ],
+            None => Vec::new(),
+        },
         sections,
         appendix,
         command: input.command.clone(),
@@ -387,7 +390,7 @@ impl<'a> Page<'a> {
             })
             .marked(|e| Mark::bad(e.status.is_broken()))
             .done();
-        let blocks = [Block::Data(table)];
+        let blocks = [Block::Table(table)];
         Section::new("engines", "Engines", blocks).folded("how they differ")
     }
 }
@@ -399,7 +402,7 @@ fn model(input: &ReportInput<'_>) -> Section {
             .text("", "What", |fact| &fact.what)
             .text("", "Why", |fact| &fact.why)
             .done();
-        (!table.is_empty()).then_some(Block::Data(table))
+        (!table.is_empty()).then_some(Block::Table(table))
     };
     let blocks = [
         facts("What was modelled", &input.modelled),

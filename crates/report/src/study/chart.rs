@@ -3,6 +3,7 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
+use serde_json::{Value, json};
 
 /// One chart.
 ///
@@ -43,7 +44,7 @@ pub struct Chart {
 }
 
 /// An axis of a [`Chart`].
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Axis {
     /// Name and unit, e.g. `Time (s)`.
     pub label: String,
@@ -90,7 +91,8 @@ pub struct Series {
 }
 
 /// How a curve is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Style {
     /// A line.
     #[default]
@@ -103,84 +105,31 @@ pub enum Style {
     Dashed,
 }
 
-impl Style {
-    fn word(self) -> &'static str {
-        match self {
-            Self::Line => "line",
-            Self::Points => "points",
-            Self::Both => "both",
-            Self::Dashed => "dashed",
+/// A chart as the page's script reads it: `grids` are the distinct horizontal values, base64 of little-endian 32-bit floats.
+pub(super) fn json(chart: &Chart) -> Value {
+    let mut grids: Vec<String> = Vec::new();
+    let series = chart.series.iter().enumerate().map(|(place, series)| {
+        let (x, y, tags) = ordered(series);
+        let encoded = encode(&x);
+        let grid = grids.iter().position(|g| *g == encoded);
+        let grid = grid.unwrap_or_else(|| {
+            grids.push(encoded);
+            grids.len() - 1
+        });
+        let mut json = json!({
+            "label": series.label,
+            "style": series.style,
+            "colour": series.colour.unwrap_or(place),
+            "grid": grid,
+            "y": encode(&y),
+        });
+        if !tags.is_empty() {
+            json["tags"] = tags.into();
         }
-    }
-}
-
-/// A chart as the page's script reads it.
-#[derive(Debug, Serialize)]
-pub(super) struct ChartJson<'a> {
-    title: &'a str,
-    x: AxisJson<'a>,
-    y: AxisJson<'a>,
-    /// Distinct horizontal grids, base64 of little-endian 32-bit floats.
-    grids: Vec<String>,
-    series: Vec<SeriesJson<'a>>,
-}
-
-#[derive(Debug, Serialize)]
-struct AxisJson<'a> {
-    label: &'a str,
-    log: bool,
-}
-
-#[derive(Debug, Serialize)]
-struct SeriesJson<'a> {
-    label: &'a str,
-    style: &'static str,
-    colour: usize,
-    grid: usize,
-    y: String,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    tags: Vec<&'a str>,
-}
-
-impl<'a> ChartJson<'a> {
-    pub(super) fn of(chart: &'a Chart) -> Self {
-        let mut grids: Vec<String> = Vec::new();
-        let series = chart
-            .series
-            .iter()
-            .enumerate()
-            .map(|(place, series)| {
-                let (x, y, tags) = ordered(series);
-                let encoded = encode(&x);
-                let grid = grids.iter().position(|g| *g == encoded);
-                let grid = grid.unwrap_or_else(|| {
-                    grids.push(encoded);
-                    grids.len() - 1
-                });
-                SeriesJson {
-                    label: &series.label,
-                    style: series.style.word(),
-                    colour: series.colour.unwrap_or(place),
-                    grid,
-                    y: encode(&y),
-                    tags,
-                }
-            })
-            .collect();
-        Self {
-            title: &chart.title,
-            x: AxisJson {
-                label: &chart.x.label,
-                log: chart.x.log,
-            },
-            y: AxisJson {
-                label: &chart.y.label,
-                log: chart.y.log,
-            },
-            grids,
-            series,
-        }
-    }
+        json
+    });
+    let series: Vec<Value> = series.collect();
+    json!({ "title": chart.title, "x": chart.x, "y": chart.y, "grids": grids, "series": series })
 }
 
 /// Values with rising `x`, because the plotting library asks for it; those without a finite `x`
@@ -232,10 +181,14 @@ mod tests {
             ],
             ..Chart::default()
         };
-        let json = ChartJson::of(&chart);
-        assert_eq!(json.grids.len(), 1, "both series share one grid");
-        assert_eq!(json.series[0].tags, ["a", "b"]);
-        assert_eq!(json.series[0].y, encode(&[10.0, 20.0]));
-        assert_eq!(json.series[1].colour, 5);
+        let json = json(&chart);
+        assert_eq!(
+            json["grids"].as_array().unwrap().len(),
+            1,
+            "both series share one grid"
+        );
+        assert_eq!(json["series"][0]["tags"], json!(["a", "b"]));
+        assert_eq!(json["series"][0]["y"], encode(&[10.0, 20.0]));
+        assert_eq!(json["series"][1]["colour"], 5);
     }
 }

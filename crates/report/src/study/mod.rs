@@ -5,14 +5,15 @@
 //! a script (but for the charts), and works on a phone, in the dark and on paper.
 //!
 //! ```
-//! use pinwheel_report::study::{Block, Cell, Column, Section, Study, Table, render};
+//! use pinwheel_report::study::{Section, Study, render};
+//! use pinwheel_timeseries::table::Table;
 //!
-//! let table = Table {
-//!     caption: "Driver torque".into(),
-//!     columns: vec![Column::text("engine"), Column::number("N m")],
-//!     rows: vec![vec![Cell::text("native"), Cell::number("1.4529", 1.4529)]],
-//! };
-//! let section = Section { id: "torque".into(), title: "Torque".into(), blocks: vec![Block::Table(table)] };
+//! let table = Table::of("Driver torque", [("native", 1.4529)])
+//!     .text("", "engine", |row| row.0)
+//!     .number("", "torque", |row| row.1)
+//!     .unit("N m")
+//!     .done();
+//! let section = Section::new("torque", "Torque", [table.into()]);
 //! let page = render(&Study { title: "mine".into(), sections: vec![section], ..Study::default() })?;
 //! assert!(page.contains("Torque") && page.contains("1.4529"));
 //! # Ok::<(), pinwheel_report::ReportError>(())
@@ -24,12 +25,12 @@ mod page;
 
 pub use chart::{Axis, Chart, Series, Style};
 pub use grid::{Grid, GridAxis, GridFigure};
+pub use page::render;
 
 use pinwheel_compare::{Comparison, Participant};
 pub use pinwheel_timeseries::table::Mark;
-use pinwheel_timeseries::table::Table as Data;
+use pinwheel_timeseries::table::Table;
 
-use crate::ReportError;
 use crate::chart_data::ChartData;
 
 /// Everything on one study's page. Strings may hold any characters: all are escaped, except
@@ -53,7 +54,7 @@ pub struct Study {
     /// What stands below the figures.
     pub below: Vec<Block>,
     /// What stands beside all that, if there is something to look at.
-    pub aside: Option<Vec<Block>>,
+    pub aside: Vec<Block>,
     /// The study itself, in order; each has a link in the top bar.
     pub sections: Vec<Section>,
     /// The command that repeats this study.
@@ -189,8 +190,6 @@ pub enum Block {
     List(Vec<String>),
     /// A table that can be sorted.
     Table(Table),
-    /// A table that can be sorted, of columns with their type.
-    Data(Data),
     /// Charts, side by side where there is room.
     Charts(Vec<Chart>),
     /// Figures over parameters, with a choice of axes.
@@ -211,7 +210,7 @@ pub enum Block {
         /// The line.
         summary: String,
         /// What it opens.
-        table: Data,
+        table: Table,
     },
     /// Text as a terminal or a file shows it.
     Code(String),
@@ -254,9 +253,9 @@ impl Block {
     }
 }
 
-impl From<Data> for Block {
-    fn from(table: Data) -> Self {
-        Self::Data(table)
+impl From<Table> for Block {
+    fn from(table: Table) -> Self {
+        Self::Table(table)
     }
 }
 
@@ -282,103 +281,4 @@ impl TimeSeries {
         );
         Some(Self(data))
     }
-}
-
-/// A table.
-#[derive(Debug, Clone, Default)]
-pub struct Table {
-    /// What the table shows; read first by a screen reader.
-    pub caption: String,
-    /// Columns, left to right. The first names the row.
-    pub columns: Vec<Column>,
-    /// Rows of as many cells as there are columns; missing ones are empty.
-    pub rows: Vec<Vec<Cell>>,
-}
-
-/// A column of a [`Table`].
-#[derive(Debug, Clone, Default)]
-pub struct Column {
-    /// Heading, with the unit.
-    pub label: String,
-    /// Whether figures stand in it: they are set to the right.
-    pub numeric: bool,
-}
-
-impl Column {
-    /// A column of words.
-    pub fn text(label: impl Into<String>) -> Self {
-        Self {
-            label: label.into(),
-            numeric: false,
-        }
-    }
-
-    /// A column of figures.
-    pub fn number(label: impl Into<String>) -> Self {
-        Self {
-            label: label.into(),
-            numeric: true,
-        }
-    }
-}
-
-/// A cell of a [`Table`].
-#[derive(Debug, Clone, Default)]
-pub struct Cell {
-    /// What stands in it.
-    pub text: String,
-    /// How it is marked, by sign and colour.
-    pub mark: Mark,
-    /// Shade of the ground from 0 (none) to 1 (full), for maps; `None` for plain cells.
-    pub heat: Option<f64>,
-    /// What the table is sorted by, where the text is not a plain number.
-    pub key: Option<f64>,
-}
-
-impl Cell {
-    /// A cell of words.
-    pub fn text(text: impl Into<String>) -> Self {
-        Self {
-            text: text.into(),
-            ..Self::default()
-        }
-    }
-
-    /// A figure: `text` is shown, `key` sorts.
-    pub fn number(text: impl Into<String>, key: f64) -> Self {
-        Self {
-            text: text.into(),
-            key: Some(key),
-            ..Self::default()
-        }
-    }
-
-    /// The same cell with a mark.
-    #[must_use]
-    pub fn marked(self, mark: Mark) -> Self {
-        Self { mark, ..self }
-    }
-
-    /// The same cell with a shaded ground, 0 to 1.
-    #[must_use]
-    pub fn heated(self, heat: f64) -> Self {
-        Self {
-            heat: Some(heat),
-            ..self
-        }
-    }
-}
-
-impl<T: Into<String>> From<T> for Cell {
-    fn from(text: T) -> Self {
-        Self::text(text)
-    }
-}
-
-/// Fills in a study's page. The page depends on the study alone.
-///
-/// # Errors
-/// Never in practice: the template or the charts' data cannot be written.
-pub fn render(study: &Study) -> Result<String, ReportError> {
-    page::render(study)
 }

@@ -1,265 +1,234 @@
 //! A study's page as markup: blocks are rendered one by one, so that they can hold each other.
 
-use askama::Template;
+use pinwheel_files::output::escape;
+use pinwheel_timeseries::table::{Column, Table};
+use serde_json::{Value, json};
 
-use super::chart::ChartJson;
-use super::{Block, Cell, Chart, Grid, Mark, Study, Table, Tile, TimeSeries, Tone, Verdict};
+use super::{Block, Chart, Item, Mark, Section, Study, Tile, TimeSeries, Tone, Verdict, chart};
 use crate::ReportError;
-use crate::assets::{ASSETS, Assets};
-use crate::chart_data::json_for_script;
+use crate::chart_data::{ChartData, json_for_script};
 use crate::{packed, table};
-use pinwheel_timeseries::table::{Column, Table as Data};
-use serde::Serialize;
-
-/// The whole page.
-#[derive(Template)]
-#[template(path = "study.html")]
-struct Page<'a> {
-    study: &'a Study,
-    banner: Option<Banner<'a>>,
-    top: String,
-    tiles: &'a [Tile],
-    below: String,
-    aside: Option<String>,
-    appendix: String,
-    sections: Vec<SectionHtml<'a>>,
-    chart_json: Option<String>,
-    /// Whether a block lets the reader choose axes.
-    grids: bool,
-    /// Tables that are made when they are opened, packed.
-    later: Option<String>,
-    /// Time series, and what draws them.
-    time_series_json: Option<String>,
-    time_series_js: &'static str,
-    lead: String,
-    assets: Assets,
-    page_js: &'static str,
-    grid_js: &'static str,
-}
-
-#[derive(Template)]
-#[template(path = "study/time_series.html")]
-struct TimeSeriesHtml<'a> {
-    chart_notes: &'a [String],
-}
-
-struct Banner<'a> {
-    class: &'static str,
-    sign: &'static str,
-    headline: &'a str,
-    detail: String,
-}
-
-struct SectionHtml<'a> {
-    id: &'a str,
-    title: &'a str,
-    body: String,
-    /// What stands beside the title of a section that is folded as a whole.
-    folded: Option<String>,
-}
-
-#[derive(Template)]
-#[template(path = "study/table.html")]
-struct TableHtml<'a> {
-    caption: &'a str,
-    /// Words, and whether figures stand in the column.
-    headings: Vec<(String, bool)>,
-    rows: Vec<Vec<CellHtml>>,
-}
 
 /// What the page's scripts draw, in the order of its blocks.
 #[derive(Default)]
 struct Drawn<'a> {
     charts: Vec<&'a Chart>,
-    later: Vec<Later<'a>>,
+    /// Tables that are made when they are opened, in words.
+    later: Vec<Value>,
+    /// Whether a block lets the reader choose axes.
+    grids: bool,
+    time_series: Option<&'a ChartData>,
 }
 
-/// A table in words.
-#[derive(Serialize)]
-struct Later<'a> {
-    caption: &'a str,
-    headings: Vec<String>,
-    rows: Vec<Vec<String>>,
-}
-
-struct CellHtml {
-    numeric: bool,
-    class: &'static str,
-    sign: &'static str,
-    word: &'static str,
-    body: String,
-    key: String,
-    style: String,
-}
-
-#[derive(Template)]
-#[template(path = "study/charts.html")]
-struct ChartsHtml<'a> {
-    charts: Vec<ChartHtml<'a>>,
-}
-
-struct ChartHtml<'a> {
-    index: usize,
-    title: &'a str,
-    note: String,
-}
-
-pub(super) fn render(study: &Study) -> Result<String, ReportError> {
+/// Fills in a study's page. The page depends on the study alone.
+///
+/// # Errors
+/// Never in practice: the data of what is drawn cannot be written.
+pub fn render(study: &Study) -> Result<String, ReportError> {
     let mut drawn = Drawn::default();
-    let sections = study
-        .sections
-        .iter()
-        .map(|section| {
-            let (inside, folded) = match section.blocks.as_slice() {
-                [Block::Details { summary, blocks }] => (blocks.as_slice(), Some(inline(summary))),
-                blocks => (blocks, None),
-            };
-            Ok(SectionHtml {
-                id: &section.id,
-                title: &section.title,
-                body: blocks(inside, &mut drawn)?,
-                folded,
-            })
-        })
-        .collect::<Result<Vec<_>, ReportError>>()?;
+    let sections = study.sections.iter().map(|one| section(one, &mut drawn));
+    let sections = sections.collect::<Result<String, ReportError>>()?;
     let top = blocks(&study.top, &mut drawn)?;
     let below = blocks(&study.below, &mut drawn)?;
-    let aside = study.aside.as_ref().map(|list| blocks(list, &mut drawn));
-    let aside = aside.transpose()?;
+    let aside = blocks(&study.aside, &mut drawn)?;
     let appendix = blocks(&study.appendix, &mut drawn)?;
-    let later = (!drawn.later.is_empty()).then(|| serde_json::to_string(&drawn.later));
-    let json: Vec<ChartJson<'_>> = drawn.charts.into_iter().map(ChartJson::of).collect();
-    let page = Page {
-        study,
-        banner: study.verdict.as_ref().map(banner),
-        top,
-        tiles: &study.tiles,
-        below,
-        aside,
-        appendix,
-        sections,
-        later: later.transpose()?.map(|text| packed::text(&text)),
-        chart_json: if json.is_empty() {
-            None
-        } else {
-            Some(json_for_script(&json)?)
-        },
-        grids: blocks_of(study).any(|block| matches!(block, Block::Grid(Grid { .. }))),
-        time_series_json: blocks_of(study).find_map(time_series).transpose()?,
-        time_series_js: include_str!("../../assets/time_series.js"),
-        lead: inline(&study.lead),
-        assets: ASSETS,
-        page_js: include_str!("../../assets/study.js"),
-        grid_js: include_str!("../../assets/grid.js"),
+    let link = |one: &Section| {
+        format!(
+            "<a href=\"#{}\">{}</a>",
+            escape(&one.id),
+            escape(&one.title)
+        )
     };
-    Ok(page.render()?)
+    Ok(format!(
+        include_str!("../../templates/page.html"),
+        title = escape(&study.title),
+        eyebrow = escape(&study.eyebrow),
+        plot_css = include_str!("../../assets/vendor/uplot/uPlot.min.css"),
+        css = include_str!("../../assets/report.css"),
+        links = study.sections.iter().map(link).collect::<String>(),
+        beside = if aside.is_empty() { "" } else { " beside" },
+        lead = inline(&study.lead),
+        banner = study.verdict.as_ref().map_or_else(String::new, banner),
+        top = top,
+        tiles = tiles(study),
+        below = below,
+        no_script = match drawn.charts.as_slice() {
+            [] => "",
+            _ =>
+                "<noscript><p class=\"notice\">The charts need a script. Everything else on this page reads without it.</p></noscript>",
+        },
+        aside = match aside.as_str() {
+            "" => String::new(),
+            aside => format!("<div class=\"motion\" id=\"motion\">{aside}</div>"),
+        },
+        sections = sections,
+        command = escape(&study.command),
+        versions = pairs("Versions", &study.versions),
+        machine = pairs("Machine", &study.machine),
+        appendix = appendix,
+        made = escape(study.made.as_deref().unwrap_or_default()),
+        scripts = drawn.scripts()?,
+    ))
 }
 
-fn banner(verdict: &Verdict) -> Banner<'_> {
+impl Drawn<'_> {
+    /// The data of what is drawn, and the scripts that draw it.
+    fn scripts(&self) -> Result<String, ReportError> {
+        let script = |code: &str| format!("<script>{code}</script>\n");
+        let data = |id: &str, json: String| {
+            format!("<script type=\"application/json\" id=\"{id}\">{json}</script>\n")
+        };
+        let mut all = script(include_str!("../../assets/shell.js"));
+        all += &script(include_str!("../../assets/packed.js"));
+        if !self.later.is_empty() {
+            let packed = packed::text(&serde_json::to_string(&self.later)?);
+            all += &format!("<script type=\"text/plain\" id=\"later-data\">{packed}</script>\n");
+        }
+        if self.grids || !self.charts.is_empty() || self.time_series.is_some() {
+            all += &script(include_str!("../../assets/vendor/uplot/uPlot.iife.min.js"));
+            all += &script(include_str!("../../assets/charts.js"));
+        }
+        if self.grids {
+            all += &script(include_str!("../../assets/grid.js"));
+        }
+        if let Some(time_series) = self.time_series {
+            all += &data("chart-data", json_for_script(time_series)?);
+            all += &script(include_str!("../../assets/time_series.js"));
+        }
+        if !self.charts.is_empty() {
+            let charts: Vec<Value> = self.charts.iter().map(|one| chart::json(one)).collect();
+            all += &data("study-data", json_for_script(&charts)?);
+            all += &script(include_str!("../../assets/study.js"));
+        }
+        Ok(all)
+    }
+}
+
+fn banner(verdict: &Verdict) -> String {
     let (class, sign) = match verdict.tone {
         Tone::Good => ("pass", "\u{2713}"),
         Tone::Bad => ("fail", "\u{2715}"),
         Tone::Neutral => ("finding", "\u{2192}"),
         Tone::Open => ("open", "\u{25cb}"),
     };
-    Banner {
-        class,
-        sign,
-        headline: &verdict.headline,
-        detail: inline(&verdict.detail),
+    format!(
+        "<div class=\"banner {class}\" role=\"status\"><span class=\"sign\" aria-hidden=\"true\">{sign}</span><div>\
+         <p class=\"headline\">{}</p><p class=\"counts\"><span>{}</span></p></div></div>",
+        escape(&verdict.headline),
+        inline(&verdict.detail)
+    )
+}
+
+fn tiles(study: &Study) -> String {
+    if study.tiles.is_empty() {
+        return String::new();
+    }
+    let title = match study.tiles_title.as_str() {
+        "" => String::new(),
+        title => format!(
+            "<h2 class=\"small\">Figures <span class=\"unit\">{}</span></h2>",
+            escape(title)
+        ),
+    };
+    let tile = |tile: &Tile| {
+        let [label, value, unit, detail] =
+            [&tile.label, &tile.value, &tile.unit, &tile.detail].map(|text| escape(text));
+        format!(
+            "<div class=\"tile\"><p class=\"label\">{label}</p><p class=\"value\">{value} <span class=\"unit\">{unit}</span></p>\
+             <p class=\"detail\">{detail}</p></div>\n"
+        )
+    };
+    let tiles: String = study.tiles.iter().map(tile).collect();
+    format!("{title}<div class=\"tiles\">\n{tiles}</div>")
+}
+
+/// Names and values below a title; nothing without any.
+fn pairs(title: &str, list: &[(String, String)]) -> String {
+    let pair = |(name, value): &(String, String)| {
+        format!("<dt>{}</dt><dd>{}</dd>", escape(name), escape(value))
+    };
+    let pairs: String = list.iter().map(pair).collect();
+    match pairs.as_str() {
+        "" => pairs,
+        pairs => format!("<div><h3>{title}</h3><dl class=\"pairs\">{pairs}</dl></div>"),
     }
 }
 
-/// Blocks of sections themselves: grids and time series are not folded.
-fn blocks_of(study: &Study) -> impl Iterator<Item = &Block> {
-    study.sections.iter().flat_map(|section| &section.blocks)
+fn section<'a>(section: &'a Section, drawn: &mut Drawn<'a>) -> Result<String, ReportError> {
+    let (id, title) = (escape(&section.id), escape(&section.title));
+    let heading = format!("<h2 id=\"{id}-title\">{title}</h2>");
+    let body = match section.blocks.as_slice() {
+        [
+            Block::Details {
+                summary,
+                blocks: inside,
+            },
+        ] => format!(
+            "<details class=\"depth\"><summary>{heading} <span class=\"beside\">{}</span></summary>\n{}</details>",
+            inline(summary),
+            blocks(inside, drawn)?
+        ),
+        inside => format!("{heading}\n{}", blocks(inside, drawn)?),
+    };
+    Ok(format!(
+        "<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n{body}</section>\n"
+    ))
 }
 
-fn time_series(block: &Block) -> Option<Result<String, serde_json::Error>> {
-    match block {
-        Block::TimeSeries(TimeSeries(data)) => Some(json_for_script(data)),
-        _ => None,
-    }
-}
-
-/// The blocks' markup; charts are collected for the page's script.
+/// The blocks' markup; what is drawn is collected for the page's scripts.
 fn blocks<'a>(blocks: &'a [Block], drawn: &mut Drawn<'a>) -> Result<String, ReportError> {
-    let mut html = String::new();
-    for block in blocks {
-        html.push_str(&one(block, drawn)?);
-        html.push('\n');
-    }
-    Ok(html)
+    blocks
+        .iter()
+        .map(|block| Ok(block_html(block, drawn)? + "\n"))
+        .collect()
 }
 
-fn one<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> Result<String, ReportError> {
+fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> Result<String, ReportError> {
     Ok(match block {
         Block::Heading(text) => format!("<h3>{}</h3>", inline(text)),
         Block::Text(text) => format!("<p class=\"about\">{}</p>", inline(text)),
         Block::List(points) => {
-            let points: Vec<String> = points
+            let points = points
                 .iter()
-                .map(|p| format!("<li>{}</li>", inline(p)))
-                .collect();
-            format!("<ul class=\"points\">{}</ul>", points.join(""))
+                .map(|point| format!("<li>{}</li>", inline(point)));
+            format!("<ul class=\"points\">{}</ul>", points.collect::<String>())
         }
-        Block::Table(table) => TableHtml {
-            caption: &table.caption,
-            headings: table
-                .columns
-                .iter()
-                .map(|column| (column.label.clone(), column.numeric))
-                .collect(),
-            rows: rows(table),
-        }
-        .render()?,
-        Block::Data(table) => data(table).render()?,
+        Block::Table(table) => table_html(table),
         Block::Charts(list) => {
             let first = drawn.charts.len();
             drawn.charts.extend(list);
-            ChartsHtml {
-                charts: list
-                    .iter()
-                    .enumerate()
-                    .map(|(k, chart)| ChartHtml {
-                        index: first + k,
-                        title: &chart.title,
-                        note: inline(&chart.note),
-                    })
-                    .collect(),
-            }
-            .render()?
+            let charts = list.iter().zip(first..).map(|(chart, index)| {
+                format!(
+                    "<article class=\"panel\"><div class=\"panel-head\"><h3>{}</h3></div><div class=\"legend\" data-legend=\"{index}\"></div>\
+                     <div class=\"plot\" data-chart=\"{index}\"></div><p class=\"chart-note\">{}</p></article>\n",
+                    escape(&chart.title),
+                    inline(&chart.note)
+                )
+            });
+            format!(
+                "<div class=\"charts\">\n{}</div>",
+                charts.collect::<String>()
+            )
         }
         Block::Details {
             summary,
-            blocks: inner,
+            blocks: inside,
         } => format!(
             "<details><summary>{}</summary><div class=\"inside\">{}</div></details>",
             inline(summary),
-            blocks(inner, drawn)?
+            blocks(inside, drawn)?
         ),
-        Block::Item(item) => {
-            let (class, sign) = match item.mark {
-                Mark::Good => ("within", "\u{2713}"),
-                Mark::Bad => ("exceeded", "\u{2715}"),
-                Mark::None | Mark::Warn | Mark::Muted => ("unjudged", "\u{25cb}"),
-            };
-            format!(
-                "<details class=\"item {class}\" id=\"{}\"{}><summary><b>{}</b> <span class=\"badge {class}\">{sign} {}</span> \
-                 <span class=\"of\">{}</span></summary>{}</details>",
-                escape(&item.id),
-                if item.open { " open" } else { "" },
-                escape(&item.name),
-                escape(&item.said),
-                escape(&item.beside),
-                blocks(&item.blocks, drawn)?
-            )
-        }
+        Block::Item(item) => item_html(item, &blocks(&item.blocks, drawn)?),
         Block::Later { summary, table } => {
-            let place = drawn.later.len();
-            drawn.later.push(later(table));
+            let words = |row| table::shown(table).map(move |column| table::words(column, row));
+            drawn.later.push(json!({
+                "caption": table.caption,
+                "headings": table::shown(table).map(table::heading).collect::<Vec<_>>(),
+                "rows": (0..table.len()).map(|row| words(row).collect()).collect::<Vec<Vec<_>>>(),
+            }));
             format!(
-                "<details class=\"later\" data-table=\"{place}\" hidden><summary>{}</summary></details>",
+                "<details class=\"later\" data-table=\"{}\" hidden><summary>{}</summary></details>",
+                drawn.later.len() - 1,
                 inline(summary)
             )
         }
@@ -270,128 +239,142 @@ fn one<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> Result<String, ReportErro
             )
         }
         Block::Html(markup) => markup.clone(),
-        Block::TimeSeries(TimeSeries(data)) => TimeSeriesHtml {
-            chart_notes: &data.notes,
+        Block::TimeSeries(TimeSeries(data)) => {
+            drawn.time_series = Some(data);
+            let notes = data
+                .notes
+                .iter()
+                .map(|note| format!("<p class=\"note\">{}</p>", escape(note)));
+            format!(
+                include_str!("../../templates/time_series.html"),
+                notes = notes.collect::<String>()
+            )
         }
-        .render()?,
-        Block::Grid(grid) => format!(
-            "<div class=\"grid\"><noscript><p class=\"notice\">Charts and maps need a script; the table of runs has all figures.</p></noscript><script type=\"application/json\">{}</script></div>",
-            json_for_script(grid)?
-        ),
+        Block::Grid(grid) => {
+            drawn.grids = true;
+            format!(
+                "<div class=\"grid\"><noscript><p class=\"notice\">Charts and maps need a script; the table of runs has all figures.</p></noscript><script type=\"application/json\">{}</script></div>",
+                json_for_script(grid)?
+            )
+        }
     })
 }
 
-fn rows(table: &Table) -> Vec<Vec<CellHtml>> {
-    let empty = Cell::default();
-    table
-        .rows
-        .iter()
-        .map(|row| {
-            table
-                .columns
-                .iter()
-                .enumerate()
-                .map(|(k, column)| cell(row.get(k).unwrap_or(&empty), column.numeric))
-                .collect()
-        })
-        .collect()
+fn item_html(item: &Item, inside: &str) -> String {
+    let (class, sign) = match item.mark {
+        Mark::Good => ("within", "\u{2713}"),
+        Mark::Bad => ("exceeded", "\u{2715}"),
+        Mark::None | Mark::Warn | Mark::Muted => ("unjudged", "\u{25cb}"),
+    };
+    let [id, name, said, beside] =
+        [&item.id, &item.name, &item.said, &item.beside].map(|text| escape(text));
+    format!(
+        "<details class=\"item {class}\" id=\"{id}\"{}><summary><b>{name}</b> <span class=\"badge {class}\">{sign} {said}</span> \
+         <span class=\"of\">{beside}</span></summary>{inside}</details>",
+        if item.open { " open" } else { "" }
+    )
 }
 
-fn later(table: &Data) -> Later<'_> {
-    let words = |row| table::shown(table).map(move |column| table::words(column, row));
-    Later {
-        caption: &table.caption,
-        headings: table::shown(table).map(table::heading).collect(),
-        rows: (0..table.len()).map(|row| words(row).collect()).collect(),
-    }
-}
-
-fn data(table: &Data) -> TableHtml<'_> {
-    let columns = table::shown(table);
-    let cell_of = |column: &Column, row: usize| {
-        let said = Cell {
-            text: table::words(column, row),
-            mark: table::mark(column, row),
-            heat: column.shades.get(row).copied().flatten(),
-            key: column.values.number(row),
+fn table_html(table: &Table) -> String {
+    let caption = escape(&table.caption);
+    let columns: Vec<&Column> = table::shown(table).collect();
+    let headings = columns.iter().map(|column| {
+        let class = if column.values.is_numeric() {
+            " class=\"num\""
+        } else {
+            ""
         };
-        let mut html = cell(&said, column.values.is_numeric());
-        if let Some(anchor) = column.links.get(row).cloned().flatten() {
-            html.body = format!("<a href=\"#{}\">{}</a>", escape(&anchor), html.body);
-        }
-        if let Some(colour) = column.colours.get(row).copied().flatten() {
-            let swatch = format!("<span class=\"swatch\" data-style=\"{colour}\"></span>");
-            html.body.insert_str(0, &swatch);
-        }
-        html
-    };
-    let row = |row| columns.clone().map(|column| cell_of(column, row)).collect();
-    TableHtml {
-        caption: &table.caption,
-        headings: columns
-            .clone()
-            .map(|column| (table::heading(column), column.values.is_numeric()))
-            .collect(),
-        rows: (0..table.len()).map(row).collect(),
-    }
+        format!(
+            "<th scope=\"col\"{class}>{}</th>",
+            escape(&table::heading(column))
+        )
+    });
+    let rows = (0..table.len()).map(|row| {
+        let cells = columns
+            .iter()
+            .enumerate()
+            .map(|(k, column)| cell(column, row, k == 0));
+        format!("<tr>{}</tr>\n", cells.collect::<String>())
+    });
+    format!(
+        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table class=\"data sortable study-table\">\n\
+         <caption>{caption}</caption>\n<thead><tr class=\"keys\">{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>",
+        headings.collect::<String>(),
+        rows.collect::<String>()
+    )
 }
 
-fn cell(cell: &Cell, numeric: bool) -> CellHtml {
-    let (class, sign, word) = match cell.mark {
-        Mark::None => ("", "", ""),
-        Mark::Good => ("good", "\u{2713}", "holds: "),
-        Mark::Bad => ("bad", "\u{2715}", "does not hold: "),
-        Mark::Warn => ("warn", "!", "note: "),
-        Mark::Muted => ("muted", "", ""),
+/// A cell; the `first` names the row.
+fn cell(column: &Column, row: usize, first: bool) -> String {
+    let (mark, sign) = match table::mark(column, row) {
+        Mark::None => ("", ""),
+        Mark::Good => (
+            "good",
+            "<i class=\"sign\" aria-hidden=\"true\">\u{2713}</i><span class=\"unseen\">holds: </span> ",
+        ),
+        Mark::Bad => (
+            "bad",
+            "<i class=\"sign\" aria-hidden=\"true\">\u{2715}</i><span class=\"unseen\">does not hold: </span> ",
+        ),
+        Mark::Warn => (
+            "warn",
+            "<i class=\"sign\" aria-hidden=\"true\">!</i><span class=\"unseen\">note: </span> ",
+        ),
+        Mark::Muted => ("muted", ""),
     };
-    CellHtml {
-        numeric,
-        class,
-        sign,
-        word,
-        body: inline(&cell.text),
-        key: cell
-            .key
-            .filter(|k| k.is_finite())
-            .map(|k| format!("{k:e}"))
-            .unwrap_or_default(),
-        style: cell
-            .heat
-            .filter(|h| h.is_finite())
-            .map(|h| format!("--heat:{:.3}", h.clamp(0.0, 1.0)))
-            .unwrap_or_default(),
+    let mut body = inline(&table::words(column, row));
+    if let Some(anchor) = column.links.get(row).cloned().flatten() {
+        body = format!("<a href=\"#{}\">{body}</a>", escape(&anchor));
     }
+    if let Some(colour) = column.colours.get(row).copied().flatten() {
+        body.insert_str(
+            0,
+            &format!("<span class=\"swatch\" data-style=\"{colour}\"></span>"),
+        );
+    }
+    let shade = column
+        .shades
+        .get(row)
+        .copied()
+        .flatten()
+        .filter(|shade| shade.is_finite());
+    let classes = [
+        (column.values.is_numeric(), "num"),
+        (first && body.len() <= 30, "name"),
+        (!first && body.len() > 70, "why"),
+        (!first && shade.is_some(), "map"),
+        (true, mark),
+    ];
+    let classes = classes.into_iter().filter(|(there, _)| *there);
+    let classes: Vec<&str> = classes.map(|(_, class)| class).collect();
+    let tag = if first { "th" } else { "td" };
+    let mut attributes = format!(" class=\"{}\"", classes.join(" "));
+    if first {
+        attributes += " scope=\"row\"";
+    } else {
+        attributes += &format!(" data-of=\"{}\"", escape(&table::heading(column)));
+    }
+    if let Some(key) = column.values.number(row).filter(|key| key.is_finite()) {
+        attributes += &format!(" data-key=\"{key:e}\"");
+    }
+    if let Some(shade) = shade.filter(|_| !first) {
+        attributes += &format!(" style=\"--heat:{:.3}\"", shade.clamp(0.0, 1.0));
+    }
+    format!("<{tag}{attributes}>{sign}{body}</{tag}>")
 }
 
 /// Escaped text in which `` `these` `` are code.
 fn inline(text: &str) -> String {
+    let text = escape(text);
     let parts: Vec<&str> = text.split('`').collect();
     if parts.len().is_multiple_of(2) {
-        return escape(text); // a lone backtick is itself
+        return text; // a lone backtick is itself
     }
-    parts
-        .iter()
-        .enumerate()
-        .map(|(k, part)| match k % 2 {
-            0 => escape(part),
-            _ => format!("<code>{}</code>", escape(part)),
-        })
-        .collect()
-}
-
-fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            _ => escaped.push(c),
-        }
-    }
-    escaped
+    let part = |(k, part): (usize, &&str)| match k % 2 {
+        0 => (*part).to_owned(),
+        _ => format!("<code>{part}</code>"),
+    };
+    parts.iter().enumerate().map(part).collect()
 }
 
 #[cfg(test)]

@@ -19,7 +19,6 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use askama::Template;
 use nalgebra::{DMatrix, DVector};
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Gearbox, GearboxError};
@@ -220,63 +219,67 @@ impl Joint {
     /// MuJoCo: input and output as joints, between them fixed tendons as springs with dead bands.
     ///
     /// Source: MuJoCo XML reference, `tendon/fixed`: two values of `springlength` are a dead band; `frictionloss` of joints.
-    ///
-    /// # Errors
-    /// None that is known: the text is made in memory.
-    pub fn mjcf(&self) -> Result<String, askama::Error> {
-        let step = self.step_s();
-        let file = Mujoco {
-            joint: self,
-            step: format!("{step:.0e}"),
-            friction_time: format!("{:.1e}", 4.0 * step),
-            damping: self.damping_n_m_s_per_rad.unwrap_or(0.0),
-            coefficient: -1.0 / self.ratio,
-        };
-        file.render()
+    #[must_use]
+    pub fn mjcf(&self) -> String {
+        self.filled(include_str!("../../templates/joint_mujoco.xml"))
     }
 
-    /// Writes `joint_mujoco.xml`, `joint.urdf` and `joint.sdf`.
+    /// A template with the joint's names and numbers.
+    fn filled(&self, template: &str) -> String {
+        let (name, step) = (&self.name, self.step_s());
+        let mut damping = self.damping_n_m_s_per_rad.unwrap_or(0.0);
+        let coefficient = -1.0 / self.ratio;
+        let tendon = |(k, spring): (usize, &Spring)| {
+            let (band, stiffness) = (spring.dead_band_rad, spring.stiffness_n_m_per_rad);
+            let damping = std::mem::take(&mut damping);
+            format!(
+                "    <fixed name=\"{name}-twist-{k}\" springlength=\"-{band} {band}\" stiffness=\"{stiffness}\" damping=\"{damping}\">\n      \
+                 <joint joint=\"{name}-output\" coef=\"1\"/>\n      <joint joint=\"{name}-input\" coef=\"{coefficient}\"/>\n    </fixed>\n"
+            )
+        };
+        let values = [
+            (
+                "{tendons}",
+                self.springs.iter().enumerate().map(tendon).collect(),
+            ),
+            ("{remarks}", self.remarks()),
+            ("{name}", name.clone()),
+            ("{step}", format!("{step:.0e}")),
+            ("{friction_time}", format!("{:.1e}", 4.0 * step)),
+            ("{input_mass}", self.masses_kg[0].to_string()),
+            ("{output_mass}", self.masses_kg[1].to_string()),
+            ("{input_inertia}", self.input_inertia_kg_m2.to_string()),
+            ("{output_inertia}", self.output_inertia_kg_m2.to_string()),
+            ("{coulomb}", self.coulomb().to_string()),
+            ("{viscous}", self.viscous().to_string()),
+            ("{rated}", self.rated_n_m.to_string()),
+            ("{ratio}", self.ratio.to_string()),
+        ];
+        let put = |text: String, (key, value): &(&str, String)| text.replace(key, value);
+        values.iter().fold(template.to_owned(), put)
+    }
+
+    /// Writes `joint_mujoco.xml`, and, as rigid gears with Drake's tags, `joint.urdf` and `joint.sdf`: stiffness and play have no
+    /// place in these but the comment.
+    ///
+    /// Sources: ROS wiki, urdf/XML/joint and urdf/XML/Transmission; SDFormat 1.8, `joint/axis`; Drake, multibody/parsing,
+    /// `drake:gear_ratio`, `drake:rotor_inertia`, `//model/joint/drake:gear_ratio`.
     pub(super) fn write(&self, dir: &Path) -> Result<(), OutputError> {
         for (name, text) in [
             ("joint_mujoco.xml", self.mjcf()),
-            ("joint.urdf", Urdf { joint: self }.render()),
-            ("joint.sdf", Sdf { joint: self }.render()),
+            (
+                "joint.urdf",
+                self.filled(include_str!("../../templates/joint.urdf")),
+            ),
+            (
+                "joint.sdf",
+                self.filled(include_str!("../../templates/joint.sdf")),
+            ),
         ] {
-            let path = dir.join(name);
-            let text = text.map_err(|error| OutputError::new(&path, &error))?;
-            write_text(&path, &format!("{text}\n"))?;
+            write_text(&dir.join(name), &text)?;
         }
         Ok(())
     }
-}
-
-#[derive(Template)]
-#[template(path = "joint_mujoco.xml", escape = "none")]
-struct Mujoco<'a> {
-    joint: &'a Joint,
-    step: String,
-    friction_time: String,
-    damping: f64,
-    coefficient: f64,
-}
-
-/// URDF, with Drake's tags: a rigid gear. Stiffness and play have no place in it but the comment.
-///
-/// Sources: ROS wiki, urdf/XML/joint and urdf/XML/Transmission; Drake, multibody/parsing, `drake:gear_ratio`,
-/// `drake:rotor_inertia`.
-#[derive(Template)]
-#[template(path = "joint.urdf", escape = "none")]
-struct Urdf<'a> {
-    joint: &'a Joint,
-}
-
-/// SDFormat with Drake's tags: the same rigid gear.
-///
-/// Sources: SDFormat 1.8, `joint/axis`; Drake, multibody/parsing, `//model/joint/drake:gear_ratio`, `drake:rotor_inertia`.
-#[derive(Template)]
-#[template(path = "joint.sdf", escape = "none")]
-struct Sdf<'a> {
-    joint: &'a Joint,
 }
 
 impl Pose {
