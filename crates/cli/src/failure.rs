@@ -4,7 +4,6 @@ use pinwheel::compare::CompareError;
 use pinwheel::pages::PageError;
 use pinwheel::scene::SceneError;
 use pinwheel::studies::StudyError;
-use pinwheel::studies::baseline::{self, BaselineError};
 use pinwheel::studies::choice::ChoiceError;
 use pinwheel::studies::folder::FolderError;
 use pinwheel::studies::output::OutputError;
@@ -139,29 +138,6 @@ impl From<SweepError> for Failure {
                 "{error}; go on with --resume, or start over with --force"
             )),
             error => Self::input(error.to_string()),
-        }
-    }
-}
-
-impl From<BaselineError> for Failure {
-    fn from(error: BaselineError) -> Self {
-        match error {
-            BaselineError::Study(StudyError::Cancelled) => Self::stopped(),
-            BaselineError::Study(_) | BaselineError::DoesNotHold { .. } => {
-                Self::engine(format!("{error}; nothing was written"))
-            }
-            BaselineError::NoScene(_) => {
-                let scenes = baseline::scenes().iter();
-                let names: Vec<&str> = scenes.map(|case| case.name.as_str()).collect();
-                Self::input(format!("{error}; there are {}", names.join(", ")))
-            }
-            BaselineError::Name(_) | BaselineError::Missing { .. } => {
-                Self::input(error.to_string())
-            }
-            BaselineError::Spoiled { .. } => Self::input(format!(
-                "{error}; restore the file or record the baseline anew"
-            )),
-            _ => Self::input(format!("{error}; choose another --dir or restore the file")),
         }
     }
 }

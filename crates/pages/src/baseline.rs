@@ -60,7 +60,7 @@ pub fn page(
             Section::new("moved", "What moved", moved_blocks(&moved)),
             cases,
             costs,
-            Section::new("limits", "Limits", vec![Block::Table(limits_table())])
+            Section::new("limits", "Limits", [limits::table().into()])
                 .folded("What a figure may move by, and why"),
             Section::new("history", "History", history_blocks(baseline, check))
                 .folded("What was accepted, when and why"),
@@ -217,30 +217,15 @@ fn cases_table<'a>(caption: &str, cases: impl Iterator<Item = &'a CaseCheck>) ->
 }
 
 fn tiles(check: &Check, moved: &[Moved<'_>]) -> Vec<Tile> {
-    let tile = |label: &str, value: String, detail: String| Tile {
-        label: label.to_owned(),
-        value,
-        unit: String::new(),
-        detail,
-    };
-    let worse = check
-        .cases
-        .iter()
-        .filter(|case| case.verdict == Verdict::Worse);
+    let worse = check.cases.iter();
+    let worse = worse.filter(|case| case.verdict == Verdict::Worse).count();
+    let (all, beyond) = (check.cases.len(), "beyond what roundings make");
     let mut tiles = vec![
-        tile(
-            "cases worse",
-            worse.count().to_string(),
-            format!("of {}", check.cases.len()),
-        ),
-        tile(
-            "quantities moved",
-            moved.len().to_string(),
-            "beyond what roundings make".to_owned(),
-        ),
+        Tile::new("cases worse", worse.to_string(), format!("of {all}")),
+        Tile::new("quantities moved", moved.len().to_string(), beyond),
     ];
     if let Some((case, quantity)) = moved.first() {
-        tiles.push(tile(
+        tiles.push(Tile::new(
             "largest change",
             format!("{:.1e}", quantity.change),
             format!("{}, {}, {}", quantity.label, case.scene, case.choice),
@@ -321,14 +306,6 @@ fn costs_blocks(check: &Check) -> Vec<Block> {
         )));
     }
     blocks
-}
-
-fn limits_table() -> Table {
-    Table::of("What a figure may move by", limits::table())
-        .text("figure", "Figure", |row| row[0].clone())
-        .text("limit", "Limit", |row| row[1].clone())
-        .text("reason", "Reason", |row| row[2].clone())
-        .done()
 }
 
 fn history_blocks(baseline: &Baseline, check: &Check) -> Vec<Block> {

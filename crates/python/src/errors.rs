@@ -133,9 +133,7 @@ pub(crate) fn study(py: Python<'_>, error: &StudyError) -> PyErr {
 pub(crate) fn sweep(py: Python<'_>, error: &SweepError) -> PyErr {
     match error {
         SweepError::Stopped { .. } => PyKeyboardInterrupt::new_err(error.to_string()),
-        SweepError::Io { .. } | SweepError::Output(_) | SweepError::TimeSeries { .. } => {
-            PyOSError::new_err(error.to_string())
-        }
+        SweepError::Io { .. } | SweepError::Output(_) => PyOSError::new_err(error.to_string()),
         SweepError::Scene {
             number,
             values,

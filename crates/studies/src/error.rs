@@ -25,6 +25,9 @@ pub enum StudyError {
         /// How it ended.
         ending: Ending,
     },
+    /// A run without which there would be no result.
+    #[error("{0}; nothing was written")]
+    Broken(String),
     /// The run that checks another could not be made.
     #[error("the run cannot be repeated at twice its step: {0}")]
     Unrepeated(Box<StudyError>),

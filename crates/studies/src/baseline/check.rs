@@ -6,11 +6,11 @@ use serde::Serialize;
 
 use super::Options;
 use super::cases::{SceneCase, Way};
-use super::error::BaselineError;
 use super::file::{Baseline, CaseSnapshot, Made, SceneSnapshot};
 use super::judge::{self, CostCheck, QuantityCheck, Verdict};
 use super::record::plain_job;
 use super::runner::{Finished, RunResult, run_all};
+use crate::StudyError;
 use crate::control::Control;
 
 /// One scene by one solver.
@@ -55,12 +55,16 @@ pub fn check(
     here: Made,
     options: &Options,
     control: &Control<'_>,
-) -> Result<Check, BaselineError> {
-    let recorded = &baseline.solvers;
-    if *recorded != options.solvers {
-        return Err(BaselineError::OtherSolvers {
-            recorded: recorded.clone(),
-        });
+) -> Result<Check, StudyError> {
+    if baseline.solvers != options.solvers {
+        return Err(StudyError::Input(match baseline.solvers.as_slice() {
+            [] => "this baseline was made by Pinwheel's own solver; leave out --solver, or record one under another name"
+                .to_owned(),
+            recorded => format!(
+                "this baseline was made by {}; name the same by --solver, in this order",
+                recorded.join(", ")
+            ),
+        }));
     }
     // What a solver of the user's was recorded on.
     let recorded_on = Options {

@@ -7,10 +7,13 @@ use std::{fs, io};
 
 use serde::{Deserialize, Serialize};
 
-use super::error::{BaselineError, FORMAT};
 use super::runner::Costs;
 use super::snapshot::{Quantity, Statistics};
-use crate::output::write_text;
+use crate::StudyError;
+use crate::output::{OutputError, write_text};
+
+/// Version of the layout.
+pub(super) const FORMAT: u32 = 2;
 
 /// The file that makes a folder a baseline.
 pub const FILE: &str = "baseline.toml";
@@ -134,10 +137,12 @@ impl Baseline {
     ///
     /// # Errors
     /// A name that cannot be a folder's everywhere.
-    pub fn folder(dir: &Path, name: &str) -> Result<PathBuf, BaselineError> {
+    pub fn folder(dir: &Path, name: &str) -> Result<PathBuf, StudyError> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
         if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
-            return Err(BaselineError::Name(name.to_owned()));
+            return Err(StudyError::Input(format!(
+                "`{name}` is no name for a baseline; use letters, digits, `-`, `_` and `.`"
+            )));
         }
         Ok(dir.join(name))
     }
@@ -150,37 +155,38 @@ impl Baseline {
     /// let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../reference/baselines");
     /// let accepted = Baseline::open(folder.as_ref(), "accepted")?;
     /// assert!(accepted.scenes.iter().any(|scene| scene.name == "paper"));
-    /// # Ok::<(), pinwheel_studies::baseline::BaselineError>(())
+    /// # Ok::<(), pinwheel_studies::StudyError>(())
     /// ```
     ///
     /// # Errors
     /// As of [`earlier`](Self::earlier); where there is none, the error names those that there are.
-    pub fn open(dir: &Path, name: &str) -> Result<Self, BaselineError> {
+    pub fn open(dir: &Path, name: &str) -> Result<Self, StudyError> {
         if let Some(found) = Self::earlier(&Self::folder(dir, name)?)? {
             return Ok(found);
         }
-        let known = Self::names(dir);
-        Err(BaselineError::Missing {
-            name: name.to_owned(),
-            dir: dir.to_owned(),
-            remedy: if known.is_empty() {
-                "run in the project's folder, name --dir, or record one with `pinwheel baseline record`".to_owned()
-            } else {
-                format!("there are {}", known.join(", "))
-            },
-        })
+        let remedy = match Self::names(dir).as_slice() {
+            [] => "run in the project's folder, name --dir, or record one with `pinwheel baseline record`".to_owned(),
+            known => format!("there are {}", known.join(", ")),
+        };
+        let dir = dir.display();
+        Err(StudyError::Input(format!(
+            "no baseline `{name}` in {dir}; {remedy}"
+        )))
     }
 
     /// The baseline in the folder, if there is one.
     ///
     /// # Errors
     /// A file that cannot be read, or that is not what [`write`](Self::write) left.
-    pub fn earlier(folder: &Path) -> Result<Option<Self>, BaselineError> {
+    pub fn earlier(folder: &Path) -> Result<Option<Self>, StudyError> {
         let path = folder.join(FILE);
         match fs::read_to_string(&path) {
             Ok(text) => Self::parse(&path, &text).map(Some),
             Err(source) if source.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(source) => Err(BaselineError::Read { path, source }),
+            Err(source) => Err(StudyError::Input(format!(
+                "{}: cannot be read: {source}; choose another --dir or restore the file",
+                path.display()
+            ))),
         }
     }
 
@@ -188,7 +194,7 @@ impl Baseline {
     ///
     /// # Errors
     /// As of [`open`](Self::open).
-    pub fn list(dir: &Path) -> Result<Vec<Listed>, BaselineError> {
+    pub fn list(dir: &Path) -> Result<Vec<Listed>, StudyError> {
         let read = |name: String| {
             let found = Self::open(dir, &name)?;
             Ok(Listed {
@@ -218,18 +224,21 @@ impl Baseline {
     ///
     /// # Errors
     /// A text that [`write`](Self::write) would not write.
-    pub fn parse(path: &Path, text: &str) -> Result<Self, BaselineError> {
-        let spoiled = |what: &str| BaselineError::Spoiled {
-            path: path.to_owned(),
-            what: what.to_owned(),
+    pub fn parse(path: &Path, text: &str) -> Result<Self, StudyError> {
+        let place = path.display();
+        let spoiled = |what: &str| {
+            StudyError::Input(format!(
+                "{place}: {what}; restore the file or record the baseline anew"
+            ))
         };
         let unread = |error: toml::de::Error| spoiled(error.message());
         let value: toml::Value = toml::from_str(text).map_err(unread)?;
         if let Some(found) = value.get("format").and_then(toml::Value::as_integer)
             && found != i64::from(FORMAT)
         {
-            let path = path.to_owned();
-            return Err(BaselineError::Format { path, found });
+            return Err(StudyError::Input(format!(
+                "{place}: format {found} is not the one this program writes ({FORMAT}); record it anew under another name"
+            )));
         }
         if !is_finite(&value) {
             return Err(spoiled("holds a number that is not finite"));
@@ -254,13 +263,10 @@ impl Baseline {
     ///
     /// # Errors
     /// The folder cannot be written.
-    pub fn write(&self, dir: &Path) -> Result<(), BaselineError> {
+    pub fn write(&self, dir: &Path) -> Result<(), OutputError> {
         let path = dir.join(FILE);
-        let text = toml::to_string(self).map_err(|error| BaselineError::Spoiled {
-            path: path.clone(),
-            what: error.to_string(),
-        })?;
-        Ok(write_text(&path, &text)?)
+        let text = toml::to_string(self).map_err(|error| OutputError::new(&path, &error))?;
+        write_text(&path, &text)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Every threshold of a check, in one place, with the measurement it comes from (`docs/baselines.md` repeats them).
 
+use pinwheel_timeseries::table::Table;
+
 /// Results count as the same up to this many times the largest difference that roundings made when the baseline
 /// was recorded: other vector instructions, the scalar loop, and an inertia and a radius one digit up and down. Those
 /// seven include every instruction set that contact loops know; what else differs between machines (the system's sine,
@@ -42,25 +44,24 @@ pub const NEWTON_SHARE: f64 = 0.02;
 /// Instructions may move by this share on the same build and processor: counters and the system's own work.
 pub const INSTRUCTION_SHARE: f64 = 0.01;
 
-/// What a reader should know of the limits, one row each: name, value, reason.
+/// What a reader should know of the limits.
 #[must_use]
-pub fn table() -> Vec<[String; 3]> {
-    let row = |name: &str, value: String, reason: &str| [name.to_owned(), value, reason.to_owned()];
+pub fn table() -> Table {
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-    vec![
-        row(
+    let rows = [
+        (
             "same to rounding",
             format!(
                 "{ROUNDING_MARGIN:.0} x recorded up to {LARGEST_ROUNDING:.0e}, beyond that {FLIP_MARGIN:.0} x; at least {ROUNDING_FLOOR:.0e}"
             ),
             "largest difference when recording between vector instructions, the scalar loop, and inertias and radii one digit apart",
         ),
-        row(
+        (
             "error",
             format!("{} of it + the reference's own error", percent(ERROR_SHARE)),
             "what statistics tell of an error; below its own error the converged run tells nothing",
         ),
-        row(
+        (
             "right-hand sides, steps",
             format!(
                 "none; with a step control {}",
@@ -68,7 +69,7 @@ pub fn table() -> Vec<[String; 3]> {
             ),
             "a fixed step has no choice; a rounding can reject a step and move all that follow",
         ),
-        row(
+        (
             "rejections",
             format!(
                 "{REJECTIONS:.0} + {} of the steps",
@@ -76,15 +77,20 @@ pub fn table() -> Vec<[String; 3]> {
             ),
             "few, so counted and not only a share",
         ),
-        row(
+        (
             "Newton steps",
             percent(NEWTON_SHARE),
             "contacts near a switch need one more or one less",
         ),
-        row(
+        (
             "instructions",
             percent(INSTRUCTION_SHARE),
             "judged only on the build and vector instructions that were recorded",
         ),
-    ]
+    ];
+    Table::of("What a figure may move by", &rows)
+        .text("figure", "Figure", |(name, ..)| *name)
+        .text("limit", "Limit", |(_, value, _)| value)
+        .text("reason", "Reason", |(.., reason)| *reason)
+        .done()
 }

@@ -7,7 +7,6 @@
 
 mod cases;
 mod check;
-mod error;
 mod file;
 mod instructions;
 mod judge;
@@ -30,7 +29,6 @@ use crate::provenance::{Provenance, Summary};
 
 pub use cases::{SceneCase, scenes};
 pub use check::{CaseCheck, Check, check};
-pub use error::BaselineError;
 pub use file::{
     Acceptance, Baseline, CaseSnapshot, Converged, FILE, Listed, Made, QuantitySnapshot,
     SceneSnapshot,
@@ -66,24 +64,28 @@ impl Default for Options {
 
 impl Options {
     /// The scenes asked for, in the order of the set.
-    fn scenes(&self) -> Result<Vec<&'static SceneCase>, BaselineError> {
+    fn scenes(&self) -> Result<Vec<&'static SceneCase>, StudyError> {
+        let known: Vec<&str> = scenes().iter().map(|case| case.name.as_str()).collect();
         if let Some(unknown) = self
             .only
             .iter()
-            .find(|name| !scenes().iter().any(|case| case.name == **name))
+            .find(|name| !known.contains(&name.as_str()))
         {
-            return Err(BaselineError::NoScene(unknown.clone()));
+            return Err(StudyError::Input(format!(
+                "no scene of the baselines is called `{unknown}`; there are {}",
+                known.join(", ")
+            )));
         }
         let wanted = |case: &&SceneCase| self.only.is_empty() || self.only.contains(&case.name);
         Ok(scenes().iter().filter(wanted).collect())
     }
 
     /// By which a scene of the set is run: our choices, or the solvers that honour it.
-    fn ways<'a>(&'a self, case: &'static SceneCase) -> Result<Vec<Way<'a>>, BaselineError> {
+    fn ways<'a>(&'a self, case: &'static SceneCase) -> Result<Vec<Way<'a>>, StudyError> {
         if self.solvers.is_empty() {
             return Ok(case.choices.iter().map(|name| Way::of(name)).collect());
         }
-        let scene = case.scene(&[]).map_err(StudyError::from)?;
+        let scene = case.scene(&[])?;
         let honours = |name: &&String| {
             by_name(name, &scene).is_some_and(|engine| {
                 !matches!(

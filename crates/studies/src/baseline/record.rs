@@ -7,9 +7,8 @@ use pinwheel_scene::{CheckedScene, Formulation, Scene};
 
 use super::Options;
 use super::cases::{SceneCase, Way};
-use super::error::{BaselineError, FORMAT};
 use super::file::{
-    Acceptance, Baseline, CaseSnapshot, Converged, Made, QuantitySnapshot, SceneSnapshot,
+    Acceptance, Baseline, CaseSnapshot, Converged, FORMAT, Made, QuantitySnapshot, SceneSnapshot,
 };
 use super::runner::{Costs, Finished, Job, RunResult, run_all};
 use super::snapshot::{Quantity, Statistics};
@@ -31,7 +30,7 @@ pub fn record(
     accepted: Vec<Acceptance>,
     options: &Options,
     control: &Control<'_>,
-) -> Result<Baseline, BaselineError> {
+) -> Result<Baseline, StudyError> {
     let chosen = options.scenes()?;
     let mut jobs = Vec::new();
     for case in &chosen {
@@ -57,9 +56,9 @@ pub fn record(
 }
 
 /// A scene of the set by one choice, or as it is.
-fn load(case: &SceneCase, way: Option<&Way<'_>>) -> Result<CheckedScene, BaselineError> {
+fn load(case: &SceneCase, way: Option<&Way<'_>>) -> Result<CheckedScene, StudyError> {
     let sets = way.map_or(&[][..], |way| way.sets);
-    Ok(case.scene(sets).map_err(StudyError::from)?)
+    Ok(case.scene(sets)?)
 }
 
 /// The run that is kept or checked.
@@ -67,7 +66,7 @@ pub(super) fn plain_job(
     case: &SceneCase,
     way: &Way<'_>,
     options: &Options,
-) -> Result<Job, BaselineError> {
+) -> Result<Job, StudyError> {
     Ok(Job {
         label: format!("{}, {}", case.name, way.name),
         scene: load(case, Some(way))?.into_scene(),
@@ -123,15 +122,11 @@ fn scene(
     case: &'static SceneCase,
     options: &Options,
     results: &mut impl Iterator<Item = RunResult>,
-) -> Result<SceneSnapshot, BaselineError> {
+) -> Result<SceneSnapshot, StudyError> {
     let mut next = |choice: &str| {
         let missing = || Err("the run is missing".to_owned());
         let result = results.next().unwrap_or_else(missing);
-        result.map_err(|reason| BaselineError::DoesNotHold {
-            scene: case.name.clone(),
-            choice: choice.to_owned(),
-            reason,
-        })
+        result.map_err(|reason| StudyError::Broken(format!("{}, {choice}: {reason}", case.name)))
     };
     let (fine, coarse) = (next("converged")?, next("converged")?);
     let penetration = compile(&load(case, None)?.into_scene())?

@@ -86,7 +86,7 @@ pub fn execute_some(
 /// The records of all runs from the journal, and none computed.
 ///
 /// # Errors
-/// [`SweepError::Missing`] where the journal lacks any.
+/// The journal lacks any.
 pub fn gather(plan: &Plan, journal: &Journal) -> Result<Vec<RunRecord>, SweepError> {
     let mut records = Vec::with_capacity(plan.runs.len());
     let mut missing = Vec::new();
@@ -98,11 +98,12 @@ pub fn gather(plan: &Plan, journal: &Journal) -> Result<Vec<RunRecord>, SweepErr
     }
     match missing.first() {
         None => Ok(records),
-        Some(&first) => Err(SweepError::Missing {
-            missing: missing.len(),
-            runs: plan.runs.len(),
-            first,
-        }),
+        Some(first) => Err(SweepError::Input(format!(
+            "{} of {} runs are not there, the first of them run {first}; run the shards that did not end, or run what is \
+             missing here with --resume in place of --gather",
+            missing.len(),
+            plan.runs.len()
+        ))),
     }
 }
 
@@ -146,9 +147,8 @@ pub fn perform(
     let Ok(run) = engine.run_after(last, &planned.scene, control) else {
         return Ok(None);
     };
-    let mut record = RunRecord::empty(planned, engine, scene, run.ending.clone()).with_cost(&run);
+    let record = RunRecord::of(planned, engine, scene, &run);
     if run.ending.is_finished() {
-        record = record.with_figures(planned, &run);
         keep_time_series(folder, &record.identity(), &run.time_series, keep)?;
     }
     Ok(Some(record))

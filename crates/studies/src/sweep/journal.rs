@@ -25,6 +25,7 @@ use pinwheel_files::fnv;
 use pinwheel_timeseries::TimeSeries;
 
 use crate::folder::beside;
+use crate::output::OutputError;
 use crate::ownership::{MARKER, Owner, unlisted};
 use crate::sweep::SweepError;
 use crate::sweep::file::KeepTimeSeries;
@@ -136,7 +137,10 @@ impl Journal {
         let place = Self::beside(out);
         let there = place.exists();
         if begin == Begin::Gather && !there {
-            return Err(SweepError::NotBegun { place });
+            return Err(SweepError::Input(format!(
+                "{} is not there: no shard of this sweep has begun; run them with --shard and the same --out",
+                place.display()
+            )));
         }
         let earlier = out.join("runs");
         let resumed = begin == Begin::Resume;
@@ -414,16 +418,10 @@ pub(crate) fn keep_time_series(
         #[cfg(feature = "parquet")]
         if how == KeepTimeSeries::Parquet {
             let written = pinwheel_timeseries::save_time_series(time_series, sink.path());
-            return written.map_err(|fault| SweepError::Io {
-                path: file.clone(),
-                source: io::Error::other(fault),
-            });
+            return written.map_err(|fault| OutputError::new(&file, &fault).into());
         }
         let written = time_series.write_csv(sink.as_file_mut());
-        written.map_err(|source| SweepError::TimeSeries {
-            path: file.clone(),
-            source,
-        })
+        written.map_err(|fault| OutputError::new(&file, &fault).into())
     })
 }
 

@@ -113,7 +113,7 @@ impl Plan {
             // About the first of what else is varied: distributions without a mean are about the scene's own value.
             let scene = scene_at(&mut draft, &sweep, overrides, 1, &values)?;
             let axis = sample.axis(&scene);
-            let axis = axis.map_err(|what| refused(1, &values, what))?;
+            let axis = axis.map_err(|what| refused(1, &values, &what))?;
             sweep.axes.push(axis);
         }
         let points = sweep
@@ -125,10 +125,10 @@ impl Plan {
         let count = points.filter(|&runs| runs <= MOST_RUNS).ok_or_else(|| {
             let factors = sweep.axes.iter().map(|axis| axis.len().to_string());
             let factors: Vec<String> = factors.chain([sweep.engines.len().to_string()]).collect();
-            SweepError::TooMany {
-                runs: factors.join(" x "),
-                most: MOST_RUNS,
-            }
+            let runs = factors.join(" x ");
+            SweepError::Input(format!(
+                "the sweep asks for {runs} runs, more than {MOST_RUNS}; give shorter lists, or split the sweep"
+            ))
         })?;
         let mut runs = Vec::with_capacity(count);
         for point in 0..count / sweep.engines.len() {
@@ -141,7 +141,7 @@ impl Plan {
             let values = values_at(&sweep, point);
             let number = runs.len() + 1;
             let scene = scene_at(&mut draft, &sweep, overrides, number, &values)?;
-            let wrong = |what: String| refused(number, &values, what);
+            let wrong = |what: String| refused(number, &values, &what);
             let duration = scene.solver.duration_s;
             let window_s = sweep.window_s.unwrap_or([0.5 * duration, duration]);
             if window_s[1] > duration * (1.0 + 1e-9) {
@@ -188,7 +188,7 @@ impl Plan {
         // Planned, so it was there; a registry does not change while the program runs.
         engine.ok_or_else(|| {
             let what = format!("engine `{}` is gone", planned.engine);
-            refused(planned.number, &planned.values, what)
+            refused(planned.number, &planned.values, &what)
         })
     }
 
@@ -266,12 +266,8 @@ fn values_at(sweep: &Sweep, point: usize) -> Vec<(String, Value)> {
 }
 
 /// A run that cannot be planned.
-fn refused(number: usize, values: &[(String, Value)], what: String) -> SweepError {
-    SweepError::Run {
-        number,
-        values: in_words(values),
-        what,
-    }
+fn refused(number: usize, values: &[(String, Value)], what: &str) -> SweepError {
+    SweepError::Input(format!("run {number} ({}): {what}", in_words(values)))
 }
 
 /// The scene of run `number`; `draft` is what all have in common, read when the first asks for it.

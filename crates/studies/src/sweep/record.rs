@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use pinwheel_compare::quantities::derive;
 use pinwheel_engines::{Engine, Run};
 use pinwheel_timeseries::norms::{Statistics, View};
-use pinwheel_timeseries::{Ending, TimeSeries, efficiency, mean_powers};
+use pinwheel_timeseries::{Ending, efficiency, mean_powers};
 use serde::{Deserialize, Serialize};
 
 use crate::sweep::PlannedRun;
@@ -73,14 +73,11 @@ pub struct RunRecord {
 }
 
 impl RunRecord {
-    /// A record without figures.
-    pub(crate) fn empty(
-        planned: &PlannedRun,
-        engine: &dyn Engine,
-        scene: &str,
-        ending: Ending,
-    ) -> Self {
-        Self {
+    /// The record of a run, with the figures of one that finished.
+    pub(crate) fn of(planned: &PlannedRun, engine: &dyn Engine, scene: &str, run: &Run) -> Self {
+        let stats = &run.stats;
+        let error = run.uncertainty.as_ref().and_then(|u| u.error);
+        let mut record = Self {
             engine: engine.name().to_owned(),
             engine_version: engine.version(),
             engine_build: engine.build(),
@@ -88,7 +85,7 @@ impl RunRecord {
             program: SOURCES.to_owned(),
             scene: scene.to_owned(),
             window_s: planned.window_s,
-            ending,
+            ending: run.ending.clone(),
             figures: BTreeMap::new(),
             quantities: Vec::new(),
             balances: BTreeMap::new(),
@@ -96,30 +93,21 @@ impl RunRecord {
             efficiency_accounted: None,
             undefined: Vec::new(),
             energy_remainder_share: None,
-            steps: 0,
-            rhs_calls: 0,
-            uncertainty: None,
-            notes: Vec::new(),
-            wall_s: 0.0,
-            cpu_s: 0.0,
+            steps: stats.steps,
+            rhs_calls: stats.rhs_calls,
+            uncertainty: error.map(|e| [e.forces, e.driver_torque]),
+            notes: stats.notes.clone(),
+            wall_s: stats.wall_s,
+            cpu_s: stats.cpu_s,
+        };
+        if run.ending.is_finished() {
+            record.add_figures(planned, run);
         }
-    }
-
-    /// Adds what a run cost.
-    pub(crate) fn with_cost(mut self, run: &Run) -> Self {
-        let stats = &run.stats;
-        self.steps = stats.steps;
-        self.rhs_calls = stats.rhs_calls;
-        let error = run.uncertainty.as_ref().and_then(|u| u.error);
-        self.uncertainty = error.map(|e| [e.forces, e.driver_torque]);
-        self.notes = stats.notes.clone();
-        self.wall_s = stats.wall_s;
-        self.cpu_s = stats.cpu_s;
-        self
+        record
     }
 
     /// Adds the figures of a complete run.
-    pub(crate) fn with_figures(mut self, planned: &PlannedRun, run: &Run) -> Self {
+    fn add_figures(&mut self, planned: &PlannedRun, run: &Run) {
         for &(name, value) in &run.figures {
             if value.is_finite() {
                 self.balances.insert(name.to_owned(), value);
@@ -129,7 +117,7 @@ impl RunRecord {
         }
         // Balances have no time series, and nobody misses them.
         if run.time_series.is_empty() && !run.figures.is_empty() {
-            return self;
+            return;
         }
         let [from, to] = planned.window_s;
         let samples = run.time_series.window(from, to);
@@ -161,7 +149,11 @@ impl RunRecord {
             let reason = "no share of energy: no work is done in the run's second half";
             self.undefined.push(reason.to_owned());
         }
-        match self.efficiency_of(planned, &run.time_series) {
+        // mean T_out * mean speed out / (mean T_in * speed in), or why that is no efficiency.
+        let speed = planned.scene.drive.input_speed_rad_s;
+        let powers = mean_powers(&run.time_series, samples, speed);
+        let powers = powers.ok_or("a torque or the output's angle is missing");
+        match powers.and_then(|[power_in, power_out]| efficiency(power_in, power_out)) {
             // Powers of rounding have a ratio too.
             Ok(_) if share == Some(None) => self
                 .undefined
@@ -185,20 +177,6 @@ impl RunRecord {
             }
             Err(reason) => self.undefined.push(format!("no efficiency: {reason}")),
         }
-        self
-    }
-
-    /// mean T_out * mean speed out / (mean T_in * speed in), or why that is no efficiency.
-    fn efficiency_of(
-        &self,
-        planned: &PlannedRun,
-        time_series: &TimeSeries,
-    ) -> Result<f64, &'static str> {
-        let [from, to] = planned.window_s;
-        let speed = planned.scene.drive.input_speed_rad_s;
-        let [power_in, power_out] = mean_powers(time_series, time_series.window(from, to), speed)
-            .ok_or("a torque or the output's angle is missing")?;
-        efficiency(power_in, power_out)
     }
 
     /// Why cells of its row are empty; nothing if none is.
