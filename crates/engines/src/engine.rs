@@ -4,9 +4,11 @@ pub use pinwheel_timeseries::{Ending, RunStats, Track};
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::resolve::Uncertainty;
+use pinwheel_mbs::integrators;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Scene};
 use pinwheel_timeseries::TimeSeries;
+use serde::Serialize;
 
 use crate::control::{Cancelled, Control};
 use crate::registry::EngineInfo;
@@ -106,12 +108,33 @@ pub(crate) fn settled(ran: Result<Run, Halt>) -> Result<Run, Cancelled> {
 }
 
 /// What is made smaller for more accuracy.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Knob {
     /// `solver.step_s`.
+    #[serde(rename = "step-s")]
     Step,
     /// `solver.tolerance`.
     Tolerance,
+}
+
+impl Knob {
+    /// That of an integrator of ours.
+    #[must_use]
+    pub fn of(method: &str) -> Self {
+        match integrators::method(method).is_some_and(|method| method.adaptive) {
+            true => Self::Tolerance,
+            false => Self::Step,
+        }
+    }
+
+    /// Turns it.
+    pub fn set(self, scene: &mut Scene, setting: f64) {
+        match self {
+            Self::Step => scene.solver.step_s = setting,
+            Self::Tolerance => scene.solver.tolerance = setting,
+        }
+    }
 }
 
 /// How an engine is refined.

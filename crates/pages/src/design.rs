@@ -235,23 +235,14 @@ fn joint(joint: &Joint) -> Section {
     )
 }
 
-fn line(label: &str, x: &[f64], y: &[f64]) -> Series {
-    Series {
-        label: label.to_owned(),
-        x: x.to_vec(),
-        y: y.to_vec(),
-        ..Series::default()
-    }
+/// A curve that its design names.
+fn line(x: &[f64], y: &[f64]) -> Series {
+    Series::line("", x, y)
 }
 
-fn chart(title: &str, x: &str, y: &str, series: Vec<Series>, note: &str) -> Chart {
-    Chart {
-        title: title.to_owned(),
-        x: Axis::linear(x),
-        y: Axis::linear(y),
-        series,
-        note: note.to_owned(),
-    }
+/// A chart of curves over linear axes.
+fn chart(title: &str, x: &str, y: &str, series: Vec<Series>) -> Chart {
+    Chart::new(title, Axis::linear(x), Axis::linear(y), series)
 }
 
 /// Designs of one chart with their names, which may be empty for one alone.
@@ -282,10 +273,7 @@ pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
     let mut series = Vec::new();
     for (k, (_, found)) in designs.iter().enumerate() {
         let torsion = &found.torsion;
-        let statics = Series {
-            style: Style::Both,
-            ..line("", &torsion.torque_n_m, &torsion.twist_arcmin)
-        };
+        let statics = line(&torsion.torque_n_m, &torsion.twist_arcmin).styled(Style::Both);
         series.push(of_design(designs, k, (0, "statics"), statics));
         let Some(cycle) = &found.cycle else { continue };
         let closed = cycle.closed_from.min(cycle.angle_arcmin.len());
@@ -295,7 +283,7 @@ pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
             ((2, "run, load rises"), half..cycle.angle_arcmin.len()),
         ] {
             let (x, y) = (&cycle.torque_n_m[range.clone()], &cycle.angle_arcmin[range]);
-            series.push(of_design(designs, k, what, line("", x, y)));
+            series.push(of_design(designs, k, what, line(x, y)));
         }
     }
     chart(
@@ -303,7 +291,6 @@ pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
         "Torque on the output (N m)",
         "Twist (arcmin)",
         series,
-        "",
     )
 }
 
@@ -337,7 +324,7 @@ pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
         let turn = degrees(&found.input_angle_rad);
         for (n, (of, load)) in found.transmission.iter().zip(LOADS).enumerate() {
             let about_mean = of.error_arcmin.iter().map(|error| error - of.mean_arcmin);
-            let error = line("", &turn, &about_mean.collect::<Vec<_>>());
+            let error = line(&turn, &about_mean.collect::<Vec<_>>());
             series.push(of_design(designs, k, (n, load), error));
             if n > 0 && designs.len() > 1 {
                 continue; // Points have no dash that tells them apart.
@@ -347,10 +334,7 @@ pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
             };
             let orders = column(|harmonic| harmonic.input_order);
             let amplitudes = column(|harmonic| harmonic.amplitude_arcmin);
-            let points = Series {
-                style: Style::Points,
-                ..line("", &orders, &amplitudes)
-            };
+            let points = line(&orders, &amplitudes).styled(Style::Points);
             spectrum.push(of_design(designs, k, (n, load), points));
         }
     }
@@ -360,12 +344,13 @@ pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
             "Input angle (degrees)",
             "Error about its mean (arcmin)",
             series,
-            "",
         ),
-        Chart {
-            y: Axis::log("Amplitude (arcmin)"),
-            ..chart("Orders", "Cycles per turn of the input", "", spectrum, "")
-        },
+        Chart::new(
+            "Orders",
+            Axis::linear("Cycles per turn of the input"),
+            Axis::log("Amplitude (arcmin)"),
+            spectrum,
+        ),
     ]
 }
 
@@ -409,19 +394,17 @@ pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
             // Places at which no pose has a touching pin are not zeros of a curve.
             let all = sharing.place_deg.iter().zip(&sharing.force_n);
             let (x, y): (Vec<f64>, Vec<f64>) = all.filter(|(_, force)| **force > 0.0).unzip();
-            of_design(designs, k, (0, "largest force"), line("", &x, &y))
+            of_design(designs, k, (0, "largest force"), line(&x, &y))
         });
         let note = match designs {
             [(_, found)] => format!("{}.", touching(&found.sharing[stage])),
             _ => String::new(),
         };
-        chart(
-            title,
-            "Place of the pin from the eccentric (degrees)",
-            "Force (N)",
-            series.collect(),
-            &note,
-        )
+        let (x, y) = ("Place of the pin from the eccentric (degrees)", "Force (N)");
+        Chart {
+            note,
+            ..chart(title, x, y, series.collect())
+        }
     };
     let stages = ["External pins", "Internal pins"].into_iter().enumerate();
     stages.map(of).collect()
@@ -483,7 +466,7 @@ pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
                 ((0, "away from the input's axis"), &bearing.radial_n),
                 ((1, "around the input's axis"), &bearing.tangential_n),
             ] {
-                series.push(of_design(designs, k, part, line("", &turn, force)));
+                series.push(of_design(designs, k, part, line(&turn, force)));
             }
         }
     }
@@ -492,7 +475,6 @@ pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
         "Input angle (degrees)",
         "Force (N)",
         series,
-        "",
     )
 }
 
@@ -507,20 +489,14 @@ fn bearing_orders(found: &DesignResult) -> Chart {
         .flatten()
         .map(|harmonic| (harmonic.input_order, harmonic.amplitude_n))
         .unzip();
-    let points = Series {
-        style: Style::Points,
-        ..line("away from the input's axis", &orders, &sizes)
-    };
-    Chart {
-        y: Axis::log("Amplitude (N)"),
-        ..chart(
-            "Orders of the force",
-            "Cycles per turn of the input",
-            "",
-            vec![points],
-            "",
-        )
-    }
+    let points = Series::line("away from the input's axis", orders, sizes).styled(Style::Points);
+    let x = Axis::linear("Cycles per turn of the input");
+    Chart::new(
+        "Orders of the force",
+        x,
+        Axis::log("Amplitude (N)"),
+        vec![points],
+    )
 }
 
 fn bearings(found: &DesignResult) -> Section {

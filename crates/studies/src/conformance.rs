@@ -16,10 +16,11 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{CheckedScene, Override, Scene};
 use pinwheel_timeseries::norms::{View, relative_l2};
 use pinwheel_timeseries::{TimeSeries, columns};
+use quick_junit::TestSuite;
 use serde::Serialize;
 
 use crate::control::{Control, Progress};
-use crate::junit::{Case, Ended, Suite};
+use crate::junit::{self, Ended};
 use crate::output::OutputError;
 use crate::provenance::{Provenance, Summary};
 use crate::{StudyError, control};
@@ -86,20 +87,17 @@ impl Outcome {
 
     /// For CI systems.
     #[must_use]
-    pub fn suite(&self) -> Suite {
-        let case = |finding: &Finding| Case {
-            name: format!("{}: {}", finding.name, finding.must),
-            time_s: None,
-            ended: match finding.state {
+    pub fn suite(&self) -> TestSuite {
+        let case = |finding: &Finding| {
+            let ended = match finding.state {
                 State::Passed => Ended::Passed,
                 State::Failed => Ended::Failed(finding.seen.clone()),
                 State::Skipped => Ended::Skipped(finding.seen.clone()),
-            },
+            };
+            junit::case(format!("{}: {}", finding.name, finding.must), ended)
         };
-        Suite {
-            name: format!("solver check {}", self.solver),
-            cases: self.findings.iter().map(case).collect(),
-        }
+        let name = format!("solver check {}", self.solver);
+        junit::suite(&name, self.findings.iter().map(case))
     }
 }
 

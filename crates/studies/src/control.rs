@@ -6,11 +6,11 @@ use std::thread::Thread;
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
-use pinwheel_engines::{Cancelled, Ending, Engine, Run, by_name};
+use pinwheel_engines::{Cancelled, Ending, Engine, Knob, Run, by_name};
 pub use pinwheel_engines::{Control, Progress};
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
 use pinwheel_gearbox::{Gearbox, GearboxError};
-use pinwheel_scene::Scene;
+use pinwheel_scene::{Formulation, Scene};
 
 use crate::StudyError;
 
@@ -119,6 +119,15 @@ pub(crate) fn run_on(name: &str, scene: &Scene, control: &Control<'_>) -> Result
 /// Runs a scene on the native solver.
 pub(crate) fn run(scene: &Scene, control: &Control<'_>) -> Result<NativeRun, StudyError> {
     run_compiled(&compile(scene)?, &mut |_| control.is_cancelled())
+}
+
+/// The scene in the reduced form, by a method with its step (s) or tolerance.
+pub(crate) fn reduced_by(scene: &Scene, method: &str, setting: f64) -> Scene {
+    let mut scene = scene.clone();
+    scene.solver.formulation = Formulation::Reduced;
+    method.clone_into(&mut scene.solver.integrator);
+    Knob::of(method).set(&mut scene, setting);
+    scene
 }
 
 /// Runs a scene that must reach its end.

@@ -1,6 +1,7 @@
 //! Verdicts as a JUnit file, by which CI systems show them one by one.
 
 use std::path::Path;
+use std::time::Duration;
 
 use pinwheel_compare::{Assessment, Comparison, Status, Verdict};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
@@ -10,8 +11,7 @@ use crate::folder::replace;
 use crate::output::OutputError;
 
 /// How a case ended.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Ended {
+pub(crate) enum Ended {
     /// It holds.
     Passed,
     /// It does not, and why.
@@ -20,60 +20,34 @@ pub enum Ended {
     Skipped(String),
 }
 
-/// One statement.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Case {
-    /// What is stated.
-    pub name: String,
-    /// What it took, s.
-    pub time_s: Option<f64>,
-    /// How it ended.
-    pub ended: Ended,
+/// A case.
+pub(crate) fn case(name: impl Into<String>, ended: Ended) -> TestCase {
+    let (mut status, why) = match ended {
+        Ended::Passed => return TestCase::new(name.into(), TestCaseStatus::success()),
+        Ended::Failed(why) => (TestCaseStatus::non_success(NonSuccessKind::Failure), why),
+        Ended::Skipped(why) => (TestCaseStatus::skipped(), why),
+    };
+    status.set_message(why);
+    TestCase::new(name.into(), status)
 }
 
-/// Statements that belong together.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Suite {
-    /// Its name.
-    pub name: String,
-    /// In their order.
-    pub cases: Vec<Case>,
+/// Cases that belong together.
+pub(crate) fn suite(name: &str, cases: impl IntoIterator<Item = TestCase>) -> TestSuite {
+    let mut suite = TestSuite::new(name);
+    for mut case in cases {
+        case.set_classname(name);
+        suite.add_test_case(case);
+    }
+    suite
 }
 
 /// Writes suites as one JUnit file.
 ///
 /// # Errors
 /// It cannot be written.
-pub fn write(path: &Path, name: &str, suites: &[Suite]) -> Result<(), OutputError> {
+pub fn write(path: &Path, name: &str, suites: Vec<TestSuite>) -> Result<(), OutputError> {
     let mut report = Report::new(name);
-    for suite in suites {
-        let mut written = TestSuite::new(&*suite.name);
-        for case in &suite.cases {
-            let status = match &case.ended {
-                Ended::Passed => TestCaseStatus::success(),
-                Ended::Failed(why) => {
-                    let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-                    status.set_message(&**why);
-                    status
-                }
-                Ended::Skipped(why) => {
-                    let mut status = TestCaseStatus::skipped();
-                    status.set_message(&**why);
-                    status
-                }
-            };
-            let mut written_case = TestCase::new(&*case.name, status);
-            written_case.set_classname(&*suite.name);
-            if let Some(time) = case
-                .time_s
-                .and_then(|s| std::time::Duration::try_from_secs_f64(s).ok())
-            {
-                written_case.set_time(time);
-            }
-            written.add_test_case(written_case);
-        }
-        report.add_test_suite(written);
-    }
+    report.add_test_suites(suites);
     let text = report
         .to_string()
         .map_err(|error| OutputError::new(path, &error))?;
@@ -82,35 +56,32 @@ pub fn write(path: &Path, name: &str, suites: &[Suite]) -> Result<(), OutputErro
 
 /// Every engine's run as a case, and every pair's statements.
 #[must_use]
-pub fn of_comparison(comparison: &Comparison) -> Vec<Suite> {
+pub fn of_comparison(comparison: &Comparison) -> Vec<TestSuite> {
     let scene = &comparison.context.scene;
-    let runs = comparison.engines.iter().map(|engine| Case {
-        name: engine.name.clone(),
-        time_s: Some(engine.cost.wall_s),
-        ended: match (&engine.status, engine.status.reason()) {
-            (Status::Finished, _) => Ended::Passed,
-            (Status::Unsupported { .. } | Status::Absent { .. } | Status::TimedOut { .. }, why) => {
-                Ended::Skipped(why.unwrap_or_default())
+    let runs = comparison.engines.iter().map(|engine| {
+        let why = engine.status.reason().unwrap_or_default();
+        let ended = match engine.status {
+            Status::Finished => Ended::Passed,
+            Status::Unsupported { .. } | Status::Absent { .. } | Status::TimedOut { .. } => {
+                Ended::Skipped(why)
             }
-            (_, why) => Ended::Failed(why.unwrap_or_default()),
-        },
+            _ => Ended::Failed(why),
+        };
+        let mut case = case(&engine.name, ended);
+        if let Ok(time) = Duration::try_from_secs_f64(engine.cost.wall_s) {
+            case.set_time(time);
+        }
+        case
     });
-    let mut suites = vec![Suite {
-        name: format!("{scene}: runs"),
-        cases: runs.collect(),
-    }];
-    for pair in &comparison.pairs {
-        let cases = pair.entries.iter().map(|entry| Case {
-            name: format!("{} ({})", entry.quantity, entry.window.word()),
-            time_s: None,
-            ended: ended(&entry.result),
+    let runs = suite(&format!("{scene}: runs"), runs);
+    let pairs = comparison.pairs.iter().map(|pair| {
+        let cases = pair.entries.iter().map(|entry| {
+            let name = format!("{} ({})", entry.quantity, entry.window.word());
+            case(name, ended(&entry.result))
         });
-        suites.push(Suite {
-            name: format!("{scene}: {} and {}", pair.a, pair.b),
-            cases: cases.collect(),
-        });
-    }
-    suites
+        suite(&format!("{scene}: {} and {}", pair.a, pair.b), cases)
+    });
+    [runs].into_iter().chain(pairs).collect()
 }
 
 /// A verdict's word, with what it rests on. What asks for something is a failure.
@@ -136,21 +107,17 @@ fn ended(found: &Assessment) -> Ended {
 
 /// Every scene and solver of a baseline.
 #[must_use]
-pub fn of_baseline(name: &str, check: &Check) -> Vec<Suite> {
-    let cases = check.cases.iter().map(|case| Case {
-        name: format!("{}, {}", case.scene, case.choice),
-        time_s: None,
-        ended: match case.verdict {
+pub fn of_baseline(name: &str, check: &Check) -> TestSuite {
+    let cases = check.cases.iter().map(|found| {
+        let ended = match found.verdict {
             baseline::Verdict::Worse => {
-                Ended::Failed(case.trouble.clone().unwrap_or_else(|| worse(case)))
+                Ended::Failed(found.trouble.clone().unwrap_or_else(|| worse(found)))
             }
             _ => Ended::Passed,
-        },
+        };
+        case(format!("{}, {}", found.scene, found.choice), ended)
     });
-    vec![Suite {
-        name: format!("baseline {name}"),
-        cases: cases.collect(),
-    }]
+    suite(&format!("baseline {name}"), cases)
 }
 
 /// Every error and count of a case that rose beyond its limit.

@@ -79,7 +79,11 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     let page = pages::baseline::page(name, &accepted, &found, &made)?;
     folder.show(&page, &pages::baseline::text(&found))?;
     if let Some(path) = &args.junit {
-        junit::write(path, "pinwheel baseline", &junit::of_baseline(name, &found))?;
+        junit::write(
+            path,
+            "pinwheel baseline",
+            vec![junit::of_baseline(name, &found)],
+        )?;
     }
     Ok(if found.verdict == Verdict::Worse {
         DIFFER

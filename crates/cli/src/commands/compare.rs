@@ -42,7 +42,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         junit::write(
             path,
             "pinwheel compare",
-            &junit::of_comparison(&found.comparison),
+            junit::of_comparison(&found.comparison),
         )?;
     }
 

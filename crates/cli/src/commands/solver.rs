@@ -67,7 +67,7 @@ fn check(file: &Path, junit: Option<&Path>, out: &OutArgs) -> Result<u8, Failure
     let page = pages::conformance::page(&found, &made)?;
     folder.show(&page, &pages::conformance::text(&found))?;
     if let Some(path) = junit {
-        junit::write(path, "pinwheel solver check", &[found.suite()])?;
+        junit::write(path, "pinwheel solver check", vec![found.suite()])?;
     }
     Ok(if found.passed() { 0 } else { DIFFER })
 }

@@ -1,6 +1,6 @@
 //! Costs and errors in words, for the terminal and the page.
 
-use pinwheel_report::format::{seconds, significant};
+use pinwheel_report::format::{seconds, significant, trim_zeros};
 use pinwheel_studies::bench::{CostAt, Series, Stopped};
 use pinwheel_timeseries::Ending;
 use pinwheel_timeseries::table::{Mark, TableOf};
@@ -55,8 +55,7 @@ pub(super) fn column<R>(
 pub(super) fn setting(value: f64) -> String {
     let text = format!("{value:.2e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-    let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
-    format!("{mantissa}e{exponent}")
+    format!("{}e{exponent}", trim_zeros(mantissa))
 }
 
 /// Why a series has no finished point; `None` if it has one.

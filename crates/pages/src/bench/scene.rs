@@ -1,12 +1,10 @@
 //! The scene's sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
 
-use pinwheel_engines::Track;
+use pinwheel_engines::{Knob, Track};
 use pinwheel_report::colours;
 use pinwheel_report::format::{NONE, limit};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
-use pinwheel_studies::bench::{
-    self, Advantage, Errors, Knob, Measure, Ranking, Solution, WorkPrecision,
-};
+use pinwheel_studies::bench::{self, Advantage, Errors, Measure, Ranking, Solution, WorkPrecision};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use super::figures;
@@ -147,39 +145,24 @@ fn chart(
     let names: Vec<&str> = labels.iter().map(String::as_str).collect();
     let styles = colours::styles(&names);
     let colour = |label: &str| Some(styles[names.iter().position(|name| *name == label)?]);
-    let series = study
-        .series
-        .iter()
-        .filter(|series| take(series))
-        .filter_map(|series| {
-            let points = series.points(window, measure);
-            if points.is_empty() {
-                return None;
-            }
-            let finished = series.points.iter().filter(|p| !p.errors.is_empty());
-            let name = match series.knob {
-                Knob::StepS => "step",
-                Knob::Tolerance => "tolerance",
-            };
-            Some(Series {
-                label: series.label(),
-                style: Style::Both,
-                x: points.iter().map(|p| p.0).collect(),
-                y: points.iter().map(|p| p.1).collect(),
-                tags: finished
-                    .map(|p| format!("{name} {}", figures::setting(p.setting)))
-                    .collect(),
-                colour: colour(&series.label()),
-            })
-        });
+    let all = study.series.iter().filter(|series| take(series));
+    let series = all.filter_map(|series| {
+        let (x, y): (Vec<f64>, Vec<f64>) = series.points(window, measure).into_iter().unzip();
+        let finished = series.points.iter().filter(|p| !p.errors.is_empty());
+        let name = match series.knob {
+            Knob::Step => "step",
+            Knob::Tolerance => "tolerance",
+        };
+        let tags = finished.map(|p| format!("{name} {}", figures::setting(p.setting)));
+        let drawn = Series {
+            // Engines that do not count calls have fewer points than settings.
+            tags: tags.take(x.len()).collect(),
+            colour: colour(&series.label()),
+            ..Series::line(series.label(), x, y).styled(Style::Both)
+        };
+        (!drawn.x.is_empty()).then_some(drawn)
+    });
     let mut series: Vec<Series> = series.collect();
-    for one in &mut series {
-        // Engines that do not count calls have fewer points than settings.
-        one.tags.truncate(one.x.len());
-        if one.tags.len() < one.x.len() {
-            one.tags.clear();
-        }
-    }
     let floor = study.reference.error(window).force_l2;
     let most = |get: fn(f64, f64) -> f64, start: f64| {
         series
@@ -189,38 +172,24 @@ fn chart(
     };
     let ends = vec![most(f64::min, f64::INFINITY), most(f64::max, 0.0)];
     if floor > 0.0 && !series.is_empty() {
-        series.push(Series {
-            label: "reference's own error".to_owned(),
-            style: Style::Dashed,
-            y: vec![floor; 2],
-            x: ends,
-            ..Series::default()
-        });
+        let own = Series::line("reference's own error", ends, [floor; 2]);
+        series.push(own.styled(Style::Dashed));
     }
     let (title, axis) = match measure {
         Measure::Cpu => ("Error against CPU time", "CPU time (s)"),
         Measure::Rhs => ("Error against right-hand sides", "right-hand-side calls"),
     };
-    Chart {
-        title: title.to_owned(),
-        x: Axis::log(axis),
-        y: Axis::log("relative L2 force error"),
-        series,
-        note: String::new(),
-    }
+    let y = Axis::log("relative L2 force error");
+    Chart::new(title, Axis::log(axis), y, series)
 }
 
 /// The converged run and its error.
 fn reference(study: &WorkPrecision) -> Section {
     let found = &study.reference;
     let named = |solution: &Solution| {
-        let knob = match solution.knob {
-            Knob::StepS => "steps of",
-            Knob::Tolerance => "tolerance",
-        };
-        let unit = match solution.knob {
-            Knob::StepS => " s",
-            Knob::Tolerance => "",
+        let (knob, unit) = match solution.knob {
+            Knob::Step => ("steps of", " s"),
+            Knob::Tolerance => ("tolerance", ""),
         };
         format!(
             "`{}`, {knob} {}{unit}, {} right-hand sides",

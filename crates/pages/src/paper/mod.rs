@@ -178,32 +178,27 @@ fn section(figure: &PaperFigure) -> Section {
 }
 
 fn chart(plot: &Plot) -> Chart {
-    let axis = |label: &str, log| Axis {
-        label: label.to_owned(),
-        log,
-    };
     let series = plot.curves.iter().map(|curve| {
         // A curve has its own abscissae: where it has no value there is nothing to join.
         let there = plot.x.iter().zip(&curve.y).filter(|(_, y)| y.is_finite());
-        let (x, y) = there.map(|(x, y)| (*x, *y)).unzip();
-        Series {
-            label: curve.label.clone(),
-            style: if curve.points {
-                Style::Points
-            } else {
-                Style::Line
-            },
-            x,
-            y,
-            ..Series::default()
-        }
+        let (x, y): (Vec<f64>, Vec<f64>) = there.unzip();
+        Series::line(&curve.label, x, y).styled(match curve.points {
+            true => Style::Points,
+            false => Style::Line,
+        })
     });
+    let y = Axis {
+        label: plot.y_label.clone(),
+        log: plot.y_log,
+    };
     Chart {
-        title: plot.title.clone(),
-        x: axis(&plot.x_label, false),
-        y: axis(&plot.y_label, plot.y_log),
-        series: series.collect(),
         note: plot.note.clone(),
+        ..Chart::new(
+            &plot.title,
+            Axis::linear(&plot.x_label),
+            y,
+            series.collect(),
+        )
     }
 }
 

@@ -187,14 +187,9 @@ fn charts(plan: &Plan, table: &Table, found: &SampleResult) -> Vec<Chart> {
         let mut sorted: Vec<f64> = values.iter().copied().flatten().collect();
         sorted.sort_by(f64::total_cmp);
         let last = sorted.len().saturating_sub(1).max(1) as f64;
-        let shares = (0..sorted.len()).map(|k| 100.0 * k as f64 / last).collect();
-        let series = |label: &str, x: Vec<f64>, y: Vec<f64>| Series {
-            label: label.to_owned(),
-            x,
-            y,
-            ..Series::default()
-        };
-        let mut all = vec![series("runs", sorted, shares)];
+        let shares = (0..sorted.len()).map(|k| 100.0 * k as f64 / last);
+        let shares: Vec<f64> = shares.collect();
+        let mut all = vec![Series::line("runs", sorted, shares)];
         let own = plan
             .sweep
             .specification
@@ -205,15 +200,11 @@ fn charts(plan: &Plan, table: &Table, found: &SampleResult) -> Vec<Chart> {
             .flat_map(|limit| [limit.least, limit.most])
             .flatten()
         {
-            all.push(series("limit", vec![end, end], vec![0.0, 100.0]));
+            all.push(Series::line("limit", [end, end], [0.0, 100.0]));
         }
-        Some(Chart {
-            title: label_and_unit(&figure.name).0,
-            x: Axis::linear(named(&figure.name)),
-            y: Axis::linear("Runs below (%)"),
-            series: all,
-            note: String::new(),
-        })
+        let x = Axis::linear(named(&figure.name));
+        let title = label_and_unit(&figure.name).0;
+        Some(Chart::new(title, x, Axis::linear("Runs below (%)"), all))
     };
     figures.filter_map(chart).collect()
 }

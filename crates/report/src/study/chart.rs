@@ -10,21 +10,10 @@ use serde_json::{Value, json};
 /// ```
 /// use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Study, Style, render};
 ///
-/// let errors = Series {
-///     label: "dopri5".into(),
-///     style: Style::Both,
-///     x: vec![1e-5, 1e-4],
-///     y: vec![3e-9, 3e-4],
-///     ..Series::default()
-/// };
-/// let chart = Chart {
-///     title: "Error against step".into(),
-///     x: Axis::log("Step (s)"),
-///     y: Axis::log("Relative L2 of the forces"),
-///     series: vec![errors],
-///     ..Chart::default()
-/// };
-/// let section = Section { id: "order".into(), title: "Order".into(), blocks: vec![Block::Charts(vec![chart])] };
+/// let errors = Series::line("dopri5", [1e-5, 1e-4], [3e-9, 3e-4]).styled(Style::Both);
+/// let (x, y) = (Axis::log("Step (s)"), Axis::log("Relative L2 of the forces"));
+/// let chart = Chart::new("Error against step", x, y, vec![errors]);
+/// let section = Section::new("order", "Order", [Block::Charts(vec![chart])]);
 /// let page = render(&Study { title: "mine".into(), sections: vec![section], ..Study::default() })?;
 /// assert!(page.contains("Error against step"));
 /// # Ok::<(), pinwheel_report::ReportError>(())
@@ -41,6 +30,19 @@ pub struct Chart {
     pub series: Vec<Series>,
     /// A sentence below: what is to be seen. May be empty.
     pub note: String,
+}
+
+impl Chart {
+    /// A chart without a note.
+    pub fn new(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> Self {
+        Self {
+            title: title.into(),
+            x,
+            y,
+            series,
+            note: String::new(),
+        }
+    }
 }
 
 /// An axis of a [`Chart`].
@@ -88,6 +90,24 @@ pub struct Series {
     /// Colour and dash, if not those of the place in the list: curves of one thing in several
     /// charts share it.
     pub colour: Option<usize>,
+}
+
+impl Series {
+    /// A line.
+    pub fn line(label: impl Into<String>, x: impl Into<Vec<f64>>, y: impl Into<Vec<f64>>) -> Self {
+        Self {
+            label: label.into(),
+            x: x.into(),
+            y: y.into(),
+            ..Self::default()
+        }
+    }
+
+    /// The same drawn otherwise.
+    #[must_use]
+    pub fn styled(self, style: Style) -> Self {
+        Self { style, ..self }
+    }
 }
 
 /// How a curve is drawn.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use pinwheel_gearbox::contacts::Kernel;
-use pinwheel_scene::{CheckedScene, Formulation, Scene};
+use pinwheel_scene::{CheckedScene, Scene};
 
 use super::Options;
 use super::cases::{SceneCase, Way};
@@ -13,7 +13,7 @@ use super::file::{
 use super::runner::{Costs, Finished, Job, RunResult, run_all};
 use super::snapshot::{Quantity, Statistics};
 use crate::StudyError;
-use crate::control::{Control, compile};
+use crate::control::{Control, compile, reduced_by};
 
 /// Tolerances of the converged run, by Dormand and Prince's method in the reduced form, and of the run that tells its error.
 ///
@@ -78,10 +78,7 @@ pub(super) fn plain_job(
 /// The converged run and the one that tells its error.
 fn converged_jobs(scene: &Scene) -> [Job; 2] {
     CONVERGED.map(|tolerance| {
-        let mut scene = scene.clone();
-        scene.solver.formulation = Formulation::Reduced;
-        "dopri5".clone_into(&mut scene.solver.integrator);
-        scene.solver.tolerance = tolerance;
+        let mut scene = reduced_by(scene, "dopri5", tolerance);
         scene.solver.step_s = 1e-7;
         Job {
             label: format!("{}, converged at {tolerance:e}", scene.name),

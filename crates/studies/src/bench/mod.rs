@@ -17,7 +17,7 @@ pub use norms::{Errors, Span};
 pub use ranking::{Advantage, Entry, Ranking};
 pub use reference::{Reference, Solution};
 pub use series::{Cost, Measure, Point, Series};
-pub use settings::{Knob, Stopped};
+pub use settings::Stopped;
 
 use std::path::Path;
 use std::sync::atomic::Ordering;

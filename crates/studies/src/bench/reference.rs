@@ -9,15 +9,15 @@
 //! The distance between the two is the error of the worse of them, and thus an upper estimate for the
 //! reference. What the reference gains from a tolerance ten times (a step two times) coarser is given beside it.
 
-use pinwheel_scene::{Detection, Formulation, FrictionLaw, Scene};
+use pinwheel_engines::Knob;
+use pinwheel_scene::{Detection, FrictionLaw, Scene};
 use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::norms::Least;
 use serde::Serialize;
 
-use super::Knob;
 use super::norms::{Errors, Span, errors, spans};
 use crate::StudyError;
-use crate::control::{Control, compile, complete};
+use crate::control::{Control, compile, complete, reduced_by};
 
 /// One converged solution.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -66,22 +66,10 @@ struct MethodSetting {
 }
 
 impl MethodSetting {
-    fn knob(&self) -> Knob {
-        Knob::of(self.method)
-    }
-
-    fn scene(&self, scene: &Scene, setting: f64) -> Scene {
-        let mut scene = scene.clone();
-        scene.solver.formulation = Formulation::Reduced;
-        self.method.clone_into(&mut scene.solver.integrator);
-        self.knob().set(&mut scene, setting);
-        scene
-    }
-
     fn coarser(&self) -> f64 {
-        match self.knob() {
+        match Knob::of(self.method) {
             Knob::Tolerance => 10.0 * self.setting,
-            Knob::StepS => 2.0 * self.setting,
+            Knob::Step => 2.0 * self.setting,
         }
     }
 }
@@ -118,10 +106,10 @@ pub(super) fn run(
     let [first, second] = methods(scene)?;
     let mut solve = |plan: &MethodSetting, setting: f64| {
         announce(&format!("reference: {}, {setting:.2e}", plan.method));
-        let run = complete(&plan.scene(scene, setting), control)?;
+        let run = complete(&reduced_by(scene, plan.method, setting), control)?;
         let solution = Solution {
             method: plan.method.to_owned(),
-            knob: plan.knob(),
+            knob: Knob::of(plan.method),
             setting,
             rhs_calls: run.counts.evaluations,
         };

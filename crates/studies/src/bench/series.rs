@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use pinwheel_engines::{Ending, Engine, Run, Track};
+use pinwheel_engines::{Ending, Engine, Knob, Run, Track};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_mbs::integrators;
 use pinwheel_scene::Scene;
@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::Options;
 use super::front::{CostAt, cost_at};
 use super::norms::{Errors, Span, errors};
-use super::settings::{Knob, State, Stopped, settings};
+use super::settings::{State, Stopped, settings};
 use crate::StudyError;
 use crate::control::{Control, Patience};
 
@@ -132,14 +132,8 @@ pub(super) fn run(
     control: &Control<'_>,
     announce: &mut dyn FnMut(&str),
 ) -> Result<Series, StudyError> {
-    let refinement = engine.info().refinement;
-    let knob = method.map_or_else(
-        || match refinement.map(|refinement| refinement.knob) {
-            Some(pinwheel_engines::Knob::Tolerance) => Knob::Tolerance,
-            _ => Knob::StepS,
-        },
-        Knob::of,
-    );
+    let own = engine.info().refinement.map(|refinement| refinement.knob);
+    let knob = method.map_or(own.unwrap_or(Knob::Step), Knob::of);
     let mut series = Series {
         engine: engine.name().to_owned(),
         version: engine.version(),

@@ -1,42 +1,10 @@
 //! The settings a method is tried with, coarse to fine, and when to stop.
 
-use pinwheel_engines::Track;
-use pinwheel_mbs::integrators;
+use pinwheel_engines::{Knob, Track};
 use pinwheel_scene::Scene;
 use serde::Serialize;
 
 use super::Options;
-
-/// What is turned to trade time for accuracy.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Knob {
-    /// `solver.step_s`, s.
-    StepS,
-    /// `solver.tolerance`.
-    Tolerance,
-}
-
-impl Knob {
-    /// The knob of an integrator of ours.
-    #[must_use]
-    pub fn of(method: &str) -> Self {
-        let adaptive = integrators::method(method).is_some_and(|m| m.adaptive);
-        if adaptive {
-            Self::Tolerance
-        } else {
-            Self::StepS
-        }
-    }
-
-    /// Turns it.
-    pub fn set(self, scene: &mut Scene, setting: f64) {
-        match self {
-            Self::StepS => scene.solver.step_s = setting,
-            Self::Tolerance => scene.solver.tolerance = setting,
-        }
-    }
-}
 
 /// Steps as multiples of the scene's: the coarsest, and how often it is halved.
 const COARSEST: f64 = 8.0;
@@ -57,7 +25,7 @@ pub(super) fn settings(knob: Knob, scene: &Scene) -> Vec<f64> {
                 format!("{exact:.1e}").parse().unwrap_or(exact)
             })
             .collect(),
-        Knob::StepS => {
+        Knob::Step => {
             let sample = scene.solver.sample_s;
             let mut steps: Vec<f64> = (0..=HALVINGS)
                 .map(|k| {
@@ -132,7 +100,7 @@ impl State {
         // What a tighter tolerance costs is not known before, and may be less: RODAS5P rubs cheaply from where its steps land on
         // the friction's ramp. Two runs that took too long end a series; one that takes far too long is given up.
         let next = match knob {
-            Knob::StepS => self.cpu_s * ratio,
+            Knob::Step => self.cpu_s * ratio,
             Knob::Tolerance => self.cpu_s.min(self.cpu_before_s),
         };
         if self.error <= 0.1 * self.reference_error || self.error == 0.0 {
@@ -158,7 +126,7 @@ mod tests {
     #[test]
     fn steps_halve_and_divide_the_samples() {
         let scene = Scene::paper();
-        let steps = settings(Knob::StepS, &scene);
+        let steps = settings(Knob::Step, &scene);
         assert!(steps.contains(&scene.solver.step_s), "{steps:?}");
         for pair in steps.windows(2) {
             assert!((1.5..2.6).contains(&(pair[0] / pair[1])), "{pair:?}");
@@ -187,7 +155,7 @@ mod tests {
             error_before,
             reference_error: 1e-8,
         };
-        let stop = |state: State| state.stop(Knob::StepS, 2.0, &options);
+        let stop = |state: State| state.stop(Knob::Step, 2.0, &options);
         let tighter = |cpu_before_s| {
             let long = state(Track::Native, 2.1, 1e-2, 2e-2);
             let long = State {

@@ -1,9 +1,10 @@
 //! The points as one flat table: a row a setting, errors of all windows side by side.
 
+use pinwheel_engines::Knob;
 use pinwheel_timeseries::Ending;
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
-use super::{Cost, Errors, Knob, Point, Series, WorkPrecision};
+use super::{Cost, Errors, Point, Series, WorkPrecision};
 
 /// Errors of a window: how a column's name ends, and what people call it; empty: not shown.
 const ERRORS: [(&str, &str, fn(&Errors) -> f64); 4] = [
@@ -29,7 +30,7 @@ impl WorkPrecision {
             .text("track", "", |(series, _)| series.track.as_str())
             .text("method", "", |(series, _)| &series.method)
             .whole("order", "", |(series, _)| series.order)
-            .number("step_s", "Step", |row| setting(row, Knob::StepS))
+            .number("step_s", "Step", |row| setting(row, Knob::Step))
             .unit("s")
             .shown(Shown::Setting)
             .number("tolerance", "Tolerance", |row| {

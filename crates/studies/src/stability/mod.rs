@@ -95,7 +95,7 @@ pub struct Options {
 impl Default for Options {
     /// All hard presets, all methods, at the paper's step.
     fn default() -> Self {
-        let method = |formulation, integrator: &str| Method {
+        let method = |(formulation, integrator): (Formulation, &str)| Method {
             solver: None,
             formulation,
             integrator: integrator.to_owned(),
@@ -110,17 +110,19 @@ impl Default for Options {
                 .filter(|name| name.starts_with("hard-"))
                 .map(str::to_owned)
                 .collect(),
-            methods: vec![
-                method(reduced, "rk2"),
-                method(reduced, "rk4"),
-                method(reduced, "dopri5"),
-                method(reduced, "etd-adams"),
-                method(reduced, "imex2"),
-                method(reduced, "imex2-adaptive"),
-                method(reduced, "rodas5p"),
-                method(lagrange, "rk2"),
-                method(lagrange, "imex2"),
-            ],
+            methods: [
+                (reduced, "rk2"),
+                (reduced, "rk4"),
+                (reduced, "dopri5"),
+                (reduced, "etd-adams"),
+                (reduced, "imex2"),
+                (reduced, "imex2-adaptive"),
+                (reduced, "rodas5p"),
+                (lagrange, "rk2"),
+                (lagrange, "imex2"),
+            ]
+            .map(method)
+            .into(),
             step_s: 1e-5,
             longest_s: 0.05,
             steps_s: [2e-7, 1e-3],

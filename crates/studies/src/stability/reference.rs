@@ -1,12 +1,11 @@
 //! The converged run of a scene, and how well it is converged.
 
-use pinwheel_mbs::integrators;
-use pinwheel_scene::{Detection, Formulation, Scene};
+use pinwheel_scene::{Detection, Scene};
 use pinwheel_timeseries::TimeSeries;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
-use crate::control::{Control, complete};
+use crate::control::{Control, complete, reduced_by};
 use pinwheel_timeseries::norms::{Distance, Least, Level};
 
 /// How the converged run was made.
@@ -34,8 +33,6 @@ pub(super) fn run(
     scene: &Scene,
     control: &Control<'_>,
 ) -> Result<(Reference, TimeSeries), StudyError> {
-    let mut scene = scene.clone();
-    scene.solver.formulation = Formulation::Reduced;
     let (integrator, fine, coarse) = if scene.contact.friction_coefficient > 0.0 {
         ("imex2", FRICTION_STEP, 2.0 * FRICTION_STEP)
     } else if scene.contact.detection == Detection::Points {
@@ -43,15 +40,7 @@ pub(super) fn run(
     } else {
         ("dopri5", TOLERANCE, 10.0 * TOLERANCE)
     };
-    integrator.clone_into(&mut scene.solver.integrator);
-    let mut at = |setting: f64| {
-        if integrators::method(integrator).is_some_and(|method| method.adaptive) {
-            scene.solver.tolerance = setting;
-        } else {
-            scene.solver.step_s = setting;
-        }
-        complete(&scene, control)
-    };
+    let at = |setting: f64| complete(&reduced_by(scene, integrator, setting), control);
     let (best, other) = (at(fine)?, at(coarse)?);
     let reference = Reference {
         integrator: integrator.to_owned(),
