@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pinwheel_engines::python::provoke::{self, Fault};
+use pinwheel_faults::{Armed, Fault};
 
 use super::*;
 
@@ -12,9 +12,11 @@ use super::*;
 fn crossval_python_guards() {
     let short = scene("paper", &[("solver.duration_s", "0.002")]);
     let clean = SHARED.map(|engine| run(engine, &short));
-    for fault in [Fault::NotANumber(300), Fault::TooLarge(300, 1e9)] {
+    for fault in [Fault::NanLoads, Fault::HugeLoads] {
         for (engine, before) in SHARED.iter().zip(&clean) {
-            let run = provoke::run(engine, &short.clone().check().unwrap(), fault).unwrap();
+            let armed = Armed::with(fault);
+            let run = attempt(engine, &short);
+            drop(armed);
             match run.ending {
                 Ending::Diverged { time_s, quantity } => {
                     println!("{engine} {fault:?}: t = {time_s} s, {quantity}");
@@ -32,8 +34,9 @@ fn crossval_python_guards() {
             assert_same_bits(&self::run(engine, &short), before, engine);
         }
     }
-    let frozen = provoke::run(MUJOCO, &short.clone().check().unwrap(), Fault::FrozenForces);
-    let text = frozen.unwrap().ending.to_string();
+    let armed = Armed::with(Fault::FrozenLoads);
+    let text = attempt(MUJOCO, &short).ending.to_string();
+    drop(armed);
     assert!(text.contains("frozen") && text.contains("stages"), "{text}");
     assert_same_bits(&run(MUJOCO, &short), &clean[0], MUJOCO);
 }

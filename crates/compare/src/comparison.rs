@@ -179,9 +179,6 @@ pub struct PairEntry {
     /// The difference in every metric against what it is held against; empty where nothing is.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub assessments: Vec<Assessment>,
-    /// The same with the leading error term of every confirmed refinement study taken off (Richardson).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub extrapolated: Option<Assessment>,
     /// The gravest of those that decide.
     #[serde(flatten)]
     pub result: Assessment,

@@ -6,67 +6,95 @@
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
 use pinwheel_files::folder::{draft_in, replace};
 
-pub(crate) mod process;
+use crate::control::Cancelled;
+use crate::engine::{Ending, Halt};
 
-pub(crate) use process::{Note, call};
+mod call;
+
+#[cfg(test)]
+pub(crate) use call::kept_away;
+pub(crate) use call::{Note, call};
 
 /// Names another folder than the user's cache folder.
 pub(crate) const CACHE: &str = "PINWHEEL_CACHE";
 
-/// Why something cannot be kept.
-#[derive(Debug, Clone, thiserror::Error)]
-pub enum CacheError {
-    /// The file system refused.
-    #[error("{path}: {reason}; make room there, or choose another folder with {CACHE}")]
-    Storage {
-        /// Where.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
+/// Why something that an engine needs cannot be had.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Missing {
+    /// One line with the remedy.
+    #[error("{0}")]
+    Because(String),
     /// The user asked to stop.
     #[error("stopped")]
     Stopped,
 }
 
-impl CacheError {
+impl Missing {
+    /// A failure, unless it is the user's wish.
+    pub(crate) fn of(cancel: &AtomicBool, because: impl FnOnce() -> String) -> Self {
+        if cancel.load(Ordering::Relaxed) {
+            Self::Stopped
+        } else {
+            Self::Because(because())
+        }
+    }
+
+    /// The file system refused.
     pub(crate) fn storage(path: &Path, reason: impl ToString) -> Self {
-        Self::Storage {
-            path: path.to_owned(),
-            reason: reason.to_string(),
+        Self::Because(format!(
+            "{}: {}; make room there, or choose another folder with {CACHE}",
+            path.display(),
+            reason.to_string()
+        ))
+    }
+}
+
+impl From<Missing> for Halt {
+    fn from(missing: Missing) -> Self {
+        match missing {
+            Missing::Because(reason) => Ending::Absent { reason }.into(),
+            Missing::Stopped => Cancelled.into(),
         }
     }
 }
 
+/// What was made in this process, or why it cannot be had, found out once: asking again for every engine of a comparison
+/// would only take time. A stop by the user is forgotten.
+pub(crate) struct Kept<T>(Mutex<Option<Result<T, Missing>>>);
+
+impl<T: Clone> Kept<T> {
+    pub(crate) const fn new() -> Self {
+        Self(Mutex::new(None))
+    }
+
+    pub(crate) fn get(&self, make: impl FnOnce() -> Result<T, Missing>) -> Result<T, Missing> {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = kept.take().unwrap_or_else(make);
+        if !matches!(found, Err(Missing::Stopped)) {
+            *kept = Some(found.clone());
+        }
+        found
+    }
+}
+
 /// The folder of all that is made once and kept.
-pub(crate) fn folder() -> Result<PathBuf, CacheError> {
-    let named = std::env::var_os(CACHE).filter(|value| !value.is_empty());
-    let folder = match named {
-        Some(folder) => PathBuf::from(folder),
-        None => match dirs::cache_dir() {
-            Some(folder) => folder.join("pinwheel"),
-            None => {
-                return Err(CacheError::storage(
-                    Path::new("~"),
-                    "there is no home folder",
-                ));
-            }
-        },
-    };
-    fs::create_dir_all(&folder).map_err(|error| CacheError::storage(&folder, error))?;
-    fs::canonicalize(&folder).map_err(|error| CacheError::storage(&folder, error))
+pub(crate) fn folder() -> Result<PathBuf, Missing> {
+    let own = || Some(dirs::cache_dir()?.join("pinwheel"));
+    let folder = crate::variable(CACHE).map(PathBuf::from).or_else(own);
+    let folder =
+        folder.ok_or_else(|| Missing::storage(Path::new("~"), "there is no home folder"))?;
+    fs::create_dir_all(&folder).map_err(|error| Missing::storage(&folder, error))?;
+    fs::canonicalize(&folder).map_err(|error| Missing::storage(&folder, error))
 }
 
 /// A folder with these files (name, text), kept under a name that depends on them.
-pub(crate) fn laid_out<N: AsRef<str>>(
-    name: &str,
-    files: &[(N, &str)],
-) -> Result<PathBuf, CacheError> {
+pub(crate) fn laid_out<N: AsRef<str>>(name: &str, files: &[(N, &str)]) -> Result<PathBuf, Missing> {
     let texts = files.iter().flat_map(|(name, text)| [name.as_ref(), *text]);
     let texts: Vec<&str> = texts.collect();
     let folder = folder()?.join(format!("{name}-{:016x}", fingerprint(&texts)));
@@ -76,14 +104,13 @@ pub(crate) fn laid_out<N: AsRef<str>>(
             continue;
         }
         // Whole or not at all, also for a process that reads at this moment.
-        replace(&path, text.as_bytes())
-            .map_err(|error| CacheError::storage(&path, error.reason))?;
+        replace(&path, text.as_bytes()).map_err(|error| Missing::storage(&path, error.reason))?;
     }
     Ok(folder)
 }
 
 /// Something to make.
-pub(crate) struct Made<'a, T, E> {
+pub(crate) struct Made<'a, T> {
     /// Its folder's name, which depends on all it is made of.
     pub(crate) name: &'a str,
     /// For whoever waits.
@@ -91,15 +118,15 @@ pub(crate) struct Made<'a, T, E> {
     /// What is in a folder that is whole.
     pub(crate) whole: &'a dyn Fn(&Path) -> Option<T>,
     /// Fills an empty folder.
-    pub(crate) build: &'a dyn Fn(&Path, &Note) -> Result<(), E>,
+    pub(crate) build: &'a dyn Fn(&Path, &Note) -> Result<(), Missing>,
 }
 
-impl<T, E: From<CacheError>> Made<'_, T, E> {
+impl<T> Made<'_, T> {
     /// Finds it below `cache`, or makes it under a lock.
     ///
     /// # Errors
-    /// The build's; [`CacheError`].
-    pub(crate) fn once(&self, cache: &Path, cancel: &AtomicBool) -> Result<T, E> {
+    /// The build's; a folder that cannot be written; a stop.
+    pub(crate) fn once(&self, cache: &Path, cancel: &AtomicBool) -> Result<T, Missing> {
         let folder = cache.join(self.name);
         if let Some(found) = (self.whole)(&folder) {
             return Ok(found);
@@ -110,29 +137,22 @@ impl<T, E: From<CacheError>> Made<'_, T, E> {
             return Ok(found);
         }
         remove_leftovers(cache, self.name);
-        let storage = |error| CacheError::storage(&folder, error);
+        let storage = |error| Missing::storage(&folder, error);
         let draft = draft_in(cache, &drafts_of(self.name)).map_err(storage)?;
         let note = Note::new(self.title);
         let built = (self.build)(draft.path(), &note);
         drop(note);
-        let stopped = || cancel.load(Ordering::Relaxed);
-        if let Err(error) = built {
-            return Err(if stopped() {
-                CacheError::Stopped.into()
-            } else {
-                error
-            });
-        }
+        // Whatever it complains of, a stop is why.
+        built.map_err(|error| Missing::of(cancel, || error.to_string()))?;
         if folder.exists() {
             fs::remove_dir_all(&folder).map_err(storage)?;
         }
         fs::rename(draft.keep(), &folder).map_err(storage)?;
-        (self.whole)(&folder).ok_or_else(|| {
-            if stopped() {
-                CacheError::Stopped.into()
-            } else {
+        (self.whole)(&folder).ok_or_else(|| match cancel.load(Ordering::Relaxed) {
+            true => Missing::Stopped,
+            false => {
                 let reason = "what was just made does not start, or lacks what was asked for";
-                CacheError::storage(&folder, reason).into()
+                Missing::storage(&folder, reason)
             }
         })
     }
@@ -154,13 +174,13 @@ fn remove_leftovers(cache: &Path, name: &str) {
 }
 
 /// An exclusive lock, held as long as the file lives; the system frees it when a process dies.
-pub(crate) fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, CacheError> {
+pub(crate) fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, Missing> {
     let file = File::options()
         .create(true)
         .truncate(false)
         .write(true)
         .open(path)
-        .map_err(|error| CacheError::storage(path, error))?;
+        .map_err(|error| Missing::storage(path, error))?;
     let mut note = None;
     loop {
         match file.try_lock() {
@@ -169,11 +189,11 @@ pub(crate) fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, CacheError>
                 note.get_or_insert_with(|| Note::new("waiting"))
                     .say("another process makes what this one needs");
                 if cancel.load(Ordering::Relaxed) {
-                    return Err(CacheError::Stopped);
+                    return Err(Missing::Stopped);
                 }
                 thread::sleep(Duration::from_millis(100));
             }
-            Err(TryLockError::Error(error)) => return Err(CacheError::storage(path, error)),
+            Err(TryLockError::Error(error)) => return Err(Missing::storage(path, error)),
         }
     }
 }

@@ -8,7 +8,7 @@ use pinwheel_mbs::integrators;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Scene};
 use pinwheel_timeseries::TimeSeries;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::control::{Cancelled, Control};
 use crate::registry::EngineInfo;
@@ -108,13 +108,13 @@ pub(crate) fn settled(ran: Result<Run, Halt>) -> Result<Run, Cancelled> {
 }
 
 /// What is made smaller for more accuracy.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Knob {
     /// `solver.step_s`.
-    #[serde(rename = "step-s")]
+    #[serde(rename(serialize = "step-s", deserialize = "solver.step_s"))]
     Step,
     /// `solver.tolerance`.
+    #[serde(rename(serialize = "tolerance", deserialize = "solver.tolerance"))]
     Tolerance,
 }
 
@@ -138,9 +138,11 @@ impl Knob {
 }
 
 /// How an engine is refined.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Refinement {
     /// What is made smaller.
+    #[serde(rename = "key")]
     pub knob: Knob,
     /// Order of the error in it.
     pub order: f64,

@@ -29,6 +29,7 @@ mod cache;
 mod control;
 mod engine;
 pub mod external;
+mod process;
 #[cfg(feature = "python")]
 pub mod python;
 #[cfg(feature = "rapier")]
@@ -43,3 +44,8 @@ pub use control::{Cancelled, Control, Progress};
 pub use engine::{Ending, Engine, Halt, Knob, Prepared, Refinement, Run, RunStats, Track};
 pub use registry::{EngineInfo, Form, Native, by_name, family, info, known, registry};
 pub use stopping::stop_preparing;
+
+/// The value of an environment variable; one that is empty is as good as none.
+pub(crate) fn variable(name: &str) -> Option<std::ffi::OsString> {
+    std::env::var_os(name).filter(|value| !value.is_empty())
+}

@@ -21,10 +21,16 @@ pub enum Fault {
     Stiffness,
     /// The last wheel's eccentric is 0.1 mrad out of phase with its holes and its teeth.
     WheelPhase,
+    /// An engine in Python gets contact loads that hold their value over four calls (MuJoCo only).
+    FrozenLoads,
+    /// An engine in Python gets loads that are not numbers, after a while.
+    NanLoads,
+    /// An engine in Python gets loads that are 1e9 times too large, after a while.
+    HugeLoads,
 }
 
 impl Fault {
-    /// All faults.
+    /// The native solver's, which its results show.
     pub const ALL: [Self; 7] = [
         Self::FrictionSign,
         Self::DroppedGamma,
@@ -46,6 +52,9 @@ impl Fault {
             Self::PassedBreak => "a step over a jump of the load",
             Self::Stiffness => "1 % stiffness error",
             Self::WheelPhase => "one wheel's phase",
+            Self::FrozenLoads => "frozen loads",
+            Self::NanLoads => "loads that are no numbers",
+            Self::HugeLoads => "huge loads",
         }
     }
 }

@@ -17,4 +17,4 @@ mod suggest;
 pub use document::{Document, Entries, Item, MOST_BYTES, Node, read, read_text};
 pub use error::{Broken, FileError, one_line, quoted, require};
 pub use fnv::{Fnv, fnv};
-pub use suggest::{did_you_mean, nearest};
+pub use suggest::{did_you_mean, fits, nearest};

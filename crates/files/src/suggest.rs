@@ -1,4 +1,4 @@
-//! "Did you mean": the nearest known name to a mistyped one.
+//! Names: "did you mean", the nearest known one to a mistyped one; and patterns of names.
 
 /// The known name nearest to `typed`, if it is near enough to be what was meant.
 ///
@@ -36,6 +36,30 @@ pub fn did_you_mean(typed: &str, known: &[&str]) -> String {
     }
 }
 
+/// Whether `text` fits `pattern`, in which `*` stands for any characters.
+#[must_use]
+pub fn fits(pattern: &str, text: &str) -> bool {
+    // With one place to fall back to: a pattern of many `*`, which a file may hold, takes no longer than others.
+    let (pattern, text) = (pattern.as_bytes(), text.as_bytes());
+    let (mut p, mut t) = (0, 0);
+    let mut star: Option<(usize, usize)> = None;
+    while t < text.len() {
+        match (pattern.get(p), &mut star) {
+            (Some(b'*'), _) => {
+                star = Some((p, t));
+                p += 1;
+            }
+            (Some(c), _) if *c == text[t] => (p, t) = (p + 1, t + 1),
+            (_, Some((at, from))) => {
+                *from += 1;
+                (p, t) = (*at + 1, *from);
+            }
+            (_, None) => return false,
+        }
+    }
+    pattern[p..].iter().all(|&c| c == b'*')
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -49,5 +73,34 @@ mod tests {
         assert_eq!(nearest("teeth", known), None);
         assert_eq!(nearest("", known), None);
         assert_eq!(did_you_mean("zzz", &["a", "b"]), "write one of: a, b");
+    }
+
+    #[test]
+    fn patterns() {
+        for (pattern, text, wanted) in [
+            ("*", "", true),
+            ("*", "anything", true),
+            ("native*", "native", true),
+            ("*_force_n", "external_sleeve_force_n", true),
+            ("*_force_n", "force_n", false),
+            ("a*c", "abcd", false),
+            ("a*b*c", "abbbc", true),
+            ("*_3", "wheel_0_x_13", false),
+            ("", "a", false),
+            ("*a*b", "aab", true),
+            ("*ab", "aab", true),
+            ("*\u{e9}", "caf\u{e9}", true),
+        ] {
+            assert_eq!(fits(pattern, text), wanted, "{pattern} {text}");
+        }
+    }
+
+    /// One fallback for every star would take 1e26 steps here.
+    #[test]
+    fn bad_input_patterns_of_many_stars_end() {
+        let stars = "*".repeat(60_000);
+        assert!(fits(&stars, "external_sleeve_force_n"));
+        assert!(!fits(&format!("{stars}x"), "external_sleeve_force_n"));
+        assert!(!fits(&"*e".repeat(9), "external_sleeve_force_n"));
     }
 }

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use pinwheel_files::fits;
 use pinwheel_gearbox::cosimulation::{CoSimulation, Prescribed, Setup};
 use pinwheel_gearbox::{Gearbox, Recorder};
-use pinwheel_scene::channels::{FAMILIES, fits};
+use pinwheel_scene::channels::FAMILIES;
 use pinwheel_scene::keys::Kind;
 use pinwheel_scene::{CheckedScene, KEYS, Override, Scene};
 

@@ -3,9 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use pinwheel::engines::external::{self, scaffold::Language};
+use pinwheel::engines::external::{
+    self,
+    scaffold::{LANGUAGES, Language},
+};
 
-use super::named::{Named, named};
+use super::named::named;
 use super::{OutArgs, SceneArgs};
 use crate::failure::Failure;
 
@@ -63,7 +66,7 @@ pub(crate) enum SolverAction {
     /// Write a small solver that works into a new folder.
     New {
         /// Its language.
-        #[arg(long, value_parser = named(LANGUAGES))]
+        #[arg(long, value_parser = named(&LANGUAGES))]
         language: Language,
         /// Its name, and the folder's: small letters, digits and `-`.
         name: String,
@@ -88,12 +91,3 @@ pub(crate) enum SolverAction {
     /// Print the folder of libpinwheel_law, for the linker.
     Library,
 }
-
-/// Languages by name.
-const LANGUAGES: &[Named<Language>] = &[
-    ("c", "C, Runge-Kutta 4", Language::C),
-    ("cpp", "C++, Runge-Kutta 4", Language::Cpp),
-    ("fortran", "Fortran, Heun", Language::Fortran),
-    ("python", "Python, Heun", Language::Python),
-    ("julia", "Julia, Runge-Kutta 4", Language::Julia),
-];

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::windows::WindowKind;
 pub use order::{Basis, Estimate, Method, Unresolved};
 pub(crate) use refinement::Settings;
-pub use refinement::{Extrapolated, Level, RefinementStudy};
+pub use refinement::{Level, RefinementStudy};
 
 /// The uncertainty of one figure, or why there is none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

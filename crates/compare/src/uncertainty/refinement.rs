@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use pinwheel_timeseries::TimeSeries;
 
-use super::order::{self, Basis, Estimate, Method, SAFETY_UNCONFIRMED, Step, Unresolved};
+use super::order::{self, Basis, Estimate, Method, Step, Unresolved};
 use super::{QuantityUncertainty, Uncertainty};
 use crate::grid;
 use crate::quantities::Quantity;
@@ -31,15 +31,6 @@ pub struct Level {
     pub run: Result<TimeSeries, String>,
     /// Its wall time, s.
     pub wall_s: f64,
-}
-
-/// Time series freed of the leading term of their error, and what is left of it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Extrapolated {
-    /// The channels of the quantity within the window.
-    pub channels: Vec<Vec<f64>>,
-    /// Root mean square of what may be left of the error.
-    pub u: f64,
 }
 
 /// What is known beside the runs.
@@ -234,53 +225,6 @@ impl RefinementStudy {
         };
         let own = order::estimate(&steps, sign, Method::Step { order, limit: None }, floor);
         Ok(own.ok().filter(|own| own.u <= bound.u).unwrap_or(bound))
-    }
-
-    /// The quantity freed of the leading term of its error, pointwise: `f1 + (f1 - f2)/(r^p - 1)` (Richardson). Only
-    /// where three levels showed the stated order. What is left is taken from two extrapolations, one level apart, as
-    /// if the next term had the same order; it has at least one more.
-    #[must_use]
-    pub(crate) fn extrapolated(
-        &self,
-        finest: &TimeSeries,
-        quantity: &Quantity,
-        samples: Range<usize>,
-        l2: &Uncertainty,
-        floor: f64,
-    ) -> Option<Extrapolated> {
-        // With a kink's error beside the method's own there is no one leading term.
-        let one_term = self.method.allowed_order() == self.method.stated_order();
-        let confirmed = one_term && l2.estimate().is_some_and(|e| e.basis == Basis::Observed);
-        if !confirmed {
-            return None;
-        }
-        let order = self.method.allowed_order();
-        let views = self.views(finest, quantity, samples)?;
-        let [(h1, one), (h2, two), (h3, three), ..] = views.as_slice() else {
-            return None;
-        };
-        let beyond = |fine: &View<'_>, coarse: &View<'_>, ratio: f64| -> Vec<Vec<f64>> {
-            let share = 1.0 / (ratio.powf(order) - 1.0);
-            let channels = fine.channels().iter().zip(coarse.channels());
-            channels
-                .map(|(f, c)| f.iter().zip(*c).map(|(f, c)| f + (f - c) * share).collect())
-                .collect()
-        };
-        let channels = beyond(one, two, h2 / h1);
-        let before = beyond(two, three, h3 / h2);
-        let apart = || {
-            channels
-                .iter()
-                .flatten()
-                .zip(before.iter().flatten())
-                .map(|(a, b)| a - b)
-        };
-        let left = rms(apart(), peak(apart())?)?;
-        let u = SAFETY_UNCONFIRMED * left / ((h2 / h1).powf(order) - 1.0);
-        Some(Extrapolated {
-            u: u.max(floor * one.rms()?),
-            channels,
-        })
     }
 
     /// Refinement and view of every run, the finest first.

@@ -2,51 +2,11 @@
 
 use crate::common::{context, participant, time_series};
 use crate::{entry, native, other};
-use pinwheel_compare::comparison::Comparison;
 use pinwheel_compare::uncertainty::{Basis, Method, order};
 use pinwheel_compare::{
     Context, Divergence, Evidence, Level, RefinementStudy, Rules, Track, WindowKind, compare,
 };
 use pinwheel_timeseries::TimeSeries;
-
-/// An engine that ran `own` beside one whose time series are exact.
-fn beside_exact(evidence: &[Evidence], own: TimeSeries) -> Comparison {
-    let rules = Rules {
-        evidence,
-        ..Rules::default()
-    };
-    let pair = [
-        participant("native", Track::Native, own),
-        other(Track::SharedLaw, 1.0),
-    ];
-    compare(&context(), &pair, &rules).unwrap()
-}
-
-/// The extrapolated verdict's distance and u of runs whose error is A h^2 + B h^3, with A = 1e-3, beside an exact engine.
-fn extrapolated(b: f64, floor: f64) -> (f64, f64) {
-    let at = |h: f64| time_series(1.0 + 1e-3 * h * h + b * h * h * h);
-    let evidence = [
-        levels("native", [at(2.0), at(4.0)]).with_floor(floor),
-        levels("other", [time_series(1.0), time_series(1.0)]),
-    ];
-    let found = beside_exact(&evidence, at(1.0));
-    let sharp = entry(&found, WindowKind::Steady).extrapolated.as_ref();
-    let sharp = sharp.unwrap();
-    (sharp.difference.unwrap(), sharp.u_a.unwrap())
-}
-
-/// Of such an error Richardson's extrapolation leaves 4/3 B, and says 28/3 B: its next term is taken for one of the same order.
-/// Rounding is left in any case, as a share of the quantity.
-#[test]
-fn extrapolation_leaves_the_next_term() {
-    let near = |value: f64, wanted: f64| (value / wanted - 1.0).abs() < 0.01;
-    let b = 1e-5;
-    let (distance, u) = extrapolated(b, 0.0);
-    assert!(near(distance, 4.0 / 3.0 * b), "{distance}");
-    assert!(near(u, 28.0 / 3.0 * b), "{u}");
-    let (_, u) = extrapolated(0.0, 1e-6);
-    assert!(near(u, 1e-6), "{u}");
-}
 
 /// A run with these values as its only course.
 fn torque(values: &dyn Fn(usize) -> f64) -> TimeSeries {
@@ -232,35 +192,6 @@ fn a_figure_confirms_by_its_own_sign() {
         assert_eq!(basis_of_the_mean(first, first), Basis::Observed);
         assert_eq!(basis_of_the_mean(first, -first), Basis::Unconfirmed);
     }
-}
-
-/// Richardson's formula needs one leading term, of an order that three runs showed.
-#[test]
-fn nothing_is_extrapolated_without_one_leading_term() {
-    let is_sharp = |shown: f64, limit: Option<f64>| {
-        let method = Method::Step { order: 2.0, limit };
-        let at = |h: f64| time_series(1.0 + 1e-3 * h.powf(shown));
-        let study = |run: &dyn Fn(f64) -> TimeSeries| RefinementStudy {
-            method,
-            finest: 1e-5,
-            coarser: [2.0, 4.0]
-                .map(|refinement| Level {
-                    refinement,
-                    run: Ok(run(refinement)),
-                    wall_s: 1.0,
-                })
-                .to_vec(),
-        };
-        let evidence = [
-            Evidence::refinement("native", study(&at)),
-            Evidence::refinement("other", study(&|_| time_series(1.0))),
-        ];
-        let found = beside_exact(&evidence, at(1.0));
-        entry(&found, WindowKind::Steady).extrapolated.is_some()
-    };
-    assert!(is_sharp(2.0, None));
-    assert!(!is_sharp(1.5, Some(1.5)), "a kink's error beside its own");
-    assert!(!is_sharp(1.0, None), "not the order of the method");
 }
 
 #[test]

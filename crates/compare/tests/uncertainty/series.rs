@@ -1,48 +1,10 @@
-//! Series and figures: extrapolation, and what it covers.
+//! Series and figures, and what their uncertainties cover.
 
+use crate::anywhere;
 use crate::common::{Random, participant, time_series};
-use crate::{FORCE, anywhere, compared, engine, entry, native};
 use pinwheel_compare::uncertainty::{Method, Norm, Source};
-use pinwheel_compare::{Evidence, Level, RefinementStudy, Rules, Track, Verdict, compare};
+use pinwheel_compare::{Evidence, Level, RefinementStudy, Rules, Track, compare};
 use pinwheel_timeseries::TimeSeries;
-
-/// Extrapolated series are nearer to the truth, by an order of magnitude, and say so.
-#[test]
-fn crossval_extrapolation_sharpens() {
-    let peer = engine(
-        "peer",
-        Track::SharedLaw,
-        &time_series(1.0),
-        3e-4,
-        2.0,
-        &[2.0, 4.0],
-    );
-    let found = compared(&anywhere(), vec![native(1e-4), peer]);
-    let entry = entry(&found, FORCE);
-    let plain = entry.assessments[0].combined().unwrap();
-    let sharp = entry.extrapolated.as_ref().unwrap();
-    assert!(
-        sharp.combined().unwrap() < plain / 10.0,
-        "{sharp:?} {plain}"
-    );
-    assert!(sharp.difference.unwrap() < entry.assessments[0].difference.unwrap() / 100.0);
-    assert_eq!(sharp.verdict, Verdict::Agree);
-    // A fault below U is seen there; it does not count for the verdict, and stands beside it.
-    let fault = engine(
-        "peer",
-        Track::SharedLaw,
-        &time_series(1.0001),
-        3e-4,
-        2.0,
-        &[2.0, 4.0],
-    );
-    let found = compared(&anywhere(), vec![native(3e-4), fault]);
-    let entry = self::entry(&found, FORCE);
-    assert_eq!(entry.result.verdict, Verdict::Agree);
-    let sharp = entry.extrapolated.as_ref().unwrap();
-    assert_eq!(sharp.verdict, Verdict::Differ);
-    assert!(sharp.difference.unwrap() - sharp.bound.unwrap() > 5e-5);
-}
 
 /// Every norm and figure: u is at least the true error in 95 of 100 cases, and not blunt. The errors of the levels have
 /// shapes of their own beside the common one.

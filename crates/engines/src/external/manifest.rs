@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use pinwheel_files::{Broken, FileError, read_text, require};
-use pinwheel_scene::channels::fits;
+use pinwheel_files::{Broken, FileError, fits, read_text, require};
 use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
 use pinwheel_timeseries::Track;
 use serde::Deserialize;
 
-use crate::engine::{Knob, Refinement};
+use crate::engine::Refinement;
 use crate::registry::{self, EngineInfo};
+use crate::variable;
 
 /// Longest run that a manifest may ask for, s.
 const LONGEST_S: f64 = 86_400.0;
@@ -47,7 +47,7 @@ pub struct Manifest {
     pub honours: Honours,
     /// What makes it more accurate.
     #[serde(default)]
-    pub refine: Option<Refine>,
+    pub refine: Option<Refinement>,
     /// By how much its model is known to differ from the native one, per quantity.
     #[serde(default)]
     pub model: BTreeMap<String, Stated>,
@@ -73,16 +73,6 @@ impl Default for Honours {
             load_changes: false,
         }
     }
-}
-
-/// The key that makes a solver more accurate when it gets smaller.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Refine {
-    /// `solver.step_s` or `solver.tolerance`.
-    pub key: String,
-    /// Order of the error in that key.
-    pub order: f64,
 }
 
 /// A difference of the model that its author knows of.
@@ -211,14 +201,6 @@ impl Manifest {
         }
         if let Some(refine) = &self.refine {
             require(
-                refine.knob().is_some(),
-                format!(
-                    "refine.key = {:?} is not one that can be varied",
-                    refine.key
-                ),
-                "write \"solver.step_s\" or \"solver.tolerance\"",
-            )?;
-            require(
                 refine.order > 0.0 && refine.order <= 20.0,
                 format!("refine.order = {} is no order", refine.order),
                 "write the order of the method, e.g. 4 (of solver.tolerance: 1)",
@@ -238,15 +220,6 @@ impl Manifest {
             )?;
         }
         Ok(())
-    }
-
-    /// What makes it more accurate.
-    pub(super) fn refinement(&self) -> Option<Refinement> {
-        let refine = self.refine.as_ref()?;
-        Some(Refinement {
-            knob: refine.knob()?,
-            order: refine.order,
-        })
     }
 
     /// Whether it honours a contact law.
@@ -303,27 +276,16 @@ impl Manifest {
     }
 }
 
-impl Refine {
-    fn knob(&self) -> Option<Knob> {
-        match self.key.as_str() {
-            "solver.step_s" => Some(Knob::Step),
-            "solver.tolerance" => Some(Knob::Tolerance),
-            _ => None,
-        }
-    }
-}
-
 /// The interpreter that `{python}` means: `PINWHEEL_PYTHON`, else that of the active environment, else `python3`.
 pub(super) fn python() -> PathBuf {
-    let named = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
     let inside = if cfg!(windows) {
         "Scripts/python.exe"
     } else {
         "bin/python"
     };
-    named("PINWHEEL_PYTHON")
+    variable("PINWHEEL_PYTHON")
         .map(PathBuf::from)
-        .or_else(|| Some(PathBuf::from(named("VIRTUAL_ENV")?).join(inside)))
+        .or_else(|| Some(PathBuf::from(variable("VIRTUAL_ENV")?).join(inside)))
         .unwrap_or_else(|| PathBuf::from(if cfg!(windows) { "python" } else { "python3" }))
 }
 
@@ -359,7 +321,7 @@ input_torque_n_m = { tolerance = 0.01, reason = "bed of springs" }
     #[test]
     fn a_manifest_as_documented() {
         let manifest = read(GOOD).expect("good");
-        assert_eq!(manifest.refinement().map(|r| r.order), Some(4.0));
+        assert_eq!(manifest.refine.map(|refine| refine.order), Some(4.0));
         let places = [
             ("here", "/h"),
             ("job", "/j b"),
@@ -416,7 +378,11 @@ input_torque_n_m = { tolerance = 0.01, reason = "bed of springs" }
             ("timeout_s = 30", "timeout_s = -1", "write seconds"),
             ("timeout_s = 30", "timeout_s = inf", "write seconds"),
             ("\"constant\"", "\"konstant\"", "`pinwheel laws` lists them"),
-            ("solver.step_s", "gear.wheels", "write \"solver.step_s\""),
+            (
+                "solver.step_s",
+                "gear.wheels",
+                "write one of: solver.step_s, solver.tolerance",
+            ),
             ("order = 4", "order = 0", "write the order of the method"),
             ("tolerance = 0.01", "tolerance = -1", "needs a tolerance"),
         ] {

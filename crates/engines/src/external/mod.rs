@@ -9,13 +9,15 @@
 
 mod library;
 mod manifest;
-mod process;
 mod result;
+mod said;
 pub mod scaffold;
 
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::{OnceLock, PoisonError, RwLock};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pinwheel_files::{FileError, Fnv};
 use pinwheel_gearbox::Gearbox;
@@ -23,14 +25,15 @@ use pinwheel_law::job;
 use pinwheel_timeseries::TimeSeries;
 
 use crate::control::{Cancelled, Control};
-use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, settled};
+use crate::engine::{Ending, Engine, Halt, Knob, Prepared, Run, RunStats, settled};
+pub use crate::process::end_all;
+use crate::process::{self, End, Ended};
 use crate::registry::EngineInfo;
 pub use library::{fmu_library, law_library};
-pub use manifest::{Honours, Manifest, Refine, Stated};
+pub use manifest::{Honours, Manifest, Stated};
 pub use pinwheel_law::job::{schema as job_schema, write as write_job};
-pub use process::end_all;
-use process::{End, Limits, Ran, plain};
 use result::{JobFolder, Told};
+use said::{Heard, Limits, plain};
 
 /// Exit status of a run whose numbers ran away.
 const DIVERGED: i32 = 3;
@@ -165,13 +168,35 @@ impl Solver {
             folder_bytes: self.folder_bytes,
             log_bytes: self.log_bytes,
         };
-        let place = process::Place {
-            folder: folder.path(),
-            library: library.as_deref(),
+        let Some((program, arguments)) = argv.split_first() else {
+            return Err(failed("its command is empty").into());
         };
-        let ran = process::run(&argv, place, limits, &|t| control.reached(t))
-            .map_err(|error| failed(self.does_not_start(&argv[0], &error)))?;
-        self.judge(gearbox, &handle, ran)
+        let mut command = Command::new(program);
+        command
+            .args(arguments)
+            .current_dir(folder.path())
+            .env("PYTHONDONTWRITEBYTECODE", "1")
+            .env("PYTHONUNBUFFERED", "1")
+            .envs(library.as_deref().and_then(library_path));
+        let (begun, mut heard) = (Instant::now(), Heard::default());
+        let mut looked = begun;
+        let ended = process::run(&mut command, Some(folder.path()), &mut |piece| {
+            if let Some(piece) = piece {
+                heard.take(piece);
+                return None;
+            }
+            if control.reached(heard.reached_s.unwrap_or(0.0)) {
+                return Some(End::Cancelled);
+            }
+            limits.passed(&heard, folder.path(), begun, &mut looked)
+        });
+        let ended = ended.map_err(|error| failed(self.does_not_start(program, &error)))?;
+        let log = heard.log();
+        // It may have ended before anybody looked.
+        if let Some(time) = heard.reached_s {
+            let _ = control.reached(time);
+        }
+        self.judge(gearbox, &handle, &ended, &heard, &log)
     }
 
     /// Runs it on a job file that breaks off, for whoever wants to see what it does.
@@ -192,7 +217,7 @@ impl Solver {
         settled(ran)
     }
 
-    fn does_not_start(&self, program: &std::ffi::OsStr, error: &std::io::Error) -> String {
+    fn does_not_start(&self, program: &OsStr, error: &std::io::Error) -> String {
         let remedy = match &self.manifest.build {
             Some(build) => format!("build it: {}", plain(build, WORDS)),
             None => "build it, or correct `command` in its manifest".to_owned(),
@@ -200,19 +225,26 @@ impl Solver {
         format!("{} does not start: {error}; {remedy}", program.display())
     }
 
-    fn judge(&self, gearbox: &Gearbox, folder: &JobFolder, ran: Ran) -> Result<Run, Halt> {
-        let said = last_line(&ran.log);
+    fn judge(
+        &self,
+        gearbox: &Gearbox,
+        folder: &JobFolder,
+        ended: &Ended,
+        heard: &Heard,
+        log: &str,
+    ) -> Result<Run, Halt> {
+        let said = last_line(log);
         let and_said = said
             .as_ref()
             .map_or_else(String::new, |line| format!(": {line}"));
-        let status = match &ran.end {
+        let status = match &ended.end {
             End::Cancelled => return Err(Cancelled.into()),
             End::Stopped(why) => {
                 return Err(failed(format!("{why}{}", last_words(said.as_deref()))).into());
             }
             End::TooLong(why) => {
                 return Err(Ending::TimedOut {
-                    time_s: ran.reached_s.unwrap_or(0.0),
+                    time_s: heard.reached_s.unwrap_or(0.0),
                     reason: format!("{why}{}", last_words(said.as_deref())),
                 }
                 .into());
@@ -246,11 +278,14 @@ impl Solver {
                 return Err(failed(format!("{what}{}", last_words(said.as_deref()))).into());
             }
         };
-        let mut run = Run::new(found.time_series, self.stats(gearbox, folder, &ran, &told));
+        let mut run = Run::new(
+            found.time_series,
+            self.stats(gearbox, folder, ended, heard, &told),
+        );
         run.stats.notes.extend(found.notes);
         let stated = diverged.then(|| {
             let time = run.time_series.time_s().last().copied().unwrap_or(0.0);
-            let time = ran.reached_s.map_or(time, |reached| reached.max(time));
+            let time = heard.reached_s.map_or(time, |reached| reached.max(time));
             let end = gearbox.scene.solver.duration_s;
             (
                 time.min(end),
@@ -263,18 +298,23 @@ impl Solver {
         })
     }
 
-    fn stats(&self, gearbox: &Gearbox, folder: &JobFolder, ran: &Ran, told: &Told) -> RunStats {
+    fn stats(
+        &self,
+        gearbox: &Gearbox,
+        folder: &JobFolder,
+        ended: &Ended,
+        heard: &Heard,
+        told: &Told,
+    ) -> RunStats {
         let solver = &gearbox.scene.solver;
-        let by_step = self
-            .manifest
-            .refinement()
-            .is_some_and(|refinement| refinement.knob == crate::Knob::Step);
+        let refine = self.manifest.refine;
+        let by_step = refine.is_some_and(|refine| refine.knob == Knob::Step);
         let mean = solver.duration_s / told.steps.max(1) as f64;
-        let mut notes = ran.notes.clone();
+        let mut notes = heard.notes.clone();
         notes.extend(told.notes.iter().take(20).map(|note| plain(note, WORDS)));
         RunStats {
-            wall_s: ran.wall_s,
-            cpu_s: ran.cpu_s.or(told.cpu_s).unwrap_or(ran.wall_s),
+            wall_s: ended.wall_s,
+            cpu_s: ended.cpu_s.or(told.cpu_s).unwrap_or(ended.wall_s),
             rhs_calls: folder.law_calls().unwrap_or(told.right_hand_sides),
             steps: told.steps,
             rejected_steps: told.rejected_steps,
@@ -298,7 +338,7 @@ impl Engine for Solver {
         let manifest = &self.manifest;
         EngineInfo {
             differences: &manifest.differences,
-            refinement: manifest.refinement(),
+            refinement: manifest.refine,
             outside: true,
             ..EngineInfo::own(&manifest.name, manifest.track, &manifest.summary)
         }
@@ -328,6 +368,23 @@ impl Engine for Solver {
             })
         }))
     }
+}
+
+/// The variable that leads programs to libraries, and what leads them to `library` first.
+fn library_path(library: &Path) -> Option<(&'static str, OsString)> {
+    let variable = if cfg!(windows) {
+        "PATH"
+    } else if cfg!(target_os = "macos") {
+        "DYLD_LIBRARY_PATH"
+    } else {
+        "LD_LIBRARY_PATH"
+    };
+    let before = std::env::var_os(variable).unwrap_or_default();
+    let others: Vec<PathBuf> = std::env::split_paths(&before)
+        .filter(|path| !path.as_os_str().is_empty())
+        .collect();
+    let paths = std::iter::once(library.parent()?.to_owned()).chain(others);
+    Some((variable, std::env::join_paths(paths).ok()?))
 }
 
 /// It broke, in its own words or ours.

@@ -3,61 +3,82 @@
 use std::path::Path;
 use std::{fs, io};
 
-/// A language that there is an example in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Language {
-    /// C, Runge-Kutta 4.
-    C,
-    /// C++, Runge-Kutta 4.
-    Cpp,
-    /// Fortran, Heun.
-    Fortran,
-    /// Python, Heun.
-    Python,
-    /// Julia, Runge-Kutta 4.
-    Julia,
+/// An example in a language.
+#[derive(Debug, Clone, Copy)]
+pub struct Language {
+    /// Name of the example and its folder.
+    example: &'static str,
+    manifest: &'static str,
+    /// Name of the file, and its text.
+    source: [&'static str; 2],
+    /// Whether it includes the header of the law library.
+    header: bool,
 }
 
 macro_rules! example {
-    ($folder:literal / $source:literal) => {
-        (
-            $folder,
-            include_str!(concat!(
+    ($folder:literal / $source:literal, $header:literal) => {
+        Language {
+            example: $folder,
+            manifest: include_str!(concat!(
                 "../../../../examples/solvers/",
                 $folder,
                 "/solver.toml"
             )),
-            $source,
-            include_str!(concat!(
-                "../../../../examples/solvers/",
-                $folder,
-                "/",
-                $source
-            )),
-        )
+            source: [
+                $source,
+                include_str!(concat!(
+                    "../../../../examples/solvers/",
+                    $folder,
+                    "/",
+                    $source
+                )),
+            ],
+            header: $header,
+        }
     };
 }
+
+/// The languages that there are examples in: how they are typed, what the example is, the example.
+pub static LANGUAGES: [(&str, &str, Language); 5] = [
+    (
+        "c",
+        "C, Runge-Kutta 4",
+        example!("c-rk4" / "solver.c", true),
+    ),
+    (
+        "cpp",
+        "C++, Runge-Kutta 4",
+        example!("cpp-rk4" / "solver.cpp", true),
+    ),
+    (
+        "fortran",
+        "Fortran, Heun",
+        example!("fortran-heun" / "solver.f90", false),
+    ),
+    (
+        "python",
+        "Python, Heun",
+        example!("python-heun" / "solver.py", false),
+    ),
+    (
+        "julia",
+        "Julia, Runge-Kutta 4",
+        example!("julia-rk4" / "solver.jl", false),
+    ),
+];
 
 /// The header of the law library.
 pub const HEADER: &str = include_str!("../../../law/include/pinwheel_law.h");
 
 impl Language {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::C, Self::Cpp, Self::Fortran, Self::Python, Self::Julia];
-
     /// The files of a solver called `name`: their names and texts.
     #[must_use]
     pub fn files(self, name: &str) -> Vec<(&'static str, String)> {
-        let (example, manifest, source, text) = match self {
-            Self::C => example!("c-rk4" / "solver.c"),
-            Self::Cpp => example!("cpp-rk4" / "solver.cpp"),
-            Self::Fortran => example!("fortran-heun" / "solver.f90"),
-            Self::Python => example!("python-heun" / "solver.py"),
-            Self::Julia => example!("julia-rk4" / "solver.jl"),
-        };
-        let named = manifest.replace(&format!("\"{example}\""), &format!("{name:?}"));
-        let mut files = vec![("solver.toml", named), (source, text.to_owned())];
-        if matches!(self, Self::C | Self::Cpp) {
+        let example = format!("\"{}\"", self.example);
+        let manifest = self.manifest.replace(&example, &format!("{name:?}"));
+        let [source, text] = self.source;
+        let mut files = vec![("solver.toml", manifest), (source, text.to_owned())];
+        if self.header {
             files.push(("pinwheel_law.h", HEADER.to_owned()));
         }
         files

@@ -343,7 +343,7 @@ fn job_folders_do_not_pile_up() {
 
 #[test]
 fn written_solvers_have_the_name_they_are_given() {
-    for language in scaffold::Language::ALL {
+    for (_, _, language) in scaffold::LANGUAGES {
         let folder = tempfile::tempdir().expect("folder");
         for (name, text) in language.files("my-own") {
             std::fs::write(folder.path().join(name), text).expect("written");

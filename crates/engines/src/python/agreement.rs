@@ -6,12 +6,12 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::CheckedScene;
 use pyo3::prelude::*;
 
-use super::published::Published;
+use super::law::Published;
 use super::{convert, engine, host};
 use crate::engine::{Ending, Halt};
 
 /// How far the two implementations are apart.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, FromPyObject)]
 pub struct Agreement {
     /// States compared.
     pub states: usize,
@@ -39,27 +39,15 @@ pub struct Agreement {
 pub fn law_agreement(scene: &CheckedScene, states: usize, seed: u64) -> Result<Agreement, Halt> {
     host::ready(&AtomicBool::new(false))?;
     let gearbox = Gearbox::new(scene).map_err(Ending::failed)?;
-    let field = gearbox.contact_field().map_err(Ending::failed)?;
-    let law = Published::new(&gearbox, field);
+    let law = Published::new(&gearbox)?;
     Python::attach(|py| {
         let compare = || -> PyResult<Agreement> {
             let package = host::package(py)?;
-            let pointer = engine::pointer(&package, &law, 1)?;
+            let pointer = engine::pointer(&package, &law)?;
             let found = py
                 .import("pinwheel_engines.agreement")?
                 .call_method1("compare", (scene.to_toml(), pointer, states, seed))?;
-            let number = |name: &str| -> PyResult<f64> { found.getattr(name)?.extract() };
-            let count = |name: &str| -> PyResult<usize> { found.getattr(name)?.extract() };
-            Ok(Agreement {
-                states: count("states")?,
-                loaded: count("loaded")?,
-                largest_n: number("largest_n")?,
-                worst_relative: number("worst_relative")?,
-                worst_n: number("worst_n")?,
-                worst_over_rounding: number("worst_over_rounding")?,
-                worst_moment_relative: number("worst_moment_relative")?,
-                ambiguous: count("ambiguous")?,
-            })
+            found.extract()
         };
         match compare() {
             Ok(found) => Ok(found),

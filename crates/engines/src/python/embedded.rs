@@ -4,54 +4,53 @@
 //! begins with our copy of the package and the environment's packages, so that nothing the user has
 //! installed elsewhere takes their place.
 
-use std::sync::Mutex;
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use pyo3::prelude::*;
 
 use super::convert::text_of;
-use super::environment::{self, ENGINES, Environment};
-use super::error::PythonError;
+use super::environment::{ENGINES, ENVIRONMENT, Environment, environment};
 use super::host::{PACKAGE, package};
 use super::pins::pins;
-use crate::cache;
+use crate::cache::{self, Kept, Missing};
 
 /// The package's files: path below its folder, text.
 const SOURCES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/sources.rs"));
-/// What the process knows of its Python so far. A failure is kept: asking pip again for every
-/// engine of a comparison would only take time.
-static READY: Mutex<Option<Result<(), PythonError>>> = Mutex::new(None);
+static READY: Kept<()> = Kept::new();
 
-/// Makes the environment if need be, starts Python and loads the package.
+/// Makes the environment if need be, starts Python and loads the package, once per process.
 ///
 /// # Errors
-/// See [`PythonError`]; the same one again at every later call, but for a stop by the user.
-pub(super) fn ready(cancel: &AtomicBool) -> Result<(), PythonError> {
-    let mut ready = READY
-        .lock()
-        .unwrap_or_else(|poisoned| poisoned.into_inner());
-    if let Some(known) = ready.as_ref() {
-        return known.clone();
-    }
-    let outcome = environment::environment(ENGINES, cancel).and_then(|found| load(&found));
-    if !outcome.as_ref().is_err_and(PythonError::is_stop) {
-        *ready = Some(outcome.clone());
-    }
-    outcome
+/// Why that cannot be, with the remedy; a stop.
+pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Missing> {
+    READY.get(|| load(&environment(ENGINES, cancel)?))
+}
+
+/// The environment is there, and the package cannot be loaded all the same. One that the user `named` is the user's to mend.
+pub(super) fn unusable(folder: &Path, named: bool, reason: &str) -> Missing {
+    let folder = folder.display();
+    let remedy = if named {
+        format!(
+            "run `pip install -r python/requirements.txt` in {folder}, or unset {ENVIRONMENT} to have one made"
+        )
+    } else {
+        format!("remove {folder} to have it made anew")
+    };
+    Missing::Because(format!(
+        "the Python package cannot be loaded: {reason}; {remedy}"
+    ))
 }
 
 /// Starts Python on an environment and loads the package.
-fn load(environment: &Environment) -> Result<(), PythonError> {
+fn load(environment: &Environment) -> Result<(), Missing> {
     let files: Vec<(String, &str)> = SOURCES
         .iter()
         .map(|&(name, text)| (format!("{PACKAGE}/{name}"), text))
         .collect();
     let sources = cache::laid_out("sources", &files)?;
-    let failed = |reason: String| PythonError::Load {
-        reason,
-        folder: environment.folder.clone(),
-        named: environment::is_named(),
-    };
+    let named = crate::variable(ENVIRONMENT).is_some();
+    let failed = |reason: String| unusable(&environment.folder, named, &reason);
     Python::attach(|py| {
         let start = || -> PyResult<Result<(), String>> {
             let path = py.import("sys")?.getattr("path")?;

@@ -1,13 +1,14 @@
 //! The Python engines behind the one trait.
 
+use std::sync::Arc;
+
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::contacts::ContactField;
 use pinwheel_scene::Scene;
 use pyo3::prelude::*;
-use pyo3::types::{PyCFunction, PyDict};
+use pyo3::types::PyCFunction;
 
+use super::law::Published;
 use super::mujoco::{Addresses, Attached, Place, attach, detach};
-use super::published::Published;
 use super::watch::hosted;
 use super::{convert, ffi, host, pins};
 use crate::control::Control;
@@ -19,23 +20,14 @@ use crate::registry::EngineInfo;
 pub(super) struct PythonEngine(pub(super) &'static EngineInfo<'static>);
 
 impl PythonEngine {
-    /// Runs a scene with the given contact forces. `every`: see [`Attached::every`].
-    pub(super) fn run_with(
-        &self,
-        gearbox: &Gearbox,
-        control: &Control<'_>,
-        disguise: impl FnOnce(Box<dyn ContactField>) -> Box<dyn ContactField>,
-        every: u64,
-    ) -> Result<Run, Halt> {
-        let field = gearbox.contact_field().map_err(Ending::unsupported)?;
+    fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Halt> {
         host::ready(control.cancel)?;
-        let law =
-            (self.0.track == Track::SharedLaw).then(|| Published::new(gearbox, disguise(field)));
+        let law = (self.0.track == Track::SharedLaw).then(|| Published::new(gearbox));
         let scene_toml = gearbox.scene.to_toml();
-        let (ran, _) = hosted(gearbox, control, law, |options, law| {
+        let (ran, _) = hosted(gearbox, control, law.transpose()?, |options, law| {
             let package = host::package(options.py())?;
             if let Some(law) = law {
-                options.set_item("law", pointer(&package, law, every)?)?;
+                options.set_item("law", pointer(&package, law)?)?;
             }
             package.call_method("run", (scene_toml, self.0.name), Some(options))
         });
@@ -46,15 +38,13 @@ impl PythonEngine {
 /// The package's `LawPointer` to a law.
 pub(super) fn pointer<'py>(
     package: &Bound<'py, PyModule>,
-    law: &Published,
-    every: u64,
+    published: &Published,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = package.py();
-    let (run, bodies, shared) = (law.number, law.bodies, law.law.clone());
+    let (run, law) = (published.number, Arc::clone(&published.law));
     let enter = PyCFunction::new_closure(py, None, None, move |args, _| -> PyResult<usize> {
-        let (addresses, places) = layout(args.get_item(0)?.cast::<PyDict>()?, bodies)?;
-        let law = shared.clone();
-        attach(Attached::new(run, addresses, places, law, every));
+        let (addresses, places) = layout(&args.get_item(0)?, law.bodies)?;
+        attach(Attached::new(run, addresses, places, Arc::clone(&law)));
         Ok(ffi::passive_address())
     })?;
     let leave = PyCFunction::new_closure(py, None, None, move |_, _| detach(run))?;
@@ -64,25 +54,12 @@ pub(super) fn pointer<'py>(
 }
 
 /// Addresses and joints from the layout that the package hands over.
-fn layout(layout: &Bound<'_, PyDict>, bodies: usize) -> PyResult<(Addresses, Vec<Place>)> {
-    let item = |name: &str| {
-        layout
-            .get_item(name)?
-            .ok_or_else(|| pyo3::exceptions::PyKeyError::new_err(name.to_owned()))
-    };
-    let number = |name: &str| -> PyResult<usize> { item(name)?.extract() };
-    let addresses = Addresses {
-        data: number("data")?,
-        qpos: number("qpos")?,
-        qvel: number("qvel")?,
-        qfrc_passive: number("qfrc_passive")?,
-        counters: number("counters")?,
-        coordinates: number("coordinates")?,
-    };
-    let coordinates: Vec<usize> = item("coordinate")?.extract()?;
-    let carriers: Vec<i64> = item("carrier")?.extract()?;
-    let x: Vec<f64> = item("offset_x_m")?.extract()?;
-    let y: Vec<f64> = item("offset_y_m")?.extract()?;
+fn layout(layout: &Bound<'_, PyAny>, bodies: usize) -> PyResult<(Addresses, Vec<Place>)> {
+    let addresses: Addresses = layout.extract()?;
+    let coordinates: Vec<usize> = layout.get_item("coordinate")?.extract()?;
+    let carriers: Vec<i64> = layout.get_item("carrier")?.extract()?;
+    let x: Vec<f64> = layout.get_item("offset_x_m")?.extract()?;
+    let y: Vec<f64> = layout.get_item("offset_y_m")?.extract()?;
     let places: Vec<Place> = coordinates
         .into_iter()
         .zip(carriers)
@@ -125,7 +102,7 @@ impl Engine for PythonEngine {
         }
         let gearbox = gearbox.clone();
         Ok(Box::new(move |control: &Control<'_>| {
-            self.run_with(&gearbox, control, |field| field, 1)
+            self.run(&gearbox, control)
         }))
     }
 }

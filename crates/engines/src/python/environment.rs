@@ -8,10 +8,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::error::PythonError;
-use super::interpreter::{Interpreter, interpreter};
-use super::variables::{ENVIRONMENT, WHEELS};
-use crate::cache::{self, Note, call, fingerprint};
+use super::interpreter::{Interpreter, interpreter, no_interpreter};
+use crate::cache::{self, Missing, Note, call, fingerprint};
+use crate::variable;
+
+/// Names an existing environment, which is used as it is.
+pub(super) const ENVIRONMENT: &str = "PINWHEEL_PYTHON_ENV";
+/// Names a folder of wheels to install from, without a network.
+const WHEELS: &str = "PINWHEEL_WHEELS";
 
 /// Written last into an environment: its requirements.
 const MARKER: &str = "pinwheel-requirements.txt";
@@ -63,18 +67,16 @@ pub struct Environment {
 /// The environment with the given packages, made if need be; `ENVIRONMENT` and `WHEELS` are heeded.
 ///
 /// # Errors
-/// See [`PythonError`].
+/// Why there is none, with the remedy; a stop.
 pub fn environment(
     requirements: Requirements,
     cancel: &AtomicBool,
-) -> Result<Environment, PythonError> {
+) -> Result<Environment, Missing> {
     let interpreter = interpreter()?;
-    if let Some(folder) = name() {
+    if let Some(folder) = variable(ENVIRONMENT) {
         return named(Path::new(&folder), &interpreter, cancel);
     }
-    let wheels = std::env::var_os(WHEELS)
-        .filter(|value| !value.is_empty())
-        .map(PathBuf::from);
+    let wheels = variable(WHEELS).map(PathBuf::from);
     ensure(
         requirements,
         &interpreter,
@@ -85,33 +87,21 @@ pub fn environment(
 }
 
 /// The environment that the user named.
-fn name() -> Option<OsString> {
-    std::env::var_os(ENVIRONMENT).filter(|value| !value.is_empty())
-}
-
-/// Whether the user named an environment, which is not ours to make or remove.
-pub(super) fn is_named() -> bool {
-    name().is_some()
-}
-
-/// The environment that the user named.
 fn named(
     folder: &Path,
     interpreter: &Interpreter,
     cancel: &AtomicBool,
-) -> Result<Environment, PythonError> {
-    let refuse = |reason: String| PythonError::Named {
-        folder: folder.to_owned(),
-        reason,
+) -> Result<Environment, Missing> {
+    let refuse = |reason: String| {
+        format!(
+            "{ENVIRONMENT} = {}: {reason}; name an environment made with `python3 -m venv` and filled with `pip install -r \
+             python/requirements.txt`, or unset {ENVIRONMENT}",
+            folder.display()
+        )
     };
-    let (found, version, _) = probe(folder, cancel).map_err(|reason| {
-        if cancel.load(Ordering::Relaxed) {
-            PythonError::STOPPED
-        } else {
-            refuse(reason)
-        }
-    })?;
-    let minor = |version: &str| {
+    let (found, version, _) =
+        probe(folder, cancel).map_err(|reason| Missing::of(cancel, || refuse(reason)))?;
+    let minor = |version: &'_ str| {
         version
             .splitn(3, '.')
             .take(2)
@@ -119,10 +109,10 @@ fn named(
             .collect::<Vec<_>>()
     };
     if minor(&version) != minor(&interpreter.version) {
-        return Err(refuse(format!(
+        return Err(Missing::Because(refuse(format!(
             "it is of Python {version}, and this program embeds {}",
             interpreter.version
-        )));
+        ))));
     }
     Ok(found)
 }
@@ -165,7 +155,7 @@ fn ensure(
     cache: &Path,
     wheels: Option<&Path>,
     cancel: &AtomicBool,
-) -> Result<Environment, PythonError> {
+) -> Result<Environment, Missing> {
     let made = cache::Made {
         name: &name_of(requirements, interpreter),
         title: "Python packages (once)",
@@ -212,7 +202,7 @@ fn whole(folder: &Path, requirements: Requirements, cancel: &AtomicBool) -> Opti
 }
 
 /// The executable of the embedded interpreter.
-fn executable(interpreter: &Interpreter, cancel: &AtomicBool) -> Result<PathBuf, PythonError> {
+fn executable(interpreter: &Interpreter, cancel: &AtomicBool) -> Result<PathBuf, Missing> {
     let ask = "import sys; print('%d.%d.%d' % sys.version_info[:3])";
     interpreter
         .candidates
@@ -223,18 +213,11 @@ fn executable(interpreter: &Interpreter, cancel: &AtomicBool) -> Result<PathBuf,
         })
         .cloned()
         .ok_or_else(|| {
-            if cancel.load(Ordering::Relaxed) {
-                PythonError::STOPPED
-            } else {
-                PythonError::NoInterpreter {
-                    version: interpreter.version.clone(),
-                    tried: interpreter
-                        .candidates
-                        .iter()
-                        .map(|path| path.display().to_string())
-                        .collect::<Vec<_>>()
-                        .join(", "),
-                }
+            let tried = interpreter.candidates.iter();
+            let tried: Vec<String> = tried.map(|path| path.display().to_string()).collect();
+            match no_interpreter(&interpreter.version, &tried.join(", ")) {
+                _ if cancel.load(Ordering::Relaxed) => Missing::Stopped,
+                missing => missing,
             }
         })
 }
@@ -247,7 +230,7 @@ fn make(
     wheels: Option<&Path>,
     note: &Note,
     cancel: &AtomicBool,
-) -> Result<(), PythonError> {
+) -> Result<(), Missing> {
     note.say("making a virtual environment");
     call(
         executable,
@@ -260,12 +243,15 @@ fn make(
         Some(note),
         cancel,
     )
-    .map_err(|reason| PythonError::Venv {
-        interpreter: executable.to_owned(),
-        reason,
+    .map_err(|reason| {
+        Missing::Because(format!(
+            "no virtual environment can be made with {}: {reason}; install its module venv (Debian: apt install \
+             python3-venv), or name an environment with {ENVIRONMENT}",
+            executable.display()
+        ))
     })?;
     let list = draft.join("requirements.txt");
-    fs::write(&list, requirements.text).map_err(|error| PythonError::storage(&list, error))?;
+    fs::write(&list, requirements.text).map_err(|error| Missing::storage(&list, error))?;
     let mut arguments: Vec<&OsStr> = [
         "-I",
         "-m",
@@ -292,17 +278,16 @@ fn make(
     }
     arguments.extend(named.iter().map(OsString::as_os_str));
     call(&python_of(draft), arguments, Some(note), cancel).map_err(|reason| {
-        PythonError::Install {
-            reason,
-            packages: requirements
-                .arguments(Path::new(requirements.file))
-                .join(OsStr::new(" "))
-                .to_string_lossy()
-                .into_owned(),
-        }
+        let by_hand = requirements.arguments(Path::new(requirements.file));
+        let packages = by_hand.join(OsStr::new(" "));
+        Missing::Because(format!(
+            "the Python packages cannot be installed: {reason}; without a network fill a folder with `pip download {} \
+             -d FOLDER` elsewhere and set {WHEELS}=FOLDER, or name an environment that has them with {ENVIRONMENT}",
+            packages.display()
+        ))
     })?;
     let marker = draft.join(MARKER);
-    fs::write(&marker, requirements.text).map_err(|error| PythonError::storage(&marker, error))
+    fs::write(&marker, requirements.text).map_err(|error| Missing::storage(&marker, error))
 }
 
 /// The interpreter of an environment.

@@ -2,7 +2,7 @@
 //! is in this file.
 //!
 //! Contract of [`law`] (engines call it from any thread, one at a time for each context):
-//! - `context` is the number of a [`Published`](super::published::Published) law, not an address;
+//! - `context` is the number of a [`Published`](super::law::Published) law, not an address;
 //! - for a number that was ever handed out, `states` points to 6 and `loads` to 3 doubles for each body
 //!   of its scene, aligned, not overlapping, alive and not otherwise used for the time of the call, or is null;
 //!   that holds for stale numbers too, whose law is gone: their loads become NaN;
@@ -48,12 +48,7 @@ pub(super) unsafe extern "C" fn law(
             slice::from_raw_parts_mut(loads, 3 * entry.bodies),
         )
     };
-    let evaluated = entry.law.is_some_and(|law| {
-        catch_unwind(AssertUnwindSafe(|| locked(&law).evaluate(states, loads))).is_ok()
-    });
-    if !evaluated {
-        loads.fill(f64::NAN);
-    }
+    entry.evaluate(states, loads);
 }
 
 /// Adds the contact torques of the run that belongs to `data`.

@@ -35,13 +35,7 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
         });
     }
     #[cfg(feature = "crossval")]
-    return super::embedded::ready(cancel).map_err(|error| {
-        if error.is_stop() {
-            crate::control::Cancelled.into()
-        } else {
-            Ending::absent(error).into()
-        }
-    });
+    return Ok(super::embedded::ready(cancel)?);
     #[cfg(not(feature = "crossval"))]
     {
         let _ = cancel;

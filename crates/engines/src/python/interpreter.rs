@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 
 use super::convert::text_of;
-use super::error::PythonError;
+use super::environment::ENVIRONMENT;
+use crate::cache::Missing;
 
 /// The interpreter whose library this program embeds.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,9 +18,11 @@ pub(super) struct Interpreter {
 }
 
 /// The interpreter this process embeds.
-pub(super) fn interpreter() -> Result<Interpreter, PythonError> {
-    if let Some(home) = std::env::var_os("PYTHONHOME").filter(|value| !value.is_empty()) {
-        return Err(PythonError::Home(home.to_string_lossy().into_owned()));
+pub(super) fn interpreter() -> Result<Interpreter, Missing> {
+    if let Some(home) = crate::variable("PYTHONHOME") {
+        return Err(Missing::Because(format!(
+            "PYTHONHOME = {home:?} would send the embedded Python to another installation; unset PYTHONHOME"
+        )));
     }
     let asked = Python::attach(|py| -> PyResult<Interpreter> {
         let sys = py.import("sys")?;
@@ -49,8 +52,13 @@ pub(super) fn interpreter() -> Result<Interpreter, PythonError> {
             candidates,
         })
     });
-    asked.map_err(|error| PythonError::NoInterpreter {
-        version: "3".to_owned(),
-        tried: Python::attach(|py| text_of(py, &error)),
-    })
+    asked.map_err(|error| no_interpreter("3", &Python::attach(|py| text_of(py, &error))))
+}
+
+/// There is no interpreter of that version to make an environment with.
+pub(super) fn no_interpreter(version: &str, tried: &str) -> Missing {
+    Missing::Because(format!(
+        "no Python {version} interpreter was found to make an environment with (tried {tried}); install it, or name an \
+         environment of that version with {ENVIRONMENT}"
+    ))
 }

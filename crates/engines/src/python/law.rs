@@ -1,28 +1,38 @@
-//! Our contact law as engines see it: a number that stands for a live law.
+//! Our contact law as engines see it: a number that stands for it for the time of a run.
 //!
 //! Engines keep a context, and may keep it too long. So the context is no address but a number that
 //! is never used twice: behind one whose law is gone there is nothing, and a call with it answers
 //! NaN, which every engine's guard sees.
 
-use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use pinwheel_faults::{Fault, armed};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_handles::Handles;
 use pinwheel_law::Evaluator;
 
-/// A law shared between an engine's callbacks.
-pub(super) type SharedLaw = Arc<Mutex<Evaluator>>;
+use super::mujoco::detach;
+use crate::engine::Ending;
 
 /// What stands behind a number.
-#[derive(Clone)]
-pub(super) struct Entry {
+pub(super) struct Law {
     /// Bodies of the scene; known also after the law is gone.
     pub(super) bodies: usize,
-    /// The law while it lives.
-    pub(super) law: Option<SharedLaw>,
+    /// MuJoCo is given new loads at every so many calls only, as a frozen force would: 1 but for that fault.
+    pub(super) every: u64,
+    evaluator: Mutex<Option<Evaluator>>,
+    calls: AtomicU64,
+    /// Faulty loads are so many times too large.
+    fault: Option<f64>,
 }
 
-/// All numbers handed out so far. Entries of dead laws stay: they are what tells stale from alive.
-static LAWS: Mutex<BTreeMap<usize, Entry>> = Mutex::new(BTreeMap::new());
+/// Calls before loads are faulty.
+const SOUND_CALLS: u64 = 300;
+
+/// All laws so far. Those that are gone stay: they are what tells stale from alive.
+static LAWS: Handles<Arc<Law>> = Handles::new();
 
 /// What a lock guards here is valid after a panic, too.
 pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -30,22 +40,62 @@ pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// What stands behind a number, or `None` if it was never handed out.
-pub(super) fn find(number: usize) -> Option<Entry> {
-    locked(&LAWS).get(&number).cloned()
+pub(super) fn find(number: usize) -> Option<Arc<Arc<Law>>> {
+    LAWS.find(std::ptr::without_provenance::<u8>(number))
 }
 
-/// Hands out a number for a law on so many bodies.
-pub(super) fn enter(law: &SharedLaw, bodies: usize) -> usize {
-    let mut laws = locked(&LAWS);
-    let number = laws.last_key_value().map_or(1, |(last, _)| last + 1);
-    let law = Some(Arc::clone(law));
-    laws.insert(number, Entry { bodies, law });
-    number
+impl Law {
+    /// Reads 6 numbers a body and writes 3 loads a body: NaN if it is gone, or panics.
+    pub(super) fn evaluate(&self, states: &[f64], loads: &mut [f64]) {
+        let evaluated = catch_unwind(AssertUnwindSafe(|| {
+            let mut law = locked(&self.evaluator);
+            law.as_mut().map(|law| law.evaluate(states, loads))
+        }));
+        if !matches!(evaluated, Ok(Some(()))) {
+            loads.fill(f64::NAN);
+        }
+        if let Some(factor) = self.fault
+            && self.calls.fetch_add(1, Ordering::Relaxed) >= SOUND_CALLS
+        {
+            loads.iter_mut().for_each(|load| *load *= factor);
+        }
+    }
 }
 
-/// From now on nothing stands behind the number.
-pub(super) fn leave(number: usize) {
-    if let Some(entry) = locked(&LAWS).get_mut(&number) {
-        entry.law = None;
+/// A law that engines can call; stale from the moment this is dropped.
+pub(super) struct Published {
+    pub(super) number: usize,
+    pub(super) law: Arc<Law>,
+}
+
+impl Published {
+    /// The law of a gearbox.
+    ///
+    /// # Errors
+    /// The gearbox has none.
+    pub(super) fn new(gearbox: &Gearbox) -> Result<Self, Ending> {
+        let field = gearbox.contact_field().map_err(Ending::unsupported)?;
+        let bodies = gearbox.layout.bodies();
+        let law = Arc::new(Law {
+            bodies,
+            every: if armed(Fault::FrozenLoads) { 4 } else { 1 },
+            evaluator: Mutex::new(Some(Evaluator::new(field, bodies))),
+            calls: AtomicU64::new(0),
+            fault: match () {
+                () if armed(Fault::NanLoads) => Some(f64::NAN),
+                () if armed(Fault::HugeLoads) => Some(1e9),
+                () => None,
+            },
+        });
+        let number = LAWS.open::<u8>(Arc::clone(&law)).addr();
+        Ok(Self { number, law })
+    }
+}
+
+impl Drop for Published {
+    fn drop(&mut self) {
+        // However the run ended, by a panic too: MuJoCo may call no more.
+        detach(self.number);
+        locked(&self.law.evaluator).take();
     }
 }

@@ -12,8 +12,6 @@ mod embedded;
 mod engine;
 #[cfg(feature = "crossval")]
 mod environment;
-#[cfg(feature = "crossval")]
-mod error;
 mod ffi;
 mod host;
 #[cfg(feature = "crossval")]
@@ -21,22 +19,17 @@ mod interpreter;
 mod law;
 mod mujoco;
 mod pins;
-#[cfg(feature = "provoke")]
-pub mod provoke;
-mod published;
 mod user_engine;
-#[cfg(feature = "crossval")]
-mod variables;
 mod watch;
 
 #[cfg(feature = "crossval")]
-pub use crate::cache::CacheError;
+pub use crate::cache::Missing;
 pub use agreement::{Agreement, law_agreement};
 #[cfg(feature = "crossval")]
 pub use environment::{ENGINES, Environment, Requirements, environment};
-#[cfg(feature = "crossval")]
-pub use error::PythonError;
 pub use host::use_this_interpreter;
+#[cfg(feature = "crossval")]
+pub(crate) use pins::pinned;
 pub use user_engine::UserEngine;
 
 use crate::engine::Engine;

@@ -3,12 +3,12 @@
 //! Joint angles are relative to the carrier. A carried body's own torque acts on its carrier's
 //! joint as well, because that joint turns it, and its force acts there with the arm's lever.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use pinwheel_contact::Complex;
-use pinwheel_law::Evaluator;
+use pyo3::FromPyObject;
 
-use super::law::{SharedLaw, locked};
+use super::law::{Law, locked};
 
 /// Where one body's joint is, and where the body sits.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,7 +22,8 @@ pub(super) struct Place {
 }
 
 /// Addresses of one run's numbers in MuJoCo, valid until it detaches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, FromPyObject)]
+#[pyo3(from_item_all)]
 pub(super) struct Addresses {
     /// The mjData itself.
     pub(super) data: usize,
@@ -61,9 +62,7 @@ pub(super) struct Attached {
     pub(super) run: usize,
     pub(super) addresses: Addresses,
     pub(super) places: Vec<Place>,
-    pub(super) law: SharedLaw,
-    /// Evaluate at every so many calls only, as a frozen force would; 1 but in tests.
-    pub(super) every: u64,
+    pub(super) law: Arc<Law>,
     pub(super) calls: u64,
     /// Angles and rates of the last evaluation.
     pub(super) last: Vec<f64>,
@@ -96,20 +95,13 @@ pub(super) struct Counted {
 }
 
 impl Attached {
-    pub(super) fn new(
-        run: usize,
-        addresses: Addresses,
-        places: Vec<Place>,
-        law: SharedLaw,
-        every: u64,
-    ) -> Self {
+    pub(super) fn new(run: usize, addresses: Addresses, places: Vec<Place>, law: Arc<Law>) -> Self {
         let bodies = places.len();
         Self {
             run,
             addresses,
             places,
             law,
-            every,
             calls: 0,
             last: Vec::new(),
             torques: vec![0.0; addresses.coordinates],
@@ -120,7 +112,7 @@ impl Attached {
 
     /// Adds the contact torques at joint angles `q` and rates `v` to `out`.
     pub(super) fn add_torques(&mut self, q: &[f64], v: &[f64], out: &mut [f64]) -> Counted {
-        let evaluated = self.calls.is_multiple_of(self.every);
+        let evaluated = self.calls.is_multiple_of(self.law.every);
         self.calls += 1;
         let mut moved = false;
         if evaluated {
@@ -128,8 +120,7 @@ impl Attached {
             moved = !self.last.iter().eq(now());
             self.last.clear();
             self.last.extend(now());
-            let law = std::sync::Arc::clone(&self.law);
-            self.evaluate(q, v, &mut locked(&law));
+            self.evaluate(q, v);
         }
         for (out, torque) in out.iter_mut().zip(&self.torques) {
             *out += torque;
@@ -137,7 +128,7 @@ impl Attached {
         Counted { evaluated, moved }
     }
 
-    fn evaluate(&mut self, q: &[f64], v: &[f64], law: &mut Evaluator) {
+    fn evaluate(&mut self, q: &[f64], v: &[f64]) {
         let absolute = |place: &Place, joints: &[f64]| {
             let carrier = place
                 .carrier
@@ -160,7 +151,7 @@ impl Attached {
                 absolute(place, v),
             ];
         }
-        law.evaluate(&self.states, &mut self.loads);
+        self.law.evaluate(&self.states, &mut self.loads);
         self.torques.fill(0.0);
         for (place, &[fx, fy, moment]) in self.places.iter().zip(self.loads.as_chunks::<3>().0) {
             self.torques[place.coordinate] += moment;

@@ -16,8 +16,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyCFunction;
 
-use super::law::{SharedLaw, locked};
-use super::published::Published;
+use super::law::{Published, locked};
 use super::watch::hosted;
 use crate::control::Control;
 use crate::engine::{Ending, Engine, Halt, Prepared, Refinement, Run, Track};
@@ -46,8 +45,7 @@ pub struct UserEngine {
 
 impl UserEngine {
     fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Halt> {
-        let field = gearbox.contact_field().map_err(Ending::failed)?;
-        let law = Published::new(gearbox, field);
+        let law = Published::new(gearbox)?;
         let scene_toml = gearbox.scene.to_toml();
         let (ran, raised) = hosted(gearbox, control, Some(law), |options, law| {
             let py = options.py();
@@ -65,7 +63,8 @@ impl UserEngine {
 
 /// The law as a Python function that works in the caller's arrays.
 fn loads<'py>(py: Python<'py>, law: &Published) -> PyResult<Bound<'py, PyCFunction>> {
-    let (bodies, law): (usize, SharedLaw) = (law.bodies, Arc::clone(&law.law));
+    let law = Arc::clone(&law.law);
+    let bodies = law.bodies;
     PyCFunction::new_closure(py, None, None, move |args, _| -> PyResult<()> {
         let py = args.py();
         let states = PyBuffer::<f64>::get(&args.get_item(0)?)?;
@@ -77,7 +76,7 @@ fn loads<'py>(py: Python<'py>, law: &Published) -> PyResult<Bound<'py, PyCFuncti
         }
         let states = states.to_vec(py)?;
         let mut found = vec![0.0; 3 * bodies];
-        locked(&law).evaluate(&states, &mut found);
+        law.evaluate(&states, &mut found);
         loads.copy_from_slice(py, &found)
     })
 }

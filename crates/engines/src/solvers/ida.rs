@@ -2,9 +2,9 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::ready::{Missing, Ready};
-use crate::cache;
-use crate::python::{PythonError, Requirements, environment};
+use super::shipped::Ready;
+use crate::cache::{self, Missing};
+use crate::python::{Requirements, environment, pinned};
 
 /// Its manifest.
 pub(super) const MANIFEST: &str = "ida.toml";
@@ -25,26 +25,13 @@ const REQUIREMENTS: Requirements = Requirements {
 
 /// Name and pinned version of its package.
 pub(super) fn version() -> String {
-    const PACKAGE: &str = "scikit-sundae";
-    let mut pins = include_str!("../../../../solvers/ida/requirements.in")
-        .lines()
-        .filter_map(|line| line.split_once("=="));
-    let pinned = pins.find(|(package, _)| *package == PACKAGE);
-    pinned.map_or_else(
-        || PACKAGE.to_owned(),
-        |(_, version)| format!("{PACKAGE} {version}"),
-    )
+    let list = include_str!("../../../../solvers/ida/requirements.in");
+    pinned(list, "scikit-sundae")
 }
 
 /// Makes its environment if need be.
 pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Missing> {
-    let found = environment(REQUIREMENTS, cancel).map_err(|error: PythonError| {
-        if error.is_stop() {
-            Missing::Stopped
-        } else {
-            Missing::Because(error.to_string())
-        }
-    })?;
+    let found = environment(REQUIREMENTS, cancel)?;
     Ok(Ready {
         here: cache::laid_out("ida", &FILES)?,
         python: Some(found.python),

@@ -1,16 +1,25 @@
 //! A shipped solver as an engine: made ready at its first run, then run as any solver from outside.
 
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Mutex, PoisonError};
 
 use pinwheel_gearbox::Gearbox;
 
-use super::ready::{Missing, Ready};
 use super::{ida, simbody};
-use crate::control::{Cancelled, Control};
+use crate::cache::{Kept, Missing};
+use crate::control::Control;
 use crate::engine::{Ending, Engine, Halt, Prepared, Run};
 use crate::external::{Solver, law_library};
 use crate::registry::{self, EngineInfo};
+
+/// What a solver needs to run.
+#[derive(Debug, Clone)]
+pub(super) struct Ready {
+    /// The folder of its manifests and of what they start.
+    pub(super) here: PathBuf,
+    /// Its interpreter, if it needs one.
+    pub(super) python: Option<PathBuf>,
+}
 
 /// One shipped solver.
 pub(crate) struct Shipped {
@@ -18,8 +27,7 @@ pub(crate) struct Shipped {
     version: fn() -> String,
     /// Makes it ready.
     make: fn(&AtomicBool) -> Result<Ready, Missing>,
-    /// What became of it, once a process: asking again for every engine of a comparison would only take time.
-    made: Mutex<Option<Result<Ready, Missing>>>,
+    made: Kept<Ready>,
     /// Its manifest for scenes without friction, and with.
     manifests: [&'static str; 2],
 }
@@ -28,7 +36,7 @@ pub(crate) static SIMBODY: Shipped = Shipped {
     info: &registry::SIMBODY,
     version: simbody::version,
     make: simbody::ready,
-    made: Mutex::new(None),
+    made: Kept::new(),
     manifests: simbody::MANIFESTS,
 };
 
@@ -36,26 +44,14 @@ pub(crate) static IDA: Shipped = Shipped {
     info: &registry::IDA,
     version: ida::version,
     make: ida::ready,
-    made: Mutex::new(None),
+    made: Kept::new(),
     manifests: [ida::MANIFEST; 2],
 };
 
 impl Shipped {
     /// The solver for a scene, made ready if it is not.
     fn solver(&self, gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Solver, Halt> {
-        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        let outcome = match made.as_ref() {
-            Some(known) => known.clone(),
-            None => (self.make)(cancel),
-        };
-        if !matches!(outcome, Err(Missing::Stopped)) {
-            *made = Some(outcome.clone());
-        }
-        drop(made);
-        let ready = outcome.map_err(|missing| match missing {
-            Missing::Stopped => Halt::from(Cancelled),
-            Missing::Because(reason) => Ending::Absent { reason }.into(),
-        })?;
+        let ready = self.made.get(|| (self.make)(cancel))?;
         law_library().map_err(Ending::absent)?;
         let manifest = ready
             .here

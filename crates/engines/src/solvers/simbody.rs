@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::{env, fs};
 
-use super::ready::{Missing, Ready};
-use crate::cache::{self, CacheError, Made, Note, call, fingerprint};
+use super::shipped::Ready;
+use crate::cache::{self, Made, Missing, Note, call, fingerprint};
 
 /// Its manifests for scenes without friction, and with: an explicit method, and one for stiff equations.
 pub(super) const MANIFESTS: [&str; 2] = ["merson.toml", "cpodes.toml"];
@@ -99,7 +99,7 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Missing> {
         note.say("compiling");
         for (name, text) in &FILES {
             let path = draft.join(name);
-            fs::write(&path, text).map_err(|error| CacheError::storage(&path, error))?;
+            fs::write(&path, text).map_err(|error| Missing::storage(&path, error))?;
         }
         let (program, source) = (draft.join("simbody"), draft.join("simbody.cpp"));
         let own = ["-std=c++17", "-O2", "-w", "-o"].map(OsStr::new);

@@ -4,6 +4,8 @@
 //! several of a kind, in a number (the sleeve's or the wheel's); a pair of wheel and sleeve begins
 //! with the wheel's. `*` stands for any characters.
 
+use pinwheel_files::fits;
+
 use crate::layout::{Layout, Sleeve};
 
 /// What one number of a pair of wheel and sleeve is asked for.
@@ -258,36 +260,6 @@ pub(crate) fn always_there(pattern: &str, layout: Layout) -> bool {
     })
 }
 
-/// Whether `name` fits `pattern`, in which `*` stands for any characters.
-///
-/// The usual walk with one place to fall back to: linear but for pathological patterns.
-#[must_use]
-pub fn fits(pattern: &str, name: &str) -> bool {
-    let (pattern, name) = (pattern.as_bytes(), name.as_bytes());
-    let (mut p, mut n) = (0, 0);
-    let mut star: Option<(usize, usize)> = None;
-    while n < name.len() {
-        match pattern.get(p) {
-            Some(b'*') => {
-                star = Some((p, n));
-                p += 1;
-            }
-            Some(c) if *c == name[n] => {
-                p += 1;
-                n += 1;
-            }
-            _ => match &mut star {
-                Some((at, from)) => {
-                    *from += 1;
-                    (p, n) = (*at + 1, *from);
-                }
-                None => return false,
-            },
-        }
-    }
-    pattern[p..].iter().all(|&c| c == b'*')
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -297,23 +269,6 @@ mod tests {
         external_sleeves: 11,
         internal_sleeves: 3,
     };
-
-    #[test]
-    fn patterns() {
-        for (pattern, name, wanted) in [
-            ("*", "", true),
-            ("*", "anything", true),
-            ("a*c", "abc", true),
-            ("a*c", "abcd", false),
-            ("a*b*c", "abbbc", true),
-            ("*_3", "wheel_0_x_13", false),
-            ("*_3", "wheel_0_x_3", true),
-            ("wheel_0*", "wheel_0_x", true),
-            ("", "a", false),
-        ] {
-            assert_eq!(fits(pattern, name), wanted, "{pattern} {name}");
-        }
-    }
 
     /// Every family's pattern asks for exactly its own members, and no two columns share a name.
     #[test]

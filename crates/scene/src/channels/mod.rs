@@ -11,7 +11,7 @@
 mod catalogue;
 mod select;
 
-pub use catalogue::{Chosen, FAMILIES, Family, Joint, PairQuantity, Part, What, Whole, fits};
+pub use catalogue::{Chosen, FAMILIES, Family, Joint, PairQuantity, Part, What, Whole};
 pub(crate) use select::select;
 
 use crate::Scene;
@@ -73,7 +73,7 @@ impl Channels {
     #[must_use]
     pub fn families(&self) -> Vec<(&'static Family, usize)> {
         let count = |family: &Family| {
-            let fits = |chosen: &&Chosen| catalogue::fits(family.pattern, &chosen.name);
+            let fits = |chosen: &&Chosen| pinwheel_files::fits(family.pattern, &chosen.name);
             self.list.iter().filter(fits).count()
         };
         let counted = FAMILIES.iter().map(|family| (family, count(family)));

@@ -1,6 +1,8 @@
 //! From the patterns of a scene to the columns they ask for.
 
-use super::catalogue::{Chosen, FAMILIES, always_there, fits};
+use pinwheel_files::fits;
+
+use super::catalogue::{Chosen, FAMILIES, always_there};
 use crate::error::Fault;
 use crate::layout::Layout;
 use crate::nearest;

@@ -4,8 +4,9 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
+use super::super::embedded::unusable;
 use super::*;
-use crate::cache::{CACHE, CacheError, lock, process};
+use crate::cache::{CACHE, kept_away, lock};
 
 static GO: AtomicBool = AtomicBool::new(false);
 
@@ -89,9 +90,14 @@ fn packages_that_cannot_be_had_leave_nothing_behind() {
     )
     .unwrap_err();
     let text = error.to_string();
-    assert!(matches!(error, PythonError::Install { .. }), "{text}");
     let by_hand = "pip download --require-hashes --no-deps -r python/absent.txt";
-    for word in ["no-such-package", by_hand, WHEELS, ENVIRONMENT] {
+    for word in [
+        "cannot be installed",
+        "no-such-package",
+        by_hand,
+        WHEELS,
+        ENVIRONMENT,
+    ] {
         assert!(text.contains(word), "{text}");
     }
     let left = names(cache.path());
@@ -149,24 +155,16 @@ fn pip_installs_where_it_is_told_to() {
         "PIP_USER",
         "PIP_REQUIRE_VIRTUALENV",
     ] {
-        assert!(process::kept_away(away), "{away}");
+        assert!(kept_away(away), "{away}");
     }
     for let_through in ["PIP_INDEX_URL", "PIP_PROXY", "PATH", "HOME"] {
-        assert!(!process::kept_away(let_through), "{let_through}");
+        assert!(!kept_away(let_through), "{let_through}");
     }
 }
 
 #[test]
 fn an_environment_of_the_user_is_not_to_be_removed() {
-    let said = |named: bool| {
-        let (folder, reason) = (PathBuf::from("/home/me/env"), "why".to_owned());
-        let error = PythonError::Load {
-            reason,
-            folder,
-            named,
-        };
-        error.to_string()
-    };
+    let said = |named| unusable(Path::new("/home/me/env"), named, "why").to_string();
     assert!(said(false).contains("remove /home/me/env"));
     assert!(!said(true).contains("remove") && said(true).contains("pip install"));
 }
@@ -177,7 +175,7 @@ fn who_waits_for_the_lock_can_be_stopped() {
     let path = cache.path().join("x.lock");
     let held = lock(&path, &GO).unwrap();
     let stopped = lock(&path, &AtomicBool::new(true));
-    assert!(matches!(stopped, Err(CacheError::Stopped)));
+    assert!(matches!(stopped, Err(Missing::Stopped)));
     drop(held);
     assert!(lock(&path, &AtomicBool::new(true)).is_ok());
 }
@@ -193,7 +191,7 @@ fn faults_name_the_remedy() {
     };
     let error = ensure(NOTHING, &none, cache.path(), None, &GO).unwrap_err();
     assert!(
-        matches!(error, PythonError::NoInterpreter { .. }),
+        error.to_string().contains("no Python 3.99.0 interpreter"),
         "{error}"
     );
     let file = cache.path().join("file");

@@ -1,23 +1,19 @@
 //! Calls of Python, pip and compilers: their last words on failure, their current line as progress.
 
 use std::ffi::OsStr;
-use std::io::{BufRead, BufReader, Read as _};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError};
-use std::thread;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::process::{self, End};
 
 /// Longest piece of a failed call's output that goes into an error, bytes.
 const LAST_WORDS: usize = 400;
 /// Lines of a progress note that fit beside its title.
 const LINE: usize = 70;
-
-/// How long a call may say nothing before it is looked whether the user asked to stop.
-const PATIENCE: Duration = Duration::from_millis(50);
 
 /// A line on the terminal with what goes on and for how long; nothing when stderr is no terminal.
 pub(crate) struct Note(ProgressBar);
@@ -82,51 +78,29 @@ pub(crate) fn call<S: AsRef<OsStr>>(
     for name in away.filter(|name| kept_away(name)) {
         command.env_remove(name);
     }
-    let mut child = command
-        .args(arguments)
-        .env("PYTHONUTF8", "1")
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .map_err(|error| format!("{} does not start: {error}", program.display()))?;
-    let stderr = child.stderr.take();
-    let complaints = thread::spawn(move || {
-        let mut text = Vec::new();
-        if let Some(mut stderr) = stderr {
-            let _ = stderr.read_to_end(&mut text);
-        }
-        String::from_utf8_lossy(&text).into_owned()
-    });
-    let (sender, lines) = mpsc::channel();
-    let stdout = child.stdout.take().map(BufReader::new);
-    thread::spawn(move || {
-        let lines = stdout.into_iter().flat_map(BufRead::lines);
-        let _ = lines
-            .map_while(Result::ok)
-            .try_for_each(|line| sender.send(line));
-    });
-    let mut output = String::new();
-    loop {
-        match lines.recv_timeout(PATIENCE) {
-            Ok(line) => {
-                if let Some(note) = note {
+    command.args(arguments).env("PYTHONUTF8", "1");
+    let (mut output, mut complaints) = (Vec::new(), Vec::new());
+    let ended = process::run(&mut command, None, &mut |piece| {
+        match piece {
+            Some(piece) if piece.stderr => complaints.extend(&piece.bytes),
+            Some(piece) => {
+                output.extend(&piece.bytes);
+                let text = String::from_utf8_lossy(&piece.bytes);
+                if let (Some(note), Some(line)) = (note, text.lines().last()) {
                     note.say(line.trim());
                 }
-                output.push_str(&line);
-                output.push('\n');
             }
-            Err(RecvTimeoutError::Disconnected) => break,
-            Err(RecvTimeoutError::Timeout) => {}
+            None => {}
         }
-        if cancel.load(Ordering::Relaxed) {
-            let _ = child.kill();
-            let _ = child.wait();
-            return Err("stopped".to_owned());
-        }
-    }
-    let status = child.wait().map_err(|error| error.to_string())?;
-    let complaints = complaints.join().unwrap_or_default();
+        let stop = cancel.load(Ordering::Relaxed);
+        stop.then_some(End::Cancelled)
+    });
+    let ended = ended.map_err(|error| format!("{} does not start: {error}", program.display()))?;
+    let End::Status(status) = ended.end else {
+        return Err("stopped".to_owned());
+    };
+    let [output, complaints] =
+        [output, complaints].map(|text| String::from_utf8_lossy(&text).into_owned());
     if status.success() {
         return Ok(output);
     }

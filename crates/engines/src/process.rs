@@ -1,0 +1,256 @@
+//! Programs that we start: each in a process group of its own, listened to, and ended with everything it started.
+//!
+//! ```text
+//!  stdout, stderr ──threads──> pieces ──> listener
+//!  listener wants its end ──> SIGTERM to the group, 0.3 s later SIGKILL
+//!  its end ──> SIGKILL to what is left of the group, CPU time, status
+//! ```
+//! A program that leaves its group on purpose escapes; nothing short of a container would hold it.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// How long one waits for news before looking around.
+const PATIENCE: Duration = Duration::from_millis(10);
+/// How long a program has to end itself when asked to.
+const GRACE: Duration = Duration::from_millis(300);
+
+/// How it came to its end.
+#[derive(Debug)]
+pub(crate) enum End {
+    /// By itself.
+    Status(ExitStatus),
+    /// The user stopped it.
+    Cancelled,
+    /// We did, and why.
+    Stopped(String),
+    /// We did, because it took longer than it may, in words.
+    TooLong(String),
+}
+
+/// A program that is over.
+#[derive(Debug)]
+pub(crate) struct Ended {
+    pub(crate) end: End,
+    pub(crate) wall_s: f64,
+    /// Of the program and what it waited for, where the system tells.
+    pub(crate) cpu_s: Option<f64>,
+}
+
+/// Hears every piece of what a program says, and `None` every few milliseconds while it runs: then it may say why the program
+/// must end.
+pub(crate) type Listener<'a> = &'a mut dyn FnMut(Option<&Piece>) -> Option<End>;
+
+/// The programs that run now, and their folders: for a signal that ends ours at once.
+static RUNNING: Mutex<Vec<(u32, Option<PathBuf>)>> = Mutex::new(Vec::new());
+
+/// Ends all programs at once and removes their folders. For a signal handler that ends the program.
+pub fn end_all() {
+    let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
+    for (pid, folder) in running.drain(..) {
+        signal(pid, Signal::Kill);
+        if let Some(folder) = folder {
+            let _ = std::fs::remove_dir_all(folder);
+        }
+    }
+}
+
+/// A program's place among those that run.
+struct Registered(u32);
+
+impl Registered {
+    fn new(pid: u32, folder: Option<&Path>) -> Self {
+        let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
+        running.push((pid, folder.map(Path::to_owned)));
+        Self(pid)
+    }
+}
+
+impl Drop for Registered {
+    fn drop(&mut self) {
+        let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
+        running.retain(|(pid, _)| *pid != self.0);
+    }
+}
+
+/// Runs a program to its end. `folder` is removed if ours is ended at once.
+///
+/// # Errors
+/// It does not start.
+pub(crate) fn run(
+    command: &mut Command,
+    folder: Option<&Path>,
+    listener: Listener<'_>,
+) -> Result<Ended, std::io::Error> {
+    command
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::CommandExt as _;
+        command.process_group(0);
+    }
+    let begun = Instant::now();
+    let mut child = command.spawn()?;
+    let registered = Registered::new(child.id(), folder);
+    let (sender, news) = mpsc::channel();
+    listen(child.stdout.take(), sender.clone(), false);
+    listen(child.stderr.take(), sender, true);
+    let stopped = watch(&mut child, &news, listener);
+    if stopped.is_some() {
+        end(&mut child, &news, listener);
+    }
+    let wall_s = begun.elapsed().as_secs_f64();
+    let cpu_s = cpu_s(child.id());
+    // Whatever it left behind; its number is not given away before it is waited for.
+    signal(child.id(), Signal::Kill);
+    drop(registered);
+    let status = child.wait()?;
+    // Its last words are in the pipes; whoever left the group and holds them open is not waited for.
+    let patience = Instant::now() + GRACE;
+    while Instant::now() < patience {
+        match news.recv_timeout(PATIENCE) {
+            Ok(piece) => drop(listener(Some(&piece))),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => break,
+        }
+    }
+    Ok(Ended {
+        end: stopped.unwrap_or(End::Status(status)),
+        wall_s,
+        cpu_s,
+    })
+}
+
+/// Waits for its end; else why it must end.
+fn watch(child: &mut Child, news: &Receiver<Piece>, listener: Listener<'_>) -> Option<End> {
+    let mut open = true;
+    loop {
+        if open {
+            match news.recv_timeout(PATIENCE) {
+                Ok(piece) => drop(listener(Some(&piece))),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => open = false,
+            }
+        } else {
+            thread::sleep(PATIENCE);
+        }
+        if has_ended(child) {
+            return None;
+        }
+        let must_end = listener(None);
+        if must_end.is_some() {
+            return must_end;
+        }
+    }
+}
+
+/// Asks it to end, then ends it.
+fn end(child: &mut Child, news: &Receiver<Piece>, listener: Listener<'_>) {
+    signal(child.id(), Signal::Terminate);
+    let patience = Instant::now() + GRACE;
+    while Instant::now() < patience && !has_ended(child) {
+        // A full pipe would keep it from ending.
+        if let Ok(piece) = news.recv_timeout(PATIENCE) {
+            listener(Some(&piece));
+        }
+    }
+    signal(child.id(), Signal::Kill);
+    if cfg!(not(unix)) {
+        let _ = child.kill();
+    }
+    while !has_ended(child) {
+        thread::sleep(PATIENCE);
+    }
+}
+
+enum Signal {
+    Terminate,
+    Kill,
+}
+
+/// A signal to the group that `pid` leads.
+#[cfg(unix)]
+fn signal(pid: u32, which: Signal) {
+    let which = match which {
+        Signal::Terminate => rustix::process::Signal::TERM,
+        Signal::Kill => rustix::process::Signal::KILL,
+    };
+    let pid = i32::try_from(pid)
+        .ok()
+        .and_then(rustix::process::Pid::from_raw);
+    if let Some(pid) = pid {
+        // There may be nobody left.
+        let _ = rustix::process::kill_process_group(pid, which);
+    }
+}
+
+#[cfg(not(unix))]
+fn signal(_pid: u32, _which: Signal) {}
+
+/// Whether it has ended, without taking its number from it.
+#[cfg(unix)]
+fn has_ended(child: &mut Child) -> bool {
+    use rustix::process::{Pid, WaitId, WaitIdOptions, waitid};
+    let Some(pid) = i32::try_from(child.id()).ok().and_then(Pid::from_raw) else {
+        return true;
+    };
+    let how = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+    // An error: it is nobody's child any more.
+    waitid(WaitId::Pid(pid), how).map_or(true, |status| status.is_some())
+}
+
+#[cfg(not(unix))]
+fn has_ended(child: &mut Child) -> bool {
+    child.try_wait().map_or(true, |status| status.is_some())
+}
+
+/// CPU time of a program that has ended and was not waited for, with that of its children, s.
+#[cfg(target_os = "linux")]
+fn cpu_s(pid: u32) -> Option<f64> {
+    let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+    // The second field is its name in brackets, which may hold anything.
+    let (_, rest) = stat.rsplit_once(')')?;
+    let fields: Vec<&str> = rest.split_whitespace().collect();
+    // utime, stime, cutime, cstime: fields 14 to 17, of which the first here is the third.
+    let ticks: u64 = fields
+        .get(11..15)?
+        .iter()
+        .filter_map(|t| t.parse::<u64>().ok())
+        .sum();
+    Some(ticks as f64 / rustix::param::clock_ticks_per_second() as f64)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn cpu_s(_pid: u32) -> Option<f64> {
+    None
+}
+
+/// What came through a pipe.
+pub(crate) struct Piece {
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) stderr: bool,
+}
+
+/// Passes on what a pipe brings, until its end.
+fn listen(pipe: Option<impl Read + Send + 'static>, to: Sender<Piece>, stderr: bool) {
+    thread::spawn(move || {
+        let Some(mut pipe) = pipe else { return };
+        let mut buffer = [0; 1 << 14];
+        while let Ok(count) = pipe.read(&mut buffer) {
+            if count == 0 {
+                break;
+            }
+            let bytes = buffer[..count].to_vec();
+            if to.send(Piece { bytes, stderr }).is_err() {
+                break;
+            }
+        }
+    });
+}
