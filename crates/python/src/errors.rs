@@ -4,36 +4,53 @@ use pinwheel::pages::PageError;
 use pinwheel::scene::{Location, SceneError};
 use pinwheel::studies::StudyError;
 use pinwheel::studies::choice::ChoiceError;
+use pinwheel::studies::folder::FolderError;
+use pinwheel::studies::output::OutputError;
 use pinwheel::studies::sweep::SweepError;
 use pinwheel::time_series::Ending;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+
+use crate::run::Ran;
+
+/// What is raised: Python's own, or an error of the library as the package's exception.
+pub(crate) struct Raised(PyErr);
+
+/// What functions of this module give.
+pub(crate) type Raises<T> = Result<T, Raised>;
+
+impl From<Raised> for PyErr {
+    fn from(raised: Raised) -> Self {
+        raised.0
+    }
+}
+
+impl From<PyErr> for Raised {
+    fn from(error: PyErr) -> Self {
+        Self(error)
+    }
+}
 
 /// The name of a scene that stands in no file; files come with their whole path.
-pub(crate) const NO_FILE: &str = "scene";
+const NO_FILE: &str = "scene";
 
 /// An exception of the package with attributes.
-fn raise(py: Python<'_>, class: &str, message: &str, attributes: &[(&str, Py<PyAny>)]) -> PyErr {
-    let made = || -> PyResult<PyErr> {
-        let error = py
-            .import("pinwheel.errors")?
-            .getattr(class)?
-            .call_method1("_of", (message,))?;
-        for (name, value) in attributes {
-            error.setattr(*name, value)?;
-        }
+fn raise(
+    class: &str,
+    message: &str,
+    attributes: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<()>,
+) -> Raised {
+    let made = |py: Python<'_>| -> PyResult<PyErr> {
+        let class = py.import("pinwheel.errors")?.getattr(class)?;
+        let error = class.call_method1("_of", (message,))?;
+        attributes(&error)?;
         Ok(PyErr::from_value(error))
     };
-    made().unwrap_or_else(|broken| broken)
+    Raised(Python::attach(made).unwrap_or_else(|broken| broken))
 }
 
-fn text(py: Python<'_>, value: &str) -> Py<PyAny> {
-    pyo3::types::PyString::new(py, value).into_any().unbind()
-}
-
-/// A fault of a scene: `key`, `remedy`, `line`.
-pub(crate) fn scene(py: Python<'_>, error: &SceneError) -> PyErr {
+/// Message, key and remedy of a fault of a scene.
+fn fault(error: &SceneError) -> (String, Option<&str>, &str) {
     let (message, key, remedy) = match error {
         SceneError::Key {
             place,
@@ -48,134 +65,130 @@ pub(crate) fn scene(py: Python<'_>, error: &SceneError) -> PyErr {
                 }
                 _ => String::new(),
             };
-            (
-                format!("{at}`{key}` {what}; {remedy}"),
-                Some(key.as_str()),
-                remedy.as_str(),
-            )
+            let message = format!("{at}`{key}` {what}; {remedy}");
+            (message, Some(key.as_str()), remedy.as_str())
         }
         SceneError::Missing { keys, .. } => (error.to_string(), keys.first().copied(), ""),
         _ => (error.to_string(), None, ""),
     };
-    let message = message.replace(&format!("{NO_FILE}: "), "");
-    let key = key.map_or_else(|| py.None(), |key| text(py, key));
-    raise(
-        py,
-        "SceneError",
-        &message,
-        &[("key", key), ("remedy", text(py, remedy))],
-    )
+    (message.replace(&format!("{NO_FILE}: "), ""), key, remedy)
 }
 
-/// How a run of `engine` ended other than finished; `partial`: what it had computed until then, or None.
-pub(crate) fn ended(py: Python<'_>, engine: &str, ending: &Ending, partial: Py<PyAny>) -> PyErr {
-    let message = format!("{engine} {ending}");
-    let name = ("engine", text(py, engine));
-    match ending {
-        Ending::Diverged { time_s, quantity } => {
-            let time = pyo3::types::PyFloat::new(py, *time_s).into_any().unbind();
-            let quantity = text(py, quantity);
-            let attributes = [
-                name,
-                ("time_s", time),
-                ("quantity", quantity),
-                ("partial", partial),
-            ];
-            raise(py, "Diverged", &message, &attributes)
-        }
-        Ending::Unsupported { reason } => raise(
-            py,
-            "Unsupported",
-            &message,
-            &[name, ("reason", text(py, reason))],
-        ),
-        Ending::Failed { reason } | Ending::Absent { reason } | Ending::TimedOut { reason, .. } => {
-            raise(
-                py,
-                "EngineFailed",
-                &message,
-                &[name, ("reason", text(py, reason))],
-            )
-        }
-        Ending::Finished => raise(py, "EngineFailed", &message, &[name]),
+impl From<SceneError> for Raised {
+    fn from(error: SceneError) -> Self {
+        let (message, key, remedy) = fault(&error);
+        raise("SceneError", &message, |raised| {
+            raised.setattr("key", key)?;
+            raised.setattr("remedy", remedy)
+        })
     }
+}
+
+/// How a run of `engine` ended other than finished; `partial`: what it had computed until then.
+pub(crate) fn ended(engine: &str, ending: &Ending, partial: Option<Py<Ran>>) -> Raised {
+    let class = match ending {
+        Ending::Diverged { .. } => "Diverged",
+        Ending::Unsupported { .. } => "Unsupported",
+        _ => "EngineFailed",
+    };
+    raise(class, &format!("{engine} {ending}"), |raised| {
+        raised.setattr("engine", engine)?;
+        match ending {
+            Ending::Diverged { time_s, quantity } => {
+                raised.setattr("time_s", *time_s)?;
+                raised.setattr("quantity", quantity)?;
+                raised.setattr("partial", partial)
+            }
+            Ending::Unsupported { reason }
+            | Ending::Failed { reason }
+            | Ending::Absent { reason }
+            | Ending::TimedOut { reason, .. } => raised.setattr("reason", reason),
+            Ending::Finished => Ok(()),
+        }
+    })
 }
 
 /// Bad input that is no scene's.
-pub(crate) fn input(py: Python<'_>, message: &str) -> PyErr {
-    raise(py, "InputError", message, &[])
-}
-
-pub(crate) fn choice(py: Python<'_>, error: &ChoiceError) -> PyErr {
-    let message = match error {
-        ChoiceError::Twice(name) => format!("{name} is named twice; name each engine once"),
-        ChoiceError::NotBuilt { name, .. } => format!(
-            "engine `{name}` needs a package that this Python lacks; pip install \"./python[engines]\" in a checkout, see pinwheel.engines()"
-        ),
-        other => other.to_string(),
-    };
-    raise(py, "NoEngine", &message, &[])
-}
-
-/// Any error of a study.
-pub(crate) fn study(py: Python<'_>, error: &StudyError) -> PyErr {
-    match error {
-        StudyError::Cancelled => PyKeyboardInterrupt::new_err("stopped"),
-        StudyError::Ended { engine, ending } => ended(py, engine, ending, py.None()),
-        StudyError::Choice(error) => choice(py, error),
-        StudyError::Load(error) => scene(py, error),
-        StudyError::Output(error) => PyOSError::new_err(error.to_string()),
-        StudyError::Input(_) | StudyError::Scene { .. } => input(py, &error.to_string()),
-        other => PyRuntimeError::new_err(other.to_string()),
-    }
-}
-
-pub(crate) fn sweep(py: Python<'_>, error: &SweepError) -> PyErr {
-    match error {
-        SweepError::Stopped { .. } => PyKeyboardInterrupt::new_err(error.to_string()),
-        SweepError::Io { .. } | SweepError::Output(_) => PyOSError::new_err(error.to_string()),
-        SweepError::Scene {
-            number,
-            values,
-            source,
-        } => {
-            let inner = scene(py, source);
-            let value = inner.value(py);
-            let key = value
-                .getattr("key")
-                .map_or_else(|_| py.None(), Bound::unbind);
-            let text = format!("run {number} ({values}): {value}");
-            raise(py, "SceneError", &text, &[("key", key)])
-        }
-        SweepError::Begun { .. } => input(
-            py,
-            &format!("{error}; go on with resume=True, or start over with force=True"),
-        ),
-        other => input(py, &other.to_string()),
-    }
-}
-
-pub(crate) fn page(error: &PageError) -> PyErr {
-    PyRuntimeError::new_err(error.to_string())
-}
-
-pub(crate) fn json(error: &serde_json::Error) -> PyErr {
-    PyRuntimeError::new_err(error.to_string())
-}
-
-/// A dict from pairs.
-pub(crate) fn dict<'py>(
-    py: Python<'py>,
-    pairs: &[(&str, Bound<'py, PyAny>)],
-) -> PyResult<Bound<'py, PyDict>> {
-    let dict = PyDict::new(py);
-    for (name, value) in pairs {
-        dict.set_item(*name, value)?;
-    }
-    Ok(dict)
+pub(crate) fn input(message: impl AsRef<str>) -> Raised {
+    raise("InputError", message.as_ref(), |_| Ok(()))
 }
 
 /// An error that only its words tell.
-pub(crate) fn study_text(error: &dyn std::fmt::Display) -> PyErr {
-    PyRuntimeError::new_err(error.to_string())
+pub(crate) fn plain(error: impl ToString) -> Raised {
+    PyRuntimeError::new_err(error.to_string()).into()
+}
+
+impl From<ChoiceError> for Raised {
+    fn from(error: ChoiceError) -> Self {
+        let message = match error {
+            ChoiceError::Twice(name) => format!("{name} is named twice; name each engine once"),
+            ChoiceError::NotBuilt { name, .. } => format!(
+                "engine `{name}` needs a package that this Python lacks; pip install \"./python[engines]\" in a checkout, see pinwheel.engines()"
+            ),
+            other => other.to_string(),
+        };
+        raise("NoEngine", &message, |_| Ok(()))
+    }
+}
+
+impl From<StudyError> for Raised {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Cancelled => PyKeyboardInterrupt::new_err("stopped").into(),
+            StudyError::Ended { engine, ending } => ended(&engine, &ending, None),
+            StudyError::Choice(error) => error.into(),
+            StudyError::Load(error) => error.into(),
+            StudyError::Output(error) => error.into(),
+            StudyError::Input(_) | StudyError::Scene { .. } => input(error.to_string()),
+            other => plain(other),
+        }
+    }
+}
+
+impl From<SweepError> for Raised {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Stopped { .. } => PyKeyboardInterrupt::new_err(error.to_string()).into(),
+            SweepError::Io { .. } | SweepError::Output(_) => {
+                PyOSError::new_err(error.to_string()).into()
+            }
+            SweepError::Scene {
+                number,
+                values,
+                source,
+            } => {
+                let (message, key, _) = fault(&source);
+                let message = format!("run {number} ({values}): {message}");
+                raise("SceneError", &message, |raised| raised.setattr("key", key))
+            }
+            SweepError::Begun { .. } => input(format!(
+                "{error}; go on with resume=True, or start over with force=True"
+            )),
+            other => input(other.to_string()),
+        }
+    }
+}
+
+impl From<OutputError> for Raised {
+    fn from(error: OutputError) -> Self {
+        PyOSError::new_err(error.to_string()).into()
+    }
+}
+
+impl From<FolderError> for Raised {
+    fn from(error: FolderError) -> Self {
+        PyOSError::new_err(format!("{error}; choose another `out`")).into()
+    }
+}
+
+impl From<PageError> for Raised {
+    fn from(error: PageError) -> Self {
+        plain(error)
+    }
+}
+
+impl From<serde_json::Error> for Raised {
+    fn from(error: serde_json::Error) -> Self {
+        plain(error)
+    }
 }

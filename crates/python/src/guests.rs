@@ -8,7 +8,7 @@ use pinwheel::scene::Scene;
 use pinwheel::studies::choice;
 use pyo3::prelude::*;
 
-use crate::errors;
+use crate::errors::{Raises, input};
 
 /// An engine as it is asked for.
 pub(crate) enum Asked {
@@ -18,17 +18,15 @@ pub(crate) enum Asked {
 
 impl Asked {
     /// A name, or a `pinwheel.Engine`.
-    pub(crate) fn of(engine: &Bound<'_, PyAny>) -> PyResult<Self> {
+    pub(crate) fn of(engine: &Bound<'_, PyAny>) -> Raises<Self> {
         if let Ok(name) = engine.extract::<String>() {
             return Ok(Self::Name(name));
         }
-        let py = engine.py();
         let Ok(drive) = engine.getattr("_drive") else {
             let kind = engine.get_type().name()?;
-            return Err(errors::input(
-                py,
-                &format!("an engine is a name or a function with @pinwheel.engine, not {kind}"),
-            ));
+            return Err(input(format!(
+                "an engine is a name or a function with @pinwheel.engine, not {kind}"
+            )));
         };
         let text = |name: &str| -> PyResult<String> { engine.getattr(name)?.extract() };
         let track = match text("track")?.as_str() {
@@ -47,30 +45,25 @@ impl Asked {
         }))
     }
 
-    pub(crate) fn each(engines: &[Bound<'_, PyAny>]) -> PyResult<Vec<Self>> {
+    pub(crate) fn each(engines: &[Bound<'_, PyAny>]) -> Raises<Vec<Self>> {
         engines.iter().map(Self::of).collect()
     }
 }
 
 /// The engines asked for; without any all that there are for the scene.
-pub(crate) fn engines(
-    py: Python<'_>,
-    asked: Vec<Asked>,
-    scene: &Scene,
-) -> PyResult<Vec<Box<dyn Engine>>> {
-    let wrong = |error: choice::ChoiceError| errors::choice(py, &error);
+pub(crate) fn engines(asked: Vec<Asked>, scene: &Scene) -> Raises<Vec<Box<dyn Engine>>> {
     if asked.is_empty() {
         let none: [&str; 0] = [];
-        return choice::engines(&none, scene).map_err(wrong);
+        return Ok(choice::engines(&none, scene)?);
     }
     let mut found: Vec<Box<dyn Engine>> = Vec::new();
     for engine in asked {
         let engine: Box<dyn Engine> = match engine {
-            Asked::Name(name) => choice::find_or_recorded(name.trim(), scene).map_err(wrong)?,
+            Asked::Name(name) => choice::find_or_recorded(name.trim(), scene)?,
             Asked::Own(guest) => Box::new(guest),
         };
         if found.iter().any(|other| other.name() == engine.name()) {
-            return Err(wrong(choice::ChoiceError::Twice(engine.name().to_owned())));
+            return Err(choice::ChoiceError::Twice(engine.name().to_owned()).into());
         }
         found.push(engine);
     }

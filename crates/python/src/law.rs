@@ -6,7 +6,7 @@ use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::errors;
+use crate::errors::{Raises, input};
 use crate::scene::Core;
 
 /// A normal contact law with its parameters.
@@ -17,7 +17,7 @@ pub(crate) struct Law(Normal);
 impl Law {
     /// The law called `name` with the parameters of a scene.
     #[new]
-    fn new(py: Python<'_>, name: &str, scene: &Core) -> PyResult<Self> {
+    fn new(name: &str, scene: &Core) -> Raises<Self> {
         let contact = &scene.checked.contact;
         let parameters = LawParameters {
             damping: contact.damping_n_s_m,
@@ -31,7 +31,7 @@ impl Law {
         let known: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
         Normal::named(name, &parameters).map(Self).ok_or_else(|| {
             let remedy = did_you_mean(name, &known);
-            errors::input(py, &format!("there is no contact law `{name}`; {remedy}"))
+            input(format!("there is no contact law `{name}`; {remedy}"))
         })
     }
 

@@ -4,8 +4,9 @@ use pinwheel::engines::Engine;
 use pinwheel::studies::{StudyError, choice, single};
 use pinwheel::time_series::Ending;
 use pyo3::prelude::*;
+use serde_json::to_string;
 
-use crate::errors;
+use crate::errors::{Raised, Raises, ended};
 use crate::guests::Asked;
 use crate::scene::Core;
 use crate::supervise::supervised;
@@ -34,21 +35,17 @@ pub(crate) struct Ran {
 }
 
 impl Ran {
-    fn of(py: Python<'_>, found: single::Outcome) -> PyResult<Self> {
+    fn of(py: Python<'_>, found: single::Outcome) -> Raises<Self> {
         Ok(Self {
             engine: found.engine,
             version: found.version,
             track: found.track.as_str(),
-            stats: json(&found.run.stats)?,
-            resolution: found.resolution.as_ref().map(json).transpose()?,
-            uncertainty: found.run.uncertainty.as_ref().map(json).transpose()?,
+            stats: to_string(&found.run.stats)?,
+            resolution: found.resolution.as_ref().map(to_string).transpose()?,
+            uncertainty: found.run.uncertainty.as_ref().map(to_string).transpose()?,
             columns: Py::new(py, Columns(found.run.time_series))?,
         })
     }
-}
-
-fn json(value: &impl serde::Serialize) -> PyResult<String> {
-    serde_json::to_string(value).map_err(|error| errors::json(&error))
 }
 
 /// Runs a scene; `check`: a native run is repeated at twice its step.
@@ -59,13 +56,13 @@ pub(crate) fn run(
     engine: &Bound<'_, PyAny>,
     check: bool,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Ran> {
+) -> Raises<Ran> {
     let checked = &scene.checked;
     let asked = Asked::of(engine)?;
     let named;
     let (engine, guest): (&dyn Engine, _) = match &asked {
         Asked::Name(name) => {
-            named = choice::find(name, checked).map_err(|error| errors::choice(py, &error))?;
+            named = choice::find(name, checked)?;
             (named.as_ref(), None)
         }
         Asked::Own(guest) => (guest, Some(guest)),
@@ -74,10 +71,11 @@ pub(crate) fn run(
         single::run(&pinwheel::compile(checked)?, engine, check, control)
     })?;
     let found = found.map_err(|error| {
-        let told = errors::study(py, &error);
-        let raised = guest.and_then(|guest| guest.raised.lock().ok()?.take());
         let failed = |ending: &Ending| matches!(ending, Ending::Failed { .. });
-        if matches!(&error, StudyError::Ended { ending, .. } if failed(ending)) {
+        let broke = matches!(&error, StudyError::Ended { ending, .. } if failed(ending));
+        let told = PyErr::from(Raised::from(error));
+        let raised = guest.and_then(|guest| guest.raised.lock().ok()?.take());
+        if broke {
             told.set_cause(py, raised);
         }
         told
@@ -85,8 +83,7 @@ pub(crate) fn run(
     let (engine, ending) = (found.engine.clone(), found.run.ending.clone());
     let ran = Ran::of(py, found)?;
     if !ending.is_finished() {
-        let partial = Py::new(py, ran)?.into_any();
-        return Err(errors::ended(py, &engine, &ending, partial));
+        return Err(ended(&engine, &ending, Some(Py::new(py, ran)?)));
     }
     Ok(ran)
 }

@@ -1,9 +1,11 @@
 //! Scenes: what `pinwheel.Scene` holds.
 
-use pinwheel::scene::{CheckedScene, KEYS, Override, PRESETS, Scene, did_you_mean, preset};
+use pinwheel::scene::{
+    CheckedScene, KEYS, Location, Override, PRESETS, Scene, SceneError, did_you_mean, preset,
+};
 use pyo3::prelude::*;
 
-use crate::errors;
+use crate::errors::{Raises, input};
 
 /// A checked scene and what it was made of, so that a change derives again what follows from what is written.
 #[pyclass(frozen, module = "pinwheel._core", name = "Scene")]
@@ -20,9 +22,8 @@ fn overrides(sets: &[(String, String)]) -> Vec<Override> {
 }
 
 impl Core {
-    fn of(name: String, text: String, sets: Vec<(String, String)>) -> PyResult<Self> {
-        let checked = Scene::from_toml(&text, &name, &overrides(&sets));
-        let checked = checked.map_err(|error| Python::attach(|py| errors::scene(py, &error)))?;
+    fn of(name: String, text: String, sets: Vec<(String, String)>) -> Raises<Self> {
+        let checked = Scene::from_toml(&text, &name, &overrides(&sets))?;
         Ok(Self {
             checked,
             name,
@@ -36,13 +37,13 @@ impl Core {
 impl Core {
     /// A scene from TOML text; `name` is its file, beside which a base is looked for. `sets`: (dotted key, TOML value).
     #[new]
-    fn new(name: String, text: String, sets: Vec<(String, String)>) -> PyResult<Self> {
+    fn new(name: String, text: String, sets: Vec<(String, String)>) -> Raises<Self> {
         Self::of(name, text, sets)
     }
 
     /// A preset or a file.
     #[staticmethod]
-    fn load(py: Python<'_>, spec: String, sets: Vec<(String, String)>) -> PyResult<Self> {
+    fn load(spec: String, sets: Vec<(String, String)>) -> Raises<Self> {
         if let Some(text) = preset(&spec) {
             return Self::of(spec, text.to_owned(), sets);
         }
@@ -59,14 +60,14 @@ impl Core {
                 )
             }
             _ => match Scene::load(&spec, &overrides(&sets)) {
-                Err(error) => Err(errors::scene(py, &error)),
-                Ok(_) => Err(errors::input(py, &format!("{spec}: is no plain file"))),
+                Err(error) => Err(error.into()),
+                Ok(_) => Err(input(format!("{spec}: is no plain file"))),
             },
         }
     }
 
     /// The same scene with more keys set; what follows from written values is derived again.
-    fn changed(&self, sets: Vec<(String, String)>) -> PyResult<Self> {
+    fn changed(&self, sets: Vec<(String, String)>) -> Raises<Self> {
         let all = self.sets.iter().cloned().chain(sets).collect();
         Self::of(self.name.clone(), self.text.clone(), all)
     }
@@ -94,7 +95,7 @@ impl Core {
 /// The full name of a key that is given in full or by its last part; of several the one in the fewest tables, if it is alone
 /// there: `gear.hole_radius_m` before `gear.errors.hole_radius_m`.
 #[pyfunction]
-pub(crate) fn key(py: Python<'_>, name: &str) -> PyResult<String> {
+pub(crate) fn key(name: &str) -> Raises<String> {
     if ["name", "description", "base"].contains(&name) || KEYS.iter().any(|key| key.name == name) {
         return Ok(name.to_owned());
     }
@@ -105,13 +106,13 @@ pub(crate) fn key(py: Python<'_>, name: &str) -> PyResult<String> {
     let least = found.iter().map(|full| depth(full)).min();
     found.retain(|full| Some(depth(full)) == least);
     let wrong = |what: String| {
-        let fault = pinwheel::scene::SceneError::Key {
-            place: pinwheel::scene::Location::Set(String::new()),
+        Err(SceneError::Key {
+            place: Location::Set(String::new()),
             key: name.to_owned(),
             what: "is no key of a scene".to_owned(),
             remedy: what,
-        };
-        Err(errors::scene(py, &fault))
+        }
+        .into())
     };
     match found.as_slice() {
         [one] => Ok((*one).to_owned()),

@@ -9,7 +9,7 @@ use pinwheel::studies::{Provenance, bench as benches, choice, comparison, explai
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::errors;
+use crate::errors::{Raises, input, plain};
 use crate::guests::{self, Asked};
 use crate::scene::Core;
 use crate::supervise::supervised;
@@ -27,8 +27,8 @@ pub(crate) struct Compared(comparison::Outcome);
 #[pymethods]
 impl Compared {
     /// Figures, distances and verdicts: the program's `summary.json`.
-    fn json(&self) -> PyResult<String> {
-        serde_json::to_string(&self.0.comparison).map_err(|error| errors::json(&error))
+    fn json(&self) -> Raises<String> {
+        Ok(serde_json::to_string(&self.0.comparison)?)
     }
 
     /// Name and time series of every participant that ran.
@@ -41,9 +41,9 @@ impl Compared {
     }
 
     /// The page that opens offline.
-    fn page(&self, py: Python<'_>) -> PyResult<String> {
+    fn page(&self, py: Python<'_>) -> Raises<String> {
         let page = py.detach(|| pages::comparison::page(&self.0, &made(), &AtomicBool::new(false)));
-        page.map_err(|error| errors::page(&error))
+        Ok(page?)
     }
 
     /// What a terminal shows.
@@ -60,11 +60,11 @@ pub(crate) fn compare(
     engines: Vec<Bound<'_, PyAny>>,
     against: Vec<(PathBuf, PathBuf)>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Compared> {
+) -> Raises<Compared> {
     let checked = &scene.checked;
-    let engines = guests::engines(py, Asked::each(&engines)?, checked)?;
+    let engines = guests::engines(Asked::each(&engines)?, checked)?;
     let pairs = against.iter().map(|(file, map)| (&**file, &**map));
-    let data = foreign::open(pairs).map_err(|error| errors::study(py, &error))?;
+    let data = foreign::open(pairs)?;
     let found = supervised(py, progress.as_ref(), |control| {
         let gearbox = foreign::with_channels(&data, pinwheel::compile(checked)?)?;
         let input = comparison::Input {
@@ -74,9 +74,7 @@ pub(crate) fn compare(
         };
         comparison::run(&input, control)
     })?;
-    found
-        .map(Compared)
-        .map_err(|error| errors::study(py, &error))
+    Ok(Compared(found?))
 }
 
 /// What accuracy costs.
@@ -86,15 +84,14 @@ pub(crate) struct Benched(benches::WorkPrecision);
 #[pymethods]
 impl Benched {
     /// The rows of the program's `bench.csv`.
-    fn csv(&self) -> PyResult<Vec<u8>> {
+    fn csv(&self) -> Raises<Vec<u8>> {
         let mut rows = Vec::new();
-        let written = self.0.table().write_csv(&mut rows);
-        written.map_err(|error| errors::study_text(&error))?;
+        self.0.table().write_csv(&mut rows).map_err(plain)?;
         Ok(rows)
     }
 
-    fn page(&self) -> PyResult<String> {
-        pages::bench::page(&self.0, &made()).map_err(|error| errors::page(&error))
+    fn page(&self) -> Raises<String> {
+        Ok(pages::bench::page(&self.0, &made())?)
     }
 
     fn text(&self) -> String {
@@ -111,30 +108,21 @@ pub(crate) fn bench(
     options: (f64, usize, f64),
     methods: Vec<String>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Benched> {
+) -> Raises<Benched> {
     let checked = &scene.checked;
     let (target, repeats, longest_s) = options;
     for (name, value) in [("target", target), ("longest_s", longest_s)] {
         if !(value > 0.0 && value.is_finite()) {
-            return Err(errors::input(
-                py,
-                &format!("{name} = {value}: give a positive number"),
-            ));
+            return Err(input(format!("{name} = {value}: give a positive number")));
         }
     }
     if repeats == 0 {
-        return Err(errors::input(
-            py,
-            "repeats = 0 measures nothing; use 1 or more",
-        ));
+        return Err(input("repeats = 0 measures nothing; use 1 or more"));
     }
     let known = benches::method_names();
     if let Some(name) = methods.iter().find(|name| !known.contains(&name.as_str())) {
         let remedy = pinwheel::scene::did_you_mean(name, &known);
-        return Err(errors::input(
-            py,
-            &format!("there is no integrator `{name}`; {remedy}"),
-        ));
+        return Err(input(format!("there is no integrator `{name}`; {remedy}")));
     }
     let (mut names, mut own) = (Vec::new(), Vec::new());
     for engine in Asked::each(&engines)? {
@@ -146,28 +134,24 @@ pub(crate) fn bench(
     let mut engines = if names.is_empty() && !own.is_empty() {
         Vec::new()
     } else {
-        benches::engines(&names, checked).map_err(|error| errors::study(py, &error))?
+        benches::engines(&names, checked)?
     };
     for guest in own {
         engines.push(Box::new(guest));
     }
-    let options = benches::Options::asked(target, repeats, longest_s, methods)
-        .map_err(|error| errors::study(py, &error))?;
+    let options = benches::Options::asked(target, repeats, longest_s, methods)?;
     let found = supervised(py, progress.as_ref(), |control| {
         benches::run(checked, &engines, &options, control)
     })?;
-    found
-        .map(Benched)
-        .map_err(|error| errors::study(py, &error))
+    Ok(Benched(found?))
 }
 
 /// What a scene models and assumes: (for programs, JSON; for people, text).
 #[pyfunction]
-pub(crate) fn explain(py: Python<'_>, scene: &Core) -> PyResult<(String, String)> {
-    let wrong = |error: &dyn std::fmt::Display| errors::input(py, &error.to_string());
-    let gearbox = pinwheel::compile(&scene.checked).map_err(|error| errors::study(py, &error))?;
-    let found = explained::explain(&gearbox).map_err(|error| wrong(&error))?;
-    let json = serde_json::to_string(&found).map_err(|error| errors::json(&error))?;
+pub(crate) fn explain(scene: &Core) -> Raises<(String, String)> {
+    let gearbox = pinwheel::compile(&scene.checked)?;
+    let found = explained::explain(&gearbox).map_err(|error| input(error.to_string()))?;
+    let json = serde_json::to_string(&found)?;
     Ok((json, pages::explain::text(&found)))
 }
 
@@ -175,17 +159,13 @@ pub(crate) fn explain(py: Python<'_>, scene: &Core) -> PyResult<(String, String)
 #[pyfunction]
 pub(crate) fn engines(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     let each = choice::listed().into_iter().map(|engine| {
-        let text = |text: &str| pyo3::types::PyString::new(py, text).into_any();
-        errors::dict(
-            py,
-            &[
-                ("name", text(&engine.name)),
-                ("track", text(engine.track.as_str())),
-                ("version", text(&engine.version)),
-                ("summary", text(&engine.summary)),
-                ("differences", text(&engine.differences)),
-            ],
-        )
+        let row = PyDict::new(py);
+        row.set_item("name", &engine.name)?;
+        row.set_item("track", engine.track.as_str())?;
+        row.set_item("version", &engine.version)?;
+        row.set_item("summary", &engine.summary)?;
+        row.set_item("differences", &engine.differences)?;
+        Ok(row)
     });
     each.collect()
 }

@@ -6,16 +6,15 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pinwheel::pages;
 use pinwheel::scene::Override;
-use pinwheel::studies::folder::{Folder, FolderError, Request};
+use pinwheel::studies::folder::{Folder, Request};
 use pinwheel::studies::output::write_text;
 use pinwheel::studies::sweep::{
     self as sweeps, Begin, Guests, Journal, KeepTimeSeries, Plan, PlannedRun, RunRecord,
 };
 use pinwheel::time_series::table::Values;
-use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 
-use crate::errors;
+use crate::errors::{Raised, Raises, input, plain};
 use crate::guests::{self, Asked};
 use crate::studies::made;
 use crate::supervise::supervised;
@@ -38,13 +37,9 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn folder(error: &FolderError) -> PyErr {
-    PyOSError::new_err(format!("{error}; choose another `out`"))
-}
-
 /// What came too late.
-fn over() -> PyErr {
-    PyRuntimeError::new_err("the results of this sweep are written")
+fn over() -> Raised {
+    plain("the results of this sweep are written")
 }
 
 fn request(force: bool) -> Request {
@@ -69,9 +64,8 @@ impl Sweep {
         out: Option<PathBuf>,
         resume: bool,
         force: bool,
-    ) -> PyResult<Self> {
-        let wrong = |error: sweeps::SweepError| errors::sweep(py, &error);
-        let mut sweep = sweeps::Sweep::from_toml(text, Path::new(path)).map_err(wrong)?;
+    ) -> Raises<Self> {
+        let mut sweep = sweeps::Sweep::from_toml(text, Path::new(path))?;
         let (names, own) = guests::split(Asked::each(&engines)?);
         if !names.is_empty() {
             sweep.engines = names;
@@ -81,17 +75,16 @@ impl Sweep {
             .map(|(key, value)| Override::new(key, value))
             .collect();
         let never = AtomicBool::new(false);
-        let plan = py.detach(|| Plan::within(sweep, &sets, Guests(own), &never));
-        let plan = plan.map_err(wrong)?;
+        let plan = py.detach(|| Plan::within(sweep, &sets, Guests(own), &never))?;
         let out =
             out.unwrap_or_else(|| Path::new("out").join(format!("{}-sweep", plan.sweep.name)));
-        drop(Folder::prepare(&out, request(force)).map_err(|error| folder(&error))?);
+        drop(Folder::prepare(&out, request(force))?);
         let begin = match (resume, force) {
             (true, _) => Begin::Resume,
             (_, true) => Begin::Over,
             _ => Begin::Fresh,
         };
-        let journal = Journal::begin(&out, begin, COMMAND).map_err(wrong)?;
+        let journal = Journal::begin(&out, begin, COMMAND)?;
         let records = Mutex::new(vec![None; plan.runs.len()]);
         Ok(Self {
             plan,
@@ -122,27 +115,25 @@ impl Sweep {
     }
 
     /// Runs everything that the journal lacks on `jobs` threads.
-    fn execute(&self, py: Python<'_>, jobs: usize, progress: Option<Py<PyAny>>) -> PyResult<()> {
+    fn execute(&self, py: Python<'_>, jobs: usize, progress: Option<Py<PyAny>>) -> Raises<()> {
         let found = supervised(py, progress.as_ref(), |control| {
             let journal = lock(&self.journal);
             let journal = journal.as_ref()?;
             Some(sweeps::execute(&self.plan, journal, jobs, control))
         })?;
-        let found = found.ok_or_else(over)?;
-        let records = found.map_err(|error| errors::sweep(py, &error))?;
+        let records = found.ok_or_else(over)??;
         *lock(&self.records) = records.into_iter().map(Some).collect();
         Ok(())
     }
 
     /// Places of the runs that the journal lacks.
-    fn pending(&self, py: Python<'_>) -> PyResult<Vec<usize>> {
+    fn pending(&self) -> Raises<Vec<usize>> {
         let journal = lock(&self.journal);
         let journal = journal.as_ref().ok_or_else(over)?;
         let mut records = lock(&self.records);
         let mut pending = Vec::new();
         for (k, planned) in self.plan.runs.iter().enumerate() {
-            let found = sweeps::find(&self.plan, planned, journal);
-            records[k] = found.map_err(|error| errors::sweep(py, &error))?;
+            records[k] = sweeps::find(&self.plan, planned, journal)?;
             if records[k].is_none() {
                 pending.push(k);
             }
@@ -151,7 +142,7 @@ impl Sweep {
     }
 
     /// Run `k` for a worker: number, engine, complete scene, window.
-    fn task(&self, k: usize) -> PyResult<Task> {
+    fn task(&self, k: usize) -> Raises<Task> {
         let planned = self.plan.runs.get(k).ok_or_else(over)?;
         let scene = planned.scene.to_toml();
         Ok((
@@ -175,64 +166,53 @@ impl Sweep {
     }
 
     /// Takes the record of run `k` from a worker, and keeps it.
-    fn accept(&self, py: Python<'_>, k: usize, record: &str) -> PyResult<()> {
-        let mut record: RunRecord =
-            serde_json::from_str(record).map_err(|error| errors::json(&error))?;
+    fn accept(&self, k: usize, record: &str) -> Raises<()> {
+        let mut record: RunRecord = serde_json::from_str(record)?;
         let planned = self.plan.runs.get(k).ok_or_else(over)?;
-        let ours = sweeps::wanted_of(&self.plan, planned);
-        let (scene, ours) = ours.map_err(|error| errors::sweep(py, &error))?;
+        let (scene, ours) = sweeps::wanted_of(&self.plan, planned)?;
         record.scene = scene;
         if record.identity() != ours {
-            return Err(errors::input(
-                py,
+            return Err(input(
                 "a worker has another build of pinwheel, or of an engine, than this process; install the same on all machines",
             ));
         }
         let journal = lock(&self.journal);
         let journal = journal.as_ref().ok_or_else(over)?;
-        let kept = journal.keep(&record);
-        kept.map_err(|error| errors::sweep(py, &error))?;
+        journal.keep(&record)?;
         lock(&self.records)[k] = Some(record);
         Ok(())
     }
 
     /// Writes the output folder, as the program does, and removes the journal.
-    fn finish(&self, py: Python<'_>) -> PyResult<()> {
+    fn finish(&self) -> Raises<()> {
         let records = self.records()?;
-        let wrong = |error: sweeps::SweepError| errors::sweep(py, &error);
         let mut journal = lock(&self.journal);
         let held = journal.as_ref().ok_or_else(over)?;
-        let target = Folder::prepare(&self.out, request(self.force));
-        let target = target.map_err(|error| folder(&error))?;
+        let target = Folder::prepare(&self.out, request(self.force))?;
         let (table, made) = (sweeps::results(&self.plan, &records), made());
-        sweeps::write(target.path(), &self.plan, &records, &table, held, &made).map_err(wrong)?;
-        let page = pages::sweep::page(&self.plan, &records, &table, &made);
-        let page = page.map_err(|error| errors::page(&error))?;
-        let index = target.path().join("index.html");
-        write_text(&index, &page).map_err(|error| PyOSError::new_err(error.to_string()))?;
-        target.publish().map_err(|error| folder(&error))?;
-        match journal.take() {
-            Some(journal) => journal.remove().map_err(wrong),
-            None => Ok(()),
-        }
+        sweeps::write(target.path(), &self.plan, &records, &table, held, &made)?;
+        let page = pages::sweep::page(&self.plan, &records, &table, &made)?;
+        write_text(&target.path().join("index.html"), &page)?;
+        target.publish()?;
+        journal
+            .take()
+            .map_or(Ok(()), |journal| Ok(journal.remove()?))
     }
 
     /// Lets go of the journal, whose runs stay; an empty one goes.
-    fn close(&self, py: Python<'_>) -> PyResult<usize> {
+    fn close(&self) -> Raises<usize> {
         let Some(journal) = lock(&self.journal).take() else {
             return Ok(0);
         };
         let kept = journal.in_its_folder();
         if kept == 0 {
-            journal
-                .remove()
-                .map_err(|error| errors::sweep(py, &error))?;
+            journal.remove()?;
         }
         Ok(kept)
     }
 
     /// The results as columns: (name, values), numbers or texts, `None` where there is none.
-    fn columns<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
+    fn columns<'py>(&self, py: Python<'py>) -> Raises<Vec<(String, Bound<'py, PyAny>)>> {
         let table = sweeps::results(&self.plan, &self.records()?);
         let each = table.columns.into_iter().map(|column| {
             let values = match column.values {
@@ -246,7 +226,7 @@ impl Sweep {
     }
 
     /// Runs that did not finish, and why the first did not: engine and reason.
-    fn broken(&self) -> PyResult<(usize, Option<(String, String)>)> {
+    fn broken(&self) -> Raises<(usize, Option<(String, String)>)> {
         let records = self.records()?;
         let broken = records.iter().filter(|r| !r.ending.is_finished());
         let first = broken.clone().next();
@@ -255,29 +235,29 @@ impl Sweep {
     }
 
     /// What a sample says, JSON: a list, empty without one.
-    fn tolerances(&self) -> PyResult<String> {
+    fn tolerances(&self) -> Raises<String> {
         let found = sweeps::tolerances(&self.plan, &sweeps::results(&self.plan, &self.records()?));
-        serde_json::to_string(&found).map_err(|error| errors::json(&error))
+        Ok(serde_json::to_string(&found)?)
     }
 
     /// What a terminal shows.
-    fn text(&self) -> PyResult<String> {
+    fn text(&self) -> Raises<String> {
         let files = [("results", "results.csv"), ("report", "index.html")]
             .map(|(word, name)| (word, self.out.join(name).display().to_string()));
         Ok(pages::sweep::text(&self.plan, &self.records()?, &files))
     }
 
     /// CPU time of all runs, s.
-    fn cpu_s(&self) -> PyResult<f64> {
+    fn cpu_s(&self) -> Raises<f64> {
         Ok(self.records()?.iter().map(|record| record.cpu_s).sum())
     }
 }
 
 impl Sweep {
     /// All records.
-    fn records(&self) -> PyResult<Vec<RunRecord>> {
+    fn records(&self) -> Raises<Vec<RunRecord>> {
         let records: Option<Vec<RunRecord>> = lock(&self.records).iter().cloned().collect();
-        records.ok_or_else(|| PyRuntimeError::new_err("this sweep has runs that are not done"))
+        records.ok_or_else(|| plain("this sweep has runs that are not done"))
     }
 }
 
@@ -292,7 +272,7 @@ pub(crate) fn perform(
     tasks: Vec<Task>,
     engines: Vec<Bound<'_, PyAny>>,
     time_series: Option<(PathBuf, String)>,
-) -> PyResult<Vec<String>> {
+) -> Raises<Vec<String>> {
     let keep = match time_series.as_ref().map(|(_, how)| how.as_str()) {
         None => KeepTimeSeries::None,
         Some("csv") => KeepTimeSeries::Csv,
@@ -303,11 +283,10 @@ pub(crate) fn perform(
     let guests = Guests(own);
     let mut last = None;
     let each = tasks.into_iter().map(|(number, engine, scene, window_s)| {
-        let planned = PlannedRun::from_parts(number, engine, &scene, window_s)
-            .map_err(|error| errors::scene(py, &error))?;
+        let planned = PlannedRun::from_parts(number, engine, &scene, window_s)?;
         let Some(engine) = guests.engine(&planned.engine, &planned.scene) else {
             let text = format!("this machine has no engine `{}`", planned.engine);
-            return Err(errors::input(py, &text));
+            return Err(input(text));
         };
         let made = py.detach(|| {
             let control = pinwheel::Control::quiet();
@@ -321,10 +300,9 @@ pub(crate) fn perform(
                 &control,
             )
         });
-        let record = made.map_err(|error| errors::sweep(py, &error))?;
-        let mut record = record.ok_or_else(|| PyRuntimeError::new_err("stopped"))?;
+        let mut record = made?.ok_or_else(|| plain("stopped"))?;
         record.scene = String::new();
-        serde_json::to_string(&record).map_err(|error| errors::json(&error))
+        Ok(serde_json::to_string(&record)?)
     });
     each.collect()
 }
