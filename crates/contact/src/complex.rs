@@ -88,7 +88,7 @@ impl<R: Real> Complex<R> {
         )
     }
 
-    /// Power by squaring, exponent >= 1; for a unit number the rotation by `exponent` times its angle.
+    /// Power by squaring; for a unit number the rotation by `exponent` times its angle.
     #[must_use]
     #[inline(always)]
     pub fn powu(self, mut exponent: u32) -> Self {
@@ -100,7 +100,7 @@ impl<R: Real> Complex<R> {
             }
             exponent >>= 1;
             if exponent == 0 {
-                return power.unwrap_or(base);
+                return power.unwrap_or(Self::new(self.re.like(1.0), self.re.like(0.0)));
             }
             base = base * base;
         }

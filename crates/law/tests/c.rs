@@ -109,7 +109,7 @@ fn crossval_a_program_in_c_gives_the_forces_of_the_crate() {
 fn the_header_names_what_the_library_has() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let header = std::fs::read_to_string(folder.join("include/pinwheel_law.h")).expect("header");
-    let border = std::fs::read_to_string(folder.join("src/border.rs")).expect("border");
+    let ffi = std::fs::read_to_string(folder.join("src/ffi.rs")).expect("ffi");
     let names = |text: &str, before: &str| -> Vec<String> {
         let mut names: Vec<String> = text
             .lines()
@@ -126,5 +126,5 @@ fn the_header_names_what_the_library_has() {
     };
     let declared = names(&header, "");
     assert_eq!(declared.len(), 13);
-    assert_eq!(declared, names(&border, "extern \"C\" fn"));
+    assert_eq!(declared, names(&ffi, "extern \"C\" fn"));
 }

@@ -340,7 +340,7 @@ fn bad_input_samples() {
         ("gear.backlash_m = 1e-6", "has no distribution"),
         (
             "gear.backlash_m = { form = 1, to = 2 }",
-            "`form` is no key of a distribution",
+            "did you mean `from`?",
         ),
         (
             "gear.backlash_m = { from = 2, to = 1 }",
