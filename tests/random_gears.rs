@@ -9,14 +9,15 @@
 )]
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use pinwheel_gearbox::auto::PROMISE;
+use pinwheel_engines::Control;
+use pinwheel_gearbox::auto::TARGET;
 use pinwheel_gearbox::resolve::{Budget, Uncertainty, run_resolved};
 use pinwheel_gearbox::{Distance, Gearbox};
 use pinwheel_scene::Scene;
 use pinwheel_studies::calibration::gears::gear;
-use pinwheel_studies::calibration::reference;
+use pinwheel_studies::reference;
 use pinwheel_timeseries::Ending;
 use pinwheel_timeseries::TimeSeries;
 
@@ -26,7 +27,7 @@ const GEARS: u64 = 300;
 const BUDGET: Budget = Budget {
     evaluations: 600_000,
 };
-/// An error beyond this many promises is a silent failure.
+/// An error beyond this many targets is a silent failure.
 const SILENT: f64 = 3.0;
 
 /// What became of one gear.
@@ -35,7 +36,7 @@ enum Outcome {
     Judged(Uncertainty, Distance),
     /// It said that it is not resolved, and why.
     Told(String),
-    /// Two references disagree by more than the promise.
+    /// Two references disagree by more than the target.
     NoTruth(f64),
     /// Every method failed.
     Failed(String),
@@ -46,7 +47,7 @@ fn judge(scene: &Scene) -> Outcome {
         Ok(gearbox) => gearbox,
         Err(error) => return Outcome::Failed(error.to_string()),
     };
-    let (run, uncertainty) = match run_resolved(&gearbox, PROMISE, BUDGET, &mut |_| false) {
+    let (run, uncertainty) = match run_resolved(&gearbox, TARGET, BUDGET, &mut |_| false) {
         Ok(found) => found,
         Err(error) => return Outcome::Failed(error.to_string()),
     };
@@ -61,21 +62,23 @@ fn judge(scene: &Scene) -> Outcome {
     if !uncertainty.is_resolved() {
         return Outcome::Told(uncertainty.sentence());
     }
-    let by = uncertainty.chosen().map_or("", |rung| &rung.integrator);
+    let by = uncertainty.chosen().map_or("", |level| &level.integrator);
     let [first, second] = reference::settings(scene, by);
     let off = |truth: &TimeSeries| gearbox.distance(&run.time_series, truth);
-    let truth = reference::run(scene, first);
+    let quiet = AtomicBool::new(false);
+    let solve = |way| reference::solve(scene, way, &Control::silent(&quiet)).ok();
+    let truth = solve(first).map(|found| found.1);
     if let Some(truth) = &truth
-        && off(truth).worst() <= PROMISE
+        && off(truth).worst() <= TARGET
     {
         return Outcome::Judged(uncertainty, off(truth));
     }
     // Either may be wrong: the second reference tells, if it is one itself.
-    match (truth, reference::run(scene, second)) {
+    match (truth, solve(second).map(|found| found.1)) {
         (Some(first), Some(second)) => {
             let apart = gearbox.distance(&first, &second).worst();
             let error = off(&second);
-            if apart <= PROMISE || error.worst() <= PROMISE {
+            if apart <= TARGET || error.worst() <= TARGET {
                 Outcome::Judged(uncertainty, error)
             } else {
                 Outcome::NoTruth(apart)
@@ -151,7 +154,7 @@ fn crossval_no_random_gear_is_silently_wrong() {
                 let stated = uncertainty.error.unwrap().worst();
                 pairs.push((stated, error.worst()));
                 costs.push(uncertainty.cost());
-                if !(error.worst() <= SILENT * PROMISE) {
+                if !(error.worst() <= SILENT * TARGET) {
                     silent.push(format!("{seed}: {stated:.1e} stated, {error:?}"));
                 }
             }
@@ -175,7 +178,7 @@ fn crossval_no_random_gear_is_silently_wrong() {
     );
     assert!(failed.is_empty(), "{failed:#?}");
     assert!(silent.is_empty(), "{silent:#?}");
-    // Silence would also be never to promise, and blindness never to look.
+    // Silence would also be never to target, and blindness never to look.
     assert!(told * 20 <= total, "{told} of {total} not resolved");
     assert!(open * 50 <= total, "{open} of {total} without a truth");
     assert!(costs[costs.len() / 2] <= 1.75, "{costs:?}");

@@ -191,7 +191,7 @@ fn rounding_is_resolved() {
         ratio: 10.0,
         difference: 1e-13,
     }];
-    let found = estimate(&steps, None, Method::Tolerance { smooth: false }, 1e-12).unwrap();
+    let found = estimate(&steps, None, Method::Tolerance { order: 0.5 }, 1e-12).unwrap();
     assert_eq!((found.basis, found.u), (Basis::Tolerance, 1e-12));
     assert!(!found.basis.is_confirmed());
     // Rounding at the fine end, truncation at the coarse: order 4 takes 1e-9 to 4e-12, or rounding if that is more.
@@ -226,7 +226,7 @@ fn tolerances_have_no_order_of_steps() {
             k.map_or(0.0, |k| c[k])
         };
         let (steps, error, sign) = study(&[1.0, 10.0, 100.0], |h| 1.0 + 1e-6 * factor(h) * h);
-        let found = estimate(&steps, sign, Method::Tolerance { smooth: true }, 0.0).unwrap();
+        let found = estimate(&steps, sign, Method::Tolerance { order: 1.0 }, 0.0).unwrap();
         assert_eq!((found.basis, found.safety), (Basis::Tolerance, Some(3.0)));
         honest += usize::from(found.u >= error);
         ratios.push(found.u / error);
@@ -236,7 +236,7 @@ fn tolerances_have_no_order_of_steps() {
         ratio: 10.0,
         difference: 9e-6,
     }];
-    let found = estimate(&two, None, Method::Tolerance { smooth: true }, 0.0).unwrap();
+    let found = estimate(&two, None, Method::Tolerance { order: 1.0 }, 0.0).unwrap();
     assert!((found.u - 3e-6).abs() < 1e-18);
 }
 
@@ -249,7 +249,7 @@ fn regress_tolerances_that_scatter_are_bounded_by_their_spread() {
         });
         estimate(&steps, Some(0.0), method, floor)
     };
-    let tolerance = Method::Tolerance { smooth: false };
+    let tolerance = Method::Tolerance { order: 0.5 };
     // 9.4e-8 and 2.3e-7 over a hundredfold tolerance: order 0.2.
     let found = at(9.4e-8, 2.3e-7, tolerance, 0.0).unwrap();
     assert_eq!((found.basis, found.order), (Basis::Spread, None));
@@ -392,7 +392,7 @@ fn hard_tolerances_may_be_lucky() {
             ratio: 10.0,
             difference,
         });
-        let method = Method::Tolerance { smooth: false };
+        let method = Method::Tolerance { order: 0.5 };
         estimate(&steps, Some(1.0), method, 0.0).unwrap().u
     };
     let error = 8.7e-6;

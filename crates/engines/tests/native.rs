@@ -1,4 +1,4 @@
-//! What native-resolved promises holds, whatever step, method and tolerance the scene itself names.
+//! What native-resolved aims at holds, whatever step, method and tolerance the scene itself names.
 
 use pinwheel_engines::{Control, Engine, Native, Run};
 use pinwheel_gearbox::{Gearbox, native};
@@ -17,9 +17,9 @@ fn resolved(gearbox: &Gearbox) -> Run {
 /// Its forces and driver torque are as exact as the engine's description says: 1e-7, with friction or points 1e-5. The
 /// truth is the other adaptive method at a tolerance that neither takes. Measured: 1e-9 on `paper`, 3e-9 on `paper-friction`.
 #[test]
-fn hard_native_resolved_keeps_its_promise_at_any_step_of_the_scene() {
+fn hard_native_resolved_keeps_to_its_target_at_any_step_of_the_scene() {
     const SHORT: &str = "solver.duration_s=0.003";
-    for (preset, promise, truth) in [
+    for (preset, target, truth) in [
         ("paper", 1e-7, "solver.integrator=dop853"),
         ("paper-friction", 1e-5, "solver.integrator=dopri5"),
     ] {
@@ -33,11 +33,11 @@ fn hard_native_resolved_keeps_its_promise_at_any_step_of_the_scene() {
             let gearbox = gearbox(preset, &[SHORT, step]);
             let run = resolved(&gearbox);
             let known = run.uncertainty.as_ref().unwrap();
-            assert_eq!(known.promise, promise, "{preset}");
+            assert_eq!(known.target, target, "{preset}");
             assert!(known.is_resolved(), "{preset}: {}", known.sentence());
             let off = gearbox.distance(&run.time_series, &exact).worst();
             println!("{preset}, {step}: {off:.1e}, {}", known.sentence());
-            assert!(off <= promise, "{preset}, {step}: {off:e}");
+            assert!(off <= target, "{preset}, {step}: {off:e}");
             run
         });
         let [fine, coarse] = &mut runs;

@@ -16,9 +16,9 @@ pub use pinwheel_scene::names::AUTO;
 /// Numerical uncertainty that `auto` promises: relative L2 of all sleeve forces over the run, and of the driver's torque.
 /// A tenth of what the least certain inputs of such a model (stiffness, friction) are ever known to, so that figures of a run
 /// are the model's own.
-pub const PROMISE: f64 = 1e-3;
+pub const TARGET: f64 = 1e-3;
 
-/// Tolerance of Dormand-Prince for a promise, as a share of it. Its error is some 15 times the tolerance on gears whose
+/// Tolerance of Dormand-Prince for a target, as a share of it. Its error is some 15 times the tolerance on gears whose
 /// contacts stay closed, and up to hundreds of times where wheels bounce.
 const SMOOTH: f64 = 5e-4;
 /// Longest step of the exponential method, in those that see every contact: it evaluates once a step, at its end.
@@ -26,9 +26,9 @@ const EXPONENTIAL_STEP: f64 = 1.25;
 /// The tolerance with friction, where steps follow its rate and digits cost next to nothing: `paper-friction` takes 3 % more
 /// evaluations at 1e-7 than at 1e-5, and its torque is 500 times better.
 const RUBBING: f64 = 1e-4;
-/// Tolerance of the adaptive IMEX method for a promise, as a share of it: its error is 0.1 to 30 times the tolerance.
+/// Tolerance of the adaptive IMEX method for a target, as a share of it: its error is 0.1 to 30 times the tolerance.
 const IMPLICIT: f64 = 0.05;
-/// Tolerance of RODAS5P for a promise, as a share of it: its error is 10 to 16 times the tolerance on `paper-friction`.
+/// Tolerance of RODAS5P for a target, as a share of it: its error is 10 to 16 times the tolerance on `paper-friction`.
 const ROSENBROCK: f64 = 0.02;
 /// Largest tolerance at which RODAS5P lands on the friction's ramp: looser ones cost more and give less. Plastic with 0.3 mm
 /// of play takes nine times the evaluations at 1e-4 until it gives up.
@@ -36,10 +36,10 @@ const LOOSEST_ROSENBROCK: f64 = 1e-5;
 /// How much coarser the run is that verifies one by RODAS5P.
 pub(crate) const COARSER_ROSENBROCK: f64 = 4.0;
 /// Explicit steps follow friction with about ten evaluations a relaxation; implicit ones take some 80 a radian of
-/// the contacts' oscillation at a promise of [`PROMISE`] on the paper's gear, growing with its inverse root: up to this many
+/// the contacts' oscillation at a target of [`TARGET`] on the paper's gear, growing with its inverse root: up to this many
 /// relaxations a radian the explicit method is the cheaper one.
 const RELAXATIONS_A_RADIAN: f64 = 8.0;
-/// Step of fixed-step methods at [`PROMISE`], in radians of the contacts' oscillation.
+/// Step of fixed-step methods at [`TARGET`], in radians of the contacts' oscillation.
 const RADIANS: f64 = 0.1;
 /// Steps of the energy account and first steps, in the same radians: 1.1e-5 s for the paper's gear.
 const FIRST_RADIANS: f64 = 0.125;
@@ -161,23 +161,23 @@ pub fn integrator(scene: &Scene) -> Choice {
             reason: "named by the scene".to_owned(),
         };
     }
-    let plan = plan(scene, PROMISE);
+    let plan = plan(scene, TARGET);
     Choice {
         integrator: plan.integrator.to_owned(),
         reason: plan.reason,
     }
 }
 
-/// How a run that promises `promise` goes about a scene, whose own step and tolerance are for named methods.
+/// How a run that promises `target` goes about a scene, whose own step and tolerance are for named methods.
 #[must_use]
-pub fn plan(scene: &Scene, promise: f64) -> Plan {
-    Planner::new(scene, promise).first()
+pub fn plan(scene: &Scene, target: f64) -> Plan {
+    Planner::new(scene, target).first()
 }
 
 /// The plan and what to try when it fails, the best first.
 #[must_use]
-pub fn chain(scene: &Scene, promise: f64) -> Vec<Plan> {
-    let planner = Planner::new(scene, promise);
+pub fn chain(scene: &Scene, target: f64) -> Vec<Plan> {
+    let planner = Planner::new(scene, target);
     let first = planner.first();
     let mut plans = vec![first.clone()];
     let others = [
@@ -202,15 +202,15 @@ pub fn chain(scene: &Scene, promise: f64) -> Vec<Plan> {
 
 struct Planner<'a> {
     scene: &'a Scene,
-    promise: f64,
+    target: f64,
     frequencies: Frequencies,
 }
 
 impl<'a> Planner<'a> {
-    fn new(scene: &'a Scene, promise: f64) -> Self {
+    fn new(scene: &'a Scene, target: f64) -> Self {
         Self {
             scene,
-            promise,
+            target,
             frequencies: Frequencies::of(scene),
         }
     }
@@ -255,7 +255,7 @@ impl<'a> Planner<'a> {
                 ))
             };
         }
-        let most = RELAXATIONS_A_RADIAN * contact * (PROMISE / self.promise).sqrt();
+        let most = RELAXATIONS_A_RADIAN * contact * (TARGET / self.target).sqrt();
         if !self.may_be_implicit() {
             self.explicit(
                 "friction that falls with speed is no convex problem, so it is followed explicitly, with steps from a \
@@ -336,7 +336,7 @@ impl<'a> Planner<'a> {
 
     fn fixed(&self, integrator: &'static str, reason: &str) -> Plan {
         // As of order two, which forces with kinks leave of any.
-        let radians = RADIANS * (self.promise / PROMISE).sqrt();
+        let radians = RADIANS * (self.target / TARGET).sqrt();
         Plan {
             step_s: radians / self.frequencies.contact_rad_s,
             ..self.plan(integrator, SMOOTH, reason)
@@ -347,7 +347,7 @@ impl<'a> Planner<'a> {
         Plan {
             integrator,
             step_s: FIRST_RADIANS / self.frequencies.contact_rad_s,
-            tolerance: (share * self.promise).max(TOLERANCES.0),
+            tolerance: (share * self.target).max(TOLERANCES.0),
             longest_step_s: self.frequencies.longest_step_s(),
             reason: reason.to_owned(),
         }
@@ -364,7 +364,7 @@ mod tests {
         assert_eq!(integrator(&scene).integrator, "rk2", "named");
         scene.solver.integrator = AUTO.to_owned();
         assert_eq!(integrator(&scene).integrator, EXPONENTIAL);
-        let names: Vec<&str> = chain(&scene, PROMISE)
+        let names: Vec<&str> = chain(&scene, TARGET)
             .iter()
             .map(|plan| plan.integrator)
             .collect();
@@ -391,7 +391,7 @@ mod tests {
         scene.contact.friction_ramp_m_s = 5e-5;
         scene.contact.friction_law = FrictionLaw::Adams;
         assert_eq!(integrator(&scene).integrator, "dopri5");
-        let chain = chain(&scene, PROMISE);
+        let chain = chain(&scene, TARGET);
         assert!(
             chain
                 .iter()
@@ -404,7 +404,7 @@ mod tests {
     #[test]
     fn steps_come_from_the_scenes_frequencies() {
         let mut scene = Scene::paper();
-        let paper = plan(&scene, PROMISE);
+        let paper = plan(&scene, TARGET);
         assert!((paper.step_s / 1e-5 - 1.0).abs() < 0.3, "{}", paper.step_s);
         let found = Frequencies::of(&scene);
         // Two runs of it must not take the same steps, which end at samples and at entries of the account.
@@ -427,15 +427,15 @@ mod tests {
         // Nine entries of the account from sample to sample, at which steps end too.
         let mut sparse = scene.clone();
         sparse.solver.sample_s = 1e-3;
-        let longest = plan(&sparse, PROMISE).longest_step_s;
+        let longest = plan(&sparse, TARGET).longest_step_s;
         assert!((longest * 9.0 / 1e-3 - 1.0).abs() < 1e-12, "{longest}");
         scene.contact.stiffness_multiplier *= 10.0;
         scene.solver.step_s = 1e-3;
-        let stiff = plan(&scene, PROMISE);
+        let stiff = plan(&scene, TARGET);
         assert!((paper.step_s / stiff.step_s / 10.0_f64.cbrt() - 1.0).abs() < 1e-9);
         // Where sleeves pass faster than contacts swing, they bound the steps.
         scene.drive.input_speed_rad_s = 1e4;
-        let fast = plan(&scene, PROMISE);
+        let fast = plan(&scene, TARGET);
         assert_eq!(
             fast.longest_step_s,
             1.25 * Frequencies::of(&scene).longest_step_s()
@@ -449,7 +449,7 @@ mod tests {
             let mut scene = Scene::paper();
             scene.contact.friction_coefficient = 0.1;
             (scene.contact.detection, scene.contact.friction_law) = (detection, law);
-            let plans = chain(&scene, PROMISE);
+            let plans = chain(&scene, TARGET);
             plans.iter().map(|plan| plan.integrator).collect()
         };
         let (exact, points) = (Detection::Exact, Detection::Points);
@@ -461,12 +461,12 @@ mod tests {
         assert_eq!(names(points, FrictionLaw::Regularised), ["imex2", "rk4"]);
     }
 
-    /// What a promise means for each method: tolerances in proportion, fixed steps by its root.
+    /// What a target means for each method: tolerances in proportion, fixed steps by its root.
     #[test]
     fn settings_follow_the_promise() {
         let mut scene = Scene::paper();
-        let of = |scene: &Scene, promise: f64| {
-            let plans = chain(scene, promise);
+        let of = |scene: &Scene, target: f64| {
+            let plans = chain(scene, target);
             move |name: &str| plans.iter().find(|p| p.integrator == name).unwrap().clone()
         };
         let near = |found: f64, wanted: f64| (found / wanted - 1.0).abs() < 1e-12;

@@ -203,7 +203,7 @@ impl CoSimulation {
         })?;
         let mut longest_step_s = f64::INFINITY;
         if gearbox.scene.solver.integrator == AUTO {
-            let plan = auto::plan(&gearbox.scene, auto::PROMISE);
+            let plan = auto::plan(&gearbox.scene, auto::TARGET);
             let plan = match setup.tolerance {
                 Some(tolerance) => plan.finer(plan.tolerance / tolerance),
                 None => plan,

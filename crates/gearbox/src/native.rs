@@ -76,7 +76,7 @@ pub fn run(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
     if gearbox.scene.solver.integrator == auto::AUTO {
-        let plan = auto::plan(&gearbox.scene, auto::PROMISE);
+        let plan = auto::plan(&gearbox.scene, auto::TARGET);
         return run_within(&plan.applied(gearbox)?, plan.limits(), watch);
     }
     run_within(gearbox, Limits::NONE, watch)

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::auto::{self, PROMISE};
+use pinwheel_gearbox::auto::{self, TARGET};
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
 use pinwheel_gearbox::resolve::{Budget, Uncertainty, Verdict, remedy, run_resolved};
 use pinwheel_scene::{BodyMass, Override, Scene};
@@ -16,7 +16,7 @@ fn scene(name: &str, sets: &[&str]) -> Scene {
 
 fn resolved(scene: &Scene) -> (NativeRun, Uncertainty) {
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-    run_resolved(&gearbox, PROMISE, Budget::default(), &mut |_| false).unwrap()
+    run_resolved(&gearbox, TARGET, Budget::default(), &mut |_| false).unwrap()
 }
 
 fn named(scene: &Scene, integrator: &str, tolerance: f64) -> NativeRun {
@@ -51,7 +51,7 @@ fn regress_friction_does_not_hide_stiff_contacts() {
     ];
     let (error, uncertainty) = error(&scene("paper", &sets), "dopri5", 1e-8);
     assert!(uncertainty.is_resolved(), "{}", uncertainty.sentence());
-    assert!(error <= PROMISE, "{error:e}: {}", uncertainty.sentence());
+    assert!(error <= TARGET, "{error:e}: {}", uncertainty.sentence());
 }
 
 /// The step that followed the spins alone diverged here.
@@ -64,7 +64,7 @@ fn regress_steel_with_line_contact_and_friction_is_resolved() {
     ];
     let (error, uncertainty) = error(&scene("steel", &sets), "dopri5", 1e-8);
     assert!(uncertainty.is_resolved(), "{}", uncertainty.sentence());
-    assert!(error <= PROMISE, "{error:e}: {}", uncertainty.sentence());
+    assert!(error <= TARGET, "{error:e}: {}", uncertainty.sentence());
 }
 
 /// Lengths, masses and times of a scene in other units: forces scale by m l/t^2.
@@ -201,7 +201,7 @@ fn easy_scenes_are_verified_at_less_than_twice_the_cost() {
 fn bad_input_a_budget_too_small_is_told() {
     let scene = scene("paper", &["solver.duration_s=0.02"]);
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-    // Enough for the first rung of 1e-7 and not for the second.
+    // Enough for the first run of 1e-7 and not for the second.
     let budget = Budget {
         evaluations: named(&scene, "etd-adams", 5e-10).counts.evaluations * 6 / 5,
     };
@@ -261,10 +261,10 @@ fn remedies_are_tried_before_they_are_offered() {
 #[test]
 fn stopping_is_heard() {
     let gearbox = Gearbox::new(&scene("paper", &[]).clone().check().unwrap()).unwrap();
-    let found = run_resolved(&gearbox, PROMISE, Budget::default(), &mut |t| t > 1e-3);
+    let found = run_resolved(&gearbox, TARGET, Budget::default(), &mut |t| t > 1e-3);
     assert!(matches!(found, Err(NativeError::Stopped)));
     assert_eq!(
-        auto::chain(&gearbox.scene, PROMISE)[0].integrator,
+        auto::chain(&gearbox.scene, TARGET)[0].integrator,
         "etd-adams"
     );
 }

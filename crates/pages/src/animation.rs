@@ -66,7 +66,7 @@ pub fn window(
     let mut title = title.to_owned();
     if !run.ending.is_finished() {
         // Forces that run away are no picture of the gear where another method gets through.
-        match resolve::run_resolved(&gearbox, auto::PROMISE, BUDGET, watch) {
+        match resolve::run_resolved(&gearbox, auto::TARGET, BUDGET, watch) {
             Ok((other, _)) if other.ending.is_finished() => {
                 title.push_str(", by a method that gets through");
                 run = other;

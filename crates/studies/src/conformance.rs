@@ -8,12 +8,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use pinwheel_compare::quantities::derive;
-use pinwheel_compare::uncertainty::order::{CONTACTS, ORDER_MARGIN};
 use pinwheel_contact::laws::LAWS;
 use pinwheel_engines::external::Solver;
 use pinwheel_engines::{Cancelled, Ending, Engine, Knob, Native, Run, Track};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{CheckedScene, Override, Scene};
+use pinwheel_timeseries::convergence::{self, CONTACTS, KINKS, Method, ORDER_MARGIN, Step};
 use pinwheel_timeseries::norms::{View, relative_l2};
 use pinwheel_timeseries::{TimeSeries, columns};
 use quick_junit::TestSuite;
@@ -135,6 +135,8 @@ const FIRST: f64 = 1e-8;
 /// A tolerance bounds the error of a step and not of a run, and steps change by leaps: of the order stated for it, this share
 /// must be seen.
 const TOLERANCE_SHARE: f64 = 0.3;
+/// What the native run may be off by itself.
+const NATIVE: f64 = 1e-6;
 /// How long a solver may need to end after it was asked to.
 const ENDS_S: f64 = 3.0;
 /// Time after which a solver is ended that is tried on a run without end, s.
@@ -400,53 +402,64 @@ impl Trials<'_> {
         ))
     }
 
-    /// Runs at three settings, the coarsest first, and their distances to the finest but one and to the finest.
-    fn ladder(&self) -> Result<(Vec<Run>, [f64; 2], f64), Miss> {
+    /// The finest of three runs, and what parts them.
+    fn refined(&self) -> Result<(Run, [Step; 2], Method), Miss> {
         let Some(refinement) = self.solver.info().refinement else {
             return skipped("its manifest has no [refine]");
         };
-        let factor: f64 = match refinement.knob {
+        let ratio: f64 = match refinement.knob {
             Knob::Step => 2.0,
             Knob::Tolerance => 10.0,
         };
-        let mut runs = Vec::new();
-        for k in 0..3 {
-            let scene = self.changed(|scene| {
-                let finer = factor.powi(k);
-                match refinement.knob {
-                    Knob::Step => scene.solver.step_s = 2e-5 / finer,
-                    Knob::Tolerance => scene.solver.tolerance = 1e-5 / finer,
-                }
+        let run = |coarser: i32| {
+            let scene = self.changed(|scene| match refinement.knob {
+                Knob::Step => scene.solver.step_s = 5e-6 * ratio.powi(coarser),
+                Knob::Tolerance => scene.solver.tolerance = 1e-7 * ratio.powi(coarser),
             })?;
-            runs.push(self.run(&scene)?);
-        }
-        let apart = |k: usize| distance(&runs[k].time_series, &runs[k + 1].time_series);
-        let found = [apart(0), apart(1)];
-        Ok((runs, found, factor))
+            self.run(&scene)
+        };
+        let (coarsest, middle, finest) = (run(2)?, run(1)?, run(0)?);
+        let apart = |coarse: &Run, fine: &Run| Step {
+            ratio,
+            difference: distance(&coarse.time_series, &fine.time_series),
+        };
+        let steps = [apart(&middle, &finest), apart(&coarsest, &middle)];
+        let method = match refinement.knob {
+            Knob::Step => Method::Step {
+                order: refinement.order,
+                limit: Some(CONTACTS),
+            },
+            Knob::Tolerance => Method::Tolerance { order: KINKS },
+        };
+        Ok((finest, steps, method))
     }
 
     fn order(&self) -> Seen {
-        let (_, [coarse, fine], factor) = self.ladder()?;
-        let Some(refinement) = self.solver.info().refinement else {
-            return skipped("its manifest has no [refine]");
-        };
-        let stated = refinement.order;
-        if fine == 0.0 && coarse == 0.0 {
+        let (_, [fine, coarse], method) = self.refined()?;
+        if fine.difference == 0.0 && coarse.difference == 0.0 {
             return failed(
                 "three settings give the same bits: it does not read the key of [refine]",
             );
         }
         // Nothing left to see.
-        if fine < 1e-10 {
-            return Ok(format!("at rounding already: {fine:.0e}"));
+        if fine.difference < 1e-10 {
+            return Ok(format!("at rounding already: {:.0e}", fine.difference));
         }
-        let seen = (coarse / fine).log(factor);
+        let seen = convergence::observed_order(fine, coarse).unwrap_or(f64::NAN);
         // The examples show 2.71 (RK4), 2.01 (implicit midpoint) and 1.93 (Heun).
-        let least = match refinement.knob {
-            Knob::Step => stated.min(CONTACTS) - ORDER_MARGIN,
-            Knob::Tolerance => TOLERANCE_SHARE * stated,
+        let stated = self
+            .solver
+            .info()
+            .refinement
+            .map_or(0.0, |refinement| refinement.order);
+        let least = match method {
+            Method::Step { .. } => method.allowed_order() - ORDER_MARGIN,
+            Method::Tolerance { .. } => TOLERANCE_SHARE * stated,
         };
-        let told = format!("order {seen:.2} of {stated}, differences {coarse:.1e} and {fine:.1e}");
+        let told = format!(
+            "order {seen:.2} of {stated}, differences {:.1e} and {:.1e}",
+            coarse.difference, fine.difference
+        );
         if seen >= least {
             Ok(told)
         } else {
@@ -456,18 +469,13 @@ impl Trials<'_> {
 
     fn agreement(&self) -> Seen {
         self.shares_the_law()?;
-        let (runs, [_, fine], _) = self.ladder()?;
+        let (finest, steps, method) = self.refined()?;
         let truth = self.native(Native::RESOLVED, &self.scene)?;
-        let Some(finest) = runs.last() else {
-            return skipped("it has no finest run");
-        };
         let off = distance(&finest.time_series, &truth);
-        // What one refinement still moves bounds what is left, but for an order seen wrong.
-        let allowed = 3.0 * fine + 1e-6;
-        let told = format!(
-            "{off:.1e} from native-resolved, its own last refinement moved it by {fine:.1e}"
-        );
-        if off <= allowed {
+        let known = convergence::estimate(&steps, None, method, 0.0);
+        let own = known.map_err(|missing| Miss::Failed(missing.reason))?.u;
+        let told = format!("{off:.1e} from native-resolved, its own runs leave {own:.1e}");
+        if off <= own + NATIVE {
             Ok(told)
         } else {
             failed(told)

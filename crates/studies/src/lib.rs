@@ -59,6 +59,7 @@ pub mod paper;
 mod pool;
 pub mod provenance;
 pub mod recording;
+pub mod reference;
 pub mod resolution;
 pub mod results;
 pub mod rng;

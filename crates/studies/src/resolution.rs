@@ -1,16 +1,17 @@
 //! Whether the step that a scene names resolves it: the same run again at twice the step (or ten times the
 //! tolerance), and how far the forces move.
 //!
-//! A method of order 2 that is asymptotic there has a third of that distance for its own error, one of
-//! order 4 a fifteenth; with friction, whose switches are not located, a little more than half. An error
-//! that this does not show would have to be the same at both steps. Where the coarser run fails it shows nothing, and the
+//! [`convergence::estimate`] says what follows for the run's own error. An error that this does not show would have to be the
+//! same at both steps. Where the coarser run fails it shows nothing, and the
 //! run is repeated at half its step (a tenth of its tolerance) instead, whose distance is the error itself.
 //!
 //! A run by `auto` or by `native-resolved` brings its own verification ([`pinwheel_gearbox::resolve`]); this is for named methods.
 
+use pinwheel_gearbox::resolve::convergence_of;
 use pinwheel_gearbox::{Distance, Gearbox};
 use pinwheel_mbs::integrators::method;
 use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::convergence::{self, Step};
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
@@ -25,6 +26,9 @@ pub const MOST: f64 = 0.3;
 /// The same to a finer run, whose distance is the error.
 pub const MOST_TO_FINER: f64 = 0.1;
 
+/// Factor between tolerances.
+const DECADE: f64 = 10.0;
+
 /// What another run of the same scene shows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Resolution {
@@ -32,9 +36,8 @@ pub struct Resolution {
     pub other: String,
     /// How far the run moves; `None` if the other run failed too.
     pub moved: Option<Distance>,
-    /// What follows for the run's own error from the time on that was asked for: 5/4 of the distance there, as of errors that
-    /// are of first order in the step. Methods of order two or more lose half an order or more to contacts and friction, and
-    /// this bounds what is left. `None` where both runs have too few samples in common there.
+    /// What follows for the run's own error from the time on that was asked for, by [`convergence::estimate`]. `None` where
+    /// both runs have too few samples in common there.
     pub error: Option<Distance>,
     /// The most that it may.
     pub most: f64,
@@ -105,8 +108,8 @@ pub fn check(
     let (moved, error) = if finer.ending.is_finished() {
         (
             Some(gearbox.distance(time_series, &finer.time_series)),
-            // Twice what the finer run has left.
-            error(gearbox, (time_series, &finer.time_series), from_s).map(|e| e.times(2.0)),
+            error(gearbox, (time_series, &finer.time_series), from_s)
+                .map(|left| left.plus(&gearbox.distance(time_series, &finer.time_series))),
         )
     } else {
         (None, None)
@@ -121,23 +124,30 @@ pub fn check(
     })
 }
 
-/// Of the finer of two runs that are a refinement apart: the grid convergence index for first order and a factor of two [Roache
-/// 1998, ch. 5]. Tolerances are a factor of ten apart, which bounds it all the more.
+/// Of the finer of two runs that are a refinement apart.
 fn error(
     gearbox: &Gearbox,
     (coarser, finer): (&TimeSeries, &TimeSeries),
     from_s: f64,
 ) -> Option<Distance> {
-    const SAFETY: f64 = 1.25;
+    let info = method(&gearbox.scene.solver.integrator)?;
     let [coarser, finer] = [coarser, finer].map(|time_series| {
         let rows: Vec<usize> = time_series.window(from_s, f64::INFINITY).collect();
         time_series.select(&rows)
     });
     // Of two samples and less nothing is learnt.
     let enough = coarser.len().min(finer.len()) > 2;
-    let found = enough.then(|| gearbox.distance(&coarser, &finer))?;
-    let known = found.worst().is_finite();
-    known.then(|| found.times(SAFETY).at_least(f64::EPSILON))
+    let apart = enough.then(|| gearbox.distance(&coarser, &finer))?;
+    let bound = |difference: f64| {
+        let ratio = if info.adaptive { DECADE } else { 2.0 };
+        let how = convergence_of(info, gearbox.has_friction());
+        let known = convergence::estimate(&[Step { ratio, difference }], None, how, f64::EPSILON);
+        known.ok().map(|known| known.u)
+    };
+    Some(Distance {
+        forces: bound(apart.forces)?,
+        driver_torque: bound(apart.driver_torque)?,
+    })
 }
 
 /// The gearbox at a step `factor` times finer, or at a tolerance ten times finer (coarser where `factor` is below 1), and then half
@@ -147,7 +157,7 @@ fn refined(gearbox: &Gearbox, factor: f64) -> Result<(Gearbox, String), StudyErr
     let adaptive = method(name).is_some_and(|m| m.adaptive);
     let other = gearbox.with_solver(|solver| {
         if adaptive {
-            solver.tolerance /= if factor > 1.0 { 10.0 } else { 0.1 };
+            solver.tolerance /= if factor > 1.0 { DECADE } else { 1.0 / DECADE };
         } else {
             solver.step_s /= factor;
         }

@@ -33,7 +33,7 @@ pub struct Results {
 /// What is known of a run's error, as a share of forces and torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Known {
-    /// By the run's own ladder of refinements.
+    /// By the run's own refinements.
     Verified(Distance),
     /// By one coarser (or finer) run.
     Estimated(Distance),

@@ -1,4 +1,4 @@
-//! What a comparison gives a foreign engine: its coarsest run first, each rung once, and no run for ever.
+//! What a comparison gives a foreign engine: its coarsest run first, each setting once, and no run for ever.
 
 use std::path::Path;
 use std::sync::Mutex;

@@ -23,6 +23,7 @@
 //! *group*. All values are SI and finite unless a run diverged.
 
 pub mod columns;
+pub mod convergence;
 mod csv_file;
 mod error;
 pub mod foreign;

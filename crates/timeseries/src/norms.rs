@@ -236,12 +236,12 @@ impl Distance {
         self.forces.max(self.driver_torque)
     }
 
-    /// Both, `factor` times.
+    /// Both, with another's added.
     #[must_use]
-    pub fn times(&self, factor: f64) -> Self {
+    pub fn plus(&self, other: &Self) -> Self {
         Self {
-            forces: factor * self.forces,
-            driver_torque: factor * self.driver_torque,
+            forces: self.forces + other.forces,
+            driver_torque: self.driver_torque + other.driver_torque,
         }
     }
 
@@ -454,7 +454,7 @@ mod tests {
         };
         assert_eq!((of(1.0, 2.0).worst(), of(2.0, 1.0).worst()), (2.0, 2.0));
         assert!(of(f64::NAN, 1.0).worst().is_nan() && of(1.0, f64::NAN).worst().is_nan());
-        assert_eq!(of(2.0, 4.0).times(0.5), of(1.0, 2.0));
+        assert_eq!(of(2.0, 4.0).plus(&of(1.0, 2.0)), of(3.0, 6.0));
         assert_eq!(of(2.0, 4.0).at_least(3.0), of(3.0, 4.0));
     }
 

@@ -19,7 +19,7 @@ pub(crate) struct CalibrateArgs {
     /// Random gears beside the presets, by their seeds.
     #[arg(long, value_name = "FROM..TO", default_value = "1000..1024", value_parser = seeds, conflicts_with_all = ["power", "scenes"])]
     pub(crate) gears: Range<u64>,
-    /// Engines, separated by commas [default: all of this build with a ladder of their own; --power: of the shared law].
+    /// Engines, separated by commas [default: all of this build that refine by themselves; --power: of the shared law].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) engines: Vec<String>,
     /// Seconds that the runs of one engine on one gear may take before it is refined no further.

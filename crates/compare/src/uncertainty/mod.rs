@@ -1,15 +1,14 @@
 //! The numerical uncertainty of a run, from the same engine's runs at coarser settings.
 //!
-//! [`order`] holds the formulas on plain numbers. [`RefinementStudy`] applies them to time series: per quantity (all
+//! [`order`](pinwheel_timeseries::convergence) holds the formulas on plain numbers. [`RefinementStudy`] applies them to time series: per quantity (all
 //! channels jointly) and window, in the norms of the comparison. [`Evidence`] is what a participant brings.
 
-pub mod order;
 mod refinement;
 
 use serde::{Deserialize, Serialize};
 
 use crate::windows::WindowKind;
-pub use order::{Basis, Estimate, Method, Unresolved};
+pub use pinwheel_timeseries::convergence::{self as order, Basis, Estimate, Method, Unresolved};
 pub(crate) use refinement::Settings;
 pub use refinement::{Level, RefinementStudy};
 

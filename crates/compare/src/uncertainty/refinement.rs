@@ -4,11 +4,11 @@ use std::ops::Range;
 
 use pinwheel_timeseries::TimeSeries;
 
-use super::order::{self, Basis, Estimate, Method, Step, Unresolved};
 use super::{QuantityUncertainty, Uncertainty};
 use crate::grid;
 use crate::quantities::Quantity;
 use crate::windows::WindowKind;
+use pinwheel_timeseries::convergence::{self as order, Basis, Estimate, Method, Step, Unresolved};
 use pinwheel_timeseries::norms::{Statistics, View, peak, rms};
 
 /// The coarser runs beside a participant's own, which is the finest.

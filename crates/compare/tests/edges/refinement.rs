@@ -196,8 +196,6 @@ fn a_figure_confirms_by_its_own_sign() {
 
 #[test]
 fn orders_of_tolerances_and_of_no_differences() {
-    let allowed = |smooth| Method::Tolerance { smooth }.allowed_order();
-    assert_eq!((allowed(true), allowed(false)), (1.0, 0.5));
     let step = |ratio: f64, difference: f64| order::Step { ratio, difference };
     let good = step(2.0, 1.0);
     let seen = order::observed_order(good, step(2.0, 4.0)).unwrap();

@@ -87,7 +87,7 @@ fn regress_adaptive_runs_agree_to_their_tolerance() {
             wall_s: 1.0,
         };
         let study = RefinementStudy {
-            method: Method::Tolerance { smooth: true },
+            method: Method::Tolerance { order: 1.0 },
             finest: 1e-6,
             coarser: vec![level(100.0, errors[2]), level(10.0, errors[1])],
         };

@@ -42,7 +42,7 @@ fn a_participant_without_evidence_is_named() {
     assert!(named(&found(Some(unknown)).0, "recording says nothing"));
     let ladder_of = |run: Result<TimeSeries, String>, refinement: f64| {
         Source::Refinement(RefinementStudy {
-            method: Method::Tolerance { smooth: true },
+            method: Method::Tolerance { order: 1.0 },
             finest: 1e-6,
             coarser: vec![Level {
                 refinement,

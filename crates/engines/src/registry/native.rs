@@ -17,7 +17,7 @@ pub struct Native {
     form: Form,
 }
 
-/// What the resolved form promises without friction: forces that no course shows the step in.
+/// What the resolved form aims at without friction: forces that no course shows the step in.
 const RESOLVED: f64 = 1e-7;
 /// The same where friction switches, or forces jump from point to point: two foreign solvers of `paper-friction` agree to 1.5e-5.
 const RESOLVED_ROUGH: f64 = 1e-5;
@@ -58,9 +58,9 @@ impl Native {
         })
     }
 
-    /// What the resolved form promises: relative L2 of the forces and of the driver's torque.
+    /// What the resolved form aims at: relative L2 of the forces and of the driver's torque.
     #[must_use]
-    pub fn resolved_promise(scene: &Scene) -> f64 {
+    pub fn resolved_target(scene: &Scene) -> f64 {
         let contact = &scene.contact;
         if contact.friction_coefficient == 0.0 && contact.detection == Detection::Exact {
             RESOLVED
@@ -69,12 +69,12 @@ impl Native {
         }
     }
 
-    /// What its run promises; `None` where the scene names its method.
-    fn promise(&self, scene: &Scene) -> Option<f64> {
+    /// What its run aims at; `None` where the scene names its method.
+    fn target(&self, scene: &Scene) -> Option<f64> {
         if self.form == Form::Resolved {
-            return Some(Self::resolved_promise(scene));
+            return Some(Self::resolved_target(scene));
         }
-        (scene.solver.integrator == auto::AUTO).then_some(auto::PROMISE)
+        (scene.solver.integrator == auto::AUTO).then_some(auto::TARGET)
     }
 }
 
@@ -104,8 +104,8 @@ impl Native {
         let scene = &gearbox.scene;
         let (wall, cpu) = (std::time::Instant::now(), ThreadTime::now());
         let mut watch = |t| control.reached(t);
-        let outcome = match self.promise(scene) {
-            Some(promise) => resolve::run_resolved(gearbox, promise, Budget::default(), &mut watch)
+        let outcome = match self.target(scene) {
+            Some(target) => resolve::run_resolved(gearbox, target, Budget::default(), &mut watch)
                 .map(|(run, uncertainty)| (run, Some(uncertainty))),
             None => native::run(gearbox, &mut watch).map(|run| (run, None)),
         };
@@ -156,8 +156,8 @@ fn settings(scene: &Scene, uncertainty: Option<&Uncertainty>) -> String {
         Formulation::Reduced => "reduced",
         Formulation::Lagrange => "lagrange",
     };
-    if let Some(rung) = uncertainty.and_then(Uncertainty::chosen) {
-        return format!("{form}, {}, {}", rung.integrator, rung.setting);
+    if let Some(level) = uncertainty.and_then(Uncertainty::chosen) {
+        return format!("{form}, {}, {}", level.integrator, level.setting);
     }
     let named = &solver.integrator;
     let adaptive = method(named).is_some_and(|m| m.adaptive);

@@ -38,7 +38,7 @@ pub fn remedy(scene: &CheckedScene, longest: Duration) -> Option<Remedy> {
     let gearbox = Gearbox::new(scene).ok()?;
     let mut late = |_| began.elapsed() > longest;
     let (_, uncertainty) =
-        run_resolved(&gearbox, auto::PROMISE, Budget::default(), &mut late).ok()?;
+        run_resolved(&gearbox, auto::TARGET, Budget::default(), &mut late).ok()?;
     uncertainty.is_resolved().then(|| Remedy {
         setting: format!("solver.integrator = \"{}\"", auto::AUTO),
         uncertainty,

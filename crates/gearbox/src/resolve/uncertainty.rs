@@ -5,22 +5,22 @@ use serde::{Deserialize, Serialize};
 use super::Budget;
 use crate::Distance;
 
-/// One run of a ladder.
+/// One run of a refinement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Rung {
+pub struct Level {
     /// Method.
     pub integrator: String,
     /// What sets its steps, in words.
     pub setting: String,
     /// Evaluations of the forces.
     pub evaluations: u64,
-    /// How far the forces moved from the rung before, if that finished.
+    /// How far the forces moved from the level before, if that finished.
     pub moved: Option<Distance>,
     /// How it failed.
     pub failure: Option<String>,
 }
 
-/// Whether the promise was kept.
+/// Whether the target was reached.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Verdict {
@@ -39,19 +39,19 @@ pub enum Verdict {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Uncertainty {
     /// What was asked for: relative L2 of the forces and of the driver's torque.
-    pub promise: f64,
+    pub target: f64,
     /// Estimated bounds of the error; `None` where only one run finished.
     pub error: Option<Distance>,
-    /// Whether the promise was kept.
+    /// Whether the target was reached.
     pub verdict: Verdict,
     /// Index of the run whose time series are given.
     pub chosen: usize,
     /// All runs, in order.
-    pub rungs: Vec<Rung>,
+    pub levels: Vec<Level>,
 }
 
 impl Uncertainty {
-    /// True if the promise was kept.
+    /// True if the target was reached.
     #[must_use]
     pub fn is_resolved(&self) -> bool {
         self.verdict == Verdict::Resolved
@@ -59,15 +59,15 @@ impl Uncertainty {
 
     /// The run whose time series are given.
     #[must_use]
-    pub fn chosen(&self) -> Option<&Rung> {
-        self.rungs.get(self.chosen)
+    pub fn chosen(&self) -> Option<&Level> {
+        self.levels.get(self.chosen)
     }
 
     /// Evaluations of all runs as a multiple of those of the chosen one: what the verification costs.
     #[must_use]
     pub fn cost(&self) -> f64 {
-        let all: u64 = self.rungs.iter().map(|rung| rung.evaluations).sum();
-        let one = self.chosen().map_or(0, |rung| rung.evaluations);
+        let all: u64 = self.levels.iter().map(|level| level.evaluations).sum();
+        let one = self.chosen().map_or(0, |level| level.evaluations);
         all as f64 / one.max(1) as f64
     }
 
@@ -75,13 +75,13 @@ impl Uncertainty {
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let mut notes = vec![self.sentence()];
-        let failed = self.rungs.iter().filter(|rung| rung.failure.is_some());
+        let failed = self.levels.iter().filter(|level| level.failure.is_some());
         if let Some(first) = failed.clone().next() {
             let failed = failed.count();
             let why = first.failure.as_deref().unwrap_or_default();
             notes.push(format!(
-                "{failed} of {} runs of the ladder failed, the first ({}, {}) at {why}.",
-                self.rungs.len(),
+                "{failed} of {} runs failed, the first ({}, {}) at {why}.",
+                self.levels.len(),
                 first.integrator,
                 first.setting
             ));
@@ -92,8 +92,8 @@ impl Uncertainty {
     /// One sentence: what is known, from what, at what cost.
     #[must_use]
     pub fn sentence(&self) -> String {
-        let (method, setting) = self.chosen().map_or(("", ""), |rung| {
-            (rung.integrator.as_str(), rung.setting.as_str())
+        let (method, setting) = self.chosen().map_or(("", ""), |level| {
+            (level.integrator.as_str(), level.setting.as_str())
         });
         let known = match self.error {
             Some(error) => format!(
@@ -104,28 +104,28 @@ impl Uncertainty {
         };
         let cost = format!(
             "{method} at {setting}, {} runs, {:.2} times the cost of the last",
-            self.rungs.len(),
+            self.levels.len(),
             self.cost()
         );
         match &self.verdict {
             Verdict::Resolved => {
-                format!("Resolved: {known}, {:.0e} promised; {cost}.", self.promise)
+                format!("Resolved: {known}, {:.0e} asked for; {cost}.", self.target)
             }
             Verdict::NotResolved { reason, remedy } => format!(
-                "Not resolved: {known}, {:.0e} promised; {reason}; {cost}. {remedy}",
-                self.promise
+                "Not resolved: {known}, {:.0e} asked for; {reason}; {cost}. {remedy}",
+                self.target
             ),
         }
     }
 }
 
 /// What helps a run that was not resolved.
-pub(super) fn remedy(promise: f64, error: Option<Distance>, budget: Budget) -> String {
+pub(super) fn remedy(target: f64, error: Option<Distance>, budget: Budget) -> String {
     let reached = error.map(|e| e.worst()).filter(|e| e.is_finite());
     match reached {
         Some(worst) if worst < 0.1 => format!(
             "Its figures hold to {worst:.0e}; a shorter solver.duration_s or more than {:.0e} evaluations would \
-             bring {promise:.0e}.",
+             bring {target:.0e}.",
             budget.evaluations as f64
         ),
         Some(_) => {
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn what_is_known_is_told() {
-        let rung = |evaluations, failure: Option<&str>| Rung {
+        let level = |evaluations, failure: Option<&str>| Level {
             integrator: "dopri5".to_owned(),
             setting: "a tolerance of 1e-6".to_owned(),
             evaluations,
@@ -154,15 +154,15 @@ mod tests {
             failure: failure.map(str::to_owned),
         };
         let mut found = Uncertainty {
-            promise: 1e-3,
+            target: 1e-3,
             error: None,
             verdict: Verdict::Resolved,
             chosen: 1,
-            rungs: vec![rung(100, None), rung(200, None)],
+            levels: vec![level(100, None), level(200, None)],
         };
         assert!(found.is_resolved());
         assert_eq!((found.cost(), found.notes().len()), (1.5, 1));
-        found.rungs.push(rung(100, Some("t = 1 s: a wheel")));
+        found.levels.push(level(100, Some("t = 1 s: a wheel")));
         found.verdict = Verdict::NotResolved {
             reason: String::new(),
             remedy: String::new(),

@@ -109,7 +109,7 @@ fn tiles(study: &WorkPrecision, lead_over: Option<(&Ranking, &Advantage)>) -> Ve
     }
     tiles.push(Tile::new(
         "Reference",
-        relative(study.reference.error(0).force_l2),
+        relative(study.reference_errors[0].force_l2),
         format!(
             "distance of {} and {} over the whole run",
             study.reference.solution.method, study.reference.second.method

@@ -4,7 +4,8 @@ use pinwheel_engines::{Knob, Track};
 use pinwheel_report::colours;
 use pinwheel_report::format::{NONE, limit};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
-use pinwheel_studies::bench::{self, Advantage, Errors, Measure, Ranking, Solution, WorkPrecision};
+use pinwheel_studies::bench::{self, Advantage, Errors, Measure, Ranking, WorkPrecision};
+use pinwheel_studies::reference::Solution;
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use super::figures;
@@ -163,7 +164,7 @@ fn chart(
         (!drawn.x.is_empty()).then_some(drawn)
     });
     let mut series: Vec<Series> = series.collect();
-    let floor = study.reference.error(window).force_l2;
+    let floor = study.reference_errors[window].force_l2;
     let most = |get: fn(f64, f64) -> f64, start: f64| {
         series
             .iter()
@@ -187,7 +188,7 @@ fn chart(
 fn reference(study: &WorkPrecision) -> Section {
     let found = &study.reference;
     let named = |solution: &Solution| {
-        let (knob, unit) = match solution.knob {
+        let (knob, unit) = match Knob::of(&solution.method) {
             Knob::Step => ("steps of", " s"),
             Knob::Tolerance => ("tolerance", ""),
         };
@@ -198,18 +199,9 @@ fn reference(study: &WorkPrecision) -> Section {
             figures::calls(solution.rhs_calls as f64)
         )
     };
-    let coarser = format!(
-        "{}, coarser: {}",
-        found.solution.method,
-        figures::setting(found.coarser_setting)
-    );
-    let rows = study.windows.iter().enumerate().flat_map(|(k, window)| {
-        let methods = (&found.second.method, &found.between_methods[k]);
-        [methods, (&coarser, &found.to_coarser[k])].map(|(run, errors)| (window, run, errors))
-    });
-    let mut table = Table::of("Distance from the reference", rows)
-        .text("", "Window", |(window, ..)| &window.name)
-        .text("", "Run", |(_, run, _)| *run);
+    let rows = study.windows.iter().zip(&study.reference_errors);
+    let mut table =
+        Table::of("Distance of the two", rows).text("", "Window", |(window, _)| &window.name);
     const DISTANCES: [(&str, fn(&Errors) -> f64); 4] = [
         ("Forces, L2", |errors| errors.force_l2),
         ("Forces, L\u{221e}", |errors| errors.force_max),
@@ -218,7 +210,7 @@ fn reference(study: &WorkPrecision) -> Section {
     ];
     for (label, of) in DISTANCES {
         table = table
-            .number("", label, |(.., errors)| of(errors))
+            .number("", label, |(_, errors)| of(errors))
             .shown(Shown::Relative);
     }
     Section::new(
@@ -226,8 +218,8 @@ fn reference(study: &WorkPrecision) -> Section {
         "Reference",
         [
             Block::Text(format!(
-                "Everything is measured against the reduced form by {}. A second method that shares nothing with the \
-                 first but the forces, {}, gives the same courses up to the distances below: the error of the worse of \
+                "Everything is measured against the reduced form by {}. A second method, {}, gives the same time \
+                 series up to the distances below: the error of the worse of \
                  the two, and so an upper estimate of the reference's. Errors near it say no more than that they are \
                  small.",
                 named(&found.solution),

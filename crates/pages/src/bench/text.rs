@@ -34,7 +34,7 @@ pub fn text(study: &WorkPrecision) -> String {
         "reference: {} against {}, apart {:.1e}\n",
         study.reference.solution.method,
         study.reference.second.method,
-        study.reference.error(0).force_l2
+        study.reference_errors[0].force_l2
     ));
     if let Some(lead) = &ranking.advantage {
         text.push_str(&format!(

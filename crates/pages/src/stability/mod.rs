@@ -119,17 +119,17 @@ fn scenes(atlas: &Atlas) -> Section {
         error => served(error),
     });
     let references = Table::of(
-        "Method with its step or tolerance, and how far a run at twice the step, or ten times the tolerance, lies from it",
+        "Method with its step or tolerance, and how far a second run lies from it",
         &rows,
     )
     .text("", "Scene", |row| &row.scene)
     .text("", "Converged run", |row| match &row.reference {
-        Some(run) => format!("{} at {:.1e}", run.integrator, run.setting),
+        Some(run) => format!("{} at {:.1e}", run.solution.method, run.solution.setting),
         None => row.refused.clone().unwrap_or_default(),
     })
     .marked(|row| Mark::bad(row.reference.is_none()))
-    .number("", "Distance of a coarser one, forces", |row| {
-        row.reference.as_ref().map(|run| run.own_error.forces)
+    .number("", "Distance of a second one, forces", |row| {
+        row.reference.as_ref().map(|run| run.apart.forces)
     })
     .shown(Shown::Relative)
     .text("", "Why it is hard", |row| &row.why);

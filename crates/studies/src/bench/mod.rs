@@ -7,15 +7,14 @@
 mod front;
 mod norms;
 mod ranking;
-mod reference;
 mod series;
 mod settings;
 mod table;
 
 pub use front::CostAt;
 pub use norms::{Errors, Span};
+use norms::{errors, spans};
 pub use ranking::{Advantage, Entry, Ranking};
-pub use reference::{Reference, Solution};
 pub use series::{Cost, Measure, Point, Series};
 pub use settings::Stopped;
 
@@ -27,9 +26,10 @@ use pinwheel_mbs::integrators::METHODS;
 use pinwheel_scene::{Scene, did_you_mean};
 use serde::Serialize;
 
-use crate::control::{Control, Progress};
+use crate::control::{Control, Progress, compile};
 use crate::output::{OutputError, write_with};
 use crate::provenance::{Provenance, Summary};
+use crate::reference::{self, Reference};
 use crate::{StudyError, choice};
 
 /// What is tried.
@@ -125,6 +125,8 @@ pub struct WorkPrecision {
     pub windows: Vec<Span>,
     /// What everything is measured against.
     pub reference: Reference,
+    /// Distance of its second run, window by window: an upper estimate of its error.
+    pub reference_errors: Vec<Errors>,
     /// One engine and method each, native first.
     pub series: Vec<Series>,
     /// Names of the engines, and what each is unlike.
@@ -232,12 +234,18 @@ pub fn run(
         .iter()
         .flat_map(|engine| methods(engine.as_ref(), options))
         .collect();
-    let total = tasks.len() + 3;
+    let total = tasks.len() + 2;
     let mut done = 0;
-    let (reference, windows, least, time_series) = reference::run(scene, control, &mut |piece| {
+    let (reference, [time_series, second]) = reference::run(scene, control, &mut |piece| {
         (control.progress)(Progress::new(done, total, piece));
         done += 1;
     })?;
+    let windows = spans(scene, &time_series);
+    let least = compile(scene)?.least_loads();
+    let reference_errors: Vec<Errors> = windows
+        .iter()
+        .map(|span| errors(&second, &time_series, span, least))
+        .collect();
     let mut all = Vec::new();
     for (engine, method) in tasks {
         if control.cancel.load(Ordering::Relaxed) {
@@ -248,7 +256,7 @@ pub fn run(
             time_series: &time_series,
             windows: &windows,
             least,
-            error: reference.error(0).force_l2,
+            error: reference_errors[0].force_l2,
         };
         all.push(series::run(
             scene,
@@ -266,6 +274,7 @@ pub fn run(
         options: options.clone(),
         windows,
         reference,
+        reference_errors,
         series: all,
         differences: engines
             .iter()

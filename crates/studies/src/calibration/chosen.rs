@@ -36,7 +36,7 @@ pub fn random(seeds: Range<u64>) -> Result<Vec<CheckedScene>, StudyError> {
 /// The engines asked for; if none are, those of this build that `wanted` takes.
 ///
 /// # Errors
-/// An engine that is not there, or has no ladder to be held against.
+/// An engine that is not there, or has no refinement of its own to be held against.
 pub fn engines(asked: &[String], wanted: impl Fn(&str) -> bool) -> Result<Vec<String>, StudyError> {
     if asked.is_empty() {
         let listed = choice::listed();
@@ -48,7 +48,7 @@ pub fn engines(asked: &[String], wanted: impl Fn(&str) -> bool) -> Result<Vec<St
     for name in asked {
         if !super::engines().any(|own| own == name) {
             return Err(StudyError::Input(format!(
-                "`{name}` has no ladder to be held against; take some of {}",
+                "`{name}` has no refinement of its own to be held against; take some of {}",
                 super::engines().collect::<Vec<_>>().join(", ")
             )));
         }

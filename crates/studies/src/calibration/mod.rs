@@ -1,6 +1,6 @@
 //! What verdicts are worth: the stated uncertainties held against true errors, and the faults that are found.
 //!
-//! [`run`] lets every engine run gears as a comparison does, with its ladder and its refinement, and holds each stated u
+//! [`run`] lets every engine run gears as a comparison does, with its refinement, and holds each stated u
 //! against the distance to a converged run by another method. [`coverage`](Row::coverage) is the share of cases in which u
 //! is at least that distance; sharpness is u over it, of which 1 would be perfect knowledge. [`power::run`] makes
 //! small faults on purpose and asks which a comparison tells.
@@ -8,7 +8,6 @@
 pub mod chosen;
 pub mod gears;
 pub mod power;
-pub mod reference;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -30,6 +29,7 @@ use crate::comparison::{Effort, context, refine};
 use crate::control::{Control, Progress};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
+use crate::reference;
 
 /// What is held against what.
 #[derive(Debug, Clone)]
@@ -236,7 +236,7 @@ pub fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> 
                     .push(format!("{} on {name}: {reason}", scene.name));
                 continue;
             }
-            found.hold(&context, scene, participant, evidence)?;
+            found.hold(&context, scene, participant, evidence, control)?;
         }
     }
     Ok(found)
@@ -250,6 +250,7 @@ impl Outcome {
         scene: &CheckedScene,
         participant: Participant,
         evidence: Evidence,
+        control: &Control<'_>,
     ) -> Result<(), StudyError> {
         let engine = participant.name.clone();
         let by = match &evidence.source {
@@ -257,8 +258,10 @@ impl Outcome {
             _ => "",
         };
         let by = if by.contains("dopri5") { "dopri5" } else { "" };
-        let references = reference::settings(scene, by).map(|way| reference::run(scene, way));
-        let [Some(other), Some(truth)] = references else {
+        let solved = |way| reference::solve(scene, way, &Control::silent(control.cancel));
+        let references = reference::settings(scene, by).map(solved);
+        let [Ok((_, other)), Ok((_, truth))] = references else {
+            control.check()?;
             self.left_out
                 .push(format!("{}: no reference gets through", scene.name));
             return Ok(());

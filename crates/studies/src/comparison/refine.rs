@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION};
+use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION, KINKS};
 use pinwheel_compare::uncertainty::{Basis, Final, Method, Unresolved};
 use pinwheel_compare::{
     Context, Evidence, Level, Participant, RESOLUTION, RefinementStudy, Rules, Status, Track,
@@ -188,7 +188,7 @@ impl<'a> Engines<'a> {
     /// The resolved form plans and refines by itself: its levels are runs of the reduced form by the method that its plan
     /// begins with, at coarser settings than the plan's.
     fn resolved(own: &'a dyn Engine, gearbox: &Gearbox) -> Option<Self> {
-        let plan = auto::plan(&gearbox.scene, Native::resolved_promise(&gearbox.scene));
+        let plan = auto::plan(&gearbox.scene, Native::resolved_target(&gearbox.scene));
         let (knob, value) = if plan.adaptive() {
             (Knob::Tolerance, plan.tolerance)
         } else {
@@ -213,7 +213,7 @@ impl<'a> Engines<'a> {
         if !automatic || !matches!(own.info().form, Some(Form::Reduced | Form::Lagrange)) {
             return Self::of(own, gearbox).into_iter().collect();
         }
-        let mut plans = auto::chain(&gearbox.scene, auto::PROMISE);
+        let mut plans = auto::chain(&gearbox.scene, auto::TARGET);
         if let Some((_, others)) = plans.split_first_mut() {
             // Where friction was too stiff for one method, explicit steps get through and chatter.
             others.sort_by_key(|plan| plan.family() == Some(Family::Explicit));
@@ -242,7 +242,7 @@ impl<'a> Engines<'a> {
                     CONTACTS
                 }),
             },
-            Knob::Tolerance => Method::Tolerance { smooth: false },
+            Knob::Tolerance => Method::Tolerance { order: KINKS },
         }
     }
 

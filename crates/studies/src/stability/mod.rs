@@ -6,7 +6,6 @@
 //! Scenes do not depend on each other, so they are studied side by side, and an atlas that was stopped goes on from
 //! the scenes it has.
 
-mod reference;
 mod search;
 mod verdict;
 mod write;
@@ -21,12 +20,12 @@ use pinwheel_scene::{Formulation, PRESETS, Scales, Scene};
 use pinwheel_timeseries::norms::{Distance, Level};
 use serde::{Deserialize, Serialize};
 
-pub use reference::Reference;
 pub use verdict::Failure;
 
 use crate::StudyError;
 use crate::control::{Control, Progress, run_on};
 use crate::pool;
+use crate::reference::{self, Reference};
 
 /// A formulation with an integrator, or a solver from outside.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -322,7 +321,7 @@ fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<SceneRow,
         refused: None,
         cells: Vec::new(),
     };
-    let (reference, time_series) = match reference::run(&scene, control) {
+    let (reference, [time_series, _]) = match reference::run(&scene, control, &mut |_| {}) {
         Ok(found) => found,
         Err(StudyError::Cancelled) => return Err(StudyError::Cancelled),
         Err(refused) => {
@@ -338,7 +337,7 @@ fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<SceneRow,
         }
         let judge = verdict::Judge {
             reference: &time_series,
-            level: reference.level,
+            level: Level::of(&time_series),
             scales: Scales::of(&scene),
         };
         row.cells

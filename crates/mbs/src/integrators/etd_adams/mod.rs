@@ -35,7 +35,7 @@ use crate::OdeSystem;
 use crate::jacobian::Jacobian;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
-    // Steps end at samples, so that all runs of a ladder take the same ones where little happens: errors to 3.3 tolerances
+    // Steps end at samples, so that all runs of a refinement take the same ones where little happens: errors to 3.3 tolerances
     // where these agreed (28 random gears; a gear of three wheels was 1.4 off foreign engines).
     unseen: 4.0,
     // Twice the step for ten times the tolerance.

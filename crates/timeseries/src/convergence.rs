@@ -29,6 +29,8 @@ pub const LEAST_ALIGNMENT: f64 = 0.5;
 pub const CONTACTS: f64 = 2.5;
 /// The order that a scene with friction, impacts or jumps allows.
 pub const FRICTION: f64 = 1.0;
+/// The order in a tolerance that contacts allow.
+pub const KINKS: f64 = 0.5;
 
 /// What is refined from level to level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -45,8 +47,8 @@ pub enum Method {
     /// The error tolerance of an adaptive method. Its error follows the tolerance, which is what step size control aims
     /// at, to a factor (Fs = 3); over kinks it falls with the square root only (order 2.5 of a method of order 5).
     Tolerance {
-        /// Whether the scene has no kinks.
-        smooth: bool,
+        /// Order in the tolerance that the scene allows: 1 for a smooth one, [`KINKS`].
+        order: f64,
     },
 }
 
@@ -65,13 +67,7 @@ impl Method {
     pub fn allowed_order(self) -> f64 {
         match self {
             Self::Step { order, limit } => limit.map_or(order, |limit| limit.min(order)),
-            Self::Tolerance { smooth } => {
-                if smooth {
-                    1.0
-                } else {
-                    0.5
-                }
-            }
+            Self::Tolerance { order } => order,
         }
     }
 
@@ -91,7 +87,7 @@ impl Method {
     /// Fs where the order was not confirmed. A square root of the tolerance is itself the bad case.
     fn unconfirmed_safety(self) -> f64 {
         match self {
-            Self::Tolerance { smooth: false } => SAFETY,
+            Self::Tolerance { order } if order <= KINKS => SAFETY,
             _ => SAFETY_UNCONFIRMED,
         }
     }
@@ -201,7 +197,9 @@ pub struct Unresolved {
 }
 
 impl Unresolved {
-    pub(crate) fn new(reason: impl Into<String>, remedy: impl Into<String>) -> Self {
+    /// The reason, and what would help.
+    #[must_use]
+    pub fn new(reason: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self {
             reason: reason.into(),
             remedy: remedy.into(),

@@ -1,0 +1,113 @@
+//! The converged run of a scene, and proof that it is: a second run that has as little in common with it as may be.
+//!
+//! | scene | reference | second run |
+//! |---|---|---|
+//! | exact contact, no friction | dopri5, tolerance 1e-12 | dop853, tolerance 1e-11 |
+//! | regularised friction | dopri5, tolerance 1e-11 | imex2-adaptive, tolerance 1e-5 |
+//! | the same, where it is stiff | imex2-adaptive, tolerance 2e-6 | imex2, steps of 0.001 rad |
+//! | other friction | dopri5, tolerance 1e-11 | dop853, tolerance 1e-9 |
+//! | discrete points | rk4 or, with regularised friction, imex2, steps of 0.0015 rad | the same, 0.004 rad |
+//!
+//! Radians are those of the contacts' oscillation. The distance between the two is the error of the worse of them, and thus an
+//! upper estimate for the reference. Where what is judged ran by another method than dopri5, the second run with regularised
+//! friction is one of dopri5 too (1e-10 and 1e-8): sharper, and still no run of its own.
+
+use pinwheel_engines::Knob;
+use pinwheel_gearbox::Frequencies;
+use pinwheel_scene::{Detection, FrictionLaw, Scene};
+use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::norms::{Distance, Least};
+use serde::{Deserialize, Serialize};
+
+use crate::StudyError;
+use crate::control::{Control, complete, reduced_by};
+
+/// Method and setting: a tolerance, or radians of the contacts' oscillation a step.
+pub type Setting = (&'static str, f64);
+
+/// One converged solution.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Solution {
+    /// Integrator.
+    pub method: String,
+    /// Step (s) or tolerance.
+    pub setting: f64,
+    /// Right-hand-side calls.
+    pub rhs_calls: u64,
+}
+
+/// What runs are held against.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Reference {
+    /// The solution taken.
+    pub solution: Solution,
+    /// The other one.
+    pub second: Solution,
+    /// Distance of the second from the first: an upper estimate of the error of the first.
+    pub apart: Distance,
+}
+
+/// The second run and the reference of a scene, for a run by the method `by`.
+#[must_use]
+pub fn settings(scene: &Scene, by: &str) -> [Setting; 2] {
+    let contact = &scene.contact;
+    let has_friction = contact.friction_coefficient > 0.0;
+    let convex = has_friction && contact.friction_law == FrictionLaw::Regularised;
+    let found = Frequencies::of(scene);
+    let stiff = found.friction_1_s > 100.0 * found.contact_rad_s;
+    match contact.detection {
+        Detection::Points if convex => [("imex2", 0.004), ("imex2", 0.0015)],
+        Detection::Points => [("rk4", 0.004), ("rk4", 0.0015)],
+        Detection::Exact if !has_friction => [("dop853", 1e-11), ("dopri5", 1e-12)],
+        Detection::Exact if !convex => [("dop853", 1e-9), ("dopri5", 1e-11)],
+        Detection::Exact if stiff => [("imex2", 0.001), ("imex2-adaptive", 2e-6)],
+        Detection::Exact if by == "dopri5" => [("imex2-adaptive", 1e-5), ("dopri5", 1e-11)],
+        Detection::Exact => [("dopri5", 1e-8), ("dopri5", 1e-10)],
+    }
+}
+
+/// The scene's time series by such a setting, in the reduced form.
+///
+/// # Errors
+/// Cancelled, a scene that cannot be modelled, or a run that does not get through.
+pub fn solve(
+    scene: &Scene,
+    (integrator, setting): Setting,
+    control: &Control<'_>,
+) -> Result<(Solution, TimeSeries), StudyError> {
+    let setting = match Knob::of(integrator) {
+        Knob::Step => setting / Frequencies::of(scene).contact_rad_s,
+        Knob::Tolerance => setting,
+    };
+    let run = complete(&reduced_by(scene, integrator, setting), control)?;
+    let solution = Solution {
+        method: integrator.to_owned(),
+        setting,
+        rhs_calls: run.counts.evaluations,
+    };
+    Ok((solution, run.time_series))
+}
+
+/// Both runs of a scene, the reference's time series first; `announce` hears of each before it begins.
+///
+/// # Errors
+/// As [`solve`].
+pub(crate) fn run(
+    scene: &Scene,
+    control: &Control<'_>,
+    announce: &mut dyn FnMut(&str),
+) -> Result<(Reference, [TimeSeries; 2]), StudyError> {
+    let [second, first] = settings(scene, "dopri5");
+    let mut solve = |setting: Setting| {
+        announce(&format!("reference: {}, {:.2e}", setting.0, setting.1));
+        solve(scene, setting, control)
+    };
+    let (solution, own) = solve(first)?;
+    let (second, other) = solve(second)?;
+    let reference = Reference {
+        solution,
+        second,
+        apart: Distance::between(&other, &own, Least::default()),
+    };
+    Ok((reference, [own, other]))
+}
