@@ -60,16 +60,25 @@ pub(crate) fn uncertainty(
             ),
             Err(unresolved) => missing(&unresolved),
         },
-        Source::Recorded(list) => list
-            .iter()
-            .find(|u| u.quantity == quantity.name && u.window == window.kind)
-            .cloned()
-            .unwrap_or_else(|| {
-                missing(&Unresolved {
-                    reason: "its recording holds no uncertainty of this".to_owned(),
-                    remedy: "record it anew with its refinement study, or run it live".to_owned(),
-                })
-            }),
+        Source::Recorded(list) => {
+            let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * window.to_s;
+            let record = list.iter().find(|u| {
+                u.quantity == quantity.name
+                    && same(u.from_s, window.from_s)
+                    && same(u.to_s, window.to_s)
+            });
+            match record {
+                Some(record) => {
+                    let own = View::of(&participant.time_series, &quantity.channels, samples);
+                    let rms = own.and_then(|view| view.rms());
+                    QuantityUncertainty::of_record(record, window.kind, rms)
+                }
+                None => missing(&Unresolved {
+                    reason: "its recording holds no uncertainty of this window".to_owned(),
+                    remedy: "record it anew, or run it live".to_owned(),
+                }),
+            }
+        }
         Source::Exact(share) => {
             let statistics = View::of(&participant.time_series, &quantity.channels, samples)
                 .and_then(|view| Statistics::of(&view));

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Scene, Solver};
-use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::{RecordedUncertainty, TimeSeries};
 use serde::{Deserialize, Serialize};
 
 use crate::control::{Cancelled, Control};
@@ -51,6 +51,9 @@ pub struct Recording {
     pub stats: RunStats,
     /// The whole scene.
     pub scene: Scene,
+    /// What its quantities are uncertain by, window by window; empty where no setting refines the engine.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub uncertainty: Vec<RecordedUncertainty>,
     /// The time series, at samples [`SAMPLE_S`] apart.
     #[serde(skip)]
     pub time_series: TimeSeries,
@@ -73,12 +76,16 @@ pub enum RecordingError {
 }
 
 impl Recording {
-    /// A recording of a run, thinned and rounded.
+    /// A recording of a run, whose time series are [`thinned`] already; they are rounded when they are written.
     #[must_use]
-    pub fn new(engine: &dyn Engine, scene: &Scene, run: Run) -> Self {
+    pub fn new(
+        engine: &dyn Engine,
+        scene: &Scene,
+        stats: RunStats,
+        time_series: TimeSeries,
+        uncertainty: Vec<RecordedUncertainty>,
+    ) -> Self {
         let digits = engine.info().digits;
-        let every = (SAMPLE_S / scene.solver.sample_s).round().max(1.0) as usize;
-        let rows: Vec<usize> = (0..run.time_series.len()).step_by(every).collect();
         Self {
             engine: engine.name().to_owned(),
             version: engine.version(),
@@ -86,9 +93,10 @@ impl Recording {
             command: String::new(),
             machine: String::new(),
             digits,
-            stats: run.stats,
+            stats,
             scene: scene.clone(),
-            time_series: run.time_series.select(&rows),
+            uncertainty,
+            time_series,
         }
     }
 
@@ -186,6 +194,14 @@ impl Recording {
             .collect();
         self.time_series.select(&rows)
     }
+}
+
+/// The samples that are recorded, [`SAMPLE_S`] apart.
+#[must_use]
+pub fn thinned(time_series: &TimeSeries, scene: &Scene) -> TimeSeries {
+    let every = (SAMPLE_S / scene.solver.sample_s).round().max(1.0) as usize;
+    let rows: Vec<usize> = (0..time_series.len()).step_by(every).collect();
+    time_series.select(&rows)
 }
 
 /// A number without superfluous zeros, or signs of them.
@@ -318,6 +334,7 @@ impl Recorded {
             command,
             machine,
             stats,
+            uncertainty,
             ..
         } = &self.recording;
         Ok(Run::new(
@@ -327,6 +344,7 @@ impl Recorded {
                     "Recorded on {date} with {version} on {machine} by `{command}`, because {}.",
                     self.why
                 )),
+                recorded_uncertainty: uncertainty.clone(),
                 ..stats.clone()
             },
         ))
@@ -355,6 +373,16 @@ mod tests {
             digits: 7,
             stats: RunStats::default(),
             scene: Scene::load("paper", &[]).unwrap().into_scene(),
+            uncertainty: vec![RecordedUncertainty {
+                quantity: "external_sleeve_force_n".to_owned(),
+                from_s: 0.0,
+                to_s: 2e-3,
+                l2: Some(1e-3),
+                linf: Some(2e-3),
+                mean: None,
+                peak: None,
+                rms: Some(5e-4),
+            }],
             time_series,
         }
     }
@@ -375,6 +403,7 @@ mod tests {
         let read = Recording::read(&description, &csv).unwrap();
         assert_eq!(read.scene, made.scene);
         assert_eq!(read.stats, made.stats);
+        assert_eq!(read.uncertainty, made.uncertainty);
         assert_eq!(read.time_series.len(), 3);
         assert!(Recording::read(&description.replace("engine", "motor"), &csv).is_err());
         assert!(Recording::read(&description, &csv.replace("1.5", "x")).is_err());

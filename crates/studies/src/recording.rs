@@ -2,13 +2,20 @@
 
 use std::path::Path;
 
-use pinwheel_engines::recorded::{RECORDED_SCENES, Recording, may_be_missing, worth_keeping};
+use std::time::Duration;
+
+use pinwheel_compare::uncertainty::{RecordedUncertainty, Source};
+use pinwheel_compare::{Participant, RESOLUTION, Rules, compare};
+use pinwheel_engines::recorded::{
+    RECORDED_SCENES, Recording, may_be_missing, thinned, worth_keeping,
+};
 use pinwheel_engines::{Engine, registry};
 use pinwheel_scene::{CheckedScene, Scene};
 use pinwheel_timeseries::Ending;
 
 use crate::StudyError;
 use crate::choice;
+use crate::comparison::{Effort, context, refine};
 use crate::control::{Control, Progress, compile};
 use crate::folder::replace;
 use crate::output::{OutputError, file_name};
@@ -71,16 +78,19 @@ pub fn record(
     if let Err(reason) = worth_keeping(engine.name(), scene) {
         return Ok(Recorded::Left(reason));
     }
-    let gearbox = compile(scene)?;
-    let at = control.piece(Progress::new(0, 1, &label));
-    let run = engine.run_compiled(&gearbox, &at)?;
-    let told = format!("{} {}", engine.name(), run.ending);
-    match run.ending {
-        Ending::Finished => {}
-        Ending::Failed { .. } | Ending::Absent { .. } => return Ok(Recorded::Broken(told)),
+    let (participant, uncertainty) = refined(engine, scene, &label, control)?;
+    let told = format!("{} {}", engine.name(), participant.status);
+    match participant.status {
+        Ending::Finished if participant.cost.recorded.is_none() => {}
+        Ending::Finished | Ending::Failed { .. } | Ending::Absent { .. } => {
+            return Ok(Recorded::Broken(told));
+        }
         _ => return Ok(Recorded::Left(told)),
     }
-    let mut recording = Recording::new(engine, scene, run);
+    let Participant {
+        cost, time_series, ..
+    } = participant;
+    let mut recording = Recording::new(engine, scene, cost, time_series, uncertainty);
     let made = Provenance::here(format!(
         "pinwheel record {} --engines {}",
         scene.name,
@@ -103,4 +113,45 @@ pub fn record(
         samples: recording.time_series.len(),
         bytes: csv.len() + description.len(),
     })
+}
+
+/// A run with the samples that are kept, and what coarser runs say of them.
+fn refined(
+    engine: &dyn Engine,
+    scene: &Scene,
+    label: &str,
+    control: &Control<'_>,
+) -> Result<(Participant, Vec<RecordedUncertainty>), StudyError> {
+    let effort = Effort {
+        longest: Duration::MAX,
+        obey: true,
+        resolution: RESOLUTION,
+    };
+    let (gearbox, context) = (compile(scene)?, context(scene));
+    let at = Progress::new(0, 1, label);
+    let (mut participant, mut evidence) = refine(engine, &gearbox, &context, effort, at, control)?;
+    if !participant.status.is_finished() {
+        return Ok((participant, Vec::new()));
+    }
+    participant.time_series = thinned(&participant.time_series, scene);
+    if let Source::Refinement(study) = &mut evidence.source {
+        for run in study.coarser.iter_mut().flat_map(|level| &mut level.run) {
+            *run = thinned(run, scene);
+        }
+    }
+    // Half of the last digit that is kept.
+    let rounding = 0.5 * 10_f64.powi(1 - i32::try_from(engine.info().digits).unwrap_or(i32::MAX));
+    evidence.floor = evidence.floor.max(rounding);
+    let rules = Rules {
+        evidence: &[evidence],
+        ..Rules::default()
+    };
+    let found = compare(&context, std::slice::from_ref(&participant), &rules)?;
+    let known = found.engines.iter().flat_map(|engine| &engine.uncertainty);
+    let recorded = known.filter_map(|known| {
+        let window = found.windows.iter().find(|w| w.kind == known.window)?;
+        known.l2.u().map(|_| known.to_record(window))
+    });
+    let recorded = recorded.collect();
+    Ok((participant, recorded))
 }

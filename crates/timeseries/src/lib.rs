@@ -39,5 +39,5 @@ pub use error::TimeSeriesError;
 pub use parquet_file::{
     ParquetFault, load_time_series, read_table, read_time_series, save_time_series,
 };
-pub use run::{Ending, EnergyAudit, RunStats, Track, efficiency, mean_powers};
+pub use run::{Ending, EnergyAudit, RecordedUncertainty, RunStats, Track, efficiency, mean_powers};
 pub use store::{Channel, TimeSeries, group_of};

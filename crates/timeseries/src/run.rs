@@ -83,6 +83,31 @@ pub struct RunStats {
     /// Set for time series that were recorded earlier and not computed now: when, with what, and why they stand
     /// here. Costs are then those of the recording, on its machine; its samples may be a part of the others'.
     pub recorded: Option<String>,
+    /// What recorded time series are uncertain by.
+    #[serde(skip)]
+    pub recorded_uncertainty: Vec<RecordedUncertainty>,
+}
+
+/// What a recorded quantity is uncertain by in one window, in its unit; `None` where it is not known.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordedUncertainty {
+    /// The quantity's name.
+    pub quantity: String,
+    /// Start of the window, s.
+    pub from_s: f64,
+    /// Its end, s.
+    pub to_s: f64,
+    /// Root mean square of the series' error.
+    pub l2: Option<f64>,
+    /// Largest error of the series.
+    pub linf: Option<f64>,
+    /// Error of the mean.
+    pub mean: Option<f64>,
+    /// Error of the largest magnitude.
+    pub peak: Option<f64>,
+    /// Error of the root mean square.
+    pub rms: Option<f64>,
 }
 
 /// Energy account between two times, J: growth of kinetic and stored energy = works - losses + remainder.

@@ -7,7 +7,8 @@ mod refinement;
 
 use serde::{Deserialize, Serialize};
 
-use crate::windows::WindowKind;
+use crate::windows::{Window, WindowKind};
+pub use pinwheel_timeseries::RecordedUncertainty;
 pub use pinwheel_timeseries::convergence::{self as order, Basis, Estimate, Method, Unresolved};
 pub(crate) use refinement::Settings;
 pub use refinement::{Level, RefinementStudy};
@@ -95,6 +96,50 @@ impl QuantityUncertainty {
         }
     }
 
+    /// To be written down with a recording of the window.
+    #[must_use]
+    pub fn to_record(&self, window: &Window) -> RecordedUncertainty {
+        RecordedUncertainty {
+            quantity: self.quantity.clone(),
+            from_s: window.from_s,
+            to_s: window.to_s,
+            l2: self.l2.u(),
+            linf: self.linf.u(),
+            mean: self.mean.u(),
+            peak: self.peak.u(),
+            rms: self.rms.u(),
+        }
+    }
+
+    /// What a recording has of a quantity whose root mean square in this window is `rms`.
+    pub(crate) fn of_record(
+        record: &RecordedUncertainty,
+        window: WindowKind,
+        rms: Option<f64>,
+    ) -> Self {
+        let known = |u: Option<f64>| match u {
+            Some(u) => Uncertainty::Known(Estimate::stated(u)),
+            None => Uncertainty::Unknown(Unresolved::new(
+                "it was not known when it was recorded",
+                "run it live",
+            )),
+        };
+        Self {
+            quantity: record.quantity.clone(),
+            window,
+            l2: known(record.l2),
+            linf: known(record.linf),
+            mean: known(record.mean),
+            peak: known(record.peak),
+            rms: known(record.rms),
+            relative_l2: record
+                .l2
+                .zip(rms)
+                .map(|(u, rms)| u / rms)
+                .filter(|share| share.is_finite()),
+        }
+    }
+
     /// The same in every norm.
     pub(crate) fn everywhere(quantity: &str, window: WindowKind, what: &Uncertainty) -> Self {
         Self {
@@ -138,9 +183,8 @@ pub struct Final {
 pub enum Source {
     /// Coarser runs of the same engine.
     Refinement(RefinementStudy),
-    /// Uncertainties written down with a recording, as a comparison gave them
-    /// ([`EngineSummary::uncertainty`](crate::comparison::EngineSummary::uncertainty)).
-    Recorded(Vec<QuantityUncertainty>),
+    /// Uncertainties written down with a recording ([`QuantityUncertainty::to_record`]).
+    Recorded(Vec<RecordedUncertainty>),
     /// Exact but for rounding: a closed form. The value is the floor, as a share of a quantity's RMS.
     Exact(f64),
     /// Not known.

@@ -85,10 +85,11 @@ fn a_participant_without_evidence_is_named() {
         .1
         .source,
     ));
-    let list = live.engines[1].uncertainty.clone();
-    let written = serde_json::to_string(&list).unwrap();
-    let recorded = Source::Recorded(serde_json::from_str(&written).unwrap());
-    assert_eq!(found(Some(recorded)).0, entry(&live, FORCE).result);
+    let window = |kind| live.windows.iter().find(|w| w.kind == kind).unwrap();
+    let list = live.engines[1].uncertainty.iter();
+    let list = list.map(|known| known.to_record(window(known.window)));
+    let recorded = found(Some(Source::Recorded(list.collect()))).0;
+    assert_eq!(recorded, entry(&live, FORCE).result);
     assert!(named(
         &found(Some(Source::Recorded(Vec::new()))).0,
         "recording holds no"

@@ -140,7 +140,7 @@ impl Native {
                 .filter_map(|(from, to)| run.energy.audit(from, to))
                 .collect(),
             notes: late.into_iter().chain(notes).collect(),
-            recorded: None,
+            ..RunStats::default()
         };
         Ok(Run {
             uncertainty,

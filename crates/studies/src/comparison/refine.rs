@@ -7,7 +7,7 @@
 use std::time::Duration;
 
 use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION, KINKS};
-use pinwheel_compare::uncertainty::{Basis, Final, Method, Unresolved};
+use pinwheel_compare::uncertainty::{Basis, Final, Method, Source, Unresolved};
 use pinwheel_compare::{
     Context, Evidence, Level, Participant, RESOLUTION, RefinementStudy, Rules, Status, Track,
     Uncertainty, compare,
@@ -377,7 +377,7 @@ pub(crate) fn refine(
     let Some(mut engines) = ways.next() else {
         let participant = take_part(engine, gearbox, most, at, control)?;
         let evidence = if participant.cost.recorded.is_some() {
-            recorded(name)
+            recorded(&participant)
         } else {
             unknown(
                 name,
@@ -423,7 +423,8 @@ pub(crate) fn refine(
         spent += finest.cost.wall_s;
     }
     if finest.cost.recorded.is_some() {
-        return Ok((finest, recorded(name)));
+        let evidence = recorded(&finest);
+        return Ok((finest, evidence));
     }
     // A derived setting may be too coarse to get through at all.
     for _ in 0..3 {
@@ -528,12 +529,19 @@ fn unknown(name: &str, group: &'static str, reason: &str) -> Evidence {
         .finally(group, "its numerical uncertainty cannot be had by refining")
 }
 
-fn recorded(name: &str) -> Evidence {
-    unknown(
-        name,
+fn recorded(participant: &Participant) -> Evidence {
+    let nothing = unknown(
+        &participant.name,
         "recordings",
         "a recording cannot be run again at other settings",
-    )
+    );
+    match participant.cost.recorded_uncertainty.as_slice() {
+        [] => nothing,
+        list => Evidence {
+            source: Source::Recorded(list.to_vec()),
+            ..nothing
+        },
+    }
 }
 
 fn evidence(engines: &Engines<'_>, value: f64, levels: &[At]) -> Evidence {
