@@ -7,8 +7,9 @@ use std::error::Error;
 
 use pinwheel_compare::uncertainty::Source;
 use pinwheel_compare::{Context, Cost, Evidence, Participant, Rules, Status, Track, compare};
-use pinwheel_report::{Fact, ReportInput, render};
+use pinwheel_report::{ReportInput, render};
 use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::table::Table;
 
 const SAMPLES: u32 = 6001;
 
@@ -157,31 +158,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..Rules::default()
     };
     let comparison = compare(&context, &participants, &rules)?;
-    let fact = Fact::new;
     let page = render(&ReportInput {
         comparison: &comparison,
         participants: &participants,
         animation: None,
-        modelled: vec![
-            fact(
-                "28 bodies, 27 degrees of freedom",
-                "Input and output shaft, 2 wheels, 16 external and 8 internal sleeves.",
-            ),
-            fact(
-                "Contact law of the paper, Eq. 20",
-                "K from the local curvature, damping 8 N s/m, never adhesive.",
-            ),
-        ],
-        left_out: vec![
-            fact("Gravity", "Forces of 6 N against loads of 100 N."),
-            fact("Sleeve spins", "Without friction nothing turns them."),
-        ],
-        assumptions: vec![
-            fact(
-                "Internal sleeve radius 6 mm",
-                "Fig. 3 is not available; Tab. 2 gives internal and external sleeves the same mass.",
-            ),
-            fact("Friction coefficient 0", "The paper gives none."),
+        model: vec![
+            Table::of(
+                "Assumptions",
+                [("Friction coefficient 0", "The paper gives none.")],
+            )
+            .text("", "What", |fact| fact.0)
+            .text("", "Why", |fact| fact.1)
+            .done(),
         ],
         versions: vec![
             ("pinwheel".into(), "0.1.0".into()),

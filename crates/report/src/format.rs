@@ -169,7 +169,7 @@ pub fn count(value: u64) -> String {
 }
 
 /// Without zeros at the end of the decimals.
-pub fn trim_zeros(text: &str) -> &str {
+fn trim_zeros(text: &str) -> &str {
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.'),
         false => text,

@@ -2,6 +2,7 @@
 //! knows. Every string may hold any characters: all are escaped.
 
 use pinwheel_compare::{Comparison, Participant};
+use pinwheel_timeseries::table::Table;
 
 use crate::animation::Animation;
 
@@ -14,12 +15,8 @@ pub struct ReportInput<'a> {
     pub participants: &'a [Participant],
     /// The gearbox in motion, if there is one to show, and the time it begins at, s.
     pub animation: Option<(Animation, f64)>,
-    /// What was modelled, e.g. bodies, joints, contact law.
-    pub modelled: Vec<Fact>,
-    /// What was left out, and why.
-    pub left_out: Vec<Fact>,
-    /// Values that are assumptions, and what they rest on.
-    pub assumptions: Vec<Fact>,
+    /// What was modelled, what was left out, what was assumed, each with the reason.
+    pub model: Vec<Table>,
     /// Versions of the program and its parts, e.g. (`pinwheel`, `0.1.0`).
     pub versions: Vec<(String, String)>,
     /// The machine, e.g. (`processor`, ...), (`operating system`, ...).
@@ -30,23 +27,4 @@ pub struct ReportInput<'a> {
     pub scene_toml: String,
     /// Date or run number shown in the footer; `None` keeps the page reproducible byte for byte.
     pub made: Option<String>,
-}
-
-/// A statement and its reason.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Fact {
-    /// What, e.g. `28 bodies`.
-    pub what: String,
-    /// Details or the reason; may be empty.
-    pub why: String,
-}
-
-impl Fact {
-    /// A fact from its two parts.
-    pub fn new(what: impl Into<String>, why: impl Into<String>) -> Self {
-        Self {
-            what: what.into(),
-            why: why.into(),
-        }
-    }
 }

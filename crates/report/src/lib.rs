@@ -24,7 +24,7 @@ pub mod terminal;
 pub mod words;
 
 pub use error::ReportError;
-pub use input::{Fact, ReportInput};
+pub use input::ReportInput;
 
 /// Fills in the page.
 ///

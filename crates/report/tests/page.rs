@@ -4,8 +4,9 @@ use pinwheel_compare::uncertainty::Source;
 use pinwheel_compare::{
     Comparison, Context, Cost, Evidence, Participant, Rules, Status, Track, compare,
 };
-use pinwheel_report::{Fact, ReportError, ReportInput, render};
+use pinwheel_report::{ReportError, ReportInput, render};
 use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::table::Table;
 
 /// What a hostile scene would try: to end an element, an attribute, a script.
 const HOSTILE: &str = "x</script><script>alert(1)</script><img src=x onerror=\"a\">'\"--><!--";
@@ -81,9 +82,11 @@ fn page_of(comparison: &Comparison, participants: &[Participant]) -> Result<Stri
         comparison,
         participants,
         animation: None,
-        modelled: vec![Fact::new("28 bodies", "")],
-        left_out: vec![Fact::new("Gravity", "It is small.")],
-        assumptions: vec![Fact::new("Radius 6 mm", "Fig. 3 is missing.")],
+        model: vec![
+            Table::of("Assumptions", ["Radius 6 mm"])
+                .text("", "What", |what| *what)
+                .done(),
+        ],
         versions: vec![("pinwheel".to_owned(), "0.1.0".to_owned())],
         machine: vec![("processor".to_owned(), HOSTILE.to_owned())],
         command: format!("pinwheel compare {HOSTILE}"),

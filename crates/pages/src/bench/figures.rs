@@ -1,6 +1,6 @@
 //! Costs and errors in words, for the terminal and the page.
 
-use pinwheel_report::format::{seconds, significant, trim_zeros};
+use pinwheel_report::format::{seconds, significant};
 use pinwheel_studies::bench::{CostAt, Series, Stopped};
 use pinwheel_timeseries::Ending;
 use pinwheel_timeseries::table::{Mark, TableOf};
@@ -51,13 +51,6 @@ pub(super) fn column<R>(
         })
 }
 
-/// A step or tolerance as people write it.
-pub(super) fn setting(value: f64) -> String {
-    let text = format!("{value:.2e}");
-    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-    format!("{}e{exponent}", trim_zeros(mantissa))
-}
-
 /// Why a series has no finished point; `None` if it has one.
 #[must_use]
 pub fn failure(series: &Series) -> Option<String> {
@@ -99,8 +92,5 @@ mod tests {
             "\u{2264}\u{202f}22.6\u{202f}k"
         );
         assert_eq!(count(CostAt::Interpolated(1.234e6)), "1.23\u{202f}M");
-        assert_eq!(setting(1e-5), "1e-5");
-        assert_eq!(setting(2.5e-6), "2.5e-6");
-        assert_eq!(setting(3.2e-3), "3.2e-3");
     }
 }

@@ -2,7 +2,7 @@
 
 use pinwheel_engines::{Knob, Track};
 use pinwheel_report::colours;
-use pinwheel_report::format::{NONE, limit};
+use pinwheel_report::format::{NONE, limit, plain};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
 use pinwheel_studies::bench::{self, Advantage, Errors, Measure, Ranking, WorkPrecision};
 use pinwheel_studies::reference::Solution;
@@ -154,7 +154,7 @@ fn chart(
             Knob::Step => "step",
             Knob::Tolerance => "tolerance",
         };
-        let tags = finished.map(|p| format!("{name} {}", figures::setting(p.setting)));
+        let tags = finished.map(|p| format!("{name} {}", plain(p.setting)));
         let drawn = Series {
             // Engines that do not count calls have fewer points than settings.
             tags: tags.take(x.len()).collect(),
@@ -195,7 +195,7 @@ fn reference(study: &WorkPrecision) -> Section {
         format!(
             "`{}`, {knob} {}{unit}, {} right-hand sides",
             solution.method,
-            figures::setting(solution.setting),
+            plain(solution.setting),
             figures::calls(solution.rhs_calls as f64)
         )
     };

@@ -5,9 +5,10 @@ mod text;
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_gearbox::Statement;
-use pinwheel_report::{Fact, ReportInput};
+use pinwheel_report::ReportInput;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::comparison::Outcome;
+use pinwheel_timeseries::table::Table;
 
 pub use text::text;
 
@@ -18,7 +19,16 @@ use crate::{PageError, animation};
 /// # Errors
 /// Stopped, or the page cannot be made.
 pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<String, PageError> {
-    let facts = |list: &[Statement]| list.iter().map(|s| Fact::new(&s.what, &s.why)).collect();
+    let statements = |caption: &str, list: &[Statement]| {
+        Table::of(caption, list)
+            .text("", "What", |statement| &statement.what)
+            .text("", "Why", |statement| &statement.why)
+            .done()
+    };
+    let assumptions = Table::of("Assumptions", &found.assumptions)
+        .text("", "What", |a| format!("{} = {}", a.key, a.value))
+        .text("", "Why", |a| &a.reason)
+        .done();
     let mut versions = made.versions();
     versions.extend(
         found
@@ -30,13 +40,11 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
         comparison: &found.comparison,
         participants: &found.participants,
         animation: animation::of(&found.gearbox, cancel)?,
-        modelled: facts(&found.model.modelled),
-        left_out: facts(&found.model.left_out),
-        assumptions: found
-            .assumptions
-            .iter()
-            .map(|a| Fact::new(format!("{} = {}", a.key, a.value), &a.reason))
-            .collect(),
+        model: vec![
+            statements("What was modelled", &found.model.modelled),
+            statements("What was left out, and why", &found.model.left_out),
+            assumptions,
+        ],
         versions,
         machine: made.machine.rows(),
         command: made.command.clone(),

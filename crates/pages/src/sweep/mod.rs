@@ -7,7 +7,7 @@ use pinwheel_report::study::{
 };
 use pinwheel_studies::sweep::{Axis, Plan, RunRecord, Value};
 use pinwheel_studies::sweep::{STATICS, tolerances as found_of};
-use pinwheel_timeseries::table::{Table, Values};
+use pinwheel_timeseries::table::{Column, Table, Values};
 
 use pinwheel_studies::Provenance;
 
@@ -39,14 +39,9 @@ pub fn page(
         .count();
     let cpu: f64 = records.iter().map(|record| record.cpu_s).sum();
     let sweep = &plan.sweep;
-    let varied: Vec<String> = sweep
-        .axes
-        .iter()
-        .flat_map(|axis| {
-            axis.keys
-                .iter()
-                .map(|(key, list)| format!("{key} ({})", list.len()))
-        })
+    let keys = sweep.axes.iter().flat_map(|axis| &axis.keys);
+    let varied: Vec<String> = keys
+        .map(|(key, list)| format!("{key} ({})", list.len()))
         .collect();
     let lead = if sweep.description.is_empty() {
         format!(
@@ -179,66 +174,59 @@ fn simulated_s(plan: &Plan) -> f64 {
     moving.fold(0.0, |sum, run| sum + run.scene.solver.duration_s)
 }
 
-/// A figure that is charted: column, heading, unit.
-struct Figure<'a> {
-    column: &'a str,
-    values: &'a [Option<f64>],
-    label: String,
-    unit: String,
+/// A figure that is charted: column, values, heading, unit.
+type Figure<'a> = (&'a str, &'a [Option<f64>], String, String);
+
+/// Heading and unit of a column, if it is a figure.
+fn heading(name: &str, records: &[RunRecord]) -> Option<(String, String)> {
+    let share = |words: &str| Some((words.to_owned(), String::new()));
+    match name {
+        "efficiency" => return share("Efficiency, by means, with what the contact law creates"),
+        "efficiency_accounted" => {
+            return share("Efficiency, what the contact law creates taken out");
+        }
+        _ => {}
+    }
+    if let Some((word, quantity)) = name.split_once('_')
+        && ["mean", "peak", "rms"].contains(&word)
+    {
+        let (label, unit) = quantities::label_and_unit(quantity);
+        return Some((format!("{label}, {word}"), unit));
+    }
+    let balanced = records.iter().any(|r| r.balances.contains_key(name));
+    balanced.then(|| quantities::label_and_unit(name))
 }
 
 /// Numeric figures that are not the same in every run.
 fn figures<'a>(table: &'a Table, records: &[RunRecord]) -> Vec<Figure<'a>> {
-    const WORDS: [(&str, &str); 3] = [("mean_", "mean"), ("peak_", "peak"), ("rms_", "rms")];
-    let mut list = Vec::new();
-    for column in &table.columns {
-        let name = &column.name;
+    let figure = |column: &'a Column| {
         let Values::Number(values) = &column.values else {
-            continue;
+            return None;
         };
-        let (label, unit) = if name == "efficiency" {
-            (
-                "Efficiency, by means, with what the contact law creates".to_owned(),
-                String::new(),
-            )
-        } else if name == "efficiency_accounted" {
-            (
-                "Efficiency, what the contact law creates taken out".to_owned(),
-                String::new(),
-            )
-        } else if let Some((word, quantity)) = WORDS
-            .iter()
-            .find_map(|(prefix, word)| name.strip_prefix(prefix).map(|rest| (word, rest)))
-        {
-            let (label, unit) = quantities::label_and_unit(quantity);
-            (format!("{label}, {word}"), unit)
-        } else if records.iter().any(|r| r.balances.contains_key(name)) {
-            quantities::label_and_unit(name)
-        } else {
-            continue;
-        };
+        let (label, unit) = heading(&column.name, records)?;
         let mut present = values.iter().flatten();
-        let first = present.next();
-        if first.is_some_and(|first| present.any(|value| value != first)) {
-            list.push(Figure {
-                column: name,
-                values,
-                label,
-                unit,
-            });
-        }
-    }
+        let first = present.next()?;
+        let differ = present.any(|value| value != first);
+        differ.then_some((column.name.as_str(), values.as_slice(), label, unit))
+    };
+    let mut list: Vec<Figure<'_>> = table.columns.iter().filter_map(figure).collect();
     // Peaks of forces and means of torques say most; the rest follows in its order.
-    let rank = |figure: &Figure<'_>| match figure.column {
+    list.sort_by_key(|(column, ..)| match *column {
         "peak_external_sleeve_force_n" => 0,
         "peak_internal_sleeve_force_n" => 1,
         "mean_input_torque_n_m" => 2,
         "efficiency_accounted" => 3,
         name if name.starts_with("rms_") || name.ends_with("_rad") => 5,
         _ => 4,
-    };
-    list.sort_by_key(rank);
+    });
     list
+}
+
+/// The largest magnitude.
+fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+    values
+        .into_iter()
+        .fold(0.0, |most, value| value.abs().max(most))
 }
 
 /// What was varied, and the engines where there are several, with every figure that is not the same in every run.
@@ -252,47 +240,24 @@ fn grid(plan: &Plan, records: &[RunRecord], table: &Table) -> Grid {
             numbers: None,
         });
     }
-    // The engine changes fastest, then the last axis.
-    let runs = (0..plan.runs.len()).map(|run| {
-        let mut rest = run;
-        let mut places: Vec<usize> = axes
-            .iter()
-            .rev()
-            .map(|axis| {
-                let count = axis.values.len().max(1);
-                let place = rest % count;
-                rest /= count;
-                place
-            })
-            .collect();
-        places.reverse();
-        places
-    });
-    let runs = runs.collect();
-    let found = figures(table, records);
-    let figures = found.iter().take(MOST_FIGURES).map(|figure| {
-        let largest = figure
-            .values
-            .iter()
-            .flatten()
-            .fold(0.0, |a: f64, b| a.max(b.abs()));
-        let (unit, factor) = readable_unit(&figure.unit, largest);
-        let scaled = |value: &Option<f64>| value.map(|v| factor * v);
-        let off = records
-            .iter()
-            .zip(figure.values)
-            .map(|(record, value)| Some(factor * uncertainty(record, figure.column, (*value)?)?));
+    let found = figures(table, records).into_iter().take(MOST_FIGURES);
+    let figures = found.map(|(column, values, label, unit)| {
+        let (unit, factor) = readable_unit(&unit, largest(values.iter().flatten()));
+        let off = records.iter().zip(values);
+        let off = off.map(|(record, value)| Some(factor * uncertainty(record, column, (*value)?)?));
         GridFigure {
-            label: named(&figure.label, &unit),
-            values: figure.values.iter().map(scaled).collect(),
+            label: named(&label, &unit),
+            values: values
+                .iter()
+                .map(|value| value.map(|v| factor * v))
+                .collect(),
             uncertainty: off.collect(),
         }
     });
-    let figures = figures.collect();
     Grid {
+        figures: figures.collect(),
+        runs: (0..plan.runs.len()).map(|run| plan.places(run)).collect(),
         axes,
-        figures,
-        runs,
     }
 }
 
@@ -334,8 +299,7 @@ fn axis(axis: &Axis) -> GridAxis {
             numbers: None,
         };
     };
-    let largest = numbers.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-    let (unit, factor) = readable_unit(&unit, largest);
+    let (unit, factor) = readable_unit(&unit, largest(&numbers));
     let numbers: Vec<f64> = numbers.iter().map(|v| factor * v).collect();
     GridAxis {
         label: named(&label, &unit),
@@ -355,13 +319,10 @@ fn uncertainty(record: &RunRecord, column: &str, value: f64) -> Option<f64> {
         .and_then(|quantity| record.figures.get(quantity));
     let drift = spread.map_or(f64::NAN, |spread| spread.drift);
     // What is not known adds nothing; if neither is, nothing is said.
-    let parts = [numerical, drift]
+    let known = [numerical, drift]
         .into_iter()
         .filter(|part| part.is_finite());
-    parts
-        .map(|part| part * part)
-        .reduce(|a, b| a + b)
-        .map(f64::sqrt)
+    known.reduce(f64::hypot)
 }
 
 /// The table of runs.

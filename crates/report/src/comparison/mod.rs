@@ -11,7 +11,7 @@ use pinwheel_timeseries::norms::Statistics;
 use pinwheel_timeseries::table::{Mark, Shown, Table, TableOf};
 
 use crate::study::{Block, Section, Study, TimeSeries};
-use crate::{Fact, ReportError, ReportInput, animation, colours, format};
+use crate::{ReportError, ReportInput, animation, colours, format};
 
 /// The study of a comparison.
 ///
@@ -38,7 +38,9 @@ pub(crate) fn study(input: &ReportInput<'_>) -> Result<Study, ReportError> {
     sections.extend(page.tracks());
     sections.extend(page.energy());
     sections.push(page.costs());
-    sections.push(model(input));
+    let model = input.model.iter().filter(|table| !table.is_empty());
+    let model: Vec<Block> = model.cloned().map(Block::Table).collect();
+    sections.push(Section::new("model", "Model", model).folded(""));
     sections.push(page.engines());
     let engines = comparison.engines.len();
     let plural = if engines == 1 { "" } else { "s" };
@@ -393,24 +395,6 @@ impl<'a> Page<'a> {
         let blocks = [Block::Table(table)];
         Section::new("engines", "Engines", blocks).folded("how they differ")
     }
-}
-
-/// What is modelled, left out and assumed.
-fn model(input: &ReportInput<'_>) -> Section {
-    let facts = |caption: &str, facts: &[Fact]| {
-        let table = Table::of(caption, facts)
-            .text("", "What", |fact| &fact.what)
-            .text("", "Why", |fact| &fact.why)
-            .done();
-        (!table.is_empty()).then_some(Block::Table(table))
-    };
-    let blocks = [
-        facts("What was modelled", &input.modelled),
-        facts("What was left out, and why", &input.left_out),
-        facts("Assumptions", &input.assumptions),
-    ];
-    let blocks: Vec<Block> = blocks.into_iter().flatten().collect();
-    Section::new("model", "Model", blocks).folded("")
 }
 
 /// How a verdict is marked: what is open stands back.

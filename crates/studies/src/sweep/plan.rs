@@ -198,6 +198,15 @@ impl Plan {
         axes.flat_map(|axis| axis.keys.iter().map(|(key, _)| key.as_str()))
     }
 
+    /// The place of a run on every axis, and among the engines where there are several.
+    #[must_use]
+    pub fn places(&self, run: usize) -> Vec<usize> {
+        let engines = self.sweep.engines.len();
+        let mut places = places_at(&self.sweep, run / engines);
+        places.extend((engines > 1).then_some(run % engines));
+        places
+    }
+
     /// Simulated time of all runs, s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
@@ -248,21 +257,24 @@ fn measured(sweep: &Sweep, scene: &CheckedScene) -> Result<(), String> {
     Ok(())
 }
 
-/// The values at one point of the grid; the last axis changes fastest.
-fn values_at(sweep: &Sweep, point: usize) -> Vec<(String, Value)> {
+/// The place on every axis at one point of the grid; the last axis changes fastest.
+fn places_at(sweep: &Sweep, point: usize) -> Vec<usize> {
     let mut rest = point;
     let mut places = vec![0; sweep.axes.len()];
     for (place, axis) in places.iter_mut().zip(&sweep.axes).rev() {
         *place = rest % axis.len();
         rest /= axis.len();
     }
-    let axes = sweep.axes.iter().zip(places);
-    axes.flat_map(|(axis, place)| {
-        axis.keys
-            .iter()
-            .map(move |(key, list)| (key.clone(), list[place].clone()))
-    })
-    .collect()
+    places
+}
+
+/// The values there.
+fn values_at(sweep: &Sweep, point: usize) -> Vec<(String, Value)> {
+    let axes = sweep.axes.iter().zip(places_at(sweep, point));
+    let value =
+        |(key, list): &(String, Vec<Value>), place: usize| (key.clone(), list[place].clone());
+    axes.flat_map(|(axis, place)| axis.keys.iter().map(move |one| value(one, place)))
+        .collect()
 }
 
 /// A run that cannot be planned.
