@@ -83,7 +83,7 @@ fn page_of(comparison: &Comparison, participants: &[Participant]) -> Result<Stri
         participants,
         animation: None,
         model: vec![
-            Table::of("Assumptions", ["Radius 6 mm"])
+            Table::of("What was modelled", ["28 bodies"])
                 .text("", "What", |what| *what)
                 .done(),
         ],

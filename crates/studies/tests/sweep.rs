@@ -49,7 +49,7 @@ fn the_same_numbers_whatever_the_threads() {
     let table = |jobs: usize| {
         let journal = Journal::open(&folder.path().join(jobs.to_string()), None, "a test").unwrap();
         let records = run(&plan, &journal, jobs);
-        assert_eq!(journal.len(), 12);
+        assert_eq!(journal.in_its_folder(), 12);
         #[cfg(feature = "parquet")]
         {
             let mut bytes = Vec::new();
@@ -161,10 +161,10 @@ fn goes_on_where_it_stopped() {
     std::fs::write(place.join("run-torn.json"), "{\"engine\":").unwrap();
     drop(journal);
     let journal = Journal::open(&place, None, "a test").unwrap();
-    assert_eq!(journal.len(), finished);
+    assert_eq!(journal.in_its_folder(), finished);
     assert!(!place.join(".unfinished-x").exists());
     let records = run(&plan, &journal, 2);
-    assert_eq!(journal.len(), 12);
+    assert_eq!(journal.in_its_folder(), 12);
     assert_eq!(csv(&plan, &records), whole);
     drop(journal);
     // A third time nothing is run: the times, which no two runs share, stay.
@@ -211,7 +211,9 @@ fn divergence_and_refusal_are_results() {
     let second: Vec<&str> = table.lines().nth(2).unwrap().split(',').collect();
     assert_eq!(&second[..4], ["2", "native-reduced", "0.0001", "diverged"]);
     assert_eq!(
-        Journal::open(folder.path(), None, "a test").unwrap().len(),
+        Journal::open(folder.path(), None, "a test")
+            .unwrap()
+            .in_its_folder(),
         2
     );
 }
@@ -297,7 +299,7 @@ fn a_sample_is_the_same_whoever_runs_it() {
     assert_eq!(one, csv(&plan, &run(&plan, &journal("three"), 3)));
     for shard in ["1/2", "2/2"] {
         let shard: Shard = shard.parse().unwrap();
-        let own = Journal::shard(&folder.path().join("parts"), None, shard, "a test").unwrap();
+        let own = Journal::shard(&folder.path().join("parts"), shard, "a test").unwrap();
         execute_some(&plan, &shard.picks(64), &own, 1, &Control::quiet()).unwrap();
     }
     let parts = gather(&plan, &journal("parts")).unwrap();

@@ -73,7 +73,7 @@ fn jobs(args: &SweepArgs) -> usize {
 /// Runs one shard; its records stay in the journal until they are gathered.
 fn shard(args: &SweepArgs, plan: &Plan, place: &Path, shard: Shard) -> Result<u8, Failure> {
     let picks = shard.picks(plan.runs.len());
-    let journal = Journal::shard(place, None, shard, &args::typed())?;
+    let journal = Journal::shard(place, shard, &args::typed())?;
     let records = watched("sweep", |control| {
         execute_some(plan, &picks, &journal, jobs(args), control)
     })?;

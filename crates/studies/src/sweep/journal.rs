@@ -14,6 +14,7 @@
 //! place, waited for and then renamed, as a record says that they are there.
 
 use std::collections::HashMap;
+use std::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -23,6 +24,7 @@ use std::time::{Duration, Instant};
 
 use pinwheel_files::fnv;
 use pinwheel_timeseries::TimeSeries;
+use tempfile::Builder;
 
 use crate::folder::beside;
 use crate::output::OutputError;
@@ -71,7 +73,7 @@ impl FromStr for Shard {
     }
 }
 
-impl std::fmt::Display for Shard {
+impl Display for Shard {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}/{}", self.number, self.of)
     }
@@ -164,12 +166,7 @@ impl Journal {
     ///
     /// # Errors
     /// As [`open`](Self::open); another process runs this shard, or the whole sweep.
-    pub fn shard(
-        folder: &Path,
-        earlier: Option<&Path>,
-        shard: Shard,
-        command: &str,
-    ) -> Result<Self, SweepError> {
+    pub fn shard(folder: &Path, shard: Shard, command: &str) -> Result<Self, SweepError> {
         fs::create_dir_all(folder).map_err(at(folder))?;
         let begun = Instant::now();
         let whole = loop {
@@ -186,8 +183,8 @@ impl Journal {
         let owner = Owner::take(&own, command)?;
         let others = shards_of(folder)?;
         drop(whole);
-        let places = earlier.into_iter().chain([folder]);
-        let known = Self::read(&own, places.chain(others.iter().map(PathBuf::as_path)))?;
+        let others = others.iter().map(PathBuf::as_path);
+        let known = Self::read(&own, [folder].into_iter().chain(others))?;
         Ok(Self {
             folder: own,
             _owners: vec![owner],
@@ -224,18 +221,6 @@ impl Journal {
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
-    }
-
-    /// Runs it holds.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.lock().len()
-    }
-
-    /// True without any.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Runs in its own folder, those of an earlier output not counted.
@@ -403,7 +388,8 @@ fn place(folder: &Path, identity: &str, extension: &str) -> PathBuf {
     ))
 }
 
-/// Keeps the time series of a run in a journal's folder. Its record comes last: where it is, its time series are.
+/// Keeps the time series of a run in a journal's folder: on the disk before they have their name. Its record comes last: where it
+/// is, its time series are.
 pub(crate) fn keep_time_series(
     folder: &Path,
     identity: &str,
@@ -414,31 +400,22 @@ pub(crate) fn keep_time_series(
         return Ok(());
     };
     let file = place(folder, identity, extension);
-    whole(&file, |sink| {
+    let unwritten = |fault: &dyn Display| OutputError::new(&file, fault);
+    let sink = Builder::new().prefix(UNFINISHED).tempfile_in(folder);
+    let mut sink = sink.map_err(at(&file))?;
+    match how {
         #[cfg(feature = "parquet")]
-        if how == KeepTimeSeries::Parquet {
+        KeepTimeSeries::Parquet => {
             let written = pinwheel_timeseries::save_time_series(time_series, sink.path());
-            return written.map_err(|fault| OutputError::new(&file, &fault).into());
+            written.map_err(|fault| unwritten(&fault))?;
         }
-        let written = time_series.write_csv(sink.as_file_mut());
-        written.map_err(|fault| OutputError::new(&file, &fault).into())
-    })
-}
-
-/// Writes a file beside its place and renames it: it is on the disk before it has its name.
-fn whole(
-    path: &Path,
-    write: impl FnOnce(&mut tempfile::NamedTempFile) -> Result<(), SweepError>,
-) -> Result<(), SweepError> {
-    let folder = path.parent().unwrap_or(path);
-    let mut builder = tempfile::Builder::new();
-    let mut sink = builder
-        .prefix(UNFINISHED)
-        .tempfile_in(folder)
-        .map_err(at(path))?;
-    write(&mut sink)?;
-    sink.as_file().sync_all().map_err(at(path))?;
-    sink.persist(path).map_err(|error| at(path)(error.error))?;
+        _ => {
+            let written = time_series.write_csv(sink.as_file_mut());
+            written.map_err(|fault| unwritten(&fault))?;
+        }
+    }
+    sink.as_file().sync_all().map_err(at(&file))?;
+    sink.persist(&file).map_err(|fault| unwritten(&fault))?;
     Ok(())
 }
 

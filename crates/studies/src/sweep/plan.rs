@@ -206,15 +206,6 @@ impl Plan {
         places.extend((engines > 1).then_some(run % engines));
         places
     }
-
-    /// Simulated time of all runs, s.
-    #[must_use]
-    pub fn duration_s(&self) -> f64 {
-        self.runs
-            .iter()
-            .map(|run| run.scene.solver.duration_s)
-            .sum()
-    }
 }
 
 /// Refuses a pattern of what is measured that fits no quantity of the scene, and a limit on what the results will not have.
