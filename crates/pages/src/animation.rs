@@ -5,8 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pinwheel_gearbox::native::{self, NativeError};
 use pinwheel_gearbox::resolve::{self, Budget};
 use pinwheel_gearbox::{Gearbox, GearboxError, auto};
-use pinwheel_report::animation::{Animation, CHANNELS, sampling};
-use pinwheel_scene::{Formulation, Scene};
+use pinwheel_report::animation::{Animation, CHANNELS, markup, sampling};
+use pinwheel_report::study::Block;
+use pinwheel_scene::{CheckedScene, Formulation, Scene};
 
 use crate::PageError;
 
@@ -39,7 +40,7 @@ pub(crate) fn sampled(scene: &Scene) -> (f64, f64) {
 ///
 /// # Errors
 /// `cancel` was set.
-pub fn window(
+fn window(
     gearbox: &Gearbox,
     title: &str,
     (from_s, to_s): (f64, f64),
@@ -82,4 +83,25 @@ pub fn window(
         &run.time_series,
         (from_s, to_s),
     ))
+}
+
+/// The gearboxes of scenes side by side, over the same time; `None` where there is nothing to show.
+///
+/// # Errors
+/// `cancel` was set.
+pub(crate) fn beside(
+    scenes: [(&str, &CheckedScene); 2],
+    span: (f64, f64),
+    step: f64,
+    begin_s: f64,
+    cancel: &AtomicBool,
+) -> Result<Option<Block>, PageError> {
+    let mut views = Vec::new();
+    for (title, scene) in scenes {
+        if let Ok(gearbox) = Gearbox::new(scene) {
+            views.extend(window(&gearbox, title, span, step, cancel)?);
+        }
+    }
+    let markup = (!views.is_empty()).then(|| markup(&views, begin_s));
+    Ok(markup.transpose()?.map(Block::Html))
 }

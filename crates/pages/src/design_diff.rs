@@ -3,8 +3,6 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_compare::WindowKind;
-use pinwheel_gearbox::Gearbox;
-use pinwheel_report::animation::markup;
 use pinwheel_report::format::{self, NONE, significant};
 use pinwheel_report::study::{Block, Section, Study, Tile, TimeSeries, Tone, Verdict};
 use pinwheel_report::terminal::{self, TITLE, paragraph, styled};
@@ -394,20 +392,7 @@ fn motion(found: &DesignDiff, cancel: &AtomicBool) -> Result<Option<Section>, Pa
     let scenes = [0, 1].map(|k| &found.designs[k].scene);
     let [a, b] = scenes.map(|scene| animation::sampled(scene));
     let (step, duration) = (a.0.min(b.0), a.1.min(b.1));
-    let mut views = Vec::new();
-    for (scene, name) in scenes.into_iter().zip(&found.names) {
-        if let Ok(gearbox) = Gearbox::new(scene) {
-            let span = (0.0, duration);
-            views.extend(animation::window(&gearbox, name, span, step, cancel)?);
-        }
-    }
-    if views.is_empty() {
-        return Ok(None);
-    }
-    let markup = markup(&views, 0.5 * duration)?;
-    Ok(Some(Section {
-        id: "motion".to_owned(),
-        title: "Motion".to_owned(),
-        blocks: vec![Block::Html(markup)],
-    }))
+    let both = [0, 1].map(|k| (found.names[k].as_str(), scenes[k]));
+    let motion = animation::beside(both, (0.0, duration), step, 0.5 * duration, cancel)?;
+    Ok(motion.map(|motion| Section::new("motion", "Motion", [motion])))
 }

@@ -362,7 +362,7 @@ pub fn rms(values: impl Iterator<Item = f64>, peak: f64) -> Option<f64> {
 }
 
 /// Mean, extremes, root mean square. All in the quantity's unit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Mean over channels and samples.
     pub mean: f64,

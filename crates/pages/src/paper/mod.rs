@@ -2,8 +2,6 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pinwheel_gearbox::{Gearbox, GearboxError};
-use pinwheel_report::animation::markup as animate;
 use pinwheel_report::study::{self, Axis, Block, Chart, Section, Series, Study, Style, Tile, Tone};
 use pinwheel_scene::Scene;
 use pinwheel_studies::Provenance;
@@ -116,34 +114,20 @@ fn tiles(found: &PaperResult) -> Vec<Tile> {
 }
 
 /// The gearbox without and with backlash, over the input turn that most figures draw.
-fn motion(cancel: &AtomicBool) -> Result<Vec<Section>, PageError> {
+fn motion(cancel: &AtomicBool) -> Result<Option<Section>, PageError> {
     const TURN: (f64, f64) = (0.24, 0.36);
-    let mut views = Vec::new();
-    for backlash_mm in [0.0, 0.6] {
-        let mut scene = Scene::paper();
-        scene.gear.backlash_m = 1e-3 * backlash_mm;
-        let title = if backlash_mm > 0.0 {
-            format!("{backlash_mm} mm of backlash")
-        } else {
-            "without backlash".to_owned()
-        };
-        let built = scene.check().map_err(GearboxError::from);
-        if let Ok(gearbox) = built.and_then(|scene| Gearbox::new(&scene)) {
-            let (step, _) = animation::sampled(&gearbox.scene);
-            views.extend(animation::window(&gearbox, &title, TURN, step, cancel)?);
-        }
-    }
-    if views.is_empty() {
-        return Ok(Vec::new());
-    }
-    let blocks = [
-        Block::text(
-            "One turn of the input, from 0.24 to 0.36 s, as our solver computes it: with backlash fewer external sleeves carry the \
-             same load, each with a higher force.",
-        ),
-        Block::Html(animate(&views, TURN.0)?),
-    ];
-    Ok(vec![Section::new("motion", "Motion", blocks)])
+    let paper = Scene::paper();
+    let (step, _) = animation::sampled(&paper);
+    let mut wide = paper.clone();
+    wide.gear.backlash_m = 6e-4;
+    let (Ok(paper), Ok(wide)) = (paper.check(), wide.check()) else {
+        return Ok(None);
+    };
+    let both = [("without backlash", &paper), ("0.6 mm of backlash", &wide)];
+    let about = "One turn of the input, from 0.24 to 0.36 s, as our solver computes it: with backlash fewer external sleeves carry \
+                 the same load, each with a higher force.";
+    let motion = animation::beside(both, TURN, step, TURN.0, cancel)?;
+    Ok(motion.map(|motion| Section::new("motion", "Motion", [Block::text(about), motion])))
 }
 
 fn overview(found: &PaperResult) -> Section {

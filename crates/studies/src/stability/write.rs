@@ -5,7 +5,7 @@ use std::path::Path;
 use pinwheel_timeseries::table::Table;
 use serde::{Deserialize, Serialize};
 
-use super::{Atlas, Cell, Failure, Method, Options, SceneRow};
+use super::{Atlas, Cell, Failure, Options, SceneRow};
 use crate::StudyError;
 use crate::output::{OutputError, write_with};
 use crate::provenance::{Provenance, Summary};
@@ -73,56 +73,82 @@ impl Atlas {
             let cells = row.cells.iter().map(Some);
             cells.chain(refused(row)).map(move |cell| (row, cell))
         });
-        let method = |cell: &Option<&Cell>, of: fn(&Method) -> &str| {
-            cell.map_or_else(String::new, |cell| of(&cell.method).to_owned())
-        };
-        let word = |failure: Option<&Failure>| failure.map_or("", Failure::word);
+        type Row<'a> = (&'a SceneRow, Option<&'a Cell>);
+        let figure = |of: fn(&Cell) -> Option<f64>| move |row: &Row<'_>| of(row.1?);
+        let word =
+            |of: fn(&Cell) -> String| move |row: &Row<'_>| row.1.map_or_else(String::new, of);
         Table::of("Every scene with every method", rows)
             .text("scene", "Scene", |(row, _)| &row.scene)
-            .text("formulation", "Formulation", |(_, cell)| {
-                method(cell, Method::form)
-            })
-            .text("integrator", "Integrator", |(_, cell)| {
-                method(cell, |method| &method.integrator)
-            })
-            .number("tolerance", "Tolerance", |(_, cell)| {
-                cell.and_then(|cell| cell.method.tolerance)
-            })
-            .number("error_forces", "Forces", |(_, cell)| {
-                cell.and_then(|cell| Some(cell.error?.forces))
-            })
-            .number("error_driver_torque", "Driver torque", |(_, cell)| {
-                cell.and_then(|cell| Some(cell.error?.driver_torque))
-            })
-            .text("failure", "Failure", |(_, cell)| {
-                word(cell.and_then(|cell| cell.failure.as_ref()))
-            })
-            .number("largest_step_s", "Largest step", |(_, cell)| {
-                cell.and_then(|cell| cell.largest_step_s)
-            })
-            .text("never_failed", "", |(_, cell)| {
-                cell.map_or_else(String::new, |cell| cell.never_failed.to_string())
-            })
-            .text("fails_first", "Fails first", |(_, cell)| {
-                word(cell.and_then(|cell| cell.fails_first.as_ref()))
-            })
-            .text("fails_first_how", "", |(_, cell)| {
-                let first = cell.and_then(|cell| cell.fails_first.as_ref());
-                first.map_or_else(String::new, Failure::sentence)
-            })
-            .number("energy_remainder_share", "Energy", |(_, cell)| {
-                cell.and_then(|cell| cell.energy_remainder_share)
-            })
-            .number("joint_drift_m", "Joints", |(_, cell)| {
-                cell.map(|cell| cell.joint_drift_m)
-            })
-            .whole("evaluations", "Evaluations", |(_, cell)| {
-                cell.map(|cell| cell.evaluations)
-            })
+            .text(
+                "formulation",
+                "Formulation",
+                word(|cell| cell.method.form().to_owned()),
+            )
+            .text(
+                "integrator",
+                "Integrator",
+                word(|cell| cell.method.integrator.clone()),
+            )
+            .number(
+                "tolerance",
+                "Tolerance",
+                figure(|cell| cell.method.tolerance),
+            )
+            .number(
+                "error_forces",
+                "Forces",
+                figure(|cell| Some(cell.error?.forces)),
+            )
+            .number(
+                "error_driver_torque",
+                "Driver torque",
+                figure(|cell| Some(cell.error?.driver_torque)),
+            )
+            .text(
+                "failure",
+                "Failure",
+                word(|cell| said(cell.failure.as_ref(), Failure::word)),
+            )
+            .number(
+                "largest_step_s",
+                "Largest step",
+                figure(|cell| cell.largest_step_s),
+            )
+            .text(
+                "never_failed",
+                "",
+                word(|cell| cell.never_failed.to_string()),
+            )
+            .text(
+                "fails_first",
+                "Fails first",
+                word(|cell| said(cell.fails_first.as_ref(), Failure::word)),
+            )
+            .text(
+                "fails_first_how",
+                "",
+                word(|cell| said(cell.fails_first.as_ref(), Failure::sentence)),
+            )
+            .number(
+                "energy_remainder_share",
+                "Energy",
+                figure(|cell| cell.energy_remainder_share),
+            )
+            .number(
+                "joint_drift_m",
+                "Joints",
+                figure(|cell| Some(cell.joint_drift_m)),
+            )
+            .whole("evaluations", "Evaluations", |row| Some(row.1?.evaluations))
             .text("refused", "Refused", |(row, cell)| {
                 let reason = row.refused.as_deref().filter(|_| cell.is_none());
                 reason.unwrap_or_default()
             })
             .done()
     }
+}
+
+/// What is said of a failure; nothing without.
+fn said<W: Into<String>>(failure: Option<&Failure>, of: fn(&Failure) -> W) -> String {
+    failure.map_or_else(String::new, |failure| of(failure).into())
 }

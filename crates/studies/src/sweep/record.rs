@@ -11,11 +11,6 @@ use serde::{Deserialize, Serialize};
 use crate::sweep::PlannedRun;
 use crate::sweep::spread::Spread;
 
-/// The number, or NaN for all that are none.
-fn finite(value: f64) -> f64 {
-    if value.is_finite() { value } else { f64::NAN }
-}
-
 /// What is kept of a run. All but the two times is the same whenever it is run again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
@@ -129,16 +124,8 @@ impl RunRecord {
                 let late = late.as_ref().and_then(View::mean);
                 let spread = Spread {
                     drift: late.map_or(0.0, |late| (late - of.mean).abs()),
-                    mean: finite(of.mean),
-                    min: finite(of.min),
-                    max: finite(of.max),
-                    rms: finite(of.rms),
-                    peak: finite(of.peak),
+                    statistics: of,
                 };
-                if !(of.mean + of.min + of.max + of.rms + of.peak).is_finite() {
-                    let reason = format!("{} is not finite", quantity.name);
-                    self.undefined.push(reason);
-                }
                 self.quantities.push(quantity.name.clone());
                 self.figures.insert(quantity.name, spread);
             }

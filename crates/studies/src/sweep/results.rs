@@ -64,7 +64,7 @@ pub fn results(plan: &Plan, records: &[RunRecord]) -> Table {
                 &name
             };
             table = table.number(&name, label, |(_, record)| {
-                record.figures.get(quantity).map(of)
+                Some(of(&record.figures.get(quantity)?.statistics))
             });
         }
     }
