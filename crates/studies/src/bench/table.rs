@@ -23,7 +23,6 @@ impl WorkPrecision {
         let setting =
             |row: &(&Series, &Point), knob| Some(row.1.setting).filter(|_| row.0.knob == knob);
         let cost = |row: &(&Series, &Point), of: fn(Cost) -> f64| row.1.cost.map(of);
-        let count = |row: &(&Series, &Point), of: fn(Cost) -> Option<u64>| row.1.cost.and_then(of);
         let mut table = Table::of("Every step and tolerance of every series", rows)
             .text("engine", "", |(series, _)| &series.engine)
             .text("version", "", |(series, _)| &series.version)
@@ -46,11 +45,11 @@ impl WorkPrecision {
                 cost(row, |c| c.cpu_median_s)
             })
             .shown(Shown::Seconds)
-            .whole("runs", "Runs", |row| count(row, |c| Some(c.runs as u64)))
-            .whole("rhs_calls", "RHS calls", |row| count(row, |c| c.rhs_calls))
-            .whole("steps", "Steps", |row| count(row, |c| Some(c.steps)))
-            .whole("rejected_steps", "", |row| {
-                count(row, |c| Some(c.rejected_steps))
+            .whole("runs", "Runs", |(_, point)| Some(point.cost?.runs))
+            .whole("rhs_calls", "RHS calls", |(_, point)| point.cost?.rhs_calls)
+            .whole("steps", "Steps", |(_, point)| Some(point.cost?.steps))
+            .whole("rejected_steps", "", |(_, point)| {
+                Some(point.cost?.rejected_steps)
             });
         for (k, window) in self.windows.iter().enumerate() {
             for (end, label, of) in ERRORS {
