@@ -34,6 +34,16 @@ pub enum Prescribed {
     ByTorque,
 }
 
+impl Prescribed {
+    /// What counts where the speed is prescribed, or where a torque is.
+    fn choose<T>(self, by_speed: T, by_torque: T) -> T {
+        match self {
+            Self::BySpeed => by_speed,
+            Self::ByTorque => by_torque,
+        }
+    }
+}
+
 /// A quantity that is straight in time: value + slope (t - from).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Straight {
@@ -222,22 +232,22 @@ impl CoSimulation {
         mechanism.drivers.clear();
         let mut motions = Vec::new();
         let shafts = [(setup.input, Layout::INPUT), (setup.output, Layout::OUTPUT)];
-        for (prescribed, child) in shafts {
-            if prescribed == Prescribed::BySpeed {
-                let begin = mechanism.bodies[child].start;
-                let motion = Motion {
-                    from_s: 0.0,
-                    angle: begin.angle,
-                    rate: begin.rate,
-                    acceleration: 0.0,
-                };
-                motions.push(motion);
-                mechanism.drivers.push(Driver {
-                    parent: None,
-                    child,
-                    motion,
-                });
-            }
+        for (_, child) in shafts
+            .into_iter()
+            .filter(|(by, _)| *by == Prescribed::BySpeed)
+        {
+            let BodyState { angle, rate, .. } = mechanism.bodies[child].start;
+            let motion = Motion {
+                angle,
+                rate,
+                ..Motion::default()
+            };
+            motions.push(motion);
+            mechanism.drivers.push(Driver {
+                parent: None,
+                child,
+                motion,
+            });
         }
         let forces = PrescribedForces {
             gear: GearForces::new(&loaded)?,
@@ -247,34 +257,22 @@ impl CoSimulation {
         };
         let system = reduced(&gearbox, mechanism, forces)?;
         let solver = &gearbox.scene.solver;
-        let (integrator, settings) = (
-            solver.integrator.clone(),
-            StepSettings {
-                step: solver.step_s,
-                tolerance: solver.tolerance,
-            },
-        );
+        let integrator = solver.integrator.clone();
+        let settings = StepSettings {
+            step: solver.step_s,
+            tolerance: solver.tolerance,
+        };
         let breaks = load_course::breaks(&loaded.scene.drive);
         let y = system.initial();
         let stepper = Segments::start(&integrator, settings, 0.0, &y, &breaks)
             .ok_or_else(|| GearboxError::UnknownIntegrator(integrator.clone()))?
             .with_longest(longest_step_s);
-        let prescribed = [
-            Straight {
-                value: match setup.input {
-                    Prescribed::BySpeed => setup.speeds_rad_s[0],
-                    Prescribed::ByTorque => 0.0,
-                },
-                ..Straight::default()
-            },
-            Straight {
-                value: match setup.output {
-                    Prescribed::BySpeed => setup.speeds_rad_s[1],
-                    Prescribed::ByTorque => 0.0,
-                },
-                ..Straight::default()
-            },
-        ];
+        let held = |side: Prescribed, speed: f64| Straight {
+            value: side.choose(speed, 0.0),
+            ..Straight::default()
+        };
+        let [input, output] = setup.speeds_rad_s;
+        let prescribed = [held(setup.input, input), held(setup.output, output)];
         Ok(Self {
             field: gearbox.contact_field()?,
             recorder: Recorder::with_room(&gearbox, 1),
@@ -317,12 +315,8 @@ impl CoSimulation {
         let t = self.time;
         let goes_on =
             |now: &Straight, (value, slope): (f64, f64)| now.slope == slope && now.at(t) == value;
-        if self
-            .prescribed
-            .iter()
-            .zip(prescribed)
-            .all(|(now, next)| goes_on(now, next))
-        {
+        let mut sides = self.prescribed.iter().zip(prescribed);
+        if sides.all(|(now, next)| goes_on(now, next)) {
             return;
         }
         self.prescribed = prescribed.map(|(value, slope)| Straight {
@@ -353,26 +347,18 @@ impl CoSimulation {
         for (driver, motion) in self.motions.iter().enumerate() {
             self.system.set_motion(driver, *motion);
         }
-        let torque = |side: Prescribed, prescribed: Straight| match side {
-            Prescribed::BySpeed => Straight::default(),
-            Prescribed::ByTorque => prescribed,
-        };
-        let (input, output) = (
-            torque(self.setup.input, self.prescribed[0]),
-            torque(self.setup.output, self.prescribed[1]),
-        );
+        let [input, output] = self.prescribed;
+        let none = Straight::default();
         let forces = self.system.forces_mut();
-        (forces.input, forces.output) = (input, output);
+        forces.input = self.setup.input.choose(none, input);
+        forces.output = self.setup.output.choose(none, output);
     }
 
     /// The method anew from here.
     fn restart(&mut self) {
         use pinwheel_mbs::OdeSystem as _;
         let speed = self.gearbox.scene.drive.input_speed_rad_s;
-        let now = match self.setup.input {
-            Prescribed::BySpeed => self.prescribed[0].value,
-            Prescribed::ByTorque => speed,
-        };
+        let now = self.setup.input.choose(self.prescribed[0].value, speed);
         // Contacts come and go as fast as the input turns.
         let share = (speed / now).abs().min(1.0);
         let share = if share > 0.0 { share } else { 1.0 };

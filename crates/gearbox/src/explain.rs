@@ -17,6 +17,17 @@ pub struct Statement {
     pub why: String,
 }
 
+/// A list of statements in the making.
+#[derive(Default)]
+struct Statements(Vec<Statement>);
+
+impl Statements {
+    fn add(&mut self, what: impl Into<String>, why: impl Into<String>) {
+        let (what, why) = (what.into(), why.into());
+        self.0.push(Statement { what, why });
+    }
+}
+
 /// The model of a scene in words and counts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Explanation {
@@ -55,289 +66,209 @@ pub fn explain(gearbox: &Gearbox) -> Result<Explanation, GearboxError> {
     let lagrange = solver.formulation == Formulation::Lagrange;
     let coordinates = 3 * mechanism.bodies.len();
 
-    let mut modelled = Vec::new();
-    let mut left_out = Vec::new();
-    let say = |list: &mut Vec<Statement>, what: String, why: &str| {
-        list.push(Statement {
-            what,
-            why: why.to_owned(),
-        });
-    };
+    let (bodies, joints) = (mechanism.bodies.len(), layout.bodies() + 1);
+    let constraints = mechanism.constraints();
+    let mut modelled = Statements::default();
+    let mut left_out = Statements::default();
 
-    say(
-        &mut modelled,
+    let revolutes = mechanism.revolutes.len();
+    let (free, speed) = (coordinates - constraints, scene.drive.input_speed_rad_s);
+    modelled.add(
+        format!("{bodies} planar bodies on {revolutes} revolutes and a driver"),
         format!(
-            "{} planar bodies on {} revolutes and a driver",
-            mechanism.bodies.len(),
-            mechanism.revolutes.len()
-        ),
-        &format!(
-            "{coordinates} coordinates less {} constraints leave {} degrees of freedom; the driver turns the input at {} rad/s",
-            mechanism.constraints(),
-            coordinates - mechanism.constraints(),
-            scene.drive.input_speed_rad_s
+            "{coordinates} coordinates less {constraints} constraints leave {free} degrees of freedom; the driver turns the input at {speed} rad/s"
         ),
     );
     if lagrange {
-        say(
-            &mut modelled,
-            format!(
-                "all {} bodies with 3 coordinates each, {} joints by multipliers",
-                mechanism.bodies.len(),
-                joints(gearbox)
-            ),
+        modelled.add(
+            format!("all {bodies} bodies with 3 coordinates each, {joints} joints by multipliers"),
             "solver.formulation = \"lagrange\": the paper's Eq. 2",
         );
-        say(
-            &mut modelled,
-            format!(
-                "joint stabilisation: {}",
-                match solver.stabilisation {
-                    Stabilisation::None => "none",
-                    Stabilisation::Baumgarte => "Baumgarte",
-                    Stabilisation::Projection => "projection at every stage",
-                }
+        let (name, effect) = match solver.stabilisation {
+            Stabilisation::None => (
+                "none",
+                "as published; positions drift with the integrator's error",
             ),
-            match solver.stabilisation {
-                Stabilisation::None => "as published; positions drift with the integrator's error",
-                Stabilisation::Baumgarte => {
-                    "position and velocity errors are fed back into the accelerations"
-                }
-                Stabilisation::Projection => "keeps every joint closed to rounding, in every stage",
-            },
-        );
+            Stabilisation::Baumgarte => (
+                "Baumgarte",
+                "position and velocity errors are fed back into the accelerations",
+            ),
+            Stabilisation::Projection => (
+                "projection at every stage",
+                "keeps every joint closed to rounding, in every stage",
+            ),
+        };
+        modelled.add(format!("joint stabilisation: {name}"), effect);
     } else {
         let spins = if gearbox.has_friction() {
             format!(", {sleeves} sleeve spins")
         } else {
             String::new()
         };
-        say(
-            &mut modelled,
+        modelled.add(
             format!("{} wheel angles, the output angle{spins}", layout.wheels),
             "the only angles that forces can change",
         );
-        say(
-            &mut left_out,
-            format!(
-                "{} translations and their joint multipliers",
-                2 * mechanism.bodies.len()
-            ),
+        left_out.add(
+            format!("{} translations and their joint multipliers", 2 * bodies),
             "every revolute holds its body at the centre of mass: positions follow from angles exactly, masses are lumped into the carriers",
         );
-        say(
-            &mut left_out,
-            "the input shaft's equation".to_owned(),
+        left_out.add(
+            "the input shaft's equation",
             "its angle is prescribed; the driver torque follows from the forces on the eccentrics",
         );
     }
     if !gearbox.has_friction() {
         if !lagrange {
-            say(
-                &mut left_out,
+            left_out.add(
                 format!("{sleeves} sleeve spins"),
                 "friction_coefficient = 0: contact forces pass through the sleeve centres and turn no sleeve",
             );
         }
-        say(
-            &mut left_out,
-            "tangential contact velocities inside the integration".to_owned(),
+        left_out.add(
+            "tangential contact velocities inside the integration",
             "without friction no force depends on them",
         );
     }
-    say(
-        &mut modelled,
-        format!(
-            "{} wheel-sleeve pairs with the law `{}`",
-            layout.wheels * sleeves,
-            contact.law
-        ),
+    let (pairs, law) = (layout.wheels * sleeves, &contact.law);
+    modelled.add(
+        format!("{pairs} wheel-sleeve pairs with the law `{law}`"),
         "every wheel can touch every external sleeve and its own holes",
     );
+    let (wheel, hole) = (contact.wheel_points, contact.hole_points);
     match contact.detection {
         Detection::Exact => {
-            say(
-                &mut modelled,
-                "closest point on the exact curves".to_owned(),
+            modelled.add(
+                "closest point on the exact curves",
                 "contact.detection = \"exact\"",
             );
-            say(
-                &mut left_out,
-                "discrete contact points".to_owned(),
+            left_out.add(
+                "discrete contact points",
                 "wheel_points and hole_points only matter with detection = \"points\"",
             );
         }
-        Detection::Points => say(
-            &mut modelled,
-            format!(
-                "{} points a wheel, {} a hole",
-                contact.wheel_points, contact.hole_points
-            ),
+        Detection::Points => modelled.add(
+            format!("{wheel} points a wheel, {hole} a hole"),
             "contact.detection = \"points\": the nearest point within the sleeve, as published",
         ),
     }
+    let (coefficient, ramp) = (contact.friction_coefficient, contact.friction_ramp_m_s);
     if gearbox.has_friction() {
-        say(
-            &mut modelled,
-            format!(
-                "Coulomb friction, coefficient {}",
-                contact.friction_coefficient
-            ),
-            &format!(
-                "regularised below {} m/s of sliding; it turns the sleeves",
-                contact.friction_ramp_m_s
-            ),
+        modelled.add(
+            format!("Coulomb friction, coefficient {coefficient}"),
+            format!("regularised below {ramp} m/s of sliding; it turns the sleeves"),
         );
     }
-    say(
-        &mut modelled,
-        format!(
-            "load of {} N m on the output shaft",
-            scene.drive.output_torque_n_m
-        ),
-        &if scene.drive.load_ramp_s > 0.0 {
-            format!("rising over {} s", scene.drive.load_ramp_s)
-        } else {
-            "from the start".to_owned()
-        },
-    );
+    let (load, ramp) = (scene.drive.output_torque_n_m, scene.drive.load_ramp_s);
+    let rising = if ramp > 0.0 {
+        format!("rising over {ramp} s")
+    } else {
+        "from the start".to_owned()
+    };
+    modelled.add(format!("load of {load} N m on the output shaft"), rising);
     for change in &scene.drive.load_changes {
-        let how = if change.ramp_s > 0.0 {
-            format!("reached linearly over {} s", change.ramp_s)
+        let (load, time, ramp) = (change.output_torque_n_m, change.time_s, change.ramp_s);
+        let how = if ramp > 0.0 {
+            format!("reached linearly over {ramp} s")
         } else {
             "at once".to_owned()
         };
-        let reached = if change.time_s < solver.duration_s {
+        let reached = if time < solver.duration_s {
             "no step passes over the change: integration starts anew there".to_owned()
         } else {
             format!("never reached: the run ends at {} s", solver.duration_s)
         };
-        say(
-            &mut modelled,
-            format!(
-                "load of {} N m from {} s on, {how}",
-                change.output_torque_n_m, change.time_s
-            ),
-            &reached,
+        modelled.add(
+            format!("load of {load} N m from {time} s on, {how}"),
+            reached,
         );
     }
     for (family, count) in gearbox.channels.families() {
-        say(
-            &mut modelled,
+        modelled.add(
             format!("channel {} ({count})", family.pattern),
-            &format!("output.channels: {}", family.about),
+            format!("output.channels: {}", family.about),
         );
     }
     let choice = crate::auto::integrator(scene);
-    say(
-        &mut modelled,
-        format!("integrator {}", choice.integrator),
-        &choice.reason,
-    );
+    modelled.add(format!("integrator {}", choice.integrator), choice.reason);
     if scene.gear.backlash_m > 0.0 {
-        say(
-            &mut modelled,
-            format!(
-                "backlash: external sleeves at R + {} mm",
-                scene.gear.backlash_m * 1e3
-            ),
+        let backlash_mm = scene.gear.backlash_m * 1e3;
+        modelled.add(
+            format!("backlash: external sleeves at R + {backlash_mm} mm"),
             "gear.backlash_m",
         );
     }
-    deviations(&scene.gear, &mut |what, why| say(&mut modelled, what, why));
-    if hysteresis_factor(&scene.contact.law, scene.contact.restitution).is_some() {
-        say(
-            &mut left_out,
-            "the impact speed of each pair".to_owned(),
-            &format!(
-                "the law takes contact.impact_speed_m_s = {} m/s for all: forces stay a function of the state alone",
-                scene.contact.impact_speed_m_s
+    deviations(&scene.gear, &mut modelled);
+    let speed = contact.impact_speed_m_s;
+    if hysteresis_factor(law, contact.restitution).is_some() {
+        left_out.add(
+            "the impact speed of each pair",
+            format!(
+                "the law takes contact.impact_speed_m_s = {speed} m/s for all: forces stay a function of the state alone"
             ),
         );
     }
-    for (what, why) in [
-        (
-            "bending, bearings and housing",
-            "rigid bodies on ideal revolutes, as in the paper",
-        ),
-        (
-            "gravity",
-            "the plane of motion is horizontal in the paper's model; no force depends on it",
-        ),
-        (
-            "contacts between sleeves and shafts",
-            "sleeves turn on ideal bearings",
-        ),
-    ] {
-        say(&mut left_out, what.to_owned(), why);
+    left_out.add(
+        "bending, bearings and housing",
+        "rigid bodies on ideal revolutes, as in the paper",
+    );
+    left_out.add(
+        "gravity",
+        "the plane of motion is horizontal in the paper's model; no force depends on it",
+    );
+    left_out.add(
+        "contacts between sleeves and shafts",
+        "sleeves turn on ideal bearings",
+    );
+    let mut channels_available = Statements::default();
+    for family in pinwheel_scene::channels::FAMILIES {
+        channels_available.add(family.pattern, family.about);
     }
     Ok(Explanation {
-        bodies: mechanism.bodies.len(),
-        joints: joints(gearbox),
+        bodies,
+        joints,
         lagrange_coordinates: coordinates,
-        constraints: mechanism.constraints(),
+        constraints,
         degrees_of_freedom: if lagrange { coordinates } else { free_angles },
-        contact_pairs: layout.wheels * sleeves,
-        modelled,
-        left_out,
+        contact_pairs: pairs,
+        modelled: modelled.0,
+        left_out: left_out.0,
         channels: gearbox.channels.names().map(str::to_owned).collect(),
-        channels_available: pinwheel_scene::channels::FAMILIES
-            .iter()
-            .map(|family| Statement {
-                what: family.pattern.to_owned(),
-                why: family.about.to_owned(),
-            })
-            .collect(),
+        channels_available: channels_available.0,
     })
 }
 
 /// The modified profile and the errors of single parts.
-fn deviations(gear: &Gear, say: &mut dyn FnMut(String, &str)) {
+fn deviations(gear: &Gear, modelled: &mut Statements) {
     let micrometres = |length_m: f64| format!("{:+.3} um", 1e6 * length_m);
     let change = &gear.modification;
     if !change.is_none() {
-        say(
+        let [equidistant, radial] = [change.equidistant_m, change.radial_m].map(micrometres);
+        let turned = change.rotational_rad.to_degrees() * 60.0;
+        let play = free_play(gear).to_degrees() * 60.0;
+        modelled.add(
             format!(
-                "modified profile: generating sleeve q' = q {}, on the circle R' = R {}, flanks turned by {} arcmin each",
-                micrometres(change.equidistant_m),
-                micrometres(change.radial_m),
-                change.rotational_rad.to_degrees() * 60.0
+                "modified profile: generating sleeve q' = q {equidistant}, on the circle R' = R {radial}, flanks turned by {turned} arcmin each"
             ),
-            &format!(
+            format!(
                 "gear.modification: the edge is the offset by q' of the epitrochoid with R', the ring keeps R and q; to first \
                  order a sleeve at phi from the eccentric stands off by g = (q' - q) + (d - (R' - R)) (1 - m cos phi)/S + \
-                 delta e zs |sin phi|/S with S = sqrt(1 + m^2 - 2 m cos phi), and a wheel turns freely by {:.4} arcmin to \
-                 either side (the least g/l at any angle, l = e zs sin(phi)/S)",
-                free_play(gear).to_degrees() * 60.0
+                 delta e zs |sin phi|/S with S = sqrt(1 + m^2 - 2 m cos phi), and a wheel turns freely by {play:.4} arcmin to \
+                 either side (the least g/l at any angle, l = e zs sin(phi)/S)"
             ),
         );
     }
     for list in gear.errors.lists(gear) {
-        let (low, high) = list
-            .values
-            .iter()
-            .fold((0.0_f64, 0.0_f64), |(low, high), &x| {
-                (low.min(x), high.max(x))
-            });
+        let low = list.values.iter().copied().fold(0.0, f64::min);
+        let high = list.values.iter().copied().fold(0.0, f64::max);
         if low < high {
-            let unit = |x: f64| match list.key.ends_with("_rad") {
+            let [low, high] = [low, high].map(|x| match list.key.ends_with("_rad") {
                 true => format!("{:+.3} urad", 1e6 * x),
                 false => micrometres(x),
-            };
-            say(
-                format!(
-                    "errors of {} {} from {} to {}",
-                    list.count,
-                    list.parts,
-                    unit(low),
-                    unit(high)
-                ),
-                list.key,
-            );
+            });
+            let (count, parts) = (list.count, list.parts);
+            let what = format!("errors of {count} {parts} from {low} to {high}");
+            modelled.add(what, list.key);
         }
     }
-}
-
-fn joints(gearbox: &Gearbox) -> usize {
-    gearbox.layout.bodies() + 1
 }

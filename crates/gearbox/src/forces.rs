@@ -1,7 +1,7 @@
 //! Contact forces and the load as the mechanism's applied forces, whole or with the friction told apart.
 
 use pinwheel_mbs::sliding::Contact;
-use pinwheel_mbs::{Ask, BodyState, Forces, Sums, Wrench};
+use pinwheel_mbs::{Ask, BodyState, Forces, Sums, Wrench, add_pair};
 
 use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
@@ -89,20 +89,12 @@ impl Forces for GearForces {
             let (sleeve, wheel) = (layout.sleeve_body(pair.sleeve), wheels + pair.wheel);
             let [nx, ny] = pair.normal;
             let (push, along) = (pair.normal_force_n, pair.along_force_n);
-            for (point, fx, fy) in [
-                (pair.point, -push * nx, -push * ny),
-                (pair.centre, -along * ny, along * nx),
-            ] {
-                for (body, sign) in [(sleeve, 1.0), (wheel, -1.0)] {
-                    let (at, load) = (bodies[body], &mut loads[body]);
-                    let (fx, fy) = (sign * fx, sign * fy);
-                    load.fx += fx;
-                    load.fy += fy;
-                    load.moment += (point[0] - at.x) * fy - (point[1] - at.y) * fx;
-                }
-            }
+            let bodies_of = [sleeve, wheel];
+            let (across, beside) = ([-push * nx, -push * ny], [-along * ny, along * nx]);
+            add_pair(loads, bodies, bodies_of, pair.point, across);
+            add_pair(loads, bodies, bodies_of, pair.centre, beside);
             contacts.push(Contact {
-                bodies: [sleeve, wheel],
+                bodies: bodies_of,
                 point: pair.point,
                 normal: pair.normal,
                 normal_force: pair.normal_force_n,

@@ -20,7 +20,7 @@ pub struct Recorder {
     /// How many they are.
     pending: usize,
     /// Force on each sleeve, external then internal, summed over the wheels.
-    forces: Vec<[f64; 2]>,
+    forces: Vec<Wrench>,
     /// What the scene asks for beyond the contract's columns.
     channels: Option<Values>,
 }
@@ -31,28 +31,9 @@ fn contract(layout: Layout) -> impl Iterator<Item = String> {
 
 /// Of forces, N. `hypot` is exact to the last digit where squares overflow, which costs 2 % of a fast run; roots of a slice of
 /// its own are taken several at a time, by what the processor has.
-struct Magnitudes<'a, F>(&'a mut [f64], &'a [F]);
+struct Magnitudes<'a>(&'a mut [f64], &'a [Wrench]);
 
-/// What has a force, N.
-trait Acting: Copy {
-    fn force(self) -> [f64; 2];
-}
-
-impl Acting for [f64; 2] {
-    #[inline(always)]
-    fn force(self) -> [f64; 2] {
-        self
-    }
-}
-
-impl Acting for Wrench {
-    #[inline(always)]
-    fn force(self) -> [f64; 2] {
-        [self.fx, self.fy]
-    }
-}
-
-impl<F: Acting> pulp::WithSimd for Magnitudes<'_, F> {
+impl pulp::WithSimd for Magnitudes<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -62,7 +43,7 @@ impl<F: Acting> pulp::WithSimd for Magnitudes<'_, F> {
         // No zipped iterators: the compiler may leave them outside of the function that has the vector instructions.
         let (magnitudes, forces) = (&mut magnitudes[..count], &forces[..count]);
         for k in 0..count {
-            let [fx, fy] = forces[k].force();
+            let Wrench { fx, fy, .. } = forces[k];
             magnitudes[k] = fx * fx + fy * fy;
         }
         // Roots take longest, and one takes as long as a register of them: the compiler's own loop leaves too many single.
@@ -107,7 +88,7 @@ impl Recorder {
             columns: (0..columns::HEAD.len() + sleeves)
                 .map(|_| Vec::with_capacity(samples))
                 .collect(),
-            forces: vec![[0.0; 2]; sleeves],
+            forces: vec![Wrench::default(); sleeves],
             channels: Values::new(gearbox, samples),
         }
     }
@@ -123,17 +104,16 @@ impl Recorder {
     ) {
         let externals = self.layout.external_sleeves;
         let mut forces = std::mem::take(&mut self.forces);
-        forces.fill([0.0; 2]);
+        forces.fill(Wrench::default());
         field.touching(bodies, &mut |pair| {
             let [fx, fy] = pair.force_on_sleeve();
             let sum = match pair.sleeve {
                 Sleeve::External(j) => &mut forces[j],
                 Sleeve::Internal(k) => &mut forces[externals + k],
             };
-            sum[0] += fx;
-            sum[1] += fy;
+            (sum.fx, sum.fy) = (sum.fx + fx, sum.fy + fy);
         });
-        self.record_forces(t, driver_torque, bodies, &forces);
+        self.record_loads(t, driver_torque, bodies, &forces);
         self.forces = forces;
     }
 
@@ -158,25 +138,40 @@ impl Recorder {
         bodies: &[BodyState],
         forces: &[[f64; 2]],
     ) {
+        let mut loads = std::mem::take(&mut self.forces);
+        for (load, &[fx, fy]) in loads.iter_mut().zip(forces) {
+            (load.fx, load.fy) = (fx, fy);
+        }
+        self.record_loads(t, driver_torque, bodies, &loads);
+        self.forces = loads;
+    }
+
+    fn record_loads(
+        &mut self,
+        t: f64,
+        driver_torque: f64,
+        bodies: &[BodyState],
+        forces: &[Wrench],
+    ) {
         let torque = self.output_torque(bodies, forces);
         let angle = bodies[Layout::OUTPUT].angle;
         self.record_known(t, [driver_torque, torque, angle], forces);
     }
 
     /// Of the forces on the internal sleeves, N m.
-    fn output_torque(&self, bodies: &[BodyState], forces: &[impl Acting]) -> f64 {
+    fn output_torque(&self, bodies: &[BodyState], forces: &[Wrench]) -> f64 {
         let output = bodies[Layout::OUTPUT];
         let forces = &forces[self.layout.external_sleeves..];
         let sleeves = bodies[self.layout.internal_bodies()].iter().zip(forces);
         let moments = sleeves.map(|(body, force)| {
-            let [fx, fy] = force.force();
+            let Wrench { fx, fy, .. } = force;
             (body.x - output.x) * fy - (body.y - output.y) * fx
         });
         moments.sum()
     }
 
     /// Records the columns' `head` and the magnitudes of the forces.
-    fn record_known(&mut self, t: f64, head: [f64; columns::HEAD.len()], forces: &[impl Acting]) {
+    fn record_known(&mut self, t: f64, head: [f64; columns::HEAD.len()], forces: &[Wrench]) {
         if self.pending == ROWS {
             self.flush();
         }

@@ -38,26 +38,35 @@ pub struct Arrow {
     leaves: Vec<f64>,
 }
 
+/// Of a velocity, its number among the hubs or among the leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-enum Place {
+pub(crate) enum Place {
     Hub(usize),
     Leaf(usize),
 }
 
-impl Arrow {
-    fn new(is_leaf: &[bool]) -> Self {
+impl Place {
+    /// Of all velocities, with the numbers of hubs and of leaves.
+    pub(crate) fn all(is_leaf: &[bool]) -> (Vec<Self>, usize, usize) {
         let (mut hubs, mut leaves) = (0, 0);
         let places = is_leaf.iter().map(|&leaf| {
-            let (counter, place): (_, fn(usize) -> Place) = if leaf {
-                (&mut leaves, Place::Leaf)
+            let (counter, place): (_, fn(usize) -> Self) = if leaf {
+                (&mut leaves, Self::Leaf)
             } else {
-                (&mut hubs, Place::Hub)
+                (&mut hubs, Self::Hub)
             };
             *counter += 1;
             place(*counter - 1)
         });
+        (places.collect(), hubs, leaves)
+    }
+}
+
+impl Arrow {
+    fn new(is_leaf: &[bool]) -> Self {
+        let (places, hubs, leaves) = Place::all(is_leaf);
         Self {
-            places: places.collect(),
+            places,
             hubs: vec![0.0; hubs * hubs],
             down: vec![0.0; hubs * leaves],
             up: vec![0.0; hubs * leaves],

@@ -203,7 +203,7 @@ impl<F: Forces> Lagrange<F> {
     /// gamma is taken at the same arms, so that the solution is that of the neighbouring pose of the same
     /// branch, and the error is of the order of that angle, in this one evaluation.
     fn factor_beside(&mut self) -> Result<(), usize> {
-        let Err(constraint) = self.factor(Dependent::Refuse) else {
+        let Err(constraint) = self.saddle.factor(Dependent::Refuse, &self.arms) else {
             return Ok(());
         };
         let fastest = self.bodies.iter().map(|b| b.rate.abs()).fold(0.0, f64::max);
@@ -211,12 +211,7 @@ impl<F: Forces> Lagrange<F> {
             return Err(constraint);
         }
         self.turn_arms(BESIDE / fastest);
-        self.factor(Dependent::Refuse)
-    }
-
-    /// Puts M and D in place and factors; `Err` is the first dependent constraint.
-    fn factor(&mut self, dependent: Dependent) -> Result<(), usize> {
-        self.saddle.factor(dependent, &self.arms)
+        self.saddle.factor(Dependent::Refuse, &self.arms)
     }
 
     /// Phi and dPhi/dt of a revolute.
@@ -301,38 +296,20 @@ impl<F: Forces> Lagrange<F> {
         let tolerance = LOOP_TOLERANCE * self.bodies.iter().map(far).fold(1.0, f64::max);
         for _ in 0..LOOP_STEPS {
             self.rotate_arms();
-            let mut worst: f64 = 0.0;
-            for k in 0..self.arms.len() {
-                let (phi, _) = self.revolute_error(k);
-                worst = worst.max(phi[0].abs()).max(phi[1].abs());
-                self.saddle.constraints()[k] = Vector3::new(-phi[0], -phi[1], 0.0);
-            }
-            for k in 0..self.torques.len() {
-                let (phi, _) = self.driver_error(k, t);
-                self.saddle.constraints()[self.arms.len() + k] = Vector3::new(-phi, 0.0, 0.0);
-            }
+            let worst = self.set_joint_errors(t, false);
             if !(worst > tolerance) || self.correct().is_err() {
                 break;
             }
-            for (k, body) in self.bodies.iter_mut().enumerate() {
-                let step = self.saddle.bodies()[k];
+            for (body, step) in zip(&mut self.bodies, self.saddle.bodies()) {
                 body.x += step.x;
                 body.y += step.y;
                 body.angle += step.z;
             }
         }
         self.rotate_arms();
-        for k in 0..self.arms.len() {
-            let (_, rate) = self.revolute_error(k);
-            self.saddle.constraints()[k] = Vector3::new(-rate[0], -rate[1], 0.0);
-        }
-        for k in 0..self.torques.len() {
-            let (_, rate) = self.driver_error(k, t);
-            self.saddle.constraints()[self.arms.len() + k] = Vector3::new(-rate, 0.0, 0.0);
-        }
+        self.set_joint_errors(t, true);
         if self.correct().is_ok() {
-            for (k, body) in self.bodies.iter_mut().enumerate() {
-                let step = self.saddle.bodies()[k];
+            for (body, step) in zip(&mut self.bodies, self.saddle.bodies()) {
                 body.vx += step.x;
                 body.vy += step.y;
                 body.rate += step.z;
@@ -340,19 +317,30 @@ impl<F: Forces> Lagrange<F> {
         }
     }
 
+    /// Puts -Phi, or -dPhi/dt where `rates` is true, into the constraint rows; returns the largest component of a revolute's.
+    fn set_joint_errors(&mut self, t: f64, rates: bool) -> f64 {
+        let mut worst: f64 = 0.0;
+        for k in 0..self.arms.len() {
+            let (phi, rate) = self.revolute_error(k);
+            let [x, y] = if rates { rate } else { phi };
+            worst = worst.max(x.abs()).max(y.abs());
+            self.saddle.constraints()[k] = Vector3::new(-x, -y, 0.0);
+        }
+        for k in 0..self.torques.len() {
+            let (phi, rate) = self.driver_error(k, t);
+            let error = if rates { rate } else { phi };
+            self.saddle.constraints()[self.arms.len() + k] = Vector3::new(-error, 0.0, 0.0);
+        }
+        worst
+    }
+
     /// Solves M dq + D' mu = 0, D dq = what stands in the constraint rows.
     fn correct(&mut self) -> Result<(), usize> {
         // Dependent directions take no part: nothing is known of them, and a step of least energy leaves them alone.
-        self.factor(Dependent::Drop)?;
+        self.saddle.factor(Dependent::Drop, &self.arms)?;
         self.saddle.bodies().fill(Vector3::zeros());
         self.saddle.solve();
         Ok(())
-    }
-
-    /// Loads, factorisation and solution at the unpacked bodies.
-    fn evaluate(&mut self, t: f64) -> Result<(), usize> {
-        self.sum_loads(t, false);
-        self.accelerate(t)
     }
 
     /// The applied loads at the unpacked bodies; the contacts' energy if it is asked for and known.
@@ -428,7 +416,8 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
 
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.prepare(t, y);
-        if self.evaluate(t).is_err() {
+        self.sum_loads(t, false);
+        if self.accelerate(t).is_err() {
             dydt.fill(f64::NAN);
             return;
         }

@@ -65,4 +65,4 @@ pub use ode::{ErrorScales, Formulation, Observation, OdeSystem};
 pub use pinned::PinnedContacts;
 pub use reduced::Reduced;
 pub use saddle::SaddlePoint;
-pub use state::{BodyId, BodyState, ContactEnergy, Wrench};
+pub use state::{BodyId, BodyState, ContactEnergy, Wrench, add_pair};

@@ -41,3 +41,21 @@ pub struct ContactEnergy {
     /// Lost by sliding, W.
     pub friction_w: f64,
 }
+
+/// Adds the force (N, ground frame) at `point` (m) to the load of the first body of a pair, and its opposite to the other's.
+#[inline]
+pub fn add_pair(
+    loads: &mut [Wrench],
+    bodies: &[BodyState],
+    pair: [BodyId; 2],
+    point: [f64; 2],
+    force: [f64; 2],
+) {
+    for (body, sign) in pair.into_iter().zip([1.0, -1.0]) {
+        let (load, at) = (&mut loads[body], bodies[body]);
+        let (fx, fy) = (sign * force[0], sign * force[1]);
+        load.fx += fx;
+        load.fy += fy;
+        load.moment += (point[0] - at.x) * fy - (point[1] - at.y) * fx;
+    }
+}

@@ -83,9 +83,13 @@ pub(super) trait Detection: Send + 'static {
     /// Radius of external sleeve `j`, and its K where the curve bends by `kappa`.
     fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64);
     /// How a touch of external sleeve `j` changes, e^{ia} = `unit` at its foot.
-    fn profile_slopes(&self, j: usize, touch: &Touch, unit: Complex) -> Slopes;
+    fn profile_slopes(&self, _j: usize, _touch: &Touch, _unit: Complex) -> Slopes {
+        Slopes::default()
+    }
     /// The same of internal sleeve `k`.
-    fn hole_slopes(&self, wheel: usize, k: usize, touch: &Touch) -> Slopes;
+    fn hole_slopes(&self, _wheel: usize, _k: usize, _touch: &Touch) -> Slopes {
+        Slopes::default()
+    }
 }
 
 /// An external sleeve.
@@ -102,6 +106,20 @@ struct Internal {
     hole: Hole,
     sleeve: f64,
     stiffness: f64,
+}
+
+impl Internal {
+    /// The sleeve at the hole's exact edge, pressed in along `normal`.
+    #[inline]
+    fn touch(&self, penetration: f64, normal: Complex) -> Touch {
+        Touch {
+            point: self.hole.centre + normal.scale(self.hole.radius),
+            normal,
+            penetration,
+            stiffness: self.stiffness,
+            stiffness_slope: 0.0,
+        }
+    }
 }
 
 /// What both detections share.
@@ -244,36 +262,17 @@ impl Detection for Exact {
     }
 
     fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch {
-        let Internal {
-            hole,
-            sleeve,
-            stiffness,
-        } = &self.0.internal[wheel][k];
-        let normal = outwards(p - hole.centre);
-        Touch {
-            point: hole.centre + normal.scale(hole.radius),
-            normal,
-            penetration: (p - hole.centre).norm() + sleeve - hole.radius,
-            stiffness: *stiffness,
-            stiffness_slope: 0.0,
-        }
+        let internal = &self.0.internal[wheel][k];
+        let offset = p - internal.hole.centre;
+        let penetration = offset.norm() + internal.sleeve - internal.hole.radius;
+        internal.touch(penetration, outwards(offset))
     }
 
     #[inline]
     fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch> {
-        let Internal {
-            hole,
-            sleeve,
-            stiffness,
-        } = &self.0.internal[wheel][k];
-        let (penetration, normal) = hole.penetration(p, *sleeve)?;
-        Some(Touch {
-            point: hole.centre + normal.scale(hole.radius),
-            normal,
-            penetration,
-            stiffness: *stiffness,
-            stiffness_slope: 0.0,
-        })
+        let internal = &self.0.internal[wheel][k];
+        let (penetration, normal) = internal.hole.penetration(p, internal.sleeve)?;
+        Some(internal.touch(penetration, normal))
     }
 
     fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64) {
@@ -399,13 +398,5 @@ impl Detection for Points {
 
     fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64) {
         self.shapes.sleeve(j, kappa)
-    }
-
-    fn profile_slopes(&self, _: usize, _: &Touch, _: Complex) -> Slopes {
-        Slopes::default()
-    }
-
-    fn hole_slopes(&self, _: usize, _: usize, _: &Touch) -> Slopes {
-        Slopes::default()
     }
 }

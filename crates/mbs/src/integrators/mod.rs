@@ -86,6 +86,19 @@ pub struct StepCounts {
     pub jacobians: u64,
 }
 
+impl std::ops::Add for StepCounts {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            steps: self.steps + other.steps,
+            rejected: self.rejected + other.rejected,
+            evaluations: self.evaluations + other.evaluations,
+            jacobians: self.jacobians + other.jacobians,
+        }
+    }
+}
+
 /// Why no further step can be made.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum StepError {

@@ -140,13 +140,7 @@ impl<S: OdeSystem> Stepper<S> for Segments<S> {
     }
 
     fn counts(&self) -> StepCounts {
-        let now = self.stepper.counts();
-        StepCounts {
-            steps: self.past.steps + now.steps,
-            rejected: self.past.rejected + now.rejected,
-            evaluations: self.past.evaluations + now.evaluations,
-            jacobians: self.past.jacobians + now.jacobians,
-        }
+        self.past + self.stepper.counts()
     }
 
     fn save(&self) -> Vec<u8> {

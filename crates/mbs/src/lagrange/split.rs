@@ -13,24 +13,7 @@ use nalgebra::Vector3;
 
 use super::Lagrange;
 use crate::Forces;
-use crate::state::{BodyState, Wrench};
-
-/// Adds the force (fx, fy) at `point` to the load of a body, and its opposite to the other's.
-fn add_pair(
-    loads: &mut [Wrench],
-    bodies: &[BodyState],
-    pair: [usize; 2],
-    point: [f64; 2],
-    force: [f64; 2],
-) {
-    for (body, sign) in pair.into_iter().zip([1.0, -1.0]) {
-        let (load, at) = (&mut loads[body], bodies[body]);
-        let (fx, fy) = (sign * force[0], sign * force[1]);
-        load.fx += fx;
-        load.fy += fy;
-        load.moment += (point[0] - at.x) * fy - (point[1] - at.y) * fx;
-    }
-}
+use crate::state::{Wrench, add_pair};
 
 impl<F: Forces> Lagrange<F> {
     /// One stage; `None` when it has no solution. See [`crate::OdeSystem::split_stage`].

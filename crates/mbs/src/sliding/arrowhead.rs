@@ -10,6 +10,7 @@
 //! Cholesky. H is a positive diagonal plus positive rank-one terms, so no pivoting is needed.
 
 use super::contact::Row;
+use crate::jacobian::Place;
 
 /// Which velocities are hubs, and room for one factorisation.
 #[derive(Debug, Clone)]
@@ -26,29 +27,11 @@ pub struct Arrowhead {
     hub_rhs: Vec<f64>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Place {
-    Hub(usize),
-    Leaf(usize),
-}
-
 impl Arrowhead {
     /// For as many velocities as `is_leaf` has entries.
     #[must_use]
     pub fn new(is_leaf: &[bool]) -> Self {
-        let (mut hubs, mut leaves) = (0, 0);
-        let place = is_leaf
-            .iter()
-            .map(|&leaf| {
-                let counter = if leaf { &mut leaves } else { &mut hubs };
-                *counter += 1;
-                if leaf {
-                    Place::Leaf(*counter - 1)
-                } else {
-                    Place::Hub(*counter - 1)
-                }
-            })
-            .collect();
+        let (place, hubs, leaves) = Place::all(is_leaf);
         Self {
             place,
             hubs,

@@ -96,16 +96,6 @@ impl Columns {
         }
     }
 
-    /// Column `to` = factor times column `from` of another matrix of as many rows.
-    pub(super) fn set_scaled(&mut self, to: usize, factor: f64, other: &Self, from: usize) {
-        let blocks = self.entries.chunks_exact_mut(self.columns);
-        for (block, other) in blocks.zip(other.entries.chunks_exact(other.columns)) {
-            let mut scaled = [0.0; ROWS];
-            add(&mut scaled, factor, &other[from]);
-            block[to] = scaled;
-        }
-    }
-
     /// Column `to` = what one of the columns of another matrix of as many rows gives by its factor, if any, and the sum of
     /// the columns from `first` on by their weights.
     pub(super) fn set_sum(

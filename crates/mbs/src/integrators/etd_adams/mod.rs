@@ -702,13 +702,7 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
     }
 
     fn counts(&self) -> StepCounts {
-        let start = self.start.clock().counts;
-        StepCounts {
-            steps: self.counts.steps + start.steps,
-            rejected: self.counts.rejected + start.rejected,
-            evaluations: self.counts.evaluations + start.evaluations,
-            jacobians: self.counts.jacobians,
-        }
+        self.counts + self.start.clock().counts
     }
 
     fn save(&self) -> Vec<u8> {

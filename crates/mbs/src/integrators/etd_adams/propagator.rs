@@ -189,14 +189,15 @@ impl Propagator {
             let weight = tau * (tau / unit).powi(k as i32);
             for c in 0..count {
                 let to = n + k * count + c;
-                self.matrix.set_scaled(to, weight, &self.above, first + c);
+                let one = Some((first + c, weight));
+                self.matrix.set_sum(to, &self.above, one, 0, &[]);
             }
             linear.multiply(tau, &self.scaled, &self.above, factorial, &mut self.here);
             std::mem::swap(&mut self.above, &mut self.here);
             factorial *= k as f64;
         }
         for i in 0..n {
-            self.matrix.set_scaled(i, 1.0, &self.above, i);
+            self.matrix.set_sum(i, &self.above, Some((i, 1.0)), 0, &[]);
         }
         self.tau = tau;
     }
