@@ -47,43 +47,28 @@ pub struct Mask<S: Simd> {
     m: [S::m64s; 2],
 }
 
-/// Both registers by one expression. Not a closure: the compiler may leave closures outside of the function that
-/// has the vector instructions, and each operation becomes a call.
+/// Both registers by one expression, of numbers (`Lanes`, `v`) or of truth values (`Mask`, `m`). Not a closure: the compiler may
+/// leave closures outside of the function that has the vector instructions, and each operation becomes a call.
 macro_rules! both {
     ($self:ident, $k:ident, $value:expr) => {
-        Lanes {
-            simd: $self.simd,
-            v: [
-                {
-                    let $k = 0;
-                    $value
-                },
-                {
-                    let $k = 1;
-                    $value
-                },
-            ],
-        }
+        both!(Lanes.v, $self, $k, $value)
     };
-}
-
-/// The same for masks.
-macro_rules! both_masks {
-    ($self:ident, $k:ident, $value:expr) => {
-        Mask {
+    ($type:ident.$field:ident, $self:ident, $k:ident, $value:expr) => {{
+        let register = [
+            {
+                let $k = 0;
+                $value
+            },
+            {
+                let $k = 1;
+                $value
+            },
+        ];
+        $type {
             simd: $self.simd,
-            m: [
-                {
-                    let $k = 0;
-                    $value
-                },
-                {
-                    let $k = 1;
-                    $value
-                },
-            ],
+            $field: register,
         }
-    };
+    }};
 }
 
 impl<S: Simd> Lanes<S> {
@@ -242,7 +227,12 @@ impl<S: Simd> Lanes<S> {
     #[must_use]
     #[inline(always)]
     pub fn less(self, other: Self) -> Mask<S> {
-        both_masks!(self, k, self.simd.less_than_f64s(self.v[k], other.v[k]))
+        both!(
+            Mask.m,
+            self,
+            k,
+            self.simd.less_than_f64s(self.v[k], other.v[k])
+        )
     }
 
     /// `self` where the mask is set, 0 elsewhere, whatever stands there.
@@ -320,36 +310,24 @@ impl<S: Simd> Mask<S> {
     #[must_use]
     #[inline(always)]
     pub fn and(self, other: Self) -> Self {
-        let and = |k: usize| self.simd.and_m64s(self.m[k], other.m[k]);
-        Self {
-            simd: self.simd,
-            m: [and(0), and(1)],
-        }
+        both!(Mask.m, self, k, self.simd.and_m64s(self.m[k], other.m[k]))
     }
 
     /// This one set and the other not.
     #[must_use]
     #[inline(always)]
     pub fn without(self, other: Self) -> Self {
-        let and = |k: usize| {
-            self.simd
-                .and_m64s(self.m[k], self.simd.not_m64s(other.m[k]))
-        };
-        Self {
-            simd: self.simd,
-            m: [and(0), and(1)],
-        }
+        both!(Mask.m, self, k, {
+            let not = self.simd.not_m64s(other.m[k]);
+            self.simd.and_m64s(self.m[k], not)
+        })
     }
 
     /// One of both set.
     #[must_use]
     #[inline(always)]
     pub fn or(self, other: Self) -> Self {
-        let or = |k: usize| self.simd.or_m64s(self.m[k], other.m[k]);
-        Self {
-            simd: self.simd,
-            m: [or(0), or(1)],
-        }
+        both!(Mask.m, self, k, self.simd.or_m64s(self.m[k], other.m[k]))
     }
 
     /// True if any lane is set.

@@ -193,15 +193,22 @@ impl Instance {
         })
     }
 
+    /// The place of a variable that is a Boolean, or is none.
+    fn place_of(&self, call: &str, reference: u32, boolean: bool) -> Result<usize, Refusal> {
+        let (place, variable) = self.variable(call, reference)?;
+        if variable.is_boolean() != boolean {
+            let kind = if boolean { "Real" } else { "Boolean" };
+            return refused(format!("{call}: {} is a {kind}", variable.name));
+        }
+        Ok(place)
+    }
+
     /// `fmi2SetReal` of one variable.
     ///
     /// # Errors
     /// No such variable, one that cannot be set now, or a value that is no number.
     pub fn set_real(&mut self, reference: u32, value: f64) -> Result<(), Refusal> {
-        let (place, variable) = self.variable("fmi2SetReal", reference)?;
-        if variable.is_boolean() {
-            return refused(format!("fmi2SetReal: {} is a Boolean", variable.name));
-        }
+        let place = self.place_of("fmi2SetReal", reference, false)?;
         self.set("fmi2SetReal", place, value)
     }
 
@@ -210,10 +217,7 @@ impl Instance {
     /// # Errors
     /// As [`set_real`](Self::set_real).
     pub fn set_boolean(&mut self, reference: u32, value: bool) -> Result<(), Refusal> {
-        let (place, variable) = self.variable("fmi2SetBoolean", reference)?;
-        if !variable.is_boolean() {
-            return refused(format!("fmi2SetBoolean: {} is a Real", variable.name));
-        }
+        let place = self.place_of("fmi2SetBoolean", reference, true)?;
         self.set("fmi2SetBoolean", place, f64::from(u8::from(value)))
     }
 
@@ -273,10 +277,8 @@ impl Instance {
     /// # Errors
     /// No such variable, or one that is not known yet.
     pub fn real(&mut self, reference: u32) -> Result<f64, Refusal> {
-        let (place, variable) = self.variable("fmi2GetReal", reference)?;
-        if variable.is_boolean() {
-            return refused(format!("fmi2GetReal: {} is a Boolean", variable.name));
-        }
+        let place = self.place_of("fmi2GetReal", reference, false)?;
+        let variable = &self.model.variables()[place];
         let what = variable.what;
         if !variable.is_output() {
             return Ok(self.prescribed.values[place]);
@@ -308,10 +310,7 @@ impl Instance {
     /// # Errors
     /// No such variable.
     pub fn boolean(&self, reference: u32) -> Result<bool, Refusal> {
-        let (place, variable) = self.variable("fmi2GetBoolean", reference)?;
-        if !variable.is_boolean() {
-            return refused(format!("fmi2GetBoolean: {} is a Real", variable.name));
-        }
+        let place = self.place_of("fmi2GetBoolean", reference, true)?;
         Ok(self.prescribed.values[place] != 0.0)
     }
 
@@ -389,20 +388,18 @@ impl Instance {
         let begun = self.prescribed.begun.iter().zip(&prescribed.begun);
         let same = self.prescribed.tolerance == prescribed.tolerance
             && begun.fold(true, |same, (a, b)| same && a.to_bits() == b.to_bits());
-        match (&saved.gear, &mut self.gear) {
-            (None, gear) => *gear = None,
-            (Some(state), Some(gear)) if same => {
-                if !gear.restore(state) {
-                    return refused("the state is none of this unit");
-                }
+        if let Some(state) = &saved.gear {
+            let mut other = None;
+            let gear = match &mut self.gear {
+                Some(gear) if same => gear,
+                _ => other.insert(self.model.begin(&prescribed.begun, prescribed.tolerance)?),
+            };
+            if !gear.restore(state) {
+                return refused("the state is none of this unit");
             }
-            (Some(state), gear) => {
-                let mut begun = self.model.begin(&prescribed.begun, prescribed.tolerance)?;
-                if !begun.restore(state) {
-                    return refused("the state is none of this unit");
-                }
-                *gear = Some(begun);
-            }
+            self.gear = other.or(self.gear.take());
+        } else {
+            self.gear = None;
         }
         (self.prescribed, self.seen) = (prescribed, None);
         Ok(())

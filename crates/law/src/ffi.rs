@@ -99,6 +99,14 @@ fn on<T>(
     })
 }
 
+/// Runs a call on the law behind a handle; its result is a status.
+fn status_of(
+    handle: *const PinwheelLaw,
+    call: impl FnOnce(&mut Law) -> Result<(), Failure>,
+) -> i32 {
+    on(handle, |status| status, |law| call(law).map(|()| 0))
+}
+
 /// An array from C.
 ///
 /// # Safety
@@ -189,31 +197,27 @@ pub unsafe extern "C" fn pinwheel_law_body(
     for place in numbers.iter_mut().flatten() {
         place.fill(f64::NAN);
     }
-    on(
-        law,
-        |status| status,
-        |law| {
-            let found = usize::try_from(body).ok().and_then(|k| law.bodies().get(k));
-            let found = found.ok_or_else(|| {
-                argument(format!(
-                    "there is no body {body} among {}",
-                    law.bodies().len()
-                ))
-            })?;
-            let carried_by = found.carrier.and_then(|k| i32::try_from(k).ok());
-            if !carrier.is_null() {
-                // SAFETY: not null, and the caller promises a place.
-                unsafe { carrier.write(carried_by.unwrap_or(-1)) };
+    status_of(law, |law| {
+        let found = usize::try_from(body).ok().and_then(|k| law.bodies().get(k));
+        let found = found.ok_or_else(|| {
+            argument(format!(
+                "there is no body {body} among {}",
+                law.bodies().len()
+            ))
+        })?;
+        let carried_by = found.carrier.and_then(|k| i32::try_from(k).ok());
+        if !carrier.is_null() {
+            // SAFETY: not null, and the caller promises a place.
+            unsafe { carrier.write(carried_by.unwrap_or(-1)) };
+        }
+        let values: [&[f64]; 3] = [&found.seat_m, &[found.mass_kg], &[found.moment_kg_m2]];
+        for (place, values) in numbers.iter_mut().zip(values) {
+            if let Some(place) = place {
+                place.copy_from_slice(values);
             }
-            let values: [&[f64]; 3] = [&found.seat_m, &[found.mass_kg], &[found.moment_kg_m2]];
-            for (place, values) in numbers.iter_mut().zip(values) {
-                if let Some(place) = place {
-                    place.copy_from_slice(values);
-                }
-            }
-            Ok(0)
-        },
-    )
+        }
+        Ok(())
+    })
 }
 
 /// Rate of the input shaft, rad/s.
@@ -258,17 +262,13 @@ pub unsafe extern "C" fn pinwheel_law_samples(
 /// `states`: null or the place of six numbers a body.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pinwheel_law_start(law: *const PinwheelLaw, states: *mut f64) -> i32 {
-    on(
-        law,
-        |status| status,
-        |law| {
-            // SAFETY: the caller promises their length.
-            let states = unsafe { array_mut(states, law.start().len()) };
-            let states = states.ok_or_else(|| argument("`states` is null"))?;
-            states.copy_from_slice(law.start());
-            Ok(0)
-        },
-    )
+    status_of(law, |law| {
+        // SAFETY: the caller promises their length.
+        let states = unsafe { array_mut(states, law.start().len()) };
+        let states = states.ok_or_else(|| argument("`states` is null"))?;
+        states.copy_from_slice(law.start());
+        Ok(())
+    })
 }
 
 /// Contact forces at these states.
@@ -281,26 +281,22 @@ pub unsafe extern "C" fn pinwheel_law_loads(
     states: *const f64,
     loads: *mut f64,
 ) -> i32 {
-    on(
-        law,
-        |status| status,
-        |law| {
-            let bodies = law.bodies().len();
-            // SAFETY: the caller promises their lengths, and that they lie apart.
-            let (states, loads) = unsafe {
-                (
-                    array(states, STATE * bodies),
-                    array_mut(loads, LOAD * bodies),
-                )
-            };
-            let loads = loads.ok_or_else(|| argument("`loads` is null"))?;
-            // What a panic leaves behind.
-            loads.fill(f64::NAN);
-            let states = states.ok_or_else(|| argument("`states` is null"))?;
-            law.loads(states, loads)?;
-            Ok(0)
-        },
-    )
+    status_of(law, |law| {
+        let bodies = law.bodies().len();
+        // SAFETY: the caller promises their lengths, and that they lie apart.
+        let (states, loads) = unsafe {
+            (
+                array(states, STATE * bodies),
+                array_mut(loads, LOAD * bodies),
+            )
+        };
+        let loads = loads.ok_or_else(|| argument("`loads` is null"))?;
+        // What a panic leaves behind.
+        loads.fill(f64::NAN);
+        let states = states.ok_or_else(|| argument("`states` is null"))?;
+        law.loads(states, loads)?;
+        Ok(())
+    })
 }
 
 /// The load's torque on the output shaft, N m.

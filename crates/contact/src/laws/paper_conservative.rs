@@ -9,51 +9,32 @@
 //! that centre, with its reaction on the wheel at the same point; the part along the profile is what
 //! the paper leaves out. It needs dK/da, so it exists for exact detection only.
 
-use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, Ramp};
+use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, paper};
 use crate::Real;
 
 /// Eq. 20 with the missing part of the gradient.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PaperConservative {
-    /// C, N s/m.
-    pub damping: f64,
-    /// S.
-    pub ramp: Ramp,
-}
-
-impl PaperConservative {
-    /// The normal part.
-    #[inline(always)]
-    fn normal(&self) -> PaperLaw {
-        PaperLaw {
-            damping: self.damping,
-            ramp: self.ramp,
-        }
-    }
-}
+pub struct PaperConservative(PaperLaw);
 
 impl NormalLaw for PaperConservative {
     #[inline(always)]
     fn force<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> R {
-        self.normal().force(stiffness, penetration, rate)
+        self.0.force(stiffness, penetration, rate)
     }
 
     #[inline(always)]
     fn stored<R: Real>(&self, stiffness: R, penetration: R) -> R {
-        self.normal().stored(stiffness, penetration)
+        self.0.stored(stiffness, penetration)
     }
 
     #[inline(always)]
     fn along<R: Real>(&self, penetration: R) -> Option<R> {
-        Some(self.ramp.integral(penetration))
+        Some(self.0.ramp.integral(penetration))
     }
 }
 
 pub(super) fn new(parameters: &LawParameters) -> PaperConservative {
-    PaperConservative {
-        damping: parameters.damping,
-        ramp: Ramp::new(parameters.ramp),
-    }
+    PaperConservative(paper::new(parameters))
 }
 
 pub(super) const INFO: LawInfo = LawInfo {
@@ -62,8 +43,6 @@ pub(super) const INFO: LawInfo = LawInfo {
     formula: "normal: max(0, S(delta) (K delta^1.5 + C v)); along the profile: -dK/ds * integral of S x^1.5",
     source: "derived here from the potential U = K(a) * integral of S(x) x^1.5",
     domain: "as `paper`; exact detection only, because discrete points have no slope of K",
-    slow_impact: "regular: does not depend on the impact speed",
-    keys: &["contact.damping_n_s_m", "contact.ramp_m"],
-    restitution_factor: None,
     conservative: true,
+    ..paper::INFO
 };

@@ -3,29 +3,25 @@
 //! Without the clamp at 0 a contact that parts faster than `K delta^1.5 / C` pulls. For studying what the
 //! published model does; use the law `paper` for results.
 
-use super::{LawInfo, LawParameters, NormalLaw, Ramp};
+use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, paper};
 use crate::Real;
 
 /// Eq. 20 without a maximum.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PaperPrinted {
-    /// C, N s/m.
-    pub damping: f64,
-    /// S.
-    pub ramp: Ramp,
-}
+pub struct PaperPrinted(PaperLaw);
 
 impl NormalLaw for PaperPrinted {
     /// May be negative, unlike every other law's.
     #[inline(always)]
     fn force<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> R {
+        let PaperLaw { damping, ramp } = self.0;
         let elastic = stiffness * penetration * penetration.sqrt();
-        self.ramp.at(penetration) * (elastic + rate.like(self.damping) * rate)
+        ramp.at(penetration) * (elastic + rate.like(damping) * rate)
     }
 
     #[inline(always)]
     fn stored<R: Real>(&self, stiffness: R, penetration: R) -> R {
-        stiffness * self.ramp.integral(penetration)
+        self.0.stored(stiffness, penetration)
     }
 
     #[inline(always)]
@@ -35,10 +31,7 @@ impl NormalLaw for PaperPrinted {
 }
 
 pub(super) fn new(parameters: &LawParameters) -> PaperPrinted {
-    PaperPrinted {
-        damping: parameters.damping,
-        ramp: Ramp::new(parameters.ramp),
-    }
+    PaperPrinted(paper::new(parameters))
 }
 
 pub(super) const INFO: LawInfo = LawInfo {
@@ -47,10 +40,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     formula: "S(delta) (K delta^1.5 + C v)",
     source: "the paper, Eq. 20 as printed",
     domain: "studies of the published model only: the force is adhesive for v < -K delta^1.5/C",
-    slow_impact: "regular: does not depend on the impact speed",
-    keys: &["contact.damping_n_s_m", "contact.ramp_m"],
-    restitution_factor: None,
-    conservative: false,
+    ..paper::INFO
 };
 
 #[cfg(test)]
@@ -59,10 +49,7 @@ mod tests {
 
     #[test]
     fn pulls_where_the_paper_s_law_is_clamped() {
-        let law = PaperPrinted {
-            damping: 8.0,
-            ramp: Ramp::new(1e-5),
-        };
+        let law = new(&LawParameters::default());
         assert_eq!(law.force(1e8, 4e-4, 0.0), 1e8 * 4e-4 * 0.02);
         assert!(law.force(1e8, 1e-5, -10.0) < -70.0);
     }

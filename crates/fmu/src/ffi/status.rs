@@ -11,10 +11,21 @@ const LAST_SUCCESSFUL_TIME: c_int = 2;
 /// `fmi2Terminated` of `fmi2StatusKind`.
 const TERMINATED: c_int = 3;
 
-/// Of steps that are under way, of which there are none.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2GetStatus(component: Component, _kind: c_int, _status: *mut c_int) -> c_int {
-    on(component, |_| Ok(DISCARD))
+/// Functions of steps that are under way, of which there are none.
+macro_rules! of_no_step {
+    ($($function:ident($value:ty);)*) => {$(
+        /// There is none.
+        #[unsafe(no_mangle)]
+        pub extern "C" fn $function(component: Component, _kind: c_int, _value: $value) -> c_int {
+            on(component, |_| Ok(DISCARD))
+        }
+    )*};
+}
+
+of_no_step! {
+    fmi2GetStatus(*mut c_int);
+    fmi2GetIntegerStatus(*mut c_int);
+    fmi2GetStringStatus(*mut *const c_char);
 }
 
 /// The time of the last step that went well.
@@ -38,16 +49,6 @@ pub unsafe extern "C" fn fmi2GetRealStatus(
     })
 }
 
-/// There is none.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2GetIntegerStatus(
-    component: Component,
-    _kind: c_int,
-    _value: *mut c_int,
-) -> c_int {
-    on(component, |_| Ok(DISCARD))
-}
-
 /// The unit never wants to end a simulation.
 ///
 /// # Safety
@@ -67,14 +68,4 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(
         *value = 0;
         Ok(super::OK)
     })
-}
-
-/// There is none.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2GetStringStatus(
-    component: Component,
-    _kind: c_int,
-    _value: *mut *const c_char,
-) -> c_int {
-    on(component, |_| Ok(DISCARD))
 }

@@ -71,11 +71,7 @@ pub unsafe extern "C" fn fmi2GetReal(
     values: *mut f64,
 ) -> c_int {
     // SAFETY: as the caller promises.
-    unsafe {
-        get(component, references, count, values, |unit, reference| {
-            unit.real(reference)
-        })
-    }
+    unsafe { get(component, references, count, values, Instance::real) }
 }
 
 /// Values of Booleans.
@@ -109,15 +105,7 @@ pub unsafe extern "C" fn fmi2SetReal(
     values: *const f64,
 ) -> c_int {
     // SAFETY: as the caller promises.
-    unsafe {
-        set(
-            component,
-            references,
-            count,
-            values,
-            |unit, reference, value| unit.set_real(reference, value),
-        )
-    }
+    unsafe { set(component, references, count, values, Instance::set_real) }
 }
 
 /// Sets Booleans.
@@ -131,60 +119,32 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     count: usize,
     values: *const c_int,
 ) -> c_int {
+    let put = |unit: &mut Instance, reference, value| unit.set_boolean(reference, value != 0);
     // SAFETY: as the caller promises.
-    unsafe {
-        set(
-            component,
-            references,
-            count,
-            values,
-            |unit, reference, value: c_int| unit.set_boolean(reference, value != 0),
-        )
-    }
+    unsafe { set(component, references, count, values, put) }
 }
 
-/// There are no Integers.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2GetInteger(
-    component: Component,
-    _references: *const c_uint,
-    count: usize,
-    _values: *mut c_int,
-) -> c_int {
-    none(component, "fmi2GetInteger", count)
+/// Functions for values of a type that no variable has: any reference is refused.
+macro_rules! of_no_variable {
+    ($($function:ident($values:ty);)*) => {$(
+        /// There are no variables of this type.
+        #[unsafe(no_mangle)]
+        pub extern "C" fn $function(
+            component: Component,
+            _references: *const c_uint,
+            count: usize,
+            _values: $values,
+        ) -> c_int {
+            none(component, stringify!($function), count)
+        }
+    )*};
 }
 
-/// There are no Integers.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2SetInteger(
-    component: Component,
-    _references: *const c_uint,
-    count: usize,
-    _values: *const c_int,
-) -> c_int {
-    none(component, "fmi2SetInteger", count)
-}
-
-/// There are no Strings.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2GetString(
-    component: Component,
-    _references: *const c_uint,
-    count: usize,
-    _values: *mut *const c_char,
-) -> c_int {
-    none(component, "fmi2GetString", count)
-}
-
-/// There are no Strings.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2SetString(
-    component: Component,
-    _references: *const c_uint,
-    count: usize,
-    _values: *const *const c_char,
-) -> c_int {
-    none(component, "fmi2SetString", count)
+of_no_variable! {
+    fmi2GetInteger(*mut c_int);
+    fmi2SetInteger(*const c_int);
+    fmi2GetString(*mut *const c_char);
+    fmi2SetString(*const *const c_char);
 }
 
 /// Not provided: `providesDirectionalDerivative` is false.
