@@ -366,15 +366,12 @@ static ROWS: [(&EngineInfo<'static>, Make); 13] = [
     (&NATIVE_RESOLVED, || boxed(Native::RESOLVED)),
     (
         &RAPIER_SHARED_LAW,
-        built!("rapier", boxed(crate::rapier::SharedLaw)),
+        built!("rapier", boxed(&crate::rapier::SHARED_LAW)),
     ),
-    (
-        &RAPIER_HOOK,
-        built!("rapier", boxed(crate::rapier::ContactHook)),
-    ),
+    (&RAPIER_HOOK, built!("rapier", boxed(&crate::rapier::HOOK))),
     (
         &RAPIER_COLLIDERS,
-        built!("rapier", boxed(crate::rapier::Colliders)),
+        built!("rapier", boxed(&crate::rapier::COLLIDERS)),
     ),
     (
         &MUJOCO_SHARED_LAW,

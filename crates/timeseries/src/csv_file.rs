@@ -4,7 +4,7 @@ use std::io::{Read, Write};
 use std::path::Path;
 
 use crate::table::Table;
-use crate::{TimeSeries, TimeSeriesError};
+use crate::{TimeSeries, TimeSeriesError, columns};
 
 impl TimeSeries {
     /// Writes `time_s` and all channels; numbers are printed so that they read back bit for bit.
@@ -38,10 +38,9 @@ impl TimeSeries {
             .trim(csv::Trim::All)
             .from_reader(source);
         let names: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
-        let time_column = names
-            .iter()
-            .position(|n| n == "time_s")
-            .ok_or(TimeSeriesError::NoTime)?;
+        if !names.iter().any(|name| name == columns::TIME) {
+            return Err(TimeSeriesError::NoTime);
+        }
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
         for (row, record) in reader.records().enumerate() {
             for (column, text) in record?.iter().enumerate() {
@@ -53,13 +52,7 @@ impl TimeSeries {
                 columns[column].push(value);
             }
         }
-        let mut time_series = Self::new(std::mem::take(&mut columns[time_column]))?;
-        for (column, name) in names.into_iter().enumerate() {
-            if column != time_column {
-                time_series.push(name, std::mem::take(&mut columns[column]))?;
-            }
-        }
-        Ok(time_series)
+        Self::of_columns(names.into_iter().zip(columns))
     }
 
     /// Reads a CSV file; see [`TimeSeries::read_csv`].

@@ -36,8 +36,6 @@ pub mod table;
 
 pub use error::TimeSeriesError;
 #[cfg(feature = "parquet")]
-pub use parquet_file::{
-    ParquetFault, load_time_series, read_table, read_time_series, save_time_series,
-};
+pub use parquet_file::{ParquetFault, read_time_series, save_time_series};
 pub use run::{Ending, EnergyAudit, RecordedUncertainty, RunStats, Track, efficiency, mean_powers};
 pub use store::{Channel, TimeSeries, group_of};

@@ -16,7 +16,7 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::record::Field;
 use parquet::schema::types::{Type, TypePtr};
 
-use crate::table::{Column, Table, Values};
+use crate::table::{Table, Values};
 use crate::{TimeSeries, TimeSeriesError};
 
 /// Faults of Parquet files.
@@ -106,65 +106,6 @@ fn write_column<T: DataType, V>(
     Ok(())
 }
 
-/// Reads the columns of a Parquet file of this crate's kinds.
-///
-/// # Errors
-/// The library's, for what is no Parquet file; columns of other types are read as empty cells.
-pub fn read_table(source: impl ChunkReader + 'static) -> Result<Table, ParquetFault> {
-    // The library panics on some damaged files; its state goes with the reader.
-    let read = || table_of(source, usize::MAX, &|_| true);
-    catch_unwind(AssertUnwindSafe(read)).unwrap_or(Err(ParquetFault::Damaged))
-}
-
-/// The columns that `wanted` says; at most `most` rows of them.
-fn table_of(
-    source: impl ChunkReader + 'static,
-    most: usize,
-    wanted: &dyn Fn(&Type) -> bool,
-) -> Result<Table, ParquetFault> {
-    let reader = SerializedFileReader::new(source)?;
-    let schema = reader.metadata().file_metadata().schema().clone();
-    let fields = schema.get_fields().iter().filter(|field| wanted(field));
-    let schema = Type::group_type_builder(schema.name())
-        .with_fields(fields.cloned().collect())
-        .build()?;
-    // Repeated values take no room in the file: what it holds says nothing of how long it is.
-    let rows = reader.metadata().file_metadata().num_rows();
-    if rows > i64::try_from(most).unwrap_or(i64::MAX) {
-        return Err(ParquetFault::Long { rows, most });
-    }
-    let columns = schema.get_fields().iter().map(|field| Column {
-        name: field.name().to_owned(),
-        values: match field.is_primitive().then(|| field.get_physical_type()) {
-            Some(Physical::DOUBLE) => Values::Number(Vec::new()),
-            Some(Physical::INT64) => Values::Whole(Vec::new()),
-            _ => Values::Text(Vec::new()),
-        },
-        ..Column::default()
-    });
-    let mut table = Table {
-        caption: String::new(),
-        columns: columns.collect(),
-    };
-    if table.columns.is_empty() {
-        return Ok(table);
-    }
-    for row in reader.get_row_iter(Some(schema))?.take(most) {
-        let row = row?;
-        for ((_, field), column) in row.get_column_iter().zip(&mut table.columns) {
-            match (&mut column.values, field) {
-                (Values::Number(list), Field::Double(value)) => list.push(Some(*value)),
-                (Values::Number(list), _) => list.push(None),
-                (Values::Whole(list), Field::Long(value)) => list.push(Some(*value)),
-                (Values::Whole(list), _) => list.push(None),
-                (Values::Text(list), Field::Str(value)) => list.push(Some(value.clone())),
-                (Values::Text(list), _) => list.push(None),
-            }
-        }
-    }
-    Ok(table)
-}
-
 /// Writes time series as a Parquet file: `time_s` and all channels.
 ///
 /// # Errors
@@ -173,46 +114,58 @@ pub fn save_time_series(time_series: &TimeSeries, path: &Path) -> Result<(), Par
     Table::from(time_series).write_parquet(std::fs::File::create(path)?)
 }
 
-/// Reads what [`save_courses`] wrote, or any Parquet file of doubles with a `time_s` column; empty
-/// cells are read as NaN.
+/// Reads what [`save_time_series`] wrote, or any Parquet file of doubles with a `time_s` column, of at most `most` rows; empty
+/// cells are read as NaN, and columns that are no doubles are passed over.
 ///
 /// # Errors
-/// The file cannot be opened, is no Parquet file, has no time or time that does not increase.
-pub fn load_time_series(path: &Path) -> Result<TimeSeries, ParquetFault> {
-    read_time_series(std::fs::File::open(path)?, usize::MAX)
-}
-
-/// The same from an open file, or from memory, of at most `most` rows. Columns that are no doubles are passed over.
-///
-/// # Errors
-/// See [`load_courses`]; more rows.
+/// It is no Parquet file, is longer, has no time or time that does not increase.
 pub fn read_time_series(
     source: impl ChunkReader + 'static,
     most: usize,
 ) -> Result<TimeSeries, ParquetFault> {
-    let (mut time, mut channels) = (None, Vec::new());
-    let double = |field: &Type| {
+    // The library panics on some damaged files; its state goes with the reader.
+    let read = || doubles(source, most);
+    let columns = catch_unwind(AssertUnwindSafe(read)).unwrap_or(Err(ParquetFault::Damaged))?;
+    Ok(TimeSeries::of_columns(columns)?)
+}
+
+/// The columns of doubles.
+fn doubles(
+    source: impl ChunkReader + 'static,
+    most: usize,
+) -> Result<Vec<(String, Vec<f64>)>, ParquetFault> {
+    let is_double = |field: &Type| {
         field.is_primitive()
             && field.get_physical_type() == Physical::DOUBLE
             && field.get_basic_info().repetition() != Repetition::REPEATED
     };
-    let read = || table_of(source, most, &double);
-    let table = catch_unwind(AssertUnwindSafe(read)).unwrap_or(Err(ParquetFault::Damaged));
-    for Column { name, values, .. } in table?.columns {
-        if let Values::Number(values) = values {
-            let values: Vec<f64> = values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect();
-            if name == "time_s" {
-                time = Some(values);
-            } else {
-                channels.push((name, values));
-            }
+    let reader = SerializedFileReader::new(source)?;
+    let schema = reader.metadata().file_metadata().schema().clone();
+    let fields = schema.get_fields().iter().filter(|field| is_double(field));
+    let schema = Type::group_type_builder(schema.name())
+        .with_fields(fields.cloned().collect())
+        .build()?;
+    // Repeated values take no room in the file: what it holds says nothing of how long it is.
+    let rows = reader.metadata().file_metadata().num_rows();
+    if rows > i64::try_from(most).unwrap_or(i64::MAX) {
+        return Err(ParquetFault::Long { rows, most });
+    }
+    let columns = schema.get_fields().iter();
+    let mut columns: Vec<(String, Vec<f64>)> = columns
+        .map(|field| (field.name().to_owned(), Vec::new()))
+        .collect();
+    if columns.is_empty() {
+        return Ok(columns);
+    }
+    for row in reader.get_row_iter(Some(schema))?.take(most) {
+        for ((_, field), (_, values)) in row?.get_column_iter().zip(&mut columns) {
+            values.push(match field {
+                Field::Double(value) => *value,
+                _ => f64::NAN,
+            });
         }
     }
-    let mut time_series = TimeSeries::new(time.ok_or(TimeSeriesError::NoTime)?)?;
-    for (name, values) in channels {
-        time_series.push(name, values)?;
-    }
-    Ok(time_series)
+    Ok(columns)
 }
 
 #[cfg(test)]
@@ -229,17 +182,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("courses.parquet");
         save_time_series(&time_series, &path).unwrap();
-        assert_eq!(load_time_series(&path).unwrap(), time_series);
-        let short = read_time_series(std::fs::File::open(&path).unwrap(), 2);
+        let load = |most| read_time_series(std::fs::File::open(&path).unwrap(), most);
+        assert_eq!(load(usize::MAX).unwrap(), time_series);
+        let short = load(2);
         assert!(matches!(
             short,
             Err(ParquetFault::Long { rows: 3, most: 2 })
         ));
         std::fs::write(&path, "time_s\n0\n").unwrap();
-        assert!(matches!(
-            load_time_series(&path),
-            Err(ParquetFault::Parquet(_))
-        ));
+        assert!(matches!(load(usize::MAX), Err(ParquetFault::Parquet(_))));
     }
 
     #[test]
@@ -254,7 +205,19 @@ mod tests {
         .done();
         let mut bytes = Vec::new();
         table.write_parquet(&mut bytes).unwrap();
-        assert_eq!(read_table(bytes::Bytes::from(bytes)).unwrap(), table);
+        let reader = SerializedFileReader::new(bytes::Bytes::from(bytes)).unwrap();
+        let rows: Vec<String> = reader
+            .get_row_iter(None)
+            .unwrap()
+            .map(|row| row.unwrap().to_string())
+            .collect();
+        assert_eq!(
+            rows,
+            [
+                "{n: 0.1, k: null, t: \"\u{e9}, \"x\"\"}",
+                "{n: null, k: -3, t: null}"
+            ]
+        );
         let mut uneven = table;
         uneven.columns[1].values = Values::Whole(vec![None]);
         assert!(uneven.write_parquet(Vec::new()).is_err());

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use crate::TimeSeriesError;
+use crate::{TimeSeriesError, columns};
 
 /// One named column.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +46,27 @@ impl TimeSeries {
             channels: Vec::new(),
             index: HashMap::new(),
         })
+    }
+
+    /// Of columns in any order, of which one is the time.
+    ///
+    /// # Errors
+    /// There is no `time_s`, or it does not increase; as [`push`](Self::push).
+    pub fn of_columns(
+        columns: impl IntoIterator<Item = (String, Vec<f64>)>,
+    ) -> Result<Self, TimeSeriesError> {
+        let is_time = |(name, _): &(String, Vec<f64>)| name == columns::TIME;
+        let (time, channels): (Vec<_>, Vec<_>) = columns.into_iter().partition(is_time);
+        let mut time = time.into_iter();
+        let (_, time_s) = time.next().ok_or(TimeSeriesError::NoTime)?;
+        let mut time_series = Self::new(time_s)?;
+        for (name, values) in channels {
+            time_series.push(name, values)?;
+        }
+        match time.next() {
+            Some((name, _)) => Err(TimeSeriesError::Duplicate(name)),
+            None => Ok(time_series),
+        }
     }
 
     /// Adds a channel with one value per sample.

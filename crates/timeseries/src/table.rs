@@ -285,18 +285,18 @@ impl Values {
     /// The number of a row; none of words.
     #[must_use]
     pub fn number(&self, row: usize) -> Option<f64> {
-        match self {
-            Self::Number(values) => values.get(row).copied().flatten(),
-            Self::Whole(values) => values.get(row).copied().flatten().map(|value| value as f64),
-            Self::Text(_) => None,
+        match self.cell(row) {
+            Cell::Number(value) => Some(value),
+            Cell::Whole(value) => Some(value as f64),
+            Cell::Text(_) | Cell::Empty => None,
         }
     }
 
     /// The words of a row; none of numbers.
     #[must_use]
     pub fn words(&self, row: usize) -> Option<&str> {
-        match self {
-            Self::Text(values) => values.get(row)?.as_deref(),
+        match self.cell(row) {
+            Cell::Text(words) => Some(words),
             _ => None,
         }
     }
@@ -304,12 +304,21 @@ impl Values {
     /// The value of a row with every digit; empty where there is none.
     #[must_use]
     pub fn text(&self, row: usize) -> String {
-        let text = match self {
-            Self::Number(values) => values.get(row).copied().flatten().map(|x| x.to_string()),
-            Self::Whole(values) => values.get(row).copied().flatten().map(|x| x.to_string()),
-            Self::Text(values) => values.get(row).cloned().flatten(),
+        match self.cell(row) {
+            Cell::Number(value) => value.to_string(),
+            Cell::Whole(value) => value.to_string(),
+            Cell::Text(words) => words.to_owned(),
+            Cell::Empty => String::new(),
+        }
+    }
+
+    fn cell(&self, row: usize) -> Cell<'_> {
+        let cell = match self {
+            Self::Number(values) => values.get(row).copied().flatten().map(Cell::Number),
+            Self::Whole(values) => values.get(row).copied().flatten().map(Cell::Whole),
+            Self::Text(values) => values.get(row).and_then(Option::as_deref).map(Cell::Text),
         };
-        text.unwrap_or_default()
+        cell.unwrap_or(Cell::Empty)
     }
 
     /// Whether numbers stand in it.
@@ -467,25 +476,18 @@ struct Row<'a> {
 
 impl Serialize for Row<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let cell = |column: &'_ Column| match &column.values {
-            Values::Number(values) => Cell::Number(values.get(self.row).copied().flatten()),
-            Values::Whole(values) => Cell::Whole(values.get(self.row).copied().flatten()),
-            Values::Text(_) => Cell::Text(column.values.words(self.row).map(str::to_owned)),
-        };
-        serializer.collect_map(
-            self.table
-                .named()
-                .map(|column| (&column.name, cell(column))),
-        )
+        let cells = self.table.named();
+        serializer.collect_map(cells.map(|column| (&column.name, column.values.cell(self.row))))
     }
 }
 
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Cell {
-    Number(Option<f64>),
-    Whole(Option<i64>),
-    Text(Option<String>),
+enum Cell<'a> {
+    Number(f64),
+    Whole(i64),
+    Text(&'a str),
+    Empty,
 }
 
 #[cfg(test)]

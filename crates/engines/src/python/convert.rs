@@ -37,30 +37,14 @@ pub(super) fn run(result: &Bound<'_, PyAny>) -> PyResult<Run> {
 /// TimeSeries from a dict of numpy columns, `time_s` among them.
 fn time_series(columns: &Bound<'_, PyAny>) -> PyResult<Result<TimeSeries, TimeSeriesError>> {
     let columns = columns.cast::<PyDict>()?;
-    let (mut time_s, mut channels) = (Vec::new(), Vec::new());
-    for (name, values) in columns {
-        let name: String = name.extract()?;
+    let each = columns.iter().map(|(name, values)| {
         let bytes = values.call_method0("tobytes")?;
-        let values: Vec<f64> = bytes
-            .cast::<PyBytes>()?
-            .as_bytes()
-            .as_chunks::<8>()
-            .0
-            .iter()
-            .map(|&bytes| f64::from_ne_bytes(bytes))
-            .collect();
-        if name == "time_s" {
-            time_s = values;
-        } else {
-            channels.push((name, values));
-        }
-    }
-    Ok(TimeSeries::new(time_s).and_then(|mut time_series| {
-        for (name, values) in channels {
-            time_series.push(name, values)?;
-        }
-        Ok(time_series)
-    }))
+        let (numbers, _) = bytes.cast::<PyBytes>()?.as_bytes().as_chunks::<8>();
+        let values = numbers.iter().map(|&bytes| f64::from_ne_bytes(bytes));
+        Ok((name.extract()?, values.collect()))
+    });
+    let columns: Vec<(String, Vec<f64>)> = each.collect::<PyResult<_>>()?;
+    Ok(TimeSeries::of_columns(columns))
 }
 
 /// What a Python error makes of a run.

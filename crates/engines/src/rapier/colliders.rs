@@ -1,6 +1,8 @@
 //! rapier all by itself: polyline wheels and holes, round sleeves, its own collision detection,
 //! its own contact spring and its own Coulomb friction.
 
+use std::ops::Range;
+
 use pinwheel_contact::Complex;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::channels::PairSource;
@@ -11,14 +13,13 @@ use pinwheel_scene::{Detection, Gear, Scene, Start};
 use rapier2d_f64::parry::query::PointQuery;
 use rapier2d_f64::prelude::*;
 
-use super::march::{Contacts, Grid, friction_refusal, march};
+use super::march::{Contacts, Grid, friction_is_plain, march};
 use super::outlines::{closed, hole_edge, wheel_edge};
 use super::spring::{contact_frequency, spring_load};
 use super::sums::Sums;
 use super::world::World;
 use crate::control::Control;
-use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats};
-use crate::registry::{EngineInfo, RAPIER_COLLIDERS};
+use crate::engine::{Ending, Halt, Prepared, Run, RunStats};
 
 /// Points of a wheel's edge, and fewest on a lobe: a gear of 39 lobes has its mean forces right to
 /// 0.8 % with 103 points a lobe, against 267.
@@ -38,49 +39,29 @@ const STEPS_PER_TURN: f64 = 1200.0;
 /// of 3 mm in plastics slips through its teeth at 1.9; the paper's has 0.1, steel 0.5).
 const PERIODS: f64 = 0.5;
 
-/// See the module.
-pub(crate) struct Colliders;
-
-impl Colliders {
-    fn compile(gearbox: &Gearbox) -> Result<(Grid, f64), Ending> {
-        let scene = &gearbox.scene;
-        if let Some(reason) = friction_refusal(scene) {
-            return Err(Ending::unsupported(reason));
-        }
-        if scene.drive.start == Start::Equilibrium {
-            return Err(Ending::unsupported(
+pub(super) fn prepare(gearbox: &Gearbox) -> Result<Box<dyn Prepared>, Halt> {
+    let scene = &gearbox.scene;
+    friction_is_plain(scene)?;
+    if scene.drive.start == Start::Equilibrium {
+        return Err(Ending::unsupported(
                 "its contact spring is not the scene's law, so the equilibrium of drive.start = \"equilibrium\" is not \
                  its own; use \"kinematic\"",
-            ));
-        }
-        if scene.contact.detection == Detection::Points {
-            return Err(Ending::unsupported(
+            )
+            .into());
+    }
+    if scene.contact.detection == Detection::Points {
+        return Err(Ending::unsupported(
                 "it finds contacts itself, so contact.detection = \"points\" has no meaning for it; use \"exact\"",
-            ));
-        }
-        let mut field = gearbox.contact_field().map_err(Ending::unsupported)?;
-        let frequency = contact_frequency(gearbox, &mut *field).map_err(Ending::unsupported)?;
-        let grid = Grid::new(scene, step_s(scene, frequency)).map_err(Ending::unsupported)?;
-        Ok((grid, frequency))
+            )
+            .into());
     }
-}
-
-impl Engine for Colliders {
-    fn info(&self) -> EngineInfo<'_> {
-        RAPIER_COLLIDERS
-    }
-
-    fn version(&self) -> String {
-        super::version()
-    }
-
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
-        let (grid, frequency) = Self::compile(gearbox)?;
-        let gearbox = gearbox.clone();
-        Ok(Box::new(move |control: &Control<'_>| {
-            run(&gearbox, &grid, frequency, control)
-        }))
-    }
+    let mut field = gearbox.contact_field().map_err(Ending::unsupported)?;
+    let frequency = contact_frequency(gearbox, &mut *field).map_err(Ending::unsupported)?;
+    let grid = Grid::new(scene, step_s(scene, frequency))?;
+    let gearbox = gearbox.clone();
+    Ok(Box::new(move |control: &Control<'_>| {
+        run(&gearbox, &grid, frequency, control)
+    }))
 }
 
 fn run(gearbox: &Gearbox, grid: &Grid, frequency: f64, control: &Control<'_>) -> Result<Run, Halt> {
@@ -171,31 +152,18 @@ impl Solid {
                     .user_data(tag as u128);
                 world.attach(collider, body)
             };
-        let disc = |radius: f64| ColliderBuilder::ball(radius);
-        let externals: Vec<ColliderHandle> = (0..layout.external_sleeves)
-            .map(|j| {
-                let body = layout.sleeve_body(Sleeve::External(j));
-                add(
-                    disc(geometry.external_radii_m[j]),
-                    body,
-                    EXTERNALS,
-                    EDGES,
-                    0,
-                )
-            })
-            .collect();
-        let internals: Vec<ColliderHandle> = (0..layout.internal_sleeves)
-            .map(|k| {
-                let body = layout.sleeve_body(Sleeve::Internal(k));
-                add(
-                    disc(geometry.internal_radii_m[k]),
-                    body,
-                    INTERNALS,
-                    HOLES,
-                    k,
-                )
-            })
-            .collect();
+        let mut discs = |radii: &[f64], bodies: Range<usize>, own: Group, edge: Group| {
+            let each = radii.iter().zip(bodies).enumerate();
+            let each = each.map(|(number, (&radius, body))| {
+                let tag = if own == INTERNALS { number } else { 0 };
+                add(ColliderBuilder::ball(radius), body, own, edge, tag)
+            });
+            each.collect::<Vec<ColliderHandle>>()
+        };
+        let radii = &geometry.external_radii_m;
+        let externals = discs(radii, layout.external_bodies(), EXTERNALS, EDGES);
+        let radii = &geometry.internal_radii_m;
+        let internals = discs(radii, layout.internal_bodies(), INTERNALS, HOLES);
 
         let starts = gearbox.kinematic_states();
         let points = edge_points(gear);

@@ -11,16 +11,14 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::channels::PairSource;
 use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, PairContact};
 use pinwheel_mbs::{BodyState, Wrench};
-use pinwheel_scene::Scene;
 use pinwheel_scene::{Layout, Sleeve};
 use rapier2d_f64::prelude::*;
 
-use super::march::{Contacts, Grid, friction_refusal, march};
+use super::march::{Contacts, Grid, friction_is_plain, march};
 use super::sums::{Sums, sleeve_slot};
 use super::world::World;
 use crate::control::Control;
-use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats};
-use crate::registry::{EngineInfo, RAPIER_HOOK};
+use crate::engine::{Ending, Halt, Prepared, Run, RunStats};
 
 /// Gauss-Seidel sweeps a step. Friction couples the sleeves through the shafts: in the driver
 /// torque five leave 1.6e-2, ten 1.0e-3, twenty 8.9e-4, forty 8.6e-4 (mu = 0.1, steady, 1e-5 s).
@@ -35,34 +33,13 @@ const STEP_TIMES_FREQUENCY: f64 = 1e-4;
 /// 1e-5 s this is 1e-9 m and carries 3e-9 N.
 const LEAST_DEPTH: f64 = 1.6e-8;
 
-/// See the module.
-pub(crate) struct ContactHook;
-
-impl ContactHook {
-    fn grid(scene: &Scene) -> Result<Grid, Ending> {
-        if let Some(reason) = friction_refusal(scene) {
-            return Err(Ending::unsupported(reason));
-        }
-        Grid::new(scene, scene.solver.step_s).map_err(Ending::unsupported)
-    }
-}
-
-impl Engine for ContactHook {
-    fn info(&self) -> EngineInfo<'_> {
-        RAPIER_HOOK
-    }
-
-    fn version(&self) -> String {
-        super::version()
-    }
-
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
-        let grid = Self::grid(&gearbox.scene)?;
-        let gearbox = gearbox.clone();
-        Ok(Box::new(move |control: &Control<'_>| {
-            run(&gearbox, &grid, control)
-        }))
-    }
+pub(super) fn prepare(gearbox: &Gearbox) -> Result<Box<dyn Prepared>, Halt> {
+    friction_is_plain(&gearbox.scene)?;
+    let grid = Grid::new(&gearbox.scene, gearbox.scene.solver.step_s)?;
+    let gearbox = gearbox.clone();
+    Ok(Box::new(move |control: &Control<'_>| {
+        run(&gearbox, &grid, control)
+    }))
 }
 
 fn run(gearbox: &Gearbox, grid: &Grid, control: &Control<'_>) -> Result<Run, Halt> {
@@ -366,13 +343,13 @@ mod tests {
     /// impulses, with friction that bounds and opposes.
     #[test]
     fn transmits_the_law_and_bounds_friction() {
-        let mut scene = Scene::paper();
+        let mut scene = pinwheel_scene::Scene::paper();
         scene.contact.friction_coefficient = 0.1;
         let gearbox = &Gearbox::new(&scene.check().unwrap()).unwrap();
-        let grid = ContactHook::grid(&gearbox.scene).unwrap();
-        let mut world = World::new(gearbox, grid.step_s, SWEEPS);
+        let step_s = gearbox.scene.solver.step_s;
+        let mut world = World::new(gearbox, step_s, SWEEPS);
         let field = gearbox.contact_field().unwrap();
-        let mut hooked = Hooked::new(gearbox, field, &mut world, grid.step_s);
+        let mut hooked = Hooked::new(gearbox, field, &mut world, step_s);
         let (mut now, mut seen) = (Vec::new(), 0);
         for step in 0..300 {
             world.at_node(&mut now);

@@ -57,26 +57,26 @@ impl Grid {
     ///
     /// # Errors
     /// In words, with the remedy, if `step_s` divides the sampling step or the duration unevenly.
-    pub(super) fn new(scene: &Scene, step_s: f64) -> Result<Self, String> {
+    pub(super) fn new(scene: &Scene, step_s: f64) -> Result<Self, Ending> {
         let solver = &scene.solver;
         let whole = |ratio: f64| ratio > 0.5 && (ratio - ratio.round()).abs() <= 1e-6;
         let per_sample = solver.sample_s / step_s;
         if !whole(per_sample) {
-            return Err(format!(
+            return Err(Ending::unsupported(format!(
                 "its steps are equal and its samples lie on them; choose solver.step_s so that \
                  solver.sample_s = {} s is a whole number of steps, not {per_sample:.6}",
                 solver.sample_s
-            ));
+            )));
         }
         let step_s = solver.sample_s / per_sample.round();
         let mut samples = Vec::new();
         for time in solver.sample_times_s() {
             let node = time / step_s;
             if time > 0.0 && !whole(node) {
-                return Err(format!(
+                return Err(Ending::unsupported(format!(
                     "its steps are equal and its samples lie on them; choose solver.duration_s as a whole number \
                      of steps of {step_s} s, not {node:.6}"
-                ));
+                )));
             }
             samples.push((node.round() as u64, time));
         }
@@ -85,14 +85,14 @@ impl Grid {
 }
 
 /// What rapier's own friction cannot honour, in words.
-pub(super) fn friction_refusal(scene: &Scene) -> Option<String> {
+pub(super) fn friction_is_plain(scene: &Scene) -> Result<(), Ending> {
     let contact = &scene.contact;
-    (contact.friction_coefficient > 0.0 && contact.friction_law != FrictionLaw::Regularised).then(
-        || {
-            "rapier's friction has one coefficient at all speeds; use contact.friction_law = \"regularised\""
-                .to_owned()
-        },
-    )
+    if contact.friction_coefficient > 0.0 && contact.friction_law != FrictionLaw::Regularised {
+        return Err(Ending::unsupported(
+            "rapier's friction has one coefficient at all speeds; use contact.friction_law = \"regularised\"",
+        ));
+    }
+    Ok(())
 }
 
 /// Marches `contacts` over the grid. `stats` holds the settings and notes, the rest is filled in.
@@ -213,11 +213,17 @@ mod tests {
 
     #[test]
     fn uneven_steps_are_refused_with_the_key() {
-        let sampling = Grid::new(&scene(3e-5, 1e-4, 0.1), 3e-5).unwrap_err();
+        let sampling = Grid::new(&scene(3e-5, 1e-4, 0.1), 3e-5)
+            .unwrap_err()
+            .to_string();
         assert!(sampling.contains("solver.sample_s"), "{sampling}");
-        let duration = Grid::new(&scene(1e-5, 1e-4, 1.234e-3 + 3e-6), 1e-5).unwrap_err();
+        let duration = Grid::new(&scene(1e-5, 1e-4, 1.234e-3 + 3e-6), 1e-5)
+            .unwrap_err()
+            .to_string();
         assert!(duration.contains("solver.duration_s"), "{duration}");
-        let long = Grid::new(&scene(1e-3, 1e-4, 0.1), 1e-3).unwrap_err();
+        let long = Grid::new(&scene(1e-3, 1e-4, 0.1), 1e-3)
+            .unwrap_err()
+            .to_string();
         assert!(long.contains("solver.sample_s"), "{long}");
     }
 }

@@ -14,11 +14,42 @@ mod spring;
 mod sums;
 mod world;
 
-pub(crate) use colliders::Colliders;
-pub(crate) use contact_hook::ContactHook;
-pub(crate) use shared_law::SharedLaw;
+use pinwheel_gearbox::Gearbox;
 
-/// Name and version of the library behind all three.
-fn version() -> String {
-    format!("rapier2d-f64 {}", rapier2d_f64::VERSION)
+use crate::engine::{Engine, Halt, Prepared};
+use crate::registry::{self, EngineInfo};
+
+/// One of the three.
+pub(crate) struct Rapier {
+    info: &'static EngineInfo<'static>,
+    prepare: fn(&Gearbox) -> Result<Box<dyn Prepared>, Halt>,
+}
+
+pub(crate) static SHARED_LAW: Rapier = Rapier {
+    info: &registry::RAPIER_SHARED_LAW,
+    prepare: shared_law::prepare,
+};
+
+pub(crate) static HOOK: Rapier = Rapier {
+    info: &registry::RAPIER_HOOK,
+    prepare: contact_hook::prepare,
+};
+
+pub(crate) static COLLIDERS: Rapier = Rapier {
+    info: &registry::RAPIER_COLLIDERS,
+    prepare: colliders::prepare,
+};
+
+impl Engine for Rapier {
+    fn info(&self) -> EngineInfo<'_> {
+        *self.info
+    }
+
+    fn version(&self) -> String {
+        format!("rapier2d-f64 {}", rapier2d_f64::VERSION)
+    }
+
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+        (self.prepare)(gearbox)
+    }
 }

@@ -4,44 +4,23 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::channels::{LawPairs, PairSource};
 use pinwheel_gearbox::contacts::ContactField;
 use pinwheel_mbs::{BodyState, Wrench};
-use pinwheel_scene::Scene;
 
 use super::march::{Contacts, Grid, march};
 use super::sums::Sums;
 use super::world::World;
 use crate::control::Control;
-use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats};
-use crate::registry::{EngineInfo, RAPIER_SHARED_LAW};
+use crate::engine::{Ending, Halt, Prepared, Run, RunStats};
 
 /// Gauss-Seidel sweeps a step. Ten leave the joints an error below that of the time step: four
 /// double the error of the internal sleeves, forty change nothing.
 const SWEEPS: usize = 10;
 
-/// See the module.
-pub(crate) struct SharedLaw;
-
-impl SharedLaw {
-    fn grid(scene: &Scene) -> Result<Grid, Ending> {
-        Grid::new(scene, scene.solver.step_s).map_err(Ending::unsupported)
-    }
-}
-
-impl Engine for SharedLaw {
-    fn info(&self) -> EngineInfo<'_> {
-        RAPIER_SHARED_LAW
-    }
-
-    fn version(&self) -> String {
-        super::version()
-    }
-
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
-        let grid = Self::grid(&gearbox.scene)?;
-        let gearbox = gearbox.clone();
-        Ok(Box::new(move |control: &Control<'_>| {
-            run(&gearbox, &grid, control)
-        }))
-    }
+pub(super) fn prepare(gearbox: &Gearbox) -> Result<Box<dyn Prepared>, Halt> {
+    let grid = Grid::new(&gearbox.scene, gearbox.scene.solver.step_s)?;
+    let gearbox = gearbox.clone();
+    Ok(Box::new(move |control: &Control<'_>| {
+        run(&gearbox, &grid, control)
+    }))
 }
 
 fn run(gearbox: &Gearbox, grid: &Grid, control: &Control<'_>) -> Result<Run, Halt> {

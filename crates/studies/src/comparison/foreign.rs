@@ -81,8 +81,7 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
     let map = read_text(map_path, "give a TOML file that says what the columns are")
         .and_then(|text| Map::from_toml(&text, &map_path.display().to_string()))
         .map_err(|error| StudyError::Input(error.to_string()))?;
-    let file =
-        File::open(path).map_err(|error| fail(path, &ForeignError::Io(error.to_string())))?;
+    let file = File::open(path).map_err(|error| fail(path, &ForeignError::unreadable(error)))?;
     let foreign = foreign::read(file, &map).map_err(|error| fail(path, &error))?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let plain = |c: char| {
@@ -247,12 +246,12 @@ impl Data {
             finished.max_by_key(|other| (other.track == Track::Native, other.time_series.len()));
         let found = run.and_then(|run| Some((&run.name, foreign::shift(&run.time_series, own)?)));
         match (offset, found) {
-            (Offset::Align, None) => Err(StudyError::Input(format!(
+            (Offset::Word(_), None) => Err(StudyError::Input(format!(
                 "{}: offset_s = \"align\" finds nothing to align by: no engine finished, or no column of the file changes \
                  over at least half of the run; give offset_s in seconds",
                 self.map_path.display()
             ))),
-            (Offset::Align, Some((name, shift))) => {
+            (Offset::Word(_), Some((name, shift))) => {
                 let seconds = shift.seconds;
                 let times = own.time_s().iter().map(|t| t + seconds).collect();
                 let broken = |error: &dyn std::fmt::Display| StudyError::Input(error.to_string());
@@ -278,18 +277,10 @@ impl Data {
         let mut notes = Vec::new();
         let (bad, rows) = (&self.foreign.bad, self.foreign.rows);
         if !bad.is_empty() {
-            let named = bad
-                .iter()
-                .take(MOST_NAMED)
-                .map(|row| format!("line {}: {}", row.line, row.reason));
-            let mut named: Vec<String> = named.collect();
-            if bad.len() > MOST_NAMED {
-                named.push(format!("{} more", bad.len() - MOST_NAMED));
-            }
             notes.push(format!(
                 "{} of {rows} rows are bad and left out: {}.",
                 bad.len(),
-                named.join("; ")
+                foreign::first_of(bad, MOST_NAMED, "; ")
             ));
         }
         let times = own.time_s();

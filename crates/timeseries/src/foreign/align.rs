@@ -52,7 +52,7 @@ impl Shift {
             self.correlation, self.unshifted
         );
         match before {
-            Offset::Align => {
+            Offset::Word(_) => {
                 format!("{by} s were added to its times, where it fits {reference} best ({fit}).")
             }
             Offset::Seconds(offset) => format!(

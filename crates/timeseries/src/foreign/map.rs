@@ -127,11 +127,22 @@ pub struct TimeColumn {
 
 /// What is added to the times of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "Stated")]
+#[serde(
+    untagged,
+    expecting = "offset_s is neither a number of seconds nor \"align\""
+)]
 pub enum Offset {
     /// So many seconds.
     Seconds(f64),
-    /// As many as make it fit the run best (`"align"`).
+    /// As many as make it fit the run best.
+    Word(Word),
+}
+
+/// A word in the place of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Word {
+    /// `"align"`
     Align,
 }
 
@@ -141,29 +152,7 @@ impl Offset {
     pub fn seconds(self) -> f64 {
         match self {
             Self::Seconds(seconds) => seconds,
-            Self::Align => 0.0,
-        }
-    }
-}
-
-/// As a map writes it.
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "offset_s is a number of seconds or \"align\"")]
-enum Stated {
-    Seconds(f64),
-    Word(String),
-}
-
-impl TryFrom<Stated> for Offset {
-    type Error = String;
-
-    fn try_from(stated: Stated) -> Result<Self, String> {
-        match stated {
-            Stated::Seconds(seconds) => Ok(Self::Seconds(seconds)),
-            Stated::Word(word) if word == "align" => Ok(Self::Align),
-            Stated::Word(word) => Err(format!(
-                "offset_s = \"{word}\" is neither a number of seconds nor \"align\""
-            )),
+            Self::Word(Word::Align) => 0.0,
         }
     }
 }

@@ -33,10 +33,10 @@ mod resample;
 mod units;
 
 pub use align::{Shift, shift};
-pub use error::{BadRow, ForeignError};
+pub use error::{ForeignError, first_of};
 pub use map::{
     BadRows, ColumnRef, ColumnUncertainty, FileFormat, Map, Method, Offset, Resampling, Source,
-    StatedLimit, TimeColumn, is_reserved,
+    StatedLimit, TimeColumn, Word, is_reserved,
 };
 pub use read::{Foreign, read};
 pub use resample::{Resampled, resample};

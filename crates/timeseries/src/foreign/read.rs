@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::io::{BufRead as _, BufReader, Read};
 
-use super::error::{BadRow, ForeignError, short};
+use super::error::{ForeignError, first_of, short};
 use super::map::{BadRows, ColumnRef, FileFormat, Map};
 use super::units;
 use crate::TimeSeries;
@@ -25,7 +25,7 @@ pub struct Foreign {
     /// The mapped columns on the file's own times, in our units.
     pub time_series: TimeSeries,
     /// Rows that were left out.
-    pub bad: Vec<BadRow>,
+    pub bad: Vec<String>,
     /// Rows of data in the file.
     pub rows: usize,
 }
@@ -114,33 +114,36 @@ pub fn read(source: impl Read, map: &Map) -> Result<Foreign, ForeignError> {
                     column.push(*value);
                 }
             }
-            Err(reason) => bad.push(BadRow { line, reason }),
+            Err(reason) => bad.push(format!("line {line}: {reason}")),
         }
     }
     if !bad.is_empty() && map.rows.bad == BadRows::Refuse {
-        return Err(ForeignError::Rows { bad, total: rows });
+        return Err(ForeignError(format!(
+            "{} of {rows} rows are bad: {}; mend them, or write bad = \"skip\" under [rows] of the map to leave them out",
+            bad.len(),
+            first_of(&bad, 5, "; ")
+        )));
     }
     if times.len() < FEWEST_ROWS || 2 * times.len() < rows {
-        return Err(ForeignError::Few {
-            good: times.len(),
-            total: rows,
-            bad,
-        });
+        let first = bad.first();
+        let first = first.map_or_else(String::new, |bad| format!("; the first bad one is {bad}"));
+        let good = times.len();
+        return Err(ForeignError(format!(
+            "{good} of {rows} rows can be read, too few to compare{first}"
+        )));
     }
     bad.truncate(MOST_NAMED);
-    let mut time_series = TimeSeries::new(times).map_err(io)?;
+    let mut time_series = TimeSeries::new(times).map_err(ForeignError::unreadable)?;
     for (wanted, column) in wanted.into_iter().zip(values) {
-        time_series.push(wanted.name, column).map_err(io)?;
+        time_series
+            .push(wanted.name, column)
+            .map_err(ForeignError::unreadable)?;
     }
     Ok(Foreign {
         time_series,
         bad,
         rows,
     })
-}
-
-fn io(error: impl std::fmt::Display) -> ForeignError {
-    ForeignError::Io(error.to_string())
 }
 
 /// Names of the file's columns.
@@ -183,13 +186,19 @@ impl Header {
                 .checked_sub(1)
                 .filter(|index| *index < self.names.len()),
         };
-        found.ok_or_else(|| ForeignError::Column {
-            key: key.to_owned(),
-            column: match column {
+        found.ok_or_else(|| {
+            let names = self.names.iter().map(|name| format!("`{}`", short(name)));
+            let there = match names.collect::<Vec<_>>() {
+                none if none.is_empty() => "none: check file.separator".to_owned(),
+                names => first_of(&names, 12, ", "),
+            };
+            let column = match column {
                 ColumnRef::Name(name) => name.clone(),
                 ColumnRef::Number(number) => number.to_string(),
-            },
-            there: self.names.clone(),
+            };
+            ForeignError(format!(
+                "`{key}`: the file has no column `{column}`; it has {there}"
+            ))
         })
     }
 }
@@ -241,11 +250,11 @@ fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
         for &index in &wanted.from {
             uses[index] += 1;
             if uses[index] > MOST_USES {
-                return Err(ForeignError::Uses {
-                    key: wanted.name.clone(),
-                    column: header.name(index),
-                    most: MOST_USES,
-                });
+                return Err(ForeignError(format!(
+                    "`{}`: column `{}` feeds more than {MOST_USES} columns; map it once",
+                    wanted.name,
+                    short(&header.name(index))
+                )));
             }
         }
     }
@@ -272,7 +281,11 @@ impl<R: Read> Lines<R> {
         let mut first = Vec::new();
         for _ in 0..format.skip_lines {
             first.clear();
-            if reader.read_until(b'\n', &mut first).map_err(io)? == 0 {
+            if reader
+                .read_until(b'\n', &mut first)
+                .map_err(ForeignError::unreadable)?
+                == 0
+            {
                 break;
             }
         }
@@ -306,7 +319,9 @@ impl<R: Read> Lines<R> {
                 skipped,
                 record,
             } => {
-                let more = reader.read_byte_record(record).map_err(io)?;
+                let more = reader
+                    .read_byte_record(record)
+                    .map_err(ForeignError::unreadable)?;
                 // Old exports are Latin-1: names and units may hold what is no UTF-8.
                 let cells = record
                     .iter()
@@ -324,7 +339,11 @@ impl<R: Read> Lines<R> {
                 comment,
             } => loop {
                 let mut bytes = Vec::new();
-                if reader.read_until(b'\n', &mut bytes).map_err(io)? == 0 {
+                if reader
+                    .read_until(b'\n', &mut bytes)
+                    .map_err(ForeignError::unreadable)?
+                    == 0
+                {
                     return Ok(None);
                 }
                 *line += 1;

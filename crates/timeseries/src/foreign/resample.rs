@@ -57,12 +57,10 @@ pub fn resample(
         ..times_s.partition_point(|&t| t <= to_s + slack);
     if covered.is_empty() || time.is_empty() {
         let (run_from_s, run_to_s) = ends(times_s);
-        return Err(ForeignError::Apart {
-            from_s,
-            to_s,
-            run_from_s,
-            run_to_s,
-        });
+        return Err(ForeignError(format!(
+            "the file covers {from_s} to {to_s} s, none of it in the run's {run_from_s} to {run_to_s} s; set time.unit and \
+             time.offset_s of the map"
+        )));
     }
     let (mut own, mut interpolated) = (0, 0);
     let places: Vec<Place> = times_s[covered.clone()]
@@ -75,8 +73,7 @@ pub fn resample(
             Place::Between(..) => interpolated += 1,
         }
     }
-    let fail = |error: crate::TimeSeriesError| ForeignError::Io(error.to_string());
-    let mut time_series = TimeSeries::new(times_s.to_vec()).map_err(fail)?;
+    let mut time_series = TimeSeries::new(times_s.to_vec()).map_err(ForeignError::unreadable)?;
     let mut restores: Option<(f64, String)> = None;
     for channel in foreign.channels() {
         let values = &channel.values[stretch.clone()];
@@ -92,7 +89,7 @@ pub fn resample(
         }
         time_series
             .push(channel.name.clone(), column)
-            .map_err(fail)?;
+            .map_err(ForeignError::unreadable)?;
     }
     Ok(Resampled {
         time_series,
