@@ -102,8 +102,8 @@ impl Judge<'_> {
                 .to_owned(),
         }
         };
-        let mut evidence = self.rules.evidence.iter();
-        let own = evidence.find(|e| Some(&e.engine) == found.participant.as_ref());
+        let own = found.participant.as_ref();
+        let own = own.and_then(|name| self.rules.evidence_of(name));
         let why = own.and_then(|e| e.is_final.clone());
         match why.or_else(|| (!pointwise).then(parted)) {
             Some(why) => found.beyond_settings(&why),

@@ -158,15 +158,6 @@ impl Metric {
         let all = METRICS.iter().map(|row| row.metric);
         all.filter(|metric| *metric != Self::MeanAgainstLoad)
     }
-
-    /// The metric a file calls `key`.
-    #[must_use]
-    pub fn from_key(key: &str) -> Option<Self> {
-        METRICS
-            .iter()
-            .find(|row| row.key == key)
-            .map(|row| row.metric)
-    }
 }
 
 impl Serialize for Metric {
@@ -377,10 +368,8 @@ mod tests {
     fn the_table_is_in_order_and_complete() {
         for (k, row) in METRICS.iter().enumerate() {
             assert_eq!(row.metric as usize, k);
-            assert_eq!(Metric::from_key(row.key), Some(row.metric));
         }
         assert_eq!(Metric::of_pairs().count(), 6);
-        assert_eq!(Metric::from_key("l2"), None);
     }
 
     #[test]

@@ -21,6 +21,13 @@ pub struct Rules<'a> {
     pub resolution: f64,
 }
 
+impl Rules<'_> {
+    /// The evidence of a participant.
+    pub(crate) fn evidence_of(&self, name: &str) -> Option<&Evidence> {
+        self.evidence.iter().find(|one| one.engine == name)
+    }
+}
+
 impl Default for Rules<'_> {
     fn default() -> Self {
         Self {

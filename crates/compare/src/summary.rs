@@ -37,11 +37,7 @@ pub(crate) fn uncertainty(
     samples: Range<usize>,
     judge: Judge<'_>,
 ) -> Option<QuantityUncertainty> {
-    let evidence = judge
-        .rules
-        .evidence
-        .iter()
-        .find(|e| e.engine == participant.name)?;
+    let evidence = judge.rules.evidence_of(&participant.name)?;
     let missing = |missing: &Unresolved| {
         let what = Uncertainty::Unknown(missing.clone());
         QuantityUncertainty::everywhere(&quantity.name, window.kind, &what)
@@ -144,9 +140,7 @@ pub(crate) fn engine_summary(
         uncertainty: uncertainties,
         refinement: judge
             .rules
-            .evidence
-            .iter()
-            .find(|e| e.engine == participant.name)
+            .evidence_of(&participant.name)
             .and_then(|e| RefinementSummary::of(e, participant.cost.wall_s)),
     }
 }

@@ -182,7 +182,7 @@ impl<E: Engine + ?Sized> Engine for &E {
         (**self).build()
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         (**self).prepare(gearbox)
     }
 }
@@ -206,7 +206,7 @@ impl<E: Engine + ?Sized> Engine for &E {
 ///     }
 ///     fn version(&self) -> String { "1".into() }
 ///
-///     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+///     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
 ///         if gearbox.has_friction() {
 ///             return Err(Ending::unsupported("friction needs motion").into());
 ///         }
@@ -248,7 +248,7 @@ pub trait Engine: Send + Sync {
     ///
     /// # Errors
     /// How a run would end before it begins: unsupported, or not on this machine.
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt>;
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt>;
 
     /// Name as typed by users.
     fn name(&self) -> &str {
@@ -301,7 +301,7 @@ pub trait Engine: Send + Sync {
         control.check()?;
         let control = control.lasting(gearbox.scene.solver.duration_s);
         let prepared = self.prepare(gearbox);
-        let mut run = settled(prepared.and_then(|prepared| prepared.run(&control)))?;
+        let mut run = settled(prepared.and_then(|prepared| prepared(&control)))?;
         control.check()?;
         if run.ending.is_finished() || !run.time_series.is_empty() {
             if gearbox.has_friction() && self.info().explicit_friction {
@@ -314,20 +314,9 @@ pub trait Engine: Send + Sync {
     }
 }
 
-/// An engine made ready for one scene.
-pub trait Prepared {
-    /// Runs the scene from its start; may be called again. A divergence keeps what was computed.
-    ///
-    /// # Errors
-    /// A stop, or an ending without time series.
-    fn run(&self, control: &Control<'_>) -> Result<Run, Halt>;
-}
-
-impl<F: Fn(&Control<'_>) -> Result<Run, Halt>> Prepared for F {
-    fn run(&self, control: &Control<'_>) -> Result<Run, Halt> {
-        self(control)
-    }
-}
+/// An engine made ready for one scene: runs it from its start, and may be called again. A divergence keeps what was computed;
+/// an error is a stop, or an ending without time series.
+pub type Prepared<'a> = Box<dyn Fn(&Control<'_>) -> Result<Run, Halt> + 'a>;
 
 /// The scene compiled, after another.
 pub(crate) fn compile(last: Option<&Gearbox>, scene: &CheckedScene) -> Result<Gearbox, Ending> {

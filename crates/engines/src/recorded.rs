@@ -312,7 +312,7 @@ impl Engine for Recorded {
         format!("{}, recorded", self.recording.version)
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         if !self.recording.is_of(&gearbox.scene) {
             return Err(Ending::unsupported("there is no recording of it").into());
         }

@@ -11,7 +11,7 @@ fn gearbox(preset: &str, sets: &[&str]) -> Gearbox {
 
 fn resolved(gearbox: &Gearbox) -> Run {
     let run = Native::RESOLVED.prepare(gearbox).unwrap();
-    run.run(&Control::quiet()).unwrap()
+    run(&Control::quiet()).unwrap()
 }
 
 /// Its forces and driver torque are as exact as the engine's description says: 1e-7, with friction or points 1e-5. The

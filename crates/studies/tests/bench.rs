@@ -32,11 +32,11 @@ impl Engine for Peer {
     fn version(&self) -> String {
         "1".to_owned()
     }
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         let step_s = gearbox.scene.solver.step_s;
         let native = Native::LAGRANGE.prepare(gearbox)?;
         Ok(Box::new(move |control: &Control<'_>| {
-            let mut run = native.run(control)?;
+            let mut run = native(control)?;
             run.stats.rhs_calls = 0;
             if step_s > 2e-5 {
                 run.ending = Ending::Diverged {

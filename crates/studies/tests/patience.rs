@@ -53,7 +53,7 @@ impl Engine for Borrowed {
         "0".to_owned()
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         let gearbox = gearbox
             .with_solver(|solver| solver.integrator = "rk4".to_owned())
             .unwrap();
@@ -72,7 +72,7 @@ impl Engine for Borrowed {
                 }
             }
             let native = by_name("native-reduced", &gearbox.scene).unwrap();
-            let mut run = native.prepare(&gearbox)?.run(control)?;
+            let mut run = native.prepare(&gearbox)?(control)?;
             run.stats.wall_s = slow.second_per_step * solver.duration_s / solver.step_s;
             Ok::<Run, Halt>(run)
         }))

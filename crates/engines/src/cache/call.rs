@@ -43,27 +43,14 @@ impl Drop for Note {
 
 /// Settings of pip that say how to reach packages; all others (`PIP_TARGET`, `PIP_DRY_RUN`, ...) would install
 /// something else, or elsewhere.
-const PIP_MAY: [&str; 15] = [
-    "PIP_CACHE_DIR",
-    "PIP_CERT",
-    "PIP_CLIENT_CERT",
-    "PIP_CONFIG_FILE",
-    "PIP_DEFAULT_TIMEOUT",
-    "PIP_EXTRA_INDEX_URL",
-    "PIP_FIND_LINKS",
-    "PIP_INDEX_URL",
-    "PIP_KEYRING_PROVIDER",
-    "PIP_NO_CACHE_DIR",
-    "PIP_NO_INDEX",
-    "PIP_PROXY",
-    "PIP_RETRIES",
-    "PIP_TIMEOUT",
-    "PIP_TRUSTED_HOST",
-];
+const PIP_MAY: &str = "CACHE_DIR CERT CLIENT_CERT CONFIG_FILE DEFAULT_TIMEOUT EXTRA_INDEX_URL FIND_LINKS INDEX_URL \
+                       KEYRING_PROVIDER NO_CACHE_DIR NO_INDEX PROXY RETRIES TIMEOUT TRUSTED_HOST";
 
 /// Whether a variable of the user's environment is kept from Python and pip.
 pub(crate) fn kept_away(name: &str) -> bool {
-    name.starts_with("PIP_") && !PIP_MAY.contains(&name)
+    let may = |setting| PIP_MAY.split(' ').any(|known| known == setting);
+    name.strip_prefix("PIP_")
+        .is_some_and(|setting| !may(setting))
 }
 
 /// Runs to the end and returns standard output; ended as soon as `cancel` is set. The error is the call's own last words.

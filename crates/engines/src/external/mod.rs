@@ -33,14 +33,12 @@ pub use library::{fmu_library, law_library};
 pub use manifest::{Honours, Manifest, Stated};
 pub use pinwheel_law::job::{schema as job_schema, write as write_job};
 use result::{JobFolder, Told};
-use said::{Heard, Limits, plain};
+use said::{Heard, Limits, WORDS, plain};
 
 /// Exit status of a run whose numbers ran away.
 const DIVERGED: i32 = 3;
 /// Exit status of a solver that does not honour a scene.
 const UNSUPPORTED: i32 = 4;
-/// Longest piece of a foreign text in a message.
-const WORDS: usize = 300;
 /// Longest message.
 const MESSAGE: usize = 700;
 /// What a run may write.
@@ -191,12 +189,12 @@ impl Solver {
             limits.passed(&heard, folder.path(), begun, &mut looked)
         });
         let ended = ended.map_err(|error| failed(self.does_not_start(program, &error)))?;
-        let log = heard.log();
+        let said = heard.last();
         // It may have ended before anybody looked.
         if let Some(time) = heard.reached_s {
             let _ = control.reached(time);
         }
-        self.judge(gearbox, &handle, &ended, &heard, &log)
+        self.judge(gearbox, &handle, &ended, &heard, said)
     }
 
     /// Runs it on a job file that breaks off, for whoever wants to see what it does.
@@ -231,9 +229,8 @@ impl Solver {
         folder: &JobFolder,
         ended: &Ended,
         heard: &Heard,
-        log: &str,
+        said: Option<String>,
     ) -> Result<Run, Halt> {
-        let said = last_line(log);
         let and_said = said
             .as_ref()
             .map_or_else(String::new, |line| format!(": {line}"));
@@ -356,7 +353,7 @@ impl Engine for Solver {
         self.build.get_or_init(hashed).clone()
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         if let Some(reason) = self.manifest.refuses(&gearbox.scene) {
             return Err(Ending::Unsupported { reason }.into());
         }
@@ -390,12 +387,6 @@ fn library_path(library: &Path) -> Option<(&'static str, OsString)> {
 /// It broke, in its own words or ours.
 fn failed(reason: impl ToString) -> Ending {
     Ending::failed(plain(&reason.to_string(), MESSAGE))
-}
-
-/// The last thing it said, for a message.
-fn last_line(log: &str) -> Option<String> {
-    let mut lines = log.lines().map(|line| plain(line, WORDS));
-    lines.rfind(|line| !line.is_empty())
 }
 
 fn last_words(said: Option<&str>) -> String {

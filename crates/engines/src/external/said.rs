@@ -1,4 +1,4 @@
-//! What a solver says and takes while it runs: orders on stderr, a log that is bounded, files that are not too large.
+//! What a solver says and takes while it runs: orders on stderr, last words, files that are not too large.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -16,13 +16,12 @@ pub(super) struct Limits {
     pub(super) log_bytes: u64,
 }
 
-/// Bytes of the log that are kept.
-const LOG_KEPT: usize = 1 << 18;
 /// Longest line that is understood; what is longer is cut.
 const LINE: usize = 4096;
-/// Notes that are kept, and the longest of them.
+/// Notes that are kept.
 const NOTES: usize = 20;
-const NOTE: usize = 300;
+/// Longest piece of a foreign text in a message.
+pub(super) const WORDS: usize = 300;
 /// How often sizes are looked at.
 const LOOK: Duration = Duration::from_millis(100);
 /// Files looked at in a folder, and levels.
@@ -89,75 +88,53 @@ fn size(folder: &Path, most: u64, levels: usize, files: &mut usize) -> u64 {
 #[derive(Default)]
 pub(super) struct Heard {
     bytes: u64,
-    /// The line under way on stderr.
-    line: Vec<u8>,
+    /// The lines under way on stdout and on stderr.
+    lines: [Vec<u8>; 2],
     /// Time it said to have reached, s.
     pub(super) reached_s: Option<f64>,
     pub(super) notes: Vec<String>,
-    head: Vec<u8>,
-    tail: std::collections::VecDeque<u8>,
-    lost: bool,
+    /// Its last line that is no order and not empty.
+    last: Option<String>,
 }
 
 impl Heard {
     pub(super) fn take(&mut self, piece: &Piece) {
         self.bytes += piece.bytes.len() as u64;
-        // Orders are understood on stderr alone.
-        if !piece.stderr {
-            self.keep(&piece.bytes);
-            return;
-        }
         for &byte in &piece.bytes {
+            let line = &mut self.lines[usize::from(piece.stderr)];
             if byte == b'\n' {
-                self.understand();
-            } else if self.line.len() < LINE {
-                self.line.push(byte);
+                self.understand(piece.stderr);
+            } else if line.len() < LINE {
+                line.push(byte);
             }
         }
     }
 
-    fn understand(&mut self) {
-        let mut line = std::mem::take(&mut self.line);
+    /// Orders are understood on stderr alone.
+    fn understand(&mut self, stderr: bool) {
+        let line = std::mem::take(&mut self.lines[usize::from(stderr)]);
         let text = String::from_utf8_lossy(&line);
         let text = text.trim();
-        if let Some(time) = text.strip_prefix("@t ") {
-            if let Ok(time) = time.trim().parse::<f64>()
-                && time.is_finite()
-            {
-                self.reached_s = Some(time);
-            }
-        } else if let Some(note) = text.strip_prefix("@note ") {
+        if let Some(time) = text.strip_prefix("@t ").filter(|_| stderr) {
+            let time = time.trim().parse().ok();
+            self.reached_s = time
+                .filter(|time: &f64| time.is_finite())
+                .or(self.reached_s);
+        } else if let Some(note) = text.strip_prefix("@note ").filter(|_| stderr) {
             if self.notes.len() < NOTES {
-                self.notes.push(plain(note, NOTE));
+                self.notes.push(plain(note, WORDS));
             }
         } else {
-            line.push(b'\n');
-            self.keep(&line);
+            let line = Some(plain(text, WORDS)).filter(|line| !line.is_empty());
+            self.last = line.or(self.last.take());
         }
     }
 
-    /// The first half of the log and its end.
-    fn keep(&mut self, bytes: &[u8]) {
-        let room = (LOG_KEPT / 2)
-            .saturating_sub(self.head.len())
-            .min(bytes.len());
-        self.head.extend_from_slice(&bytes[..room]);
-        self.tail.extend(&bytes[room..]);
-        while self.tail.len() > LOG_KEPT / 2 {
-            self.tail.pop_front();
-            self.lost = true;
-        }
-    }
-
-    /// What else it wrote, cut in the middle where it is long.
-    pub(super) fn log(&mut self) -> String {
-        if !self.line.is_empty() {
-            self.understand();
-        }
-        let (head, tail) = (&self.head, self.tail.make_contiguous());
-        let between = if self.lost { "\n[...]\n" } else { "" };
-        let joined = [head.as_slice(), between.as_bytes(), tail].concat();
-        String::from_utf8_lossy(&joined).into_owned()
+    /// The last thing it said, when it is over.
+    pub(super) fn last(&mut self) -> Option<String> {
+        self.understand(false);
+        self.understand(true);
+        self.last.take()
     }
 }
 
@@ -174,7 +151,7 @@ mod tests {
 
     /// What a program says without end takes no memory without end.
     #[test]
-    fn hard_long_lines_and_logs_are_cut() {
+    fn hard_long_lines_are_cut() {
         let mut heard = Heard::default();
         for _ in 0..100 {
             let bytes = vec![b'x'; 1 << 14];
@@ -184,8 +161,8 @@ mod tests {
             heard.take(&Piece { bytes, stderr });
         }
         assert_eq!(heard.bytes, 200 << 14);
-        assert_eq!(heard.line.len(), LINE);
-        assert!(heard.head.len() + heard.tail.len() <= LOG_KEPT);
-        assert!(heard.log().contains("[...]"));
+        assert!(heard.lines.iter().all(|line| line.len() == LINE));
+        let last = heard.last().expect("it said something");
+        assert_eq!(last, "x".repeat(WORDS));
     }
 }

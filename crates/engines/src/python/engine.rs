@@ -94,7 +94,7 @@ impl Engine for PythonEngine {
         pins::version(self.0.package)
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         gearbox.contact_field().map_err(Ending::unsupported)?;
         // The law is ours: what the native solver can do, it can do.
         if self.0.track != Track::SharedLaw {

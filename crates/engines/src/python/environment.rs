@@ -252,22 +252,8 @@ fn make(
     })?;
     let list = draft.join("requirements.txt");
     fs::write(&list, requirements.text).map_err(|error| Missing::storage(&list, error))?;
-    let mut arguments: Vec<&OsStr> = [
-        "-I",
-        "-m",
-        "pip",
-        "install",
-        "--disable-pip-version-check",
-        "--no-input",
-        "--progress-bar",
-        "off",
-        "--only-binary",
-        ":all:",
-        "--retries",
-        "2",
-    ]
-    .map(OsStr::new)
-    .to_vec();
+    let install = "-I -m pip install --disable-pip-version-check --no-input --progress-bar off --only-binary :all: --retries 2";
+    let mut arguments: Vec<&OsStr> = install.split(' ').map(OsStr::new).collect();
     let named = requirements.arguments(&list);
     if let Some(wheels) = wheels {
         arguments.extend([

@@ -94,7 +94,7 @@ impl Engine for UserEngine {
         self.version.clone()
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         let gearbox = gearbox.clone();
         Ok(Box::new(move |control: &Control<'_>| {
             self.run(&gearbox, control)

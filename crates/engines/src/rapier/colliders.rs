@@ -17,7 +17,7 @@ use super::march::{Contacts, Grid, friction_is_plain, march};
 use super::outlines::{closed, hole_edge, wheel_edge};
 use super::spring::{contact_frequency, spring_load};
 use super::sums::Sums;
-use super::world::World;
+use super::world::{World, in_frame_of};
 use crate::control::Control;
 use crate::engine::{Ending, Halt, Prepared, Run, RunStats};
 
@@ -39,7 +39,7 @@ const STEPS_PER_TURN: f64 = 1200.0;
 /// of 3 mm in plastics slips through its teeth at 1.9; the paper's has 0.1, steel 0.5).
 const PERIODS: f64 = 0.5;
 
-pub(super) fn prepare(gearbox: &Gearbox) -> Result<Box<dyn Prepared>, Halt> {
+pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
     let scene = &gearbox.scene;
     friction_is_plain(scene)?;
     if scene.drive.start == Start::Equilibrium {
@@ -182,7 +182,12 @@ impl Solid {
             for (k, &ball) in internals.iter().enumerate() {
                 let sleeve = Sleeve::Internal(k);
                 let centre = if gear.errors.is_none() {
-                    hole_centre(&starts[body], &starts[layout.sleeve_body(sleeve)])
+                    // It stands to its wheel's centre as its sleeve to the output's, at the origin, at t = 0.
+                    let wheel = BodyState {
+                        angle: starts[body].angle,
+                        ..BodyState::default()
+                    };
+                    in_frame_of(&wheel, &starts[layout.sleeve_body(sleeve)])
                 } else {
                     let Complex { re, im } = geometry.hole_centres[wheel][k];
                     Vector::new(re, im)
@@ -203,16 +208,6 @@ impl Solid {
         }
         Self { step_s, meetings }
     }
-}
-
-/// A hole stands to its wheel's centre as its sleeve stands to the output's, at the origin, at
-/// t = 0; in the wheel's frame, m.
-fn hole_centre(wheel: &BodyState, sleeve: &BodyState) -> Vector {
-    let (sin, cos) = wheel.angle.sin_cos();
-    Vector::new(
-        cos * sleeve.x + sin * sleeve.y,
-        cos * sleeve.y - sin * sleeve.x,
-    )
 }
 
 impl Contacts for Solid {

@@ -33,7 +33,7 @@ const STEP_TIMES_FREQUENCY: f64 = 1e-4;
 /// 1e-5 s this is 1e-9 m and carries 3e-9 N.
 const LEAST_DEPTH: f64 = 1.6e-8;
 
-pub(super) fn prepare(gearbox: &Gearbox) -> Result<Box<dyn Prepared>, Halt> {
+pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
     friction_is_plain(&gearbox.scene)?;
     let grid = Grid::new(&gearbox.scene, gearbox.scene.solver.step_s)?;
     let gearbox = gearbox.clone();

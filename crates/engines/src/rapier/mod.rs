@@ -22,7 +22,7 @@ use crate::registry::{self, EngineInfo};
 /// One of the three.
 pub(crate) struct Rapier {
     info: &'static EngineInfo<'static>,
-    prepare: fn(&Gearbox) -> Result<Box<dyn Prepared>, Halt>,
+    prepare: fn(&Gearbox) -> Result<Prepared<'static>, Halt>,
 }
 
 pub(crate) static SHARED_LAW: Rapier = Rapier {
@@ -49,7 +49,7 @@ impl Engine for Rapier {
         format!("rapier2d-f64 {}", rapier2d_f64::VERSION)
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         (self.prepare)(gearbox)
     }
 }

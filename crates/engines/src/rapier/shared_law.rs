@@ -15,7 +15,7 @@ use crate::engine::{Ending, Halt, Prepared, Run, RunStats};
 /// double the error of the internal sleeves, forty change nothing.
 const SWEEPS: usize = 10;
 
-pub(super) fn prepare(gearbox: &Gearbox) -> Result<Box<dyn Prepared>, Halt> {
+pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
     let grid = Grid::new(&gearbox.scene, gearbox.scene.solver.step_s)?;
     let gearbox = gearbox.clone();
     Ok(Box::new(move |control: &Control<'_>| {

@@ -6,9 +6,8 @@
 //! [`World::at_node`] extrapolates the latter to t_n.
 
 use pinwheel_gearbox::Gearbox;
-use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_mbs::{Body, BodyState, Wrench};
 use pinwheel_scene::Layout;
-use pinwheel_scene::{BodyMass, Scene};
 use rapier2d_f64::prelude::*;
 
 /// h w of the springs that pull revolutes together. rapier's own, of 1 MHz, give way at short
@@ -35,7 +34,7 @@ impl World {
     /// Bodies at the gearbox's initial state, without colliders. `sweeps` is the number of
     /// projected Gauss-Seidel sweeps over all constraints in a step.
     pub(super) fn new(gearbox: &Gearbox, step_s: f64, sweeps: usize) -> Self {
-        let scene = &gearbox.scene;
+        let mechanism = gearbox.mechanism();
         let mut physics = PhysicsWorld::new();
         physics.gravity = Vector::ZERO;
         physics.integration_parameters = parameters(step_s, sweeps);
@@ -43,13 +42,10 @@ impl World {
         let states = gearbox.initial_states();
         let handles: Vec<RigidBodyHandle> = states
             .iter()
+            .zip(&mechanism.bodies)
             .enumerate()
-            .map(|(body, state)| {
-                physics.insert_body(rigid_body(
-                    state,
-                    mass_of(scene, gearbox.layout, body),
-                    body == Layout::INPUT,
-                ))
+            .map(|(body, (state, of))| {
+                physics.insert_body(rigid_body(state, of, body == Layout::INPUT))
             })
             .collect();
         // rapier would wait for its first step; the contact hook asks before.
@@ -61,8 +57,11 @@ impl World {
             natural_frequency: JOINT_STEP_TIMES_FREQUENCY / (step_s * std::f64::consts::TAU),
             damping_ratio: 1.0,
         };
-        let joints = revolutes(gearbox.layout)
-            .map(|(carrier, carried)| {
+        let revolutes = mechanism.revolutes.iter();
+        let joints = revolutes
+            .filter(|pin| pin.child != Layout::INPUT)
+            .map(|pin| {
+                let (carrier, carried) = (pin.parent, pin.child);
                 let at = &states[carried];
                 let anchor = carrier.map_or(Vector::new(at.x, at.y), |carrier| {
                     in_frame_of(&states[carrier], at)
@@ -81,7 +80,7 @@ impl World {
             physics,
             handles,
             joints,
-            input_speed: scene.drive.input_speed_rad_s,
+            input_speed: gearbox.scene.drive.input_speed_rad_s,
             step_s,
             states,
             earlier,
@@ -252,7 +251,7 @@ fn parameters(step_s: f64, sweeps: usize) -> IntegrationParameters {
     }
 }
 
-fn rigid_body(state: &BodyState, mass: BodyMass, driven: bool) -> RigidBodyBuilder {
+fn rigid_body(state: &BodyState, of: &Body, driven: bool) -> RigidBodyBuilder {
     let builder = if driven {
         RigidBodyBuilder::kinematic_position_based()
     } else {
@@ -263,51 +262,15 @@ fn rigid_body(state: &BodyState, mass: BodyMass, driven: bool) -> RigidBodyBuild
         .rotation(state.angle)
         .linvel(Vector::new(state.vx, state.vy))
         .angvel(state.rate)
-        .additional_mass_properties(MassProperties::new(
-            Vector::ZERO,
-            mass.mass_kg,
-            mass.moment_kg_m2,
-        ))
+        .additional_mass_properties(MassProperties::new(Vector::ZERO, of.mass, of.moment))
         .gravity_scale(0.0)
         .can_sleep(false)
         .ccd_enabled(false)
         .allow_fast_rotation(true)
 }
 
-fn mass_of(scene: &Scene, layout: Layout, body: usize) -> BodyMass {
-    let mass = &scene.mass;
-    if body == Layout::INPUT {
-        mass.input_shaft
-    } else if body == Layout::OUTPUT {
-        mass.output_shaft
-    } else if layout.wheel_bodies().contains(&body) {
-        mass.wheel
-    } else if layout.external_bodies().contains(&body) {
-        mass.external_sleeve
-    } else {
-        mass.internal_sleeve
-    }
-}
-
-/// Carrier (`None`: the ground) and carried body of every revolute; the pin is the carried
-/// body's centre of mass.
-fn revolutes(layout: Layout) -> impl Iterator<Item = (Option<usize>, usize)> {
-    std::iter::once((None, Layout::OUTPUT))
-        .chain(
-            layout
-                .wheel_bodies()
-                .map(|wheel| (Some(Layout::INPUT), wheel)),
-        )
-        .chain(layout.external_bodies().map(|sleeve| (None, sleeve)))
-        .chain(
-            layout
-                .internal_bodies()
-                .map(|sleeve| (Some(Layout::OUTPUT), sleeve)),
-        )
-}
-
 /// Where `point`'s centre stands in the frame of `carrier`.
-fn in_frame_of(carrier: &BodyState, point: &BodyState) -> Vector {
+pub(super) fn in_frame_of(carrier: &BodyState, point: &BodyState) -> Vector {
     let (sin, cos) = carrier.angle.sin_cos();
     let (dx, dy) = (point.x - carrier.x, point.y - carrier.y);
     Vector::new(cos * dx + sin * dy, cos * dy - sin * dx)
@@ -325,7 +288,8 @@ mod tests {
     /// A gearbox free to coast: output and wheels keep their rates, joints hold.
     #[test]
     fn coasts_along_the_ideal_motion() {
-        let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();
+        let gearbox =
+            Gearbox::new(&pinwheel_scene::Scene::paper().clone().check().unwrap()).unwrap();
         let step_s = 1e-5;
         let mut world = World::new(&gearbox, step_s, 10);
         let loads = vec![Wrench::default(); gearbox.layout.bodies()];
@@ -353,7 +317,8 @@ mod tests {
     /// The first step carries half of the load, so that positions follow t^2/2 exactly.
     #[test]
     fn constant_torque_gives_a_parabola_and_a_straight_rate() {
-        let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();
+        let gearbox =
+            Gearbox::new(&pinwheel_scene::Scene::paper().clone().check().unwrap()).unwrap();
         let step_s = 1e-4;
         let mut world = World::new(&gearbox, step_s, 10);
         let wheel = gearbox.layout.wheel_bodies().start;
@@ -388,7 +353,8 @@ mod tests {
 
     #[test]
     fn a_body_put_aside_is_named() {
-        let gearbox = Gearbox::new(&Scene::paper().clone().check().unwrap()).unwrap();
+        let gearbox =
+            Gearbox::new(&pinwheel_scene::Scene::paper().clone().check().unwrap()).unwrap();
         let mut world = World::new(&gearbox, 1e-5, 10);
         let mut loads = vec![Wrench::default(); gearbox.layout.bodies()];
         loads[5].moment = f64::NAN;

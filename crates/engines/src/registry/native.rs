@@ -91,7 +91,7 @@ impl Engine for Native {
         env!("CARGO_PKG_VERSION").to_owned()
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         let gearbox = self.formed(gearbox).map_err(Ending::unsupported)?;
         Ok(Box::new(move |control: &Control<'_>| {
             self.integrate(&gearbox, control)

@@ -61,9 +61,8 @@ impl Shipped {
     }
 
     fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Halt> {
-        self.solver(gearbox, control.cancel)?
-            .prepare(gearbox)?
-            .run(control)
+        let solver = self.solver(gearbox, control.cancel)?;
+        solver.prepare(gearbox)?(control)
     }
 }
 
@@ -76,7 +75,7 @@ impl Engine for Shipped {
         (self.version)()
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         let gearbox = gearbox.clone();
         Ok(Box::new(move |control: &Control<'_>| {
             self.run(&gearbox, control)

@@ -397,38 +397,29 @@ impl Data {
 
     /// The limits of the map.
     fn stated(&self) -> Result<Vec<StatedLimit>, String> {
-        const METRICS: [(&str, Metric); 6] = [
-            ("relative-l2", Metric::RelativeL2),
-            ("relative-linf", Metric::RelativeLinf),
-            ("mean", Metric::Mean),
-            ("peak", Metric::Peak),
-            ("rms", Metric::Rms),
-            ("sprague-geers", Metric::SpragueGeers),
-        ];
-        const WINDOWS: [(&str, WindowKind); 3] = [
-            ("steady", WindowKind::Steady),
-            ("transient", WindowKind::Transient),
-            ("whole", WindowKind::Whole),
-        ];
-        fn find<T: Copy>(list: &[(&str, T)], key: &str, typed: &str) -> Result<T, String> {
-            let found = list
-                .iter()
-                .find(|(name, _)| *name == typed)
-                .map(|(_, value)| *value);
-            let names: Vec<&str> = list.iter().map(|(name, _)| *name).collect();
-            found.ok_or_else(|| {
+        fn find<T: Copy>(
+            known: impl IntoIterator<Item = T>,
+            word: fn(T) -> &'static str,
+            key: &str,
+            typed: &str,
+        ) -> Result<T, String> {
+            let known: Vec<T> = known.into_iter().collect();
+            let found = known.iter().find(|one| word(**one) == typed);
+            found.copied().ok_or_else(|| {
+                let words: Vec<&str> = known.into_iter().map(word).collect();
                 format!(
                     "limits: `{typed}` is no {key}; {}",
-                    did_you_mean(typed, &names)
+                    did_you_mean(typed, &words)
                 )
             })
         }
+        let windows = [WindowKind::Steady, WindowKind::Transient, WindowKind::Whole];
         let one = |limit: &foreign::StatedLimit| {
             Ok(StatedLimit {
                 engine: self.name.clone(),
-                window: find(&WINDOWS, "window", &limit.window)?,
+                window: find(windows, WindowKind::word, "window", &limit.window)?,
                 quantity: limit.quantity.clone(),
-                metric: find(&METRICS, "metric", &limit.metric)?,
+                metric: find(Metric::of_pairs(), Metric::key, "metric", &limit.metric)?,
                 limit: limit.limit,
                 reason: if limit.reason.is_empty() {
                     "Stated in the map.".to_owned()

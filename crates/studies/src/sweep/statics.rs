@@ -67,7 +67,7 @@ impl Engine for Statics {
         env!("CARGO_PKG_VERSION").to_owned()
     }
 
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Box<dyn Prepared + 'a>, Halt> {
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         let gearbox = gearbox.clone();
         Ok(Box::new(move |control: &Control<'_>| {
             let (wall, cpu) = (Instant::now(), ThreadTime::now());
