@@ -18,7 +18,8 @@ const SIGNALS: [&str; 3] = ["KILL", "TERM", "INT"];
 
 /// A command that writes `out`.
 struct Writer {
-    words: &'static [&'static str],
+    /// As typed after `pinwheel`.
+    words: &'static str,
     /// What it writes, below the folder it works in: a folder or a single file.
     out: &'static str,
     /// Files of `out` that are the same whenever it is run to its end, by kills and resumes or at once.
@@ -30,189 +31,93 @@ struct Writer {
 const SWEEP: &str = "name = \"s\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.02\n\
     [vary]\ngear.backlash_m = { from = 0.0, to = 3.0e-4, points = 12 }\n";
 
-const SET: [&str; 2] = ["--set", "solver.duration_s=0.004"];
-
 const WRITERS: [Writer; 16] = [
-    Writer {
-        words: &[
-            "run",
-            "paper",
-            "--set",
-            "solver.duration_s=0.4",
-            "--out",
-            "out",
-        ],
-        out: "out",
-        same: &["courses.csv"],
-        resume: None,
-    },
-    Writer {
-        words: &[
-            "compare",
-            "paper",
-            "--engines",
-            "native,rapier-shared-law",
-            "--longest",
-            "1",
-            SET[0],
-            SET[1],
-            "--out",
-            "out",
-        ],
-        out: "out",
-        same: &[],
-        resume: None,
-    },
-    Writer {
-        words: &[
-            "bench",
-            "paper",
-            "--engines",
-            "native-reduced",
-            "--methods",
-            "rk4",
-            "--repeats",
-            "1",
-            SET[0],
-            SET[1],
-            "--out",
-            "out",
-        ],
-        out: "out",
-        same: &[],
-        resume: None,
-    },
-    Writer {
-        words: &[
-            "stability",
-            "mine.toml",
-            "one-wheel",
-            "--quick",
-            "--jobs",
-            "1",
-            "--out",
-            "out",
-        ],
-        out: "out",
-        same: &[],
-        resume: Some("--resume"),
-    },
-    Writer {
-        words: &["sweep", "s.toml", "--jobs", "1", "--out", "out"],
-        out: "out",
-        same: &["results.csv", "sweep.toml"],
-        resume: Some("--resume"),
-    },
-    Writer {
-        words: &["paper", "--figures", "9", "--out", "out"],
-        out: "out",
-        same: &[],
-        resume: None,
-    },
-    Writer {
-        words: &[
-            "record",
-            "mine.toml",
-            "--engines",
-            "rapier-shared-law",
-            "--out",
-            "out",
-        ],
-        out: "out/mine",
-        same: &["rapier-shared-law.csv"],
-        resume: None,
-    },
-    Writer {
-        words: &[
-            "baseline", "check", "--dir", "bl", "--only", "flores", "--out", "out",
-        ],
-        out: "out",
-        same: &[],
-        resume: None,
-    },
-    Writer {
-        words: &[
-            "compare",
-            "paper",
-            "one-wheel",
-            SET[0],
-            SET[1],
-            "--out",
-            "out",
-        ],
-        out: "out",
-        same: &[],
-        resume: None,
-    },
-    Writer {
-        words: &[
-            "compare",
-            "paper",
-            "--engines",
-            "native",
-            "--longest",
-            "1",
-            SET[0],
-            SET[1],
-            "--junit",
-            "verdicts.xml",
-            "--force",
-            "--out",
-            "out",
-        ],
-        out: "verdicts.xml",
-        same: &[],
-        resume: None,
-    },
-    Writer {
-        words: &["design", "mine.toml", "--out", "out"],
-        out: "out",
-        same: &["torsion.csv", "hysteresis.csv", "disc_0.dxf"],
-        resume: None,
-    },
-    Writer {
-        words: &[
-            "init",
-            "gear.toml",
-            "--ratio",
-            "39",
-            "--pin-circle-diameter-mm",
-            "104",
-            "--torque-n-m",
-            "200",
-            "--speed-rpm",
-            "1500",
-            "--force",
-        ],
-        out: "gear.toml",
-        same: &["gear.toml"],
-        resume: None,
-    },
-    Writer {
-        words: &["fmu", "mine.toml", "--out", "gear.fmu"],
-        out: "gear.fmu",
-        same: &["gear.fmu"],
-        resume: None,
-    },
-    Writer {
-        words: &["calibrate", "mine.toml", "--out", "out"],
-        out: "out",
-        same: &[],
-        resume: None,
-    },
-    Writer {
-        words: &["man", "--out", "out"],
-        out: "out",
-        same: &["pinwheel.1"],
-        resume: None,
-    },
-    Writer {
-        words: &["baseline", "record", "--dir", "out", "new"],
-        out: "out/new",
-        same: &[],
-        resume: None,
-    },
+    writer(
+        "run paper --set solver.duration_s=0.4 --out out",
+        "out",
+        &["courses.csv"],
+    ),
+    writer(
+        "compare paper --engines native,rapier-shared-law --longest 1 --set solver.duration_s=0.004 --out out",
+        "out",
+        &[],
+    ),
+    writer(
+        "bench paper --engines native-reduced --methods rk4 --repeats 1 --set solver.duration_s=0.004 --out out",
+        "out",
+        &[],
+    ),
+    writer(
+        "stability mine.toml one-wheel --quick --jobs 1 --out out",
+        "out",
+        &[],
+    )
+    .resumed(),
+    writer(
+        "sweep s.toml --jobs 1 --out out",
+        "out",
+        &["results.csv", "sweep.toml"],
+    )
+    .resumed(),
+    writer("paper --figures 9 --out out", "out", &[]),
+    writer(
+        "record mine.toml --engines rapier-shared-law --out out",
+        "out/mine",
+        &["rapier-shared-law.csv"],
+    ),
+    writer(
+        "baseline check --dir bl --only flores --out out",
+        "out",
+        &[],
+    ),
+    writer(
+        "compare paper one-wheel --set solver.duration_s=0.004 --out out",
+        "out",
+        &[],
+    ),
+    writer(
+        "compare paper --engines native --longest 1 --set solver.duration_s=0.004 --junit verdicts.xml --force --out out",
+        "verdicts.xml",
+        &[],
+    ),
+    writer(
+        "design mine.toml --out out",
+        "out",
+        &["torsion.csv", "hysteresis.csv", "disc_0.dxf"],
+    ),
+    writer(
+        "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500 --force",
+        "gear.toml",
+        &["gear.toml"],
+    ),
+    writer("fmu mine.toml --out gear.fmu", "gear.fmu", &["gear.fmu"]),
+    writer("calibrate mine.toml --out out", "out", &[]),
+    writer("man --out out", "out", &["pinwheel.1"]),
+    writer("baseline record --dir out new", "out/new", &[]),
 ];
+
+const fn writer(words: &'static str, out: &'static str, same: &'static [&'static str]) -> Writer {
+    Writer {
+        words,
+        out,
+        same,
+        resume: None,
+    }
+}
+
+impl Writer {
+    /// The same of a command that goes on where it was ended.
+    const fn resumed(self) -> Self {
+        Self {
+            resume: Some("--resume"),
+            ..self
+        }
+    }
+
+    fn words(&self) -> Vec<&'static str> {
+        self.words.split(' ').collect()
+    }
+}
 
 /// Every file below a folder with its content, or the single file; the marker, which names a process, without.
 fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
@@ -288,7 +193,7 @@ fn ended(child: &mut Child, seconds: f64) -> ExitStatus {
 
 /// What every output must be: whole, listed by its marker, and its JSON readable.
 fn assert_whole(writer: &Writer, out: &Path) {
-    let what = writer.words.join(" ");
+    let what = writer.words;
     let files = content(out);
     assert!(!files.is_empty(), "{what}: an empty output");
     for (name, bytes) in &files {
@@ -331,12 +236,12 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
     let dir = tempfile::tempdir().unwrap();
     let dir = dir.path();
     inputs(dir);
-    let what = writer.words.join(" ");
+    let what = writer.words;
     let out = dir.join(writer.out);
     let kept: Vec<String> = names_in(dir);
     let before = content(dir);
     let begin = Instant::now();
-    let status = ended(&mut start(dir, writer.words), 300.0);
+    let status = ended(&mut start(dir, &writer.words()), 300.0);
     let lasted = begin.elapsed().as_secs_f64();
     let said = fs::read_to_string(dir.join("said")).unwrap();
     assert!(
@@ -357,7 +262,7 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
         }
         let earlier = fresh.then(BTreeMap::new).unwrap_or_else(|| content(&out));
         let signal = SIGNALS[number % 3];
-        let mut words = writer.words.to_vec();
+        let mut words = writer.words();
         // An interrupted sweep wants to be told.
         let begun = dir.join("out.unfinished").exists();
         if writer.goes_on(&out) && (begun || number % 2 == 1) {
@@ -409,7 +314,7 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
         }
     }
     // Once more to its end: the same results, and nothing left of all that was killed.
-    let mut words = writer.words.to_vec();
+    let mut words = writer.words();
     if writer.goes_on(&out) {
         words.extend(writer.resume);
     }
@@ -456,7 +361,7 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
 impl Writer {
     /// Whether it goes on: a sweep with its journal beside the output, others with what they wrote when they were stopped.
     fn goes_on(&self, out: &Path) -> bool {
-        self.resume.is_some() && (self.words[0] == "sweep" || out.exists())
+        self.resume.is_some() && (self.words()[0] == "sweep" || out.exists())
     }
 
     /// What stands in the folder of work: what `--out` or `--dir` names, or what that is in.
@@ -475,11 +380,12 @@ fn regress_kills_tear_nothing_and_lose_nothing() {
     let only = std::env::var("PINWHEEL_KILLS_ONLY").ok();
     let mut all = (0, 0);
     for (place, writer) in WRITERS.iter().enumerate() {
-        if only.as_ref().is_some_and(|only| writer.words[0] != only) {
+        if only.as_ref().is_some_and(|only| writer.words()[0] != only) {
             continue;
         }
         // Recording the whole set and calibrating take many seconds: only where more was asked for.
-        let long = writer.words[..2] == ["baseline", "record"] || writer.words[0] == "calibrate";
+        let long =
+            writer.words()[..2] == ["baseline", "record"] || writer.words()[0] == "calibrate";
         if long && kills <= 3 {
             continue;
         }
@@ -487,7 +393,7 @@ fn regress_kills_tear_nothing_and_lose_nothing() {
         let met = kill(writer, kills, &mut Rng::new(1000 * seed + place as u64));
         println!(
             "{:<60} {met} of {kills} kills met it, {:.1} s",
-            writer.words.join(" "),
+            writer.words,
             begin.elapsed().as_secs_f64()
         );
         all = (all.0 + met, all.1 + kills);
