@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use pinwheel_report::terminal::{self, BAD, GOOD, styled};
-use pinwheel_studies::calibration::{COVERAGE, Outcome, Row, SHARPNESS, power};
-use pinwheel_timeseries::table::{Mark, Shown, Table};
+use pinwheel_studies::calibration::{COVERAGE, Outcome, Row, SHARPNESS};
+use pinwheel_timeseries::table::{Shown, Table};
 
 /// Coverage and sharpness, a row an engine.
 #[must_use]
@@ -48,31 +48,4 @@ pub fn text(found: &Outcome) -> String {
          the error in the median",
         100.0 * COVERAGE
     )
-}
-
-/// The smallest faults told, a row a gear, engine and kind.
-#[must_use]
-pub fn power(found: &power::Outcome) -> String {
-    let table = Table::of("", &found.found)
-        .text("", "gear", |one| &one.scene)
-        .text("", "engine", |one| &one.engine)
-        .text("", "fault", |one| one.kind.label())
-        .text(
-            "",
-            "told",
-            |one| if one.told { "differ" } else { "NOT TOLD" },
-        )
-        .marked(|one| Mark::of(one.told))
-        .number("", "D / U", |one| one.uncertainties)
-        .shown(Shown::Decimals(1))
-        .number("", "smallest detected", |one| one.smallest)
-        .said(|one| one.smallest.map(|size| one.kind.size(size)));
-    let mut text = terminal::table(&table.done());
-    for alarm in &found.false_alarms {
-        text.push_str(&format!("\n{}: {alarm}", styled(BAD, "FALSE ALARM")));
-    }
-    for left in &found.left_out {
-        text.push_str(&format!("\nleft out: {left}"));
-    }
-    text
 }

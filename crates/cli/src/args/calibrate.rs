@@ -13,13 +13,10 @@ pub(crate) struct CalibrateArgs {
     /// Scene files or presets [default: the study's own].
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
-    /// Which faults a comparison tells, instead of how honest its uncertainties are.
-    #[arg(long)]
-    pub(crate) power: bool,
     /// Random gears beside the presets, by their seeds.
-    #[arg(long, value_name = "FROM..TO", default_value = "1000..1024", value_parser = seeds, conflicts_with_all = ["power", "scenes"])]
+    #[arg(long, value_name = "FROM..TO", default_value = "1000..1024", value_parser = seeds, conflicts_with = "scenes")]
     pub(crate) gears: Range<u64>,
-    /// Engines, separated by commas [default: all of this build that refine by themselves; --power: of the shared law].
+    /// Engines, separated by commas [default: all of this build that refine by themselves].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) engines: Vec<String>,
     /// Seconds that the runs of one engine on one gear may take before it is refined no further.

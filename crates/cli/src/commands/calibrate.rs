@@ -2,11 +2,10 @@
 
 use std::time::Duration;
 
-use pinwheel::engines::family;
 use pinwheel::pages;
 use pinwheel::scene::Scene;
 use pinwheel::studies::Provenance;
-use pinwheel::studies::calibration::{self, chosen, power};
+use pinwheel::studies::calibration::{self, chosen};
 use pinwheel::studies::comparison::Effort;
 
 use crate::args::{self, CalibrateArgs};
@@ -21,48 +20,27 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<u8, Failure> {
     let named = args.scenes.iter().map(|name| Scene::load(name, &[]));
     let mut scenes = named.collect::<Result<Vec<_>, _>>()?;
     if args.scenes.is_empty() {
-        scenes = chosen::presets(if args.power {
-            &power::GEARS
-        } else {
-            &calibration::PRESETS
-        })?;
-        if !args.power {
-            scenes.extend(chosen::random(args.gears.clone())?);
-        }
+        scenes = chosen::presets(&calibration::PRESETS)?;
+        scenes.extend(chosen::random(args.gears.clone())?);
     }
-    let effort = |resolution| Effort {
-        longest,
-        obey: false,
-        resolution,
-    };
     let folder = Folder::prepare(&args.out.folder("verdicts", "calibrate"), args.out.force)?;
     let made = Provenance::here(args::typed());
-    let (text, good) = if args.power {
-        let input = power::Input {
-            scenes,
-            right: "native-reduced".to_owned(),
-            engines: chosen::engines(&args.engines, |name| family(name) != "native")?,
-            effort: effort(power::RESOLUTION),
-            smallest: true,
-        };
-        let found = watched("calibrate", |control| power::run(&input, control))?;
-        found.write(folder.path(), &made)?;
-        let told = found.found.iter().all(|one| one.told) && found.false_alarms.is_empty();
-        (pages::calibration::power(&found), told)
-    } else {
-        let input = calibration::Input {
-            scenes,
-            engines: chosen::engines(&args.engines, |_| true)?,
-            effort: effort(0.01),
-        };
-        let found = watched("calibrate", |control| calibration::run(&input, control))?;
-        found.write(&input, folder.path(), &made)?;
-        (pages::calibration::text(&found), found.is_honest())
+    let input = calibration::Input {
+        scenes,
+        engines: chosen::engines(&args.engines)?,
+        effort: Effort {
+            longest,
+            obey: false,
+            resolution: 0.01,
+        },
     };
+    let found = watched("calibrate", |control| calibration::run(&input, control))?;
+    found.write(&input, folder.path(), &made)?;
     let out = folder.publish()?;
     screen::show(&format!(
-        "{text}\ncases: {}",
+        "{}\ncases: {}",
+        pages::calibration::text(&found),
         out.join("summary.json").display()
     ))?;
-    Ok(if good { 0 } else { DIFFER })
+    Ok(if found.is_honest() { 0 } else { DIFFER })
 }

@@ -33,16 +33,16 @@ pub fn random(seeds: Range<u64>) -> Result<Vec<CheckedScene>, StudyError> {
     seeds.map(gear).collect()
 }
 
-/// The engines asked for; if none are, those of this build that `wanted` takes.
+/// The engines asked for; if none are, those of this build.
 ///
 /// # Errors
 /// An engine that is not there, or has no refinement of its own to be held against.
-pub fn engines(asked: &[String], wanted: impl Fn(&str) -> bool) -> Result<Vec<String>, StudyError> {
+pub fn engines(asked: &[String]) -> Result<Vec<String>, StudyError> {
     if asked.is_empty() {
         let listed = choice::listed();
         let is_built = |name: &str| listed.iter().any(|engine| engine.name == name);
         let own = super::engines();
-        let built = own.filter(|name| is_built(name) && wanted(name));
+        let built = own.filter(|name| is_built(name));
         return Ok(built.map(str::to_owned).collect());
     }
     for name in asked {

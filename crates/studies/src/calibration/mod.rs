@@ -1,13 +1,13 @@
-//! What verdicts are worth: the stated uncertainties held against true errors, and the faults that are found.
+//! What verdicts are worth: the stated uncertainties held against true errors.
 //!
 //! [`run`] lets every engine run gears as a comparison does, with its refinement, and holds each stated u
 //! against the distance to a converged run by another method. [`coverage`](Row::coverage) is the share of cases in which u
-//! is at least that distance; sharpness is u over it, of which 1 would be perfect knowledge. [`power::run`] makes
-//! small faults on purpose and asks which a comparison tells.
+//! is at least that distance; sharpness is u over it, of which 1 would be perfect knowledge.
 
 pub mod chosen;
+#[cfg(test)]
+mod faults;
 pub mod gears;
-pub mod power;
 
 use std::collections::BTreeMap;
 use std::path::Path;
