@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use pinwheel::studies::folder::{self, PAGE, Request};
+pub(crate) use pinwheel::studies::folder::Request;
+use pinwheel::studies::folder::{self, PAGE};
 use pinwheel::studies::output::write_text;
 
 use crate::failure::Failure;
@@ -15,33 +16,17 @@ pub(crate) struct Folder(folder::Folder);
 impl Folder {
     /// Checks that `out` may be written, before anything long is run.
     pub(crate) fn prepare(out: &Path, force: bool) -> Result<Self, Failure> {
-        Self::asked(out, force, named_files(), None)
-    }
-
-    /// The same, where `read` is read too.
-    pub(crate) fn prepare_beside(out: &Path, force: bool, read: &Path) -> Result<Self, Failure> {
-        let mut inputs = named_files();
-        inputs.push(read.to_owned());
-        Self::asked(out, force, inputs, None)
-    }
-
-    /// The same for a folder that a file of its own tells from others: `known` names what may be replaced.
-    pub(crate) fn prepare_known(out: &Path, known: Vec<String>) -> Result<Self, Failure> {
-        Self::asked(out, false, named_files(), Some(known))
-    }
-
-    fn asked(
-        out: &Path,
-        force: bool,
-        inputs: Vec<PathBuf>,
-        known: Option<Vec<String>>,
-    ) -> Result<Self, Failure> {
         let request = Request {
-            command: args::typed(),
             force,
-            inputs,
-            known,
+            ..Request::default()
         };
+        Self::asked(out, request)
+    }
+
+    /// The same for a request of which the command and its files are not known.
+    pub(crate) fn asked(out: &Path, mut request: Request) -> Result<Self, Failure> {
+        request.command = args::typed();
+        request.inputs.extend(named_files());
         let folder = folder::Folder::prepare(out, request)?;
         interrupt::unfinished(Some(folder.path()));
         Ok(Self(folder))

@@ -1,6 +1,6 @@
 //! Quantities: a channel, or a group of numbered channels that are compared jointly.
 
-use pinwheel_timeseries::{TimeSeries, group_of};
+use pinwheel_timeseries::{TimeSeries, group_of, stem_and_unit};
 use serde::Serialize;
 
 /// Torque the driver exerts on the input shaft, where time series have it.
@@ -23,37 +23,9 @@ pub struct Quantity {
     pub channels: Vec<String>,
 }
 
-/// Suffixes of names and their units; longer ones first, as `_n_m` also ends in `_m`.
-const UNITS: [(&str, &str); 17] = [
-    ("_n_m_per_arcmin", "N m/arcmin"),
-    ("_n_m15", "N/m^1.5"),
-    ("_arcmin", "arcmin"),
-    ("_n_m", "N m"),
-    ("_rad_s2", "rad/s\u{b2}"),
-    ("_rad_s", "rad/s"),
-    ("_m_s2", "m/s\u{b2}"),
-    ("_m_s", "m/s"),
-    ("_kg", "kg"),
-    ("_pa", "Pa"),
-    ("_hz", "Hz"),
-    ("_rad", "rad"),
-    ("_n", "N"),
-    ("_w", "W"),
-    ("_j", "J"),
-    ("_m", "m"),
-    ("_s", "s"),
-];
-
 impl Quantity {
     fn new(name: &str) -> Self {
-        let (stem, unit) = UNITS
-            .iter()
-            .find_map(|(suffix, unit)| {
-                name.strip_suffix(suffix)
-                    .filter(|stem| !stem.is_empty())
-                    .map(|stem| (stem, *unit))
-            })
-            .unwrap_or((name, ""));
+        let (stem, unit) = stem_and_unit(name);
         let words = stem.replace('_', " ");
         let mut letters = words.chars();
         let label = if name == INPUT_TORQUE {

@@ -40,23 +40,6 @@ impl Fault {
         Self::Stiffness,
         Self::WheelPhase,
     ];
-
-    /// In words.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::FrictionSign => "sign of friction",
-            Self::DroppedGamma => "dropped gamma term",
-            Self::StaleFoot => "stale foot point",
-            Self::ForgottenRejection => "step control forgets a rejection",
-            Self::PassedBreak => "a step over a jump of the load",
-            Self::Stiffness => "1 % stiffness error",
-            Self::WheelPhase => "one wheel's phase",
-            Self::FrozenLoads => "frozen loads",
-            Self::NanLoads => "loads that are no numbers",
-            Self::HugeLoads => "huge loads",
-        }
-    }
 }
 
 /// Whether `fault` acts in this thread.

@@ -216,14 +216,13 @@ fn regress_known_faults_are_found() {
         let scenes = hunted(fault);
         assert!(
             check(&baseline, scenes).verdict < Verdict::Worse,
-            "{} is not armed",
-            fault.label()
+            "{fault:?} is not armed"
         );
         let found = {
             let _armed = Armed::with(fault);
             check(&baseline, scenes)
         };
-        println!("| {} | {} |", fault.label(), finding(&found));
+        println!("| {fault:?} | {} |", finding(&found));
         if found.verdict != Verdict::Worse {
             missed.push(fault);
         }

@@ -6,7 +6,7 @@ use pinwheel::studies::{Provenance, junit};
 
 use crate::args::{self, Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
 use crate::failure::{DIFFER, Failure};
-use crate::folder::Folder;
+use crate::folder::{Folder, Request};
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -31,7 +31,11 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
     }
     interrupt::check()?;
     let known = earlier.iter().map(|_| FILE.to_owned()).collect();
-    let folder = Folder::prepare_known(&folder, known)?;
+    let request = Request {
+        known: Some(known),
+        ..Request::default()
+    };
+    let folder = Folder::asked(&folder, request)?;
     let options = Options {
         threads: args.running.threads.into(),
         only: args.running.only.clone(),
@@ -62,7 +66,12 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     let Which { dir, name } = &args.which;
     let accepted = Baseline::open(dir, name)?;
     let out = args.out.or(format!("baseline-{name}"));
-    let folder = Folder::prepare_beside(&out, args.out.force, dir)?;
+    let request = Request {
+        force: args.out.force,
+        inputs: vec![dir.clone()],
+        ..Request::default()
+    };
+    let folder = Folder::asked(&out, request)?;
     let options = Options {
         kernel: args.kernel,
         threads: args.running.threads.into(),

@@ -57,8 +57,7 @@ pub struct Solver {
     python: Option<PathBuf>,
     /// Hash of the manifest's and the program's files, when first asked for.
     build: OnceLock<String>,
-    log_bytes: u64,
-    folder_bytes: u64,
+    limits: Limits,
 }
 
 impl Solver {
@@ -68,6 +67,11 @@ impl Solver {
     /// What is wrong with it.
     pub fn open(path: &Path) -> Result<Self, FileError> {
         let manifest = Manifest::read(path)?;
+        let limits = Limits {
+            longest: Duration::from_secs_f64(manifest.timeout_s),
+            folder_bytes: FOLDER_BYTES,
+            log_bytes: LOG_BYTES,
+        };
         let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         Ok(Self {
             manifest,
@@ -75,8 +79,7 @@ impl Solver {
             prefix: "pinwheel-job-",
             python: None,
             build: OnceLock::new(),
-            log_bytes: LOG_BYTES,
-            folder_bytes: FOLDER_BYTES,
+            limits,
         })
     }
 
@@ -89,7 +92,7 @@ impl Solver {
     /// The same solver that is ended after `longest`, if that is sooner.
     #[must_use]
     pub fn within(mut self, longest: Duration) -> Self {
-        self.manifest.timeout_s = self.manifest.timeout_s.min(longest.as_secs_f64());
+        self.limits.longest = self.limits.longest.min(longest);
         self
     }
 
@@ -161,11 +164,6 @@ impl Solver {
             ("law", library.as_deref().unwrap_or(nothing)),
             ("python", python.as_path()),
         ]);
-        let limits = Limits {
-            longest: Duration::from_secs_f64(self.manifest.timeout_s),
-            folder_bytes: self.folder_bytes,
-            log_bytes: self.log_bytes,
-        };
         let Some((program, arguments)) = argv.split_first() else {
             return Err(failed("its command is empty").into());
         };
@@ -186,7 +184,8 @@ impl Solver {
             if control.reached(heard.reached_s.unwrap_or(0.0)) {
                 return Some(End::Cancelled);
             }
-            limits.passed(&heard, folder.path(), begun, &mut looked)
+            self.limits
+                .passed(&heard, folder.path(), begun, &mut looked)
         });
         let ended = ended.map_err(|error| failed(self.does_not_start(program, &error)))?;
         let said = heard.last();

@@ -276,13 +276,13 @@ fn hard_the_user_stops_it() {
 #[test]
 fn hard_huge_output_is_ended() {
     let mut log = Script::new("yes");
-    log.solver.log_bytes = 1 << 20;
+    log.solver.limits.log_bytes = 1 << 20;
     assert!(
         log.fails()
             .contains("it wrote more than 1 MB to stdout and stderr")
     );
     let mut files = Script::new("while :; do head -c 1000000 /dev/zero >> \"$1/more\"; done");
-    files.solver.folder_bytes = 20 << 20;
+    files.solver.limits.folder_bytes = 20 << 20;
     assert!(files.fails().contains("its files are larger than 20 MB"));
     let many = Script::new("i=0; while :; do i=$((i+1)); : > \"$1/$i\"; done");
     assert!(many.fails().contains("or too many"));

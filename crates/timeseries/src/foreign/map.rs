@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use pinwheel_files::{Broken, FileError, require};
 use serde::Deserialize;
 
-use super::units;
+use crate::units;
 
 /// Lines and numbers that a map skips at most.
 const MOST_LINES: usize = 1_000_000;

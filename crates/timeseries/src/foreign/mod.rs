@@ -30,7 +30,6 @@ mod error;
 mod map;
 mod read;
 mod resample;
-mod units;
 
 pub use align::{Shift, shift};
 pub use error::{ForeignError, first_of};

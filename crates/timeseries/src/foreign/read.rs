@@ -5,8 +5,7 @@ use std::io::{BufRead as _, BufReader, Read};
 
 use super::error::{ForeignError, first_of, short};
 use super::map::{BadRows, ColumnRef, FileFormat, Map};
-use super::units;
-use crate::TimeSeries;
+use crate::{TimeSeries, units};
 
 /// Bad rows kept with their reason; the others are counted as one.
 const MOST_NAMED: usize = 1000;

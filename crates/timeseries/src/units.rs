@@ -1,0 +1,91 @@
+//! Units: that which a column's name ends in, and others that foreign columns may be in, with their factors.
+
+use std::f64::consts::PI;
+
+macro_rules! units {
+    ($($suffix:literal $label:literal: $($unit:literal $factor:expr),*;)*) => {
+        &[$(($suffix, $label, &[$(($unit, $factor)),*])),*]
+    };
+}
+
+/// A suffix of our names, the unit for people, and units as people write them without blanks, each with its factor.
+type Row = (&'static str, &'static str, &'static [(&'static str, f64)]);
+
+/// Longer suffixes first: `_n_m` ends in `_m` too. 1 lbf = 4.4482216152605 N, 1 ft = 0.3048 m, 1 in = 0.0254 m, all exact.
+const UNITS: &[Row] = units! {
+    "_n_m_per_arcmin" "N m/arcmin": ;
+    "_n_m15" "N/m^1.5": "N/m^1.5" 1.0, "N/mm^1.5" 31_622.776_601_683_792;
+    "_arcmin" "arcmin": "arcmin" 1.0, "arcsec" 1.0 / 60.0, "deg" 60.0, "rad" 10_800.0 / PI, "mrad" 10.8 / PI;
+    "_n_m" "N m": "Nm" 1.0, "N*m" 1.0, "Nmm" 1e-3, "N*mm" 1e-3, "newton-mm" 1e-3, "newton-meter" 1.0, "mNm" 1e-3, "kNm" 1e3,
+        "lbf*ft" 1.355_817_948_331_400_4, "lbf*in" 0.112_984_829_027_616_7;
+    "_rad_s2" "rad/s\u{b2}": ;
+    "_rad_s" "rad/s": "rad/s" 1.0, "deg/s" PI / 180.0, "rpm" PI / 30.0, "1/min" PI / 30.0;
+    "_m_s2" "m/s\u{b2}": ;
+    "_m_s" "m/s": "m/s" 1.0, "mm/s" 1e-3, "um/s" 1e-6;
+    "_kg" "kg": ;
+    "_pa" "Pa": ;
+    "_hz" "Hz": ;
+    "_rad" "rad": "rad" 1.0, "radian" 1.0, "mrad" 1e-3, "deg" PI / 180.0, "degree" PI / 180.0, "\u{b0}" PI / 180.0,
+        "arcmin" PI / 10_800.0, "arcsec" PI / 648_000.0, "rev" 2.0 * PI, "turn" 2.0 * PI;
+    "_n" "N": "N" 1.0, "newton" 1.0, "mN" 1e-3, "kN" 1e3, "lbf" 4.448_221_615_260_5, "kgf" 9.806_65;
+    "_w" "W": "W" 1.0, "kW" 1e3, "mW" 1e-3, "Nmm/s" 1e-3;
+    "_j" "J": ;
+    "_m" "m": "m" 1.0, "meter" 1.0, "mm" 1e-3, "um" 1e-6, "\u{b5}m" 1e-6, "nm" 1e-9, "in" 0.0254;
+    "_s" "s": "s" 1.0, "sec" 1.0, "second" 1.0, "ms" 1e-3, "us" 1e-6, "\u{b5}s" 1e-6, "min" 60.0;
+};
+
+/// What stands before the unit in a name, and the unit for people; empty if unknown.
+#[must_use]
+pub fn stem_and_unit(name: &str) -> (&str, &'static str) {
+    let stem = |suffix: &str| name.strip_suffix(suffix).filter(|stem| !stem.is_empty());
+    let mut known = UNITS.iter();
+    let found = known.find_map(|(suffix, label, _)| Some((stem(suffix)?, *label)));
+    found.unwrap_or((name, ""))
+}
+
+/// The factor from `unit` to the unit of the column `name` (a number at its end does not count).
+///
+/// # Errors
+/// The units that would fit; none if the name ends in no known unit.
+pub(crate) fn factor(name: &str, unit: &str) -> Result<f64, Vec<&'static str>> {
+    let stem = crate::group_of(name).0;
+    let stem = stem.strip_suffix("_*").unwrap_or(stem);
+    let known = UNITS.iter().find(|(suffix, ..)| stem.ends_with(suffix));
+    let list = known.map_or(&[][..], |(.., list)| list);
+    let wanted: String = unit
+        .chars()
+        .filter(|c| !c.is_whitespace())
+        .map(|c| if c == '\u{b7}' { '*' } else { c })
+        .collect();
+    let wanted = wanted.replace('\u{3bc}', "\u{b5}");
+    let found = list.iter().find(|(name, _)| *name == wanted);
+    found
+        .map(|(_, factor)| *factor)
+        .ok_or_else(|| list.iter().map(|(name, _)| *name).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_of_a_kind_only() {
+        assert_eq!(factor("input_torque_n_m", "N mm"), Ok(1e-3));
+        assert_eq!(factor("input_torque_n_m", "N\u{b7}m"), Ok(1.0));
+        assert_eq!(factor("external_sleeve_force_n_3", "kN"), Ok(1e3));
+        assert_eq!(factor("external_sleeve_force_n_*", "kN"), Ok(1e3));
+        assert_eq!(
+            factor("wheel_0_external_stiffness_n_m15_3", "N/m^1.5"),
+            Ok(1.0)
+        );
+        assert!((factor("output_angle_rad", "deg").unwrap() * 180.0 - PI).abs() < 1e-15);
+        assert!((factor("wheel_speed_rad_s", "rpm").unwrap() * 30.0 - PI).abs() < 1e-15);
+        assert_eq!(factor("time_s", "ms"), Ok(1e-3));
+        assert!(
+            factor("output_angle_rad", "N")
+                .unwrap_err()
+                .contains(&"deg")
+        );
+        assert!(factor("efficiency", "%").unwrap_err().is_empty());
+    }
+}
