@@ -141,10 +141,8 @@ impl Gearbox {
     #[must_use]
     pub fn input_motion(&self) -> Motion {
         Motion {
-            from_s: 0.0,
-            angle: 0.0,
             rate: self.scene.drive.input_speed_rad_s,
-            acceleration: 0.0,
+            ..Motion::default()
         }
     }
 
@@ -165,35 +163,15 @@ impl Gearbox {
         states[Layout::INPUT].rate = speed;
         states[Layout::OUTPUT].rate = slow;
         for (i, body) in self.layout.wheel_bodies().enumerate() {
-            let (s, c) = self.geometry.wheel_phases[i].sin_cos();
-            let e = self.geometry.eccentricities_m[i];
-            states[body] = BodyState {
-                x: e * c,
-                y: e * s,
-                angle: self.geometry.ideal_wheel_angle(i, 0.0),
-                vx: -speed * e * s,
-                vy: speed * e * c,
-                rate: slow,
-            };
+            let own = [self.geometry.ideal_wheel_angle(i, 0.0), slow];
+            states[body] = self.geometry.wheel_state(i, [0.0, speed], own);
         }
         let seats = self.geometry.external_points.iter();
         for (&[x, y], body) in seats.zip(self.layout.external_bodies()) {
             (states[body].x, states[body].y) = (x, y);
         }
-        for (&[x, y], body) in self
-            .geometry
-            .internal_points
-            .iter()
-            .zip(self.layout.internal_bodies())
-        {
-            states[body] = BodyState {
-                x,
-                y,
-                angle: 0.0,
-                vx: -slow * y,
-                vy: slow * x,
-                rate: slow,
-            };
+        for (k, body) in self.layout.internal_bodies().enumerate() {
+            states[body] = self.geometry.internal_state(k, [0.0, slow]);
         }
         states
     }
@@ -225,30 +203,19 @@ impl Gearbox {
         ];
         for (i, index) in layout.wheel_bodies().enumerate() {
             bodies.push(body(format!("wheel {i}"), mass.wheel, index));
-            let (s, c) = self.geometry.wheel_phases[i].sin_cos();
-            let e = self.geometry.eccentricities_m[i];
-            let eccentric = [e * c, e * s];
-            revolutes.push(pin(Some(Layout::INPUT), eccentric, index));
+            let BodyState { x, y, .. } = self.geometry.wheel_state(i, [0.0; 2], [0.0; 2]);
+            revolutes.push(pin(Some(Layout::INPUT), [x, y], index));
         }
         for (j, index) in layout.external_bodies().enumerate() {
-            bodies.push(body(
-                format!("external sleeve {j}"),
-                mass.external_sleeve,
-                index,
-            ));
+            let name = format!("external sleeve {j}");
+            bodies.push(body(name, mass.external_sleeve, index));
             revolutes.push(pin(None, [starts[index].x, starts[index].y], index));
         }
         for (k, index) in layout.internal_bodies().enumerate() {
-            bodies.push(body(
-                format!("internal sleeve {k}"),
-                mass.internal_sleeve,
-                index,
-            ));
-            revolutes.push(pin(
-                Some(Layout::OUTPUT),
-                self.geometry.internal_points[k],
-                index,
-            ));
+            let name = format!("internal sleeve {k}");
+            bodies.push(body(name, mass.internal_sleeve, index));
+            let point = self.geometry.internal_points[k];
+            revolutes.push(pin(Some(Layout::OUTPUT), point, index));
         }
         let drivers = vec![Driver {
             parent: None,

@@ -10,6 +10,7 @@ use std::f64::consts::{PI, TAU};
 
 use pinwheel_contact::{Complex, Epitrochoid};
 use pinwheel_faults::{Fault, armed};
+use pinwheel_mbs::BodyState;
 use pinwheel_scene::{largest_hole_play, largest_play};
 
 use crate::GearboxError;
@@ -123,6 +124,36 @@ impl Geometry {
                 .hole_radii_m
                 .iter()
                 .all(|wheel| alike(wheel, gear.hole_radius_m))
+    }
+
+    /// Wheel `i` where the input stands at an angle and turns at a rate (rad, rad/s), and the wheel at its `own`.
+    pub(crate) fn wheel_state(&self, i: usize, input: [f64; 2], own: [f64; 2]) -> BodyState {
+        let ([phi, speed], [angle, rate]) = (input, own);
+        let (s, c) = (phi + self.wheel_phases[i]).sin_cos();
+        let e = self.eccentricities_m[i];
+        BodyState {
+            x: e * c,
+            y: e * s,
+            angle,
+            vx: -speed * e * s,
+            vy: speed * e * c,
+            rate,
+        }
+    }
+
+    /// Internal sleeve `k` turning with the output, which stands at an angle and turns at a rate (rad, rad/s).
+    pub(crate) fn internal_state(&self, k: usize, [psi, rate]: [f64; 2]) -> BodyState {
+        let (s, c) = psi.sin_cos();
+        let [px, py] = self.internal_points[k];
+        let (x, y) = (c * px - s * py, s * px + c * py);
+        BodyState {
+            x,
+            y,
+            angle: psi,
+            vx: -rate * y,
+            vy: rate * x,
+            rate,
+        }
     }
 
     /// Angle of wheel `i` at the ideal mesh, for the input angle `phi`, rad.

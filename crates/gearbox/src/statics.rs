@@ -63,8 +63,8 @@ pub struct Statics<'a> {
     field: Box<dyn ContactField>,
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
-    /// Wheel rates about which moments are taken; see [`Statics::moving`].
-    motion: Option<Motion>,
+    /// The motion about which moments are taken; see [`Statics::moving`].
+    motion: Motion,
     slopes: Jacobian,
     /// Evaluations of all contacts so far.
     evaluations: u64,
@@ -73,10 +73,38 @@ pub struct Statics<'a> {
 /// Rates and angular accelerations of a slow motion along the equilibria.
 #[derive(Debug, Clone)]
 struct Motion {
+    /// Of the input, rad/s.
+    speed: f64,
     wheel_rates: Vec<f64>,
     output_rate: f64,
     wheel_accelerations: Vec<f64>,
     output_acceleration: f64,
+}
+
+impl Motion {
+    /// None, of so many wheels.
+    fn none(wheels: usize) -> Self {
+        Self {
+            speed: 0.0,
+            wheel_rates: vec![0.0; wheels],
+            output_rate: 0.0,
+            wheel_accelerations: vec![0.0; wheels],
+            output_acceleration: 0.0,
+        }
+    }
+}
+
+/// The next estimate of the root of a falling function that is `here`, not 0, with that slope at `at`, whose bracket shrinks:
+/// Newton's where it stays inside and moves by less than half of the `last` step, else the middle.
+fn next_root(at: f64, here: f64, slope: f64, (low, high): (&mut f64, &mut f64), last: f64) -> f64 {
+    *(if here > 0.0 { &mut *low } else { &mut *high }) = at;
+    let newton = at - here / slope;
+    let inside = newton > *low && newton < *high;
+    if slope < 0.0 && inside && (newton - at).abs() < 0.5 * last {
+        newton
+    } else {
+        0.5 * (*low + *high)
+    }
 }
 
 impl<'a> Statics<'a> {
@@ -90,7 +118,7 @@ impl<'a> Statics<'a> {
             bodies: gearbox.kinematic_states(),
             loads: vec![Wrench::default(); gearbox.layout.bodies()],
             gearbox,
-            motion: None,
+            motion: Motion::none(gearbox.layout.wheels),
             slopes: newton::slopes(gearbox),
             evaluations: 0,
         })
@@ -99,39 +127,26 @@ impl<'a> Statics<'a> {
     /// Puts all bodies at the input angle `phi` and the given angles.
     fn place(&mut self, phi: f64, wheels: &[f64], psi: f64) {
         let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
-        let speed = match self.motion {
-            Some(_) => self.gearbox.scene.drive.input_speed_rad_s,
-            None => 0.0,
-        };
-        self.bodies[Layout::INPUT].angle = phi;
-        self.bodies[Layout::INPUT].rate = speed;
+        let Motion {
+            speed,
+            wheel_rates,
+            output_rate,
+            ..
+        } = &self.motion;
+        let (input, output) = ([phi, *speed], [psi, *output_rate]);
+        (
+            self.bodies[Layout::INPUT].angle,
+            self.bodies[Layout::INPUT].rate,
+        ) = (phi, *speed);
+        (
+            self.bodies[Layout::OUTPUT].angle,
+            self.bodies[Layout::OUTPUT].rate,
+        ) = (psi, *output_rate);
         for (i, body) in layout.wheel_bodies().enumerate() {
-            let (s, c) = (phi + geometry.wheel_phases[i]).sin_cos();
-            let e = geometry.eccentricities_m[i];
-            self.bodies[body] = BodyState {
-                x: e * c,
-                y: e * s,
-                angle: wheels[i],
-                vx: -speed * e * s,
-                vy: speed * e * c,
-                rate: self.motion.as_ref().map_or(0.0, |m| m.wheel_rates[i]),
-            };
+            self.bodies[body] = geometry.wheel_state(i, input, [wheels[i], wheel_rates[i]]);
         }
-        let rate = self.motion.as_ref().map_or(0.0, |m| m.output_rate);
-        self.bodies[Layout::OUTPUT].angle = psi;
-        self.bodies[Layout::OUTPUT].rate = rate;
-        let (s, c) = psi.sin_cos();
         for (k, body) in layout.internal_bodies().enumerate() {
-            let [px, py] = geometry.internal_points[k];
-            let (x, y) = (c * px - s * py, s * px + c * py);
-            self.bodies[body] = BodyState {
-                x,
-                y,
-                angle: psi,
-                vx: -rate * y,
-                vy: rate * x,
-                rate,
-            };
+            self.bodies[body] = geometry.internal_state(k, output);
         }
     }
 
@@ -171,10 +186,7 @@ impl<'a> Statics<'a> {
         let layout = self.gearbox.layout;
         let mass = &self.gearbox.scene.mass;
         for (i, body) in layout.wheel_bodies().enumerate() {
-            let inertia = self
-                .motion
-                .as_ref()
-                .map_or(0.0, |m| mass.wheel.moment_kg_m2 * m.wheel_accelerations[i]);
+            let inertia = mass.wheel.moment_kg_m2 * self.motion.wheel_accelerations[i];
             out[i] = self.loads[body].moment - inertia;
         }
         let sleeves: f64 = layout
@@ -186,10 +198,7 @@ impl<'a> Statics<'a> {
             .sum();
         let rw = self.gearbox.scene.gear.internal_circle_radius_m;
         let carried = mass.internal_sleeve.mass_kg * rw * rw * layout.internal_sleeves as f64;
-        let inertia = self.motion.as_ref().map_or(0.0, |m| {
-            (mass.output_shaft.moment_kg_m2 + carried) * m.output_acceleration
-        });
-        sleeves - inertia
+        sleeves - (mass.output_shaft.moment_kg_m2 + carried) * self.motion.output_acceleration
     }
 
     /// Half widths of the brackets: of a wheel about its ideal mesh, of the output about its own.
@@ -225,23 +234,9 @@ impl<'a> Statics<'a> {
                 if here[i] == 0.0 {
                     continue;
                 }
-                if here[i] > 0.0 {
-                    low[i] = wheels[i];
-                } else {
-                    high[i] = wheels[i];
-                }
                 let slope = (beside[i] - here[i]) / h;
-                let newton = wheels[i] - here[i] / slope;
-                // Newton where it stays inside and halves the step at least; else the middle.
-                let good = slope < 0.0
-                    && newton > low[i]
-                    && newton < high[i]
-                    && (newton - wheels[i]).abs() < 0.5 * last[i];
-                let next = if good {
-                    newton
-                } else {
-                    0.5 * (low[i] + high[i])
-                };
+                let bracket = (&mut low[i], &mut high[i]);
+                let next = next_root(wheels[i], here[i], slope, bracket, last[i]);
                 last[i] = (next - wheels[i]).abs();
                 moved = moved.max(last[i]);
                 wheels[i] = next;
@@ -341,17 +336,9 @@ impl<'a> Statics<'a> {
             if here == 0.0 {
                 break;
             }
-            if here > 0.0 {
-                low = psi;
-            } else {
-                high = psi;
-            }
             let mut beside = wheels.clone();
             let slope = (self.balance_wheels(phi, psi + h, &mut beside) + load - here) / h;
-            let newton = psi - here / slope;
-            let good =
-                slope < 0.0 && newton > low && newton < high && (newton - psi).abs() < 0.5 * last;
-            let next = if good { newton } else { 0.5 * (low + high) };
+            let next = next_root(psi, here, slope, (&mut low, &mut high), last);
             last = (next - psi).abs();
             psi = next;
             if last < ANGLE {
@@ -405,7 +392,7 @@ impl<'a> Statics<'a> {
         );
         // A hundredth of a mesh period: contacts pass through their ramps within a few of these.
         let h = 0.01 * std::f64::consts::TAU / (self.gearbox.geometry.ratio() + 1.0);
-        self.motion = None;
+        self.motion = Motion::none(self.gearbox.layout.wheels);
         let mut here = self.solve(0.0, load)?;
         for _ in 0..2 {
             let [before, after] = [
@@ -415,12 +402,13 @@ impl<'a> Statics<'a> {
             let rate = |a: f64, b: f64| speed * (b - a) / (2.0 * h);
             let bend = |a: f64, m: f64, b: f64| speed * speed * (a - 2.0 * m + b) / (h * h);
             let wheels = || before.wheels.iter().zip(&here.wheels).zip(&after.wheels);
-            self.motion = Some(Motion {
+            self.motion = Motion {
+                speed,
                 wheel_rates: wheels().map(|((a, _), b)| rate(*a, *b)).collect(),
                 output_rate: rate(before.output, after.output),
                 wheel_accelerations: wheels().map(|((a, m), b)| bend(*a, *m, *b)).collect(),
                 output_acceleration: bend(before.output, here.output, after.output),
-            });
+            };
             here = self.solve_near(&here, 0.0, load)?;
         }
         let mut states = here.bodies;
@@ -429,7 +417,7 @@ impl<'a> Statics<'a> {
             states[body].angle = kinematic[body].angle;
             states[body].rate = kinematic[body].rate;
         }
-        self.motion = None;
+        self.motion = Motion::none(self.gearbox.layout.wheels);
         Ok(states)
     }
 }

@@ -36,21 +36,26 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
         });
     };
     if is_the_papers(gear) {
-        add(
-            "gear.internal_sleeve_radius_m",
-            format!("{} m", gear.internal_sleeve_radius_m),
-            "Fig. 3 of the paper is not available; 6 mm because Tab. 2 gives internal and external sleeves the same mass and moment, 5 mm in the author's 2019 optimisation of this gearbox",
-        );
-        add(
-            "gear.hole_radius_m",
-            format!("{} m", gear.hole_radius_m),
-            "Fig. 3 of the paper is not available; sleeve radius + eccentricity is a hole without clearance",
-        );
-        add(
-            "gear.internal_circle_radius_m",
-            format!("{} m", gear.internal_circle_radius_m),
-            "Fig. 3 of the paper is not available; 38 mm fits the wheel with 6 mm sleeves, the 2019 optimisation used 30 mm",
-        );
+        for (key, length_m, reason) in [
+            (
+                "gear.internal_sleeve_radius_m",
+                gear.internal_sleeve_radius_m,
+                "6 mm because Tab. 2 gives internal and external sleeves the same mass and moment, 5 mm in the author's 2019 optimisation of this gearbox",
+            ),
+            (
+                "gear.hole_radius_m",
+                gear.hole_radius_m,
+                "sleeve radius + eccentricity is a hole without clearance",
+            ),
+            (
+                "gear.internal_circle_radius_m",
+                gear.internal_circle_radius_m,
+                "38 mm fits the wheel with 6 mm sleeves, the 2019 optimisation used 30 mm",
+            ),
+        ] {
+            let reason = format!("Fig. 3 of the paper is not available; {reason}");
+            add(key, format!("{length_m} m"), &reason);
+        }
         add(
             "contact.friction_coefficient",
             format!("{}", scene.contact.friction_coefficient),

@@ -277,12 +277,8 @@ impl Catalogue {
                 self.output_circle_diameter_m.is_some(),
             ),
         ];
-        suggested.extend(
-            given
-                .into_iter()
-                .filter(|(_, given)| !given)
-                .map(|(key, _)| key),
-        );
+        let open = given.into_iter().filter(|(_, given)| !given);
+        suggested.extend(open.map(|(key, _)| key));
         Ok(())
     }
 

@@ -1,11 +1,11 @@
 //! What follows for keys that a scene leaves out. Each formula stands in words beside its key ([`crate::keys`]).
 
-use toml::{Table, Value};
+use toml::Table;
 
 use crate::body::{Shape, bore_radius_m};
 use crate::model::{Gear, Scene};
 use crate::scales::{Scales, hertz};
-use crate::table::lookup;
+use crate::table::number;
 
 /// The values there are so far: given, or filled in by rows above.
 pub struct Given<'a> {
@@ -25,11 +25,7 @@ const DAMPING: f64 = 0.05;
 
 impl Given<'_> {
     fn number(&self, name: &str) -> Option<f64> {
-        match lookup(self.table, name)? {
-            Value::Float(number) => Some(*number),
-            Value::Integer(whole) => Some(*whole as f64),
-            _ => None,
-        }
+        number(self.table, name)
     }
 
     fn gear(&self) -> Option<&Gear> {

@@ -4,7 +4,7 @@
 //! L(t) = before + (after - before) clamp((t - from)/ramp, 0, 1),    ramp = 0: after
 //! ```
 //! one [`LoadPiece`] for the start and one for each change. At a change without a ramp L jumps, and there it is two
-//! loads: that of the piece that ends and that of the piece that begins. Integration therefore goes in legs from
+//! loads: that of the piece that ends and that of the piece that begins. Integration therefore goes in segments from
 //! one [`breaks`] to the next, each with one piece to both its ends.
 
 use crate::{Drive, Scene};
@@ -44,14 +44,18 @@ impl LoadPiece {
     }
 }
 
-/// The pieces of a load in their order, the first from 0 on.
-pub fn pieces(drive: &Drive) -> impl Iterator<Item = LoadPiece> + '_ {
-    let start = LoadPiece {
+/// The piece that a load begins with.
+fn first_piece(drive: &Drive) -> LoadPiece {
+    LoadPiece {
         from_s: 0.0,
         before_n_m: 0.0,
         after_n_m: drive.output_torque_n_m,
         ramp_s: drive.load_ramp_s,
-    };
+    }
+}
+
+/// The pieces of a load in their order, the first from 0 on.
+pub fn pieces(drive: &Drive) -> impl Iterator<Item = LoadPiece> + '_ {
     let mut before_n_m = drive.output_torque_n_m;
     let changes = drive.load_changes.iter().map(move |change| {
         let piece = LoadPiece {
@@ -63,26 +67,15 @@ pub fn pieces(drive: &Drive) -> impl Iterator<Item = LoadPiece> + '_ {
         before_n_m = change.output_torque_n_m;
         piece
     });
-    std::iter::once(start).chain(changes)
+    std::iter::once(first_piece(drive)).chain(changes)
 }
 
 /// The piece that holds at time `t` (s); at a change the one that begins.
 #[must_use]
 pub fn piece_at(drive: &Drive, t: f64) -> LoadPiece {
-    let mut found = None;
-    for piece in pieces(drive) {
-        if found.is_some() && piece.from_s > t {
-            break;
-        }
-        found = Some(piece);
-    }
-    // There is always a first piece.
-    found.unwrap_or(LoadPiece {
-        from_s: 0.0,
-        before_n_m: 0.0,
-        after_n_m: drive.output_torque_n_m,
-        ramp_s: 0.0,
-    })
+    let changes = pieces(drive).skip(1);
+    let begun = changes.take_while(|piece| !(piece.from_s > t));
+    begun.last().unwrap_or_else(|| first_piece(drive))
 }
 
 /// Times at which the load jumps or bends, s, increasing: no step may pass over one.

@@ -15,6 +15,15 @@ pub(crate) fn lookup<'t>(table: &'t Table, name: &str) -> Option<&'t Value> {
     table.get(last)
 }
 
+/// The number at a dotted name, whole or not.
+pub(crate) fn number(table: &Table, name: &str) -> Option<f64> {
+    match lookup(table, name)? {
+        Value::Float(number) => Some(*number),
+        Value::Integer(whole) => Some(*whole as f64),
+        _ => None,
+    }
+}
+
 /// Puts a value at a path, making the tables on the way.
 pub(crate) fn insert(table: &mut Table, path: &[&str], value: Value) {
     let Some((last, tables)) = path.split_last() else {

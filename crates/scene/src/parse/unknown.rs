@@ -1,11 +1,11 @@
 //! Keys that do not exist, and which one was meant.
 
 use pinwheel_files::nearest;
-use toml::{Table, Value};
+use toml::Table;
 
 use crate::error::{Location, SceneError};
 use crate::keys::{KEYS, Key};
-use crate::table::lookup;
+use crate::table::number;
 
 /// The key by which a scene begins with another.
 pub(super) const BASE: &str = "base";
@@ -68,13 +68,8 @@ fn is_pitch(name: &str) -> bool {
 
 /// R is not a key that is often needed: e zk/m gives it.
 fn pitch_remedy(table: &Table) -> String {
-    let number = |name: &str| match lookup(table, name) {
-        Some(Value::Float(number)) => Some(*number),
-        Some(Value::Integer(whole)) => Some(*whole as f64),
-        _ => None,
-    };
-    let product = number("gear.eccentricity_m")
-        .zip(number("gear.external_sleeves"))
+    let product = number(table, "gear.eccentricity_m")
+        .zip(number(table, "gear.external_sleeves"))
         .map(|(e, zk)| format!(", here {:.6} over that radius", e * zk));
     format!(
         "the circle of the external sleeves is `gear.pin_circle_radius_m` (m), or gear.shortening = e zk/R{}",

@@ -196,6 +196,16 @@ fn fold(values: &mut [f64], count: usize) {
     }
 }
 
+/// Takes the sums of what acts on two segments of sleeves from their wheels.
+#[inline(always)]
+fn react<S: Simd>(wheels: &mut [Wheel], pair: [Segment; 2], push: ComplexLanes<S>) {
+    let (x, y) = (push.re.sums(), push.im.sums());
+    for (k, segment) in pair.iter().enumerate() {
+        let wheel = &mut wheels[segment.wheel];
+        wheel.force = wheel.force - Complex::new(x[k], y[k]);
+    }
+}
+
 impl Column {
     #[inline(always)]
     fn load_pair<S: Simd>(&self, simd: S, [a, b]: [Segment; 2]) -> ComplexLanes<S> {
@@ -489,11 +499,7 @@ impl JointSpace {
                 }
                 let push = push.times_conj(direction);
                 self.forces[0].add_pair(pair, push);
-                let (x, y) = (push.re.sums(), push.im.sums());
-                for (k, segment) in pair.iter().enumerate() {
-                    let wheel = &mut self.wheels[segment.wheel];
-                    wheel.force = wheel.force - Complex::new(x[k], y[k]);
-                }
+                react(&mut self.wheels, pair, push);
             }
         }
     }
@@ -547,11 +553,7 @@ impl JointSpace {
                 sums.on_input = sums.on_input + ((output_lever - wheel_lever) * force).only(inside);
                 let push = normal.scale(-force).only(inside);
                 self.forces[1].add_pair(pair, push);
-                let (x, y) = (push.re.sums(), push.im.sums());
-                for (k, segment) in pair.iter().enumerate() {
-                    let wheel = &mut self.wheels[segment.wheel];
-                    wheel.force = wheel.force - Complex::new(x[k], y[k]);
-                }
+                react(&mut self.wheels, pair, push);
             }
         }
     }
