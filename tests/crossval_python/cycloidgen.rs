@@ -9,12 +9,17 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::python::{Requirements, environment};
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::statics::{LinearMesh, LinearOutput, Statics};
+use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::Sleeve;
 use pinwheel_tests::repository;
 use serde_json::Value;
 
 use super::*;
+use closed_forms::{LinearMesh, LinearOutput};
+
+#[allow(dead_code, reason = "the gearbox's own tests use the rest")]
+#[path = "../../crates/gearbox/tests/common/closed_forms.rs"]
+mod closed_forms;
 
 const CYCLOIDGEN: Requirements = Requirements {
     name: "cycloidgen",

@@ -1,4 +1,4 @@
-//! The border to C: the functions of FMI 2.0 for co-simulation, by the names, types and numbers of the standard. All `unsafe` of
+//! The C interface: the functions of FMI 2.0 for co-simulation, by the names, types and numbers of the standard. All `unsafe` of
 //! this crate is in this file and in those below it.
 //!
 //! What importers promise, and no code can check: texts end in a zero byte; arrays hold as many values as are said, aligned, and

@@ -1,4 +1,4 @@
-//! The native run in pieces that somebody else asks for, with shafts that somebody else holds.
+//! The native solver for co-simulation: the importer chooses the times and drives or loads the shafts.
 //!
 //! ```text
 //! input shaft:   speed omega(t) prescribed, or torque M(t) applied to the shaft's own inertia

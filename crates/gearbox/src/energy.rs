@@ -36,7 +36,7 @@ type Four = [f64; 4];
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EnergyAccount {
     /// Works up to the segment under way, J.
-    before_leg: Four,
+    before_segment: Four,
     segment: Segment,
     marks: Vec<Mark>,
 }
@@ -78,7 +78,7 @@ impl EnergyAccount {
 
     /// The next entry is the first of a segment, at the time of the last one.
     pub(crate) fn restart_at(&mut self) {
-        self.before_leg = add(self.before_leg, self.segment.work());
+        self.before_segment = add(self.before_segment, self.segment.work());
         self.segment = Segment::default();
     }
 
@@ -110,7 +110,7 @@ impl EnergyAccount {
         self.segment.mark(self.marks.len());
         self.marks.push(Mark {
             time,
-            works: add(self.before_leg, self.segment.work()),
+            works: add(self.before_segment, self.segment.work()),
             energies,
         });
     }
@@ -120,7 +120,7 @@ impl EnergyAccount {
     fn enter(&mut self, time: f64, powers: Four) {
         for entry in self.segment.add(time, powers) {
             if let Some(mark) = entry.mark {
-                self.marks[mark].works = add(self.before_leg, entry.work);
+                self.marks[mark].works = add(self.before_segment, entry.work);
             }
         }
     }

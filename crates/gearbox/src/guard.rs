@@ -1,4 +1,4 @@
-//! Tells numbers that ran away from numbers.
+//! Detects runs that diverged although every number is finite.
 //!
 //! A penalty model that blows up often stays finite: wheels jump teeth and the time series look like
 //! data. In a gearbox that works, every wheel follows its ideal mesh within its free play and

@@ -12,12 +12,9 @@
 //! balance M_out falls with psi: two nested roots of falling functions, each bracketed. That needs no good start and copes with
 //! backlash, where everything is 0 over the free play.
 
-mod closed_forms;
 mod newton;
 
 use newton::NEAR_STEPS;
-
-pub use closed_forms::{LinearMesh, LinearOutput, smallest_convex_radius};
 
 use pinwheel_mbs::{Ask, BodyState, Jacobian, Pose, Sums, Wrench};
 

@@ -1,10 +1,15 @@
 //! Statics beside others: closed forms, an independent package, the quasi-static prototype.
 
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::statics::{LinearMesh, LinearOutput, Statics, smallest_convex_radius};
+use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::Sleeve;
 use pinwheel_scene::{Scene, free_play};
 use std::f64::consts::TAU;
+
+use closed_forms::{LinearMesh, LinearOutput, smallest_convex_radius};
+
+#[path = "common/closed_forms.rs"]
+mod closed_forms;
 
 fn table(name: &str) -> toml::Table {
     let path = format!(

@@ -1,4 +1,4 @@
-//! What C holds of something of ours: a number in the shape of an address, never used twice.
+//! Handles for C programs: numbers in the shape of addresses, none of which is ever used twice.
 //!
 //! A handle that was closed or made up finds nothing instead of freed memory, and closing twice does nothing.
 //!

@@ -1,4 +1,4 @@
-//! The border to C: the functions of `pinwheel_law.h`. All `unsafe` of this crate is in this file.
+//! The C interface: the functions of `pinwheel_law.h`. All `unsafe` of this crate is in this file.
 //!
 //! What callers promise, and no code can check: texts end in a zero byte; arrays hold as many numbers as the header says,
 //! aligned, not overlapping, and used by nobody else during the call; nothing is kept of them afterwards. Everything else

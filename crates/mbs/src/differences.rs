@@ -1,4 +1,4 @@
-//! Slopes of systems that do not know theirs.
+//! Finite-difference Jacobians for systems without an analytic one.
 
 use serde::{Deserialize, Serialize};
 

@@ -52,24 +52,6 @@ impl NormalLaw for Hysteresis {
     }
 }
 
-/// The restitution c that the factor chi > 0 gives, by bisection of the closed form above.
-#[must_use]
-pub fn restitution_of(factor: f64) -> f64 {
-    let wanted = factor - factor.ln_1p();
-    // The left side grows from 0 at c = 0; c is at most 1 and chi c stays below 1.
-    let (mut low, mut high) = (0.0, 1.0_f64.min(1.0 / factor));
-    for _ in 0..200 {
-        let c = 0.5 * (low + high);
-        let value = -factor * c - (-factor * c).ln_1p();
-        if value < wanted {
-            low = c;
-        } else {
-            high = c;
-        }
-    }
-    0.5 * (low + high)
-}
-
 /// What all laws of the family share.
 pub(super) const SLOW: &str = "singular with the true impact speed: the damping grows as 1/v0 and a smooth entry has v0 = 0; \
      here contact.impact_speed_m_s stands for v0 in every contact, which bounds it, and slower impacts lose less";

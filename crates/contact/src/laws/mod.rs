@@ -26,7 +26,7 @@ use crate::Real;
 
 pub use adams_impact::AdamsImpact;
 pub use constant::ConstantStiffness;
-pub use hysteresis::{Hysteresis, restitution_of};
+pub use hysteresis::Hysteresis;
 pub use line_contact::LineContact;
 pub use normal::NormalLaw;
 pub use paper::PaperLaw;

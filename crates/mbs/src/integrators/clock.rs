@@ -1,4 +1,4 @@
-//! What all methods share that go from one step to the next: where a run is, and how it goes on after a step.
+//! Time and step size of a run, and what all one-step methods do alike: steps, interpolation, saving.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};

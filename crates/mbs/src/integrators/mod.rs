@@ -226,12 +226,6 @@ impl MethodInfo {
             ..Self::fixed(name, summary, order, family)
         }
     }
-
-    /// Whether it solves with the system's Jacobian, for which differences stand in where there is none.
-    #[must_use]
-    pub fn uses_jacobian(&self) -> bool {
-        matches!(self.family, Family::Rosenbrock | Family::Exponential)
-    }
 }
 
 /// [`MethodInfo::unseen`] of error control.

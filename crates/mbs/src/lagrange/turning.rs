@@ -1,4 +1,4 @@
-//! What of the joints turns with the bodies, and the state at which all stands.
+//! Arms of revolutes, which turn with their bodies, and the state that was last put onto the constraints.
 
 use nalgebra::Vector3;
 

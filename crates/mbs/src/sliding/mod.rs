@@ -1,4 +1,4 @@
-//! Contacts that resist sliding, as the convex problem their implicit treatment is.
+//! Implicit friction of contacts as a convex minimisation.
 //!
 //! Given normal forces and positions, implicit Euler for regularised Coulomb friction is the
 //! optimality condition of a strictly convex function of the velocities. That has one solution,

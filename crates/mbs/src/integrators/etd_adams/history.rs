@@ -1,4 +1,4 @@
-//! What a multistep method remembers: equally spaced states, f there, and the remainder beside the linear part.
+//! History of a multistep method: equally spaced states, f there, and the remainder beside the linear part.
 
 use std::collections::VecDeque;
 

@@ -11,11 +11,11 @@
 
 use std::f64::consts::TAU;
 
-use crate::scene::Gear;
+use pinwheel_scene::Gear;
 
 /// One wheel at zero clearance on linear springs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LinearMesh {
+pub(crate) struct LinearMesh {
     /// e, m.
     pub eccentricity: f64,
     /// zk.
@@ -26,8 +26,7 @@ pub struct LinearMesh {
 
 impl LinearMesh {
     /// The mesh of a gear.
-    #[must_use]
-    pub fn of(gear: &Gear) -> Self {
+    pub(crate) fn of(gear: &Gear) -> Self {
         Self {
             eccentricity: gear.eccentricity_m,
             sleeves: gear.external_sleeves,
@@ -36,16 +35,14 @@ impl LinearMesh {
     }
 
     /// Lever of the normal at the sleeve that stands at `angle` from the eccentric, about the wheel's centre, m.
-    #[must_use]
-    pub fn lever(&self, angle: f64) -> f64 {
+    pub(crate) fn lever(&self, angle: f64) -> f64 {
         let (m, zs) = (self.shortening, self.sleeves as f64 - 1.0);
         self.eccentricity * zs * angle.sin() / (1.0 + m * m - 2.0 * m * angle.cos()).sqrt()
     }
 
     /// Forces on all sleeves, N, for a torque of `torque` N m on the wheel, the first sleeve standing at
     /// `first` rad from the eccentric. Sleeves that only could pull have 0.
-    #[must_use]
-    pub fn forces(&self, first: f64, torque: f64) -> Vec<f64> {
+    pub(crate) fn forces(&self, first: f64, torque: f64) -> Vec<f64> {
         let angle = |k| first + TAU * k as f64 / self.sleeves as f64;
         shared((0..self.sleeves).map(|k| self.lever(angle(k))), torque)
     }
@@ -53,8 +50,7 @@ impl LinearMesh {
     /// Force of all sleeves on the wheel, N: along the eccentric (away from the gear's centre), and across it.
     ///
     /// Every normal passes through the pitch point, e zk from the gear's centre, so the part across is T/(e zs) exactly.
-    #[must_use]
-    pub fn bearing(&self, first: f64, torque: f64) -> [f64; 2] {
+    pub(crate) fn bearing(&self, first: f64, torque: f64) -> [f64; 2] {
         let m = self.shortening;
         let mut sum = [0.0; 2];
         for (k, force) in self.forces(first, torque).into_iter().enumerate() {
@@ -68,8 +64,7 @@ impl LinearMesh {
     }
 
     /// Largest force of any sleeve at each of `positions` poses over one pitch: (least, largest) of these, N.
-    #[must_use]
-    pub fn peak(&self, torque: f64, positions: usize) -> (f64, f64) {
+    pub(crate) fn peak(&self, torque: f64, positions: usize) -> (f64, f64) {
         let pitch = TAU / self.sleeves as f64;
         (0..positions)
             .map(|k| {
@@ -88,7 +83,7 @@ impl LinearMesh {
 /// eccentric and `l_k = rw sin(beta_k)`, beta_k the angle of sleeve k from the eccentric. They share the torque like the
 /// external sleeves and on the same side: a wheel is pressed inward by these and towards the gear's centre by those.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LinearOutput {
+pub(crate) struct LinearOutput {
     /// rw, m.
     pub circle_radius: f64,
     /// zi.
@@ -97,8 +92,7 @@ pub struct LinearOutput {
 
 impl LinearOutput {
     /// The output stage of a gear.
-    #[must_use]
-    pub fn of(gear: &Gear) -> Self {
+    pub(crate) fn of(gear: &Gear) -> Self {
         Self {
             circle_radius: gear.internal_circle_radius_m,
             sleeves: gear.internal_sleeves,
@@ -107,8 +101,7 @@ impl LinearOutput {
 
     /// Forces on all sleeves, N, for a torque of `torque` N m on the wheel, the first sleeve standing at
     /// `first` rad from the eccentric. Sleeves that only could pull have 0.
-    #[must_use]
-    pub fn forces(&self, first: f64, torque: f64) -> Vec<f64> {
+    pub(crate) fn forces(&self, first: f64, torque: f64) -> Vec<f64> {
         let lever = |k| (first + TAU * k as f64 / self.sleeves as f64).sin();
         shared(
             (0..self.sleeves).map(|k| self.circle_radius * lever(k)),
@@ -125,8 +118,7 @@ fn shared(levers: impl Iterator<Item = f64>, torque: f64) -> Vec<f64> {
 }
 
 /// Smallest convex radius of C, R sqrt(27 (1 - m^2)(zk - 1)/(zk + 1)^3), m; where it lies between lobe and pit.
-#[must_use]
-pub fn smallest_convex_radius(gear: &Gear) -> f64 {
+pub(crate) fn smallest_convex_radius(gear: &Gear) -> f64 {
     let (m, zk) = (gear.shortening, gear.external_sleeves as f64);
     gear.pitch_radius_m() * (27.0 * (1.0 - m * m) * (zk - 1.0) / (zk + 1.0).powi(3)).sqrt()
 }
