@@ -23,7 +23,8 @@ const CHANNELS: [&str; 6] = [
 ];
 
 /// Why there is no unit.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
 pub enum PackageError {
     /// The scene.
     Scene(String),
@@ -34,16 +35,6 @@ pub enum PackageError {
     /// The archive.
     Archive(String),
 }
-
-impl std::fmt::Display for PackageError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (Self::Scene(what) | Self::Library(what) | Self::Step(what) | Self::Archive(what)) =
-            self;
-        f.write_str(what)
-    }
-}
-
-impl std::error::Error for PackageError {}
 
 /// A unit of FMI, as `UnitDefinitions` has it.
 struct Unit {

@@ -61,6 +61,30 @@ fn body_at([x, y, angle]: &[f64; 3], [vx, vy, rate]: &[f64; 3]) -> BodyState {
     }
 }
 
+/// Three coordinates of every body, then their rates.
+#[inline]
+fn coordinates(y: &[f64]) -> (&[[f64; 3]], &[[f64; 3]]) {
+    let (q, v) = y.split_at(y.len() / 2);
+    (q.as_chunks().0, v.as_chunks().0)
+}
+
+/// The same to be written.
+#[inline]
+fn coordinates_mut(y: &mut [f64]) -> (&mut [[f64; 3]], &mut [[f64; 3]]) {
+    let (q, v) = y.split_at_mut(y.len() / 2);
+    (q.as_chunks_mut().0, v.as_chunks_mut().0)
+}
+
+/// Writes the states of all bodies as y.
+#[inline]
+fn write<'a>(bodies: impl IntoIterator<Item = &'a BodyState>, y: &mut [f64]) {
+    let (q, v) = coordinates_mut(y);
+    for (body, (q, v)) in zip(bodies, zip(q, v)) {
+        *q = [body.x, body.y, body.angle];
+        *v = [body.vx, body.vy, body.rate];
+    }
+}
+
 /// The equations of a mechanism under applied `F`.
 pub struct Lagrange<F> {
     mechanism: Mechanism,
@@ -150,8 +174,7 @@ impl<F: Forces> Lagrange<F> {
     /// All bodies as y has them.
     fn unpack(&mut self, y: &[f64]) {
         self.projected.valid = false;
-        let (q, v) = y.split_at(3 * self.bodies.len());
-        let (q, v) = (q.as_chunks::<3>().0, v.as_chunks::<3>().0);
+        let (q, v) = coordinates(y);
         for (body, (q, v)) in zip(&mut self.bodies, zip(q, v)) {
             *body = body_at(q, v);
         }
@@ -160,22 +183,12 @@ impl<F: Forces> Lagrange<F> {
     /// As far as the forest does not say where they are: what [`satisfy_constraints`](Self::satisfy_constraints) begins with.
     fn unpack_free(&mut self, y: &[f64]) {
         self.projected.valid = false;
-        let (q, v) = y.split_at(3 * self.bodies.len());
-        let (q, v) = (q.as_chunks::<3>().0, v.as_chunks::<3>().0);
+        let (q, v) = coordinates(y);
         for (body, (q, v)) in zip(&mut self.bodies, zip(q, v)) {
             (body.angle, body.rate) = (q[2], v[2]);
         }
         for &root in &self.forest.roots {
             self.bodies[root] = body_at(&q[root], &v[root]);
-        }
-    }
-
-    fn pack(&self, y: &mut [f64]) {
-        let (q, v) = y.split_at_mut(3 * self.bodies.len());
-        let (q, v) = (q.as_chunks_mut::<3>().0, v.as_chunks_mut::<3>().0);
-        for (body, (q, v)) in zip(&self.bodies, zip(q, v)) {
-            *q = [body.x, body.y, body.angle];
-            *v = [body.vx, body.vy, body.rate];
         }
     }
 
@@ -405,12 +418,9 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
             }
             return;
         };
-        let (q, v) = scale.split_at_mut(3 * self.bodies.len());
+        let (q, v) = coordinates_mut(scale);
         for (scale, by) in [(q, 1.0), (v, frequency)] {
-            scale
-                .as_chunks_mut()
-                .0
-                .fill([length * by, length * by, angle * by]);
+            scale.fill([length * by, length * by, angle * by]);
         }
     }
 
@@ -421,8 +431,7 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
             dydt.fill(f64::NAN);
             return;
         }
-        let (qd, vd) = dydt.split_at_mut(3 * self.bodies.len());
-        let (qd, vd) = (qd.as_chunks_mut::<3>().0, vd.as_chunks_mut::<3>().0);
+        let (qd, vd) = coordinates_mut(dydt);
         let found = zip(&self.bodies, self.saddle.bodies());
         for ((qd, vd), (body, a)) in zip(zip(qd, vd), found) {
             *qd = [body.vx, body.vy, body.rate];
@@ -441,7 +450,7 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
         if self.stabilisation == Stabilisation::Projection {
             self.unpack_free(y);
             self.satisfy_constraints(t);
-            self.pack(y);
+            write(&self.bodies, y);
             self.projected.set(t, y);
         }
     }
@@ -453,13 +462,8 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
 
 impl<F: Forces> Formulation for Lagrange<F> {
     fn initial(&self) -> Vec<f64> {
-        let n = self.mechanism.bodies.len();
-        let mut y = vec![0.0; 6 * n];
-        for (k, body) in self.mechanism.bodies.iter().enumerate() {
-            let s = body.start;
-            y[3 * k..3 * k + 3].copy_from_slice(&[s.x, s.y, s.angle]);
-            y[3 * (n + k)..3 * (n + k) + 3].copy_from_slice(&[s.vx, s.vy, s.rate]);
-        }
+        let mut y = vec![0.0; 6 * self.mechanism.bodies.len()];
+        write(self.mechanism.bodies.iter().map(|body| &body.start), &mut y);
         y
     }
 
@@ -496,9 +500,8 @@ impl<F: Forces> Formulation for Lagrange<F> {
     }
 
     fn newton_steps(&self) -> u64 {
-        self.contacts
-            .as_ref()
-            .map_or(0, PinnedContacts::newton_steps)
+        let contacts = self.contacts.as_ref();
+        contacts.map_or(0, |contacts| contacts.stage.newton_steps())
     }
 
     fn joint_error(&mut self, t: f64, y: &[f64]) -> f64 {

@@ -24,7 +24,8 @@ pub struct PinnedContacts {
     angles: Vec<Angle>,
     carrier_of: Vec<Option<BodyId>>,
     free: Vec<BodyId>,
-    stage: SlidingStage,
+    /// The contacts, to be listed by the forces, and what their friction does to the free rates.
+    pub(crate) stage: SlidingStage,
     inertia: Vec<f64>,
 }
 
@@ -55,11 +56,6 @@ impl PinnedContacts {
         &self.free
     }
 
-    /// The contacts, to be listed by the forces.
-    pub fn listed_mut(&mut self) -> &mut Vec<Contact> {
-        &mut self.stage.contacts
-    }
-
     /// Solves the stage's friction for the listed contacts of `bodies`; see [`SlidingStage::solve`].
     /// `guess` and `rates`: of the free bodies.
     pub fn solve<F: Forces>(
@@ -78,22 +74,6 @@ impl PinnedContacts {
         }
         let law = |k: usize, listed: f64, rate: f64| forces.normal_force(k, listed, rate);
         self.stage.solve(a, guess, rates, law)
-    }
-
-    /// See [`SlidingStage::accelerate`]: in the free rates.
-    pub(crate) fn accelerate(&self, e: &mut [f64], i: &mut [f64]) {
-        self.stage.accelerate(e, i);
-    }
-
-    /// See [`SlidingStage::newton_steps`].
-    #[must_use]
-    pub fn newton_steps(&self) -> u64 {
-        self.stage.newton_steps()
-    }
-
-    /// See [`SlidingStage::contact_forces`].
-    pub fn contact_forces(&self) -> impl Iterator<Item = (&Contact, f64, f64)> {
-        self.stage.contact_forces()
     }
 
     /// How fast `contact` slides and closes, in the free rates.

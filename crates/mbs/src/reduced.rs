@@ -444,7 +444,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         self.loads.fill(Wrench::default());
         let n = self.free.len();
         e.fill(0.0);
-        let listed = self.contacts.listed_mut();
+        let listed = &mut self.contacts.stage.contacts;
         self.forces
             .apply_without_friction(t, &self.bodies, &mut self.loads, listed);
         let (bodies, guess, rates) = (&self.bodies, &i[n..], &mut y[n..]);
@@ -453,7 +453,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
             return;
         }
         i.fill(0.0);
-        self.contacts.accelerate(&mut e[n..], &mut i[n..]);
+        self.contacts.stage.accelerate(&mut e[n..], &mut i[n..]);
         self.sum_moments();
         for (k, &body) in self.free.iter().enumerate() {
             e[n + k] += self.moments[body] * self.free_inverse[k];
@@ -516,7 +516,7 @@ impl<F: Forces> Formulation for Reduced<F> {
     }
 
     fn newton_steps(&self) -> u64 {
-        self.contacts.newton_steps()
+        self.contacts.stage.newton_steps()
     }
 
     fn joint_error(&mut self, _t: f64, _y: &[f64]) -> f64 {

@@ -102,7 +102,8 @@ impl SceneError {
 }
 
 /// A value the checks refuse; its place is added by whoever knows it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{}` {}; {}", .keys.first().map_or("scene", AsRef::as_ref), one_line(.what), one_line(.remedy))]
 pub struct Fault {
     /// The keys that take part, the likeliest culprit first.
     pub keys: Vec<Cow<'static, str>>,
@@ -126,20 +127,6 @@ impl Fault {
         }
     }
 }
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let key = self.keys.first().map_or("scene", AsRef::as_ref);
-        write!(
-            f,
-            "`{key}` {}; {}",
-            one_line(&self.what),
-            one_line(&self.remedy)
-        )
-    }
-}
-
-impl std::error::Error for Fault {}
 
 /// `a`, `b` and `c`.
 fn list(keys: &[&str]) -> String {

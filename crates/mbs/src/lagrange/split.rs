@@ -30,7 +30,7 @@ impl<F: Forces> Lagrange<F> {
         self.loads.fill(Wrench::default());
         let mut none = Vec::new();
         let listed = match &mut self.contacts {
-            Some(contacts) => contacts.listed_mut(),
+            Some(contacts) => &mut contacts.stage.contacts,
             None => &mut none,
         };
         self.forces
@@ -50,7 +50,7 @@ impl<F: Forces> Lagrange<F> {
                 return None;
             }
             self.friction.fill(Wrench::default());
-            for (contact, normal, friction) in contacts.contact_forces() {
+            for (contact, normal, friction) in contacts.stage.contact_forces() {
                 let [nx, ny] = contact.normal;
                 let (pair, point) = (contact.bodies, contact.point);
                 let slip = [friction * ny, -friction * nx];
@@ -78,7 +78,7 @@ impl<F: Forces> Lagrange<F> {
             e.copy_from_slice(self.saddle.bodies()[k].as_slice());
         }
         i[..3 * n].fill(0.0);
-        self.pack(y);
+        super::write(&self.bodies, y);
         e[..3 * n].copy_from_slice(&y[3 * n..]);
         Some(())
     }
