@@ -209,8 +209,8 @@ pub(crate) static MUJOCO_SHARED_LAW: EngineInfo<'static> = EngineInfo {
     explicit_friction: true,
     differences: "Joints are not constraints but coordinates: every body turns on a hinge relative to its carrier, \
         and MuJoCo's articulated-body equations give the mass matrix. Time integration is its own Runge-Kutta 4 at \
-        the scene's step, with our contact law in every stage through a compiled callback; friction is therefore \
-        explicit. The input speed is held by a rotor inertia 1e16 times a wheel's instead of a constraint (some \
+        the scene's step, driven from Python, with our contact law in every stage through a compiled callback: the loop over \
+        steps costs Python time, the law does not. Friction is therefore explicit. The input speed is held by a rotor inertia 1e16 times a wheel's instead of a constraint (some \
         parts in 1e15), and the driver torque is that inertia times its deceleration. Contact points and contact law are \
         the native solver's own: this comparison cannot find an error in them.",
     ..EngineInfo::own(
@@ -229,7 +229,8 @@ pub(crate) static EXUDYN_EXPLICIT: EngineInfo<'static> = EngineInfo {
     refinement: Some(Refinement::step(4.0)),
     explicit_friction: true,
     differences: "Joints are coordinates, as in MuJoCo, but in exudyn's kinematic tree with exudyn's Runge-Kutta 4 \
-        at the scene's step, and our contact law in every stage; friction is therefore explicit. The input speed is \
+        at the scene's step, and our contact law in every stage, called through Python, which is part of its CPU time, though the \
+        law behind it is compiled; friction is therefore explicit. The input speed is \
         held by a rotor inertia 1e16 times a wheel's instead of a constraint (some parts in 1e15). Contact points and \
         contact law are the native solver's own: this comparison cannot find an error in them.",
     ..EngineInfo::own(

@@ -296,7 +296,7 @@ fn costs_blocks(check: &Check) -> Vec<Block> {
         .marked(|(_, cost)| mark(cost.verdict))
         .done();
     let mut blocks = vec![match table.is_empty() {
-        true => Block::Text("No count differs from the accepted one.".to_owned()),
+        true => Block::text("No count differs from the accepted one."),
         false => Block::Table(table),
     }];
     if !check.after.no_instructions.is_empty() {

@@ -375,10 +375,9 @@ fn transmission(found: &DesignResult) -> Section {
         "transmission-error",
         "Transmission error",
         [
-            Block::Text(
+            Block::text(
                 "Output angle less that of the ideal mesh, about its mean, over one period in which both meshes come round. What repeats with the \
-                 mesh excites the machine at its order times the input's speed."
-                    .to_owned(),
+                 mesh excites the machine at its order times the input's speed.",
             ),
             Block::Charts(transmission_charts(&[("", found)]).into()),
             Block::folded("Largest orders", [orders.done().into()]),
@@ -444,11 +443,10 @@ fn sharing(found: &DesignResult) -> Section {
         "contacts",
         "Load sharing and pressure",
         [
-            Block::Text(
+            Block::text(
                 "Forces of all wheels and poses under the rated load, by where the pin stands from the wheel's eccentric. Pressure is that of a \
                  line contact after Hertz over the face width; the edges of wheels and pins are left out, and press harder. Sliding is that of the \
-                 wheel on pins that do not turn."
-                    .to_owned(),
+                 wheel on pins that do not turn.",
             ),
             Block::Charts(sharing_charts(&[("", found)])),
             contacts.done().into(),
@@ -543,10 +541,9 @@ fn efficiency(found: &DesignResult) -> Section {
         "efficiency",
         "Efficiency",
         [
-            Block::Text(
+            Block::text(
                 "Runs with the scene's own friction and damping. Losses of bearings, seals and oil are not in the model. What a contact law creates or \
-                 destroys by itself stands beside it: the figure by losses is free of it."
-                    .to_owned(),
+                 destroys by itself stands beside it: the figure by losses is free of it.",
             ),
             efficiency.done().into(),
         ],

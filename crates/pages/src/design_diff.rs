@@ -319,8 +319,8 @@ fn scene(found: &DesignDiff) -> Section {
         other => other.into_iter().collect(),
     };
     if found.identical() {
-        blocks.push(Block::Text(
-            "Every key of both scenes has the same value, but for name and description.".to_owned(),
+        blocks.push(Block::text(
+            "Every key of both scenes has the same value, but for name and description.",
         ));
     }
     let mut differing = found
@@ -345,14 +345,17 @@ fn scene(found: &DesignDiff) -> Section {
 }
 
 fn figures(found: &DesignDiff) -> Section {
-    Section::new("figures", "Figures", [
-            Block::Text(
+    Section::new(
+        "figures",
+        "Figures",
+        [
+            Block::text(
                 "After \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own verification. A difference below \
-                 both together was not shown."
-                    .to_owned(),
+                 both together was not shown.",
             ),
             table(found, "Figures of both designs", found.figures.iter()),
-        ])
+        ],
+    )
 }
 
 fn over_time(found: &DesignDiff) -> Option<Section> {

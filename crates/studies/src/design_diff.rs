@@ -84,11 +84,13 @@ pub struct FigureDiff {
 }
 
 /// Both designs and what differs.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct DesignDiff {
     /// Their names, never the same.
+    #[serde(rename = "designs")]
     pub names: [String; 2],
     /// What `design` finds of each.
+    #[serde(skip)]
     pub designs: [design::DesignResult; 2],
     /// Who ran them.
     pub engine: String,
@@ -99,22 +101,22 @@ pub struct DesignDiff {
     /// The figures of `design`.
     pub figures: Vec<FigureDiff>,
     /// Means and peaks of the time series, by window.
+    #[serde(skip)]
     pub time_series: Vec<(WindowKind, Vec<FigureDiff>)>,
     /// The time series and their uncertainties.
+    #[serde(skip)]
     pub comparison: Comparison,
     /// The runs behind it.
+    #[serde(skip)]
     pub participants: Vec<Participant>,
 }
 
 /// Payload of `summary.json`.
 #[derive(Serialize)]
 struct DiffSummary<'a> {
-    designs: &'a [String; 2],
-    engine: &'a str,
     identical: bool,
-    changed: &'a [KeyDiff],
-    derived: &'a [FigureDiff],
-    figures: &'a [FigureDiff],
+    #[serde(flatten)]
+    found: &'a DesignDiff,
     #[serde(rename = "courses")]
     time_series: BTreeMap<&'static str, &'a [FigureDiff]>,
     scenes: [&'a CheckedScene; 2],
@@ -428,12 +430,8 @@ impl DesignDiff {
         }
         let time_series = self.time_series.iter();
         let found = DiffSummary {
-            designs: &self.names,
-            engine: &self.engine,
             identical: self.identical(),
-            changed: &self.changed,
-            derived: &self.derived,
-            figures: &self.figures,
+            found: self,
             time_series: time_series
                 .map(|(window, rows)| (window.word(), rows.as_slice()))
                 .collect(),

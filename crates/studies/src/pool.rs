@@ -1,27 +1,33 @@
 //! The one pool of threads: they take the next piece of work until there is none.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Does `work(state, k)` for k = 0 .. `count` on `threads` threads, this one among them, each with a `state` of its own.
+/// What `work(state, k)` gives for k = 0 .. `count`, on `threads` threads, this one among them, each with a `state` of its own; and
+/// the first error.
 ///
-/// Pieces begin in their order. One that returns false lets no other begin; those that run come to their end.
-pub(crate) fn each<S>(
+/// Pieces begin in their order. After an error no other begins; those that run come to their end.
+pub(crate) fn map<S, T: Send, E: Send>(
     threads: usize,
     count: usize,
     state: impl Fn() -> S + Sync,
-    work: impl Fn(&mut S, usize) -> bool + Sync,
-) {
-    let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+    work: impl Fn(&mut S, usize) -> Result<T, E> + Sync,
+) -> (Vec<Option<T>>, Option<E>) {
+    let next = AtomicUsize::new(0);
+    let none: Vec<Option<T>> = (0..count).map(|_| None).collect();
+    let found = Mutex::new((none, None));
     let take = || {
         let mut mine = state();
-        while !stopped.load(Ordering::Relaxed) {
+        while lock(&found).1.is_none() {
             let k = next.fetch_add(1, Ordering::Relaxed);
             if k >= count {
                 break;
             }
-            if !work(&mut mine, k) {
-                stopped.store(true, Ordering::Relaxed);
+            let made = work(&mut mine, k);
+            let (all, first) = &mut *lock(&found);
+            match made {
+                Ok(made) => all[k] = Some(made),
+                Err(error) => _ = first.get_or_insert(error),
             }
         }
     };
@@ -31,6 +37,7 @@ pub(crate) fn each<S>(
         }
         take();
     });
+    found.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The lock, also after another thread panicked: what it holds is whole after every piece.
@@ -43,32 +50,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_piece_once_and_none_after_a_stop() {
+    fn every_piece_once_and_none_after_an_error() {
         for threads in [0, 1, 2, 7] {
-            let done = Mutex::new(Vec::new());
-            each(
-                threads,
-                20,
-                || (),
-                |(), k| {
-                    lock(&done).push(k);
-                    true
-                },
-            );
-            let mut done = done.into_inner().unwrap();
-            done.sort_unstable();
-            assert_eq!(done, (0..20).collect::<Vec<_>>());
-            let begun = AtomicUsize::new(0);
-            each(
-                threads,
-                1000,
-                || (),
-                |(), k| {
-                    begun.fetch_add(1, Ordering::Relaxed);
-                    k != 3
-                },
-            );
-            assert!(begun.into_inner() <= 4 + 7, "{threads}");
+            let (all, error) = map(threads, 20, || (), |(), k| Ok::<_, ()>(k));
+            assert_eq!((all, error), ((0..20).map(Some).collect(), None));
+            let (some, error) = map(threads, 1000, || (), |(), k| (k != 3).then_some(k).ok_or(k));
+            assert_eq!(error, Some(3));
+            assert!(some.iter().flatten().count() <= 3 + 7, "{threads}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Costs and errors in words, for the terminal and the page.
 
 use pinwheel_report::format::{seconds, significant};
-use pinwheel_studies::bench::{CostAt, Series, Stopped};
+use pinwheel_studies::bench::{Advantage, CostAt, Series, Stopped};
 use pinwheel_timeseries::Ending;
 use pinwheel_timeseries::table::{Mark, TableOf};
 
@@ -11,6 +11,14 @@ fn sign(cost: CostAt) -> &'static str {
         CostAt::Interpolated(_) => "",
         CostAt::AtMost(_) => "\u{2264}\u{202f}",
         CostAt::MoreThan(_) => ">\u{202f}",
+    }
+}
+
+/// The sign of a lead that is a bound, or nothing.
+pub(super) fn at_least(lead: &Advantage) -> &'static str {
+    match lead.at_least {
+        true => "\u{2265}\u{202f}",
+        false => "",
     }
 }
 

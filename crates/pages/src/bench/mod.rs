@@ -35,11 +35,8 @@ pub fn page(measured: &WorkPrecision, made: &Provenance) -> Result<String, PageE
     if !measured.complete {
         study.sections.insert(
             0,
-            Section::new("incomplete", "Incomplete", [Block::Text(
-                    "The measurement was stopped by the user. What had been measured until then stands here; \
-                     what is missing is not a result."
-                        .to_owned(),
-                )]),
+            Section::new("incomplete", "Incomplete", [Block::text("The measurement was stopped by the user. What had been measured until then stands here; \
+                     what is missing is not a result.")]),
         );
     }
     crate::render(study, made)
@@ -96,11 +93,7 @@ fn tiles(study: &WorkPrecision, lead_over: Option<(&Ranking, &Advantage)>) -> Ve
             let detail = format!("CPU time at {}: {name}", limit(ranking.error));
             tiles.push(Tile::new(label, figures::cpu(cost), detail));
         }
-        let sign = if lead.at_least {
-            "\u{2265}\u{202f}"
-        } else {
-            ""
-        };
+        let sign = figures::at_least(lead);
         tiles.push(Tile::new(
             "Ratio",
             format!("{sign}{}", significant(lead.ratio, 3)),

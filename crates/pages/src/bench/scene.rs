@@ -70,13 +70,6 @@ fn leads(rankings: &[Ranking]) -> Table {
         let words = ranking.advantage.as_ref().map(words);
         words.unwrap_or_else(|| NONE.to_owned())
     };
-    let sign = |lead: &Advantage| {
-        if lead.at_least {
-            "\u{2265}\u{202f}"
-        } else {
-            ""
-        }
-    };
     Table::of("The native solver against the fastest peer", rankings)
         .text("", "Window", |ranking| &ranking.window)
         .number("", "Force error", |ranking| ranking.error)
@@ -96,18 +89,17 @@ fn leads(rankings: &[Ranking]) -> Table {
         })
         .said(|ranking| {
             let lead = ranking.advantage.as_ref()?;
-            Some(format!("{}{:.1}", sign(lead), lead.ratio))
+            Some(format!("{}{:.1}", figures::at_least(lead), lead.ratio))
         })
         .done()
 }
 
 /// Error against cost, two charts a window.
 fn plots(study: &WorkPrecision) -> Section {
-    let mut blocks = vec![Block::Text(
+    let mut blocks = vec![Block::text(
         "Each point is one step or tolerance, its cost the least CPU time of several runs. Lower and further left is \
          better. Right-hand-side calls do not depend on the machine, and do not see what an engine spends beside \
-         them."
-            .to_owned(),
+         them.",
     )];
     let reduced = |series: &bench::Series| series.engine != "native-lagrange";
     for (k, window) in study.windows.iter().enumerate() {
@@ -232,7 +224,6 @@ fn reference(study: &WorkPrecision) -> Section {
 
 /// What the figures do not compare.
 fn differences(study: &WorkPrecision) -> Section {
-    let has = |name: &str| study.series.iter().any(|s| s.engine.starts_with(name));
     let mut points = vec![
         "The native solver integrates the equations of this mechanism, three or so in the reduced form; peers are general \
          engines that carry every body and joint. `native-lagrange` carries them too, and is the fairer comparison \
@@ -245,29 +236,6 @@ fn differences(study: &WorkPrecision) -> Section {
          have; its cost is in the native figures."
             .to_owned(),
     ];
-    if has("rapier") {
-        points.push(
-            "rapier is made for games: fixed steps, impulse joints found by sweeps, and a first-order method, \
-             semi-implicit Euler, that is driven here as leapfrog to be of second order. It gets the same compiled \
-             contact law as the native solver, once a step."
-                .to_owned(),
-        );
-    }
-    if has("mujoco") {
-        points.push(
-            "MuJoCo is driven from Python, with the contact law as a compiled callback in every stage of its \
-             Runge-Kutta method: the loop over steps costs Python time, the law does not. It carries joint angles \
-             and needs no constraints."
-                .to_owned(),
-        );
-    }
-    if has("exudyn") {
-        points.push(
-            "exudyn calls its force functions through Python at every evaluation, which is part of its CPU time, \
-             though the law behind them is compiled; its own solvers are compiled as well."
-                .to_owned(),
-        );
-    }
     if study.series.iter().any(|s| s.track == Track::OwnContact) {
         points.push(
             "Own-contact engines resolve contact or friction themselves. Their error here holds the difference of the \

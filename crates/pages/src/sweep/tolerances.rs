@@ -117,11 +117,8 @@ pub(super) fn section(plan: &Plan, table: &Table, all: &[SampleResult]) -> Secti
             blocks.insert(0, Block::Charts(charts));
         }
     }
-    blocks.push(Block::Text(
-        "In brackets: where a quantile lies with 95 % confidence. A key's share of the variance is by \
-         regression where a straight line explains 70 % of it or more, otherwise by first-order Sobol indices."
-            .to_owned(),
-    ));
+    blocks.push(Block::text("In brackets: where a quantile lies with 95 % confidence. A key's share of the variance is by \
+         regression where a straight line explains 70 % of it or more, otherwise by first-order Sobol indices."));
     Section::new("tolerances", "Tolerances", blocks)
 }
 

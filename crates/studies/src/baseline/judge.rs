@@ -125,65 +125,49 @@ pub(super) fn costs(
     comparable: bool,
 ) -> Vec<CostCheck> {
     let before = accepted.costs;
-    let steps = before.steps as f64;
     let share = if adaptive {
         limits::ADAPTIVE_COUNT_SHARE.max(limits::FLIP_MARGIN * accepted.count_spread)
     } else {
         0.0
     };
-    let mut found = vec![
-        cost(
-            "right-hand sides",
-            before.right_hand_sides as f64,
-            after.right_hand_sides as f64,
-            share,
-            0.0,
-        ),
-        cost("steps", steps, after.steps as f64, share, 0.0),
-    ];
+    let mut found = Vec::new();
+    // Less is better; it may move by `share` of itself and `room`.
+    let mut add = |label, of: fn(&Costs) -> u64, share: f64, room: f64| {
+        let [before, after] = [&before, after].map(|costs| of(costs) as f64);
+        let limit = share * before + room;
+        found.push(CostCheck {
+            label,
+            before,
+            after,
+            limit,
+            verdict: cost(before, after, limit),
+        });
+    };
+    add("right-hand sides", |c| c.right_hand_sides, share, 0.0);
+    add("steps", |c| c.steps, share, 0.0);
     if adaptive {
-        let room = limits::REJECTIONS + share * steps;
-        found.push(cost(
-            "rejections",
-            before.rejections as f64,
-            after.rejections as f64,
-            0.0,
-            room,
-        ));
+        let room = limits::REJECTIONS + share * before.steps as f64;
+        add("rejections", |c| c.rejections, 0.0, room);
     }
     if before.newton_steps + after.newton_steps > 0 {
         let share = limits::NEWTON_SHARE.max(share);
-        found.push(cost(
-            "Newton steps",
-            before.newton_steps as f64,
-            after.newton_steps as f64,
-            share,
-            0.0,
-        ));
+        add("Newton steps", |c| c.newton_steps, share, 0.0);
     }
-    if let (Some(a), Some(b), true) = (before.instructions, after.instructions, comparable) {
+    if comparable && before.instructions.is_some() && after.instructions.is_some() {
         let share = limits::INSTRUCTION_SHARE.max(share);
-        found.push(cost("instructions", a as f64, b as f64, share, 0.0));
+        add("instructions", |c| c.instructions.unwrap_or(0), share, 0.0);
     }
     found
 }
 
-/// A figure of which less is better; it may move by `share` of itself and `room`.
-fn cost(label: &'static str, before: f64, after: f64, share: f64, room: f64) -> CostCheck {
-    let limit = share * before + room;
-    let verdict = if after - before > limit {
+/// What became of a figure of which less is better.
+fn cost(before: f64, after: f64, limit: f64) -> Verdict {
+    if after - before > limit {
         Verdict::Worse
     } else if before - after > limit {
         Verdict::Better
     } else {
         Verdict::Same
-    };
-    CostCheck {
-        label,
-        before,
-        after,
-        limit,
-        verdict,
     }
 }
 
@@ -256,17 +240,8 @@ mod tests {
 
     #[test]
     fn costs_have_room_only_where_rounding_moves_them() {
-        assert_eq!(
-            cost("steps", 2000.0, 2001.0, 0.0, 0.0).verdict,
-            Verdict::Worse
-        );
-        assert_eq!(
-            cost("steps", 2000.0, 1999.0, 0.0, 0.0).verdict,
-            Verdict::Better
-        );
-        assert_eq!(
-            cost("steps", 2000.0, 2010.0, 0.03, 0.0).verdict,
-            Verdict::Same
-        );
+        assert_eq!(cost(2000.0, 2001.0, 0.0), Verdict::Worse);
+        assert_eq!(cost(2000.0, 1999.0, 0.0), Verdict::Better);
+        assert_eq!(cost(2000.0, 2010.0, 60.0), Verdict::Same);
     }
 }

@@ -1,7 +1,6 @@
 //! Runs of the set: results and counts, on one thread or several.
 
 use std::collections::BTreeMap;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use pinwheel_gearbox::contacts::Kernel;
@@ -114,25 +113,13 @@ pub(super) fn run_all(
     control: &Control<'_>,
 ) -> Result<Vec<RunResult>, StudyError> {
     let begun = AtomicUsize::new(0);
-    let results: Vec<Mutex<Option<RunResult>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
-    let failed = Mutex::new(None);
-    pool::each(threads, jobs.len(), Counter::new, |counter, k| {
+    let (results, failed) = pool::map(threads, jobs.len(), Counter::new, |counter, k| {
         let done = begun.fetch_add(1, Ordering::Relaxed);
         (control.progress)(Progress::new(done, jobs.len(), &jobs[k].label));
-        match run(&jobs[k], control.cancel, counter) {
-            Ok(result) => *pool::lock(&results[k]) = Some(result),
-            Err(error) => {
-                pool::lock(&failed).get_or_insert(error);
-                return false;
-            }
-        }
-        true
+        run(&jobs[k], control.cancel, counter)
     });
-    match pool::lock(&failed).take() {
+    match failed {
         Some(error) => Err(error),
-        None => Ok(results
-            .iter()
-            .filter_map(|result| pool::lock(result).take())
-            .collect()),
+        None => Ok(results.into_iter().flatten().collect()),
     }
 }

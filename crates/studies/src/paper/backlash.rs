@@ -84,24 +84,22 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     ]);
     Ok(vec![
         eleven()?,
-        Measured {
-            id: "fig-12",
-            numbers: twelve,
-            plots: vec![
+        Measured::new(
+            "fig-12",
+            twelve,
+            vec![
                 plot(ours, ["fig-12a", of_external], EXTERNAL, DRAWN),
                 plot(points, ["fig-12b", of_external], EXTERNAL, DRAWN),
             ],
-            ..Measured::default()
-        },
-        Measured {
-            id: "fig-13",
-            numbers: thirteen,
-            plots: vec![
+        ),
+        Measured::new(
+            "fig-13",
+            thirteen,
+            vec![
                 plot(ours, ["fig-13a", of_internal], INTERNAL, DRAWN),
                 plot(ours, ["fig-13b", start], INTERNAL, (0.0, 0.24)),
             ],
-            ..Measured::default()
-        },
+        ),
     ])
 }
 
@@ -117,27 +115,27 @@ fn eleven() -> Result<Measured, StudyError> {
         closed.push(1e3 * free_play(&gear));
     }
     let last = x.len() - 1;
-    Ok(Measured {
-        id: "fig-11",
-        numbers: vec![
+    Ok(Measured::new(
+        "fig-11",
+        vec![
             number("free_play_found_mrad", found[last], "mrad"),
             number("free_play_closed_form_mrad", closed[last], "mrad"),
             number("apart", found[last] / closed[last] - 1.0, ""),
         ],
-        plots: vec![Plot {
-            key: "fig-11".into(),
-            title: "Free turn of an unloaded wheel to one side".into(),
-            x_label: "Tolerance d (mm)".into(),
-            y_label: "Free play (mrad)".into(),
+        vec![Plot::new(
+            [
+                "fig-11",
+                "Free turn of an unloaded wheel to one side",
+                "Tolerance d (mm)",
+                "Free play (mrad)",
+            ],
             x,
-            curves: vec![
+            vec![
                 Curve::points("first touch on the curve", found),
                 Curve::line("closed form", closed),
             ],
-            ..Plot::default()
-        }],
-        ..Measured::default()
-    })
+        )],
+    ))
 }
 
 #[cfg(test)]

@@ -250,18 +250,8 @@ pub(super) fn one_contact(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> 
     let slides = 1e3 * range(found.values(0, TANGENTIAL));
     six.push(number("tangential_range", slides, "mm/s"));
     Ok(vec![
-        Measured {
-            id: "fig-05",
-            numbers: five,
-            plots: vec![found.stiffness("fig-05")],
-            ..Measured::default()
-        },
-        Measured {
-            id: "fig-06",
-            numbers: six,
-            plots: found.velocities(["fig-06a", "fig-06b"]),
-            ..Measured::default()
-        },
+        Measured::new("fig-05", five, vec![found.stiffness("fig-05")]),
+        Measured::new("fig-06", six, found.velocities(["fig-06a", "fig-06b"])),
     ])
 }
 
@@ -293,17 +283,7 @@ pub(super) fn with_backlash(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError
     let mut eighteen = numbers("begins_at", &NAMES, &each(onset), "mm/s");
     eighteen.push(number("tangential_apart", found.apart(TANGENTIAL), ""));
     Ok(vec![
-        Measured {
-            id: "fig-17",
-            numbers: seventeen,
-            plots: vec![found.stiffness("fig-17")],
-            ..Measured::default()
-        },
-        Measured {
-            id: "fig-18",
-            numbers: eighteen,
-            plots: found.velocities(["fig-18a", "fig-18b"]),
-            ..Measured::default()
-        },
+        Measured::new("fig-17", seventeen, vec![found.stiffness("fig-17")]),
+        Measured::new("fig-18", eighteen, found.velocities(["fig-18a", "fig-18b"])),
     ])
 }

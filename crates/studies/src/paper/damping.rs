@@ -39,34 +39,29 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let internal = ["fig-08a", "Force on internal sleeve 0", "Force (N)"];
     let external = ["fig-08b", "Force on external sleeve 0", "Force (N)"];
     Ok(vec![
-        Measured {
-            id: "fig-07",
-            numbers: [ranges("input_range", INPUT), ranges("output_range", OUTPUT)].concat(),
-            plots: vec![plot(input, INPUT), plot(output, OUTPUT)],
-            ..Measured::default()
-        },
-        Measured {
-            id: "fig-08",
-            numbers: [
+        Measured::new(
+            "fig-07",
+            [ranges("input_range", INPUT), ranges("output_range", OUTPUT)].concat(),
+            vec![plot(input, INPUT), plot(output, OUTPUT)],
+        ),
+        Measured::new(
+            "fig-08",
+            [
                 peaks("internal_peak", INTERNAL),
                 peaks("external_peak", EXTERNAL),
             ]
             .concat(),
-            plots: vec![
+            vec![
                 plot(internal, &format!("{INTERNAL}_0")),
                 plot(external, &format!("{EXTERNAL}_0")),
             ],
-            ..Measured::default()
-        },
+        ),
     ])
 }
 
 /// By the method and step of the paper: as ours, with its 600 points, with its law as printed, which may pull, and with both.
 pub(super) fn above(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
-    let mut found = Measured {
-        id: "damping-above-8",
-        ..Measured::default()
-    };
+    let mut found = Measured::new("damping-above-8", Vec::new(), Vec::new());
     let mut curves = Vec::new();
     let (mut ended, mut furthest) = (0, 0.0_f64);
     for (model, printed, name, label) in [
@@ -114,14 +109,12 @@ pub(super) fn above(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         number("one_per_cent", 0.01 * stiffness, "N/m^1.5"),
         number("damping_used", scene.contact.damping_n_s_m, "N s/m"),
     ]);
-    found.plots.push(Plot {
-        key: "damping-above-8".to_owned(),
-        title: "Mean input torque, 0.2 to 0.4 s".to_owned(),
-        x_label: "Contact damping (N s/m)".to_owned(),
-        y_label: "Input torque (N m)".to_owned(),
-        x: ABOVE.to_vec(),
-        curves,
-        ..Plot::default()
-    });
+    let words = [
+        "damping-above-8",
+        "Mean input torque, 0.2 to 0.4 s",
+        "Contact damping (N s/m)",
+        "Input torque (N m)",
+    ];
+    found.plots.push(Plot::new(words, ABOVE.to_vec(), curves));
     Ok(vec![found])
 }

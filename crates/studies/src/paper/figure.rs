@@ -61,21 +61,27 @@ pub struct Plot {
 }
 
 impl Plot {
+    /// Curves; `[key, title, x_label, y_label]`.
+    pub(super) fn new(words: [&str; 4], x: Vec<f64>, curves: Vec<Curve>) -> Self {
+        let [key, title, x_label, y_label] = words.map(str::to_owned);
+        Self {
+            key,
+            title,
+            x_label,
+            y_label,
+            x,
+            curves,
+            ..Self::default()
+        }
+    }
+
     /// Curves over time; `[key, title, y_label]`.
     pub(super) fn over_time(
         [key, title, y_label]: [&str; 3],
         x: Vec<f64>,
         curves: Vec<Curve>,
     ) -> Self {
-        Self {
-            key: key.to_owned(),
-            title: title.to_owned(),
-            x_label: "Time (s)".to_owned(),
-            y_label: y_label.to_owned(),
-            x,
-            curves,
-            ..Self::default()
-        }
+        Self::new([key, title, "Time (s)", y_label], x, curves)
     }
 }
 
@@ -122,6 +128,16 @@ pub(super) struct Measured {
 }
 
 impl Measured {
+    /// Numbers and curves of a figure.
+    pub(super) fn new(id: &'static str, numbers: Vec<Number>, plots: Vec<Plot>) -> Self {
+        Self {
+            id,
+            numbers,
+            words: Vec::new(),
+            plots,
+        }
+    }
+
     /// A number by its name; not a number if there is none.
     pub(super) fn number(&self, name: &str) -> f64 {
         let found = self.numbers.iter().find(|number| number.name == name);

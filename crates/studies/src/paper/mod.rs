@@ -175,10 +175,7 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
 /// The paper's runs in its own method, and ours; and what they take as numbers of a claim.
 fn costs(runs: &Runs<'_>) -> Result<(Vec<Cost>, Measured), StudyError> {
     let mut costs = Vec::new();
-    let mut found = Measured {
-        id: "cost",
-        ..Measured::default()
-    };
+    let mut found = Measured::new("cost", Vec::new(), Vec::new());
     for (what, name, paper_s, model) in [
         (
             "600 points on a wheel",

@@ -155,10 +155,7 @@ pub(super) fn figure(runs: &Runs<'_>, peer: Option<&Peer>) -> Result<Vec<Measure
     let spiky = |time_series: &TimeSeries| {
         [EXTERNAL, INTERNAL].map(|g| spikes(&all(time_series, g, STEADY)))
     };
-    let mut found = Measured {
-        id: "fig-10",
-        ..Measured::default()
-    };
+    let mut found = Measured::new("fig-10", Vec::new(), Vec::new());
     let mut add = |name: &str, [external, internal]: [f64; 2]| {
         for (kind, value) in [("external", external), ("internal", internal)] {
             let name = format!("{kind}_peak{name}");

@@ -24,18 +24,17 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let names = ["600_points", "4000_points", "exact"];
     let internal = ["fig-09a", "Force on internal sleeve 0", "Force (N)"];
     let external = ["fig-09b", "Force on external sleeve 0", "Force (N)"];
-    Ok(vec![Measured {
-        id: "fig-09",
-        numbers: [
+    Ok(vec![Measured::new(
+        "fig-09",
+        [
             errors("internal_error", INTERNAL),
             errors("external_error", EXTERNAL),
             numbers("internal_oscillation", &names, &rough, "N"),
         ]
         .concat(),
-        plots: vec![
+        vec![
             cases.plot(internal, &sleeves[0], DRAWN),
             cases.plot(external, &sleeves[1], DRAWN),
         ],
-        ..Measured::default()
-    }])
+    )])
 }

@@ -84,10 +84,7 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         (Model::Points(600), 0.0, "600 points"),
     ];
     let x: Vec<f64> = (1..=shown).map(|k| k as f64 / TURNS.1 as f64).collect();
-    let mut found = Measured {
-        id: "spectrum",
-        ..Measured::default()
-    };
+    let mut found = Measured::new("spectrum", Vec::new(), Vec::new());
     for (key, shaft, channel) in [
         ("spectrum-a", "input", INPUT),
         ("spectrum-b", "output", OUTPUT),

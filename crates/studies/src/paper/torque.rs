@@ -28,10 +28,7 @@ fn ripple(
     channel: &str,
     shaft: &str,
 ) -> Result<Measured, StudyError> {
-    let mut found = Measured {
-        id,
-        ..Measured::default()
-    };
+    let mut found = Measured::new(id, Vec::new(), Vec::new());
     for (name, model, start, window) in [
         ("range_start", Model::Ours, Start::Kinematic, DYING),
         ("range_steady", Model::Ours, Start::Kinematic, STEADY),
@@ -94,10 +91,7 @@ fn sixteen(runs: &Runs<'_>) -> Result<Measured, StudyError> {
     let whole = (LONG / period).floor();
     let mut curves = Vec::new();
     let mut x = Vec::new();
-    let mut found = Measured {
-        id: "fig-16",
-        ..Measured::default()
-    };
+    let mut found = Measured::new("fig-16", Vec::new(), Vec::new());
     for (name, model, d) in [
         ("unlike_0", Model::Ours, 0.0),
         ("unlike_0.6_mm", Model::Ours, 6e-4),

@@ -10,7 +10,6 @@ mod search;
 mod verdict;
 mod write;
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use pinwheel_engines::{Knob, by_name};
@@ -265,30 +264,18 @@ impl Atlas {
         let open = (0..total).filter(|&k| self.rows[k].is_none());
         let open: Vec<usize> = open.collect();
         let begun = AtomicUsize::new(total - open.len());
-        let (found, fault) = (Mutex::new(Vec::new()), Mutex::new(None));
-        pool::each(
-            jobs,
-            open.len(),
-            || (),
-            |(), k| {
-                let name = &options.scenes[open[k]];
-                let done = begun.fetch_add(1, Ordering::Relaxed);
-                (control.progress)(Progress::new(done, total, name));
-                let ready = control.check().map_err(StudyError::from);
-                match ready.and_then(|()| row(name, options, control)) {
-                    Ok(row) => pool::lock(&found).push((open[k], row)),
-                    Err(error) => {
-                        pool::lock(&fault).get_or_insert(error);
-                        return false;
-                    }
-                }
-                true
-            },
-        );
-        for (k, row) in found.into_inner().unwrap_or_default() {
-            self.rows[k] = Some(row);
+        let study = |(): &mut (), k: usize| {
+            let name = &options.scenes[open[k]];
+            let done = begun.fetch_add(1, Ordering::Relaxed);
+            (control.progress)(Progress::new(done, total, name));
+            control.check()?;
+            row(name, options, control)
+        };
+        let (found, fault) = pool::map(jobs, open.len(), || (), study);
+        for (k, row) in open.into_iter().zip(found) {
+            self.rows[k] = row;
         }
-        fault.into_inner().ok().flatten().map_or(Ok(()), Err)
+        fault.map_or(Ok(()), Err)
     }
 
     /// Names of the scenes that no method gives within [`SERVED`].

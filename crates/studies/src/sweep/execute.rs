@@ -1,14 +1,13 @@
 //! Runs over all cores: threads take the next run until there is none.
 
 use std::path::Path;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use pinwheel_engines::Engine;
 use pinwheel_gearbox::Gearbox;
 
 use crate::control::{Control, Progress};
-use crate::pool::{self, lock};
+use crate::pool;
 use crate::sweep::file::KeepTimeSeries;
 use crate::sweep::journal::{Journal, keep_time_series};
 use crate::sweep::record::{RunRecord, wanted};
@@ -28,8 +27,6 @@ struct Shared<'a> {
     finished: AtomicUsize,
     /// Simulated time, microseconds.
     simulated_us: AtomicU64,
-    records: Mutex<Vec<Option<RunRecord>>>,
-    fault: Mutex<Option<SweepError>>,
 }
 
 /// Runs what the journal does not hold, on `jobs` threads; the records are in the plan's order.
@@ -67,20 +64,18 @@ pub fn execute_some(
         duration_s: durations.sum(),
         finished: AtomicUsize::new(0),
         simulated_us: AtomicU64::new(0),
-        records: Mutex::new(vec![None; picks.len()]),
-        fault: Mutex::new(None),
     };
-    pool::each(jobs, picks.len(), || None, |last, k| shared.work(last, k));
-    if let Some(fault) = lock(&shared.fault).take() {
-        return Err(fault);
+    let run = |last: &mut Option<Gearbox>, k: usize| shared.work(last, &plan.runs[picks[k]]);
+    let (records, fault) = pool::map(jobs, picks.len(), || None, run);
+    let records: Vec<RunRecord> = records.into_iter().flatten().collect();
+    match fault {
+        None => Ok(records),
+        Some(None) => Err(SweepError::Stopped {
+            finished: records.len(),
+            runs: picks.len(),
+        }),
+        Some(Some(fault)) => Err(fault),
     }
-    let records = std::mem::take(&mut *lock(&shared.records));
-    let finished = records.iter().flatten().count();
-    let whole: Option<Vec<RunRecord>> = records.into_iter().collect();
-    whole.ok_or(SweepError::Stopped {
-        finished,
-        runs: picks.len(),
-    })
 }
 
 /// The records of all runs from the journal, and none computed.
@@ -155,24 +150,19 @@ pub fn perform(
 }
 
 impl Shared<'_> {
-    /// Run `k` of the picks; false when no other is to begin.
-    fn work(&self, last: &mut Option<Gearbox>, k: usize) -> bool {
+    /// One run; no error but none when cancelled.
+    fn work(
+        &self,
+        last: &mut Option<Gearbox>,
+        planned: &PlannedRun,
+    ) -> Result<RunRecord, Option<SweepError>> {
         if self.control.is_cancelled() {
-            return false;
+            return Err(None);
         }
-        match self.one(last, &self.plan.runs[self.picks[k]]) {
-            Ok(Some(record)) => {
-                lock(&self.records)[k] = Some(record);
-                self.finished.fetch_add(1, Ordering::Relaxed);
-                self.report();
-                true
-            }
-            Ok(None) => false,
-            Err(fault) => {
-                lock(&self.fault).get_or_insert(fault);
-                false
-            }
-        }
+        let record = self.one(last, planned)?.ok_or(None)?;
+        self.finished.fetch_add(1, Ordering::Relaxed);
+        self.report();
+        Ok(record)
     }
 
     fn report(&self) {

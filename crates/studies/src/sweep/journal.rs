@@ -29,6 +29,7 @@ use tempfile::Builder;
 use crate::folder::beside;
 use crate::output::OutputError;
 use crate::ownership::{MARKER, Owner, unlisted};
+use crate::pool;
 use crate::sweep::SweepError;
 use crate::sweep::file::KeepTimeSeries;
 use crate::sweep::record::RunRecord;
@@ -227,7 +228,7 @@ impl Journal {
     #[must_use]
     pub fn in_its_folder(&self) -> usize {
         let own = |(_, path): &&(RunRecord, PathBuf)| path.starts_with(&self.folder);
-        self.lock().values().filter(own).count()
+        pool::lock(&self.known).values().filter(own).count()
     }
 
     /// Forgets the runs in its own folder.
@@ -235,8 +236,7 @@ impl Journal {
     /// # Errors
     /// A file cannot be removed.
     pub fn clear(&self) -> Result<(), SweepError> {
-        self.lock()
-            .retain(|_, (_, path)| !path.starts_with(&self.folder));
+        pool::lock(&self.known).retain(|_, (_, path)| !path.starts_with(&self.folder));
         for folder in self.folders() {
             for path in entries(folder)? {
                 let name = name_of(&path);
@@ -270,7 +270,7 @@ impl Journal {
 
     /// The record of an identity, if its time series are kept as wanted.
     pub(crate) fn find(&self, identity: &str, time_series: KeepTimeSeries) -> Option<RunRecord> {
-        let known = self.lock();
+        let known = pool::lock(&self.known);
         let (record, path) = known.get(identity)?;
         let file = extension(time_series).map(|extension| path.with_extension(extension));
         let there = !record.ending.is_finished() || file.is_none_or(|file| file.is_file());
@@ -288,7 +288,7 @@ impl Journal {
         let identity = record.identity();
         let path = place(&self.folder, &identity, "json");
         write_new(&path, json(record).as_bytes()).map_err(at(&path))?;
-        self.lock().insert(identity, (record.clone(), path));
+        pool::lock(&self.known).insert(identity, (record.clone(), path));
         Ok(())
     }
 
@@ -304,8 +304,7 @@ impl Journal {
         folder: &Path,
     ) -> Result<(), SweepError> {
         let target = folder.join(format!("{PREFIX}{number:04}.json"));
-        let place = self
-            .lock()
+        let place = pool::lock(&self.known)
             .get(&record.identity())
             .map(|(_, path)| path.clone());
         let Some(path) = place else {
@@ -319,13 +318,6 @@ impl Journal {
             }
         }
         Ok(())
-    }
-
-    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<String, (RunRecord, PathBuf)>> {
-        // A thread that panicked while it held the map has not left it half changed.
-        self.known
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 }
 
