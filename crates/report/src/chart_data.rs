@@ -8,8 +8,9 @@
 //! come from here.
 
 use pinwheel_compare::comparison::Comparison;
-use pinwheel_compare::{Participant, Quantity, Track, Verdict, WindowKind, quantities};
+use pinwheel_compare::{Participant, Quantity, Track, Verdict, quantities};
 use serde::Serialize;
+use serde_json::{Value, json};
 
 use crate::colours;
 use crate::packed::{Rounding, Writer};
@@ -33,7 +34,7 @@ pub(crate) struct ChartData {
     time: Time,
     engines: Vec<Line>,
     quantities: Vec<ChartQuantity>,
-    windows: Vec<ChartWindow>,
+    windows: Vec<Value>,
     /// What is drawn first: a quantity, one of its channels, and the engine that differences are taken to.
     first: [usize; 3],
     /// What is left out of the charts, for the reader.
@@ -94,56 +95,46 @@ struct ChartChannel {
     packed: String,
 }
 
-#[derive(Debug, Clone, Serialize)]
-struct ChartWindow {
-    kind: WindowKind,
-    from: f64,
-    to: f64,
-}
-
 /// A participant and where its samples stand among the times of the first.
 struct Drawn<'a> {
     participant: &'a Participant,
+    /// Colour and dash.
+    style: usize,
     places: Vec<usize>,
 }
 
 impl ChartData {
-    /// Chooses engines, channels and samples and packs them; `None` if nobody has time series.
-    pub(crate) fn of(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
+    /// Chooses engines, channels and samples and packs them; `None` if nobody has time series. `in_order`: participants are no
+    /// engines with colours of their own.
+    pub(crate) fn of(
+        comparison: &Comparison,
+        participants: &[Participant],
+        in_order: bool,
+    ) -> Option<Self> {
         let mut notes = Vec::new();
-        let drawn = drawn(participants, &mut notes);
-        let base = drawn.first()?.participant;
-        let time_s = base.time_series.time_s();
-        let quantities = quantities::derive(drawn.iter().map(|d| &d.participant.time_series));
-        let (plan, quantities) = fitting(&quantities, &drawn);
-        plan.tell(&mut notes);
         let names: Vec<&str> = participants.iter().map(|p| p.name.as_str()).collect();
-        let styles = colours::styles(&names);
-        let style = |name: &str| {
-            names
-                .iter()
-                .position(|n| *n == name)
-                .map_or(0, |k| styles[k])
+        let styles = match in_order {
+            true => (0..names.len()).collect(),
+            false => colours::styles(&names),
         };
-        let engines: Vec<Line> = drawn
-            .iter()
-            .map(|d| Line {
-                name: d.participant.name.clone(),
-                track: d.participant.track,
-                style: style(&d.participant.name),
-                marks: 2 * d.places.len() < time_s.len(),
-                places: places(&d.places),
-            })
-            .collect();
-        let mut quantities = quantities;
+        let drawn = drawn(participants, &styles, &mut notes);
+        let time_s = drawn.first()?.participant.time_series.time_s();
+        let quantities = quantities::derive(drawn.iter().map(|d| &d.participant.time_series));
+        let (plan, mut quantities) = fitting(&quantities, &drawn);
+        plan.tell(&mut notes);
+        let line = |d: &Drawn<'_>| Line {
+            name: d.participant.name.clone(),
+            track: d.participant.track,
+            style: d.style,
+            marks: 2 * d.places.len() < time_s.len(),
+            places: places(&d.places),
+        };
+        let engines: Vec<Line> = drawn.iter().map(line).collect();
         for quantity in &mut quantities {
             quantity.bands = bands(comparison, &engines, &quantity.name);
         }
-        let windows = comparison.windows.iter().map(|w| ChartWindow {
-            kind: w.kind,
-            from: w.from_s,
-            to: w.to_s,
-        });
+        let windows = comparison.windows.iter();
+        let windows = windows.map(|w| json!({ "kind": w.kind, "from": w.from_s, "to": w.to_s }));
         Some(Self {
             time: time(time_s),
             first: first(comparison, &engines, &quantities),
@@ -153,19 +144,15 @@ impl ChartData {
             notes,
         })
     }
-
-    pub(crate) fn with_colours_in_order(mut self, participants: &[Participant]) -> Self {
-        for line in &mut self.engines {
-            let place = participants.iter().position(|p| p.name == line.name);
-            line.style = place.unwrap_or(line.style);
-        }
-        self
-    }
 }
 
 /// Participants with something to draw, the first being what the others are stored against: a finished native run if there
 /// is one, because that differs least from most; the one with most samples, so that the others' stand among its times.
-fn drawn<'a>(participants: &'a [Participant], notes: &mut Vec<String>) -> Vec<Drawn<'a>> {
+fn drawn<'a>(
+    participants: &'a [Participant],
+    styles: &[usize],
+    notes: &mut Vec<String>,
+) -> Vec<Drawn<'a>> {
     let mut list: Vec<(usize, &Participant)> = participants
         .iter()
         .enumerate()
@@ -183,10 +170,11 @@ fn drawn<'a>(participants: &'a [Participant], notes: &mut Vec<String>) -> Vec<Dr
     // In the legend engines keep the order they were given in; only the first stays first.
     list[1..].sort_by_key(|(place, _)| *place);
     let mut drawn = Vec::new();
-    for (_, participant) in list {
+    for (place, participant) in list {
         match standing(participant.time_series.time_s(), base.time_series.time_s()) {
             Some(places) => drawn.push(Drawn {
                 participant,
+                style: styles[place],
                 places,
             }),
             None => notes.push(format!(
@@ -638,7 +626,7 @@ mod tests {
         };
         let comparison =
             pinwheel_compare::compare(&context, participants, &Default::default()).unwrap();
-        ChartData::of(&comparison, participants).unwrap()
+        ChartData::of(&comparison, participants, false).unwrap()
     }
 
     #[test]

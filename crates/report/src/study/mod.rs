@@ -268,14 +268,13 @@ impl TimeSeries {
     /// any.
     #[must_use]
     pub fn of(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
-        let data = ChartData::of(comparison, participants)?;
-        Some(Self(data.with_colours_in_order(participants)))
+        ChartData::of(comparison, participants, true).map(Self)
     }
 
     /// Those of engines, each with the colour that it has on every page; `None` if nobody has any.
     #[must_use]
     pub fn of_engines(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
-        let mut data = ChartData::of(comparison, participants)?;
+        let mut data = ChartData::of(comparison, participants, false)?;
         data.notes.push(
             "Samples of recordings are marks. No engine is the truth: differences can be taken to any.".to_owned(),
         );

@@ -66,26 +66,19 @@ pub fn check(
             ),
         }));
     }
-    // What a solver of the user's was recorded on.
-    let recorded_on = Options {
-        only: baseline
-            .scenes
-            .iter()
-            .map(|scene| scene.name.clone())
-            .collect(),
-        ..options.clone()
-    };
-    let options = match options.only.is_empty() && !options.solvers.is_empty() {
-        true => &recorded_on,
-        false => options,
-    };
+    let mut options = options.clone();
+    if options.only.is_empty() && !options.solvers.is_empty() {
+        // What a solver of the user's was recorded on.
+        let recorded = baseline.scenes.iter().map(|scene| scene.name.clone());
+        options.only = recorded.collect();
+    }
     let mut pairs: Vec<(&'static SceneCase, Way<'_>)> = Vec::new();
     for case in options.scenes()? {
         pairs.extend(options.ways(case)?.into_iter().map(|way| (case, way)));
     }
     let mut jobs = Vec::new();
     for (case, choice) in &pairs {
-        jobs.push(plain_job(case, choice, options)?);
+        jobs.push(plain_job(case, choice, &options)?);
     }
     let results = run_all(&jobs, options.threads, control)?;
     let made = &baseline.made;
@@ -106,19 +99,24 @@ pub fn check(
             Some(_) => true,
             None => method(&integrator).is_some_and(|m| m.adaptive),
         };
-        let mut found = CaseCheck {
-            scene: case.name.clone(),
-            choice: choice.name.to_owned(),
-            quantities: Vec::new(),
-            costs: Vec::new(),
-            bits: 0,
-            trouble: None,
-            verdict: Verdict::Same,
-        };
+        let mut found = CaseCheck::new(&case.name, choice.name);
         found.judge(accepted, result, adaptive, comparable);
         cases.push(found);
     }
-    cases.extend(gone(baseline, options, &pairs));
+    // Cases of the baseline that the set no longer has: what is not run cannot be called unchanged.
+    let every = options.only.is_empty();
+    for scene in baseline.scenes.iter().filter(|_| every) {
+        for accepted in &scene.cases {
+            let is = |case: &CaseCheck| case.scene == scene.name && case.choice == accepted.choice;
+            if !cases.iter().any(is) {
+                cases.push(CaseCheck {
+                    trouble: Some("in the baseline, but no longer in the set".to_owned()),
+                    verdict: Verdict::Worse,
+                    ..CaseCheck::new(&scene.name, &accepted.choice)
+                });
+            }
+        }
+    }
     let verdict = cases.iter().map(|case| case.verdict).max();
     Ok(Check {
         before: made.clone(),
@@ -128,35 +126,20 @@ pub fn check(
     })
 }
 
-/// Cases of the baseline that the set no longer has: what is not run cannot be called unchanged.
-fn gone(
-    baseline: &Baseline,
-    options: &Options,
-    pairs: &[(&'static SceneCase, Way<'_>)],
-) -> Vec<CaseCheck> {
-    let mut found = Vec::new();
-    for scene in &baseline.scenes {
-        for accepted in &scene.cases {
-            let mut run = pairs.iter();
-            let known =
-                run.any(|(case, way)| case.name == scene.name && way.name == accepted.choice);
-            if !known && options.only.is_empty() {
-                found.push(CaseCheck {
-                    scene: scene.name.clone(),
-                    choice: accepted.choice.clone(),
-                    quantities: Vec::new(),
-                    costs: Vec::new(),
-                    bits: 0,
-                    trouble: Some("in the baseline, but no longer in the set".to_owned()),
-                    verdict: Verdict::Worse,
-                });
-            }
+impl CaseCheck {
+    /// Nothing moved, as nothing was looked at.
+    fn new(scene: &str, choice: &str) -> Self {
+        Self {
+            scene: scene.to_owned(),
+            choice: choice.to_owned(),
+            quantities: Vec::new(),
+            costs: Vec::new(),
+            bits: 0,
+            trouble: None,
+            verdict: Verdict::Same,
         }
     }
-    found
-}
 
-impl CaseCheck {
     fn judge(
         &mut self,
         accepted: Option<(&SceneSnapshot, &CaseSnapshot)>,
