@@ -221,10 +221,12 @@ impl Judge<'_> {
     ) -> Vec<Assessment> {
         let pointwise = self.context.is_pointwise(window.to_s);
         let tolerance = |engine: &Participant, metric: Metric| {
-            self.rules.tolerances.iter().find(|t| {
-                t.metric == metric
-                    && t.applies(&engine.name, self.friction, window.kind, &quantity.name)
-            })
+            let stated = self.rules.tolerances.iter();
+            let mut own = stated.filter(|(name, _)| *name == engine.name);
+            let here = |t: &ModelTolerance| {
+                t.metric == metric && t.applies(self.friction, window.kind, &quantity.name)
+            };
+            own.find_map(|(_, t)| here(t).then_some(t))
         };
         let assess = |metric: Metric, distance: Option<f64>, allowed: Result<Allowed, &str>| {
             let sides = [

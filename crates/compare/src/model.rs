@@ -24,8 +24,6 @@ pub enum Prediction {
 /// One statement.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ModelTolerance {
-    /// Engine, a pattern.
-    pub engine: &'static str,
     /// Frictionless scenes, those with friction, or all.
     pub friction: Friction,
     /// Window; `None` for all.
@@ -42,66 +40,15 @@ pub struct ModelTolerance {
     pub reason: &'static str,
 }
 
-macro_rules! statements {
-    ($($engine:literal, $friction:ident, $window:expr, $quantity:literal, $metric:ident, $predicted:ident,
-       $tolerance:literal, $reason:literal;)*) => {
-        &[$(ModelTolerance {
-            engine: $engine,
-            friction: Friction::$friction,
-            window: $window,
-            quantity: $quantity,
-            metric: Metric::$metric,
-            predicted: Prediction::$predicted,
-            tolerance: $tolerance,
-            reason: $reason,
-        },)*]
-    };
-}
-
-const STEADY: Option<WindowKind> = Some(WindowKind::Steady);
-
-/// What the engines of this project state. Of each quantity and metric the first that fits counts.
-pub const TOLERANCES: &[ModelTolerance] = statements! {
-    "mujoco*|exudyn*", Without, STEADY, "input_torque_n_m", Mean, LawEnergy, 5e-3,
-    "A bed of springs conserves energy; what the law creates is predicted, its edges and damping are not.";
-    "mujoco*|exudyn*", Without, STEADY, "output_torque_n_m", RelativeL2, Same, 1e-2,
-    "Ripple about the same mean.";
-    "mujoco*|exudyn*", Without, STEADY, "external_sleeve_force_n", RelativeL2, Same, 4.5e-2,
-    "A bed of 4000 springs or 8000 segments; falls with their number.";
-    "mujoco*|exudyn*", Without, STEADY, "internal_sleeve_force_n", RelativeL2, Same, 1.5e-2,
-    "The law itself but for the ramp S, under external forces that differ.";
-    "rapier*hook*", Without, None, "*_sleeve_force_n|*_torque_n_m|output_angle_rad", RelativeL2, Same, 0.0,
-    "Our normal forces in rapier's solver: without friction no difference of the model is left.";
-    "rapier*hook*", With, STEADY, "*_sleeve_force_n|*_torque_n_m|output_angle_rad", RelativeL2, Same, 2e-3,
-    "Coulomb friction against its regularised form.";
-    "rapier*collider*", With, STEADY, "input_torque_n_m", Mean, LawEnergy, 2.5e-2,
-    "Linear spring, polyline wheels; Coulomb friction holds sleeves that the regularised one lets creep.";
-    "rapier*collider*", Without, STEADY, "input_torque_n_m", Mean, LawEnergy, 1.5e-2,
-    "Linear spring of a stiffness that depends on pairs of masses, polyline wheels.";
-    "rapier*collider*", Any, STEADY, "output_torque_n_m", Mean, Same, 1.5e-2,
-    "In the mean both carry the load; their own samples alias the ripple.";
-    "rapier*collider*", Any, STEADY, "*_force_n", Mean, Same, 1e-1,
-    "Under a linear spring the load spreads over the sleeves otherwise.";
-};
-
 impl ModelTolerance {
-    /// Whether it is about this engine in this place.
-    pub(crate) fn applies(
-        &self,
-        engine: &str,
-        friction: bool,
-        window: WindowKind,
-        quantity: &str,
-    ) -> bool {
+    /// Whether it is about this place.
+    pub(crate) fn applies(&self, friction: bool, window: WindowKind, quantity: &str) -> bool {
         let suits = match self.friction {
             Friction::Any => true,
             Friction::With => friction,
             Friction::Without => !friction,
         };
-        suits
-            && self.window.is_none_or(|w| w == window)
-            && fits(self.engine, engine)
-            && fits(self.quantity, quantity)
+        suits && self.window.is_none_or(|w| w == window) && fits(self.quantity, quantity)
     }
 }
 
@@ -204,13 +151,12 @@ mod tests {
         assert_eq!(predicted(&none, &none, &WINDOW), None);
     }
 
-    /// Each of the four conditions is one.
+    /// Each of the three conditions is one.
     #[test]
-    fn a_statement_is_about_its_engine_friction_window_and_quantity() {
+    fn a_statement_is_about_its_friction_window_and_quantity() {
         let statement = ModelTolerance {
-            engine: "mujoco*",
             friction: Friction::Without,
-            window: STEADY,
+            window: Some(WindowKind::Steady),
             quantity: "input_torque_n_m",
             metric: Metric::Mean,
             predicted: Prediction::Same,
@@ -218,21 +164,17 @@ mod tests {
             reason: "",
         };
         let (steady, input) = (WindowKind::Steady, "input_torque_n_m");
-        let applies = |s: &ModelTolerance, engine, friction, window, quantity| {
-            s.applies(engine, friction, window, quantity)
-        };
-        assert!(applies(&statement, "mujoco-own", false, steady, input));
-        assert!(!applies(&statement, "exudyn", false, steady, input));
-        assert!(!applies(&statement, "mujoco-own", true, steady, input));
         let transient = WindowKind::Transient;
-        assert!(!applies(&statement, "mujoco-own", false, transient, input));
-        assert!(!applies(&statement, "mujoco-own", false, steady, "x"));
+        assert!(statement.applies(false, steady, input));
+        assert!(!statement.applies(true, steady, input));
+        assert!(!statement.applies(false, transient, input));
+        assert!(!statement.applies(false, steady, "x"));
         let with = ModelTolerance {
             friction: Friction::With,
             window: None,
             ..statement
         };
-        assert!(applies(&with, "mujoco-own", true, transient, input));
-        assert!(!applies(&with, "mujoco-own", false, steady, input));
+        assert!(with.applies(true, transient, input));
+        assert!(!with.applies(false, steady, input));
     }
 }

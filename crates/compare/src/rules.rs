@@ -1,11 +1,11 @@
 //! What verdicts are made by.
 
 use crate::limits::StatedLimit;
-use crate::model::{self, ModelTolerance};
+use crate::model::ModelTolerance;
 use crate::uncertainty::Evidence;
 use crate::validation::DataUncertainty;
 
-/// What verdicts are made by. `Rules::default()` has the project's tables and no evidence.
+/// What verdicts are made by. `Rules::default()` has neither tables nor evidence.
 #[derive(Debug, Clone, Copy)]
 pub struct Rules<'a> {
     /// Limits stated for measured participants.
@@ -13,8 +13,8 @@ pub struct Rules<'a> {
     /// Numerical uncertainty of the participants. With evidence for one, whatever is compared with others without is
     /// *inconclusive*; without any, engines are not compared at all.
     pub evidence: &'a [Evidence],
-    /// How far own-contact engines state to be from the native model.
-    pub tolerances: &'a [ModelTolerance],
+    /// How far engines, by their names, state to be from the native model; of each quantity and metric the first that fits counts.
+    pub tolerances: &'a [(&'a str, ModelTolerance)],
     /// Uncertainty of measured data and of the inputs.
     pub data: &'a [DataUncertainty],
     /// The largest U that still proves agreement, relative.
@@ -33,7 +33,7 @@ impl Default for Rules<'_> {
         Self {
             stated: &[],
             evidence: &[],
-            tolerances: model::TOLERANCES,
+            tolerances: &[],
             data: &[],
             resolution: RESOLUTION,
         }

@@ -1,8 +1,10 @@
 //! The engines of this project, each with what is known of it whether a build has it or not. A new engine is a file in
 //! `registry/`, its `mod`, and a row here.
 
+mod model;
 mod native;
 
+use pinwheel_compare::model::ModelTolerance;
 use pinwheel_scene::Scene;
 
 use crate::engine::{Engine, Refinement, Track};
@@ -37,6 +39,8 @@ pub struct EngineInfo<'a> {
     pub refinement: Option<Refinement>,
     /// Relative error of the forces that its iterations leave, whatever the step.
     pub floor: f64,
+    /// How far a contact model of its own is from ours.
+    pub model: &'a [ModelTolerance],
     /// Whether friction is evaluated explicitly, so that it takes short steps to resolve it.
     pub explicit_friction: bool,
     /// Whether it runs in a process of its own, whose CPU time is not this one's.
@@ -68,6 +72,7 @@ impl<'a> EngineInfo<'a> {
             differences: "",
             refinement: None,
             floor: 0.0,
+            model: &[],
             explicit_friction: false,
             outside: false,
             form: None,
@@ -164,6 +169,7 @@ pub(crate) static RAPIER_HOOK: EngineInfo<'static> = EngineInfo {
     colour: Some(7),
     feature: Some("rapier"),
     refinement: Some(Refinement::step(2.0)),
+    model: model::HOOK,
     differences: "Bodies, joints and time integration as in rapier-shared-law, but the forces pass through rapier's own contact \
         solver: a hook hands it the contact point, the normal and a depth under which its spring carries the normal \
         force of the scene's law (a part of that law along the profile acts as a load beside it). Friction is \
@@ -184,6 +190,7 @@ pub(crate) static RAPIER_COLLIDERS: EngineInfo<'static> = EngineInfo {
     colour: Some(8),
     feature: Some("rapier"),
     stands_in: Some(2),
+    model: model::COLLIDERS,
     differences: "Everything in contact is rapier's own. Wheels and holes are closed polylines made from Eq. 1 alone, sleeves are \
         discs, contacts come from its collision detection (of several segments that touch a sleeve only the nearest \
         counts), friction is exactly Coulomb and implicit. Its contact spring is linear, not K delta^1.5: one frequency \
@@ -271,6 +278,7 @@ pub(crate) static MUJOCO_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
     package: "mujoco-core",
     digits: 6,
     stands_in: Some(1),
+    model: model::BED,
     differences: "MuJoCo finds the contacts and computes the forces; nothing of ours runs in its step. Each wheel's \
         edge is a bed of 4000 spheres or more (seven in a loaded contact) with linear springs, which together give \
         K \u{3b4}^1.5 for a locally circular edge and conserve energy where the paper's law does not: that is most \
@@ -292,6 +300,7 @@ pub(crate) static EXUDYN_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
     package: "exudyn",
     digits: 6,
     stands_in: Some(0),
+    model: model::BED,
     differences: "exudyn finds the contacts and computes the forces; nothing of ours runs in its step. Each wheel's \
         edge is a polygon of 8000 spring segments or more, which conserve energy where the paper's law does not; holes are \
         hollow spheres with exponent 1.5, the law itself but for the ramp S. Damping of the external contacts acts \

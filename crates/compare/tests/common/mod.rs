@@ -1,7 +1,9 @@
 //! Small gearbox-like time series for the tests of this crate; each test file uses a part.
 #![allow(dead_code)]
 
-use pinwheel_compare::{Context, Cost, Participant, Scales, Status, Track};
+use pinwheel_compare::limits::Friction;
+use pinwheel_compare::model::{ModelTolerance, Prediction};
+use pinwheel_compare::{Context, Cost, Metric, Participant, Scales, Status, Track, WindowKind};
 use pinwheel_timeseries::TimeSeries;
 
 /// A participant with these time series at a step of 1e-5 s.
@@ -81,3 +83,39 @@ impl Random {
         low + (high - low) * unit
     }
 }
+
+/// What a bed of springs and colliders of polylines state.
+pub(crate) const TOLERANCES: [(&str, ModelTolerance); 4] = {
+    let bed = ModelTolerance {
+        friction: Friction::Without,
+        window: Some(WindowKind::Steady),
+        quantity: "input_torque_n_m",
+        metric: Metric::Mean,
+        predicted: Prediction::LawEnergy,
+        tolerance: 5e-3,
+        reason: "A bed of springs conserves energy.",
+    };
+    let force = ModelTolerance {
+        quantity: "external_sleeve_force_n",
+        metric: Metric::RelativeL2,
+        predicted: Prediction::Same,
+        tolerance: 4.5e-2,
+        ..bed
+    };
+    let driver = ModelTolerance {
+        tolerance: 1.5e-2,
+        ..bed
+    };
+    let mean = ModelTolerance {
+        quantity: "*_force_n",
+        metric: Metric::Mean,
+        tolerance: 1e-1,
+        ..force
+    };
+    [
+        ("mujoco-own-contact", bed),
+        ("mujoco-own-contact", force),
+        ("rapier-own-contact-colliders", driver),
+        ("rapier-own-contact-colliders", mean),
+    ]
+};

@@ -131,7 +131,7 @@ fn regress_beyond_the_horizon_figures_are_judged() {
         let evidence = [unknown("native"), unknown("other")];
         let rules = Rules {
             evidence: &evidence,
-            tolerances: pinwheel_compare::model::TOLERANCES,
+            tolerances: &crate::common::TOLERANCES,
             ..Rules::default()
         };
         let pair = [native(), other(track, 1.0)];
@@ -153,6 +153,7 @@ fn regress_beyond_the_horizon_figures_are_judged() {
         let evidence = [unknown("native"), unknown(name)];
         let rules = Rules {
             evidence: &evidence,
+            tolerances: &crate::common::TOLERANCES,
             ..Rules::default()
         };
         let found = compare(scene, &[native(), own], &rules).unwrap();

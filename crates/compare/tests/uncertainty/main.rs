@@ -71,6 +71,7 @@ fn compared(context: &Context, list: Vec<(Participant, Evidence)>) -> Comparison
     let (participants, evidence): (Vec<_>, Vec<_>) = list.into_iter().unzip();
     let rules = Rules {
         evidence: &evidence,
+        tolerances: &common::TOLERANCES,
         ..Rules::default()
     };
     compare(context, &participants, &rules).unwrap()

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use pinwheel_compare::limits::Friction;
-use pinwheel_compare::model::{ModelTolerance, Prediction, TOLERANCES};
+use pinwheel_compare::model::{ModelTolerance, Prediction};
 use pinwheel_compare::{
     Comparison, Context, Divergence, Metric, Participant, Rules, Scales, Status, Track, WindowKind,
     compare,
@@ -125,8 +125,9 @@ pub fn run_with(
         participants.push(participant);
         stated.extend(limits);
     }
-    let tolerances: Vec<ModelTolerance> =
-        (TOLERANCES.iter().copied()).chain(of_solvers()).collect();
+    let infos = input.engines.iter().map(|engine| engine.info());
+    let own = infos.flat_map(|info| info.model.iter().map(move |stated| (info.name, *stated)));
+    let tolerances: Vec<(&str, ModelTolerance)> = own.chain(of_solvers()).collect();
     let rules = Rules {
         stated: &stated,
         evidence: &evidence,
@@ -225,23 +226,25 @@ fn has_joined(engine: &str) -> bool {
 
 /// What the authors of solvers that joined state of their own contact models, once a run is steady: mean driver torque, and
 /// whole time series of everything else.
-fn of_solvers() -> impl Iterator<Item = ModelTolerance> {
+fn of_solvers<'a>() -> impl Iterator<Item = (&'a str, ModelTolerance)> {
     let joined = external::joined().into_iter();
     joined.flat_map(|solver| {
         let manifest = solver.manifest();
         let model = manifest.model.iter();
-        model.map(move |(quantity, stated)| ModelTolerance {
-            engine: &manifest.name,
-            friction: Friction::Any,
-            window: Some(WindowKind::Steady),
-            quantity,
-            metric: match quantity.as_str() {
-                columns::INPUT_TORQUE => Metric::Mean,
-                _ => Metric::RelativeL2,
-            },
-            predicted: Prediction::Same,
-            tolerance: stated.tolerance,
-            reason: &stated.reason,
+        model.map(move |(quantity, stated)| {
+            let stated = ModelTolerance {
+                friction: Friction::Any,
+                window: Some(WindowKind::Steady),
+                quantity,
+                metric: match quantity.as_str() {
+                    columns::INPUT_TORQUE => Metric::Mean,
+                    _ => Metric::RelativeL2,
+                },
+                predicted: Prediction::Same,
+                tolerance: stated.tolerance,
+                reason: &stated.reason,
+            };
+            (manifest.name.as_str(), stated)
         })
     })
 }
