@@ -42,7 +42,7 @@ pub enum Flag {
     SceneLoad,
 }
 
-/// See [`INPUTS`].
+/// See [`SHAFTS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Input {
     /// Of the input shaft, rad/s.
@@ -70,101 +70,40 @@ pub enum Shaft {
     LargestForce,
 }
 
-const FLAGS: [(Flag, &str, f64, &str); 3] = [
-    (
-        Flag::DriveByTorque,
-        "drive_by_torque",
-        0.0,
-        "true: the input shaft turns under drive_torque_n_m with its own inertia, from drive_speed_rad_s on; false: its speed is drive_speed_rad_s",
-    ),
-    (
-        Flag::LoadBySpeed,
-        "load_by_speed",
-        0.0,
-        "true: the output shaft's speed is load_speed_rad_s; false: load_torque_n_m acts on it",
-    ),
-    (
-        Flag::SceneLoad,
-        "scene_load",
-        1.0,
-        "true: the scene's load, with its ramp and changes, acts on the output shaft beside load_torque_n_m; false: that alone",
-    ),
-];
+/// Tables of variables: name, what it stands for, what it is with sign.
+macro_rules! rows {
+    ($($name:literal $what:expr, $about:literal;)*) => {
+        &[$(($name, $what, $about)),*]
+    };
+}
 
-const INPUTS: [(Input, &str, &str); 4] = [
-    (
-        Input::DriveSpeed,
-        "drive_speed_rad_s",
-        "speed of the input shaft, counter-clockwise",
-    ),
-    (
-        Input::DriveTorque,
-        "drive_torque_n_m",
-        "torque on the input shaft, counter-clockwise; counts with drive_by_torque",
-    ),
-    (
-        Input::LoadTorque,
-        "load_torque_n_m",
-        "torque on the output shaft, counter-clockwise: above 0 it opposes the motion of a positive input speed",
-    ),
-    (
-        Input::LoadSpeed,
-        "load_speed_rad_s",
-        "speed of the output shaft, counter-clockwise; counts with load_by_speed",
-    ),
-];
+/// Inputs, then outputs of the shafts.
+const SHAFTS: &[(&str, What, &str)] = rows! {
+    "drive_speed_rad_s" What::Input(Input::DriveSpeed), "speed of the input shaft, counter-clockwise";
+    "drive_torque_n_m" What::Input(Input::DriveTorque), "torque on the input shaft, counter-clockwise; counts with drive_by_torque";
+    "load_torque_n_m" What::Input(Input::LoadTorque), "torque on the output shaft, counter-clockwise: above 0 it opposes the motion of a positive input speed";
+    "load_speed_rad_s" What::Input(Input::LoadSpeed), "speed of the output shaft, counter-clockwise; counts with load_by_speed";
+    "input_angle_rad" What::Shaft(Shaft::InputAngle), "angle of the input shaft, counter-clockwise";
+    "input_speed_rad_s" What::Shaft(Shaft::InputSpeed), "speed of the input shaft, counter-clockwise";
+    "output_speed_rad_s" What::Shaft(Shaft::OutputSpeed), "speed of the output shaft, counter-clockwise";
+    "total_load_n_m" What::Shaft(Shaft::Load), "torque from outside on the output shaft, the scene's load included, counter-clockwise";
+    "largest_sleeve_force_n" What::Shaft(Shaft::LargestForce), "largest of all sleeve forces";
+};
 
-const SHAFTS: [(Shaft, &str, &str); 5] = [
-    (
-        Shaft::InputAngle,
-        "input_angle_rad",
-        "angle of the input shaft, counter-clockwise",
-    ),
-    (
-        Shaft::InputSpeed,
-        "input_speed_rad_s",
-        "speed of the input shaft, counter-clockwise",
-    ),
-    (
-        Shaft::OutputSpeed,
-        "output_speed_rad_s",
-        "speed of the output shaft, counter-clockwise",
-    ),
-    (
-        Shaft::Load,
-        "total_load_n_m",
-        "torque from outside on the output shaft, the scene's load included, counter-clockwise",
-    ),
-    (
-        Shaft::LargestForce,
-        "largest_sleeve_force_n",
-        "largest of all sleeve forces",
-    ),
-];
+const FLAGS: &[(&str, What, &str)] = rows! {
+    "drive_by_torque" What::Flag(Flag::DriveByTorque), "true: the input shaft turns under drive_torque_n_m with its own inertia, from drive_speed_rad_s on; false: its speed is drive_speed_rad_s";
+    "load_by_speed" What::Flag(Flag::LoadBySpeed), "true: the output shaft's speed is load_speed_rad_s; false: load_torque_n_m acts on it";
+    "scene_load" What::Flag(Flag::SceneLoad), "true: the scene's load, with its ramp and changes, acts on the output shaft beside load_torque_n_m; false: that alone";
+};
 
-/// The columns of every run.
-const COLUMNS: [(&str, &str); 5] = [
-    (
-        "input_torque_n_m",
-        "torque of the drive on the input shaft, counter-clockwise",
-    ),
-    (
-        "output_torque_n_m",
-        "moment of the contact forces on the output shaft, counter-clockwise",
-    ),
-    (
-        "output_angle_rad",
-        "angle of the output shaft, counter-clockwise",
-    ),
-    (
-        "external_sleeve_force_n_*",
-        "force of all wheels on the external sleeve",
-    ),
-    (
-        "internal_sleeve_force_n_*",
-        "force of all wheels on the internal sleeve",
-    ),
-];
+/// The columns of every run; they are variables by their place.
+const COLUMNS: &[(&str, (), &str)] = rows! {
+    "input_torque_n_m" (), "torque of the drive on the input shaft, counter-clockwise";
+    "output_torque_n_m" (), "moment of the contact forces on the output shaft, counter-clockwise";
+    "output_angle_rad" (), "angle of the output shaft, counter-clockwise";
+    "external_sleeve_force_n_*" (), "force of all wheels on the external sleeve";
+    "internal_sleeve_force_n_*" (), "force of all wheels on the internal sleeve";
+};
 
 /// A variable; its value reference is its place in the list.
 #[derive(Debug, Clone, PartialEq)]
@@ -348,28 +287,28 @@ fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
         });
     };
     let speed = gearbox.scene.drive.input_speed_rad_s;
-    for (input, name, about) in INPUTS {
-        let start = match input {
-            Input::DriveSpeed => speed,
-            Input::LoadSpeed => -speed / gearbox.geometry.ratio(),
-            Input::DriveTorque | Input::LoadTorque => 0.0,
+    for &(name, what, about) in SHAFTS {
+        let start = match what {
+            What::Input(Input::DriveSpeed) => speed,
+            What::Input(Input::LoadSpeed) => -speed / gearbox.geometry.ratio(),
+            What::Input(_) => 0.0,
+            _ => f64::NAN,
         };
-        add(name, about, What::Input(input), start);
-    }
-    for (shaft, name, about) in SHAFTS {
-        add(name, about, What::Shaft(shaft), f64::NAN);
+        add(name, about, what, start);
     }
     let columns = Recorder::contract(gearbox);
     let channels = gearbox.channels.names().map(str::to_owned);
     for (place, name) in columns.into_iter().chain(channels).enumerate() {
         let families = FAMILIES.iter().map(|family| (family.pattern, family.about));
-        let mut known = COLUMNS.into_iter().chain(families);
+        let own = COLUMNS.iter().map(|&(pattern, (), about)| (pattern, about));
+        let mut known = own.chain(families);
         let about = known.find(|(pattern, _)| fits(pattern, &name));
         let about = about.map_or("", |(_, about)| about);
         add(&name, about, What::Column(place), f64::NAN);
     }
-    for (flag, name, start, about) in FLAGS {
-        add(name, about, What::Flag(flag), start);
+    for &(name, what, about) in FLAGS {
+        let start = f64::from(u8::from(what == What::Flag(Flag::SceneLoad)));
+        add(name, about, what, start);
     }
     let begun = CoSimulation::new(gearbox, Setup::of(&gearbox.scene.drive))
         .map_err(|error| error.to_string())?;

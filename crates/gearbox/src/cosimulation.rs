@@ -11,7 +11,7 @@
 //! The usual gear (speed in, torque out) takes the same forces as a run. Where the input is free or the output is not, moments
 //! are summed over all bodies and slopes are differences: more evaluations, the same motion.
 
-use pinwheel_mbs::integrators::{Segments, StepCounts, StepSettings, Stepper};
+use pinwheel_mbs::integrators::{Segments, StepCounts, Stepper};
 use pinwheel_mbs::sliding::Contact;
 use pinwheel_mbs::{Ask, BodyState, Driver, Forces, Formulation, Motion, Reduced, Sums, Wrench};
 use serde::{Deserialize, Serialize};
@@ -21,7 +21,7 @@ use crate::channels::{LawPairs, Seen};
 use crate::contacts::ContactField;
 use crate::forces::GearForces;
 use crate::load_course;
-use crate::native::reduced;
+use crate::native::{reduced, segments};
 use crate::scene::{self, Drive};
 use crate::{Gearbox, GearboxError, Layout, Recorder, guard};
 
@@ -175,8 +175,6 @@ pub struct Shafts {
 pub struct CoSimulation {
     gearbox: Gearbox,
     setup: Setup,
-    integrator: String,
-    settings: StepSettings,
     longest_step_s: f64,
     breaks: Vec<f64>,
     system: Reduced<PrescribedForces>,
@@ -256,17 +254,9 @@ impl CoSimulation {
             usual: (setup.input, setup.output) == (Prescribed::BySpeed, Prescribed::ByTorque),
         };
         let system = reduced(&gearbox, mechanism, forces)?;
-        let solver = &gearbox.scene.solver;
-        let integrator = solver.integrator.clone();
-        let settings = StepSettings {
-            step: solver.step_s,
-            tolerance: solver.tolerance,
-        };
         let breaks = load_course::breaks(&loaded.scene.drive);
         let y = system.initial();
-        let stepper = Segments::start(&integrator, settings, 0.0, &y, &breaks)
-            .ok_or_else(|| GearboxError::UnknownIntegrator(integrator.clone()))?
-            .with_longest(longest_step_s);
+        let stepper = segments(&gearbox, 0.0, &y, &breaks, longest_step_s)?;
         let held = |side: Prescribed, speed: f64| Straight {
             value: side.choose(speed, 0.0),
             ..Straight::default()
@@ -278,8 +268,6 @@ impl CoSimulation {
             recorder: Recorder::with_room(&gearbox, 1),
             gearbox,
             setup,
-            integrator,
-            settings,
             longest_step_s,
             breaks,
             system,
@@ -300,7 +288,8 @@ impl CoSimulation {
     /// The method and its relative error a step.
     #[must_use]
     pub fn method(&self) -> (&str, f64) {
-        (&self.integrator, self.settings.tolerance)
+        let solver = &self.gearbox.scene.solver;
+        (&solver.integrator, solver.tolerance)
     }
 
     /// What the method did since the shafts were last held otherwise.
@@ -362,16 +351,10 @@ impl CoSimulation {
         // Contacts come and go as fast as the input turns.
         let share = (speed / now).abs().min(1.0);
         let share = if share > 0.0 { share } else { 1.0 };
-        let begun = Segments::start(
-            &self.integrator,
-            self.settings,
-            self.time,
-            &self.y,
-            &self.breaks,
-        );
+        let longest = self.longest_step_s * share;
         // The name was known when the first began.
-        if let Some(begun) = begun {
-            self.stepper = begun.with_longest(self.longest_step_s * share);
+        if let Ok(begun) = segments(&self.gearbox, self.time, &self.y, &self.breaks, longest) {
+            self.stepper = begun;
         }
         self.system.restart_at(self.time);
     }
@@ -382,7 +365,7 @@ impl CoSimulation {
     /// When and why no step can follow, or which quantity ran away.
     pub fn advance(&mut self, to: f64) -> Result<(), String> {
         self.stepper.set_stop_time(to);
-        while self.stepper.time() < to - 1e-9 * self.settings.step {
+        while self.stepper.time() < to - 1e-9 * self.gearbox.scene.solver.step_s {
             let step = self.stepper.step(&mut self.system);
             step.map_err(|error| error.to_string())?;
         }

@@ -1,7 +1,9 @@
 //! The native run: a scene's equations, integrated and recorded.
 
 use pinwheel_mbs::integrators::{Segments, StepCounts, StepError, StepSettings, Stepper};
-use pinwheel_mbs::{Forces, Formulation, Lagrange, Mechanism, Observation, Reduced, Stabilisation};
+use pinwheel_mbs::{
+    Forces, Formulation, Lagrange, Mechanism, Observation, OdeSystem, Reduced, Stabilisation,
+};
 use pinwheel_timeseries::{Ending, TimeSeries, TimeSeriesError};
 
 use crate::balance::Balance;
@@ -137,6 +139,24 @@ pub(crate) fn reduced<F: Forces>(
     })
 }
 
+/// The scene's method from `y` at `t` (s) on, with no step longer than `longest_s` where it chooses them.
+pub(crate) fn segments<S: OdeSystem>(
+    gearbox: &Gearbox,
+    t: f64,
+    y: &[f64],
+    breaks: &[f64],
+    longest_s: f64,
+) -> Result<Segments<S>, GearboxError> {
+    let solver = &gearbox.scene.solver;
+    let settings = StepSettings {
+        step: solver.step_s,
+        tolerance: solver.tolerance,
+    };
+    Segments::start(&solver.integrator, settings, t, y, breaks)
+        .map(|segments| segments.with_longest(longest_s))
+        .ok_or_else(|| GearboxError::UnknownIntegrator(solver.integrator.clone()))
+}
+
 /// Steps through the run, samples between steps, guards every sample.
 fn integrate<F: Formulation>(
     gearbox: &Gearbox,
@@ -145,16 +165,9 @@ fn integrate<F: Formulation>(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
     let solver = &gearbox.scene.solver;
-    let settings = StepSettings {
-        step: solver.step_s,
-        tolerance: solver.tolerance,
-    };
     let mut y = system.initial();
-    let integrator = solver.integrator.clone();
     let breaks = load_course::breaks(&gearbox.scene.drive);
-    let mut stepper = Segments::start(&integrator, settings, 0.0, &y, &breaks)
-        .ok_or(GearboxError::UnknownIntegrator(integrator))?
-        .with_longest(limits.longest_step_s);
+    let mut stepper = segments(gearbox, 0.0, &y, &breaks, limits.longest_step_s)?;
     let mut load = load_course::piece_at(&gearbox.scene.drive, 0.0);
     let mut field = gearbox.contact_field()?;
     let times = solver.sample_times_s();
