@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::clock::{Clock, Method, fields};
 use super::dop853_coefficients::{A, C, D, E3, E5, EXTENDED, STAGES};
 use super::weighted::{each_sum, set_scaled, set_sum};
-use super::{Family, MethodInfo, StepError};
+use super::{Family, MethodInfo, StepError, check_finite};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo::adaptive(
@@ -146,11 +146,7 @@ impl Method for Dop853 {
     fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
         self.refresh(system);
         self.trial[0].copy_from_slice(&self.k[STAGES]);
-        if !self.trial[0].iter().all(|x| x.is_finite()) {
-            return Err(StepError::NotFinite {
-                time: self.clock.time,
-            });
-        }
+        check_finite(&[&self.trial[0]], self.clock.time)?;
         let mut limit = GROW;
         loop {
             self.clock.room()?;

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Method, fields};
 use super::weighted::{Row, each_sum, set_sum};
-use super::{Family, MethodInfo, StepError};
+use super::{Family, MethodInfo, StepError, check_finite};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo::adaptive(
@@ -218,10 +218,7 @@ impl Method for Dopri5 {
             self.clock.counts.evaluations += 1;
             self.fresh = true;
         }
-        // All of them: without a way out early the check takes several at a time.
-        if !self.k[0].iter().fold(true, |all, x| all & x.is_finite()) {
-            return Err(StepError::NotFinite { time });
-        }
+        check_finite(&[&self.k[0]], time)?;
         let mut limit = GROW;
         loop {
             self.clock.room()?;

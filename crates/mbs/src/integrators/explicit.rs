@@ -9,8 +9,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::StepError;
 use super::clock::{Clock, Method, fields};
+use super::{StepError, check_finite};
 use crate::OdeSystem;
 
 /// Coefficients; `a[i]` has i entries.
@@ -90,10 +90,7 @@ impl Method for FixedStep {
         }
         set_sum(&mut self.scratch, &self.y, h, self.tableau.b, &self.stages);
         system.project(end, &mut self.scratch);
-        let finite = self.scratch.iter().fold(true, |all, x| all & x.is_finite());
-        if !finite {
-            return Err(StepError::NotFinite { time: end });
-        }
+        check_finite(&[&self.scratch], end)?;
         std::mem::swap(&mut self.y_before, &mut self.y);
         std::mem::swap(&mut self.f_before, &mut self.stages[0]);
         std::mem::swap(&mut self.y, &mut self.scratch);

@@ -17,7 +17,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Method, fields};
-use super::{Family, MethodInfo, StepError};
+use super::{Family, MethodInfo, StepError, check_finite};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo::fixed(
@@ -121,10 +121,7 @@ impl Method for ImexFixed {
         let (stage, next) = (&mut self.stage, &mut self.next);
         advance(system, t, h, &self.now, stage, next);
         self.clock.counts.evaluations += 2;
-        let known = self.next.e.iter().chain(&self.next.i);
-        if !self.next.y.iter().chain(known).all(|x| x.is_finite()) {
-            return Err(StepError::NotFinite { time: end });
-        }
+        check_finite(&[&self.next.y, &self.next.e, &self.next.i], end)?;
         system.project(end, &mut self.next.y);
         std::mem::swap(&mut self.before, &mut self.now);
         std::mem::swap(&mut self.now, &mut self.next);

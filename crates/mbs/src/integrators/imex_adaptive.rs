@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Method, fields};
 use super::imex::{Point, advance};
-use super::{Family, MethodInfo, StepError};
+use super::{Family, MethodInfo, StepError, check_finite};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
@@ -104,23 +104,12 @@ impl Method for ImexAdaptive {
             self.clock.counts.evaluations += 1;
             self.fresh = true;
         }
-        let known = self.now.e.iter().chain(&self.now.i);
-        if !known.into_iter().all(|x| x.is_finite()) {
-            return Err(StepError::NotFinite {
-                time: self.clock.time,
-            });
-        }
+        check_finite(&[&self.now.e, &self.now.i], self.clock.time)?;
         loop {
             self.clock.room()?;
             let h = self.clock.h;
-            advance(
-                system,
-                self.clock.time,
-                h,
-                &self.now,
-                &mut self.stage,
-                &mut self.next,
-            );
+            let (t, stage, next) = (self.clock.time, &mut self.stage, &mut self.next);
+            advance(system, t, h, &self.now, stage, next);
             self.clock.counts.evaluations += 2;
             let share = self.error(system, h) / self.target;
             // A step that cannot be evaluated is far too long.
@@ -140,14 +129,8 @@ impl Method for ImexAdaptive {
     fields!(clock, now.y);
 
     fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
-        advance(
-            system,
-            self.time_before,
-            t - self.time_before,
-            &self.before,
-            &mut self.stage,
-            &mut self.next,
-        );
+        let (begin, stage, next) = (self.time_before, &mut self.stage, &mut self.next);
+        advance(system, begin, t - begin, &self.before, stage, next);
         y.copy_from_slice(&self.next.y);
     }
 }

@@ -116,6 +116,17 @@ pub enum StepError {
     },
 }
 
+/// Refuses numbers that are not finite, at `time`, s.
+fn check_finite(parts: &[&[f64]], time: f64) -> Result<(), StepError> {
+    // All of them: without a way out early the check takes several at a time.
+    let finite = |part: &&[f64]| part.iter().fold(true, |all, x| all & x.is_finite());
+    if parts.iter().all(finite) {
+        Ok(())
+    } else {
+        Err(StepError::NotFinite { time })
+    }
+}
+
 /// A method in the course of a run.
 pub trait Stepper<S: OdeSystem>: Send {
     /// One accepted step.

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Method, fields};
 use super::rodas5p_coefficients::{A, C, D, GAMMA, H, STAGES, TIMES};
-use super::{Family, MethodInfo, StepError};
+use super::{Family, MethodInfo, StepError, check_finite};
 use crate::OdeSystem;
 use crate::differences::Differences;
 use crate::jacobian::Jacobian;
@@ -87,11 +87,7 @@ impl Rodas5p {
     fn linearise<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
         system.derivative(self.clock.time, &self.y, &mut self.f);
         self.clock.counts.evaluations += 1;
-        if !self.f.iter().all(|x| x.is_finite()) {
-            return Err(StepError::NotFinite {
-                time: self.clock.time,
-            });
-        }
+        check_finite(&[&self.f], self.clock.time)?;
         let n = self.y.len();
         let slopes = self.slopes.get_or_insert_with(|| Slopes {
             jacobian: Jacobian::new(&system.structure(), n),
