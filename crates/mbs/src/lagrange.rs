@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 
 use crate::forces::{Ask, Forces, Pose, Sums};
 use crate::mechanism::{Mechanism, MechanismError};
-use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
+use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem, own_scale};
 use crate::pinned::PinnedContacts;
 use crate::saddle::{Dependent, SaddlePoint, redundant};
 use crate::state::{BodyState, ContactEnergy, Wrench};
@@ -413,9 +413,7 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
             frequency,
         }) = self.scales
         else {
-            for (scale, y) in zip(scale, y) {
-                *scale = y.abs().max(1.0);
-            }
+            own_scale(y, scale);
             return;
         };
         let (q, v) = coordinates_mut(scale);

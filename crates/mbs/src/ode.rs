@@ -45,9 +45,7 @@ pub trait OdeSystem {
     /// Size of an error in each component that counts as 1, for methods that choose their steps:
     /// by default the component itself, but at least 1.
     fn scale(&self, y: &[f64], scale: &mut [f64]) {
-        for (scale, y) in scale.iter_mut().zip(y) {
-            *scale = y.abs().max(1.0);
-        }
+        own_scale(y, scale);
     }
 
     /// Puts an accepted state back onto the invariants the system keeps; by default there are none.
@@ -60,6 +58,13 @@ pub trait OdeSystem {
     /// At a time where f jumps it has two values: the segment that ends there has the one, the segment that begins there
     /// the other. By default f has no jumps.
     fn restart_at(&mut self, _from: f64) {}
+}
+
+/// The components themselves, but at least 1.
+pub(crate) fn own_scale(y: &[f64], scale: &mut [f64]) {
+    for (scale, y) in scale.iter_mut().zip(y) {
+        *scale = y.abs().max(1.0);
+    }
 }
 
 /// Errors that count as 1 in each kind of component, for methods that choose their steps. A stiff

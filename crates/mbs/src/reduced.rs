@@ -18,7 +18,7 @@
 use crate::forces::{Ask, Forces, Pose, Sums};
 use crate::jacobian::{Jacobian, Structure};
 use crate::mechanism::{Mechanism, MechanismError, Motion};
-use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem};
+use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem, own_scale};
 use crate::pinned::{Angle, PinnedContacts};
 use crate::state::{BodyId, BodyState, ContactEnergy, Wrench};
 
@@ -142,10 +142,8 @@ impl<F: Forces> Reduced<F> {
                 }
             }
         }
-        let mut carrier_of = vec![None; n];
-        for carried in &carried {
-            carrier_of[carried.body] = Some(carried.carrier);
-        }
+        let carrier_of = pin.iter().map(|pin| pin.and_then(|(carrier, _)| carrier));
+        let carrier_of = carrier_of.collect();
         let idle = (0..n).filter(|&body| angles[body] == Angle::Idle);
         let idle = idle.map(|body| (body, mechanism.bodies[body].start));
         let idle: Vec<_> = idle.filter(|(_, start)| start.rate != 0.0).collect();
@@ -410,14 +408,16 @@ impl<F: Forces> OdeSystem for Reduced<F> {
     }
 
     fn scale(&self, y: &[f64], scale: &mut [f64]) {
-        let n = self.free.len();
-        for (k, (scale, y)) in scale.iter_mut().zip(y).enumerate() {
-            *scale = match self.scales {
-                None => y.abs().max(1.0),
-                Some(s) if k < n => s.angle,
-                Some(s) => s.angle * s.frequency,
-            };
-        }
+        let Some(ErrorScales {
+            angle, frequency, ..
+        }) = self.scales
+        else {
+            own_scale(y, scale);
+            return;
+        };
+        let (angles, rates) = scale.split_at_mut(self.free.len());
+        angles.fill(angle);
+        rates.fill(angle * frequency);
     }
 
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {

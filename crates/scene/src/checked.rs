@@ -143,9 +143,3 @@ impl Deref for CheckedScene {
         &self.scene
     }
 }
-
-impl AsRef<Scene> for CheckedScene {
-    fn as_ref(&self) -> &Scene {
-        &self.scene
-    }
-}
