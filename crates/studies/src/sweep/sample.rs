@@ -185,7 +185,7 @@ impl Distribution {
         let widths = [found.deviation, found.plus_minus];
         let numbers = [found.mean, found.from, found.to].into_iter().chain(widths);
         if !numbers.flatten().all(f64::is_finite) {
-            return wrong("a number is not finite");
+            return wrong("has a value that is no finite number");
         }
         if widths.iter().flatten().any(|x| *x <= 0.0) {
             return wrong("`deviation` or `plus_minus` is not above 0");
