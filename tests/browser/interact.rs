@@ -16,12 +16,12 @@ const PHONE: Look = Look { width: 390, ..DESK };
 /// Waits until the chart is drawn.
 const DRAWN: &str = "(async () => { for (let k = 0; k < 200 && !document.body.dataset.drawn; k += 1) await new Promise((r) => setTimeout(r, 25)); return document.body.dataset.drawn || ''; })()";
 
-/// Centre and size of an element, scrolled into sight.
+/// Centre and size of an element, of its first line where it is text that wraps, scrolled into sight.
 fn place(browser: &mut Chromium, element: &str) -> [f64; 4] {
     // What is above may still be drawn, so that the element moves: its place is known once it stands still.
     let script = format!(
         "(async () => {{ const e = {element}; let before = ''; for (let k = 0; k < 60; k += 1) {{ e.scrollIntoView({{ block: 'center', behavior: 'instant' }}); \
-         const b = e.getBoundingClientRect(); const now = [b.x + b.width / 2, b.y + b.height / 2, b.width, b.height]; \
+         const b = e.getClientRects()[0]; const now = [b.x + b.width / 2, b.y + b.height / 2, b.width, b.height]; \
          if (now.join() === before) return now; before = now.join(); await new Promise((r) => setTimeout(r, 80)); }} }})()"
     );
     let found = browser.evaluate(&script);

@@ -498,7 +498,7 @@ pub(crate) fn refine(
             // Foreign engines do what they can in the time they have; ours must do.
             if finest.track != Track::Native {
                 is_final = Some(Final {
-                    group: "engines refined as far as their time allows",
+                    group: "engines refined as far as --longest allows",
                     reason: format!(
                         "refined as far as {longest} s allow; the next run would take {next:.0} s (--longest)"
                     ),
