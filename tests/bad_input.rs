@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use pinwheel_tests::{Outcome, names_in, pinwheel, run_in};
+use pinwheel_tests::{Outcome, names_in, pinwheel, run_in, words};
 
 /// Asserts the form of a refusal and returns its line.
 fn refusal(outcome: &Outcome, what: &str) -> String {
@@ -60,12 +60,7 @@ fn bad_input_two_designs() {
         (&["paper", "papper"][..], "paper"),
         (&["paper", "idle.toml"], "drive.output_torque_n_m"),
         (
-            &[
-                "paper",
-                "steel",
-                "--engines",
-                "native-reduced,native-lagrange",
-            ],
+            &words("paper steel --engines native-reduced,native-lagrange"),
             "one engine",
         ),
         (&["paper", "steel", "--junit", "j.xml"], "--junit"),
@@ -150,12 +145,10 @@ fn bad_input_wrong_type() {
 
 #[test]
 fn bad_input_negative_radius() {
-    for key in [
-        "gear.external_sleeve_radius_m",
-        "gear.internal_sleeve_radius_m",
-        "gear.internal_circle_radius_m",
-        "gear.hole_radius_m",
-    ] {
+    for key in words(
+        "gear.external_sleeve_radius_m gear.internal_sleeve_radius_m \
+         gear.internal_circle_radius_m gear.hole_radius_m",
+    ) {
         let line = refused(&[&format!("{key}=-0.006")]);
         assert_parts(&line, &[&format!("`{key}` is -0.006 m"), "metres"]);
     }

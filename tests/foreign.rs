@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use pinwheel_tests::{Outcome, run_in};
+use pinwheel_tests::{Outcome, run_in, words};
 use pinwheel_timeseries::TimeSeries;
 use serde_json::Value;
 
@@ -71,16 +71,7 @@ fn folder(step: usize) -> (tempfile::TempDir, TimeSeries) {
     let dir = tempfile::tempdir().unwrap();
     let ran = run_in(
         dir.path(),
-        [
-            "run",
-            "paper",
-            "--engine",
-            "native-reduced",
-            "--set",
-            "solver.duration_s=0.02",
-            "--out",
-            "ours",
-        ],
+        words("run paper --engine native-reduced --set solver.duration_s=0.02 --out ours"),
     );
     assert_eq!(ran.code, Some(0), "{ran:?}");
     let ours = TimeSeries::load_csv(&dir.path().join("ours/courses.csv")).unwrap();

@@ -33,6 +33,12 @@ pub fn pinwheel() -> Command {
     }
 }
 
+/// The words of a command, as they are typed.
+#[must_use]
+pub fn words(typed: &str) -> Vec<&str> {
+    typed.split_whitespace().collect()
+}
+
 /// How a finished program left.
 #[derive(Debug)]
 pub struct Outcome {

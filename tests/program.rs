@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use pinwheel_scene::Scene;
-use pinwheel_tests::{Outcome, names_in, pinwheel, repository, run_in};
+use pinwheel_tests::{Outcome, names_in, pinwheel, repository, run_in, words};
 use pinwheel_timeseries::TimeSeries;
 use serde_json::Value;
 
@@ -49,12 +49,10 @@ fn program_run_gives_figures_of_its_window_and_how_far_they_may_be_off() {
     let least = get(&found, "min_input_torque_n_m", "value").unwrap();
     assert!(least > 1.4, "{found}");
     let (_, exact) = figures(&["--engine", "native-resolved"], "exact");
-    for name in [
-        "mean_input_torque_n_m",
-        "peak_external_sleeve_force_n",
-        "peak_internal_sleeve_force_n",
-        "efficiency",
-    ] {
+    for name in words(
+        "mean_input_torque_n_m peak_external_sleeve_force_n \
+         peak_internal_sleeve_force_n efficiency",
+    ) {
         let off = get(&found, name, "value").unwrap() - get(&exact, name, "value").unwrap();
         let bound = get(&found, name, "uncertainty").unwrap();
         assert!(
@@ -112,14 +110,7 @@ fn program_run_writes_courses_and_their_record() {
 #[test]
 fn program_compare_writes_report_summary_and_time_series() {
     let dir = tempfile::tempdir().unwrap();
-    let args = [
-        "compare",
-        "paper",
-        "--engines",
-        "native-reduced,native-lagrange",
-        "--out",
-        "r",
-    ];
+    let args = words("compare paper --engines native-reduced,native-lagrange --out r");
     let shown = done(run_in(dir.path(), args.iter().chain(&SHORT)));
     for part in [
         "reduced / lagrange",
@@ -194,14 +185,7 @@ fn program_diverged_run_ends_with_3_and_keeps_what_there_is() {
 #[test]
 fn program_compare_goes_on_when_engines_diverge() {
     let dir = tempfile::tempdir().unwrap();
-    let args = [
-        "compare",
-        "steel",
-        "--engines",
-        "native-reduced,native-lagrange",
-        "--out",
-        "s",
-    ];
+    let args = words("compare steel --engines native-reduced,native-lagrange --out s");
     let outcome = run_in(
         dir.path(),
         args.iter().chain(&[
@@ -337,15 +321,10 @@ fn bluntest(summary: &Value) -> f64 {
 /// A step that is asked for and too coarse: no pass by being blunt.
 #[test]
 fn program_what_is_inconclusive_ends_with_4() {
-    let (code, text, summary) = compared(&[
-        "backlash-0.6",
-        "--engines",
-        "native-reduced,native-lagrange",
-        "--set",
-        "solver.step_s=4e-5",
-        "--set",
-        "solver.duration_s=0.03",
-    ]);
+    let (code, text, summary) = compared(&words(
+        "backlash-0.6 --engines native-reduced,native-lagrange --set solver.step_s=4e-5 \
+         --set solver.duration_s=0.03",
+    ));
     assert_eq!(code, Some(4), "{text}");
     assert!(text.contains("NOT CONFIRMED"), "{text}");
     assert_eq!(summary["passed"], false);
@@ -404,19 +383,10 @@ fn program_own_gears_need_no_settings() {
 /// An engine whose time is spent says so; that is no failure of the scene.
 #[test]
 fn program_a_spent_budget_is_stated() {
-    let (code, text, summary) = compared(&[
-        "backlash-0.6",
-        "--engines",
-        "native-resolved,rapier-shared-law",
-        "--longest",
-        "0",
-        "--set",
-        "solver.duration_s=0.05",
-        "--set",
-        "name=own",
-        "--set",
-        "gear.backlash_m=0.00061",
-    ]);
+    let (code, text, summary) = compared(&words(
+        "backlash-0.6 --engines native-resolved,rapier-shared-law --longest 0 --set \
+         solver.duration_s=0.05 --set name=own --set gear.backlash_m=0.00061",
+    ));
     assert_eq!(code, Some(0), "{text}");
     assert!(
         summary["counts"]["inconclusive"].as_u64().unwrap() > 0,
@@ -454,14 +424,7 @@ fn program_replaces_its_own_output_and_with_force_any() {
     };
     done(run(&[]));
     // An earlier comparison there goes as a whole.
-    let compare = [
-        "compare",
-        "paper",
-        "--engines",
-        "native-reduced",
-        "--out",
-        "o",
-    ];
+    let compare = words("compare paper --engines native-reduced --out o");
     done(run_in(dir.path(), compare.iter().chain(&SHORT)));
     assert!(out.join("native-reduced/courses.csv").is_file());
     done(run(&["--set", "name=second"]));
@@ -559,12 +522,9 @@ fn program_survives_a_closed_pipe() {
 fn endless(dir: &Path, more: &[&str]) -> Child {
     let child = pinwheel()
         .args(["run", "paper", "--out", "never"])
-        .args([
-            "--set",
-            "solver.duration_s=10000",
-            "--set",
-            "solver.sample_s=0.01",
-        ])
+        .args(words(
+            "--set solver.duration_s=10000 --set solver.sample_s=0.01",
+        ))
         .args(more)
         .current_dir(dir)
         .stdin(Stdio::null())
@@ -639,12 +599,7 @@ fn program_works_from_any_folder() {
     // Recordings are embedded too; with live engines they are not needed.
     #[cfg(not(feature = "crossval"))]
     {
-        let words = [
-            "compare",
-            "paper",
-            "--engines",
-            "native-reduced,mujoco-own-contact",
-        ];
+        let words = words("compare paper --engines native-reduced,mujoco-own-contact");
         let shown = done(run_in(dir.path(), words));
         assert!(shown.contains("recorded"), "{shown}");
     }
@@ -705,16 +660,9 @@ fn program_opens_completes_and_has_a_manual() {
 /// Pages outlive what they name: links lead to files and headings, commands and their flags are those of this program.
 #[test]
 fn program_documents_name_what_is_there() {
-    let folders = [
-        ".",
-        "docs",
-        "docs/notes",
-        "python",
-        "solvers",
-        "reference/law-vectors",
-        "reference/recorded",
-    ];
-    let pages = folders.map(repository).into_iter().flat_map(|folder| {
+    let folders =
+        words(". docs docs/notes python solvers reference/law-vectors reference/recorded");
+    let pages = folders.into_iter().map(repository).flat_map(|folder| {
         let names = names_in(&folder).into_iter();
         let pages = names.filter(|name| name.ends_with(".md"));
         pages.map(move |name| folder.join(name)).collect::<Vec<_>>()

@@ -1,6 +1,6 @@
 //! `pinwheel bench` as a user meets it.
 
-use pinwheel_tests::{names_in, run_in};
+use pinwheel_tests::{names_in, run_in, words};
 use serde_json::Value;
 
 const SHORT: [&str; 2] = ["--set", "solver.duration_s=0.005"];
@@ -12,16 +12,8 @@ fn bench(dir: &std::path::Path, words: &[&str]) -> pinwheel_tests::Outcome {
 #[test]
 fn program_bench_writes_page_tables_and_summary() {
     let dir = tempfile::tempdir().unwrap();
-    let words = [
-        "--engines",
-        "native,rapier-shared-law",
-        "--methods",
-        "rk4,dopri5",
-        "--repeats",
-        "1",
-        "--out",
-        "b",
-    ];
+    let words =
+        words("--engines native,rapier-shared-law --methods rk4,dopri5 --repeats 1 --out b");
     let outcome = bench(dir.path(), &words);
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     assert_eq!(outcome.stderr, "", "progress belongs on terminals only");

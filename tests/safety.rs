@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use pinwheel_tests::{Outcome, names_in, pinwheel, repository, run_in};
+use pinwheel_tests::{Outcome, names_in, pinwheel, repository, run_in, words};
 
 const SHORT: [&str; 2] = ["--set", "solver.duration_s=0.002"];
 
@@ -78,14 +78,7 @@ fn regress_a_scenes_name_is_no_path() {
     ] {
         let text = format!("base = \"paper\"\nname = {name:?}\n[solver]\nduration_s = 0.002\n");
         fs::write(place.join("mine.toml"), text).unwrap();
-        let words = [
-            "record",
-            "mine.toml",
-            "--engines",
-            "rapier-shared-law",
-            "--out",
-            "rec",
-        ];
+        let words = words("record mine.toml --engines rapier-shared-law --out rec");
         let outcome = run_in(&place, words);
         assert!(outcome.code.is_some(), "{outcome:?}");
         let outcome = run_in(&place, ["run", "mine.toml", "--force"]);
@@ -210,14 +203,7 @@ fn regress_file_names_make_no_output_ours() {
     )
     .unwrap();
     for force in [&[][..], &["--force"]] {
-        let words = [
-            "compare",
-            "paper",
-            "--engines",
-            "native-reduced",
-            "--against",
-            "ours/courses.csv",
-        ];
+        let words = words("compare paper --engines native-reduced --against ours/courses.csv");
         let more = ["--map", "map.toml", "--out", "ours"];
         let outcome = run_in(
             dir.path(),
@@ -239,16 +225,7 @@ fn regress_file_names_make_no_output_ours() {
 #[test]
 fn regress_a_partial_measurement_replaces_no_complete_one() {
     let dir = tempfile::tempdir().unwrap();
-    let words = [
-        "bench",
-        "paper",
-        "--engines",
-        "native-reduced",
-        "--repeats",
-        "1",
-        "--out",
-        "b",
-    ];
+    let words = words("bench paper --engines native-reduced --repeats 1 --out b");
     let short = [&words[..], &["--methods", "rk4"], &SHORT].concat();
     assert_eq!(run_in(dir.path(), &short).code, Some(0));
     let before = fs::read_to_string(dir.path().join("b/summary.json")).unwrap();
@@ -281,14 +258,7 @@ fn regress_reserved_names_are_refused_before_the_run() {
     let mut csv = "time_s,a\n".to_owned();
     (0..20).for_each(|k| csv.push_str(&format!("{},1\n", 1e-4 * f64::from(k))));
     fs::write(dir.path().join("d.csv"), csv).unwrap();
-    let words = [
-        "compare",
-        "paper",
-        "--against",
-        "d.csv",
-        "--map",
-        "map.toml",
-    ];
+    let words = words("compare paper --against d.csv --map map.toml");
     assert_refused(&run_in(dir.path(), words.iter().chain(&SHORT)), "`name`");
     // The same by the file's own name, where the map gives none.
     fs::write(dir.path().join("map.toml"), &map[map.find('[').unwrap()..]).unwrap();
@@ -394,24 +364,11 @@ fn regress_no_number_where_there_is_none() {
     let dir = tempfile::tempdir().unwrap();
     let still = ["drive.output_torque_n_m=0", "drive.input_speed_rad_s=0"];
     let loose = ["drive.output_torque_n_m=0", "gear.backlash_m=0.0006"];
-    let compare = [
-        "compare",
-        "paper",
-        "--engines",
-        "native,rapier-shared-law",
-        "--longest",
-        "1",
-    ];
-    let bench = [
-        "bench",
-        "paper",
-        "--engines",
-        "native-reduced,rapier-shared-law",
-        "--methods",
-        "rk4",
-        "--repeats",
-        "1",
-    ];
+    let compare = words("compare paper --engines native,rapier-shared-law --longest 1");
+    let bench = words(
+        "bench paper --engines native-reduced,rapier-shared-law --methods rk4 --repeats \
+         1",
+    );
     for (words, sets) in [
         (&["run", "paper"][..], still),
         (&["run", "paper"], loose),
@@ -489,14 +446,7 @@ fn regress_what_matches_nothing_does_not_pass() {
     let map = "[columns]\ninput_torque_n_m = \"a\"\n[[limits]]\nquantity = \"nothing_n\"\nwindow = \"transient\"\n\
         metric = \"mean\"\nlimit = 0.1\nreason = \"x\"\n";
     fs::write(dir.path().join("m.toml"), map).unwrap();
-    let words = [
-        "compare",
-        "paper",
-        "--engines",
-        "native-reduced",
-        "--longest",
-        "1",
-    ];
+    let words = words("compare paper --engines native-reduced --longest 1");
     let against = ["--against", "d.csv", "--map", "m.toml"];
     let outcome = run_in(dir.path(), words.iter().chain(&against).chain(&SHORT));
     assert_refused(&outcome, "matches nothing");
@@ -549,16 +499,7 @@ fn regress_maps_are_bounded() {
         ),
     ] {
         fs::write(dir.path().join("map.toml"), map).unwrap();
-        let words = [
-            "compare",
-            "paper",
-            "--engines",
-            "native-reduced",
-            "--against",
-            "d.csv",
-            "--map",
-            "map.toml",
-        ];
+        let words = words("compare paper --engines native-reduced --against d.csv --map map.toml");
         let outcome = within(start(dir.path(), &[&words[..], &SHORT].concat()), 20.0);
         assert_refused(&outcome, part);
     }

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use pinwheel_tests::{pinwheel, repository, run_in};
+use pinwheel_tests::{pinwheel, repository, run_in, words};
 use pinwheel_timeseries::{TimeSeries, columns};
 use tempfile::TempDir;
 
@@ -70,13 +70,7 @@ fn conforms(language: &str, compiler: &str) {
     let Some(folder) = example(language, compiler) else {
         return;
     };
-    let words = [
-        "solver",
-        "check",
-        "mine/solver.toml",
-        "--junit",
-        "junit.xml",
-    ];
+    let words = words("solver check mine/solver.toml --junit junit.xml");
     let checked = run_in(folder.path(), words);
     assert_eq!(
         checked.code,
@@ -139,13 +133,7 @@ fn crossval_fortran_heun_is_native_rk2() {
         return;
     };
     let set = ["--set", "solver.duration_s=0.05"];
-    let head = [
-        "run",
-        "paper",
-        "--set",
-        "solver.integrator=rk2",
-        "--unchecked",
-    ];
+    let head = words("run paper --set solver.integrator=rk2 --unchecked");
     let native = time_series(
         folder.path(),
         &[&head[..], &set, &["--out", "native"]].concat(),
@@ -227,14 +215,7 @@ fn crossval_a_held_out_solver_joins_every_command() {
         "{junit}"
     );
 
-    let parts = [
-        "bench",
-        "paper",
-        "--engines",
-        "native-reduced",
-        "--methods",
-        "rk4",
-    ];
+    let parts = words("bench paper --engines native-reduced --methods rk4");
     let bench = run(&[&parts[..], &["--repeats", "1"]].concat());
     assert!(bench.contains("held-out-midpoint"), "{bench}");
 
@@ -249,14 +230,7 @@ fn crossval_a_held_out_solver_joins_every_command() {
 #[test]
 fn regress_a_baseline_sees_a_change_of_the_solver() {
     let Some(folder) = held_out() else { return };
-    let solver = [
-        "--dir",
-        "b",
-        "--only",
-        "eleven-pins",
-        "--solver",
-        "solver.toml",
-    ];
+    let solver = words("--dir b --only eleven-pins --solver solver.toml");
     let ran = |words: &[&str]| run_in(folder.path(), [words, &solver].concat());
     let recorded = ran(&["baseline", "record", "mine"]);
     assert_eq!(recorded.code, Some(0), "{}", recorded.stderr);

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use pinwheel_tests::{names_in, pinwheel, run_in};
+use pinwheel_tests::{names_in, pinwheel, run_in, words};
 use serde_json::Value;
 
 const SWEEP: &str = "\
@@ -38,14 +38,7 @@ fn a_sweep_writes_whole_results() {
         read(&out.join("results.csv"))
     );
     let names = names_in(&out);
-    for name in [
-        "costs.csv",
-        "index.html",
-        "results.csv",
-        "runs",
-        "summary.json",
-        "sweep.toml",
-    ] {
+    for name in words("costs.csv index.html results.csv runs summary.json sweep.toml") {
         assert!(names.iter().any(|n| n == name), "{name}: {names:?}");
     }
     assert_eq!(names_in(&out.join("runs")).len(), 8);

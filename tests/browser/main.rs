@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 use access::ACCESS;
 use chromium::{Chromium, Look};
-use pinwheel_tests::run_in;
+use pinwheel_tests::{run_in, words};
 use serde_json::Value;
 
 /// A phone, a tablet, a laptop and a desk.
@@ -244,16 +244,10 @@ fn browser_misses_curves_that_are_not_drawn() {
 
 /// The page of a short comparison, in `dir`.
 fn comparison(dir: &Path) -> PathBuf {
-    let args = [
-        "compare",
-        "paper",
-        "--engines",
-        "native-reduced,native-lagrange",
-        "--set",
-        "solver.duration_s=0.02",
-        "--out",
-        "r",
-    ];
+    let args = words(
+        "compare paper --engines native-reduced,native-lagrange --set \
+         solver.duration_s=0.02 --out r",
+    );
     let done = run_in(dir, args);
     assert_eq!(done.code, Some(0), "{done:?}");
     dir.join("r/index.html")

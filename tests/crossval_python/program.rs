@@ -3,7 +3,7 @@
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use pinwheel_tests::{Outcome, names_in, pinwheel, run_in};
+use pinwheel_tests::{Outcome, names_in, pinwheel, run_in, words};
 
 use super::ALL;
 
@@ -51,12 +51,9 @@ fn crossval_python_program_stops_when_asked() {
         let dir = tempfile::tempdir().unwrap();
         let mut child = pinwheel()
             .args(["run", "paper", "--engine", engine, "--out", "out"])
-            .args([
-                "--set",
-                "solver.duration_s=1000",
-                "--set",
-                "solver.sample_s=0.01",
-            ])
+            .args(words(
+                "--set solver.duration_s=1000 --set solver.sample_s=0.01",
+            ))
             .current_dir(dir.path())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -105,28 +102,19 @@ fn crossval_python_program_without_packages_falls_back_on_recordings() {
             .unwrap()
             .into()
     };
-    let outcome = run(&[
-        "compare",
-        "paper",
-        "--engines",
-        "native-resolved,mujoco-shared-law,exudyn-own-contact",
-        "--out",
-        "out",
-    ]);
+    let outcome = run(&words(
+        "compare paper --engines native-resolved,mujoco-shared-law,exudyn-own-contact \
+         --out out",
+    ));
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     assert!(outcome.stdout.contains("recorded"), "{}", outcome.stdout);
     let page = std::fs::read_to_string(dir.path().join("out/index.html")).unwrap();
     assert!(page.contains("Recorded on") && page.contains("because"));
     assert!(page.contains("PINWHEEL_WHEELS"), "the reason is told");
     // A scene that nothing was recorded of: an error with the remedies.
-    let outcome = run(&[
-        "run",
-        "one-wheel",
-        "--engine",
-        "mujoco-shared-law",
-        "--out",
-        "other",
-    ]);
+    let outcome = run(&words(
+        "run one-wheel --engine mujoco-shared-law --out other",
+    ));
     assert_eq!(outcome.code, Some(3), "{outcome:?}");
     for word in ["PINWHEEL_WHEELS", "PINWHEEL_PYTHON_ENV"] {
         assert!(outcome.stderr.contains(word), "{}", outcome.stderr);
@@ -138,16 +126,9 @@ fn crossval_python_program_without_packages_falls_back_on_recordings() {
         "half an environment: {left:?}"
     );
     // Nobody asked for these by name: what is here is compared, and why the others are not is said.
-    let outcome = run(&[
-        "compare",
-        "one-wheel",
-        "--set",
-        "solver.duration_s=0.002",
-        "--longest",
-        "1",
-        "--out",
-        "own",
-    ]);
+    let outcome = run(&words(
+        "compare one-wheel --set solver.duration_s=0.002 --longest 1 --out own",
+    ));
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     let page = std::fs::read_to_string(dir.path().join("own/index.html")).unwrap();
     assert!(page.contains("not on this machine"), "{}", outcome.stdout);
