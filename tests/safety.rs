@@ -187,27 +187,34 @@ fn regress_file_names_make_no_output_ours() {
     for name in ["summary.json", "index.html"] {
         fs::write(other.join(name), "another tool's").unwrap();
     }
-    let words = ["run", "paper", "--out", "other"];
-    assert_refused(&run_in(dir.path(), words.iter().chain(&SHORT)), "--force");
+    let other_words = ["run", "paper", "--out", "other"];
+    assert_refused(
+        &run_in(dir.path(), other_words.iter().chain(&SHORT)),
+        "--force",
+    );
     assert_eq!(
         fs::read_to_string(other.join("index.html")).unwrap(),
         "another tool's"
     );
 
     // Ours, with the data of a comparison in it: not replaced, with or without --force.
-    let words = ["run", "paper", "--out", "ours"];
-    assert_eq!(run_in(dir.path(), words.iter().chain(&SHORT)).code, Some(0));
+    let ours = ["run", "paper", "--out", "ours"];
+    assert_eq!(run_in(dir.path(), ours.iter().chain(&SHORT)).code, Some(0));
     fs::write(
         dir.path().join("map.toml"),
         "[columns]\ninput_torque_n_m = \"input_torque_n_m\"\n",
     )
     .unwrap();
     for force in [&[][..], &["--force"]] {
-        let words = words("compare paper --engines native-reduced --against ours/courses.csv");
+        let compare = "compare paper --engines native-reduced --against ours/courses.csv";
         let more = ["--map", "map.toml", "--out", "ours"];
         let outcome = run_in(
             dir.path(),
-            words.iter().chain(&more).chain(&SHORT).chain(force),
+            words(compare)
+                .iter()
+                .chain(&more)
+                .chain(&SHORT)
+                .chain(force),
         );
         assert_refused(&outcome, "ours/courses.csv");
     }
@@ -258,8 +265,12 @@ fn regress_reserved_names_are_refused_before_the_run() {
     let mut csv = "time_s,a\n".to_owned();
     (0..20).for_each(|k| csv.push_str(&format!("{},1\n", 1e-4 * f64::from(k))));
     fs::write(dir.path().join("d.csv"), csv).unwrap();
-    let words = words("compare paper --against d.csv --map map.toml");
-    assert_refused(&run_in(dir.path(), words.iter().chain(&SHORT)), "`name`");
+    let compare = "compare paper --map map.toml --against";
+    let against = |file: &str| {
+        let words = words(compare).into_iter().chain([file]).chain(SHORT);
+        run_in(dir.path(), words)
+    };
+    assert_refused(&against("d.csv"), "`name`");
     // The same by the file's own name, where the map gives none.
     fs::write(dir.path().join("map.toml"), &map[map.find('[').unwrap()..]).unwrap();
     fs::rename(
@@ -267,14 +278,7 @@ fn regress_reserved_names_are_refused_before_the_run() {
         dir.path().join("Summary.JSON.csv"),
     )
     .unwrap();
-    let words = words.map(|word| {
-        if word == "d.csv" {
-            "Summary.JSON.csv"
-        } else {
-            word
-        }
-    });
-    assert_refused(&run_in(dir.path(), words.iter().chain(&SHORT)), "`name`");
+    assert_refused(&against("Summary.JSON.csv"), "`name`");
     assert!(!dir.path().join("out").exists());
 }
 
