@@ -124,23 +124,14 @@ impl<'a> Statics<'a> {
     /// Puts all bodies at the input angle `phi` and the given angles.
     fn place(&mut self, phi: f64, wheels: &[f64], psi: f64) {
         let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
-        let Motion {
-            speed,
-            wheel_rates,
-            output_rate,
-            ..
-        } = &self.motion;
-        let (input, output) = ([phi, *speed], [psi, *output_rate]);
-        (
-            self.bodies[Layout::INPUT].angle,
-            self.bodies[Layout::INPUT].rate,
-        ) = (phi, *speed);
-        (
-            self.bodies[Layout::OUTPUT].angle,
-            self.bodies[Layout::OUTPUT].rate,
-        ) = (psi, *output_rate);
+        let motion = &self.motion;
+        let (input, output) = ([phi, motion.speed], [psi, motion.output_rate]);
+        for (body, [angle, rate]) in [(Layout::INPUT, input), (Layout::OUTPUT, output)] {
+            self.bodies[body].angle = angle;
+            self.bodies[body].rate = rate;
+        }
         for (i, body) in layout.wheel_bodies().enumerate() {
-            self.bodies[body] = geometry.wheel_state(i, input, [wheels[i], wheel_rates[i]]);
+            self.bodies[body] = geometry.wheel_state(i, input, [wheels[i], motion.wheel_rates[i]]);
         }
         for (k, body) in layout.internal_bodies().enumerate() {
             self.bodies[body] = geometry.internal_state(k, output);
