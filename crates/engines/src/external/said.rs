@@ -94,13 +94,19 @@ pub(super) struct Heard {
     pub(super) reached_s: Option<f64>,
     pub(super) notes: Vec<String>,
     /// Its last line that is no order and not empty.
-    last: Option<String>,
+    last: Vec<u8>,
 }
 
 impl Heard {
     pub(super) fn take(&mut self, piece: &Piece) {
         self.bytes += piece.bytes.len() as u64;
-        for &byte in &piece.bytes {
+        let mut bytes = piece.bytes.as_slice();
+        // Of stdout only the last line may count: whoever floods it is not to be listened to for long.
+        if !piece.stderr && bytes.len() > LINE {
+            bytes = &bytes[bytes.len() - LINE..];
+            self.lines[0].clear();
+        }
+        for &byte in bytes {
             let line = &mut self.lines[usize::from(piece.stderr)];
             if byte == b'\n' {
                 self.understand(piece.stderr);
@@ -112,29 +118,36 @@ impl Heard {
 
     /// Orders are understood on stderr alone.
     fn understand(&mut self, stderr: bool) {
-        let line = std::mem::take(&mut self.lines[usize::from(stderr)]);
-        let text = String::from_utf8_lossy(&line);
-        let text = text.trim();
-        if let Some(time) = text.strip_prefix("@t ").filter(|_| stderr) {
-            let time = time.trim().parse().ok();
-            self.reached_s = time
-                .filter(|time: &f64| time.is_finite())
-                .or(self.reached_s);
-        } else if let Some(note) = text.strip_prefix("@note ").filter(|_| stderr) {
-            if self.notes.len() < NOTES {
-                self.notes.push(plain(note, WORDS));
+        let line = &mut self.lines[usize::from(stderr)];
+        let is_said = {
+            let text = String::from_utf8_lossy(line);
+            let text = text.trim();
+            if let Some(time) = text.strip_prefix("@t ").filter(|_| stderr) {
+                let time = time.trim().parse().ok();
+                let time = time.filter(|time: &f64| time.is_finite());
+                self.reached_s = time.or(self.reached_s);
+                false
+            } else if let Some(note) = text.strip_prefix("@note ").filter(|_| stderr) {
+                if self.notes.len() < NOTES {
+                    self.notes.push(plain(note, WORDS));
+                }
+                false
+            } else {
+                !text.is_empty()
             }
-        } else {
-            let line = Some(plain(text, WORDS)).filter(|line| !line.is_empty());
-            self.last = line.or(self.last.take());
+        };
+        if is_said {
+            std::mem::swap(&mut self.last, line);
         }
+        line.clear();
     }
 
     /// The last thing it said, when it is over.
     pub(super) fn last(&mut self) -> Option<String> {
         self.understand(false);
         self.understand(true);
-        self.last.take()
+        let last = plain(&String::from_utf8_lossy(&self.last), WORDS);
+        Some(last).filter(|last| !last.is_empty())
     }
 }
 
