@@ -32,7 +32,7 @@ pub(super) struct Law {
 const SOUND_CALLS: u64 = 300;
 
 /// All laws so far. Those that are gone stay: they are what tells stale from alive.
-static LAWS: Handles<Arc<Law>> = Handles::new();
+static LAWS: Handles<Law> = Handles::new();
 
 /// What a lock guards here is valid after a panic, too.
 pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -40,7 +40,7 @@ pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// What stands behind a number, or `None` if it was never handed out.
-pub(super) fn find(number: usize) -> Option<Arc<Arc<Law>>> {
+pub(super) fn find(number: usize) -> Option<Arc<Law>> {
     LAWS.find(std::ptr::without_provenance::<u8>(number))
 }
 
@@ -76,7 +76,7 @@ impl Published {
     pub(super) fn new(gearbox: &Gearbox) -> Result<Self, Ending> {
         let field = gearbox.contact_field().map_err(Ending::unsupported)?;
         let bodies = gearbox.layout.bodies();
-        let law = Arc::new(Law {
+        let number = LAWS.open::<u8>(Law {
             bodies,
             every: if armed(Fault::FrozenLoads) { 4 } else { 1 },
             evaluator: Mutex::new(Some(Evaluator::new(field, bodies))),
@@ -87,7 +87,8 @@ impl Published {
                 () => None,
             },
         });
-        let number = LAWS.open::<u8>(Arc::clone(&law)).addr();
+        let number = number.addr();
+        let law = find(number).ok_or_else(|| Ending::failed("its law was closed"))?;
         Ok(Self { number, law })
     }
 }
