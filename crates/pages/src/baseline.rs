@@ -295,17 +295,10 @@ fn costs_blocks(check: &Check) -> Vec<Block> {
         .text("verdict", "Verdict", |(_, cost)| cost.verdict.label())
         .marked(|(_, cost)| mark(cost.verdict))
         .done();
-    let mut blocks = vec![match table.is_empty() {
+    vec![match table.is_empty() {
         true => Block::text("No count differs from the accepted one."),
         false => Block::Table(table),
-    }];
-    if !check.after.no_instructions.is_empty() {
-        blocks.push(Block::Text(format!(
-            "Instructions were not compared: {}.",
-            check.after.no_instructions
-        )));
-    }
-    blocks
+    }]
 }
 
 fn history_blocks(baseline: &Baseline, check: &Check) -> Vec<Block> {

@@ -66,23 +66,33 @@ pub fn settings(scene: &Scene, by: &str) -> [Setting; 2] {
     }
 }
 
-/// The scene's time series by such a setting, in the reduced form.
+/// The scene in the reduced form with such a setting.
+pub(crate) fn scene(scene: &Scene, (integrator, setting): Setting) -> Scene {
+    let setting = match Knob::of(integrator) {
+        Knob::Step => setting / Frequencies::of(scene).contact_rad_s,
+        Knob::Tolerance => setting,
+    };
+    reduced_by(scene, integrator, setting)
+}
+
+/// The scene's time series by such a setting.
 ///
 /// # Errors
 /// Cancelled, a scene that cannot be modelled, or a run that does not get through.
 pub fn solve(
     scene: &Scene,
-    (integrator, setting): Setting,
+    setting: Setting,
     control: &Control<'_>,
 ) -> Result<(Solution, TimeSeries), StudyError> {
-    let setting = match Knob::of(integrator) {
-        Knob::Step => setting / Frequencies::of(scene).contact_rad_s,
-        Knob::Tolerance => setting,
-    };
-    let run = complete(&reduced_by(scene, integrator, setting), control)?;
+    let scene = self::scene(scene, setting);
+    let run = complete(&scene, control)?;
+    let solver = &scene.solver;
     let solution = Solution {
-        method: integrator.to_owned(),
-        setting,
+        method: solver.integrator.clone(),
+        setting: match Knob::of(&solver.integrator) {
+            Knob::Step => solver.step_s,
+            Knob::Tolerance => solver.tolerance,
+        },
         rhs_calls: run.counts.evaluations,
     };
     Ok((solution, run.time_series))

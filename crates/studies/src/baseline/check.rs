@@ -81,10 +81,6 @@ pub fn check(
         jobs.push(plain_job(case, choice, &options)?);
     }
     let results = run_all(&jobs, options.threads, control)?;
-    let made = &baseline.made;
-    let comparable = made.build == here.build
-        && made.vectors == here.vectors
-        && made.processor == here.processor;
     let mut cases = Vec::new();
     for (((case, choice), job), result) in pairs.iter().zip(&jobs).zip(results) {
         let mut scenes = baseline.scenes.iter();
@@ -100,7 +96,7 @@ pub fn check(
             None => method(&integrator).is_some_and(|m| m.adaptive),
         };
         let mut found = CaseCheck::new(&case.name, choice.name);
-        found.judge(accepted, result, adaptive, comparable);
+        found.judge(accepted, result, adaptive);
         cases.push(found);
     }
     // Cases of the baseline that the set no longer has: what is not run cannot be called unchanged.
@@ -119,7 +115,7 @@ pub fn check(
     }
     let verdict = cases.iter().map(|case| case.verdict).max();
     Ok(Check {
-        before: made.clone(),
+        before: baseline.made.clone(),
         after: here,
         verdict: verdict.unwrap_or(Verdict::New),
         cases,
@@ -145,7 +141,6 @@ impl CaseCheck {
         accepted: Option<(&SceneSnapshot, &CaseSnapshot)>,
         result: RunResult,
         adaptive: bool,
-        comparable: bool,
     ) {
         let run = match result {
             Ok(run) => run,
@@ -161,7 +156,7 @@ impl CaseCheck {
             return;
         };
         self.quantities = self.quantities(&run, scene, accepted);
-        self.costs = judge::costs(accepted, &run.costs, adaptive, comparable);
+        self.costs = judge::costs(accepted, &run.costs, adaptive);
         let verdicts = self.quantities.iter().map(|q| q.verdict);
         let verdicts = verdicts.chain(self.costs.iter().map(|c| c.verdict));
         // Without a number nothing is the same.

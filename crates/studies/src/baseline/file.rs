@@ -48,8 +48,6 @@ pub struct Made {
     pub vectors: String,
     /// Model of the processor.
     pub processor: String,
-    /// Why instructions were not counted; empty if they were.
-    pub no_instructions: String,
 }
 
 /// Why a state was accepted.

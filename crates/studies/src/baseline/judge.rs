@@ -116,14 +116,8 @@ pub(super) fn quantity(
     })
 }
 
-/// All costs of a case. `adaptive`: a step control chose the steps. `comparable`: instructions are of the same build
-/// and processor.
-pub(super) fn costs(
-    accepted: &CaseSnapshot,
-    after: &Costs,
-    adaptive: bool,
-    comparable: bool,
-) -> Vec<CostCheck> {
+/// All costs of a case. `adaptive`: a step control chose the steps.
+pub(super) fn costs(accepted: &CaseSnapshot, after: &Costs, adaptive: bool) -> Vec<CostCheck> {
     let before = accepted.costs;
     let share = if adaptive {
         limits::ADAPTIVE_COUNT_SHARE.max(limits::FLIP_MARGIN * accepted.count_spread)
@@ -152,10 +146,6 @@ pub(super) fn costs(
     if before.newton_steps + after.newton_steps > 0 {
         let share = limits::NEWTON_SHARE.max(share);
         add("Newton steps", |c| c.newton_steps, share, 0.0);
-    }
-    if comparable && before.instructions.is_some() && after.instructions.is_some() {
-        let share = limits::INSTRUCTION_SHARE.max(share);
-        add("instructions", |c| c.instructions.unwrap_or(0), share, 0.0);
     }
     found
 }

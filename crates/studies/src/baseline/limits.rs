@@ -41,9 +41,6 @@ pub const REJECTIONS: f64 = 5.0;
 /// Newton steps may move by this share: contacts near a switch need one more or one less.
 pub const NEWTON_SHARE: f64 = 0.02;
 
-/// Instructions may move by this share on the same build and processor: counters and the system's own work.
-pub const INSTRUCTION_SHARE: f64 = 0.01;
-
 /// What a reader should know of the limits.
 #[must_use]
 pub fn table() -> Table {
@@ -81,11 +78,6 @@ pub fn table() -> Table {
             "Newton steps",
             percent(NEWTON_SHARE),
             "contacts near a switch need one more or one less",
-        ),
-        (
-            "instructions",
-            percent(INSTRUCTION_SHARE),
-            "judged only on the build and vector instructions that were recorded",
         ),
     ];
     Table::of("What a figure may move by", &rows)

@@ -8,7 +8,6 @@
 mod cases;
 mod check;
 mod file;
-mod instructions;
 mod judge;
 pub mod limits;
 mod record;
@@ -115,10 +114,6 @@ pub fn made(kernel: Kernel) -> Made {
         build: here.machine.build.to_owned(),
         vectors: kernel.vectors().to_owned(),
         processor: here.machine.processor,
-        no_instructions: instructions::Counter::new()
-            .refusal()
-            .unwrap_or_default()
-            .to_owned(),
     }
 }
 

@@ -12,14 +12,8 @@ use super::file::{
 };
 use super::runner::{Costs, Finished, Job, RunResult, run_all};
 use super::snapshot::{Quantity, Statistics};
-use crate::StudyError;
-use crate::control::{Control, compile, reduced_by};
-
-/// Tolerances of the converged run, by Dormand and Prince's method in the reduced form, and of the run that tells its error.
-///
-/// They are far below every choice of the set, also for friction (stiff, but over 20 ms it can be followed) and for
-/// discrete points (each jump of a force is met by rejected steps).
-const CONVERGED: [f64; 2] = [1e-10, 1e-9];
+use crate::control::{Control, compile};
+use crate::{StudyError, reference};
 
 /// Runs everything and puts it together; `accepted` is the history, the reason for this record at its end.
 ///
@@ -77,15 +71,12 @@ pub(super) fn plain_job(
 
 /// The converged run and the one that tells its error.
 fn converged_jobs(scene: &Scene) -> [Job; 2] {
-    CONVERGED.map(|tolerance| {
-        let mut scene = reduced_by(scene, "dopri5", tolerance);
-        scene.solver.step_s = 1e-7;
-        Job {
-            label: format!("{}, converged at {tolerance:e}", scene.name),
-            scene,
-            kernel: Kernel::Lanes,
-            solver: None,
-        }
+    let [second, first] = reference::settings(scene, "dopri5");
+    [first, second].map(|setting| Job {
+        label: format!("{}, converged by {}", scene.name, setting.0),
+        scene: reference::scene(scene, setting),
+        kernel: Kernel::Lanes,
+        solver: None,
     })
 }
 

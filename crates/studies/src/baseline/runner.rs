@@ -7,7 +7,6 @@ use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use super::instructions::Counter;
 use super::snapshot::{self, Quantity, Statistics};
 use crate::StudyError;
 use crate::control::{self, Control, Progress};
@@ -24,9 +23,6 @@ pub struct Costs {
     pub rejections: u64,
     /// Newton steps of implicit stages.
     pub newton_steps: u64,
-    /// Instructions in user space, where the machine counts them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub instructions: Option<u64>,
 }
 
 /// A run that came to its end.
@@ -53,20 +49,18 @@ pub(super) struct Job {
 }
 
 /// Makes one run on this thread.
-fn run(job: &Job, cancel: &AtomicBool, counter: &mut Counter) -> Result<RunResult, StudyError> {
+fn run(job: &Job, cancel: &AtomicBool) -> Result<RunResult, StudyError> {
     let mut gearbox = control::compile(&job.scene)?;
     gearbox.kernel = job.kernel;
     let (ending, time_series, account, joint_drift_m, costs) = match &job.solver {
         None => {
             let mut watch = |_| cancel.load(Ordering::Relaxed);
-            let (run, instructions) = counter.count(|| control::run_compiled(&gearbox, &mut watch));
-            let run = run?;
+            let run = control::run_compiled(&gearbox, &mut watch)?;
             let costs = Costs {
                 right_hand_sides: run.counts.evaluations,
                 steps: run.counts.steps,
                 rejections: run.counts.rejected,
                 newton_steps: run.newton_steps,
-                instructions,
             };
             let account = run.energy.total();
             (
@@ -113,11 +107,16 @@ pub(super) fn run_all(
     control: &Control<'_>,
 ) -> Result<Vec<RunResult>, StudyError> {
     let begun = AtomicUsize::new(0);
-    let (results, failed) = pool::map(threads, jobs.len(), Counter::new, |counter, k| {
-        let done = begun.fetch_add(1, Ordering::Relaxed);
-        (control.progress)(Progress::new(done, jobs.len(), &jobs[k].label));
-        run(&jobs[k], control.cancel, counter)
-    });
+    let (results, failed) = pool::map(
+        threads,
+        jobs.len(),
+        || (),
+        |(), k| {
+            let done = begun.fetch_add(1, Ordering::Relaxed);
+            (control.progress)(Progress::new(done, jobs.len(), &jobs[k].label));
+            run(&jobs[k], control.cancel)
+        },
+    );
     match failed {
         Some(error) => Err(error),
         None => Ok(results.into_iter().flatten().collect()),
