@@ -18,7 +18,7 @@ use super::*;
 use closed_forms::{LinearMesh, LinearOutput};
 
 #[allow(dead_code, reason = "the gearbox's own tests use the rest")]
-#[path = "../../crates/gearbox/tests/common/closed_forms.rs"]
+#[path = "../../crates/gearbox/tests/suite/common/closed_forms.rs"]
 mod closed_forms;
 
 const CYCLOIDGEN: Requirements = Requirements {

@@ -1,10 +1,10 @@
 //! Every method on mechanisms with published solutions, at one accuracy each:
 //! `cargo bench -p pinwheel-benches --bench mechanisms`.
 //!
-//! Lagrange form with projection. `crates/mbs/tests/published_mechanisms.rs` holds the solutions against the
+//! Lagrange form with projection. `crates/mbs/tests/suite/published_mechanisms.rs` holds the solutions against the
 //! published ones.
 
-#[path = "../../mbs/tests/mechanisms/mod.rs"]
+#[path = "../../mbs/tests/suite/mechanisms/mod.rs"]
 mod mechanisms;
 
 use std::hint::black_box;

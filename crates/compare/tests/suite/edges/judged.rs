@@ -1,0 +1,228 @@
+//! Whose reason, window and value it is that judges.
+
+use super::common::{context, participant, time_series};
+use super::refinement::levels;
+use super::{FORCE, entry, native, other};
+use pinwheel_compare::{
+    Context, Divergence, Evidence, Metric, Rules, Scales, StatedLimit, Track, Verdict, WindowKind,
+    compare,
+};
+use pinwheel_timeseries::TimeSeries;
+
+fn unknown(name: &str) -> Evidence {
+    Evidence::unknown(name, "nobody knows", "ask")
+}
+
+/// The forces with one value replaced.
+fn spoiled(value: f64) -> TimeSeries {
+    let base = time_series(1.0);
+    let mut found = TimeSeries::new(base.time_s().to_vec()).unwrap();
+    for channel in base.channels() {
+        let mut values = channel.values.clone();
+        if channel.name.starts_with(FORCE) {
+            values[500] = value;
+        }
+        found.push(channel.name.clone(), values).unwrap();
+    }
+    found
+}
+
+/// That another engine can bring nothing sharper says nothing of this one.
+#[test]
+fn regress_a_reason_is_its_engines_own() {
+    let at = |evidence: [Evidence; 2]| {
+        let rules = Rules {
+            evidence: &evidence,
+            ..Rules::default()
+        };
+        let pair = [native(), other(Track::SharedLaw, 1.0)];
+        let found = compare(&context(), &pair, &rules).unwrap();
+        let result = entry(&found, WindowKind::Steady).result.clone();
+        assert_eq!(result.verdict, Verdict::Inconclusive);
+        let name = result.participant.unwrap();
+        (name, result.actionable, found.counts.exit_status())
+    };
+    let told = |name: &str, actionable, status| (name.to_owned(), actionable, status);
+    let found = at([
+        unknown("native"),
+        unknown("other").finally("old", "it is old"),
+    ]);
+    assert_eq!(found, told("native", true, 4));
+    let found = at([
+        unknown("native").finally("new", "it is new"),
+        unknown("other"),
+    ]);
+    assert_eq!(found, told("native", false, 0));
+}
+
+/// A limit stated for one window of measured data says nothing of the other, and holds up to its very value.
+#[test]
+fn regress_stated_limits_hold_in_their_window() {
+    let at = |limit: f64| {
+        let stated = [StatedLimit {
+            engine: "other".to_owned(),
+            window: WindowKind::Steady,
+            quantity: "*_force_n".to_owned(),
+            metric: Metric::RelativeL2,
+            limit,
+            reason: "Test.".to_owned(),
+        }];
+        let rules = Rules {
+            stated: &stated,
+            ..Rules::default()
+        };
+        let pair = [native(), other(Track::Measured, 0.99)];
+        compare(&context(), &pair, &rules).unwrap()
+    };
+    let found = at(0.1);
+    let result = &entry(&found, WindowKind::Steady).result;
+    assert_eq!(result.verdict, Verdict::Agree);
+    let transient = &entry(&found, WindowKind::Transient).result;
+    assert_eq!(transient.verdict, Verdict::NotCompared, "{transient:?}");
+    let value = result.difference.unwrap();
+    assert_eq!(result.share(), value / 0.1);
+    assert_eq!(
+        entry(&at(value), WindowKind::Steady).result.verdict,
+        Verdict::Agree
+    );
+    let below = at(value.next_down());
+    let below = &entry(&below, WindowKind::Steady).result;
+    assert_eq!(below.verdict, Verdict::Differ);
+}
+
+/// A mean that balances the load does so whatever is known of it; one that does not is not resolved where its
+/// uncertainty is not known.
+#[test]
+fn regress_an_unknown_mean_is_not_held_against_the_load() {
+    let at = |scale: f64| {
+        let base = time_series(1.0);
+        let mut turned = TimeSeries::new(base.time_s().to_vec()).unwrap();
+        for channel in base.channels() {
+            let output = channel.name == "output_torque_n_m";
+            let factor = if output { scale } else { 1.0 };
+            let values = channel.values.iter().map(|v| factor * v).collect();
+            turned.push(channel.name.clone(), values).unwrap();
+        }
+        let evidence = [unknown("native")];
+        let rules = Rules {
+            evidence: &evidence,
+            ..Rules::default()
+        };
+        let one = [participant("native", Track::Native, turned)];
+        let found = compare(&context(), &one, &rules).unwrap();
+        found.engines[0].judged[0].result.verdict
+    };
+    assert_eq!(at(1.0), Verdict::Agree);
+    assert_eq!(at(1.01), Verdict::Inconclusive);
+}
+
+/// Beyond the horizon means and RMS are judged, and no sample is held against a sample.
+#[test]
+fn regress_beyond_the_horizon_figures_are_judged() {
+    let parted = Context {
+        divergence: Some(Divergence {
+            horizon_s: Some(0.1),
+            largest_share: 1.0,
+            told: String::new(),
+        }),
+        ..context()
+    };
+    for track in [Track::SharedLaw, Track::OwnContact] {
+        let evidence = [unknown("native"), unknown("other")];
+        let rules = Rules {
+            evidence: &evidence,
+            tolerances: &crate::common::TOLERANCES,
+            ..Rules::default()
+        };
+        let pair = [native(), other(track, 1.0)];
+        let found = compare(&parted, &pair, &rules).unwrap();
+        let judged = &entry(&found, WindowKind::Steady).assessments;
+        assert!(!judged.is_empty(), "{track:?}");
+        assert!(
+            judged.iter().all(|j| !j.metric.unwrap().is_pointwise()),
+            "{judged:?}"
+        );
+        // Means are held against uncertainties there; a model of which nothing is stated against nothing.
+        let compared = judged.iter().any(|j| j.verdict != Verdict::NotCompared);
+        assert_eq!(compared, track == Track::SharedLaw, "{judged:?}");
+    }
+    // What a model states of means is judged on both sides of the horizon, what it states of samples before it alone; in the
+    // place of what is not stated stands a distance without a statement.
+    let first = |scene: &Context, name: &str, quantity: &str| {
+        let own = participant(name, Track::OwnContact, time_series(1.0));
+        let evidence = [unknown("native"), unknown(name)];
+        let rules = Rules {
+            evidence: &evidence,
+            tolerances: &crate::common::TOLERANCES,
+            ..Rules::default()
+        };
+        let found = compare(scene, &[native(), own], &rules).unwrap();
+        let mut entries = found.pairs[0].entries.iter();
+        let entry = entries.find(|e| e.quantity == quantity && e.window == WindowKind::Steady);
+        let judged = &entry.unwrap().assessments;
+        assert_eq!(judged.len(), 1, "{judged:?}");
+        (
+            judged[0].metric.unwrap(),
+            !judged[0].reason.contains("state no tolerance"),
+        )
+    };
+    let (bed, torque) = ("mujoco-own-contact", "input_torque_n_m");
+    assert_eq!(first(&context(), bed, torque), (Metric::Mean, true));
+    assert_eq!(first(&parted, bed, torque), (Metric::Mean, true));
+    assert_eq!(first(&context(), bed, FORCE), (Metric::RelativeL2, true));
+    assert_eq!(first(&parted, bed, FORCE), (Metric::Mean, false));
+    let other = "other";
+    assert_eq!(first(&context(), other, FORCE), (Metric::RelativeL2, false));
+    assert_eq!(first(&parted, other, FORCE), (Metric::Mean, false));
+}
+
+/// What is not a number is no agreement, and the engine that gave it is named.
+#[test]
+fn hard_what_is_not_finite_is_inconclusive() {
+    for (a, b, who) in [(f64::NAN, 1.0, "native"), (1.0, f64::INFINITY, "other")] {
+        let evidence =
+            [unknown("native"), unknown("other")].map(|e| e.finally("peers", "no study"));
+        let rules = Rules {
+            evidence: &evidence,
+            ..Rules::default()
+        };
+        let pair = [
+            participant("native", Track::Native, spoiled(a)),
+            participant("other", Track::SharedLaw, spoiled(b)),
+        ];
+        let found = compare(&context(), &pair, &rules).unwrap();
+        let steady = entry(&found, WindowKind::Steady);
+        let told = steady.assessments.iter().filter(|j| j.difference.is_none());
+        let told: Vec<_> = told.collect();
+        assert!(
+            !told.is_empty() && told.iter().all(|j| j.decides),
+            "{told:?}"
+        );
+        assert_eq!(told[0].verdict, Verdict::Inconclusive);
+        assert_eq!(told[0].participant.as_deref(), Some(who));
+        assert!(told[0].reason.contains("not finite"), "{:?}", told[0]);
+        assert_ne!(steady.result.verdict, Verdict::Agree);
+    }
+}
+
+/// Two engines that show nothing but zeros, and so do their coarser runs, agree: there is nothing to be uncertain of.
+#[test]
+fn zeros_agree() {
+    let evidence =
+        ["native", "other"].map(|name| levels(name, [time_series(0.0), time_series(0.0)]));
+    let rules = Rules {
+        evidence: &evidence,
+        ..Rules::default()
+    };
+    let free = Context {
+        scales: Scales::default(),
+        ..context()
+    };
+    let pair = [
+        participant("native", Track::Native, time_series(0.0)),
+        other(Track::SharedLaw, 0.0),
+    ];
+    let found = compare(&free, &pair, &rules).unwrap();
+    let result = &entry(&found, WindowKind::Steady).result;
+    assert_eq!(result.verdict, Verdict::Agree, "{result:?}");
+}

@@ -1,0 +1,27 @@
+//! What a run of mutants over the judge left alive: each test kills one that nothing else did (docs/notes/mutation.md).
+
+use super::common;
+mod judged;
+mod refinement;
+mod verdicts;
+
+use common::{participant, time_series};
+use pinwheel_compare::comparison::{Comparison, PairEntry};
+use pinwheel_compare::{Participant, Track, WindowKind};
+
+const FORCE: &str = "external_sleeve_force_n";
+
+fn native() -> Participant {
+    participant("native", Track::Native, time_series(1.0))
+}
+
+fn other(track: Track, scale: f64) -> Participant {
+    participant("other", track, time_series(scale))
+}
+
+fn entry(found: &Comparison, window: WindowKind) -> &PairEntry {
+    let mut entries = found.pairs[0].entries.iter();
+    entries
+        .find(|e| e.quantity == FORCE && e.window == window)
+        .unwrap()
+}

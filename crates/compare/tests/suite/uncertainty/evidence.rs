@@ -1,0 +1,121 @@
+//! Who must show what.
+
+use super::common::time_series;
+use super::{FORCE, anywhere, engine, entry, native};
+use pinwheel_compare::uncertainty::{Method, Source, Unresolved};
+use pinwheel_compare::{
+    Assessment, CompareError, Evidence, Level, RefinementStudy, Rules, Track, Verdict, compare,
+};
+use pinwheel_timeseries::TimeSeries;
+
+#[test]
+fn a_participant_without_evidence_is_named() {
+    let (bare, _) = engine("peer", Track::SharedLaw, &time_series(1.0), 1e-5, 2.0, &[]);
+    let (own, study) = native(1e-5);
+    let found = |peer: Option<Source>| {
+        let mut evidence = vec![study.clone()];
+        evidence.extend(peer.map(|source| Evidence {
+            engine: "peer".to_owned(),
+            source,
+            is_final: None,
+            floor: 0.0,
+        }));
+        let rules = Rules {
+            evidence: &evidence,
+            ..Rules::default()
+        };
+        let found = compare(&anywhere(), &[own.clone(), bare.clone()], &rules).unwrap();
+        let result = entry(&found, FORCE).result.clone();
+        (result, found)
+    };
+    let named = |found: &Assessment, words: &str| {
+        found.verdict == Verdict::Inconclusive
+            && found.participant.as_deref() == Some("peer")
+            && found.reason.contains(words)
+            && !found.remedy.is_empty()
+    };
+    assert!(named(&found(None).0, "not known"));
+    let unknown = Source::Unknown(Unresolved {
+        reason: "its recording says nothing of its error".to_owned(),
+        remedy: "run it live".to_owned(),
+    });
+    assert!(named(&found(Some(unknown)).0, "recording says nothing"));
+    let ladder_of = |run: Result<TimeSeries, String>, refinement: f64| {
+        Source::Refinement(RefinementStudy {
+            method: Method::Tolerance { order: 1.0 },
+            finest: 1e-6,
+            coarser: vec![Level {
+                refinement,
+                run,
+                wall_s: 0.0,
+            }],
+        })
+    };
+    let failed = ladder_of(Err("diverged at t = 0.01 s".to_owned()), 10.0);
+    assert!(named(&found(Some(failed)).0, "diverged at t = 0.01 s"));
+    let few: Vec<usize> = (0..600).collect();
+    assert!(named(
+        &found(Some(ladder_of(Ok(time_series(1.0).select(&few)), 10.0))).0,
+        "sample times"
+    ));
+    assert!(named(
+        &found(Some(ladder_of(Ok(time_series(1.0)), 1.0))).0,
+        "refinement 1"
+    ));
+    assert!(named(
+        &found(Some(ladder_of(
+            Ok(TimeSeries::new(time_series(1.0).time_s().to_vec()).unwrap()),
+            2.0
+        )))
+        .0,
+        "lacks"
+    ));
+    // A closed form, and uncertainties that were written down with a recording.
+    let exact = found(Some(Source::Exact(1e-12))).0.verdict;
+    assert!(matches!(exact, Verdict::Agree | Verdict::Differ));
+    let (_, live) = found(Some(
+        engine(
+            "peer",
+            Track::SharedLaw,
+            &time_series(1.0),
+            1e-5,
+            2.0,
+            &[2.0, 4.0],
+        )
+        .1
+        .source,
+    ));
+    let window = |kind| live.windows.iter().find(|w| w.kind == kind).unwrap();
+    let list = live.engines[1].uncertainty.iter();
+    let list = list.map(|known| known.to_record(window(known.window)));
+    let recorded = found(Some(Source::Recorded(list.collect()))).0;
+    assert_eq!(recorded, entry(&live, FORCE).result);
+    assert!(named(
+        &found(Some(Source::Recorded(Vec::new()))).0,
+        "recording holds no"
+    ));
+}
+
+#[test]
+fn bad_input_evidence_for_nobody() {
+    let (own, evidence) = native(1e-5);
+    let refused = |list: &[Evidence]| {
+        let rules = Rules {
+            evidence: list,
+            ..Rules::default()
+        };
+        compare(&anywhere(), std::slice::from_ref(&own), &rules).unwrap_err()
+    };
+    let other = Evidence {
+        engine: "nobody".to_owned(),
+        ..evidence.clone()
+    };
+    assert_eq!(
+        refused(&[other]),
+        CompareError::Evidence("nobody".to_owned())
+    );
+    assert_eq!(
+        refused(&[evidence.clone(), evidence.clone()]),
+        CompareError::Evidence("native".to_owned())
+    );
+}

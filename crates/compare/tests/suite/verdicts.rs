@@ -1,0 +1,448 @@
+//! Whole comparisons with known outcomes.
+
+use super::common;
+
+use common::{context, participant, time_series};
+use pinwheel_compare::{
+    CompareError, Comparison, Context, Metric, Participant, Rules, StatedLimit, Status, Track,
+    Verdict, WindowKind, compare,
+};
+use pinwheel_timeseries::TimeSeries;
+
+/// A limit stated for the forces of the measured participant.
+fn limit(limit: f64) -> StatedLimit {
+    StatedLimit {
+        engine: "rig".to_owned(),
+        window: WindowKind::Steady,
+        quantity: "*_force_n".to_owned(),
+        metric: Metric::RelativeL2,
+        limit,
+        reason: "Test.".to_owned(),
+    }
+}
+
+fn native() -> Participant {
+    participant("native", Track::Native, time_series(1.0))
+}
+
+fn foreign(scale: f64) -> Participant {
+    participant("foreign", Track::SharedLaw, time_series(scale))
+}
+
+fn rig(scale: f64) -> Participant {
+    participant("rig", Track::Measured, time_series(scale))
+}
+
+fn held(participants: &[Participant], stated: &[StatedLimit]) -> Comparison {
+    let rules = Rules {
+        stated,
+        ..Rules::default()
+    };
+    compare(&context(), participants, &rules).unwrap()
+}
+
+/// The verdict on the external forces of the first pair in the steady window.
+fn verdict(participants: &[Participant], stated: &[StatedLimit]) -> Verdict {
+    let comparison = held(participants, stated);
+    let entry = comparison.pairs[0]
+        .entries
+        .iter()
+        .find(|e| e.quantity == "external_sleeve_force_n" && e.window == WindowKind::Steady);
+    entry.unwrap().result.verdict
+}
+
+#[test]
+fn limits_are_held_up_to_their_value() {
+    let pair = [native(), rig(0.99)];
+    assert_eq!(verdict(&pair, &[limit(0.0101)]), Verdict::Agree);
+    assert_eq!(verdict(&pair, &[limit(0.0099)]), Verdict::Differ);
+    assert!(held(&pair, &[limit(0.0101)]).passed && !held(&pair, &[limit(0.0099)]).passed);
+    assert_eq!(held(&pair, &[limit(0.0099)]).counts.exit_status(), 1);
+    let heavier = Context {
+        load_n_m: None,
+        ..context()
+    };
+    let nothing = compare(&heavier, &pair, &Rules::default()).unwrap();
+    assert!(!nothing.passed, "nothing compared is not passed");
+}
+
+#[test]
+fn not_finite_is_beyond_every_limit() {
+    let mut spoiled = TimeSeries::new(time_series(1.0).time_s().to_vec()).unwrap();
+    for channel in time_series(1.0).channels() {
+        let mut values = channel.values.clone();
+        values[599] = f64::NAN;
+        spoiled.push(channel.name.clone(), values).unwrap();
+    }
+    let pair = [
+        native(),
+        participant("rig", Track::Measured, spoiled.clone()),
+    ];
+    assert_eq!(verdict(&pair, &[limit(10.0)]), Verdict::Differ);
+    let pair = [native(), participant("foreign", Track::SharedLaw, spoiled)];
+    let comparison = compare(&context(), &pair, &Rules::default()).unwrap();
+    let judged = &comparison.engines[1].judged;
+    assert_eq!(
+        judged[0].result.verdict,
+        Verdict::Differ,
+        "its mean output torque is not finite either"
+    );
+}
+
+#[test]
+fn forces_that_are_only_rounding_are_not_judged() {
+    let pair = [
+        participant("native", Track::Native, time_series(1e-13)),
+        rig(-1e-13),
+    ];
+    assert_eq!(verdict(&pair, &[limit(0.1)]), Verdict::NotCompared);
+}
+
+#[test]
+fn load_balance() {
+    let comparison = compare(&context(), &[native()], &Rules::default()).unwrap();
+    let result = &comparison.engines[0].judged[0].result;
+    assert_eq!(result.verdict, Verdict::Agree);
+    assert!(comparison.passed && comparison.pairs.is_empty() && comparison.matrices.is_empty());
+    let mut heavier = context();
+    heavier.load_n_m = Some(22.01);
+    assert_eq!(
+        compare(&heavier, &[native()], &Rules::default())
+            .unwrap()
+            .counts
+            .differ,
+        1
+    );
+    heavier.load_n_m = Some(0.0);
+    assert_eq!(
+        compare(&heavier, &[native()], &Rules::default())
+            .unwrap()
+            .counts
+            .not_compared,
+        1
+    );
+}
+
+#[test]
+fn efficiency() {
+    // 22 N m at omega/15 over 1.45 N m at omega.
+    let comparison = compare(&context(), &[native()], &Rules::default()).unwrap();
+    let wanted = 22.0 / 15.0 / 1.45;
+    let found = comparison.engines[0].figures[0].efficiency.unwrap();
+    // The ripple's mean over the window's 40.01 periods is not quite zero.
+    assert!((found - wanted).abs() < 1e-4, "{found} {wanted}");
+}
+
+#[test]
+fn tracks_are_never_mixed() {
+    let own = participant("own", Track::OwnContact, time_series(0.9));
+    let all = [native(), own, foreign(0.99)];
+    let comparison = compare(&context(), &all, &Rules::default()).unwrap();
+    let pairs: Vec<_> = comparison
+        .pairs
+        .iter()
+        .map(|p| (&*p.a, &*p.b, p.track))
+        .collect();
+    assert_eq!(
+        pairs,
+        [
+            ("native", "own", Track::OwnContact),
+            ("native", "foreign", Track::SharedLaw)
+        ]
+    );
+    let tables: Vec<_> = comparison
+        .matrices
+        .iter()
+        .map(|m| (m.track, m.window, m.engines.join(" ")))
+        .collect();
+    assert_eq!(
+        tables[0],
+        (
+            Track::SharedLaw,
+            WindowKind::Steady,
+            "native foreign".into()
+        )
+    );
+    assert_eq!(
+        tables[2],
+        (Track::OwnContact, WindowKind::Steady, "native own".into())
+    );
+    let cell = comparison.matrices[0].cell(0, 1).unwrap();
+    assert!(
+        (cell.result.difference.unwrap() - 0.01).abs() < 1e-12,
+        "{cell:?}"
+    );
+    assert_eq!(comparison.matrices[0].cell(1, 1), None);
+}
+
+#[test]
+fn unfinished_runs_are_listed_not_judged() {
+    let mut broken = participant("broken", Track::Native, TimeSeries::default());
+    broken.status = Status::Diverged {
+        time_s: 0.01,
+        quantity: "wheel angle NaN".into(),
+    };
+    let comparison = compare(
+        &context(),
+        &[broken, native(), foreign(1.0)],
+        &Rules::default(),
+    )
+    .unwrap();
+    assert_eq!((comparison.unfinished, comparison.pairs.len()), (1, 1));
+    assert_eq!(
+        comparison.engines[0].status.reason().unwrap(),
+        "diverged at t = 0.010000 s: wheel angle NaN"
+    );
+    let alone = [participant("x", Track::Native, TimeSeries::default())].map(|mut p| {
+        p.status = Status::Failed {
+            reason: "not installed".into(),
+        };
+        p
+    });
+    assert!(
+        !compare(&context(), &alone, &Rules::default())
+            .unwrap()
+            .passed
+    );
+}
+
+#[test]
+fn missing_channels_are_named() {
+    let mut few = TimeSeries::new(time_series(1.0).time_s().to_vec()).unwrap();
+    few.push("external_sleeve_force_n_0", vec![1.0; 601])
+        .unwrap();
+    let pair = [native(), participant("few", Track::SharedLaw, few)];
+    let comparison = compare(&context(), &pair, &Rules::default()).unwrap();
+    let reasons: Vec<_> = comparison.pairs[0]
+        .entries
+        .iter()
+        .map(|e| e.result.reason.as_str())
+        .collect();
+    let told = |reason: &str| reasons.contains(&reason);
+    assert!(told("few has no `input_torque_n_m`"), "{reasons:?}");
+    assert!(told(
+        "`external_sleeve_force_n` has channels that only one of the two has"
+    ));
+}
+
+#[test]
+fn faults() {
+    let grid =
+        |times: Vec<f64>| participant("other", Track::Native, TimeSeries::new(times).unwrap());
+    let mut times = time_series(1.0).time_s().to_vec();
+    times[17] += 1e-5;
+    let error = compare(
+        &context(),
+        &[native(), grid(times.clone())],
+        &Rules::default(),
+    )
+    .unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "sample 17 of `other` is at 0.01701 s, of `native` at 0.017 s: write both on one grid"
+    );
+    times[17] = 0.017 + 1e-12;
+    assert!(
+        compare(
+            &context(),
+            &[native(), grid(times.clone())],
+            &Rules::default()
+        )
+        .is_ok(),
+        "a rounding"
+    );
+    times.pop();
+    let error = compare(&context(), &[native(), grid(times)], &Rules::default()).unwrap_err();
+    assert!(
+        matches!(error, CompareError::Samples { samples_b: 600, .. }),
+        "{error}"
+    );
+    assert!(matches!(
+        compare(&context(), &[], &Rules::default()),
+        Err(CompareError::Empty)
+    ));
+    let twice = compare(&context(), &[native(), native()], &Rules::default());
+    assert_eq!(twice, Err(CompareError::Duplicate("native".into())));
+}
+
+#[test]
+fn a_recording_is_compared_at_its_own_samples() {
+    let whole = time_series(1.0);
+    let rows: Vec<usize> = (0..whole.len()).step_by(3).collect();
+    let mut recording = participant(
+        "mujoco-x",
+        Track::SharedLaw,
+        time_series(1.001).select(&rows),
+    );
+    let refused = compare(
+        &context(),
+        &[native(), recording.clone()],
+        &Rules::default(),
+    );
+    assert!(
+        matches!(refused, Err(CompareError::Grid { .. })),
+        "no recording"
+    );
+    recording.cost.recorded = Some("earlier".to_owned());
+    for order in [[native(), recording.clone()], [recording.clone(), native()]] {
+        let comparison = compare(&context(), &order, &Rules::default()).unwrap();
+        assert_eq!(comparison.windows[0].samples, 301, "the live run's");
+        for entry in &comparison.pairs[0].entries {
+            let error = entry.metrics.as_ref().unwrap().relative_l2.unwrap();
+            let wanted = match entry.quantity.as_str() {
+                "output_torque_n_m" | "output_angle_rad" => 0.0,
+                _ => 1e-3 / 1.001,
+            };
+            assert!(
+                (error - wanted).abs() < 1e-12,
+                "{}: {error}",
+                entry.quantity
+            );
+        }
+    }
+    let judged = &compare(
+        &context(),
+        &[native(), recording.clone()],
+        &Rules::default(),
+    )
+    .unwrap()
+    .engines[1]
+        .judged;
+    assert!(
+        judged[0].result.verdict == Verdict::NotCompared,
+        "an aliased mean"
+    );
+    // A sample that the other has not is refused as ever.
+    let shifted: Vec<f64> = recording
+        .time_series
+        .time_s()
+        .iter()
+        .map(|t| t + 4e-4)
+        .collect();
+    recording.time_series = TimeSeries::new(shifted).unwrap();
+    assert!(compare(&context(), &[native(), recording], &Rules::default()).is_err());
+}
+
+#[test]
+fn summary_is_plain_json() {
+    let comparison = compare(&context(), &[native(), foreign(0.99)], &Rules::default()).unwrap();
+    let json: serde_json::Value = serde_json::to_value(&comparison).unwrap();
+    let entry = &json["pairs"][0]["entries"][3];
+    assert_eq!(entry["quantity"], "external_sleeve_force_n");
+    assert_eq!(entry["window"], "steady");
+    assert_eq!(entry["verdict"], "not-compared");
+    assert!(entry["metrics"]["relative_l2"].as_f64().unwrap() > 0.0099);
+    assert_eq!(json["engines"][0]["status"]["state"], "finished");
+    assert_eq!(
+        json["engines"][0]["judged"][0]["metric"],
+        "mean-against-load"
+    );
+}
+
+/// Torques of the wrong sign do not balance the load, whatever their size.
+#[test]
+fn regress_the_load_balance_has_a_sign() {
+    let base = time_series(1.0);
+    let mut flipped = TimeSeries::new(base.time_s().to_vec()).unwrap();
+    for channel in base.channels() {
+        let sign = if channel.name == "output_torque_n_m" {
+            -1.0
+        } else {
+            1.0
+        };
+        let values = channel.values.iter().map(|v| sign * v).collect();
+        flipped.push(channel.name.clone(), values).unwrap();
+    }
+    let wrong = participant("native", Track::Native, flipped);
+    let comparison = compare(&context(), &[wrong], &Rules::default()).unwrap();
+    assert_eq!(comparison.counts.differ, 1);
+    assert!((comparison.engines[0].judged[0].result.difference.unwrap() - 2.0).abs() < 1e-12);
+}
+
+/// A grid may differ by a rounding, a millionth of its spacing, and by no more.
+#[test]
+fn regress_the_slack_of_the_grid() {
+    let moved = |by: f64| {
+        let mut times = time_series(1.0).time_s().to_vec();
+        times[17] += by * 1e-3;
+        let other = participant("other", Track::Native, TimeSeries::new(times).unwrap());
+        compare(&context(), &[native(), other], &Rules::default()).is_ok()
+    };
+    assert!(moved(0.5e-6) && moved(-0.5e-6));
+    assert!(!moved(2e-6) && !moved(-2e-6));
+    // The first time of a run that begins late: the slack is a share of the spacing, not of the time.
+    let late = |by: f64| {
+        let times: Vec<f64> = time_series(1.0)
+            .time_s()
+            .iter()
+            .map(|t| t + 100.0)
+            .collect();
+        let mut other = times.clone();
+        other[0] += by * 1e-3;
+        let [a, b] = [("a", times), ("b", other)]
+            .map(|(name, t)| participant(name, Track::Native, TimeSeries::new(t).unwrap()));
+        compare(&context(), &[a, b], &Rules::default()).is_ok()
+    };
+    assert!(late(0.5e-6) && !late(2e-6));
+    // The same of a recording with every other sample.
+    let sparse = |row: usize, by: f64| {
+        let times: Vec<f64> = time_series(1.0)
+            .time_s()
+            .iter()
+            .map(|t| t + 100.0)
+            .collect();
+        let mut other: Vec<f64> = times.iter().copied().step_by(2).collect();
+        other[row] += by * 1e-3;
+        let [a, mut b] = [("a", times), ("b", other)]
+            .map(|(name, t)| participant(name, Track::Native, TimeSeries::new(t).unwrap()));
+        b.cost.recorded = Some("earlier".to_owned());
+        compare(&context(), &[a, b], &Rules::default()).is_ok()
+    };
+    for row in [0, 17] {
+        assert!(sparse(row, 0.5e-6) && !sparse(row, 2e-6), "{row}");
+    }
+}
+
+/// Loads are rounding below 1e-11 of the scene's own, and judged above.
+#[test]
+fn regress_small_loads_are_judged() {
+    let at = |size: f64| {
+        let pair = [
+            participant("native", Track::Native, time_series(size)),
+            rig(-size),
+        ];
+        verdict(&pair, &[limit(0.1)])
+    };
+    // Peaks of 100 N times the size, on a scale of 100 N.
+    assert_eq!(at(0.9e-11), Verdict::NotCompared);
+    assert_eq!(at(1.2e-11), Verdict::Differ);
+}
+
+/// A gear that stands still turns by roundings, which nobody compares; what turns by more is judged.
+#[test]
+fn regress_a_gear_that_stands_still_is_not_compared() {
+    let turned = |by: f64| {
+        let base = time_series(1.0);
+        let mut time_series = TimeSeries::new(base.time_s().to_vec()).unwrap();
+        let angle = base.time_s().iter().map(|t| by * t).collect();
+        time_series.push("output_angle_rad", angle).unwrap();
+        time_series
+    };
+    let of = |by: f64| {
+        let limit = StatedLimit {
+            quantity: "output_angle_rad".to_owned(),
+            ..limit(0.1)
+        };
+        let pair = [
+            participant("native", Track::Native, turned(by)),
+            participant("rig", Track::Measured, turned(-by)),
+        ];
+        let comparison = held(&pair, &[limit]);
+        let steady = |e: &&pinwheel_compare::comparison::PairEntry| e.window == WindowKind::Steady;
+        let entry = comparison.pairs[0].entries.iter().find(steady).unwrap();
+        entry.result.verdict
+    };
+    // Peaks at 0.6 s.
+    assert_eq!(of(1.6e-15), Verdict::NotCompared);
+    assert_eq!(of(1.8e-15), Verdict::Differ);
+}

@@ -1,0 +1,16 @@
+//! The tests of this crate as one program: linking is most of what a small test costs.
+
+mod balances;
+mod channels;
+mod common;
+mod deviations;
+mod exponential;
+mod guard;
+mod kernels;
+mod native_forms;
+mod published_energy;
+mod published_statics;
+mod resolve;
+mod rosenbrock;
+mod sliding;
+mod slopes;

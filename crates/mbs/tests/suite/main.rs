@@ -1,0 +1,14 @@
+//! The tests of this crate as one program: linking is most of what a small test costs.
+
+mod bounds;
+mod exponential;
+mod formulations;
+mod integrators;
+mod mechanisms;
+mod published;
+mod published_andrews_angles;
+mod published_mechanisms;
+mod published_stiff;
+mod saddle_point;
+mod segments;
+mod sliding;
