@@ -17,6 +17,7 @@ const COLLIDERS: &str = "rapier-own-contact-colliders";
 
 const TORQUES: [&str; 2] = ["input_torque_n_m", "output_torque_n_m"];
 const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];
+const BOTH: [&str; 4] = [TORQUES[0], TORQUES[1], FORCES[0], FORCES[1]];
 
 fn relative(
     time_series: &TimeSeries,
@@ -73,8 +74,7 @@ fn crossval_rapier_shared_law_steady() {
     let scene = scene("paper", &[]);
     let time_series = run(SHARED, &scene);
     let reference = native(&scene, "rk4", 5e-6);
-    assert_close(&time_series, &reference, &TORQUES, (0.3, 0.6), 1e-4);
-    assert_close(&time_series, &reference, &FORCES, (0.3, 0.6), 1e-4);
+    assert_close(&time_series, &reference, &BOTH, (0.3, 0.6), 1e-4);
     let driver = mean(&time_series, TORQUES[0], 0.3, 0.6);
     assert!(
         (driver / 1.4529 - 1.0).abs() < 1e-3,
@@ -93,8 +93,7 @@ fn crossval_rapier_shared_law_transient() {
     };
     let fine = run(SHARED, &at("2e-6"));
     let reference = native(&at("2e-6"), "rk4", 2e-6);
-    assert_close(&fine, &reference, &TORQUES, (0.0, 0.05), 2e-4);
-    assert_close(&fine, &reference, &FORCES, (0.0, 0.05), 2e-4);
+    assert_close(&fine, &reference, &BOTH, (0.0, 0.05), 2e-4);
 
     // Second order: a step twice as long errs four times as much.
     let coarse = run(SHARED, &at("4e-6"));
@@ -120,8 +119,7 @@ fn crossval_rapier_shared_law_other_gears() {
         );
         let time_series = run(SHARED, &scene);
         let reference = native(&scene, "rk4", 2e-6);
-        assert_close(&time_series, &reference, &TORQUES, (0.0, 0.03), limit);
-        assert_close(&time_series, &reference, &FORCES, (0.0, 0.03), limit);
+        assert_close(&time_series, &reference, &BOTH, (0.0, 0.03), limit);
     }
 }
 
@@ -137,8 +135,7 @@ fn crossval_rapier_from_equilibrium() {
     let reference = native(&scene, "rk4", 5e-6);
     for engine in [SHARED, HOOK] {
         let time_series = run(engine, &scene);
-        assert_close(&time_series, &reference, &TORQUES, (0.0, 0.05), 1e-4);
-        assert_close(&time_series, &reference, &FORCES, (0.0, 0.05), 1e-4);
+        assert_close(&time_series, &reference, &BOTH, (0.0, 0.05), 1e-4);
     }
 }
 
@@ -158,8 +155,7 @@ fn crossval_rapier_other_laws() {
         let reference = native(&scene, "rk4", 2e-6);
         for engine in [SHARED, HOOK] {
             let time_series = run(engine, &scene);
-            assert_close(&time_series, &reference, &TORQUES, (0.0, 0.02), 2e-4);
-            assert_close(&time_series, &reference, &FORCES, (0.0, 0.02), 2e-4);
+            assert_close(&time_series, &reference, &BOTH, (0.0, 0.02), 2e-4);
         }
     }
 }
@@ -171,11 +167,9 @@ fn crossval_rapier_hook_without_friction() {
     let scene = scene("paper", &[("solver.duration_s", "0.35")]);
     let time_series = run(HOOK, &scene);
     let reference = native(&scene, "rk4", 5e-6);
-    assert_close(&time_series, &reference, &TORQUES, (0.3, 0.35), 2e-4);
-    assert_close(&time_series, &reference, &FORCES, (0.3, 0.35), 2e-4);
+    assert_close(&time_series, &reference, &BOTH, (0.3, 0.35), 2e-4);
     let shared = run(SHARED, &scene);
-    assert_close(&time_series, &shared, &TORQUES, (0.0, 0.35), 2e-4);
-    assert_close(&time_series, &shared, &FORCES, (0.0, 0.35), 2e-4);
+    assert_close(&time_series, &shared, &BOTH, (0.0, 0.35), 2e-4);
 }
 
 /// Implicit Coulomb friction against a native run that resolves the scene's friction, within 2e-3.
@@ -190,8 +184,7 @@ fn crossval_rapier_hook_with_friction() {
     let scene = scene("paper-friction", &[("solver.duration_s", "0.35")]);
     let time_series = run(HOOK, &scene);
     let reference = native(&scene, "rk2", 2e-7);
-    assert_close(&time_series, &reference, &TORQUES, (0.3, 0.35), 2e-3);
-    assert_close(&time_series, &reference, &FORCES, (0.3, 0.35), 2e-3);
+    assert_close(&time_series, &reference, &BOTH, (0.3, 0.35), 2e-3);
     assert_close(&time_series, &reference, &FORCES, (0.0, 0.05), 2e-3);
     assert_close(&time_series, &reference, &TORQUES, (0.0, 0.05), 5e-3);
     let fine = self::scene(
@@ -199,8 +192,7 @@ fn crossval_rapier_hook_with_friction() {
         &[("solver.duration_s", "0.05"), ("solver.step_s", "2e-6")],
     );
     let fine = run(HOOK, &fine);
-    assert_close(&fine, &reference, &TORQUES, (0.0, 0.05), 2e-3);
-    assert_close(&fine, &reference, &FORCES, (0.0, 0.05), 2e-3);
+    assert_close(&fine, &reference, &BOTH, (0.0, 0.05), 2e-3);
 }
 
 /// Light sleeves make friction fifty times stiffer: a native run at 2e-7 s is 6 % off in the
