@@ -77,14 +77,17 @@ fn context(scene: &str) -> Context {
     }
 }
 
+const MODEL: [[&str; 2]; 2] = [["28 bodies", "It is small."], ["Radius 6 mm", "Tab. 1"]];
+
 fn page_of(comparison: &Comparison, participants: &[Participant]) -> Result<String, ReportError> {
     render(&ReportInput {
         comparison,
         participants,
         animation: None,
         model: vec![
-            Table::of("What was modelled", ["28 bodies"])
-                .text("", "What", |what| *what)
+            Table::of("What was modelled", MODEL)
+                .text("", "What", |[what, _]| *what)
+                .text("", "Why", |[_, why]| *why)
                 .done(),
         ],
         versions: vec![("pinwheel".to_owned(), "0.1.0".to_owned())],

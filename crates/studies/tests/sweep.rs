@@ -400,7 +400,7 @@ fn bad_input_samples() {
         ),
         (
             "gear.backlash_m = { from = 0.0, to = 1e-6 }\n[specification]\nlost_motion_arcmin = 1",
-            "no `least` or `most`",
+            "expected a table with `least` or `most`",
         ),
     ] {
         let text = format!("scene = \"steel\"\n[sample]\n{line}\n");

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// A limit of a specification, on a column of the results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table with `least` or `most`")]
 pub struct Limit {
     /// The column.
     #[serde(skip_deserializing)]
