@@ -28,6 +28,7 @@ use pinwheel_timeseries::convergence::{
 use crate::auto::{self, COARSER_ROSENBROCK, Plan};
 use crate::native::{self, NativeError, NativeRun};
 use crate::run_limits::Limits;
+use crate::scene::{Detection, Scene};
 use crate::{Distance, Gearbox};
 
 /// The least error as a share of the distance to the coarser run.
@@ -117,7 +118,7 @@ impl Search<'_> {
         plan: &Plan,
         watch: &mut dyn FnMut(f64) -> bool,
     ) -> Result<bool, NativeError> {
-        let Some(refinement) = Refinement::of(plan, self.gearbox.has_friction()) else {
+        let Some(refinement) = Refinement::of(plan, &self.gearbox.scene) else {
             return Ok(false);
         };
         let unseen = method(plan.integrator).map_or(0.0, |method| method.unseen);
@@ -315,14 +316,17 @@ fn holds(target: f64, error: Distance, moved: Distance, before: Option<Distance>
     error.worst() <= target && moved.worst() <= most * target
 }
 
-/// How errors of a native method fall on a scene: in the step, or in the tolerance.
+/// How errors of a native method fall on a scene: in the step, or in the tolerance. Friction and discrete points make
+/// forces jump.
 #[must_use]
-pub fn convergence_of(method: &MethodInfo, has_friction: bool) -> Method {
+pub fn convergence_of(method: &MethodInfo, scene: &Scene) -> Method {
+    let contact = &scene.contact;
+    let jumps = contact.friction_coefficient > 0.0 || contact.detection == Detection::Points;
     match method.adaptive {
         true => Method::Tolerance { order: KINKS },
         false => Method::Step {
             order: f64::from(method.order),
-            limit: Some(if has_friction { FRICTION } else { CONTACTS }),
+            limit: Some(if jumps { FRICTION } else { CONTACTS }),
         },
     }
 }
@@ -342,10 +346,11 @@ struct Refinement {
 }
 
 impl Refinement {
-    fn of(plan: &Plan, has_friction: bool) -> Option<Self> {
+    fn of(plan: &Plan, scene: &Scene) -> Option<Self> {
+        let has_friction = scene.contact.friction_coefficient > 0.0;
         let info = method(plan.integrator)?;
         let by_tolerance = |first, order, cost| Self {
-            method: convergence_of(info, has_friction),
+            method: convergence_of(info, scene),
             first,
             order,
             cost,
@@ -414,7 +419,6 @@ impl Refinement {
 mod tests {
     use super::*;
     use crate::auto::EXPONENTIAL;
-    use crate::scene::Scene;
 
     fn of(forces: f64, driver_torque: f64) -> Distance {
         Distance {
@@ -484,16 +488,14 @@ mod tests {
     fn refinements_know_friction() {
         let mut scene = Scene::paper();
         scene.contact.friction_coefficient = 0.1;
-        let orders = |has_friction: bool| -> Vec<f64> {
-            let plans = auto::chain(&scene, auto::TARGET);
-            let orders = plans
-                .iter()
-                .map(|plan| Refinement::of(plan, has_friction).unwrap().order);
-            orders.collect()
+        let plans = auto::chain(&scene, auto::TARGET);
+        let orders = |scene: &Scene| -> Vec<f64> {
+            let of = |plan| Refinement::of(plan, scene).unwrap().order;
+            plans.iter().map(of).collect()
         };
         // rodas5p, imex2-adaptive, dopri5, rk4, imex2.
-        assert_eq!(orders(true), [0.9, 1.0, 0.45, 1.0, 1.0]);
-        assert_eq!(orders(false), [0.9, 1.0, 0.9, 1.0, 1.0]);
+        assert_eq!(orders(&scene), [0.9, 1.0, 0.45, 1.0, 1.0]);
+        assert_eq!(orders(&Scene::paper()), [0.9, 1.0, 0.9, 1.0, 1.0]);
     }
 
     fn gearbox(changes: impl FnOnce(&mut Scene)) -> Gearbox {

@@ -140,7 +140,7 @@ fn error(
     let apart = enough.then(|| gearbox.distance(&coarser, &finer))?;
     let bound = |difference: f64| {
         let ratio = if info.adaptive { DECADE } else { 2.0 };
-        let how = convergence_of(info, gearbox.has_friction());
+        let how = convergence_of(info, &gearbox.scene);
         let known = convergence::estimate(&[Step { ratio, difference }], None, how, f64::EPSILON);
         known.ok().map(|known| known.u)
     };

@@ -16,7 +16,7 @@ use pinwheel_engines::{Engine, Form, Native};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, Plan};
 use pinwheel_mbs::integrators::{Family, UNSEEN, method};
-use pinwheel_scene::{CheckedScene, Override, preset};
+use pinwheel_scene::{CheckedScene, Detection, Override, preset};
 use pinwheel_timeseries::TimeSeries;
 
 use super::take_part;
@@ -233,13 +233,13 @@ impl<'a> Engines<'a> {
     }
 
     fn method(&self) -> Method {
+        let points = self.gearbox.scene.contact.detection == Detection::Points;
         match self.knob {
             Knob::Step(order) => Method::Step {
                 order,
-                limit: Some(if self.has_friction() {
-                    FRICTION
-                } else {
-                    CONTACTS
+                limit: Some(match self.has_friction() || points {
+                    true => FRICTION,
+                    false => CONTACTS,
                 }),
             },
             Knob::Tolerance => Method::Tolerance { order: KINKS },
