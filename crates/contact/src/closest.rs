@@ -40,31 +40,17 @@ enum Local {
 }
 
 impl Epitrochoid {
-    /// The foot of `p` if `p` lies inside the curve (penetration), searched from the parameter with
-    /// e^{ia} = `unit` and e^{i zk a} = `multiple`. `None`: `p` is on or outside the curve.
+    /// The foot of `p` if its signed distance from the curve is below `limit`, m: 0 for points inside the curve; another
+    /// one for a sleeve whose radius differs from the offset of the edge, which touches elsewhere than on the curve.
     ///
-    /// The result does not depend on the start but for rounding.
+    /// The search begins at e^{ia} and e^{i zk a} of a parameter; the result does not depend on it but for rounding.
     #[must_use]
     #[inline]
-    pub fn penetrating_foot(&self, p: Complex, unit: Complex, multiple: Complex) -> Option<Foot> {
-        self.foot_within(p, unit, multiple, 0.0)
-    }
-
-    /// The foot of `p` if its signed distance from the curve is below `limit`, m: a sleeve whose radius differs from the
-    /// offset of the edge touches elsewhere than on the curve. Otherwise as [`penetrating_foot`](Self::penetrating_foot).
-    #[must_use]
-    #[inline]
-    pub fn foot_within(
-        &self,
-        p: Complex,
-        unit: Complex,
-        multiple: Complex,
-        limit: f64,
-    ) -> Option<Foot> {
-        match self.local_search(p, unit, multiple, limit) {
+    pub fn foot_within(&self, p: Complex, start: [Complex; 2], limit: f64) -> Option<Foot> {
+        match self.local_search(p, start, limit) {
             Local::Outside => None,
             Local::Foot(foot) => (foot.distance < limit).then_some(foot),
-            Local::Unknown if self.outside_by_ray(p, unit, multiple, limit.max(0.0)) => None,
+            Local::Unknown if self.outside_by_ray(p, start, limit.max(0.0)) => None,
             Local::Unknown => self.foot_by_search(p, limit),
         }
     }
@@ -75,10 +61,10 @@ impl Epitrochoid {
     /// C(a) is moved along its tangent onto the ray. What is left beside the ray (w) changes the radius by
     /// less than w times the steepest slope of the curve against circles. Points that near to `p` lie within asin(away/|p|) of
     /// the ray and |p| - away or more from the origin: too far for the curve, whose radius grows by e^(slope angle) at most.
-    fn outside_by_ray(&self, p: Complex, unit: Complex, multiple: Complex, away: f64) -> bool {
+    fn outside_by_ray(&self, p: Complex, start: [Complex; 2], away: f64) -> bool {
         let radius = p.norm();
         let ray = p.scale(1.0 / radius);
-        let (mut u, mut v) = (unit, multiple);
+        let [mut u, mut v] = start;
         for _ in 0..RAY_STEPS {
             let at = self.at_unit(u, v);
             let da = -at.position.cross(ray) / (at.normal.turned().cross(ray) * at.speed);
@@ -107,8 +93,8 @@ impl Epitrochoid {
         (foot.distance < limit).then_some(foot)
     }
 
-    fn local_search(&self, p: Complex, unit: Complex, multiple: Complex, limit: f64) -> Local {
-        let (mut u, mut v) = (unit, multiple);
+    fn local_search(&self, p: Complex, start: [Complex; 2], limit: f64) -> Local {
+        let [mut u, mut v] = start;
         let tolerance = TANGENTIAL_TOLERANCE * self.settling * self.pitch_radius;
         let away = limit.max(0.0);
         let mut last_step = pinwheel_faults::armed(pinwheel_faults::Fault::StaleFoot);
@@ -234,7 +220,7 @@ mod tests {
             let at = curve.at(0.0157 * f64::from(k));
             let p = at.position - at.normal.scale(1e-5 * f64::from(k % 7 + 1));
             let start = Complex::unit(0.0157 * f64::from(k) + 1e-3 * f64::from(k % 5 - 2));
-            let local = curve.penetrating_foot(p, start, start.powu(16)).unwrap();
+            let local = curve.foot_within(p, [start, start.powu(16)], 0.0).unwrap();
             let global = curve.closest(p);
             assert!((local.distance - global.distance).abs() < 1e-16);
             assert!((local.at.position - at.position).norm() < 1e-14);
@@ -261,7 +247,7 @@ mod tests {
                     for away in [0.0, 1e-5, 1e-3] {
                         let outside = |from: f64| {
                             let start = Complex::unit(from);
-                            curve.outside_by_ray(p, start, start.powu(zk), away)
+                            curve.outside_by_ray(p, [start, start.powu(zk)], away)
                         };
                         let grown = (curve.steepest * (away / p.norm()).asin()).exp();
                         let clear = p.norm() - away - at.norm() * grown > 1e-9 * at.norm();

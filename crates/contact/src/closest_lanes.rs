@@ -1,4 +1,4 @@
-//! The closest-point search of [`closest`](crate::Epitrochoid::penetrating_foot) for several points at once.
+//! The closest-point search of [`closest`](crate::Epitrochoid::foot_within) for several points at once.
 //!
 //! A point P is seen from C(a0), a0 near its foot, in directions turned by a0 and in units of R: with q the offset,
 //! E = e^{i zs a0}, and for a = a0 + d
@@ -320,9 +320,8 @@ impl Epitrochoid {
             let phase = phase.lane(k);
             let start = Complex::unit(phase.arg() / (zk - 1.0));
             let local = Complex::ONE + phase.scale(self.shortening / zk) + offset.lane(k);
-            if let Some(foot) =
-                self.penetrating_foot((local * start).scale(r), start, start * phase)
-            {
+            let p = (local * start).scale(r);
+            if let Some(foot) = self.foot_within(p, [start, start * phase], 0.0) {
                 found.as_mut_slice()[k] = 1.0;
                 let turn = foot.unit * start.conj();
                 let lobe = foot.unit.powu(self.sleeves) * start.conj();

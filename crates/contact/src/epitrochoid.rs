@@ -13,14 +13,6 @@
 use crate::Complex;
 use crate::search::Search;
 
-/// Why a curve cannot be made.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum CurveError {
-    /// Fewer than 3 sleeves, or a length or the shortening out of range.
-    #[error("no epitrochoid has this eccentricity, shortening and number of sleeves")]
-    Parameters,
-}
-
 /// Position, direction and curvature at one parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
@@ -58,13 +50,12 @@ impl Foot {
 /// ```
 /// use pinwheel_contact::{Complex, Epitrochoid};
 ///
-/// let curve = Epitrochoid::new(0.0028, 16, 0.7)?; // the paper's: R = e zk/m = 64 mm, 15 lobes
+/// let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap(); // the paper's: R = e zk/m = 64 mm, 15 lobes
 /// assert!((curve.pitch_radius() - 0.064).abs() < 1e-15);
 /// // A point 0.1 mm outside a lobe's flank, and its closest point.
 /// let at = curve.at(0.1);
 /// let foot = curve.closest(at.position + at.normal.scale(1e-4));
 /// assert!((foot.distance - 1e-4).abs() < 1e-15 && (foot.parameter() - 0.1).abs() < 1e-10);
-/// # Ok::<(), pinwheel_contact::CurveError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Epitrochoid {
@@ -84,18 +75,17 @@ pub struct Epitrochoid {
 }
 
 impl Epitrochoid {
-    /// The curve of eccentricity `e` (m), `sleeves` = zk external sleeves and shortening m (0 < m < 1).
-    ///
-    /// # Errors
-    /// [`CurveError::Parameters`] if a value is out of range or not finite.
-    pub fn new(eccentricity: f64, sleeves: u32, shortening: f64) -> Result<Self, CurveError> {
+    /// The curve of eccentricity `e` (m), `sleeves` = zk external sleeves, 3 or more, and shortening m (0 < m < 1); `None` if
+    /// one of them is out of range or not finite.
+    #[must_use]
+    pub fn new(eccentricity: f64, sleeves: u32, shortening: f64) -> Option<Self> {
         let valid = eccentricity.is_finite()
             && eccentricity > 0.0
             && shortening > 0.0
             && shortening < 1.0
             && (3..=100_000).contains(&sleeves);
         if !valid {
-            return Err(CurveError::Parameters);
+            return None;
         }
         let pitch_radius = eccentricity * f64::from(sleeves) / shortening;
         let mut curve = Self {
@@ -114,7 +104,7 @@ impl Epitrochoid {
         curve.search = Search::new(sleeves, shortening, pitch_radius, repulsion * pitch_radius);
         curve.steepest = curve.steepest_slope();
         curve.settling = curve.settling_share();
-        Ok(curve)
+        Some(curve)
     }
 
     /// Whether it is what [`new`](Self::new) makes of these.
@@ -492,7 +482,7 @@ mod tests {
             (0.0028, 16, 1.0),
             (0.0028, 16, 0.0),
         ] {
-            assert!(Epitrochoid::new(e, zk, m).is_err());
+            assert!(Epitrochoid::new(e, zk, m).is_none());
         }
     }
 }

@@ -16,7 +16,7 @@ use pinwheel_faults::{Fault, factor};
 ///
 /// let steel = HertzStiffness::new(2e11, 0.3, 1.0);
 /// // A sleeve of 6 mm in a hole of 8.8 mm is stiffer than one on a plane: R_c R_p/(R_c + R_p) is 18.9 mm and not 6 mm.
-/// let ratio = steel.of_hole(0.006, 0.0088) / steel.of_profile(0.006, 0.0);
+/// let ratio = steel.of_hole(0.006, 0.0088) / steel.of_edge(0.006, 0.006, 0.0);
 /// assert!((ratio - (0.0088_f64 / 0.0028).sqrt()).abs() < 1e-12);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,13 +40,6 @@ impl HertzStiffness {
     #[inline]
     pub fn of_radius(&self, radius: f64) -> f64 {
         self.coefficient * radius.sqrt()
-    }
-
-    /// K of a sleeve of radius `q` on its own offset profile where C has curvature `kappa`.
-    #[must_use]
-    #[inline]
-    pub fn of_profile(&self, q: f64, kappa: f64) -> f64 {
-        self.of_edge(q, q, kappa)
     }
 
     /// K of a sleeve of radius `sleeve` on the inward offset by `offset` of a curve that bends by `kappa`: with
@@ -76,7 +69,7 @@ mod tests {
         let rc: f64 = 1.0 / kappa - q;
         let h: f64 = 0.91 / (std::f64::consts::PI * 2.0e11);
         let k = 4.0 * 0.01 / (3.0 * std::f64::consts::PI * 2.0 * h) * (rc * q / (rc + q)).sqrt();
-        assert_relative_eq!(steel.of_profile(q, kappa), k, max_relative = 1e-14);
+        assert_relative_eq!(steel.of_edge(q, q, kappa), k, max_relative = 1e-14);
         // A sleeve that did not make the profile.
         let rp = 0.0061;
         let k = k * (rc * rp / (rc + rp) / (rc * q / (rc + q))).sqrt();

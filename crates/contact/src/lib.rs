@@ -15,7 +15,7 @@
 //!              (sleeve centre, pressed in)               '.           .'
 //!                                                          '-----------'
 //!
-//!     P, start --> Epitrochoid::penetrating_foot --> Foot: delta, n, kappa
+//!     P, start --> Epitrochoid::foot_within --> Foot: delta, n, kappa
 //!                                 kappa --> HertzStiffness --> K
 //!          K, delta, d(delta)/dt --> Law --> F_n, stored energy, force along the profile
 //!                F_n, v_t --> Friction --> F_t
@@ -29,14 +29,14 @@
 //! ```
 //! use pinwheel_contact::{Complex, Epitrochoid, HertzStiffness, Law, LawParameters, NormalLaw};
 //!
-//! let curve = Epitrochoid::new(0.0028, 16, 0.7)?;
+//! let curve = Epitrochoid::new(0.0028, 16, 0.7).expect("a gear has it");
 //! // The tip is at a = 0: C = R + e = 64 + 2.8 mm on the x axis.
 //! let sleeve_centre = Complex::new(0.0668 - 20e-6, 0.0);
-//! let foot = curve.penetrating_foot(sleeve_centre, Complex::ONE, Complex::ONE).expect("it is inside");
+//! let foot = curve.foot_within(sleeve_centre, [Complex::ONE; 2], 0.0).expect("it is inside");
 //! assert!((foot.distance + 20e-6).abs() < 1e-15);
 //!
 //! // Sleeve of radius 6 mm, steel, stiffness multiplier 0.01: Eq. 23 with 1/kappa = 15.16 mm.
-//! let stiffness = HertzStiffness::new(2e11, 0.3, 0.01).of_profile(0.006, foot.at.curvature);
+//! let stiffness = HertzStiffness::new(2e11, 0.3, 0.01).of_edge(0.006, 0.006, foot.at.curvature);
 //! let h = (1.0 - 0.3_f64.powi(2)) / (std::f64::consts::PI * 2e11);
 //! let by_hand = 4.0 * 0.01 / (6.0 * std::f64::consts::PI * h) * (0.006_f64 * (1.0 - 0.006 / 0.015_160_7)).sqrt();
 //! assert!((stiffness / by_hand - 1.0).abs() < 1e-5);
@@ -46,7 +46,6 @@
 //! let law = Law::named("paper", &parameters).expect("it is registered");
 //! let force = law.force(stiffness, -foot.distance, 0.1);
 //! assert!((force - (by_hand * 20e-6_f64.powf(1.5) + 0.8)).abs() < 1e-4 && (force - 8.69).abs() < 0.01);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod closest;
@@ -64,14 +63,14 @@ mod search;
 
 pub use closest_lanes::{FeetLanes, LocalFeet};
 pub use complex::Complex;
-pub use epitrochoid::{CurveError, CurvePoint, Epitrochoid, Foot};
+pub use epitrochoid::{CurvePoint, Epitrochoid, Foot};
 pub use friction::{AdamsFriction, Friction, RegularisedCoulomb};
 pub use hertz::HertzStiffness;
 pub use hole::Hole;
 pub use lanes::{ComplexLanes, Lanes, Mask};
 pub use laws::{
-    AdamsImpact, ConstantStiffness, Hysteresis, Law, LawParameters, LawVisitor, LineContact,
-    NormalLaw, PaperConservative, PaperLaw, PaperPrinted, Ramp,
+    AdamsImpact, ConstantStiffness, Hysteresis, Law, LawParameters, LineContact, NormalLaw,
+    PaperConservative, PaperLaw, PaperPrinted, Ramp,
 };
 pub use points::{HolePoints, ProfilePoints, Vertex};
 pub use real::Real;

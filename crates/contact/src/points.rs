@@ -210,7 +210,7 @@ mod tests {
             let kappa = curve
                 .at(std::f64::consts::TAU * k as f64 / 40_000.0)
                 .curvature;
-            let exact = hertz.of_profile(0.006, kappa);
+            let exact = hertz.of_edge(0.006, 0.006, kappa);
             let found = points.vertices()[k].stiffness(0.006, &hertz);
             assert!((found / exact - 1.0).abs() < 2e-3, "{k}: {found} {exact}");
         }

@@ -14,18 +14,16 @@ use crate::{Layout, Sleeve};
 /// Minutes of arc of a radian.
 const ARCMIN: f64 = 180.0 * 60.0 / std::f64::consts::PI;
 
+/// Takes a wheel and the sleeve that touches it.
+pub type Visit<'a> = &'a mut dyn FnMut(usize, Sleeve);
+
 /// What an engine knows of its contacts at a sample.
 pub trait PairSource {
     /// A pair at its closest points, touching or not; `None` if the engine does not know it.
     fn pair(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> Option<PairContact>;
 
-    /// Visits every pair that carries a normal force above `pressing_n`, N. False: the engine cannot tell.
-    fn loaded(
-        &mut self,
-        bodies: &[BodyState],
-        pressing_n: f64,
-        visit: &mut dyn FnMut(usize, Sleeve),
-    ) -> bool;
+    /// Visits every pair that carries a normal force above `least_n`, N.
+    fn loaded(&mut self, bodies: &[BodyState], least_n: f64, visit: Visit<'_>);
 
     /// Powers that the contacts lose; `None` if the engine does not know them.
     fn losses(&mut self, bodies: &[BodyState]) -> Option<ContactEnergy>;
@@ -39,18 +37,12 @@ impl PairSource for LawPairs<'_> {
         Some(self.0.nearest(bodies, wheel, sleeve))
     }
 
-    fn loaded(
-        &mut self,
-        bodies: &[BodyState],
-        pressing_n: f64,
-        visit: &mut dyn FnMut(usize, Sleeve),
-    ) -> bool {
+    fn loaded(&mut self, bodies: &[BodyState], least_n: f64, visit: Visit<'_>) {
         self.0.touching(bodies, &mut |pair| {
-            if pair.normal_force_n > pressing_n {
+            if pair.normal_force_n > least_n {
                 visit(pair.wheel, pair.sleeve);
             }
         });
-        true
     }
 
     fn losses(&mut self, bodies: &[BodyState]) -> Option<ContactEnergy> {
@@ -143,13 +135,11 @@ impl Values {
             let kind = usize::from(matches!(sleeve, Sleeve::Internal(_)));
             counts[wheel][kind] += 1;
         };
-        let counted =
-            self.needs_contacts && seen.contacts.loaded(bodies, self.pressing_n, &mut count);
-        let losses = if self.needs_losses {
-            seen.contacts.losses(bodies)
-        } else {
-            None
-        };
+        if self.needs_contacts {
+            seen.contacts.loaded(bodies, self.pressing_n, &mut count);
+        }
+        let losses = self.needs_losses.then(|| seen.contacts.losses(bodies));
+        let losses = losses.flatten();
         let output = bodies[Layout::OUTPUT];
         let input = bodies[Layout::INPUT];
         let powers = [
@@ -186,12 +176,8 @@ impl Values {
                         let ideal = self.geometry.ideal_wheel_angle(chosen.number, input.angle);
                         Some((bodies[wheel].angle - ideal) * ARCMIN)
                     }
-                    Whole::ExternalContacts => {
-                        counted.then(|| self.contacts[chosen.number][0] as f64)
-                    }
-                    Whole::InternalContacts => {
-                        counted.then(|| self.contacts[chosen.number][1] as f64)
-                    }
+                    Whole::ExternalContacts => Some(self.contacts[chosen.number][0] as f64),
+                    Whole::InternalContacts => Some(self.contacts[chosen.number][1] as f64),
                 },
             };
             match value {

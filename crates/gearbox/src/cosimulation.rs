@@ -12,8 +12,7 @@
 //! are summed over all bodies and slopes are differences: more evaluations, the same motion.
 
 use pinwheel_mbs::integrators::{Segments, StepCounts, Stepper};
-use pinwheel_mbs::sliding::Contact;
-use pinwheel_mbs::{Ask, BodyState, Driver, Forces, Formulation, Motion, Reduced, Sums, Wrench};
+use pinwheel_mbs::{BodyState, Driver, Formulation, Motion, Reduced};
 use serde::{Deserialize, Serialize};
 
 use crate::auto::{self, AUTO};
@@ -46,19 +45,18 @@ impl Prescribed {
 
 /// A quantity that is straight in time: value + slope (t - from).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Straight {
+pub(crate) struct Straight {
     /// At `from_s`.
-    pub value: f64,
+    value: f64,
     /// Its change a second.
-    pub slope: f64,
+    pub(crate) slope: f64,
     /// s
-    pub from_s: f64,
+    from_s: f64,
 }
 
 impl Straight {
     /// Its value at time `t`, s.
-    #[must_use]
-    pub fn at(&self, t: f64) -> f64 {
+    pub(crate) fn at(&self, t: f64) -> f64 {
         self.value + self.slope * (t - self.from_s)
     }
 }
@@ -95,69 +93,6 @@ impl Setup {
     }
 }
 
-/// The forces of the gear and the torques that are held.
-struct PrescribedForces {
-    gear: GearForces,
-    input: Straight,
-    output: Straight,
-    /// Speed in, torque out: what the forces' short cuts are made for.
-    usual: bool,
-}
-
-impl PrescribedForces {
-    fn add(&self, time: f64, loads: &mut [Wrench]) {
-        loads[Layout::INPUT].moment += self.input.at(time);
-        loads[Layout::OUTPUT].moment += self.output.at(time);
-    }
-}
-
-impl Forces for PrescribedForces {
-    fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
-        self.gear.apply(time, bodies, loads);
-        self.add(time, loads);
-    }
-
-    fn evaluate(&mut self, time: f64, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
-        // Moments alone lack those of the input, which then is free.
-        let is_partial = sums.slopes.is_some() || sums.moments.is_some() && sums.loads.is_none();
-        if is_partial && !self.usual || !self.gear.evaluate(time, bodies, ask, sums) {
-            return false;
-        }
-        if let Some(loads) = &mut sums.loads {
-            self.add(time, loads);
-        }
-        if let Some(moments) = &mut sums.moments {
-            moments[Layout::INPUT] += self.input.at(time);
-            moments[Layout::OUTPUT] += self.output.at(time);
-        }
-        if let Some(slopes) = &mut sums.slopes {
-            // The output is the first of the free bodies.
-            slopes.parts_mut().2[0] += self.output.slope;
-        }
-        true
-    }
-
-    fn apply_without_friction(
-        &mut self,
-        time: f64,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-        contacts: &mut Vec<Contact>,
-    ) {
-        self.gear
-            .apply_without_friction(time, bodies, loads, contacts);
-        self.add(time, loads);
-    }
-
-    fn restart_at(&mut self, from: f64) {
-        self.gear.restart_at(from);
-    }
-
-    fn normal_force(&self, index: usize, listed: f64, rate: f64) -> f64 {
-        self.gear.normal_force(index, listed, rate)
-    }
-}
-
 /// What is observed at a communication point.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shafts {
@@ -177,8 +112,8 @@ pub struct CoSimulation {
     setup: Setup,
     longest_step_s: f64,
     breaks: Vec<f64>,
-    system: Reduced<PrescribedForces>,
-    stepper: Segments<Reduced<PrescribedForces>>,
+    system: Reduced<GearForces>,
+    stepper: Segments<Reduced<GearForces>>,
     field: Box<dyn ContactField>,
     recorder: Recorder,
     /// What holds the input and the output.
@@ -247,12 +182,8 @@ impl CoSimulation {
                 motion,
             });
         }
-        let forces = PrescribedForces {
-            gear: GearForces::new(&loaded)?,
-            input: Straight::default(),
-            output: Straight::default(),
-            usual: (setup.input, setup.output) == (Prescribed::BySpeed, Prescribed::ByTorque),
-        };
+        let mut forces = GearForces::new(&loaded)?;
+        forces.usual = (setup.input, setup.output) == (Prescribed::BySpeed, Prescribed::ByTorque);
         let system = reduced(&gearbox, mechanism, forces)?;
         let breaks = load_course::breaks(&loaded.scene.drive);
         let y = system.initial();
@@ -338,9 +269,10 @@ impl CoSimulation {
         }
         let [input, output] = self.prescribed;
         let none = Straight::default();
-        let forces = self.system.forces_mut();
-        forces.input = self.setup.input.choose(none, input);
-        forces.output = self.setup.output.choose(none, output);
+        self.system.forces_mut().held = [
+            self.setup.input.choose(none, input),
+            self.setup.output.choose(none, output),
+        ];
     }
 
     /// The method anew from here.
@@ -371,7 +303,7 @@ impl CoSimulation {
         }
         self.stepper.interpolate(&mut self.system, to, &mut self.y);
         self.time = to;
-        let seen = self.system.observe(to, &self.y);
+        let seen = self.system.observe_reduced(to, &self.y);
         guard::check(&self.gearbox, seen.bodies)
             .map_err(|quantity| format!("diverged at t = {to:.6} s: {quantity}"))
     }
@@ -422,7 +354,7 @@ impl CoSimulation {
             y: self.y.clone(),
             prescribed: self.prescribed,
             motions: self.motions.clone(),
-            segment_s: self.system.forces_mut().gear.segment_s(),
+            segment_s: self.system.forces_mut().segment_s(),
             stepper: self.stepper.save(),
         };
         postcard::to_allocvec(&state).unwrap_or_default()
@@ -481,7 +413,7 @@ fn start(gearbox: &Gearbox, setup: &Setup) -> Result<Vec<BodyState>, GearboxErro
 
 #[cfg(test)]
 mod tests {
-    use pinwheel_mbs::{Jacobian, Pose};
+    use pinwheel_mbs::{Forces as _, Jacobian, Pose, Sums};
 
     use super::*;
     use crate::native;
@@ -595,19 +527,12 @@ mod tests {
         };
         let bodies = gear.initial_states();
         let by_time = |slope: f64, usual: bool| {
-            let mut forces = PrescribedForces {
-                gear: GearForces::new(&gear).unwrap(),
-                input: Straight::default(),
-                output: Straight {
-                    slope,
-                    ..Straight::default()
-                },
-                usual,
-            };
+            let mut forces = GearForces::new(&gear).unwrap();
+            (forces.held[1].slope, forces.usual) = (slope, usual);
             let mut slopes = Jacobian::new(&structure, 6);
-            let (ask, mut sums) = (Ask::of(Pose::Prescribed), Sums::of_slopes(&mut slopes));
-            let known = forces.evaluate(0.1, &bodies, ask, &mut sums);
-            known.then(|| slopes.parts_mut().2[0])
+            let mut sums = Sums::of_slopes(&mut slopes);
+            let known = forces.evaluate(0.1, &bodies, Pose::Prescribed, &mut sums);
+            known.then(|| slopes.time[0])
         };
         let (level, rising) = (by_time(0.0, true).unwrap(), by_time(500.0, true).unwrap());
         assert!((rising - level - 500.0).abs() < 1e-9, "{level} {rising}");

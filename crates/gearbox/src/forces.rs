@@ -1,10 +1,11 @@
 //! Contact forces and the load as the mechanism's applied forces, whole or with the friction told apart.
 
 use pinwheel_mbs::sliding::Contact;
-use pinwheel_mbs::{Ask, BodyState, Forces, Sums, Wrench, add_pair};
+use pinwheel_mbs::{BodyState, Forces, Pose, Sums, Wrench, add_pair};
 
 use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
+use crate::cosimulation::Straight;
 use crate::load_course::{self, LoadPiece};
 use crate::scene::{Contact as Contacts, Drive};
 use crate::{Gearbox, GearboxError};
@@ -17,6 +18,10 @@ pub(crate) struct GearForces {
     field: Box<dyn ContactField>,
     /// The load of this segment.
     load: LoadPiece,
+    /// Torques that are held on input and output besides, N m.
+    pub(crate) held: [Straight; 2],
+    /// Speed in, torque out: what the short cuts are made for.
+    pub(crate) usual: bool,
     /// Touching pairs of the last listing.
     pairs: Vec<PairContact>,
 }
@@ -31,8 +36,16 @@ impl GearForces {
             drive: gearbox.scene.drive.clone(),
             field: gearbox.contact_field()?,
             load: load_course::piece_at(&gearbox.scene.drive, 0.0),
+            held: [Straight::default(); 2],
+            usual: true,
             pairs: Vec::with_capacity(most),
         })
+    }
+
+    fn add_held(&self, time: f64, loads: &mut [Wrench]) {
+        for (held, body) in self.held.iter().zip([Layout::INPUT, Layout::OUTPUT]) {
+            loads[body].moment += held.at(time);
+        }
     }
 
     /// Where the present segment begins, s: what [`restart_at`](Forces::restart_at) was told, or an earlier time of the same segment.
@@ -45,25 +58,33 @@ impl Forces for GearForces {
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
         loads[Layout::OUTPUT].moment += self.load.torque(time);
         self.field.add_loads(bodies, loads);
+        self.add_held(time, loads);
     }
 
-    fn evaluate(&mut self, time: f64, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
-        if !self.field.evaluate(bodies, ask, sums) {
+    fn evaluate(&mut self, t: f64, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
+        // Moments alone lack those of the input, where that is free.
+        let is_partial = sums.slopes.is_some() || sums.moments.is_some() && sums.loads.is_none();
+        if is_partial && !self.usual || !self.field.evaluate(bodies, pose, sums) {
             return false;
         }
-        let torque = self.load.torque(time);
+        let torque = self.load.torque(t);
+        let [input, output] = &self.held;
         if let Some(loads) = &mut sums.loads {
             loads[Layout::OUTPUT].moment += torque;
+            self.add_held(t, loads);
         }
         if let Some(moments) = &mut sums.moments {
             moments[Layout::OUTPUT] += torque;
+            moments[Layout::INPUT] += input.at(t);
+            moments[Layout::OUTPUT] += output.at(t);
         }
         if let Some(slopes) = &mut sums.slopes {
             let load = &self.load;
-            if (load.from_s..load.settled_s()).contains(&time) {
-                // The output is the first of the free bodies.
-                slopes.parts_mut().2[0] += (load.after_n_m - load.before_n_m) / load.ramp_s;
+            // The output is the first of the free bodies.
+            if (load.from_s..load.settled_s()).contains(&t) {
+                slopes.time[0] += (load.after_n_m - load.before_n_m) / load.ramp_s;
             }
+            slopes.time[0] += output.slope;
         }
         true
     }
@@ -103,6 +124,7 @@ impl Forces for GearForces {
             });
             pairs.push(*pair);
         });
+        self.add_held(time, loads);
     }
 
     fn restart_at(&mut self, from: f64) {
@@ -120,7 +142,7 @@ impl Forces for GearForces {
 mod tests {
     use super::*;
     use crate::scene::{Override, Scene};
-    use pinwheel_mbs::{Jacobian, Pose, Structure};
+    use pinwheel_mbs::{Jacobian, Structure};
 
     fn gearbox(sets: &[(&str, &str)]) -> Gearbox {
         let sets: Vec<Override> = sets.iter().map(|&(k, v)| Override::new(k, v)).collect();
@@ -151,8 +173,8 @@ mod tests {
             let (mut whole, mut seen, mut rest) = (zeros.clone(), zeros.clone(), zeros);
             let mut contacts = Vec::new();
             forces.apply(0.1, &bodies, &mut whole);
-            let mut sums = Sums::of_loads(&mut seen);
-            assert!(forces.evaluate(0.1, &bodies, Ask::with_energy(Pose::Any), &mut sums));
+            let mut sums = Sums::of_loads(&mut seen).with_energy();
+            assert!(forces.evaluate(0.1, &bodies, Pose::Any, &mut sums));
             let energy = sums.energy.unwrap();
             assert_eq!(whole, seen);
             let known = forces.field.energy(&bodies);
@@ -216,9 +238,9 @@ mod tests {
         };
         let slopes = |forces: &mut GearForces, time: f64| {
             let mut slopes = Jacobian::new(&structure, 6);
-            let (ask, mut sums) = (Ask::of(Pose::Prescribed), Sums::of_slopes(&mut slopes));
-            assert!(forces.evaluate(time, &bodies, ask, &mut sums));
-            slopes.parts_mut().2.to_vec()
+            let mut sums = Sums::of_slopes(&mut slopes);
+            assert!(forces.evaluate(time, &bodies, Pose::Prescribed, &mut sums));
+            slopes.time
         };
         let (rising, risen) = (slopes(&mut forces, 0.005), slopes(&mut forces, 0.02));
         assert!(

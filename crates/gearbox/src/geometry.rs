@@ -66,8 +66,10 @@ impl Geometry {
         let known = earlier.map(|earlier| &earlier.curve);
         let curve = match known.filter(|curve| curve.is_of(eccentricity, sleeves, shortening)) {
             Some(curve) => curve.clone(),
-            None => Epitrochoid::new(eccentricity, sleeves, shortening)
-                .map_err(|error| GearboxError::Geometry(error.to_string()))?,
+            None => Epitrochoid::new(eccentricity, sleeves, shortening).ok_or_else(|| {
+                let what = "no epitrochoid has this eccentricity, shortening and number of sleeves";
+                GearboxError::Geometry(what.to_owned())
+            })?,
         };
         let (wheels, external, internal) =
             (gear.wheels, gear.external_sleeves, gear.internal_sleeves);
@@ -131,14 +133,7 @@ impl Geometry {
         let ([phi, speed], [angle, rate]) = (input, own);
         let (s, c) = (phi + self.wheel_phases[i]).sin_cos();
         let e = self.eccentricities_m[i];
-        BodyState {
-            x: e * c,
-            y: e * s,
-            angle,
-            vx: -speed * e * s,
-            vy: speed * e * c,
-            rate,
-        }
+        BodyState::new([e * c, e * s, angle], [-speed * e * s, speed * e * c, rate])
     }
 
     /// Internal sleeve `k` turning with the output, which stands at an angle and turns at a rate (rad, rad/s).
@@ -146,14 +141,7 @@ impl Geometry {
         let (s, c) = psi.sin_cos();
         let [px, py] = self.internal_points[k];
         let (x, y) = (c * px - s * py, s * px + c * py);
-        BodyState {
-            x,
-            y,
-            angle: psi,
-            vx: -rate * y,
-            vy: rate * x,
-            rate,
-        }
+        BodyState::new([x, y, psi], [-rate * y, rate * x, rate])
     }
 
     /// Angle of wheel `i` at the ideal mesh, for the input angle `phi`, rad.

@@ -129,14 +129,9 @@ pub(crate) fn reduced<F: Forces>(
     } else {
         &sleeves
     };
-    let system = Reduced::new(mechanism, forces, idle)?
+    Ok(Reduced::new(mechanism, forces, idle)?
         .with_leaves(&sleeves)
-        .with_scales(gearbox.error_scales());
-    Ok(if gearbox.channels.need_reactions() {
-        system.with_reactions()
-    } else {
-        system
-    })
+        .with_scales(gearbox.error_scales()))
 }
 
 /// The scene's method from `y` at `t` (s) on, with no step longer than `longest_s` where it chooses them.

@@ -157,44 +157,31 @@ impl Search<'_> {
                 }
                 Some(run) => {
                     let run = Rc::new(run);
-                    let estimate = before.as_ref().map(|coarser| {
-                        let moved = self
-                            .gearbox
-                            .distance(&coarser.time_series, &run.time_series);
-                        (
-                            moved,
-                            refinement
-                                .error(moved, factor, last)
-                                .at_least(unseen * plan.tolerance),
-                        )
-                    });
-                    let index = self.levels.len() - 1;
-                    let mut next = refinement.first;
-                    if let Some((moved, error)) = estimate {
-                        self.levels[index].moved = Some(moved);
-                        let holds = holds(self.target, error, moved, last.map(|(d, _)| d));
-                        self.keep(Best {
-                            run: Rc::clone(&run),
-                            sparse: None,
-                            level: index,
-                            error: Some(error),
-                            holds,
-                        });
-                        if holds {
-                            return Ok(true);
-                        }
-                        next = refinement.next(error, self.target);
+                    let mut found = Best {
+                        run: Rc::clone(&run),
+                        sparse: sparse.then(|| plan.clone()),
+                        level: self.levels.len() - 1,
+                        error: None,
+                        holds: false,
+                    };
+                    if let Some(coarser) = &before {
+                        let (coarser, finer) = (&coarser.time_series, &run.time_series);
+                        let moved = self.gearbox.distance(coarser, finer);
+                        let error = refinement.error(moved, factor, last);
+                        let error = error.at_least(unseen * plan.tolerance);
+                        self.levels[found.level].moved = Some(moved);
+                        found.error = Some(error);
+                        found.holds = holds(self.target, error, moved, last.map(|(d, _)| d));
                         last = Some((moved, factor));
+                        factor = refinement.next(error, self.target);
                     } else {
-                        self.keep(Best {
-                            run: Rc::clone(&run),
-                            sparse: Some(plan.clone()),
-                            level: index,
-                            error: None,
-                            holds: false,
-                        });
+                        factor = refinement.first;
                     }
-                    factor = next;
+                    let done = found.holds;
+                    self.keep(found);
+                    if done {
+                        return Ok(true);
+                    }
                     before = Some(run);
                 }
             }

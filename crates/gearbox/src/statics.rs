@@ -16,7 +16,7 @@ mod newton;
 
 use newton::NEAR_STEPS;
 
-use pinwheel_mbs::{Ask, BodyState, Jacobian, Pose, Sums, Wrench};
+use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench};
 
 use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
@@ -121,8 +121,10 @@ impl<'a> Statics<'a> {
         })
     }
 
-    /// Puts all bodies at the input angle `phi` and the given angles.
+    /// Puts all bodies at the input angle `phi` and the given angles, for an evaluation of their loads.
     fn place(&mut self, phi: f64, wheels: &[f64], psi: f64) {
+        self.evaluations += 1;
+        self.loads.fill(Wrench::default());
         let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
         let motion = &self.motion;
         let (input, output) = ([phi, motion.speed], [psi, motion.output_rate]);
@@ -141,14 +143,12 @@ impl<'a> Statics<'a> {
     /// Moments on the wheels into `out`, and the moment of the contacts on the output.
     fn moments(&mut self, phi: f64, wheels: &[f64], psi: f64, out: &mut [f64]) -> f64 {
         self.place(phi, wheels, psi);
-        self.evaluations += 1;
-        self.loads.fill(Wrench::default());
         self.field.add_loads(&self.bodies, &mut self.loads);
         self.summed(out)
     }
 
     /// The same, with their slopes; `None`: the contacts have none.
-    fn moments_with_slopes(
+    pub(super) fn moments_with_slopes(
         &mut self,
         phi: f64,
         wheels: &[f64],
@@ -156,16 +156,12 @@ impl<'a> Statics<'a> {
         out: &mut [f64],
     ) -> Option<f64> {
         self.place(phi, wheels, psi);
-        self.evaluations += 1;
-        self.loads.fill(Wrench::default());
         self.slopes.clear();
         let mut sums = Sums {
             slopes: Some(&mut self.slopes),
             ..Sums::of_loads(&mut self.loads)
         };
-        let sloped = self
-            .field
-            .evaluate(&self.bodies, Ask::of(Pose::Any), &mut sums);
+        let sloped = self.field.evaluate(&self.bodies, Pose::Any, &mut sums);
         sloped.then(|| self.summed(out))
     }
 

@@ -30,14 +30,7 @@ impl Evaluator {
     pub fn evaluate(&mut self, states: &[f64], loads: &mut [f64]) {
         for (body, state) in self.bodies.iter_mut().zip(states.as_chunks::<STATE>().0) {
             let &[x, y, angle, vx, vy, rate] = state;
-            *body = BodyState {
-                x,
-                y,
-                angle,
-                vx,
-                vy,
-                rate,
-            };
+            *body = BodyState::new([x, y, angle], [vx, vy, rate]);
         }
         self.loads.fill(Wrench::default());
         self.field.add_loads(&self.bodies, &mut self.loads);

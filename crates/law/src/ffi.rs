@@ -15,11 +15,12 @@
 #![allow(unsafe_code)]
 
 use std::cell::RefCell;
+use std::convert::identity;
 use std::ffi::{CStr, CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
 use std::slice;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use pinwheel_handles::Handles;
 
@@ -79,12 +80,6 @@ fn guarded<T>(failed: impl FnOnce(i32) -> T, call: impl FnOnce() -> Result<T, Fa
     })
 }
 
-/// The law behind a handle.
-fn find(handle: *const PinwheelLaw) -> Result<Arc<Mutex<Law>>, Failure> {
-    LAWS.find(handle)
-        .ok_or_else(|| argument("the handle is none that is open: null, closed, or made up"))
-}
-
 /// Runs a call on the law behind a handle.
 fn on<T>(
     handle: *const PinwheelLaw,
@@ -92,7 +87,9 @@ fn on<T>(
     call: impl FnOnce(&mut Law) -> Result<T, Failure>,
 ) -> T {
     guarded(failed, || {
-        let law = find(handle)?;
+        let law = LAWS.find(handle);
+        let law = law
+            .ok_or_else(|| argument("the handle is none that is open: null, closed, or made up"))?;
         // Valid after a panic, too: it keeps nothing from call to call.
         let mut law = law.lock().unwrap_or_else(PoisonError::into_inner);
         call(&mut law)
@@ -104,7 +101,7 @@ fn status_of(
     handle: *const PinwheelLaw,
     call: impl FnOnce(&mut Law) -> Result<(), Failure>,
 ) -> i32 {
-    on(handle, |status| status, |law| call(law).map(|()| 0))
+    on(handle, identity, |law| call(law).map(|()| 0))
 }
 
 /// An array from C.
@@ -140,36 +137,31 @@ pub unsafe extern "C" fn pinwheel_law_open(
     scene: *const c_char,
     out: *mut *mut PinwheelLaw,
 ) -> i32 {
-    guarded(
-        |status| status,
-        || {
-            if out.is_null() {
-                return Err(argument("`out` is null; give the place of a handle"));
-            }
-            // SAFETY: not null, and the caller promises a place.
-            unsafe { out.write(ptr::null_mut()) };
-            if scene.is_null() {
-                return Err(argument("`scene` is null; name a scene or a job folder"));
-            }
-            // SAFETY: not null, and the caller promises its end.
-            let scene = unsafe { CStr::from_ptr(scene) }.to_str();
-            let scene = scene.map_err(|_| argument("`scene` is not UTF-8 text"))?;
-            let law = LAWS.open(Mutex::new(Law::open(scene)?));
-            // SAFETY: as above.
-            unsafe { out.write(law) };
-            Ok(0)
-        },
-    )
+    guarded(identity, || {
+        if out.is_null() {
+            return Err(argument("`out` is null; give the place of a handle"));
+        }
+        // SAFETY: not null, and the caller promises a place.
+        unsafe { out.write(ptr::null_mut()) };
+        if scene.is_null() {
+            return Err(argument("`scene` is null; name a scene or a job folder"));
+        }
+        // SAFETY: not null, and the caller promises its end.
+        let scene = unsafe { CStr::from_ptr(scene) }.to_str();
+        let scene = scene.map_err(|_| argument("`scene` is not UTF-8 text"))?;
+        let law = LAWS.open(Mutex::new(Law::open(scene)?));
+        // SAFETY: as above.
+        unsafe { out.write(law) };
+        Ok(0)
+    })
 }
 
 /// Number of bodies.
 #[unsafe(no_mangle)]
 pub extern "C" fn pinwheel_law_bodies(law: *const PinwheelLaw) -> i32 {
-    on(
-        law,
-        |status| status,
-        |law| i32::try_from(law.bodies().len()).map_err(|_| argument("too many bodies")),
-    )
+    on(law, identity, |law| {
+        i32::try_from(law.bodies().len()).map_err(|_| argument("too many bodies"))
+    })
 }
 
 /// Carrier, seat, mass and moment of a body; each may be null where it is not wanted.

@@ -14,31 +14,6 @@ pub enum Pose {
     AnglesOnly,
 }
 
-/// What is asked of an evaluation besides the sums that are there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Ask {
-    /// Of the bodies.
-    pub pose: Pose,
-    /// Whether the energy of the contacts is wanted, if the forces know it.
-    pub energy: bool,
-}
-
-impl Ask {
-    /// Without the energy of the contacts.
-    #[must_use]
-    pub fn of(pose: Pose) -> Self {
-        let energy = false;
-        Self { pose, energy }
-    }
-
-    /// With the energy of the contacts.
-    #[must_use]
-    pub fn with_energy(pose: Pose) -> Self {
-        let energy = true;
-        Self { pose, energy }
-    }
-}
-
 /// What an evaluation adds to; what is `None` is not asked for.
 #[derive(Debug, Default)]
 pub struct Sums<'a> {
@@ -51,7 +26,9 @@ pub struct Sums<'a> {
     /// How these moments change with the free angles (N m/rad), the free rates (N m s/rad) and the time (N m/s), in the order
     /// of [`Reduced::free_bodies`](crate::Reduced::free_bodies).
     pub slopes: Option<&'a mut Jacobian>,
-    /// Energy of the contacts: written where it is asked for and known.
+    /// Whether the energy of the contacts is asked for.
+    pub wants_energy: bool,
+    /// That energy: written where it is asked for and known.
     pub energy: Option<ContactEnergy>,
 }
 
@@ -79,6 +56,13 @@ impl<'a> Sums<'a> {
             ..Self::default()
         }
     }
+
+    /// The same and the energy of the contacts.
+    #[must_use]
+    pub fn with_energy(mut self) -> Self {
+        self.wants_energy = true;
+        self
+    }
 }
 
 /// Applied loads as a function of time and of all bodies' states.
@@ -90,15 +74,15 @@ pub trait Forces {
     /// for loads of bodies that are in place, which all forces know.
     ///
     /// By default forces know their loads, and those alone.
-    fn evaluate(&mut self, time: f64, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
+    fn evaluate(&mut self, t: f64, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
         match sums {
             Sums {
                 loads: Some(loads),
                 moments: None,
                 slopes: None,
                 ..
-            } if ask.pose != Pose::AnglesOnly => {
-                self.apply(time, bodies, loads);
+            } if pose != Pose::AnglesOnly => {
+                self.apply(t, bodies, loads);
                 true
             }
             _ => false,

@@ -206,12 +206,12 @@ fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
 /// The slopes of a system's f, and the factors of s I - df/dy.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Jacobian {
-    /// K, 1/s^2; `None`: of first order.
-    pub(crate) position: Option<Arrow>,
+    /// K of a mechanical system in the order of v, 1/s^2; `None` of a system of first order.
+    pub position: Option<Arrow>,
     /// D, 1/s, or the whole of df/dy of a system of first order.
-    pub(crate) rate: Arrow,
-    /// df/dt of the same rows.
-    pub(crate) time: Vec<f64>,
+    pub rate: Arrow,
+    /// da/dt, or df/dt of a system of first order.
+    pub time: Vec<f64>,
     shift: f64,
     /// Factors: inverse diagonal of the leaves, border above divided by it, border below.
     inverse: Vec<f64>,
@@ -246,29 +246,6 @@ impl Jacobian {
             rhs: parted,
             rate,
         }
-    }
-
-    /// K, D and da/dt of a mechanical system, in the order of v; the whole of df/dy is the second of one of first order.
-    pub fn parts_mut(&mut self) -> (Option<&mut Arrow>, &mut Arrow, &mut [f64]) {
-        (self.position.as_mut(), &mut self.rate, &mut self.time)
-    }
-
-    /// K, 1/s^2; `None` of a system of first order.
-    #[must_use]
-    pub fn position(&self) -> Option<&Arrow> {
-        self.position.as_ref()
-    }
-
-    /// D, 1/s, or df/dy of a system of first order.
-    #[must_use]
-    pub fn rate(&self) -> &Arrow {
-        &self.rate
-    }
-
-    /// da/dt, or df/dt of a system of first order.
-    #[must_use]
-    pub fn time(&self) -> &[f64] {
-        &self.time
     }
 
     /// All 0 again.
@@ -385,7 +362,7 @@ mod tests {
             let mut jacobian = Jacobian::new(&structure, dimension);
             let mut whole = DMatrix::identity(dimension, dimension) * shift;
             let first = dimension - N;
-            let (mut position, rate, _) = jacobian.parts_mut();
+            let Jacobian { position, rate, .. } = &mut jacobian;
             for (k, &value) in entries.iter().enumerate() {
                 let (row, column) = (k / N % N, k % N);
                 let joins_leaves = second && row != column && is_leaf[row] && is_leaf[column];
@@ -394,7 +371,7 @@ mod tests {
                     if !joins_leaves {
                         whole[(first + row, first + column)] -= value;
                     }
-                } else if let Some(position) = &mut position {
+                } else if let Some(position) = position {
                     position.add(row, column, value);
                     if !joins_leaves {
                         whole[(first + row, column)] -= value;
@@ -425,13 +402,12 @@ mod tests {
         };
         let value = |row: usize, column: usize| (1 + 5 * row + column) as f64;
         let mut jacobian = Jacobian::new(&structure, 10);
-        let (position, rate, time) = jacobian.parts_mut();
-        let position = position.expect("of second order");
-        for (row, time) in time.iter_mut().enumerate() {
+        let position = jacobian.position.as_mut().expect("of second order");
+        for (row, time) in jacobian.time.iter_mut().enumerate() {
             *time = -value(row, 0);
             for column in 0..5 {
                 position.add(row, column, value(row, column));
-                rate.add(row, column, 2.0 * value(row, column));
+                jacobian.rate.add(row, column, 2.0 * value(row, column));
             }
         }
         let factors = [2.0, 3.0, 5.0, 7.0, 11.0];
@@ -441,14 +417,14 @@ mod tests {
             }
             for (row, factor) in factors.into_iter().enumerate() {
                 let factor = if scaled { factor } else { 1.0 };
-                assert_eq!(jacobian.time()[row], -factor * value(row, 0));
+                assert_eq!(jacobian.time[row], -factor * value(row, 0));
                 for column in 0..5 {
                     let joins_leaves = row != column && is_leaf[row] && is_leaf[column];
                     let share = if joins_leaves { 0.0 } else { factor };
                     let wanted = share * value(row, column);
-                    let position = jacobian.position().expect("of second order");
+                    let position = jacobian.position.as_ref().expect("of second order");
                     assert_eq!(position.entry(row, column), wanted);
-                    assert_eq!(jacobian.rate().entry(row, column), 2.0 * wanted);
+                    assert_eq!(jacobian.rate.entry(row, column), 2.0 * wanted);
                 }
             }
         }

@@ -16,12 +16,12 @@ use std::iter::zip;
 
 use nalgebra::Vector3;
 
-use crate::forces::{Ask, Forces, Pose, Sums};
+use crate::forces::{Forces, Pose, Sums};
 use crate::mechanism::{Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem, own_scale};
 use crate::pinned::PinnedContacts;
 use crate::saddle::{Dependent, SaddlePoint, redundant};
-use crate::state::{BodyState, ContactEnergy, Wrench};
+use crate::state::{BodyId, BodyState, ContactEnergy, Wrench};
 use crate::tree::{Arms, Forest, turned};
 use turning::{Projected, Turning};
 
@@ -48,17 +48,9 @@ const LOOP_TOLERANCE: f64 = 1e-14;
 /// How far the fastest body turns to get beside a singular pose, rad.
 const BESIDE: f64 = 2e-5;
 
-/// A body's state by its three coordinates and their rates.
-#[inline]
-fn body_at([x, y, angle]: &[f64; 3], [vx, vy, rate]: &[f64; 3]) -> BodyState {
-    BodyState {
-        x: *x,
-        y: *y,
-        angle: *angle,
-        vx: *vx,
-        vy: *vy,
-        rate: *rate,
-    }
+/// The state of a body; without one that of the ground.
+fn state_of(bodies: &[BodyState], body: Option<BodyId>) -> BodyState {
+    body.map_or_else(BodyState::default, |body| bodies[body])
 }
 
 /// Three coordinates of every body, then their rates.
@@ -176,7 +168,7 @@ impl<F: Forces> Lagrange<F> {
         self.projected.valid = false;
         let (q, v) = coordinates(y);
         for (body, (q, v)) in zip(&mut self.bodies, zip(q, v)) {
-            *body = body_at(q, v);
+            *body = BodyState::new(*q, *v);
         }
     }
 
@@ -188,7 +180,7 @@ impl<F: Forces> Lagrange<F> {
             (body.angle, body.rate) = (q[2], v[2]);
         }
         for &root in &self.forest.roots {
-            self.bodies[root] = body_at(&q[root], &v[root]);
+            self.bodies[root] = BodyState::new(q[root], v[root]);
         }
     }
 
@@ -203,8 +195,7 @@ impl<F: Forces> Lagrange<F> {
         self.projected.valid = false;
         for (arms, joint) in self.arms.iter_mut().zip(&self.mechanism.revolutes) {
             let on = |point: [f64; 2], rate: f64| turned(point, rate * time);
-            let parent_rate = joint.parent.map_or(0.0, |p| self.bodies[p].rate);
-            arms.parent = on(arms.parent, parent_rate);
+            arms.parent = on(arms.parent, state_of(&self.bodies, joint.parent).rate);
             arms.child = on(arms.child, self.bodies[joint.child].rate);
         }
     }
@@ -231,9 +222,7 @@ impl<F: Forces> Lagrange<F> {
     fn revolute_error(&self, k: usize) -> ([f64; 2], [f64; 2]) {
         let joint = &self.mechanism.revolutes[k];
         let ([px, py], [cx, cy]) = (self.arms[k].parent, self.arms[k].child);
-        let parent = joint
-            .parent
-            .map_or_else(BodyState::default, |p| self.bodies[p]);
+        let parent = state_of(&self.bodies, joint.parent);
         let child = self.bodies[joint.child];
         (
             [child.x + cx - parent.x - px, child.y + cy - parent.y - py],
@@ -247,9 +236,7 @@ impl<F: Forces> Lagrange<F> {
     /// Phi and dPhi/dt of a driver.
     fn driver_error(&self, k: usize, t: f64) -> (f64, f64) {
         let driver = &self.mechanism.drivers[k];
-        let parent = driver
-            .parent
-            .map_or_else(BodyState::default, |p| self.bodies[p]);
+        let parent = state_of(&self.bodies, driver.parent);
         let (angle, rate, _) = driver.motion.at(t);
         let child = self.bodies[driver.child];
         (
@@ -290,9 +277,7 @@ impl<F: Forces> Lagrange<F> {
     fn satisfy_constraints(&mut self, t: f64) {
         for driver in &self.mechanism.drivers {
             let (angle, rate, _) = driver.motion.at(t);
-            let parent = driver
-                .parent
-                .map_or_else(BodyState::default, |p| self.bodies[p]);
+            let parent = state_of(&self.bodies, driver.parent);
             let child = &mut self.bodies[driver.child];
             (child.angle, child.rate) = (parent.angle + angle, parent.rate + rate);
         }
@@ -357,16 +342,18 @@ impl<F: Forces> Lagrange<F> {
     }
 
     /// The applied loads at the unpacked bodies; the contacts' energy if it is asked for and known.
-    fn sum_loads(&mut self, t: f64, energy: bool) -> Option<ContactEnergy> {
+    fn sum_loads(&mut self, t: f64, wants_energy: bool) -> Option<ContactEnergy> {
         self.loads.fill(Wrench::default());
         let pose = if self.stabilisation == Stabilisation::Projection {
             Pose::Prescribed
         } else {
             Pose::Any
         };
-        let mut sums = Sums::of_loads(&mut self.loads);
-        self.forces
-            .evaluate(t, &self.bodies, Ask { pose, energy }, &mut sums);
+        let mut sums = Sums {
+            wants_energy,
+            ..Sums::of_loads(&mut self.loads)
+        };
+        self.forces.evaluate(t, &self.bodies, pose, &mut sums);
         sums.energy
     }
 

@@ -21,44 +21,20 @@ pub(crate) enum Angle {
 /// The free rates of a mechanism, and the contacts of one stage.
 #[derive(Debug, Clone)]
 pub struct PinnedContacts {
-    angles: Vec<Angle>,
-    carrier_of: Vec<Option<BodyId>>,
-    free: Vec<BodyId>,
+    /// What the angle of every body is.
+    pub(crate) angles: Vec<Angle>,
+    /// The body that carries each of them.
+    pub(crate) carrier_of: Vec<Option<BodyId>>,
+    /// Bodies whose rates are free, in order.
+    pub(crate) free: Vec<BodyId>,
     /// The contacts, to be listed by the forces, and what their friction does to the free rates.
     pub(crate) stage: SlidingStage,
-    inertia: Vec<f64>,
 }
 
 impl PinnedContacts {
-    pub(crate) fn new(
-        angles: Vec<Angle>,
-        carrier_of: Vec<Option<BodyId>>,
-        free: Vec<BodyId>,
-        inertia: Vec<f64>,
-    ) -> Self {
-        Self {
-            stage: SlidingStage::new(inertia.clone(), &vec![false; free.len()]),
-            angles,
-            carrier_of,
-            free,
-            inertia,
-        }
-    }
-
-    pub(crate) fn set_leaves(&mut self, leaves: &[BodyId]) {
-        let is_leaf: Vec<bool> = self.free.iter().map(|body| leaves.contains(body)).collect();
-        self.stage = SlidingStage::new(self.inertia.clone(), &is_leaf);
-    }
-
-    /// Bodies whose rates are free, in order.
-    #[must_use]
-    pub fn free_bodies(&self) -> &[BodyId] {
-        &self.free
-    }
-
     /// Solves the stage's friction for the listed contacts of `bodies`; see [`SlidingStage::solve`].
     /// `guess` and `rates`: of the free bodies.
-    pub fn solve<F: Forces>(
+    pub(crate) fn solve<F: Forces>(
         &mut self,
         a: f64,
         guess: &[f64],

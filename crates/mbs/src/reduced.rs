@@ -15,11 +15,12 @@
 //! Friction may be treated implicitly ([`OdeSystem::split_stage`]): a contact's sliding speed is
 //! linear in the free rates, `u = offset + J v`, and `-J' F_t` is what its friction does to them.
 
-use crate::forces::{Ask, Forces, Pose, Sums};
+use crate::forces::{Forces, Pose, Sums};
 use crate::jacobian::{Jacobian, Structure};
 use crate::mechanism::{Mechanism, MechanismError, Motion};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem, own_scale};
 use crate::pinned::{Angle, PinnedContacts};
+use crate::sliding::SlidingStage;
 use crate::state::{BodyId, BodyState, ContactEnergy, Wrench};
 
 /// A body carried by another.
@@ -34,7 +35,6 @@ struct Carried {
 pub struct Reduced<F> {
     mechanism: Mechanism,
     forces: F,
-    angles: Vec<Angle>,
     carried: Vec<Carried>,
     carriers: Vec<BodyId>,
     /// Lumped moment of inertia of every body.
@@ -44,7 +44,8 @@ pub struct Reduced<F> {
     idle: Vec<(BodyId, BodyState)>,
     /// Kinetic energy of their turning, J.
     idle_j: f64,
-    leaves: Vec<BodyId>,
+    /// Of the free bodies, in order: those that never touch each other and carry nothing.
+    is_leaf: Vec<bool>,
     /// Inverses of those of the free bodies: a division for every body and evaluation would be a tenth of the time of a small gear.
     free_inverse: Vec<f64>,
     bodies: Vec<BodyState>,
@@ -150,20 +151,25 @@ impl<F: Forces> Reduced<F> {
         let of_idle = idle
             .iter()
             .map(|&(body, start)| 0.5 * mechanism.bodies[body].moment * start.rate.powi(2));
+        let is_leaf = vec![false; free.len()];
         let moving: Vec<f64> = free.iter().map(|&body| inertia[body]).collect();
         Ok(Self {
             scales: None,
-            reactions: Vec::new(),
-            borne: Vec::new(),
+            reactions: vec![[0.0; 2]; mechanism.revolutes.len()],
+            borne: vec![[0.0; 2]; n],
             evaluated: Evaluated {
                 y: vec![0.0; 2 * free.len()],
                 ..Evaluated::default()
             },
-            contacts: PinnedContacts::new(angles.clone(), carrier_of, free.clone(), moving.clone()),
             free_inverse: moving.iter().map(|inertia| inertia.recip()).collect(),
-            leaves: Vec::new(),
+            contacts: PinnedContacts {
+                stage: SlidingStage::new(moving, &is_leaf),
+                angles,
+                carrier_of,
+                free: free.clone(),
+            },
+            is_leaf,
             forces,
-            angles,
             carried,
             carriers,
             inertia,
@@ -183,8 +189,9 @@ impl<F: Forces> Reduced<F> {
     /// friction is treated implicitly, and whenever a method solves with the Jacobian. Without them both are dense.
     #[must_use]
     pub fn with_leaves(mut self, leaves: &[BodyId]) -> Self {
-        self.contacts.set_leaves(leaves);
-        self.leaves = leaves.to_vec();
+        self.is_leaf = self.free.iter().map(|body| leaves.contains(body)).collect();
+        let inertia = self.free.iter().map(|&body| self.inertia[body]).collect();
+        self.contacts.stage = SlidingStage::new(inertia, &self.is_leaf);
         self
     }
 
@@ -198,20 +205,6 @@ impl<F: Forces> Reduced<F> {
     #[must_use]
     pub fn with_scales(mut self, scales: ErrorScales) -> Self {
         self.scales = Some(scales);
-        self
-    }
-
-    /// Makes [`observe`](Formulation::observe) tell the forces of the revolutes, by Newton's law from
-    /// the accelerations: the elimination has made them unnecessary, not unknown.
-    ///
-    /// ```text
-    /// carried body:  reaction = m a - F,   a = A (alpha (k x s) - omega^2 s)
-    /// carrier:       reaction = sum of its bodies' reactions - F
-    /// ```
-    #[must_use]
-    pub fn with_reactions(mut self) -> Self {
-        self.reactions = vec![[0.0; 2]; self.mechanism.revolutes.len()];
-        self.borne = vec![[0.0; 2]; self.bodies.len()];
         self
     }
 
@@ -289,18 +282,16 @@ impl<F: Forces> Reduced<F> {
         self.evaluated.placed = false;
         self.moments.fill(0.0);
         self.loads.fill(Wrench::default());
-        let mut sums = Sums {
-            moments: Some(&mut self.moments),
-            ..Sums::of_loads(&mut self.loads)
-        };
-        let ask = Ask::with_energy(Pose::AnglesOnly);
-        if self.forces.evaluate(t, &self.bodies, ask, &mut sums) {
+        let mut sums = Sums::of_loads(&mut self.loads).with_energy();
+        sums.moments = Some(&mut self.moments);
+        let (forces, bodies) = (&mut self.forces, &self.bodies);
+        if forces.evaluate(t, bodies, Pose::AnglesOnly, &mut sums) {
             self.evaluated.energy = sums.energy;
         } else {
             self.put(t);
-            let mut sums = Sums::of_loads(&mut self.loads);
-            let ask = Ask::with_energy(Pose::Prescribed);
-            self.forces.evaluate(t, &self.bodies, ask, &mut sums);
+            let mut sums = Sums::of_loads(&mut self.loads).with_energy();
+            let (forces, bodies) = (&mut self.forces, &self.bodies);
+            forces.evaluate(t, bodies, Pose::Prescribed, &mut sums);
             self.evaluated.energy = sums.energy;
             self.sum_moments();
         }
@@ -356,7 +347,13 @@ impl<F: Forces> Reduced<F> {
         }
     }
 
-    /// Forces of the revolutes at time `t`, from the moments and loads of the last evaluation.
+    /// Forces of the revolutes at time `t`, from the moments and loads of the last evaluation: the elimination has made them
+    /// unnecessary, not unknown.
+    ///
+    /// ```text
+    /// carried body:  reaction = m a - F,   a = A (alpha (k x s) - omega^2 s)
+    /// carrier:       reaction = sum of its bodies' reactions - F
+    /// ```
     fn set_reactions(&mut self, t: f64) {
         self.borne.fill([0.0; 2]);
         for carried_ones in [true, false] {
@@ -369,7 +366,7 @@ impl<F: Forces> Reduced<F> {
                 (fx, fy) = (fx - load.fx, fy - load.fy);
                 if let Some(parent) = joint.parent {
                     let base = self.bodies[parent];
-                    let turning = match self.angles[parent] {
+                    let turning = match self.contacts.angles[parent] {
                         Angle::Driven(driver) => self.mechanism.drivers[driver].motion.at(t).2,
                         Angle::Free(_) => self.moments[parent] / self.inertia[parent],
                         Angle::Idle => 0.0,
@@ -424,8 +421,8 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         self.turn(t, y);
         self.moments.fill(0.0);
         let mut sums = Sums::of_moments(&mut self.moments);
-        let ask = Ask::of(Pose::AnglesOnly);
-        if !self.forces.evaluate(t, &self.bodies, ask, &mut sums) {
+        let (forces, bodies) = (&mut self.forces, &self.bodies);
+        if !forces.evaluate(t, bodies, Pose::AnglesOnly, &mut sums) {
             self.carry();
             self.loads.fill(Wrench::default());
             self.forces.apply(t, &self.bodies, &mut self.loads);
@@ -463,15 +460,15 @@ impl<F: Forces> OdeSystem for Reduced<F> {
 
     fn structure(&self) -> Structure {
         Structure::SecondOrder {
-            is_leaf: self.free.iter().map(|b| self.leaves.contains(b)).collect(),
+            is_leaf: self.is_leaf.clone(),
         }
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64], jacobian: &mut Jacobian) -> bool {
         self.place(t, y);
-        let ask = Ask::of(Pose::Prescribed);
         let mut sums = Sums::of_slopes(jacobian);
-        let known = self.forces.evaluate(t, &self.bodies, ask, &mut sums);
+        let (forces, bodies) = (&mut self.forces, &self.bodies);
+        let known = forces.evaluate(t, bodies, Pose::Prescribed, &mut sums);
         if known {
             jacobian.scale_rows(&self.free_inverse);
         }
@@ -496,12 +493,9 @@ impl<F: Forces> Formulation for Reduced<F> {
     fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
         self.evaluate_whole(t, y);
         self.put(t);
-        let wanted = !self.reactions.is_empty();
-        if wanted {
-            self.set_reactions(t);
-        }
+        self.set_reactions(t);
         Observation {
-            reactions: wanted.then_some(self.reactions.as_slice()),
+            reactions: Some(&self.reactions),
             ..self.see(t)
         }
     }

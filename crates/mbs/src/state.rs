@@ -20,6 +20,22 @@ pub struct BodyState {
     pub rate: f64,
 }
 
+impl BodyState {
+    /// Of position and angle, and their rates.
+    #[must_use]
+    #[inline]
+    pub fn new([x, y, angle]: [f64; 3], [vx, vy, rate]: [f64; 3]) -> Self {
+        Self {
+            x,
+            y,
+            angle,
+            vx,
+            vy,
+            rate,
+        }
+    }
+}
+
 /// Force at, and moment about, a body's centre of mass, in the ground frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wrench {

@@ -2,7 +2,7 @@
 
 use pinwheel_mbs::integrators::{METHODS, StepSettings, Stepper, start};
 use pinwheel_mbs::{
-    Ask, Body, BodyState, Driver, Forces, Formulation, Lagrange, Mechanism, Motion, Reduced,
+    Body, BodyState, Driver, Forces, Formulation, Lagrange, Mechanism, Motion, Pose, Reduced,
     Revolute, Stabilisation, Sums, Wrench,
 };
 
@@ -18,14 +18,14 @@ impl Forces for Springs {
     }
 
     /// Near enough: methods that ask for slopes shall use them.
-    fn evaluate(&mut self, t: f64, bodies: &[BodyState], _: Ask, sums: &mut Sums<'_>) -> bool {
+    fn evaluate(&mut self, t: f64, bodies: &[BodyState], _: Pose, sums: &mut Sums<'_>) -> bool {
         if let Some(loads) = &mut sums.loads {
             self.apply(t, bodies, loads);
         }
         let Some(slopes) = &mut sums.slopes else {
             return sums.moments.is_none();
         };
-        let Some(position) = slopes.parts_mut().0 else {
+        let Some(position) = &mut slopes.position else {
             return false;
         };
         for k in 0..position.dimension() {

@@ -44,13 +44,7 @@ impl Profile {
 
     /// The profile C - q n, m, in the wheel's frame.
     pub(super) fn offset_point(&self, a: f64) -> [f64; 2] {
-        let (sin, cos) = a.sin_cos();
-        let (sin_k, cos_k) = (self.pins * a).sin_cos();
-        // C' divided by R: i (e^{ia} + m e^{i zk a}); its length is at least 1 - m > 0.
-        let tangent = [
-            -sin - self.shortening * sin_k,
-            cos + self.shortening * cos_k,
-        ];
+        let tangent = self.tangent(a);
         let scale = self.offset / tangent[0].hypot(tangent[1]);
         let [x, y] = self.point(a);
         [x - scale * tangent[1], y + scale * tangent[0]]
@@ -58,14 +52,17 @@ impl Profile {
 
     /// dP/da of the profile, m: C' (1 - q kappa), for the offset of a curve is parallel to it.
     pub(super) fn offset_slope(&self, a: f64) -> [f64; 2] {
-        let (sin, cos) = a.sin_cos();
-        let (sin_k, cos_k) = (self.pins * a).sin_cos();
         let share = 1.0 - self.offset * self.curvature((self.lobes() * a).cos());
         let scale = self.radius * share;
-        [
-            scale * (-sin - self.shortening * sin_k),
-            scale * (cos + self.shortening * cos_k),
-        ]
+        self.tangent(a).map(|x| scale * x)
+    }
+
+    /// C' divided by R: i (e^{ia} + m e^{i zk a}); its length is at least 1 - m > 0.
+    fn tangent(&self, a: f64) -> [f64; 2] {
+        let (sin, cos) = a.sin_cos();
+        let (sin_k, cos_k) = (self.pins * a).sin_cos();
+        let m = self.shortening;
+        [-sin - m * sin_k, cos + m * cos_k]
     }
 
     /// kappa of C at cos(zs a) = c, 1/m; positive on a lobe.

@@ -14,7 +14,7 @@
 
 use std::f64::consts::PI;
 
-use pinwheel_contact::{HertzStiffness, LineContact, NormalLaw as _};
+use pinwheel_contact::{HertzStiffness, Law, LawParameters, NormalLaw as _};
 use serde::Serialize;
 
 use crate::load_course;
@@ -61,6 +61,21 @@ pub fn hertz(contact: &Contact) -> HertzStiffness {
     )
 }
 
+/// The law that a scene names, with what it reads of the scene; `None` if there is none of that name.
+#[must_use]
+pub fn law(contact: &Contact) -> Option<Law> {
+    let parameters = LawParameters {
+        damping: contact.damping_n_s_m,
+        ramp: contact.ramp_m,
+        constant_stiffness: contact.constant_stiffness_n_m15,
+        stiffness_multiplier: contact.stiffness_multiplier,
+        line_length: contact.line_length_m,
+        restitution: contact.restitution,
+        impact_speed: contact.impact_speed_m_s,
+    };
+    Law::named(&contact.law, &parameters)
+}
+
 /// A contact at rest under a law: F = K delta^n.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spring {
@@ -74,22 +89,10 @@ impl Spring {
     /// That of the scene's law where Hertz' stiffness is `hertz`, N/m^1.5.
     #[must_use]
     pub fn of(contact: &Contact, hertz: f64) -> Self {
-        let (exponent, stiffness) = match contact.law.as_str() {
-            "constant" | "adams-impact" => (1.5, contact.constant_stiffness_n_m15),
-            "line-contact" => {
-                let law = LineContact::new(
-                    contact.line_length_m,
-                    contact.stiffness_multiplier,
-                    contact.damping_n_s_m,
-                    contact.ramp_m,
-                );
-                (10.0 / 9.0, law.stiffness(hertz))
-            }
-            _ => (1.5, hertz),
-        };
+        let is_line = contact.law == "line-contact";
         Self {
-            stiffness,
-            exponent,
+            stiffness: law(contact).map_or(hertz, |law| law.stiffness(hertz)),
+            exponent: if is_line { 10.0 / 9.0 } else { 1.5 },
         }
     }
 

@@ -31,11 +31,6 @@ impl NormalLaw for ConstantStiffness {
         penetration.like(self.stiffness) * self.ramp.integral(penetration)
     }
 
-    #[inline(always)]
-    fn along<R: Real>(&self, _penetration: R) -> Option<R> {
-        None
-    }
-
     #[inline]
     fn stiffness(&self, _hertz: f64) -> f64 {
         self.stiffness

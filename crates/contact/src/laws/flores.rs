@@ -1,7 +1,6 @@
 //! Flores: `chi = 8 (1 - c)/(5 c)`; see [`super::hysteresis`].
 
-use super::hysteresis::{Hysteresis, KEYS, SLOW};
-use super::{LawInfo, LawParameters};
+use super::{Hysteresis, LawInfo, LawParameters, hunt_crossley};
 
 /// chi for the restitution `c`.
 fn factor(c: f64) -> f64 {
@@ -18,8 +17,6 @@ pub(super) const INFO: LawInfo = LawInfo {
     formula: "max(0, K delta^1.5 (1 + chi v/v0)), chi = 8 (1 - c)/(5 c)",
     source: "P. Flores, M. Machado, M. T. Silva, J. M. Martins, On the continuous contact force models for soft materials in multibody dynamics, Multibody Syst. Dyn. 25 (2011) 357-375",
     domain: "any c above 0, made for soft materials: 0.9 comes out as 0.894, 0.5 as 0.47, 0.1 as 0.07",
-    slow_impact: SLOW,
-    keys: KEYS,
     restitution_factor: Some(factor),
-    conservative: false,
+    ..hunt_crossley::INFO
 };

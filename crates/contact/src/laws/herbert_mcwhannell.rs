@@ -1,7 +1,6 @@
 //! Herbert and McWhannell: `chi = 6 (1 - c)/((2 c - 1)^2 + 3)`; see [`super::hysteresis`].
 
-use super::hysteresis::{Hysteresis, KEYS, SLOW};
-use super::{LawInfo, LawParameters};
+use super::{Hysteresis, LawInfo, LawParameters, hunt_crossley};
 
 /// chi for the restitution `c`.
 fn factor(c: f64) -> f64 {
@@ -18,8 +17,6 @@ pub(super) const INFO: LawInfo = LawInfo {
     formula: "max(0, K delta^1.5 (1 + chi v/v0)), chi = 6 (1 - c)/((2 c - 1)^2 + 3)",
     source: "R. G. Herbert, D. C. McWhannell, Shape and frequency composition of pulses from an impact pair, J. Eng. Ind. 99 (1977) 513-518",
     domain: "c near 1: 0.9 comes out as 0.901, 0.5 as 0.59",
-    slow_impact: SLOW,
-    keys: KEYS,
     restitution_factor: Some(factor),
-    conservative: false,
+    ..hunt_crossley::INFO
 };

@@ -1,7 +1,6 @@
 //! Hunt and Crossley: `chi = 3 (1 - c)/2`; see [`super::hysteresis`].
 
-use super::hysteresis::{Hysteresis, KEYS, SLOW};
-use super::{LawInfo, LawParameters};
+use super::{Hysteresis, LawInfo, LawParameters};
 
 /// chi for the restitution `c`.
 fn factor(c: f64) -> f64 {
@@ -18,8 +17,9 @@ pub(super) const INFO: LawInfo = LawInfo {
     formula: "max(0, K delta^1.5 (1 + chi v/v0)), chi = 3 (1 - c)/2",
     source: "K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Appl. Mech. 42 (1975) 440-445",
     domain: "c near 1, derived for small losses: 0.9 comes out as 0.909, 0.5 as 0.66",
-    slow_impact: SLOW,
-    keys: KEYS,
+    slow_impact: "singular with the true impact speed: the damping grows as 1/v0 and a smooth entry has v0 = 0; \
+     here contact.impact_speed_m_s stands for v0 in every contact, which bounds it, and slower impacts lose less",
+    keys: &["contact.restitution", "contact.impact_speed_m_s"],
     restitution_factor: Some(factor),
     conservative: false,
 };

@@ -45,16 +45,4 @@ impl NormalLaw for Hysteresis {
     fn stored<R: Real>(&self, stiffness: R, penetration: R) -> R {
         stiffness * penetration * penetration * penetration.sqrt() / stiffness.like(2.5)
     }
-
-    #[inline(always)]
-    fn along<R: Real>(&self, _penetration: R) -> Option<R> {
-        None
-    }
 }
-
-/// What all laws of the family share.
-pub(super) const SLOW: &str = "singular with the true impact speed: the damping grows as 1/v0 and a smooth entry has v0 = 0; \
-     here contact.impact_speed_m_s stands for v0 in every contact, which bounds it, and slower impacts lose less";
-
-/// Keys of the family.
-pub(super) const KEYS: &[&str] = &["contact.restitution", "contact.impact_speed_m_s"];

@@ -1,7 +1,6 @@
 //! Lankarani and Nikravesh: `chi = 3 (1 - c^2)/4`; see [`super::hysteresis`].
 
-use super::hysteresis::{Hysteresis, KEYS, SLOW};
-use super::{LawInfo, LawParameters};
+use super::{Hysteresis, LawInfo, LawParameters, hunt_crossley};
 
 /// chi for the restitution `c`.
 fn factor(c: f64) -> f64 {
@@ -18,8 +17,6 @@ pub(super) const INFO: LawInfo = LawInfo {
     formula: "max(0, K delta^1.5 (1 + chi v/v0)), chi = 3 (1 - c^2)/4",
     source: "H. M. Lankarani, P. E. Nikravesh, A contact force model with hysteresis damping for impact analysis of multibody systems, J. Mech. Des. 112 (1990) 369-376",
     domain: "c near 1, derived for small losses: 0.9 comes out as 0.913, 0.5 as 0.73",
-    slow_impact: SLOW,
-    keys: KEYS,
     restitution_factor: Some(factor),
-    conservative: false,
+    ..hunt_crossley::INFO
 };

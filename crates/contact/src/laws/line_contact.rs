@@ -14,19 +14,6 @@ pub struct LineContact {
     ramp: Ramp,
 }
 
-impl LineContact {
-    /// Length of the line L (m), stiffness multiplier H, damping C (N s/m) and its ramp (m).
-    #[must_use]
-    pub fn new(length: f64, multiplier: f64, damping: f64, ramp: f64) -> Self {
-        let stiffness = (1000.0_f64 / 3.84e-5).powf(10.0 / 9.0) * (1000.0 * length).powf(8.0 / 9.0);
-        Self {
-            stiffness: multiplier * stiffness,
-            damping,
-            ramp: Ramp::new(ramp),
-        }
-    }
-}
-
 impl NormalLaw for LineContact {
     #[inline(always)]
     fn force<R: Real>(&self, _hertz: R, penetration: R, rate: R) -> R {
@@ -41,11 +28,6 @@ impl NormalLaw for LineContact {
         c(self.stiffness) * penetration.powf(19.0 / 9.0) * c(9.0 / 19.0)
     }
 
-    #[inline(always)]
-    fn along<R: Real>(&self, _penetration: R) -> Option<R> {
-        None
-    }
-
     #[inline]
     fn stiffness(&self, _hertz: f64) -> f64 {
         self.stiffness
@@ -53,12 +35,13 @@ impl NormalLaw for LineContact {
 }
 
 pub(super) fn new(parameters: &LawParameters) -> LineContact {
-    LineContact::new(
-        parameters.line_length,
-        parameters.stiffness_multiplier,
-        parameters.damping,
-        parameters.ramp,
-    )
+    let length_mm = 1000.0 * parameters.line_length;
+    let stiffness = (1000.0_f64 / 3.84e-5).powf(10.0 / 9.0) * length_mm.powf(8.0 / 9.0);
+    LineContact {
+        stiffness: parameters.stiffness_multiplier * stiffness,
+        damping: parameters.damping,
+        ramp: Ramp::new(parameters.ramp),
+    }
 }
 
 pub(super) const INFO: LawInfo = LawInfo {
@@ -84,7 +67,11 @@ mod tests {
     /// Palmgren's formula itself, with H = 1: 1000 N on 10 mm.
     #[test]
     fn depth_is_palmgren_s() {
-        let law = LineContact::new(0.01, 1.0, 0.0, 1e-5);
+        let parameters = LawParameters {
+            stiffness_multiplier: 1.0,
+            ..LawParameters::default()
+        };
+        let law = new(&parameters);
         let depth = 1e-3 * 3.84e-5 * 1000.0_f64.powf(0.9) / 10.0_f64.powf(0.8);
         assert!((law.force(0.0, depth, 0.0) / 1000.0 - 1.0).abs() < 1e-12);
     }

@@ -50,15 +50,6 @@ registry! {
     paper_printed: PaperPrinted(PaperPrinted),
 }
 
-/// What is done with a law once it is known which.
-pub trait LawVisitor {
-    /// What comes of it.
-    type Output;
-
-    /// Takes the law.
-    fn visit<L: NormalLaw>(self, law: L) -> Self::Output;
-}
-
 /// A law as listed for users.
 #[derive(Debug, Clone, Copy)]
 pub struct LawInfo {
@@ -267,23 +258,6 @@ mod tests {
             }
         }
         assert!(hysteresis_factor("paper", 0.5).is_none());
-    }
-
-    struct Force;
-
-    impl LawVisitor for Force {
-        type Output = f64;
-
-        fn visit<L: NormalLaw>(self, law: L) -> f64 {
-            law.force(9e7, 2e-5, 0.1)
-        }
-    }
-
-    #[test]
-    fn visitors_meet_the_law_that_was_named() {
-        for (name, law) in each() {
-            assert_eq!(law.visit(Force), law.force(9e7, 2e-5, 0.1), "{name}");
-        }
     }
 
     #[test]

@@ -5,9 +5,9 @@ use crate::Real;
 /// A penalty law F_n(K, delta, d(delta)/dt) for delta > 0, of one contact or of several side by side; lanes without contact
 /// (delta <= 0) may hold anything.
 ///
-/// Laws are small copyable values; the contact loop is compiled for each of them. They know no
-/// history: what depends on the speed of an impact takes a reference speed from its settings.
-pub trait NormalLaw: Copy + Send + Sync + 'static {
+/// Laws are small copyable values. They know no history: what depends on the speed of an impact takes a reference
+/// speed from its settings.
+pub trait NormalLaw: Copy {
     /// Normal force, N, never negative. `stiffness` K in N/m^1.5, `penetration` in m (> 0), `rate` in m/s.
     #[must_use]
     fn force<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> R;
@@ -18,10 +18,11 @@ pub trait NormalLaw: Copy + Send + Sync + 'static {
 
     /// Force against an increase of K along the profile, per unit of its slope: dU/dK, J/(N/m^1.5), of laws whose
     /// force is the whole gradient of U(K, delta). `None`, always or never: the force is normal only.
-    ///
-    /// Every law has to say which: one that forgot would lose this force in silence.
     #[must_use]
-    fn along<R: Real>(&self, penetration: R) -> Option<R>;
+    #[inline(always)]
+    fn along<R: Real>(&self, _penetration: R) -> Option<R> {
+        None
+    }
 
     /// The stiffness the law works with where Hertz's is `hertz`; its own unit where the exponent is not 1.5.
     #[inline]

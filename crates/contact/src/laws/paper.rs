@@ -28,11 +28,6 @@ impl NormalLaw for PaperLaw {
     fn stored<R: Real>(&self, stiffness: R, penetration: R) -> R {
         stiffness * self.ramp.integral(penetration)
     }
-
-    #[inline(always)]
-    fn along<R: Real>(&self, _penetration: R) -> Option<R> {
-        None
-    }
 }
 
 pub(super) fn new(parameters: &LawParameters) -> PaperLaw {

@@ -23,11 +23,6 @@ impl NormalLaw for PaperPrinted {
     fn stored<R: Real>(&self, stiffness: R, penetration: R) -> R {
         self.0.stored(stiffness, penetration)
     }
-
-    #[inline(always)]
-    fn along<R: Real>(&self, _penetration: R) -> Option<R> {
-        None
-    }
 }
 
 pub(super) fn new(parameters: &LawParameters) -> PaperPrinted {

@@ -5,9 +5,8 @@ macro_rules! registry {
         /// All laws.
         pub const LAWS: &[LawInfo] = &[$($module::INFO),*];
 
-        /// Any law, told apart by one branch that is always taken the same way: for lanes, whose loops would otherwise
-        /// be compiled for every law and every instruction set, and for what is called once. Loops over single contacts
-        /// take the law itself, from [`visit`](Self::visit).
+        /// Any law, told apart by one branch that is always taken the same way: loops over contacts are compiled once for
+        /// all laws.
         #[derive(Debug, Clone, Copy, PartialEq)]
         #[expect(missing_docs, reason = "the laws speak for themselves")]
         pub enum Law {
@@ -29,13 +28,6 @@ macro_rules! registry {
             pub fn info(&self) -> &'static LawInfo {
                 match self {
                     $(Self::$law(_) => &$module::INFO),*
-                }
-            }
-
-            /// Calls the visitor with the law itself: what it does is compiled for each law.
-            pub fn visit<V: LawVisitor>(self, visitor: V) -> V::Output {
-                match self {
-                    $(Self::$law(law) => visitor.visit(law)),*
                 }
             }
         }

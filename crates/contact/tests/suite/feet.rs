@@ -70,7 +70,7 @@ impl<'a> Mesh<'a> {
             .iter()
             .zip(&self.units)
             .map(|(&p, &unit)| {
-                let foot = self.curve.penetrating_foot(p, unit, self.multiple);
+                let foot = self.curve.foot_within(p, [unit, self.multiple], 0.0);
                 foot.map_or(0.0, |foot| -foot.distance)
             })
             .collect()
@@ -166,7 +166,7 @@ impl pulp::WithSimd for Lanewise<'_> {
                 }
                 prop_assert!(k < count);
                 prop_assert!(found > 0.0, "inside at a depth of {found}");
-                let scalar = curve.penetrating_foot(p.lane(k), unit.lane(k), mesh.multiple);
+                let scalar = curve.foot_within(p.lane(k), [unit.lane(k), mesh.multiple], 0.0);
                 if let Some(foot) = scalar {
                     prop_assert!((feet.normal.lane(k) - foot.at.normal).norm() < 1e-11);
                     let (kappa, exact) = (feet.foot.curvature.as_slice()[k], foot.at.curvature);
@@ -299,7 +299,7 @@ fn feet_within_a_limit_are_those_of_the_whole_curve() {
             let lifted = at.position.scale(0.02 * f64::from(k % 3));
             let p = at.position + at.normal.scale(away) + lifted;
             let start = Complex::unit(a + 2e-3 * f64::from(k % 5) - 4e-3);
-            let found = curve.foot_within(p, start, start.powu(zk), limit);
+            let found = curve.foot_within(p, [start, start.powu(zk)], limit);
             let whole = curve.closest(p);
             assert_eq!(
                 found.is_some(),

@@ -31,9 +31,9 @@ fn drop_on_profile(law: impl NormalLaw, a: f64, v: f64) -> Impact {
     let force = |s: f64, rate: f64| {
         let p = at.position + at.normal.scale(s);
         curve
-            .penetrating_foot(p, start, multiple)
+            .foot_within(p, [start, multiple], 0.0)
             .map_or(0.0, |foot| {
-                let stiffness = hertz.of_profile(0.006, foot.at.curvature);
+                let stiffness = hertz.of_edge(0.006, 0.006, foot.at.curvature);
                 law.force(stiffness, -foot.distance, -rate)
             })
     };
@@ -68,7 +68,7 @@ fn drop_on_profile(law: impl NormalLaw, a: f64, v: f64) -> Impact {
 
 fn stiffness_at(a: f64) -> f64 {
     let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap();
-    HertzStiffness::new(2e11, 0.3, 0.01).of_profile(0.006, curve.at(a).curvature)
+    HertzStiffness::new(2e11, 0.3, 0.01).of_edge(0.006, 0.006, curve.at(a).curvature)
 }
 
 /// Lobe tip, flank and pit: three stiffnesses. The ramp is made so thin that it does not matter.

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use pinwheel_contact::Complex;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::channels::PairSource;
+use pinwheel_gearbox::channels::{PairSource, Visit};
 use pinwheel_gearbox::contacts::{ContactEnergy, PairContact};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::Sleeve;
@@ -285,13 +285,8 @@ impl PairSource for Own<'_> {
         None
     }
 
-    fn loaded(
-        &mut self,
-        _: &[BodyState],
-        pressing_n: f64,
-        visit: &mut dyn FnMut(usize, Sleeve),
-    ) -> bool {
-        let impulse_n_s = pressing_n * self.step_s;
+    fn loaded(&mut self, _: &[BodyState], least_n: f64, visit: Visit<'_>) {
+        let impulse_n_s = least_n * self.step_s;
         for meeting in self.meetings {
             let mut presses = false;
             meeting.impulses(self.world, &mut |normal, _| presses |= normal > impulse_n_s);
@@ -299,7 +294,6 @@ impl PairSource for Own<'_> {
                 visit(meeting.wheel, meeting.sleeve);
             }
         }
-        true
     }
 
     fn losses(&mut self, _: &[BodyState]) -> Option<ContactEnergy> {

@@ -8,7 +8,7 @@
 //! rest.
 
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::channels::PairSource;
+use pinwheel_gearbox::channels::{PairSource, Visit};
 use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, PairContact};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::{Layout, Sleeve};
@@ -190,19 +190,13 @@ impl PairSource for Transmitted<'_> {
         })
     }
 
-    fn loaded(
-        &mut self,
-        _bodies: &[BodyState],
-        pressing_n: f64,
-        visit: &mut dyn FnMut(usize, Sleeve),
-    ) -> bool {
+    fn loaded(&mut self, _: &[BodyState], least_n: f64, visit: Visit<'_>) {
         self.hooked
             .transmitted(self.world, self.share, &mut |pair| {
-                if pair.normal_force_n > pressing_n {
+                if pair.normal_force_n > least_n {
                     visit(pair.wheel, pair.sleeve);
                 }
             });
-        true
     }
 
     fn losses(&mut self, _bodies: &[BodyState]) -> Option<ContactEnergy> {

@@ -1,7 +1,7 @@
 //! How the contact point is found: the exact curve, or discrete points as published.
 
 use pinwheel_contact::{
-    Complex, Epitrochoid, Foot, HertzStiffness, Hole, HolePoints, NormalLaw, ProfilePoints,
+    Complex, Epitrochoid, Foot, HertzStiffness, Hole, HolePoints, Law, NormalLaw, ProfilePoints,
 };
 
 use pinwheel_scene::scales::hertz;
@@ -26,8 +26,9 @@ pub(super) struct Touch {
 }
 
 impl Touch {
-    /// A sleeve of that radius touches a point `arm` away from its centre; K there.
-    pub(super) fn at_point(arm: Complex, point: Complex, radius: f64, stiffness: f64) -> Self {
+    /// A sleeve of that radius, its centre in `p`, touches a point; K there.
+    pub(super) fn at_point(p: Complex, point: Complex, radius: f64, stiffness: f64) -> Self {
+        let arm = point - p;
         Self {
             point,
             normal: outwards(arm),
@@ -35,6 +36,11 @@ impl Touch {
             stiffness,
             stiffness_slope: 0.0,
         }
+    }
+
+    /// Whether a sleeve of that radius is pressed in, and not by more than that.
+    fn presses(&self, radius: f64) -> bool {
+        self.penetration > 0.0 && self.penetration < radius
     }
 
     /// The touch of a wheel that is turned by e^{i angle} = `by`.
@@ -66,14 +72,8 @@ pub(super) trait Detection: Send + 'static {
     /// Whether it knows [`Slopes`]: points jump.
     const HAS_SLOPES: bool;
 
-    /// External sleeve `j`: `unit` = e^{i a0} and `multiple` = e^{i zk a0} start the search. With e^{ia} of the foot.
-    fn profile(
-        &self,
-        j: usize,
-        p: Complex,
-        unit: Complex,
-        multiple: Complex,
-    ) -> Option<(Touch, Complex)>;
+    /// External sleeve `j`: e^{i a0} and e^{i zk a0} start the search. With e^{ia} of the foot.
+    fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Complex)>;
     /// Internal sleeve in hole `k` of `wheel`.
     fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch>;
     /// Closest points of an external sleeve that [`profile`](Self::profile) finds without contact.
@@ -168,9 +168,8 @@ impl Shapes {
 
     /// The foot of external sleeve `j` where it is pressed in.
     #[inline]
-    fn foot(&self, j: usize, p: Complex, unit: Complex, multiple: Complex) -> Option<Foot> {
-        self.curve
-            .foot_within(p, unit, multiple, self.external[j].larger)
+    fn foot(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<Foot> {
+        self.curve.foot_within(p, start, self.external[j].larger)
     }
 
     /// dK/da of K = k sqrt(r (1 - q' kappa)/(1 + (r - q') kappa)) over the way |C'| (1 + s kappa) that P, s outside of C,
@@ -193,12 +192,10 @@ pub(super) struct Exact(Shapes, bool);
 
 impl Exact {
     /// The slope of K is only found for laws with a force along the profile.
-    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: &impl NormalLaw) -> Self {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: &Law) -> Self {
         Self(Shapes::new(scene, geometry), law.along(0.0).is_some())
     }
-}
 
-impl Exact {
     #[inline]
     fn stiffness(&self, j: usize, foot: &Foot) -> f64 {
         self.0.sleeve(j, foot.at.curvature).1
@@ -246,14 +243,8 @@ impl Detection for Exact {
     const HAS_SLOPES: bool = true;
 
     #[inline]
-    fn profile(
-        &self,
-        j: usize,
-        p: Complex,
-        unit: Complex,
-        multiple: Complex,
-    ) -> Option<(Touch, Complex)> {
-        let foot = self.0.foot(j, p, unit, multiple)?;
+    fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Complex)> {
+        let foot = self.0.foot(j, p, start)?;
         Some((self.at(j, &foot), foot.unit))
     }
 
@@ -336,27 +327,21 @@ impl Points {
         })
     }
 
+    /// External sleeve `j` at the vertex of the edge that is nearest to `p`, whose foot is given.
     #[inline]
-    fn touch(p: Complex, point: Complex, radius: f64, stiffness: f64) -> Option<Touch> {
-        let touch = Touch::at_point(point - p, point, radius, stiffness);
-        (touch.penetration > 0.0 && touch.penetration < radius).then_some(touch)
-    }
-
-    /// The vertex of the edge that is nearest to `p`, whose foot is given, and K there.
-    #[inline]
-    fn vertex(&self, j: usize, p: Complex, foot: &Foot) -> (Complex, f64) {
+    fn vertex(&self, j: usize, p: Complex, foot: &Foot) -> Touch {
         let (vertex, _) = self.profile.nearest(p, foot.parameter());
         let radius = self.shapes.external[j].radius;
-        (
-            vertex.position,
-            vertex.stiffness(radius, &self.shapes.hertz),
-        )
+        let stiffness = vertex.stiffness(radius, &self.shapes.hertz);
+        Touch::at_point(p, vertex.position, radius, stiffness)
     }
 
-    /// The point of a hole that is nearest to `p`; its points start along the wheel's x axis.
+    /// An internal sleeve at the point of its hole that is nearest to `p`; the points start along the wheel's x axis.
     #[inline]
-    fn rim(&self, hole: &Hole, p: Complex) -> Complex {
-        hole.centre + self.hole.nearest(p - hole.centre).scale(hole.radius)
+    fn rim(&self, internal: &Internal, p: Complex) -> Touch {
+        let Hole { centre, radius } = internal.hole;
+        let point = centre + self.hole.nearest(p - centre).scale(radius);
+        Touch::at_point(p, point, internal.sleeve, internal.stiffness)
     }
 }
 
@@ -364,36 +349,27 @@ impl Detection for Points {
     const HAS_SLOPES: bool = false;
 
     #[inline]
-    fn profile(
-        &self,
-        j: usize,
-        p: Complex,
-        unit: Complex,
-        multiple: Complex,
-    ) -> Option<(Touch, Complex)> {
-        let foot = self.shapes.foot(j, p, unit, multiple)?;
-        let (point, stiffness) = self.vertex(j, p, &foot);
-        let touch = Self::touch(p, point, self.shapes.external[j].radius, stiffness)?;
-        Some((touch, foot.unit))
+    fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Complex)> {
+        let foot = self.shapes.foot(j, p, start)?;
+        let touch = self.vertex(j, p, &foot);
+        let presses = touch.presses(self.shapes.external[j].radius);
+        presses.then_some((touch, foot.unit))
     }
 
     #[inline]
     fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch> {
         let internal = &self.shapes.internal[wheel][k];
         internal.hole.penetration(p, internal.sleeve)?;
-        let point = self.rim(&internal.hole, p);
-        Self::touch(p, point, internal.sleeve, internal.stiffness)
+        let touch = self.rim(internal, p);
+        touch.presses(internal.sleeve).then_some(touch)
     }
 
     fn profile_gap(&self, j: usize, p: Complex) -> Touch {
-        let (point, stiffness) = self.vertex(j, p, &self.shapes.curve.closest(p));
-        Touch::at_point(point - p, point, self.shapes.external[j].radius, stiffness)
+        self.vertex(j, p, &self.shapes.curve.closest(p))
     }
 
     fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch {
-        let internal = &self.shapes.internal[wheel][k];
-        let point = self.rim(&internal.hole, p);
-        Touch::at_point(point - p, point, internal.sleeve, internal.stiffness)
+        self.rim(&self.shapes.internal[wheel][k], p)
     }
 
     fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64) {

@@ -2,7 +2,7 @@
 
 use pinwheel_contact::{Law, NormalLaw};
 pub use pinwheel_mbs::ContactEnergy;
-use pinwheel_mbs::{Ask, BodyState, Pose, Sums, Wrench};
+use pinwheel_mbs::{BodyState, Pose, Sums, Wrench};
 
 use crate::Sleeve;
 
@@ -76,7 +76,7 @@ pub trait ContactField: Send {
     ///
     /// Slopes are those where the input turns at a constant rate. Free are all bodies but the input, in their order, and
     /// without friction the output and the wheels alone.
-    fn evaluate(&mut self, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool;
+    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool;
 
     /// Visits every touching pair (penetration > 0), wheel by wheel, external before internal.
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact));
@@ -90,7 +90,7 @@ pub trait ContactField: Send {
 
     /// Adds every body's contact load to `loads`.
     fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
-        self.evaluate(bodies, Ask::of(Pose::Any), &mut Sums::of_loads(loads));
+        self.evaluate(bodies, Pose::Any, &mut Sums::of_loads(loads));
     }
 
     /// What the contacts store and dissipate at these states.

@@ -98,8 +98,8 @@ impl Flanks {
                 let number = (p.arg() * self.lobes / PI).round();
                 let corner = self.corners[usize::from(number.rem_euclid(2.0) == 1.0)];
                 let point = Complex::unit(number * PI / self.lobes).scale(corner.radius);
-                let (arm, k) = (point - p, stiffness(corner.curvature));
-                (Touch::at_point(arm, point, radius, k), Seat::Corner)
+                let k = stiffness(corner.curvature);
+                (Touch::at_point(p, point, radius, k), Seat::Corner)
             }
         }
     }
@@ -119,7 +119,7 @@ mod tests {
         let pit = PI / flanks.lobes;
         let at = |angle: f64, penetration: f64| {
             let point = Complex::unit(angle).scale(0.05);
-            let mut touch = Touch::at_point(point, point, 0.006, 1e9);
+            let mut touch = Touch::at_point(Complex::default(), point, 0.006, 1e9);
             touch.penetration = penetration;
             (touch, Seat::Foot(Complex::unit(angle)))
         };

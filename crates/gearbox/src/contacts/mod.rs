@@ -6,13 +6,14 @@ mod flanks;
 mod lanes;
 mod pairs;
 
-use pinwheel_contact::{Law, LawParameters, LawVisitor, NormalLaw};
+use pinwheel_contact::NormalLaw as _;
+use pinwheel_scene::scales::law;
 
 pub use field::{ContactEnergy, ContactField, PairContact};
 
 use crate::GearboxError;
 use crate::geometry::Geometry;
-use crate::scene::{Contact, Detection, FrictionLaw, Scene};
+use crate::scene::{Detection, FrictionLaw, Scene};
 use detection::{Exact, Points};
 use lanes::LaneField;
 use pairs::Pairs;
@@ -69,84 +70,39 @@ fn at_most_avx2() -> pulp::Arch {
     pulp::Arch::Scalar
 }
 
-/// What laws read of a scene.
-fn parameters(contact: &Contact) -> LawParameters {
-    LawParameters {
-        damping: contact.damping_n_s_m,
-        ramp: contact.ramp_m,
-        constant_stiffness: contact.constant_stiffness_n_m15,
-        stiffness_multiplier: contact.stiffness_multiplier,
-        line_length: contact.line_length_m,
-        restitution: contact.restitution,
-        impact_speed: contact.impact_speed_m_s,
-    }
-}
-
-/// The contact field of a scene. Laws are told apart here, once, and not per contact.
+/// The contact field of a scene.
 pub(crate) fn field(
     scene: &Scene,
     geometry: &Geometry,
     kernel: Kernel,
 ) -> Result<Box<dyn ContactField>, GearboxError> {
-    let law = law_of(scene).ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
-    law.visit(Build {
-        scene,
-        geometry,
-        kernel,
-        any: law,
+    let law =
+        law(&scene.contact).ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
+    // Lanes take all sleeves, and all holes, for alike.
+    let in_lanes = kernel != Kernel::Scalar
+        && scene.contact.friction_law == FrictionLaw::Regularised
+        && geometry.is_uniform(&scene.gear);
+    Ok(match scene.contact.detection {
+        Detection::Exact if in_lanes => {
+            Box::new(LaneField::new(scene, geometry, law, kernel.arch()))
+        }
+        Detection::Exact => {
+            let exact = Exact::new(scene, geometry, &law);
+            Box::new(Pairs::new(scene, geometry, law, exact))
+        }
+        // A force along the profile needs the slope of K, which points do not have.
+        Detection::Points if law.along(0.0).is_some() => {
+            return Err(GearboxError::Geometry(format!(
+                "contact.detection = \"points\" has no slope of the stiffness, which the law `{}` needs; \
+                 use contact.detection = \"exact\"",
+                law.info().name
+            )));
+        }
+        Detection::Points => {
+            let points = Points::new(scene, geometry)?;
+            Box::new(Pairs::new(scene, geometry, law, points))
+        }
     })
-}
-
-/// The law that a scene names; `None` if there is none of that name.
-pub(crate) fn law_of(scene: &Scene) -> Option<Law> {
-    Law::named(&scene.contact.law, &parameters(&scene.contact))
-}
-
-/// Builds the field of the law it is given.
-struct Build<'a> {
-    scene: &'a Scene,
-    geometry: &'a Geometry,
-    kernel: Kernel,
-    /// The same law for the lanes, whose loops are compiled once for all.
-    any: Law,
-}
-
-impl LawVisitor for Build<'_> {
-    type Output = Result<Box<dyn ContactField>, GearboxError>;
-
-    fn visit<L: NormalLaw>(self, law: L) -> Self::Output {
-        let Self {
-            scene,
-            geometry,
-            kernel,
-            any,
-        } = self;
-        // Lanes take all sleeves, and all holes, for alike.
-        let in_lanes = kernel != Kernel::Scalar
-            && scene.contact.friction_law == FrictionLaw::Regularised
-            && geometry.is_uniform(&scene.gear);
-        Ok(match scene.contact.detection {
-            Detection::Exact if in_lanes => {
-                Box::new(LaneField::new(scene, geometry, any, kernel.arch()))
-            }
-            Detection::Exact => {
-                let exact = Exact::new(scene, geometry, &law);
-                Box::new(Pairs::new(scene, geometry, law, any, exact))
-            }
-            // A force along the profile needs the slope of K, which points do not have.
-            Detection::Points if law.along(0.0).is_some() => {
-                return Err(GearboxError::Geometry(format!(
-                    "contact.detection = \"points\" has no slope of the stiffness, which the law `{}` needs; \
-                     use contact.detection = \"exact\"",
-                    any.info().name
-                )));
-            }
-            Detection::Points => {
-                let points = Points::new(scene, geometry)?;
-                Box::new(Pairs::new(scene, geometry, law, any, points))
-            }
-        })
-    }
 }
 
 #[cfg(test)]

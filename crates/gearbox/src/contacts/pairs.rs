@@ -6,7 +6,7 @@
 
 use pinwheel_contact::{AdamsFriction, Complex, Friction, Law, NormalLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
-use pinwheel_mbs::{Ask, BodyState, Jacobian, Pose, Sums, Wrench};
+use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench};
 
 use super::detection::{Detection, Slopes, Touch};
 use super::field::{ContactEnergy, ContactField, PairContact};
@@ -15,12 +15,10 @@ use crate::geometry::Geometry;
 use crate::scene::{self, FrictionLaw, Scene};
 use crate::{Layout, Sleeve};
 
-/// The contact field of one law and one detection.
-pub(super) struct Pairs<L, D> {
+/// The contact field of one detection.
+pub(super) struct Pairs<D> {
     layout: Layout,
-    law: L,
-    /// The same, by name.
-    any: Law,
+    law: Law,
     detection: D,
     friction: Friction,
     external_directions: Vec<Complex>,
@@ -87,7 +85,7 @@ impl Loaded {
     #[inline]
     pub(super) fn contact(
         &self,
-        law: &impl NormalLaw,
+        law: &Law,
         wheel: usize,
         sleeve: Sleeve,
         frame: &WheelFrame,
@@ -126,12 +124,11 @@ fn friction(contact: &scene::Contact) -> Friction {
     }
 }
 
-impl<L: NormalLaw, D: Detection> Pairs<L, D> {
-    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: L, any: Law, detection: D) -> Self {
+impl<D: Detection> Pairs<D> {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: Law, detection: D) -> Self {
         Self {
             layout: Layout::of(&scene.gear),
             law,
-            any,
             detection,
             friction: friction(&scene.contact),
             external_directions: geometry.external_directions.clone(),
@@ -142,21 +139,16 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
 
     /// External sleeve `j` against the wheel.
     #[inline]
-    fn profile(
-        &self,
-        j: usize,
-        p: Complex,
-        unit: Complex,
-        multiple: Complex,
-    ) -> Option<(Touch, Seat)> {
+    fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Seat)> {
         let Some(flanks) = &self.flanks else {
-            let (touch, unit) = self.detection.profile(j, p, unit, multiple)?;
+            let (touch, unit) = self.detection.profile(j, p, start)?;
             return Some((touch, Seat::Foot(unit)));
         };
+        let [unit, multiple] = start;
         let [one, other] = flanks.turns().map(|turn| {
             let back = turn.conj();
-            let multiple = multiple * back.powu(self.external_sleeves);
-            let found = self.detection.profile(j, p * back, unit * back, multiple);
+            let start = [unit * back, multiple * back.powu(self.external_sleeves)];
+            let found = self.detection.profile(j, p * back, start);
             found.map(|(touch, unit)| (touch.turned(turn), Seat::Foot(unit)))
         });
         let found = self.on_flanks(flanks, j, p, [one?, other?]);
@@ -188,40 +180,25 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
     /// v_rel = (sleeve's material velocity at W, spin included) - (wheel's at W), then Eq. 20 and 21.
     #[inline]
     fn load(&self, touch: Touch, wheel: &WheelFrame, sleeve: &BodyState, p: Complex) -> Loaded {
-        let (arm, normal_rate, tangential_rate) = self.rates(&touch, wheel, sleeve, p);
-        let normal_force = self
-            .law
-            .force(touch.stiffness, touch.penetration, normal_rate);
-        let friction_force = self.friction.force(normal_force, tangential_rate);
-        let along = self.law.along(touch.penetration);
-        let along_force = along.map_or(0.0, |along| -touch.stiffness_slope * along);
-        Loaded {
-            touch,
-            arm,
-            normal_rate,
-            tangential_rate,
-            normal_force,
-            friction_force,
-            along_force,
-        }
-    }
-
-    /// The arm W - P, and v_n and v_t there.
-    #[inline]
-    fn rates(
-        &self,
-        touch: &Touch,
-        wheel: &WheelFrame,
-        sleeve: &BodyState,
-        p: Complex,
-    ) -> (Complex, f64, f64) {
         let arm = touch.point - p;
         let sleeve_velocity = Complex::new(sleeve.vx, sleeve.vy) * wheel.turn.conj()
             + arm.turned().scale(sleeve.rate);
         let wheel_velocity = wheel.velocity + touch.point.turned().scale(wheel.rate);
         let relative = sleeve_velocity - wheel_velocity;
         let normal_rate = relative.dot(touch.normal);
-        (arm, normal_rate, relative.dot(touch.normal.turned()))
+        let tangential_rate = relative.dot(touch.normal.turned());
+        let (stiffness, depth) = (touch.stiffness, touch.penetration);
+        let normal_force = self.law.force(stiffness, depth, normal_rate);
+        let along = self.law.along(depth);
+        Loaded {
+            touch,
+            arm,
+            normal_rate,
+            tangential_rate,
+            normal_force,
+            friction_force: self.friction.force(normal_force, tangential_rate),
+            along_force: along.map_or(0.0, |along| -touch.stiffness_slope * along),
+        }
     }
 
     /// Visits every touching pair of one wheel: sleeve, its body, the pair, and where it touches.
@@ -240,13 +217,9 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
         for (j, &direction) in self.external_directions.iter().enumerate() {
             let sleeve = &bodies[first + j];
             let p = frame.point(sleeve);
-            if let Some((touch, seat)) = self.profile(j, p, direction * back, multiple) {
-                visit(
-                    Sleeve::External(j),
-                    first + j,
-                    &self.load(touch, frame, sleeve, p),
-                    seat,
-                );
+            if let Some((touch, seat)) = self.profile(j, p, [direction * back, multiple]) {
+                let pair = self.load(touch, frame, sleeve, p);
+                visit(Sleeve::External(j), first + j, &pair, seat);
             }
         }
         let first = self.layout.internal_bodies().start;
@@ -254,12 +227,8 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             let sleeve = &bodies[first + k];
             let p = frame.point(sleeve);
             if let Some(touch) = self.detection.hole(wheel, k, p) {
-                visit(
-                    Sleeve::Internal(k),
-                    first + k,
-                    &self.load(touch, frame, sleeve, p),
-                    Seat::Corner,
-                );
+                let pair = self.load(touch, frame, sleeve, p);
+                visit(Sleeve::Internal(k), first + k, &pair, Seat::Corner);
             }
         }
     }
@@ -292,16 +261,10 @@ impl Reaction {
     }
 }
 
-/// How the moments of a pair change.
-struct Columns {
-    /// With the angles of wheel, output and input, and with their rates.
-    by: [(Moments, Moments); 3],
-    /// With the sleeve's own rate, which friction alone feels.
-    by_spin: Moments,
-}
-
-impl<L: NormalLaw, D: Detection> Pairs<L, D> {
-    /// In the notation of [`slopes`](super::lanes), whose formulas these are for one pair.
+impl<D: Detection> Pairs<D> {
+    /// How the moments of a pair change with the angles of wheel, output and input, and with their rates; then with the
+    /// sleeve's own rate, which friction alone feels. In the notation of [`slopes`](super::lanes), whose formulas these are
+    /// for one pair.
     fn columns(
         &self,
         bodies: &[BodyState],
@@ -310,7 +273,7 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
         pair: &Loaded,
         slopes: &Slopes,
         friction: Option<RegularisedCoulomb>,
-    ) -> Columns {
+    ) -> ([(Moments, Moments); 3], Moments) {
         let (law, touch) = (&self.law, &pair.touch);
         let (stiffness, depth) = (touch.stiffness, touch.penetration);
         let (n, t) = (touch.normal, touch.normal.turned());
@@ -399,14 +362,11 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             ];
             (position, rate)
         });
-        Columns {
-            by,
-            by_spin: drags.map(|lever| drag_by_slip * rho * lever),
-        }
+        (by, drags.map(|lever| drag_by_slip * rho * lever))
     }
 }
 
-impl<L: NormalLaw, D: Detection> Pairs<L, D> {
+impl<D: Detection> Pairs<D> {
     /// Adds what a pair does to its sleeve, and what that leaves on the wheel.
     #[inline]
     fn add_load(&self, pair: &Loaded, frame: &WheelFrame, load: &mut Wrench, left: &mut Reaction) {
@@ -426,14 +386,14 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
     }
 
     /// The friction that slopes must know, if any; `None`: this field has none of the slopes asked for.
-    fn sloped_friction(&self, slopes: &mut Jacobian) -> Option<Option<RegularisedCoulomb>> {
-        let free = slopes.rate().dimension();
+    fn sloped_friction(&self, slopes: &Jacobian) -> Option<Option<RegularisedCoulomb>> {
+        let free = slopes.rate.dimension();
         let friction = match self.friction {
             Friction::Regularised(friction) if free + 1 == self.layout.bodies() => Some(friction),
             _ if free == 1 + self.layout.wheels => None,
             _ => return None,
         };
-        (D::HAS_SLOPES && slopes.parts_mut().0.is_some()).then_some(friction)
+        (D::HAS_SLOPES && slopes.position.is_some()).then_some(friction)
     }
 
     /// Adds how the moments of one pair change; `at`: its wheel, sleeve, the sleeve's body and where it touches.
@@ -447,7 +407,7 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
         friction: Option<RegularisedCoulomb>,
         slopes: &mut Jacobian,
     ) {
-        let (Some(position), rate, time) = slopes.parts_mut() else {
+        let Some(position) = &mut slopes.position else {
             return;
         };
         let input_rate = bodies[Layout::INPUT].rate;
@@ -464,34 +424,32 @@ impl<L: NormalLaw, D: Detection> Pairs<L, D> {
             (Sleeve::Internal(k), _) => self.detection.hole_slopes(wheel, k, &pair.touch),
         };
         let own = (sleeve, &bodies[body]);
-        let Columns { by, by_spin } = self.columns(bodies, frame, own, pair, &touch, friction);
+        let (by, by_spin) = self.columns(bodies, frame, own, pair, &touch, friction);
         let [by_wheel, by_output, (by_input, _)] = by;
         let rows = [1 + wheel, OUTPUT, body - 1];
         for (k, &row) in rows.iter().enumerate().take(moved) {
             for (of, (by_angle, by_rate)) in rows.iter().zip([&by_wheel, &by_output]) {
                 position.add(row, *of, by_angle[k]);
-                rate.add(row, *of, by_rate[k]);
+                slopes.rate.add(row, *of, by_rate[k]);
             }
-            time[row] += by_input[k] * input_rate;
+            slopes.time[row] += by_input[k] * input_rate;
             if friction.is_some() {
-                rate.add(row, body - 1, by_spin[k]);
+                slopes.rate.add(row, body - 1, by_spin[k]);
             }
         }
     }
 }
 
-impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
-    fn evaluate(&mut self, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
-        let friction = match &mut sums.slopes {
+impl<D: Detection> ContactField for Pairs<D> {
+    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
+        let friction = match &sums.slopes {
             None => Some(None),
             Some(slopes) => self.sloped_friction(slopes),
         };
-        let Some(friction) = friction else {
+        let is_told = sums.moments.is_none() && pose != Pose::AnglesOnly;
+        let Some(friction) = friction.filter(|_| is_told) else {
             return false;
         };
-        if sums.moments.is_some() || ask.pose == Pose::AnglesOnly {
-            return false;
-        }
         let mut energy = ContactEnergy::default();
         for (wheel, hub) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&bodies[hub]);
@@ -504,21 +462,21 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
                     let at = (wheel, sleeve, body, seat);
                     self.add_slopes_of(at, bodies, &frame, pair, friction, slopes);
                 }
-                if ask.energy {
+                if sums.wants_energy {
                     let pair = pair.contact(&self.law, wheel, sleeve, &frame);
-                    pair.add_energy(&self.any, &mut energy);
+                    pair.add_energy(&self.law, &mut energy);
                 }
             });
             if let Some(loads) = &mut sums.loads {
                 reaction.add_to(&mut loads[hub], &frame);
             }
         }
-        sums.energy = ask.energy.then_some(energy);
+        sums.energy = sums.wants_energy.then_some(energy);
         true
     }
 
     fn law(&self) -> &Law {
-        &self.any
+        &self.law
     }
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
@@ -538,30 +496,19 @@ impl<L: NormalLaw, D: Detection> ContactField for Pairs<L, D> {
             Sleeve::External(j) => {
                 let back = frame.turn.conj();
                 let multiple = back.powu(self.external_sleeves);
-                let unit = self.external_directions[j] * back;
-                self.profile(j, p, unit, multiple).map(|found| found.0)
+                let start = [self.external_directions[j] * back, multiple];
+                self.profile(j, p, start).map(|found| found.0)
             }
             Sleeve::Internal(k) => self.detection.hole(wheel, k, p),
         };
-        let pair = match touch {
-            Some(touch) => self.load(touch, &frame, body, p),
-            None => {
-                let touch = match sleeve {
-                    Sleeve::External(j) => self.profile_gap(j, p),
-                    Sleeve::Internal(k) => self.detection.hole_gap(wheel, k, p),
-                };
-                let (arm, normal_rate, tangential_rate) = self.rates(&touch, &frame, body, p);
-                Loaded {
-                    touch,
-                    arm,
-                    normal_rate,
-                    tangential_rate,
-                    normal_force: 0.0,
-                    friction_force: 0.0,
-                    along_force: 0.0,
-                }
-            }
+        let gap = || match sleeve {
+            Sleeve::External(j) => self.profile_gap(j, p),
+            Sleeve::Internal(k) => self.detection.hole_gap(wheel, k, p),
         };
+        let mut pair = self.load(touch.unwrap_or_else(gap), &frame, body, p);
+        if touch.is_none() {
+            (pair.normal_force, pair.friction_force, pair.along_force) = (0.0, 0.0, 0.0);
+        }
         pair.contact(&self.law, wheel, sleeve, &frame)
     }
 }

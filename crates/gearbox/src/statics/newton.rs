@@ -9,7 +9,7 @@
 //! It begins beyond the free play, pressed in deeper than the load will press: forces that stiffen with the depth then lead
 //! back without passing the balance, and all that will carry touches from the start.
 
-use pinwheel_mbs::{Ask, Jacobian, Pose, Structure, Sums};
+use pinwheel_mbs::{Jacobian, Structure};
 
 use super::{ANGLE, Equilibrium, Statics};
 use crate::{Gearbox, Layout};
@@ -49,11 +49,8 @@ impl Statics<'_> {
     /// is left is taken to first order in s.
     pub fn compliance(&mut self, at: &Equilibrium) -> Option<[f64; 2]> {
         let mut moments = vec![0.0; at.wheels.len()];
-        self.moments(at.input, &at.wheels, at.output, &mut moments);
-        if !self.find_slopes() {
-            return None;
-        }
-        let (k, d) = (self.slopes.position()?, self.slopes.rate());
+        self.moments_with_slopes(at.input, &at.wheels, at.output, &mut moments)?;
+        let (k, d) = (self.slopes.position.as_ref()?, &self.slopes.rate);
         let (mut stiffness, mut damping) = (k.entry(OUTPUT, OUTPUT), d.entry(OUTPUT, OUTPUT));
         for hub in OUTPUT + 1..=OUTPUT + at.wheels.len() {
             let (to, from, own) = (
@@ -72,26 +69,9 @@ impl Statics<'_> {
         Some([-stiffness, -damping])
     }
 
-    /// Slopes of the contacts where they were evaluated last; false if they have none.
-    fn find_slopes(&mut self) -> bool {
-        self.slopes.clear();
-        let mut sums = Sums::of_slopes(&mut self.slopes);
-        self.field
-            .evaluate(&self.bodies, Ask::of(Pose::Any), &mut sums)
-    }
-
-    /// The output's angle in balance, the wheels' in `wheels`, which holds the ideal mesh on entry and, after a failure,
-    /// again. `None`: the contacts have no slopes, or the way led out of the brackets.
+    /// The output's angle in balance, the wheels' in `wheels`, which holds the ideal mesh on entry. `None`: the contacts have no
+    /// slopes, or the way led out of the brackets.
     pub(super) fn newton(&mut self, phi: f64, load: f64, wheels: &mut [f64]) -> Option<f64> {
-        let ideal = wheels.to_vec();
-        let psi = self.approach(phi, load, wheels);
-        if psi.is_none() {
-            wheels.copy_from_slice(&ideal);
-        }
-        psi
-    }
-
-    fn approach(&mut self, phi: f64, load: f64, wheels: &mut [f64]) -> Option<f64> {
         let geometry = &self.gearbox.geometry;
         let twist = TWIST * self.gearbox.error_scales().angle;
         let wheel = geometry.wheel_play_rad + twist;
@@ -120,7 +100,7 @@ impl Statics<'_> {
         let mut last = f64::INFINITY;
         for _ in 0..steps {
             let output = self.moments_with_slopes(phi, wheels, psi, &mut moments)? + load;
-            let slopes = self.slopes.position()?;
+            let slopes = self.slopes.position.as_ref()?;
             let (mut slope, mut moment) = (slopes.entry(OUTPUT, OUTPUT), output);
             for (i, own) in moments.iter().enumerate() {
                 let hub = OUTPUT + 1 + i;
@@ -180,7 +160,10 @@ mod tests {
             let mut statics = Statics::new(&gearbox).unwrap();
             let at = statics.solve(0.3, 22.0).unwrap();
             let found = statics.compliance(&at).unwrap();
-            let (k, d) = (statics.slopes.position().unwrap(), statics.slopes.rate());
+            let (k, d) = (
+                statics.slopes.position.as_ref().unwrap(),
+                &statics.slopes.rate,
+            );
             let left = |s: f64| {
                 let of = |i, j| k.entry(i, j) + s * d.entry(i, j);
                 let hubs = OUTPUT + 1..=OUTPUT + at.wheels.len();

@@ -4,7 +4,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactField, Kernel};
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_mbs::{
-    Ask, BodyState, Forces, Jacobian, OdeSystem, Pose, Reduced, Structure, Sums, Wrench,
+    BodyState, Forces, Jacobian, OdeSystem, Pose, Reduced, Structure, Sums, Wrench,
 };
 use pinwheel_scene::Scene;
 use proptest::prelude::*;
@@ -17,8 +17,8 @@ impl Forces for Contacts {
         self.0.add_loads(bodies, loads);
     }
 
-    fn evaluate(&mut self, _: f64, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
-        sums.moments.is_none() && self.0.evaluate(bodies, ask, sums)
+    fn evaluate(&mut self, _: f64, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
+        sums.moments.is_none() && self.0.evaluate(bodies, pose, sums)
     }
 }
 
@@ -172,9 +172,9 @@ proptest! {
             for (k, ((coarse, bend), (fine, _))) in columns.zip(&quotients) {
                 for row in 0..n {
                     let exact = match k {
-                        k if k < n => jacobian.position().unwrap().entry(row, k),
-                        k if k < 2 * n => jacobian.rate().entry(row, k - n),
-                        _ => jacobian.time()[row],
+                        k if k < n => jacobian.position.as_ref().unwrap().entry(row, k),
+                        k if k < 2 * n => jacobian.rate.entry(row, k - n),
+                        _ => jacobian.time[row],
                     };
                     let (a, b) = (coarse[n + row], fine[n + row]);
                     seen += 1;
@@ -204,9 +204,9 @@ fn entries(system: &mut Reduced<Contacts>, t: f64, y: &[f64]) -> Vec<f64> {
     let column = |k: usize| {
         let jacobian = &jacobian;
         (0..n).map(move |row| match k {
-            k if k < n => jacobian.position().unwrap().entry(row, k),
-            k if k < 2 * n => jacobian.rate().entry(row, k - n),
-            _ => jacobian.time()[row],
+            k if k < n => jacobian.position.as_ref().unwrap().entry(row, k),
+            k if k < 2 * n => jacobian.rate.entry(row, k - n),
+            _ => jacobian.time[row],
         })
     };
     (0..=2 * n).flat_map(column).collect()
@@ -306,20 +306,19 @@ fn one_pass_gives_what_two_give() {
         };
         for phi in [0.0, 0.4, 1.7] {
             let bodies = statics.solve(phi, 15.0).unwrap().bodies;
-            let ask = Ask::of(Pose::Any);
             let new = || Jacobian::new(&structure, 2 * free);
             let (mut loads, mut slopes) = (vec![Wrench::default(); bodies.len()], new());
             field.add_loads(&bodies, &mut loads);
-            assert!(field.evaluate(&bodies, ask, &mut Sums::of_slopes(&mut slopes)));
+            assert!(field.evaluate(&bodies, Pose::Any, &mut Sums::of_slopes(&mut slopes)));
             let (mut both, mut of_both) = (vec![Wrench::default(); bodies.len()], new());
             let mut sums = Sums {
                 slopes: Some(&mut of_both),
                 ..Sums::of_loads(&mut both)
             };
-            assert!(field.evaluate(&bodies, ask, &mut sums));
+            assert!(field.evaluate(&bodies, Pose::Any, &mut sums));
             assert!(loads.iter().any(|load| load.fx != 0.0));
             assert_eq!(loads, both, "{preset} {kernel:?}");
-            let (position, of_both) = (slopes.position().unwrap(), of_both.position().unwrap());
+            let [position, of_both] = [&slopes, &of_both].map(|all| all.position.as_ref().unwrap());
             for (row, column) in
                 (0..free).flat_map(|row| (0..free).map(move |column| (row, column)))
             {

@@ -40,7 +40,7 @@ impl<F: Forces> Lagrange<F> {
         }
         self.factor_beside().ok()?;
         if let Some(contacts) = &mut self.contacts {
-            let free = contacts.free_bodies();
+            let free = &contacts.free;
             self.rates.clear();
             self.rates.extend(free.iter().map(|&b| self.bodies[b].rate));
             self.guess.clear();

@@ -55,7 +55,12 @@ impl OdeSystem for Masses {
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64], jacobian: &mut Jacobian) -> bool {
-        let (position, rate, time) = jacobian.parts_mut();
+        let Jacobian {
+            position,
+            rate,
+            time,
+            ..
+        } = jacobian;
         let Some(position) = position else {
             return false;
         };

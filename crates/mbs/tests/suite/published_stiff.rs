@@ -34,8 +34,8 @@ impl OdeSystem for VanDerPol {
         if !self.knows_its_slopes {
             return false;
         }
-        let (position, rate, _) = jacobian.parts_mut();
-        let position = position.expect("of second order");
+        let Jacobian { position, rate, .. } = jacobian;
+        let position = position.as_mut().expect("of second order");
         position.add(0, 0, (-2.0 * y[0] * y[1] - 1.0) / self.epsilon);
         rate.add(0, 0, (1.0 - y[0] * y[0]) / self.epsilon);
         true

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::integrators::{StepSettings, start};
 use pinwheel_mbs::sliding::{Arrowhead, Contact, Row, SlidingProblem, Slip};
 use pinwheel_mbs::{
-    Ask, Body, BodyState, Forces, Formulation, Mechanism, OdeSystem, Reduced, Revolute, Sums,
+    Body, BodyState, Forces, Formulation, Mechanism, OdeSystem, Pose, Reduced, Revolute, Sums,
     Wrench,
 };
 use proptest::prelude::*;
@@ -132,7 +132,7 @@ impl Forces for Brake {
         loads[1].moment += 2.0 * RADIUS * friction;
     }
 
-    fn evaluate(&mut self, t: f64, bodies: &[BodyState], _: Ask, sums: &mut Sums<'_>) -> bool {
+    fn evaluate(&mut self, t: f64, bodies: &[BodyState], _: Pose, sums: &mut Sums<'_>) -> bool {
         if let Some(loads) = &mut sums.loads {
             self.apply(t, bodies, loads);
         }
@@ -142,10 +142,9 @@ impl Forces for Brake {
         let levers = [RADIUS, 2.0 * RADIUS];
         let sliding = levers[0] * bodies[0].rate + levers[1] * bodies[1].rate;
         if sliding.abs() < self.ramp {
-            let (_, rate, _) = slopes.parts_mut();
             for (row, a) in levers.iter().enumerate() {
                 for (column, b) in levers.iter().enumerate() {
-                    rate.add(
+                    slopes.rate.add(
                         row,
                         column,
                         -self.coefficient * self.normal / self.ramp * a * b,

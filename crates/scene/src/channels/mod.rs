@@ -53,13 +53,6 @@ impl Channels {
         self.list.len()
     }
 
-    /// True if a joint's force is asked for.
-    #[must_use]
-    pub fn need_reactions(&self) -> bool {
-        let joint = |chosen: &Chosen| matches!(chosen.what, What::Joint(..));
-        self.list.iter().any(joint)
-    }
-
     /// Those whose name `there` does not know.
     #[must_use]
     pub fn without(&self, there: impl Fn(&str) -> bool) -> Self {

@@ -280,13 +280,12 @@ impl JointSpace {
         law: &Law,
         shapes: &Shapes,
         bodies: &[BodyState],
-        energy: bool,
         found: &mut mbs::Sums<'_>,
     ) {
         let output = self.place(simd, bodies);
         let nothing = Lanes::splat(simd, 0.0);
         let mut sums = Sums {
-            asked: LOADS && energy,
+            asked: LOADS && found.wants_energy,
             on_input: nothing,
             on_output: nothing,
             stored: nothing,

@@ -15,7 +15,7 @@ mod slopes;
 
 use pinwheel_contact::{Law, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
-use pinwheel_mbs::{Ask, BodyState, Pose, Sums};
+use pinwheel_mbs::{BodyState, Pose, Sums};
 use pulp::Simd;
 
 use super::detection::Exact;
@@ -41,7 +41,7 @@ pub(super) struct LaneField {
     /// Without friction.
     joint_space: Option<JointSpace>,
     /// For single pairs, where lanes gain nothing.
-    scalar: Pairs<Law, Exact>,
+    scalar: Pairs<Exact>,
 }
 
 /// What a walk needs.
@@ -82,7 +82,6 @@ struct JointSpaceLoop<'a, 'b, const LOADS: bool> {
     shapes: &'a Shapes,
     law: Law,
     bodies: &'a [BodyState],
-    energy: bool,
     sums: &'a mut Sums<'b>,
 }
 
@@ -91,9 +90,8 @@ impl<const LOADS: bool> pulp::WithSimd for JointSpaceLoop<'_, '_, LOADS> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let (law, energy) = (&self.law, self.energy);
         self.joint_space
-            .run::<S, LOADS>(simd, law, self.shapes, self.bodies, energy, self.sums);
+            .run::<S, LOADS>(simd, &self.law, self.shapes, self.bodies, self.sums);
     }
 }
 
@@ -116,7 +114,7 @@ impl LaneField {
                 external: Sleeves::new(layout.external_bodies()),
                 internal: Sleeves::new(layout.internal_bodies()),
             },
-            scalar: Pairs::new(scene, geometry, law, law, Exact::new(scene, geometry, &law)),
+            scalar: Pairs::new(scene, geometry, law, Exact::new(scene, geometry, &law)),
         }
     }
 
@@ -149,19 +147,13 @@ impl LaneField {
     }
 
     /// Moments, and loads if they are asked for, of bodies whose joints hold them. Nothing rubs.
-    fn sum_in_joint_space<const LOADS: bool>(
-        &mut self,
-        bodies: &[BodyState],
-        energy: bool,
-        sums: &mut Sums<'_>,
-    ) {
+    fn sum_in_joint_space<const LOADS: bool>(&mut self, bodies: &[BodyState], sums: &mut Sums<'_>) {
         if let Some(joint_space) = &mut self.joint_space {
             self.arch.dispatch(JointSpaceLoop::<LOADS> {
                 joint_space,
                 shapes: &self.pairs.shapes,
                 law: self.law,
                 bodies,
-                energy,
                 sums,
             });
         }
@@ -179,7 +171,7 @@ impl LaneField {
         } else {
             1 + layout.wheels
         };
-        if slopes.rate().dimension() != free || slopes.position().is_none() {
+        if slopes.rate.dimension() != free || slopes.position.is_none() {
             return false;
         }
         if has_friction {
@@ -194,20 +186,20 @@ impl LaneField {
 }
 
 impl ContactField for LaneField {
-    fn evaluate(&mut self, bodies: &[BodyState], ask: Ask, sums: &mut Sums<'_>) -> bool {
-        if self.joint_space.is_some() && ask.pose != Pose::Any && sums.slopes.is_none() {
+    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
+        if self.joint_space.is_some() && pose != Pose::Any && sums.slopes.is_none() {
             if sums.loads.is_some() {
-                self.sum_in_joint_space::<true>(bodies, ask.energy, sums);
+                self.sum_in_joint_space::<true>(bodies, sums);
             } else {
-                self.sum_in_joint_space::<false>(bodies, false, sums);
+                self.sum_in_joint_space::<false>(bodies, sums);
             }
             return true;
         }
-        let is_told = sums.moments.is_none() && ask.pose != Pose::AnglesOnly;
+        let is_told = sums.moments.is_none() && pose != Pose::AnglesOnly;
         if !is_told || !self.add_slopes(bodies, sums) {
             return false;
         }
-        match (self.friction.coefficient > 0.0, ask.energy) {
+        match (self.friction.coefficient > 0.0, sums.wants_energy) {
             (false, false) => self.sum::<false, false>(bodies, sums),
             (false, true) => self.sum::<false, true>(bodies, sums),
             (true, false) => self.sum::<true, false>(bodies, sums),

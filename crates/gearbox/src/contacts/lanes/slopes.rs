@@ -57,13 +57,12 @@ impl<'a, const FRICTION: bool> Slopes<'a, FRICTION> {
         bodies: &[BodyState],
         slopes: &'a mut Jacobian,
     ) -> Option<Self> {
-        let (position, rate, time) = slopes.parts_mut();
         Some(Self {
             law,
             friction,
-            position: position?,
-            rate,
-            time,
+            position: slopes.position.as_mut()?,
+            rate: &mut slopes.rate,
+            time: &mut slopes.time,
             input_rate: bodies[Layout::INPUT].rate,
             output_rate: bodies[Layout::OUTPUT].rate,
             first: [

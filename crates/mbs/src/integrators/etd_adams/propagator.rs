@@ -78,8 +78,8 @@ impl Linear {
         for i in 0..self.remainders() {
             let (mut stiff, mut quick) = (0.0, 0.0);
             for j in 0..self.dimension {
-                let (sum, value) = match (j.checked_sub(first), jacobian.position()) {
-                    (Some(j), _) => (&mut quick, jacobian.rate().entry(i, j)),
+                let (sum, value) = match (j.checked_sub(first), &jacobian.position) {
+                    (Some(j), _) => (&mut quick, jacobian.rate.entry(i, j)),
                     (None, Some(position)) => (&mut stiff, position.entry(i, j)),
                     (None, None) => (&mut stiff, 0.0),
                 };

@@ -129,9 +129,7 @@ fn weight(m: &Mechanism) -> Weight {
 fn reduced_and_lagrange_form_move_alike() {
     for driven in [false, true] {
         let m = carousel(driven);
-        let mut reduced = Reduced::new(m.clone(), weight(&m), &[])
-            .unwrap()
-            .with_reactions();
+        let mut reduced = Reduced::new(m.clone(), weight(&m), &[]).unwrap();
         let mut lagrange = Lagrange::new(m.clone(), weight(&m), Stabilisation::Projection).unwrap();
         let free = if driven { 3 } else { 4 };
         assert_eq!(reduced.degrees_of_freedom(), free);
